@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from musclewire.identify.physical.calibrate import calibrate
-from musclewire.identify.physical.search import Settings
+from musclewire.identify.physical.search import SearchSettings
 from musclewire.signals.recording import Recording
 
 DATA = Path(__file__).parent / "data" / "sma_react"
@@ -42,7 +42,7 @@ def main() -> int:
     worst_norm = worst_wall = 0.0
     print("seed    mean norm   worst file   descents   wall s")
     for seed in range(1, (QUICK_SEEDS if quick else SEEDS) + 1):
-        found = calibrate(recordings, priors="sma-isobars", settings=Settings(seed=seed))
+        found = calibrate(recordings, priors="sma-isobars", settings=SearchSettings(seed=seed))
         norms = [float(np.linalg.norm(pair.predicted - pair.channel.measured)) for _, pair in found.comparisons()]
         worst_norm, worst_wall = max(worst_norm, float(np.mean(norms))), max(worst_wall, found.wall_s)
         print(

@@ -19,13 +19,13 @@ import numpy as np
 import musclewire as mw
 from musclewire.identify.physical.calibrate import calibrate
 from musclewire.identify.physical.calibration import Calibration
-from musclewire.identify.physical.candidates import Candidates, WireValues
-from musclewire.identify.physical.search import Settings
+from musclewire.identify.physical.candidates import CandidateParameters, WireValues
+from musclewire.identify.physical.search import SearchSettings
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.priors import load_priors
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.simulated import SimulatedDevice, Spool
+from musclewire.rigs.simulated import SimulatedDevice, SimulatedSpool
 from musclewire.signals.recording import Recording
 
 WIRES, QUICK_WIRES = 10, 1
@@ -41,15 +41,17 @@ def with_values(group: Alloy | Wire | Bench, values: dict[str, float]) -> Alloy 
     )
 
 
-def drawn_wire(seed: int) -> tuple[Candidates, np.ndarray]:
+def drawn_wire(seed: int) -> tuple[CandidateParameters, np.ndarray]:
     """Return the unknowns and a wire drawn from their priors, as coordinates."""
-    candidates = Candidates(load_priors(), load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
+    candidates = CandidateParameters(
+        load_priors(), load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper")
+    )
     return candidates, candidates.draw(np.random.default_rng(seed))
 
 
 def slow_loop(values: WireValues, seed: int) -> Recording:
     """Return one slow sine of a wire on the simulated rig."""
-    spool = Spool(
+    spool = SimulatedSpool(
         with_values(load_wire("paper-100um"), values.wire),
         with_values(load_alloy("flexinol"), values.alloy),
         with_values(load_bench("paper"), values.bench),
@@ -97,7 +99,7 @@ def main() -> int:
     for seed in range(1, wires + 1):
         candidates, coordinates = drawn_wire(seed)
         truth = candidates.wire_values(coordinates)
-        found = calibrate(slow_loop(truth, seed), settings=Settings(seed=seed))
+        found = calibrate(slow_loop(truth, seed), settings=SearchSettings(seed=seed))
         off = np.array(
             [
                 (item.value - number) / item.std

@@ -25,7 +25,7 @@ from musclewire.sensing import find_segments
 from musclewire.sensing.gaps import hysteresis_gap
 from musclewire.wire.building import constants_from
 from musclewire.wire.paths import drive_path
-from musclewire.wire.stepping import Stepping, fixed_steps
+from musclewire.wire.stepping import StepControl, fixed_steps
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))
@@ -164,7 +164,7 @@ def print_orders(tables: list[dict[str, Any]]) -> None:
         print(f"{'order':>8}{orders}\n")
 
 
-def loop_numbers(stepping: Stepping) -> dict[str, float]:
+def loop_numbers(stepping: StepControl) -> dict[str, float]:
     """Return strain gap and resistances of the second cycle of the wire as shipped."""
     wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
     one = slow_sine_v()
@@ -182,7 +182,7 @@ def loop_numbers(stepping: Stepping) -> dict[str, float]:
 def study(finest_step_s: float) -> list[dict[str, Any]]:
     """Return one row for chosen steps and one for each fixed step, each with its distance from the finest."""
     finest = loop_numbers(fixed_steps(finest_step_s))
-    cases = {"chosen": Stepping(), **{f"{1e3 * step_s:g} ms": fixed_steps(step_s) for step_s in STEPS_S}}
+    cases = {"chosen": StepControl(), **{f"{1e3 * step_s:g} ms": fixed_steps(step_s) for step_s in STEPS_S}}
     found = {name: loop_numbers(stepping) for name, stepping in cases.items()}
     found[f"{1e3 * finest_step_s:g} ms"] = finest
     return [

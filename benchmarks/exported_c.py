@@ -41,7 +41,7 @@ from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.extras.board.c import write_library
 from musclewire.extras.board.c.exercise import exercise
 from musclewire.extras.board.c.golden import golden_ticks
-from musclewire.extras.board.c.library import Library
+from musclewire.extras.board.c.library import CLibrary
 from musclewire.extras.board.c.reference import ReferenceTick
 
 FULL_SAMPLES, QUICK_SAMPLES = 1_000_000, 20_000
@@ -87,7 +87,7 @@ def main() -> int:
     return 0 if all(held) else 1
 
 
-def exported(folder: Path, estimator: str) -> tuple[Library, ReferenceTick]:
+def exported(folder: Path, estimator: str) -> tuple[CLibrary, ReferenceTick]:
     """Export the simulated wire's own model with the default controller; also return its reference."""
     with mw.open_rig("simulated") as rig:
         model = mw.fit(mw.characterize(rig))
@@ -99,7 +99,7 @@ def exported(folder: Path, estimator: str) -> tuple[Library, ReferenceTick]:
     return library, ReferenceTick(model, settings, drive, limits, estimator=estimator)
 
 
-def same_bits(library: Library, folder: Path, samples: int) -> Iterator[bool]:
+def same_bits(library: CLibrary, folder: Path, samples: int) -> Iterator[bool]:
     """Print and compare the hash of every target."""
     for precision in ("single", "double"):
         definitions = ["MW_DOUBLE"] if precision == "double" else []
@@ -112,7 +112,7 @@ def same_bits(library: Library, folder: Path, samples: int) -> Iterator[bool]:
             yield there == here
 
 
-def against_python(library: Library, reference: ReferenceTick, folder: Path, ticks: int) -> Iterator[bool]:
+def against_python(library: CLibrary, reference: ReferenceTick, folder: Path, ticks: int) -> Iterator[bool]:
     """Print and judge the largest differences from Python."""
     for double, most in MAX_DIFFERENCE.items():
         precision = "double" if double else "single"
@@ -128,7 +128,7 @@ def against_python(library: Library, reference: ReferenceTick, folder: Path, tic
             yield worst <= most
 
 
-def costs(library: Library, most: dict[str, int], estimator: str) -> Iterator[bool]:
+def costs(library: CLibrary, most: dict[str, int], estimator: str) -> Iterator[bool]:
     """Print flash, memory, instructions or cycles; judge those of the Cortex-M4F."""
     for row in library_figures(library.folder):
         print(", ".join(f"{key} {value}" for key, value in row.items() if value not in (None, "")))
@@ -138,7 +138,7 @@ def costs(library: Library, most: dict[str, int], estimator: str) -> Iterator[bo
             yield row["flash_bytes"] <= MAX_FLASH_BYTES
 
 
-def exponential(library: Library, folder: Path) -> Iterator[bool]:
+def exponential(library: CLibrary, folder: Path) -> Iterator[bool]:
     """Print the error of the library's exponential in units of the last place, against NumPy's in wider numbers."""
     for double in (False, True):
         loaded = HostLibrary(built(library.folder, folder, double=double), double=double)

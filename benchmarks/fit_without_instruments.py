@@ -42,14 +42,14 @@ from musclewire.errors import MusclewireError
 from musclewire.extras.studies.robustness.plant import open_plant
 from musclewire.extras.studies.robustness.population import drawn_wire as population_wire
 from musclewire.extras.studies.robustness.population import tuning_seeds
-from musclewire.identify.physical.candidates import Candidates, WireValues
+from musclewire.identify.physical.candidates import CandidateParameters, WireValues
 from musclewire.identify.recordings import resistance_reading
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.spreads import load_spreads, priors_around
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.load_parts import Contact, Spring
-from musclewire.rigs.simulated import SimulatedDevice, Spool
+from musclewire.rigs.simulated import SimulatedDevice, SimulatedSpool
 from musclewire.sensing.segments import find_loops
 from musclewire.signals.recording import Recording
 
@@ -81,7 +81,7 @@ def drawn_wire(seed: int) -> WireValues:
     """Return a wire of this seed on its bench; draws whose phases have no order are drawn again."""
     wire = load_wire(WIRE)
     alloy, bench = load_alloy(wire.alloy), load_bench("paper")
-    candidates = Candidates(priors_around(alloy, wire, bench, load_spreads()), alloy, wire, bench)
+    candidates = CandidateParameters(priors_around(alloy, wire, bench, load_spreads()), alloy, wire, bench)
     random = np.random.default_rng(seed)
     while True:
         values = candidates.wire_values(candidates.draw(random))
@@ -103,7 +103,7 @@ def device_of(values: WireValues, seed: int, end_stop_m: float | None = None) ->
     """Return a simulated rig with this wire, all of its noise, this seed, and a stop in the way of its connector."""
     wire = load_wire(WIRE)
     groups = (wire, values.wire), (load_alloy(wire.alloy), values.alloy), (load_bench("paper"), values.bench)
-    spool = Spool(*(with_values(group, numbers) for group, numbers in groups))
+    spool = SimulatedSpool(*(with_values(group, numbers) for group, numbers in groups))
     if end_stop_m is None:
         return SimulatedDevice(spool, seed=seed)
     spring = Spring(part="spring", stiffness=values.bench["spring_stiffness_n_per_m"])

@@ -27,7 +27,7 @@ from musclewire.rigs.configuration import rig_configuration
 from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
 from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants
-from musclewire.wire.stepping import Stepping
+from musclewire.wire.stepping import StepControl
 from musclewire.wire.wires import OneWire, advance
 
 SAMPLE_S = 0.05
@@ -57,7 +57,7 @@ def python_rows(constants: WireConstants, drive: np.ndarray[Any, Any], step_s: f
     state, rows = resting_state(constants), []
     section_m2 = constants.legs * constants.area_m2
     for voltage in drive:
-        state, means = advance(state, constants, voltage, SAMPLE_S, Stepping(fixed_s=step_s))
+        state, means = advance(state, constants, voltage, SAMPLE_S, StepControl(fixed_s=step_s))
         moved_m = state.connector_contraction * constants.leg_length_m
         force_n = state.stress_pa * section_m2
         found = (state.temperature_k, state.resistance_ohm, moved_m, force_n, state.martensite_fraction)

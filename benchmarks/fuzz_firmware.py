@@ -25,7 +25,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from musclewire.extras.board.serial.frames import MAXIMUM_BODY_BYTES, Frame, FrameParser, encode_frame
+from musclewire.extras.board.serial.frames import MAXIMUM_BODY_BYTES, FrameParser, SerialFrame, encode_frame
 from musclewire.extras.board.serial.messages import MessageKind, read_message
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -71,12 +71,12 @@ def drive(voltage: float) -> bytes:
 def start_of_a_run(chance: random.Random) -> bytes:
     """Return the frames that arm and drive a board, after a zero that ends whatever came before."""
     frames = [
-        Frame(MessageKind.STREAM, 1, struct.pack("<H", chance.choice([0, 1, 5, 10]))),
-        Frame(MessageKind.ARM, 2, b""),
-        Frame(MessageKind.DRIVE, 3, drive(chance.uniform(0.3, 3.6))),
+        SerialFrame(MessageKind.STREAM, 1, struct.pack("<H", chance.choice([0, 1, 5, 10]))),
+        SerialFrame(MessageKind.ARM, 2, b""),
+        SerialFrame(MessageKind.DRIVE, 3, drive(chance.uniform(0.3, 3.6))),
     ]
     if chance.random() < 0.3:
-        frames.append(Frame(MessageKind.TARGET, 4, drive(chance.uniform(0.0, 0.03))))
+        frames.append(SerialFrame(MessageKind.TARGET, 4, drive(chance.uniform(0.0, 0.03))))
     return b"\0" + b"".join(encode_frame(frame) for frame in frames)
 
 
@@ -92,7 +92,7 @@ def random_stream(count: int, chance: random.Random) -> Iterator[bytes]:
         left -= size
 
 
-def valid_frame(chance: random.Random) -> Frame:
+def valid_frame(chance: random.Random) -> SerialFrame:
     """Return a frame with a right check sum and any type, some with numbers that no honest host sends."""
     kind = chance.choice([*range(1, 8), 1, 2, 3, 3, 3, 4, 4, 7, 0x7F, 0x81, 0x82, chance.randrange(256)])
     if kind in (MessageKind.DRIVE, MessageKind.TARGET) and chance.random() < 0.9:
@@ -101,7 +101,7 @@ def valid_frame(chance: random.Random) -> Frame:
         payload = struct.pack("<H", chance.choice([0, 1, 2, 10, 65535]))
     else:
         payload = chance.randbytes(chance.choice([0, 0, 0, 1, 2, 4, 4, 32, MAXIMUM_BODY_BYTES - 8]))
-    return Frame(kind, chance.randrange(1 << 16), payload)
+    return SerialFrame(kind, chance.randrange(1 << 16), payload)
 
 
 def mutated(line: bytes, chance: random.Random) -> bytes:

@@ -24,7 +24,7 @@ import numpy as np
 
 import musclewire as mw
 from musclewire.arrays import FloatArray
-from musclewire.rigs.air import Air, AirModel
+from musclewire.rigs.air import AirModel, AirState
 from musclewire.rigs.configuration import rig_configuration
 from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.rigs.simulated_configuration import parameters_of
@@ -89,10 +89,10 @@ class ChangingAir(AirModel):
         """Take the time from which the change is counted."""
         self._begins_s = time_s
 
-    def after(self, time_s: float, dt_s: float) -> Air:
+    def after(self, time_s: float, dt_s: float) -> AirState:
         """Return the air at a time."""
         share = min(max((time_s + dt_s - self._begins_s) / RAMP_S, 0.0), 1.0)
-        return Air(share * self._condition.warmer_k, 1.0 + share * (self._condition.convection_ratio - 1.0))
+        return AirState(share * self._condition.warmer_k, 1.0 + share * (self._condition.convection_ratio - 1.0))
 
 
 class Course(NamedTuple):
@@ -186,7 +186,7 @@ def courses_of(seed: int) -> tuple[SensingModel, dict[str, list[Course]]]:
                 device = opened.device
                 assert isinstance(device, SimulatedDevice)
                 air = ChangingAir(condition)
-                device.take(0.0, np.random.default_rng([seed, place]), air, 0.0)
+                device.adopt(0.0, np.random.default_rng([seed, place]), air, 0.0)
                 found[name].append(driven(device, reference(np.random.default_rng([3, seed, place])), air))
     return model, found
 

@@ -42,7 +42,7 @@ from benchmarks.measured_isobars import (
 
 from musclewire.experiment.open_loop import PAPER_PERIOD_S, slow_sine
 from musclewire.extras.paper.reproduce.measures import outside_band
-from musclewire.identify.isobaric_loops import Isobar, simulated_isobar
+from musclewire.identify.isobaric_loops import IsobaricLoop, simulated_isobar
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.library import read_published
 from musclewire.sensing.branches import Branch
@@ -103,7 +103,7 @@ class DrivenLoop(NamedTuple):
     whole_k: float
 
 
-def reading_of(loop: Isobar, source: str) -> IsobarReading:
+def reading_of(loop: IsobaricLoop, source: str) -> IsobarReading:
     """Return what is read off an isobar."""
     stroke = float(np.ptp(loop.strain))
     return IsobarReading(
@@ -112,7 +112,7 @@ def reading_of(loop: Isobar, source: str) -> IsobarReading:
     )  # fmt: skip
 
 
-def simulated_sample(stress_mpa: float) -> Isobar:
+def simulated_sample(stress_mpa: float) -> IsobaricLoop:
     """Return the isobar of the simulated sample."""
     wire = load_wire(ISOBAR_WIRE)
     return simulated_isobar(load_alloy(wire.alloy), wire, load_bench(BENCH), 1e6 * stress_mpa)
@@ -134,11 +134,11 @@ def sample_with(classes: Sequence[BarrierClass]) -> WireConstants:
     return constants_of(alloy, wire.values(), bench, classes=classes)
 
 
-def isobar_with(classes: Sequence[BarrierClass], stress_pa: float = MINOR_LOOP_PA) -> Isobar:
+def isobar_with(classes: Sequence[BarrierClass], stress_pa: float = MINOR_LOOP_PA) -> IsobaricLoop:
     """Return a fine isobar of the simulated sample with several classes of barrier."""
     up = np.arange(303.15, 413.15 + 0.5 * STEP_K, STEP_K)
     kelvin = np.concatenate([up, up[-2::-1]])
-    return Isobar(stress_pa, kelvin, isobaric_path(sample_with(classes), stress_pa, kelvin).strain)
+    return IsobaricLoop(stress_pa, kelvin, isobaric_path(sample_with(classes), stress_pa, kelvin).strain)
 
 
 def rest_after_turn_k(constants: WireConstants, way_k: FloatArray, back_k: FloatArray, stroke: float) -> FloatArray:

@@ -34,7 +34,7 @@ from kernel_friction import FRICTIONS_N, PRESLIDINGS_M, STEPS_S, case_of, shown
 from kernel_random_wires import outcomes
 from kernel_walks import walk_departures
 
-from musclewire.wire.stepping import Stepping
+from musclewire.wire.stepping import StepControl
 
 UNITS = {"temperature_k": ("mK", 1e3), "resistance_ohm": ("mohm", 1e3), "contraction": ("points", 100.0)}
 # What one sample of a slow loop may be off at one step a sample: temperature [K], resistance [ohm], gap [points].
@@ -89,7 +89,7 @@ def slow_loop_of_long_steps(quick: bool) -> Iterator[Bar]:
         "the kernel at 0.1 ms": kernel_run(drive_v, fixed(1e-4))[0],
         "grains": reference_run(drive_v, 5e-5 if quick else 2e-5, 2560 if quick else 5120),
     }
-    for steps, stepping in (("50 ms", fixed(SAMPLE_S)), ("chosen steps", Stepping())):
+    for steps, stepping in (("50 ms", fixed(SAMPLE_S)), ("chosen steps", StepControl())):
         run, _ = kernel_run(drive_v, stepping)
         for name, wanted in converged.items():
             off = distance(run, wanted).largest
@@ -113,7 +113,7 @@ def nudged(_quick: bool) -> Iterator[Bar]:
             ("1 ms", fixed(1e-3), NUDGE_MOVES_K),
             ("10 ms", fixed(10e-3), NUDGE_MOVES_K),
             ("50 ms", fixed(50e-3), NUDGE_MOVES_K),
-            ("chosen steps", Stepping(), Stepping().temperature_k),
+            ("chosen steps", StepControl(), StepControl().temperature_k),
         ):
             off = distance(kernel_run(drive_v, stepping, warmer)[0], kernel_run(drive_v, stepping)[0])
             yield Bar(f"{name}, {steps}: 1e-9 K in the air moves a temperature by", off.largest[0], bar_k, "K")
@@ -121,7 +121,7 @@ def nudged(_quick: bool) -> Iterator[Bar]:
 
 def chosen_steps(_quick: bool) -> Iterator[Bar]:
     """Chosen steps, beside the kernel at 0.1 ms: every sample within twice the tolerances of a step."""
-    tolerances = Stepping()
+    tolerances = StepControl()
     for name, course in COURSES.items():
         wanted, _ = kernel_run(course.drive_v, fixed(1e-4))
         run, end = kernel_run(course.drive_v, tolerances)

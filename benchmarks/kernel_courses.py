@@ -22,7 +22,7 @@ from musclewire.sensing.gaps import hysteresis_gap
 from musclewire.wire.building import constants_of
 from musclewire.wire.paths import DrivenPath, drive_path
 from musclewire.wire.state import WireState
-from musclewire.wire.stepping import Stepping, fixed_steps
+from musclewire.wire.stepping import StepControl, fixed_steps
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
@@ -107,7 +107,7 @@ class Run(NamedTuple):
         return 100.0 * float(hysteresis_gap(found.heating, found.cooling))
 
 
-def kernel_run(drive_v: Array, stepping: Stepping, numbers: Numbers | None = None) -> tuple[Run, WireState]:
+def kernel_run(drive_v: Array, stepping: StepControl, numbers: Numbers | None = None) -> tuple[Run, WireState]:
     """Return what the kernel shows along a drive in samples of 50 ms, and the state at the end."""
     constants = constants_of(*(numbers or shipped()))
     path, end = drive_path(constants, drive_v, sample_s=SAMPLE_S, stepping=stepping)
@@ -115,7 +115,7 @@ def kernel_run(drive_v: Array, stepping: Stepping, numbers: Numbers | None = Non
     return Run(columns, path, constants.leg_length_m, constants.shunt_resistance_ohm), end
 
 
-def fixed(step_s: float) -> Stepping:
+def fixed(step_s: float) -> StepControl:
     """Return steps of one length."""
     return fixed_steps(step_s)
 

@@ -15,7 +15,7 @@ from kernel_courses import Array, Numbers, shipped
 
 from musclewire.wire.building import constants_of
 from musclewire.wire.constants import WireConstants
-from musclewire.wire.distribution import Distribution
+from musclewire.wire.distribution import OffsetDistribution
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))
@@ -56,15 +56,15 @@ def numbers_of(alloy: str) -> Numbers:
     return {**material, **ALLOYS[alloy]}, spool, bench
 
 
-def uniform_table(edges: Array) -> Distribution:
+def uniform_table(edges: Array) -> OffsetDistribution:
     """Return the kernel's table of grains of equal weight whose edges are multiples of CELL."""
     ends = np.arange(round(edges[0] / CELL), round(edges[-1] / CELL) + 1) * CELL
     value = np.interp(ends, edges, np.linspace(0.0, 1.0, edges.size))
     nothing = np.zeros(ends.size - 1)
-    return Distribution(float(ends[0]), CELL, np.stack((value[:-1], np.diff(value), nothing, nothing), axis=1))
+    return OffsetDistribution(float(ends[0]), CELL, np.stack((value[:-1], np.diff(value), nothing, nothing), axis=1))
 
 
-def with_distribution(constants: WireConstants, table: Distribution) -> WireConstants:
+def with_distribution(constants: WireConstants, table: OffsetDistribution) -> WireConstants:
     """Return constants whose grains have another distribution."""
     changed = constants.replace(
         distribution_start=table.start,

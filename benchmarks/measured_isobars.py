@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.identify.isobaric_loops import Isobar
+from musclewire.identify.isobaric_loops import IsobaricLoop
 
 FloatArray = NDArray[np.float64]
 
@@ -42,15 +42,15 @@ class Levelled(NamedTuple):
         return 0.5 * float(self.distances_k.std())
 
 
-def measured_isobar(stress_mpa: float) -> Isobar:
+def measured_isobar(stress_mpa: float) -> IsobaricLoop:
     """Return the measured loop at one of the five stresses, cold to hot to cold."""
     with (DATA / f"flexinol_{stress_mpa:.0f}MPa.csv").open(encoding="utf-8") as file:
         rows = [(float(row["temperature_degc"]), float(row["strain"])) for row in csv.DictReader(file)]
     degc, strain = np.array(rows).T
-    return Isobar(1e6 * stress_mpa, degc + ZERO_CELSIUS_K, strain)
+    return IsobaricLoop(1e6 * stress_mpa, degc + ZERO_CELSIUS_K, strain)
 
 
-def branches(loop: Isobar) -> tuple[FloatArray, FloatArray]:
+def branches(loop: IsobaricLoop) -> tuple[FloatArray, FloatArray]:
     """Return heating and cooling as temperature and strain in order of temperature, each (2, n)."""
     hottest = int(np.argmax(loop.temperature_k))
     both = np.array([loop.temperature_k, loop.strain])
@@ -65,26 +65,26 @@ def temperatures_k(branch: FloatArray, strains: FloatArray) -> FloatArray:
     return np.interp(strains, falling, kelvin[::-1])
 
 
-def distances_k(loop: Isobar, left: tuple[float, ...] = LEFT) -> FloatArray:
+def distances_k(loop: IsobaricLoop, left: tuple[float, ...] = LEFT) -> FloatArray:
     """Return by how much heating is hotter than cooling where equal parts of the whole loop's stroke are left."""
     heating, cooling = branches(loop)
     strains = loop.strain.min() + np.array(left) * np.ptp(loop.strain)
     return temperatures_k(heating, strains) - temperatures_k(cooling, strains)
 
 
-def less_linear_strain(loop: Isobar, per_k: float) -> Isobar:
+def less_linear_strain(loop: IsobaricLoop, per_k: float) -> IsobaricLoop:
     """Return a loop without a strain that falls by ``per_k`` per kelvin on both branches alike."""
     return loop._replace(strain=loop.strain - per_k * (loop.temperature_k.max() - loop.temperature_k))
 
 
-def levelled(loop: Isobar) -> Levelled:
+def levelled(loop: IsobaricLoop) -> Levelled:
     """Return the loop with the strain linear in temperature taken off that leaves the most even distance."""
     rests = [(per_k, less_linear_strain(loop, per_k)) for per_k in TRIED_PER_K]
     found = [Levelled(float(per_k), float(np.ptp(rest.strain)), distances_k(rest)) for per_k, rest in rests]
     return min(found, key=lambda each: each.spread_k)
 
 
-def rates_after_turns_per_k(loop: Isobar, over_k: float = 20.0) -> tuple[float, float]:
+def rates_after_turns_per_k(loop: IsobaricLoop, over_k: float = 20.0) -> tuple[float, float]:
     """Return the change of strain per kelvin over the first kelvins after the cold turn and after the hot one.
 
     The first kelvin at each turn is left out: stress and temperature settle there.
@@ -101,7 +101,7 @@ def rates_after_turns_per_k(loop: Isobar, over_k: float = 20.0) -> tuple[float, 
     return rates[0], rates[1]
 
 
-def steepest_rates_per_k(loop: Isobar, over_k: float = RATE_OVER_K) -> tuple[float, float]:
+def steepest_rates_per_k(loop: IsobaricLoop, over_k: float = RATE_OVER_K) -> tuple[float, float]:
     """Return the largest part of the stroke that either branch does in a kelvin, mean over ``over_k``."""
     found = []
     for kelvin, strain in branches(loop):
@@ -111,7 +111,7 @@ def steepest_rates_per_k(loop: Isobar, over_k: float = RATE_OVER_K) -> tuple[flo
     return found[0], found[1]
 
 
-def austenite_start_k(loop: Isobar, over_k: float = RATE_OVER_K) -> float:
+def austenite_start_k(loop: IsobaricLoop, over_k: float = RATE_OVER_K) -> float:
     """Return where the tangent to the steepest part of heating meets the line through its first 20 K."""
     kelvin, strain = branches(loop)[0]
     low = np.linspace(kelvin[0], kelvin[-1] - over_k, 2000)

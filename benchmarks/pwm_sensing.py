@@ -26,7 +26,7 @@ import numpy as np
 import musclewire as mw
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.rigs.pulse_width import PulseWidth, unsettled_error
-from musclewire.rigs.simulated import Spool
+from musclewire.rigs.simulated import SimulatedSpool
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.rigs.simulated_pwm import PulsedDevice
 from musclewire.signals.exchange import Drive, RawSample
@@ -43,7 +43,7 @@ def read_and_true_ohm(pwm: PulseWidth) -> np.ndarray:
     """Return resistance as read and as it is, and the temperature's swing, for every sample of the course: (n, 3)."""
     bench = load_bench("paper")
     chosen = {name: getattr(bench, name).model_copy(update={"value": value}) for name, value in CONVERTER.items()}
-    spool = Spool(load_wire("paper-100um"), load_alloy("flexinol"), bench.model_copy(update=chosen))
+    spool = SimulatedSpool(load_wire("paper-100um"), load_alloy("flexinol"), bench.model_copy(update=chosen))
     device = PulsedDevice(pwm, spool)
     rows = []
     for drive_v, duration_s in COURSE_V:

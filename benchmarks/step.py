@@ -20,12 +20,12 @@ from time import thread_time
 from benchmarks.speed.easier_wire import PERIOD_S, ScipyLoop, drive_v, scipy_cycle
 from benchmarks.speed.our_wire import one_period
 
-from musclewire.app.bench_measure import Side, comparison, paired_us
+from musclewire.app.bench_measure import TimedProgram, comparison, paired_us
 from musclewire.app.bench_rows import cycle, paper_wire
 from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.state import WireState
-from musclewire.wire.stepping import CHOSEN, Stepping, fixed_steps
+from musclewire.wire.stepping import CHOSEN, StepControl, fixed_steps
 from musclewire.wire.wires import OneWire
 
 __all__ = ["our_cycle", "our_wire", "resting_state"]
@@ -49,21 +49,21 @@ def our_cycle(wire: WireConstants, start: WireState, dt_s: float, hold_s: float)
     assert math.isfinite(state.temperature_k)
 
 
-def fixed(step_s: float) -> Side:
+def fixed(step_s: float) -> TimedProgram:
     """A fixed step of ours in one call; a unit is a step."""
     wire = our_wire()
     start = resting_state(wire)
-    return Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s, repeats=CYCLES)
+    return TimedProgram(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s, repeats=CYCLES)
 
 
-def chosen() -> Side:
+def chosen() -> TimedProgram:
     """A whole loop of ours at the rig's sample period, steps chosen by tolerance."""
     wire = our_wire()
     start = resting_state(wire)
-    return Side(lambda _: cycle(wire, start, SAMPLE_S, CHOSEN), 1.0, repeats=CYCLES)
+    return TimedProgram(lambda _: cycle(wire, start, SAMPLE_S, CHOSEN), 1.0, repeats=CYCLES)
 
 
-def called(stepping: Stepping) -> Side:
+def called(stepping: StepControl) -> TimedProgram:
     """10 ms of ours, called from Python for each period; a unit is a call."""
     wire = our_wire()
     drives = [drive_v((number + 0.5) * CONTROL_PERIOD_S) for number in range(PERIODS)]
@@ -72,22 +72,22 @@ def called(stepping: Stepping) -> Side:
         for voltage_v in drives:
             running.advance(voltage_v, CONTROL_PERIOD_S, stepping)
 
-    return Side(run, PERIODS, lambda: OneWire(wire))
+    return TimedProgram(run, PERIODS, lambda: OneWire(wire))
 
 
-def theirs_open(unit_s: float) -> Side:
+def theirs_open(unit_s: float) -> TimedProgram:
     """One call of SciPy's over the whole cycle, the state every 10 ms; a unit is so much wire time."""
-    return Side(lambda _: scipy_cycle(CONTROL_PERIOD_S), PERIOD_S / unit_s)
+    return TimedProgram(lambda _: scipy_cycle(CONTROL_PERIOD_S), PERIOD_S / unit_s)
 
 
-def theirs_called() -> Side:
+def theirs_called() -> TimedProgram:
     """A call of SciPy's for each period; a unit is a call."""
 
     def run(loop: ScipyLoop) -> None:
         for number in range(PERIODS):
             loop.advance(drive_v(number * CONTROL_PERIOD_S))
 
-    return Side(run, PERIODS, lambda: ScipyLoop(CONTROL_PERIOD_S))
+    return TimedProgram(run, PERIODS, lambda: ScipyLoop(CONTROL_PERIOD_S))
 
 
 def measured(turns: int) -> list[dict[str, object]]:

@@ -130,8 +130,8 @@ def counted_step() -> tuple[Counter[str], int]:
     from musclewire.wire.building import constants_from
     from musclewire.wire.paths import drive_path
     from musclewire.wire.step import RunningWire
-    from musclewire.wire.stepping import Drive, fixed_steps, instant_of
-    from musclewire.wire.wires import attempt, take
+    from musclewire.wire.stepping import SourceOutput, fixed_steps, instant_of
+    from musclewire.wire.wires import accept_step, attempt
 
     wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
     _, state = drive_path(wire, np.full(40, 2.4), sample_s=0.05, stepping=fixed_steps(0.05))
@@ -141,11 +141,11 @@ def counted_step() -> tuple[Counter[str], int]:
     constants.convection_w_per_m2_k = table
     moving: Any = CountedRecord(state.row[0])
     running = RunningWire(moving, constants, cells[0], load[0])
-    drive: Any = Drive(Counted(2.5), False)
+    drive: Any = SourceOutput(Counted(2.5), False)
     started = instant_of(constants, drive, moving.resistance_ohm, moving.temperature_k)
     Counted.counts.clear()
     tried = attempt(running, drive, started, 0.01)
-    take(running, tried, started, 0.01)
+    accept_step(running, tried, started, 0.01)
     return Counter(Counted.counts), int(moving.carried_heat_j.depth)
 
 

@@ -25,7 +25,7 @@ from musclewire.extras.studies.segmented.structure import fin_length_m
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.wire.building import constants_from
 from musclewire.wire.distribution import BarrierClass
-from musclewire.wire.stepping import Stepping
+from musclewire.wire.stepping import StepControl
 from musclewire.wire.wires import OneWire
 
 SAMPLE_S, SAMPLES, STROKE, LENGTH_M = 0.05, 600, 0.038, 0.14
@@ -64,7 +64,7 @@ def from_one_wire() -> tuple[float, float]:
     known, ours = OneWire(constants_from(*PARTS)), of_parts(WireStructure(1, clamped=False))
     strain = resistance = 0.0
     for number in range(SAMPLES):
-        expected = known.advance(drive_v(number), SAMPLE_S, Stepping(0.0, 5e-4, 3e-6, 1e-6))
+        expected = known.advance(drive_v(number), SAMPLE_S, StepControl(0.0, 5e-4, 3e-6, 1e-6))
         found = ours.advance(drive_v(number), SAMPLE_S)
         ratios = [one.wire_voltage_v / one.shunt_voltage_v for one in (found, expected)]
         resistance = max(resistance, abs(ratios[0] / ratios[1] - 1.0))

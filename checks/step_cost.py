@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from musclewire.app.bench_measure import Side, arithmetic_side, paired_us, processor_name, python_side
+from musclewire.app.bench_measure import TimedProgram, arithmetic_side, paired_us, processor_name, python_side
 from musclewire.app.bench_rows import PERIOD_S, cycle, drive_v, paper_wire
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.guarded import GuardedRig
@@ -46,11 +46,11 @@ ATTEMPTS = 3
 SAMPLE_S = 0.05
 
 
-def step_side(step_s: float, load: ConnectorLoad | None = None) -> Side:
+def step_side(step_s: float, load: ConnectorLoad | None = None) -> TimedProgram:
     """Return a step along the slow sine; a unit is a step."""
     wire = paper_wire(load)
     start = resting_state(wire)
-    return Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s)
+    return TimedProgram(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s)
 
 
 def spring_and_stop() -> ConnectorLoad:
@@ -60,7 +60,7 @@ def spring_and_stop() -> ConnectorLoad:
     return ConnectorLoad(588.6, float(displacement_m[1]), force_n, np.zeros_like(force_n))
 
 
-def period_side() -> Side:
+def period_side() -> TimedProgram:
     """Return 10 ms of wire time called from Python; a unit is a call."""
     wire = paper_wire()
     voltages = [drive_v(20.0 + 0.01 * number) for number in range(400)]
@@ -69,10 +69,10 @@ def period_side() -> Side:
         for voltage_v in voltages:
             wire.advance(voltage_v, 0.01, CHOSEN)
 
-    return Side(run, len(voltages), partial(OneWire, wire))
+    return TimedProgram(run, len(voltages), partial(OneWire, wire))
 
 
-def exchange_side() -> Side:
+def exchange_side() -> TimedProgram:
     """Return a sample of the default rig; a unit is an exchange."""
     drives = [Drive(drive_v(20.0 + SAMPLE_S * number)) for number in range(100)]
 
@@ -81,11 +81,11 @@ def exchange_side() -> Side:
             rig.exchange(drive)
         rig.close()
 
-    return Side(run, len(drives), partial(open_rig, "simulated"))
+    return TimedProgram(run, len(drives), partial(open_rig, "simulated"))
 
 
 # What is measured, and the fixed work that it is a ratio to.
-MEASURED: dict[str, tuple[Callable[[], Side], Callable[[], Side]]] = {
+MEASURED: dict[str, tuple[Callable[[], TimedProgram], Callable[[], TimedProgram]]] = {
     "step of 1 ms": (partial(step_side, 1e-3), arithmetic_side),
     "step of 10 ms": (partial(step_side, 1e-2), arithmetic_side),
     "step of 10 ms, load with a table": (lambda: step_side(1e-2, spring_and_stop()), arithmetic_side),

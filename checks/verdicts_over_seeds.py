@@ -24,14 +24,14 @@ from typing import NamedTuple
 
 from musclewire.experiment.worker_process import cores
 from musclewire.extras.paper.reproduce import DEFAULT_SEEDS, PaperCheck, ReproductionRow, all_checks, judged, selected
-from musclewire.extras.paper.reproduce.paper_checks import Measured, bars
-from musclewire.extras.paper.reproduce.seed_numbers import Watching, numbers_of_seeds
+from musclewire.extras.paper.reproduce.paper_checks import SeedResult, bars
+from musclewire.extras.paper.reproduce.seed_numbers import SeedCallbacks, numbers_of_seeds
 from musclewire.signals.whole_files import write_text_whole
 
 AGREEING = 0.99
 SMALLER = (5, 11, 21, 31, 41, 61, 81, 101, 151, 201)
 # What each seed gave for each check, by its name.
-Numbers = dict[str, list[Measured]]
+Numbers = dict[str, list[SeedResult]]
 
 
 class Agreement(NamedTuple):
@@ -48,13 +48,13 @@ def measured_numbers(checks: Sequence[PaperCheck], seeds: int, sets: int, keep: 
         kept = json.loads(keep.read_text())
         if set(kept) != set(numbers):
             raise SystemExit(f"{keep} is of other rows: name another file, or ask for the same rows")
-        numbers = {name: [Measured(*one) for one in kept[name]] for name in numbers}
+        numbers = {name: [SeedResult(*one) for one in kept[name]] for name in numbers}
     done = len(numbers[checks[0].name])
     while done < seeds * sets:
         chosen = tuple(range(done + 1, min(done + seeds, seeds * sets) + 1))
-        found = numbers_of_seeds(checks, chosen, workers=cores(), watching=Watching())
+        found = numbers_of_seeds(checks, chosen, workers=cores(), watching=SeedCallbacks())
         for check in checks:
-            numbers[check.name] += found.of(check.name)
+            numbers[check.name] += found.for_check(check.name)
         done += len(chosen)
         print(f"{done} of {seeds * sets} seeds", file=sys.stderr, flush=True)
         if keep is not None:

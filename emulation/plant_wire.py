@@ -10,7 +10,7 @@ from pydantic import TypeAdapter
 
 from musclewire.errors import CallerError
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.rigs.mechanism import Mechanism
+from musclewire.rigs.mechanism import SimulatedLoad
 from musclewire.rigs.simulated import wires_of
 from musclewire.rigs.simulated_configuration import with_settings
 from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
@@ -70,7 +70,7 @@ class BenchWire:
         self._shunt_ohm = float(board["shunt_resistance_ohm"])
         self._lead_ohm = bench.lead_resistance_ohm.value
         self._leg_m = bench.wire_length_m.value / bench.legs.value
-        spring = Mechanism(spring_load(bench.spring_stiffness_n_per_m.value), 0.0, True, None)
+        spring = SimulatedLoad(spring_load(bench.spring_stiffness_n_per_m.value), 0.0, True, None)
         self._wires = wires_of(load_alloy(chosen.alloy), chosen, bench, (), spring, new_wire=False)
         self._random = np.random.default_rng(seed)
         self._noise: list[float] = []

@@ -13,7 +13,7 @@ from benchmarks.speed.easier_wire import START
 from benchmarks.speed.numpy_wires import numpy_batch
 from benchmarks.speed.our_wire import different_wires
 
-from musclewire.app.bench_measure import Case, Side, usable_cores
+from musclewire.app.bench_measure import Case, TimedProgram, usable_cores
 from musclewire.arrays import FloatArray
 
 __all__ = ["batch_cases"]
@@ -39,7 +39,7 @@ def batch_cases() -> Iterator[Case]:
         yield Case(f"batch[numba,{cores} threads]", work, f"{loop}, in threads", sides, clock=perf_counter)
 
 
-def batch_sides(explicit: Explicit, threads: int, quick: bool) -> tuple[Side, Side]:
+def batch_sides(explicit: Explicit, threads: int, quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of a batch; a unit is 10 ms of one wire."""
     count = QUICK_WIRES if quick else WIRES
     voltages = np.linspace(1.0, 3.0, count)
@@ -58,4 +58,4 @@ def batch_sides(explicit: Explicit, threads: int, quick: bool) -> tuple[Side, Si
         for part in parts:
             part.result()
 
-    return Side(lambda _: batch.advance(voltages, DURATION_S), units), Side(theirs, units)
+    return TimedProgram(lambda _: batch.advance(voltages, DURATION_S), units), TimedProgram(theirs, units)

@@ -14,7 +14,7 @@ from benchmarks.speed.loop_cases import loop_cases
 from benchmarks.speed.plain_grains import GRAINS, GrainWire
 from benchmarks.speed.processes import first_period_of_ours, first_period_of_scipy
 
-from musclewire.app.bench_measure import Case, Side
+from musclewire.app.bench_measure import Case, TimedProgram
 from musclewire.app.bench_rows import (
     CONTROL_PERIOD_S,
     CYCLES,
@@ -56,20 +56,20 @@ def steps() -> Iterator[Case]:
     yield Case("step[1ms,python]", work, "the grains as a list in plain Python", step_and_python)
 
 
-def step_and_scipy(step_s: float, _quick: bool) -> tuple[Side, Side]:
+def step_and_scipy(step_s: float, _quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of a step and SciPy's LSODA."""
     wanted_s = max(step_s, CONTROL_PERIOD_S)
-    return step_side(step_s), Side(lambda _: scipy_cycle(wanted_s), PERIOD_S / step_s)
+    return step_side(step_s), TimedProgram(lambda _: scipy_cycle(wanted_s), PERIOD_S / step_s)
 
 
-def step_and_numba(_quick: bool) -> tuple[Side, Side]:
+def step_and_numba(_quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of a step of 10 ms and a plain Numba loop."""
     steps_a_sample = round(SAMPLE_S / EXPLICIT_STEP_S)
-    theirs = Side(lambda _: numba_cycle(round(PERIOD_S / SAMPLE_S), steps_a_sample), PERIOD_S / 1e-2)
+    theirs = TimedProgram(lambda _: numba_cycle(round(PERIOD_S / SAMPLE_S), steps_a_sample), PERIOD_S / 1e-2)
     return step_side(1e-2), theirs
 
 
-def step_and_python(quick: bool) -> tuple[Side, Side]:
+def step_and_python(quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of a step of 1 ms and grains in plain Python, theirs a part of the cycle at its hottest."""
     theirs = GrainWire()
     steps = 500 if quick else 5000
@@ -78,7 +78,7 @@ def step_and_python(quick: bool) -> tuple[Side, Side]:
         for number in range(steps):
             theirs.advance(drive_v(40.0 + 1e-3 * number), 1e-3)
 
-    return step_side(1e-3), Side(run, steps)
+    return step_side(1e-3), TimedProgram(run, steps)
 
 
 def slow_loop() -> Case:
@@ -87,11 +87,13 @@ def slow_loop() -> Case:
     return Case("slow_loop", work, "SciPy LSODA in one call", slow_loop_sides)
 
 
-def slow_loop_sides(_quick: bool) -> tuple[Side, Side]:
+def slow_loop_sides(_quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of the loop."""
     wire = paper_wire()
     start = resting_state(wire)
-    return Side(lambda _: cycle(wire, start, SAMPLE_S), 1.0, repeats=CYCLES), Side(lambda _: scipy_cycle(SAMPLE_S), 1.0)
+    return TimedProgram(lambda _: cycle(wire, start, SAMPLE_S), 1.0, repeats=CYCLES), TimedProgram(
+        lambda _: scipy_cycle(SAMPLE_S), 1.0
+    )
 
 
 def closed_loop_period() -> Case:
@@ -100,19 +102,19 @@ def closed_loop_period() -> Case:
     return Case("closed_loop_period", work, "SciPy solve_ivp (LSODA), a call for each period", period_sides)
 
 
-def period_sides(quick: bool) -> tuple[Side, Side]:
+def period_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of a period, along a whole cycle of the slow sine or, if quick, while the wire heats."""
     return period_side(quick), loop_side(period_voltages(quick), CONTROL_PERIOD_S)
 
 
-def loop_side(voltages: list[float], period_s: float) -> Side:
+def loop_side(voltages: list[float], period_s: float) -> TimedProgram:
     """Return SciPy's side at the same drives, a call for each."""
 
     def run(loop: ScipyLoop) -> None:
         for voltage_v in voltages:
             loop.advance(voltage_v)
 
-    return Side(run, len(voltages), partial(ScipyLoop, period_s))
+    return TimedProgram(run, len(voltages), partial(ScipyLoop, period_s))
 
 
 def exchange() -> Case:
@@ -124,7 +126,7 @@ def exchange() -> Case:
     return Case("exchange", work, "SciPy solve_ivp (LSODA), a call for each sample", exchange_sides)
 
 
-def exchange_sides(quick: bool) -> tuple[Side, Side]:
+def exchange_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of a sample."""
     return exchange_side(quick), loop_side(sample_voltages(quick), SAMPLE_S)
 
@@ -142,10 +144,10 @@ def fuzzy_pid_ticks() -> Iterator[Case]:
         )  # fmt: skip
 
 
-def fuzzy_pid_tick_sides(rule_base: str, quick: bool) -> tuple[Side, Side]:
+def fuzzy_pid_tick_sides(rule_base: str, quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of a tick."""
     inferences = 5 if quick else 20
-    return tick_side(quick, rule_base), Side(fuzzy_tick.scikit_fuzzy_inferences(inferences), inferences)
+    return tick_side(quick, rule_base), TimedProgram(fuzzy_tick.scikit_fuzzy_inferences(inferences), inferences)
 
 
 def first_step() -> Case:
@@ -155,6 +157,6 @@ def first_step() -> Case:
     return Case("first_step", work, other, first_step_sides, clock=perf_counter)
 
 
-def first_step_sides(_quick: bool) -> tuple[Side, Side]:
+def first_step_sides(_quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of a first step."""
-    return Side(first_period_of_ours(), 1.0), Side(first_period_of_scipy(), 1.0)
+    return TimedProgram(first_period_of_ours(), 1.0), TimedProgram(first_period_of_scipy(), 1.0)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from benchmarks.speed.easier_wire import SENSE_V, ScipyLoop
 
-from musclewire.app.bench_measure import Case, Side
+from musclewire.app.bench_measure import Case, TimedProgram
 from musclewire.controllers.references import staircase
 from musclewire.experiment.closed_loop import APPROACH_S
 from musclewire.experiment.many_loops import control_many
@@ -65,7 +65,7 @@ def loop_cases() -> Iterator[Case]:
     yield Case("vector_environment", work, other, environment_sides, needs, perf_counter)
 
 
-def closed_loop_sides(quick: bool) -> tuple[Side, Side]:
+def closed_loop_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of closed loops; a unit is a sample of one loop."""
     with open_rig("simulated") as rig:
         model = fit(characterize(rig, cycles=1))
@@ -79,12 +79,12 @@ def closed_loop_sides(quick: bool) -> tuple[Side, Side]:
             loop.sample(target)
 
     return (
-        Side(lambda _: control_many("simulated", model, reference, seeds=seeds), loops * samples),
-        Side(theirs, THEIR_STEPS, PlainLoop),
+        TimedProgram(lambda _: control_many("simulated", model, reference, seeds=seeds), loops * samples),
+        TimedProgram(theirs, THEIR_STEPS, PlainLoop),
     )
 
 
-def environment_sides(quick: bool) -> tuple[Side, Side]:
+def environment_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of environments; a unit is a step of one environment."""
     from musclewire.extras.interfaces.environments import WireVectorEnv
 
@@ -97,7 +97,9 @@ def environment_sides(quick: bool) -> tuple[Side, Side]:
         for action in actions:
             ours.step(action)
 
-    return Side(run, wires * steps), Side(partial(plain_steps, actions.ravel()), THEIR_STEPS, plain_environment)
+    return TimedProgram(run, wires * steps), TimedProgram(
+        partial(plain_steps, actions.ravel()), THEIR_STEPS, plain_environment
+    )
 
 
 def plain_environment() -> Any:

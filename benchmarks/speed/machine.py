@@ -9,7 +9,7 @@ from time import perf_counter
 import numpy as np
 from benchmarks.speed.uncached import compiled
 
-from musclewire.app.bench_measure import Machine, processor_name, usable_cores
+from musclewire.app.bench_measure import MachinePeaks, processor_name, usable_cores
 from musclewire.arrays import FloatArray
 
 __all__ = ["measured_machine"]
@@ -57,7 +57,7 @@ def median_s(run: Callable[[], object]) -> float:
     return median(times[1:])
 
 
-def measured_machine() -> Machine:
+def measured_machine() -> MachinePeaks:
     """Return the peaks of this machine, measured now.
 
     References
@@ -69,7 +69,7 @@ def measured_machine() -> Machine:
     vector_s = median_s(lambda: vector_rounds(near, NEAR_ROUNDS, 0.999, 1e-3))
     chained_s = median_s(lambda: chained_rounds(CHAIN_LENGTH, 0.999, 1e-3))
     triad_s = median_s(lambda: triad(target, first, second, 0.5))
-    return Machine(
+    return MachinePeaks(
         processor=processor_name(),
         cores=usable_cores(),
         vector_flops_per_s=2.0 * NEAR_NUMBERS * NEAR_ROUNDS / vector_s,

@@ -8,7 +8,7 @@ from musclewire.app.bench_rows import paper_wire
 from musclewire.wire.batch import WireBatch
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.state import WireState
-from musclewire.wire.stepping import CHOSEN, Stepping, fixed_steps
+from musclewire.wire.stepping import CHOSEN, StepControl, fixed_steps
 from musclewire.wire.wires import advance
 
 __all__ = ["different_wires", "one_period"]
@@ -18,7 +18,7 @@ SPREAD = 0.1
 
 
 def one_period(
-    state: WireState, wire: WireConstants, drive_voltage_v: float, period_s: float, stepping: Stepping = CHOSEN
+    state: WireState, wire: WireConstants, drive_voltage_v: float, period_s: float, stepping: StepControl = CHOSEN
 ) -> WireState:
     """Return the state after one period of a drive."""
     return advance(state, wire, drive_voltage_v, period_s, stepping)[0]

@@ -20,7 +20,7 @@ from physics_runs import (
 from scipy.special import ndtri
 
 from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER, TARGET
-from musclewire.identify.isobaric_loops import Isobar, IsobarSummary, simulated_isobar, summarize_isobar
+from musclewire.identify.isobaric_loops import IsobaricLoop, IsobarSummary, simulated_isobar, summarize_isobar
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.library import read_published
 from musclewire.wire.building import SHAPE, cooled_wire
@@ -156,7 +156,7 @@ def isobar_figure() -> Figure:
     return figure
 
 
-def draw_isobar(axes: Axes, loop: Isobar) -> None:
+def draw_isobar(axes: Axes, loop: IsobaricLoop) -> None:
     """Draw heating and cooling of one simulated isobar."""
     hottest = int(np.argmax(loop.temperature_k))
     strain = 100.0 * (loop.strain - loop.strain.min())

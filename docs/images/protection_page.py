@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from musclewire.controllers.protection import ProtectionLimits, ProtectionTable, Signal, State, protection_table
-from musclewire.controllers.protection.table import Drive
+from musclewire.controllers.protection.table import AllowedDrive
 from musclewire.rigs.configuration import open_rig
 
 HEAD = """# What keeps the wire safe
@@ -98,7 +98,7 @@ def diagram(table: ProtectionTable) -> str:
 
     What leads from every state to the same one (``arm``) is drawn only from the states that drive nothing.
     """
-    driven = [state for state in State if table.output_drives[state] is not Drive.NONE]
+    driven = [state for state in State if table.output_drives[state] is not AllowedDrive.NONE]
     edges: dict[tuple[str, str], list[str]] = {}
     inner: dict[tuple[str, str], list[str]] = {}
     for signal in Signal:

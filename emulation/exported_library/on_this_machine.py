@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from musclewire.errors import NumericsError
-from musclewire.extras.board.c.exercise import Tick
-from musclewire.extras.board.c.reference import Outcome, ReferenceTick
+from musclewire.extras.board.c.exercise import ExerciseRow
+from musclewire.extras.board.c.reference import ReferenceTick, TickOutcome
 
 __all__ = ["MAX_DIFFERENCE", "HostLibrary", "built", "host_hash", "largest_differences"]
 
@@ -144,17 +144,17 @@ class HostLibrary:
         """Cold start."""
         self._c.shim_start(self._state)
 
-    def sample(self, wire_voltage_v: float, shunt_voltage_v: float, tick_s: float) -> Outcome:
+    def sample(self, wire_voltage_v: float, shunt_voltage_v: float, tick_s: float) -> TickOutcome:
         """Take one sample."""
         self._c.shim_sample(self._state, *_doubles(wire_voltage_v, shunt_voltage_v, tick_s), self._out)
         return self._outcome()
 
-    def control(self, target: float, dt_s: float) -> Outcome:
+    def control(self, target: float, dt_s: float) -> TickOutcome:
         """Run one control tick."""
         self._c.shim_control(self._state, *_doubles(target, dt_s), self._out)
         return self._outcome()
 
-    def drive(self, drive_voltage_v: float) -> Outcome:
+    def drive(self, drive_voltage_v: float) -> TickOutcome:
         """Command a drive, open loop."""
         self._c.shim_drive(self._state, *_doubles(drive_voltage_v), self._out)
         return self._outcome()
@@ -219,20 +219,20 @@ class HostLibrary:
         self._c.shim_infer(*_doubles(error_ratio, change_ratio), self._out)
         return self._out[0], self._out[1], self._out[2]
 
-    def tick(self, tick: Tick) -> Outcome:
+    def tick(self, tick: ExerciseRow) -> TickOutcome:
         """Take the inputs of a tick of an exercise."""
         if tick.start:
             self.start()
         outcome = self.sample(tick.wire_voltage_v, tick.shunt_voltage_v, tick.tick_s)
         return self.control(tick.target, tick.control_s) if tick.control_s else outcome
 
-    def _outcome(self) -> Outcome:
+    def _outcome(self) -> TickOutcome:
         resistance, estimate, valid, kp, ki, kd, drive, state, event = self._out
-        return Outcome(resistance, estimate, bool(valid), kp, ki, kd, drive, int(state), int(event))
+        return TickOutcome(resistance, estimate, bool(valid), kp, ki, kd, drive, int(state), int(event))
 
 
 def largest_differences(
-    library: HostLibrary, reference: ReferenceTick, ticks: Iterable[Tick], *, relative: bool
+    library: HostLibrary, reference: ReferenceTick, ticks: Iterable[ExerciseRow], *, relative: bool
 ) -> dict[str, float]:
     """Return the largest difference between C and Python for each number of the outcome.
 
@@ -240,10 +240,10 @@ def largest_differences(
     and validity differ by 0 or more than any bar allows.
     """
     scales = full_scales(reference)
-    most = dict.fromkeys(Outcome._fields, 0.0)
+    most = dict.fromkeys(TickOutcome._fields, 0.0)
     for tick in ticks:
         ours = library.tick(tick)
-        for name, c, python in zip(Outcome._fields, ours, tick.outcome, strict=True):
+        for name, c, python in zip(TickOutcome._fields, ours, tick.outcome, strict=True):
             scale = max(abs(python), SMALL_FRACTION * scales[name]) if relative else scales[name]
             difference = abs(float(c) - float(python)) / scale
             most[name] = max(most[name], difference) if not math.isnan(difference) else math.inf

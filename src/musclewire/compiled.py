@@ -24,7 +24,7 @@ from musclewire.manifest import manifests
 
 numba_config: Any = config  # its options are set at run time, where mypy cannot see them
 
-__all__ = ["Callback", "callback", "compiled", "compiled_inline"]
+__all__ = ["CompiledCallback", "callback", "compiled", "compiled_inline"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 ROOMS_WITH_KERNELS = ("physics", "wire", "controllers", "sensing", "rigs/compiled_loop")
@@ -136,7 +136,7 @@ def compiled_inline(function: Function) -> Function:
     return _compile(function, forceinline=True)
 
 
-class Callback(numba.types.WrapperAddressProtocol):
+class CompiledCallback(numba.types.WrapperAddressProtocol):
     """A compiled function as a value that compiled code takes and calls, whichever function of its signature it is.
 
     A function that takes a callback is compiled once for a signature and not once for each function that it is given.
@@ -164,7 +164,7 @@ class Callback(numba.types.WrapperAddressProtocol):
 
 @cache
 def callback(function: Any, n_arrays: int) -> Any:
-    """Return a compiled function of some arrays of floats, which returns nothing, as a :class:`Callback`.
+    """Return a compiled function of some arrays of floats, which returns nothing, as a :class:`CompiledCallback`.
 
     Parameters
     ----------
@@ -194,4 +194,4 @@ def callback(function: Any, n_arrays: int) -> Any:
     result = function.overloads[arrays]
     if result.signature.return_type != numba.types.none:
         raise TypeError(f"{function.__name__} returns {result.signature.return_type}, not nothing")
-    return Callback(result.library.get_pointer_to_function(result.fndesc.llvm_cfunc_wrapper_name), signature)
+    return CompiledCallback(result.library.get_pointer_to_function(result.fndesc.llvm_cfunc_wrapper_name), signature)

@@ -10,7 +10,7 @@ import numpy as np
 from musclewire.parameters import load_bench
 from musclewire.parameters.parameter_groups import Bench, Wire
 from musclewire.rigs.configuration import FOLDER, read_rig_file
-from musclewire.rigs.mechanism import Mechanism, mechanism_of
+from musclewire.rigs.mechanism import SimulatedLoad, mechanism_of
 from musclewire.wire.building import constants_from
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.paths import DrivenPath, drive_path
@@ -63,7 +63,7 @@ def driven(constants: WireConstants, bench: Bench, amplitude_v: float) -> Driven
 
 
 @cache
-def finger() -> Mechanism:
+def finger() -> SimulatedLoad:
     """Return pretensioner and finger of the rig; the pretensioner carries the pretension, so one serves all."""
     bench = load_bench("finger")
     parts = read_rig_file(FOLDER / "finger.toml").load

@@ -8,7 +8,7 @@ from benchmarks.speed.machine import measured_machine
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.app.bench_measure import Side, comparison, paired_us
+from musclewire.app.bench_measure import TimedProgram, comparison, paired_us
 from musclewire.app.bench_rows import bench, cases_with_fixed_work
 from musclewire.errors import CallerError
 
@@ -23,12 +23,12 @@ class Clock:
     def __call__(self) -> float:
         return self.now_s
 
-    def work(self, name: str, seconds: float, units: float = 1.0) -> Side:
+    def work(self, name: str, seconds: float, units: float = 1.0) -> TimedProgram:
         def run(_: object) -> None:
             self.done.append(name)
             self.now_s += seconds
 
-        return Side(run, units)
+        return TimedProgram(run, units)
 
 
 def test_both_run_in_turns_and_change_who_is_first() -> None:
@@ -64,7 +64,7 @@ def test_what_is_prepared_is_not_timed() -> None:
         assert what == "prepared"
         clock.now_s += 1.0
 
-    assert Side(run, 1.0, prepare).time_us(clock) == pytest.approx(1e6)
+    assert TimedProgram(run, 1.0, prepare).time_us(clock) == pytest.approx(1e6)
 
 
 def test_names_begin_as_the_interface_says_and_say_what_the_work_is() -> None:
@@ -90,5 +90,5 @@ def test_the_peaks_of_the_machine_are_in_their_order() -> None:
 def test_what_is_repeated_in_a_turn_counts_once() -> None:
     clock = Clock()
     once, often = clock.work("once", 2.0, 4.0), clock.work("often", 2.0, 4.0)
-    assert Side(often.run, 4.0, repeats=10).time_us(clock) == pytest.approx(once.time_us(clock))
+    assert TimedProgram(often.run, 4.0, repeats=10).time_us(clock) == pytest.approx(once.time_us(clock))
     assert clock.done.count("often") == 10

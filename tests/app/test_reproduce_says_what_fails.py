@@ -13,7 +13,7 @@ import pytest
 from musclewire.app.main import run
 from musclewire.errors import RecordingError
 from musclewire.extras.paper import reproduce as reproduce_room
-from musclewire.extras.paper.reproduce import PaperCheck, Runs, reproduction
+from musclewire.extras.paper.reproduce import PaperCheck, RunCache, reproduction
 
 KEYS = {
     *("name", "paper", "ours", "low", "high", "median_low", "median_high", "seeds", "unit", "tolerance", "compare"),
@@ -21,11 +21,11 @@ KEYS = {
 }
 
 
-def no_loop(_: Runs) -> float:
+def no_loop(_: RunCache) -> float:
     raise RecordingError("no complete cycle")
 
 
-def check(name: str, measure: Callable[[Runs], float]) -> PaperCheck:
+def check(name: str, measure: Callable[[RunCache], float]) -> PaperCheck:
     return PaperCheck(name, 2.0, "ohm", 0.5, "because half is enough", "printed", measure, origin="predicted")
 
 

@@ -19,7 +19,7 @@ from musclewire.extras.paper.page.row_text import (
     spread_text,
     verdict_text,
 )
-from musclewire.extras.paper.reproduce import Measured, PaperCheck, ReproductionRow, Runs, all_checks, judged
+from musclewire.extras.paper.reproduce import PaperCheck, ReproductionRow, RunCache, SeedResult, all_checks, judged
 from musclewire.extras.paper.reproduce.paper_checks import Compare, Kind, subject_of
 
 
@@ -27,7 +27,7 @@ def row(
     ours: float, paper: float, tolerance: float, compare: Compare = "within", kind: Kind = "printed"
 ) -> ReproductionRow:
     check = PaperCheck("fig0.x", paper, "ohm", tolerance, "because", kind, lambda _: ours, compare, origin="predicted")
-    return judged(check, [Measured(ours)], {})
+    return judged(check, [SeedResult(ours)], {})
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def test_a_row_that_is_reported_says_that_it_is_not_judged() -> None:
 
 def over_seeds(*ours: float | None) -> ReproductionRow:
     check = PaperCheck("fig0.x", 2.0, "ohm", 0.5, "because", "printed", lambda _: 0.0, origin="fitted")
-    found = [Measured(None, "no loop") if number is None else Measured(number) for number in ours]
+    found = [SeedResult(None, "no loop") if number is None else SeedResult(number) for number in ours]
     return judged(check, found, {})
 
 
@@ -112,7 +112,7 @@ def test_every_subject_is_in_one_part_of_the_page() -> None:
 
 
 def test_every_row_is_called_by_words_and_no_two_of_a_figure_alike() -> None:
-    checks = {check.name: row_name(judged(check, [Measured(1.0)], {})) for check in all_checks()}
+    checks = {check.name: row_name(judged(check, [SeedResult(1.0)], {})) for check in all_checks()}
     keys = {name.partition(".")[2].partition("[")[0] for name in checks}
     assert keys == {key.rpartition(".")[2] for key in row_words()["words"]}
     assert [name for name, called in checks.items() if re.search(r"_(?!min|max)|\[", called.whole)] == []
@@ -133,14 +133,14 @@ def test_every_row_is_called_by_words_and_no_two_of_a_figure_alike() -> None:
 )
 def test_conditions_are_spoken_with_their_units(name: str, condition: str) -> None:
     check = PaperCheck(name, 1.0, "ohm", 0.5, "because", "printed", lambda _: 1.0, origin="fitted")
-    called = row_name(judged(check, [Measured(1.0)], {}))
+    called = row_name(judged(check, [SeedResult(1.0)], {}))
     assert (called.condition, called.unit) == (condition, "Ω")
 
 
 def test_a_figure_whose_loops_cannot_be_used_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    def no_loop(_: Runs) -> None:
+    def no_loop(_: RunCache) -> None:
         raise RecordingError("no <complete> cycle")
 
     monkeypatch.setitem(FIGURES, "fig4", no_loop)
-    assert "no &lt;complete&gt; cycle" in drawn("fig4", Runs())
-    assert drawn("eq1", Runs()) == ""
+    assert "no &lt;complete&gt; cycle" in drawn("fig4", RunCache())
+    assert drawn("eq1", RunCache()) == ""

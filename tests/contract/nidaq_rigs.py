@@ -13,7 +13,7 @@ from emulation.daq_server import DaqServer
 from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_test
 
 from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
-from musclewire.extras.board.nidaq.device import NiDaqDevice, Silence
+from musclewire.extras.board.nidaq.device import NiDaqDevice, SilenceTimes
 from musclewire.extras.board.nidaq.output import GuardedOutput
 from musclewire.rigs.configuration import rig_configuration
 from musclewire.rigs.device import Answer, DeviceFacts
@@ -30,7 +30,7 @@ class DeviceAtSeam:
     def __init__(self, configuration: NiDaqConfiguration, server: DaqServer) -> None:
         self.server = server
         # If time passes by reading, the guardian's seconds are those of a busy test machine and not of the wire.
-        silence = None if server.card.paced else Silence(5.0, 10.0)
+        silence = None if server.card.paced else SilenceTimes(5.0, 10.0)
         self.at_card = NiDaqDevice(configuration.model_copy(update={"grpc": server.address}), silence)
         # A test that does not close its rig: output first, because switching off needs the server.
         weakref.finalize(self, closed, self.at_card._output, server)

@@ -13,7 +13,7 @@ from tests.tools import require_tool
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
-from musclewire.extras.board.c import Library, write_library
+from musclewire.extras.board.c import CLibrary, write_library
 from musclewire.extras.board.c.reference import ReferenceTick
 from musclewire.sensing.model import SensingModel
 
@@ -26,7 +26,7 @@ COOLING = (0.0409, -0.0268, -0.0142, 0.0103, -0.0211, 0.0219, -0.0088)
 class Exported(NamedTuple):
     """A written library and what it was written from."""
 
-    library: Library
+    library: CLibrary
     model: SensingModel
     settings: FuzzyPidSettings
     limits: ProtectionLimits
@@ -94,7 +94,7 @@ def export(
     return Exported(library, chosen, control, allowed)
 
 
-def compiled(library: Library, folder: Path, *, double: bool) -> HostLibrary:
+def compiled(library: CLibrary, folder: Path, *, double: bool) -> HostLibrary:
     """Return the library compiled for this machine; without gcc the test is not run."""
     require_tool("gcc", "gcc libc6-dev")
     return HostLibrary(built(library.folder, folder, double=double), double=double)

@@ -9,17 +9,17 @@ from tests.export.export_parts import drive_limits, limits_for, usual_model
 
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError
-from musclewire.extras.board.c import Library, write_library
+from musclewire.extras.board.c import CLibrary, write_library
 
 LIMITS = limits_for(usual_model())
 
 
-def write(folder: Path, *, overwrite: bool = False, **settings: tuple[float, float]) -> Library:
+def write(folder: Path, *, overwrite: bool = False, **settings: tuple[float, float]) -> CLibrary:
     chosen = FuzzyPidSettings(**settings)
     return write_library(usual_model(), chosen, drive_limits(LIMITS), LIMITS, folder, "wire", overwrite=overwrite)
 
 
-def contents(library: Library) -> dict[str, bytes]:
+def contents(library: CLibrary) -> dict[str, bytes]:
     return {name: (library.folder / name).read_bytes() for name in library.files}
 
 

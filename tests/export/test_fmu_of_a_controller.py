@@ -21,7 +21,7 @@ from musclewire.controllers import FuzzyPidSettings
 from musclewire.controllers.protection import Event, State
 from musclewire.errors import CallerError
 from musclewire.extras.board.c.exercise import exercise
-from musclewire.extras.board.c.reference import Outcome, ReferenceTick
+from musclewire.extras.board.c.reference import ReferenceTick, TickOutcome
 from musclewire.extras.board.rig_limits import limits_of_rig
 from musclewire.extras.interfaces.fmu import Fmu, export_fmu
 from musclewire.identify.use_of_model import settings_for
@@ -48,7 +48,7 @@ def reference(settings: FuzzyPidSettings | None = None) -> ReferenceTick:
     return ReferenceTick(model, settings_for(model, settings), drive_limits(limits), limits)
 
 
-def differences(slave: Slave, outcome: Outcome, scales: dict[str, float]) -> dict[str, float]:
+def differences(slave: Slave, outcome: TickOutcome, scales: dict[str, float]) -> dict[str, float]:
     """Return how far the FMU is from an outcome, relative to each value or a thousandth of its full scale."""
     found = {}
     for name, wanted in outcome._asdict().items():
@@ -65,7 +65,7 @@ def test_fmpy_finds_nothing_to_complain_of(exported: Fmu) -> None:
 def test_every_tick_is_python_s(slave: Slave, faults: float) -> None:
     python = reference()
     scales = full_scales(python)
-    worst = dict.fromkeys(Outcome._fields, 0.0)
+    worst = dict.fromkeys(TickOutcome._fields, 0.0)
     for tick in exercise(python, 31, 2000, fault_probability=faults):
         if tick.start:
             slave.fmu.reset()

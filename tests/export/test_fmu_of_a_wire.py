@@ -27,13 +27,13 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.extras.interfaces.fmu import Fmu, export_fmu
 from musclewire.parameters import load_alloy
 from musclewire.rigs.configuration import rig_configuration
-from musclewire.rigs.mechanism import Tendon
+from musclewire.rigs.mechanism import FingerTendon
 from musclewire.rigs.simulated import SimulatedDevice
 from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
 from musclewire.wire.building import resting_state, with_pretension
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.state import WireState
-from musclewire.wire.stepping import Stepping
+from musclewire.wire.stepping import StepControl
 from musclewire.wire.wires import OneWire, WireMeans, advance
 
 SAMPLE_S = 0.05
@@ -86,7 +86,9 @@ def wires(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Wire]:
     return of
 
 
-def shown(state: WireState, means: WireMeans, of: WireConstants, tendon: Tendon | None = None) -> dict[str, float]:
+def shown(
+    state: WireState, means: WireMeans, of: WireConstants, tendon: FingerTendon | None = None
+) -> dict[str, float]:
     """Return Python's numbers by the names of the FMU's outputs."""
     endpoint = {}
     for prefix, at_m in (("", state.connector_contraction * of.leg_length_m), ("mean_", means.displacement_m)):
@@ -118,12 +120,12 @@ def shown(state: WireState, means: WireMeans, of: WireConstants, tendon: Tendon 
 
 
 def rows_of_python(
-    constants: WireConstants, drive: Iterable[float], step_s: float, tendon: Tendon | None = None
+    constants: WireConstants, drive: Iterable[float], step_s: float, tendon: FingerTendon | None = None
 ) -> list[dict[str, float]]:
     """Return Python's numbers after each sample."""
     state, rows = resting_state(constants), []
     for voltage in drive:
-        state, means = advance(state, constants, voltage, SAMPLE_S, Stepping(fixed_s=step_s))
+        state, means = advance(state, constants, voltage, SAMPLE_S, StepControl(fixed_s=step_s))
         rows.append(shown(state, means, constants, tendon))
     assert state.unsolved_steps == 0.0
     return rows
@@ -257,7 +259,7 @@ def test_air_that_moves_and_warms_is_python_s(wires: Callable[[str], Wire]) -> N
             around = wire.constants.replace(
                 ambient_temperature_k=ambient_k, convection_factor=wire.constants.convection_factor * ratio
             )
-            state, means = advance(state, around, 2.5, SAMPLE_S, Stepping(fixed_s=0.01))
+            state, means = advance(state, around, 2.5, SAMPLE_S, StepControl(fixed_s=0.01))
             python.append(shown(state, means, around))
             slave.set(drive_voltage_v=2.5, ambient_temperature_k=ambient_k, convection_ratio=ratio)
             slave.step(SAMPLE_S)
@@ -277,7 +279,7 @@ def test_an_external_force_is_what_python_calls_more_pretension_of_a_wire_alread
         for index in range(200):
             force_n = 0.4 * math.sin(0.05 * index)
             pulled = wire.constants.replace(pretension_n=wire.constants.pretension_n + force_n)
-            state, means = advance(state, pulled, 2.8, SAMPLE_S, Stepping(fixed_s=0.01))
+            state, means = advance(state, pulled, 2.8, SAMPLE_S, StepControl(fixed_s=0.01))
             python.append(shown(state, means, pulled))
             slave.set(drive_voltage_v=2.8, external_force_n=force_n)
             slave.step(SAMPLE_S)

@@ -30,7 +30,7 @@ from musclewire.controllers.protection import (
     rested,
     tripped_by,
 )
-from musclewire.controllers.protection.protect import after
+from musclewire.controllers.protection.protect import state_after
 from musclewire.controllers.protection.table import Effect
 from musclewire.extras.board.c.constants import ACTIONS
 
@@ -164,7 +164,7 @@ class Both:
     def present(self) -> None:
         """Say that what was missing is back."""
         assert self.library.recover(self.python.event) is (self.python.state in (State.HOLD, State.DEGRADED))
-        self.python = after(self.python, Signal.PRESENT, protection_table())
+        self.python = state_after(self.python, Signal.PRESENT, protection_table())
 
     def missing(self, from_s: float = 0.0, to_s: float = 0.099) -> None:
         event = Event(self.random.choice([Event.COMMAND_MISSING, Event.SAMPLE_LATE]))

@@ -24,7 +24,7 @@ from musclewire.errors import MusclewireError, RecordingError
 from musclewire.experiment.run import Decision, run_on_rig
 from musclewire.extras.board.serial.configuration import SerialConfiguration
 from musclewire.extras.board.serial.device import SerialDevice
-from musclewire.extras.board.serial.frames import Frame, encode_frame
+from musclewire.extras.board.serial.frames import SerialFrame, encode_frame
 from musclewire.extras.board.serial.messages import MessageKind
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
@@ -180,9 +180,9 @@ def inject(board: EmulatedBoard, rig: GuardedRig, policy: ConstantDrive, row: Fa
         "stall": lambda: time.sleep(given["time_s"]),
         "exception": lambda: 1 / 0,
         "command": lambda: setattr(policy, "drive_voltage_v", given["drive_voltage_v"]),
-        "firmware": lambda: send(rig, Frame(INJECT, 60000, bytes([given["what"]]))),
+        "firmware": lambda: send(rig, SerialFrame(INJECT, 60000, bytes([given["what"]]))),
         "past the check": lambda: send(
-            rig, Frame(MessageKind.DRIVE, 60000, struct.pack("<f", given["drive_voltage_v"]))
+            rig, SerialFrame(MessageKind.DRIVE, 60000, struct.pack("<f", given["drive_voltage_v"]))
         ),
         "target": lambda: rig.exchange(Target(given["target"])),
         "flood": lambda: flood(rig),
@@ -191,7 +191,7 @@ def inject(board: EmulatedBoard, rig: GuardedRig, policy: ConstantDrive, row: Fa
     ways[row.inject]()
 
 
-def send(rig: GuardedRig, frame: Frame) -> None:
+def send(rig: GuardedRig, frame: SerialFrame) -> None:
     """Put a frame on the rig's own line, past all that the host would check."""
     rig.device._board._line.write(encode_frame(frame))
 

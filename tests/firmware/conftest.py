@@ -12,7 +12,7 @@ import pytest
 from emulation.board import EmulatedBoard, firmware_for
 from tests.tools import require_tool
 
-from musclewire.extras.board.serial.frames import Frame, FrameParser, encode_frame
+from musclewire.extras.board.serial.frames import FrameParser, SerialFrame, encode_frame
 
 HELLO, ARM, DRIVE, TARGET, OFF, STREAM, KEEP, INJECT = 1, 2, 3, 4, 5, 6, 7, 0x7F
 IDENTITY, SAMPLE, EVENT, ACK = 0x81, 0x82, 0x83, 0x84
@@ -45,7 +45,7 @@ class Host:
         self._socket = socket.create_connection(("127.0.0.1", board.port))
         self._parser = FrameParser()
         self._sequence = 0
-        self.frames: list[Frame] = []
+        self.frames: list[SerialFrame] = []
 
     def listen(self, duration_s: float) -> None:
         end_s = time.monotonic() + duration_s
@@ -65,7 +65,7 @@ class Host:
         end_s = time.monotonic() + patience_s
         while time.monotonic() < end_s:
             self._sequence += 1
-            self._socket.sendall(encode_frame(Frame(kind, self._sequence, payload)))
+            self._socket.sendall(encode_frame(SerialFrame(kind, self._sequence, payload)))
             again_s = time.monotonic() + AGAIN_S if kind in MAY_BE_REPEATED else end_s
             result = self._acknowledged(kind, min(again_s, end_s))
             if result is not None:

@@ -11,7 +11,7 @@ import pytest
 from firmware.build import FIRMWARE, MODEL, WIRE, write_sources
 from tests.tools import require_tool
 
-from musclewire.extras.board.serial.frames import Frame, FrameParser, encode_frame
+from musclewire.extras.board.serial.frames import FrameParser, SerialFrame, encode_frame
 
 TESTS = Path(__file__).with_name("host_tests.c")
 HEADER = FIRMWARE.parent / "src/musclewire/extras/board/c_library/mw_protect.h"
@@ -63,9 +63,10 @@ def test_stand_alone_the_button_starts_and_a_watchdog_reset_does_not(tmp_path: P
 def test_frames_are_the_same_in_c_and_in_python(program: Path) -> None:
     drawn = random.Random(5)
     frames = [
-        Frame(drawn.randrange(256), drawn.randrange(65536), drawn.randbytes(drawn.randrange(89))) for _ in range(500)
+        SerialFrame(drawn.randrange(256), drawn.randrange(65536), drawn.randbytes(drawn.randrange(89)))
+        for _ in range(500)
     ]
-    frames += [Frame(0, 0, b""), Frame(255, 65535, b"\0" * 88), Frame(3, 1, b"\x01" * 88)]
+    frames += [SerialFrame(0, 0, b""), SerialFrame(255, 65535, b"\0" * 88), SerialFrame(3, 1, b"\x01" * 88)]
     lines = "".join(f"{frame.kind} {frame.sequence} {frame.payload.hex() or '-'}\n" for frame in frames)
     said = subprocess.run(
         [str(program), "frames"], input=lines, capture_output=True, text=True, check=True

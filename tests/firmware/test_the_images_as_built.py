@@ -15,7 +15,7 @@ from tests.tools import require_tool
 
 from musclewire.experiment.open_loop import characterize
 from musclewire.extras.board.serial import flash
-from musclewire.extras.board.serial.frames import Frame
+from musclewire.extras.board.serial.frames import SerialFrame
 from musclewire.extras.board.serial.images import FirmwareImage, find_image, firmware_images
 from musclewire.rigs.configuration import open_rig
 
@@ -57,6 +57,6 @@ def test_the_binary_file_starts_and_says_who_it_is(wire: str) -> None:
         with subprocess.Popen([*command, "-kernel", str(find_image("stm32f411", wire).path)]) as machine:
             connection, _ = server.accept()
             with connection:
-                frames = said(connection, [Frame(HELLO, 1, b"")], IDENTITY, 2)
+                frames = said(connection, [SerialFrame(HELLO, 1, b"")], IDENTITY, 2)
             machine.kill()
     assert all(frame.payload[31:47].rstrip(b"\0") == b"stm32f411" for frame in frames if frame.kind == IDENTITY)

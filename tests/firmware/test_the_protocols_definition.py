@@ -12,7 +12,7 @@ from firmware.protocol import DEFINITION, Protocol, page_text, protocol, written
 from pydantic import ValidationError
 
 from musclewire.controllers.protection import Event, State
-from musclewire.extras.board.serial.frames import Frame
+from musclewire.extras.board.serial.frames import SerialFrame
 from musclewire.extras.board.serial.message_types import LAYOUTS
 from musclewire.extras.board.serial.messages import BoardEvent, MessageKind, read_message
 
@@ -47,16 +47,16 @@ def test_version_1_is_as_boards_in_use_speak_it() -> None:
 def test_states_and_events_of_a_message_are_those_of_the_protection_table() -> None:
     for state in State:
         message = read_message(
-            Frame(MessageKind.EVENT, 0, LAYOUTS[MessageKind.EVENT].pack(7, state, Event.STOPPED, 0.0))
+            SerialFrame(MessageKind.EVENT, 0, LAYOUTS[MessageKind.EVENT].pack(7, state, Event.STOPPED, 0.0))
         )
         assert message == BoardEvent(7, State(state), Event.STOPPED, 0.0)
 
 
 def test_a_frame_of_the_host_or_of_another_length_is_no_message_of_a_board() -> None:
-    assert read_message(Frame(MessageKind.DRIVE, 0, bytes(4))) is None
-    assert read_message(Frame(0x55, 0, b"")) is None
+    assert read_message(SerialFrame(MessageKind.DRIVE, 0, bytes(4))) is None
+    assert read_message(SerialFrame(0x55, 0, b"")) is None
     for kind in (MessageKind.IDENTITY, MessageKind.SAMPLE, MessageKind.EVENT, MessageKind.ACKNOWLEDGEMENT):
-        assert read_message(Frame(kind, 0, bytes(LAYOUTS[kind].size + 1))) is None
+        assert read_message(SerialFrame(kind, 0, bytes(LAYOUTS[kind].size + 1))) is None
 
 
 @pytest.mark.parametrize(

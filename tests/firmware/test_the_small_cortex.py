@@ -17,7 +17,7 @@ from emulation.board import firmware_for
 from tests.firmware.conftest import PATIENCE_S
 from tests.tools import require_tool
 
-from musclewire.extras.board.serial.frames import Frame, FrameParser, encode_frame
+from musclewire.extras.board.serial.frames import FrameParser, SerialFrame, encode_frame
 
 pytestmark = pytest.mark.emulated
 
@@ -41,7 +41,7 @@ def test_it_starts_says_who_it_is_and_goes_off_without_a_converter(elf: Path) ->
         with subprocess.Popen([*command, "-kernel", str(elf)]) as machine:
             connection, _ = server.accept()
             with connection:
-                frames = said(connection, [Frame(ARM, 1, b"")], EVENT, 3)
+                frames = said(connection, [SerialFrame(ARM, 1, b"")], EVENT, 3)
             machine.kill()
     identity = next(frame.payload for frame in frames if frame.kind == IDENTITY)
     assert identity[31:47].rstrip(b"\0") == b"stm32f411"
@@ -49,7 +49,7 @@ def test_it_starts_says_who_it_is_and_goes_off_without_a_converter(elf: Path) ->
     assert states[-1] == bytes([TRIPPED, SAMPLE_LATE])
 
 
-def said(connection: socket.socket, commands: list[Frame], kind: int, count: int) -> list[Frame]:
+def said(connection: socket.socket, commands: list[SerialFrame], kind: int, count: int) -> list[SerialFrame]:
     """Send commands once the board has said who it is; listen until so many frames of a kind have come."""
     parser, frames, told = FrameParser(), [], False
     end_s = time.monotonic() + PATIENCE_S

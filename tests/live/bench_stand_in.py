@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.extras.live.messages import Answer
-from musclewire.extras.live.ring import Rows
+from musclewire.extras.live.ring import RingRows
 
 COLUMNS = ("time_s", "run_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
 
@@ -64,8 +64,8 @@ class BenchStandIn:
     def add_row(self, *values: float) -> None:
         self._rows.append(list(values))
 
-    def rows(self, cursor: int) -> tuple[int, list[Rows], int]:
+    def rows(self, cursor: int) -> tuple[int, list[RingRows], int]:
         count = len(self._rows)
         if cursor < 0 or cursor >= count:
             return count, [], 0
-        return count, [Rows(1, np.array(self._rows[cursor:]))], 0
+        return count, [RingRows(1, np.array(self._rows[cursor:]))], 0

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parent))  # for bench_stand_in
 from bench_stand_in import BenchStandIn
 
 from musclewire.extras.live.server.application import Limits
-from musclewire.extras.live.server.running import Address, Ended, Running, ServerSettings, serve_until
+from musclewire.extras.live.server.running import ListenAddress, RunningServer, ServerEnd, ServerSettings, serve_until
 
 READY_S = 60.0
 
@@ -26,7 +26,7 @@ READY_S = 60.0
 class Served(NamedTuple):
     """A running server: its link, its bench, and a client of HTTP that has shown no token."""
 
-    running: Running
+    running: RunningServer
     bench: BenchStandIn
     http: httpx.Client
 
@@ -41,13 +41,13 @@ def served(folder: Path, **settings: Any) -> Iterator[Served]:
     bench, ready, loop = BenchStandIn(), threading.Event(), asyncio.new_event_loop()
     found: list[Any] = []
 
-    def on_ready(running: Running) -> None:
+    def on_ready(running: RunningServer) -> None:
         found.append(running)
         ready.set()
 
     async def run() -> None:
-        found.append(Ended())
-        await serve_until(found[0], [bench], ServerSettings(folder, Address(port=0), **settings), on_ready)
+        found.append(ServerEnd())
+        await serve_until(found[0], [bench], ServerSettings(folder, ListenAddress(port=0), **settings), on_ready)
 
     thread = threading.Thread(target=lambda: loop.run_until_complete(run()))
     thread.start()

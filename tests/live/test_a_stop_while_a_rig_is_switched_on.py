@@ -21,13 +21,13 @@ from musclewire.errors import CallerError, RigError
 from musclewire.extras.live import messages
 from musclewire.extras.live.bench import loop, opening
 from musclewire.extras.live.bench.descriptions import described_rig
-from musclewire.extras.live.bench.lines import Outbox
+from musclewire.extras.live.bench.lines import MessageWriter
 from musclewire.extras.live.bench.loop import perform
-from musclewire.extras.live.bench.orders import Order, Orders
+from musclewire.extras.live.bench.orders import NumberedOrder, OrderQueue
 from musclewire.extras.live.bench.recipes import RECIPES
-from musclewire.extras.live.bench.session import Session
-from musclewire.extras.live.bench.state import Shown
-from musclewire.extras.live.ring import Ring, create_ring
+from musclewire.extras.live.bench.session import BenchSession
+from musclewire.extras.live.bench.state import PublishedState
+from musclewire.extras.live.ring import RowRing, create_ring
 from musclewire.rigs.configuration import open_rig
 
 # Only so that a fault does not hang a test.
@@ -35,7 +35,7 @@ MAX_WAIT_S = 60.0
 STAYS_OFF = "rig 'simulated' stays off: a stop came after this order to switch on; order it again when it is safe"
 
 
-class Kept(Outbox):
+class Kept(MessageWriter):
     """Keeps messages for the test, as they would have been sent."""
 
     def __init__(self) -> None:
@@ -54,12 +54,14 @@ class Bench:
         """Start the threads that read orders."""
         create_ring(folder / "rows")
         self.phases: list[str] = []
-        shown = Shown("one", lambda state: self.phases.append(state["phase"]))
-        self.session = Session("simulated", folder, shown, Ring(folder / "rows"), seed=1, max_silence_s=MAX_WAIT_S)
+        shown = PublishedState("one", lambda state: self.phases.append(state["phase"]))
+        self.session = BenchSession(
+            "simulated", folder, shown, RowRing(folder / "rows"), seed=1, max_silence_s=MAX_WAIT_S
+        )
         source, self._orders_end = os.pipe()
-        self._source, self._to_session = os.fdopen(source, "rb"), Outbox(self._orders_end)
+        self._source, self._to_session = os.fdopen(source, "rb"), MessageWriter(self._orders_end)
         self._answers, self._number = Kept(), 0
-        self.orders = Orders(self.session, self._source, self._answers)
+        self.orders = OrderQueue(self.session, self._source, self._answers)
         shown.change(phase="off")
 
     def close(self) -> None:
@@ -171,7 +173,7 @@ def test_a_stop_while_a_run_ends_counts_although_switching_on_waits_for_that_end
     bench.order("switch_on")
     bench.perform_next()
 
-    def stopped_twice(session: Session, _command: Any) -> None:
+    def stopped_twice(session: BenchSession, _command: Any) -> None:
         bench.stop()
         bench.order("switch_on")
         bench.stop()
@@ -185,7 +187,7 @@ def test_a_stop_while_a_run_ends_counts_although_switching_on_waits_for_that_end
     assert bench.is_off()
 
 
-def order_of(bench: Bench, monkeypatch: pytest.MonkeyPatch, run: Callable[[Session, Any], None]) -> Order:
+def order_of(bench: Bench, monkeypatch: pytest.MonkeyPatch, run: Callable[[BenchSession, Any], None]) -> NumberedOrder:
     """Return a queued order to pulse, for which ``run`` is carried out."""
     monkeypatch.setitem(RECIPES, messages.Pulse, RECIPES[messages.Pulse]._replace(run=run))
     bench.order("pulse")
@@ -331,7 +333,7 @@ def test_a_bench_that_was_stopped_while_opening_waits_and_does_not_spin(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The loop itself: after the refusal it waits for orders and takes no sample, until the session ends."""
-    rests: list[Session] = []
+    rests: list[BenchSession] = []
     waits: list[float] = []
 
     def slow(*arguments: Any, **options: Any) -> Any:
@@ -340,7 +342,7 @@ def test_a_bench_that_was_stopped_while_opening_waits_and_does_not_spin(
 
     next_order = bench.orders.next
 
-    def counted(wait_s: float) -> Order | None:
+    def counted(wait_s: float) -> NumberedOrder | None:
         waits.append(wait_s)
         bench.session.quitting = len(waits) == 3
         return next_order(0.0 if len(waits) > 1 else MAX_WAIT_S)

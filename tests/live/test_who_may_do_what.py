@@ -17,7 +17,7 @@ from musclewire.errors import CallerError
 from musclewire.extras.live.server.access import read_token
 from musclewire.extras.live.server.application import Limits
 from musclewire.extras.live.server.json_texts import MAX_BYTES
-from musclewire.extras.live.server.running import Address, ServerSettings
+from musclewire.extras.live.server.running import ListenAddress, ServerSettings
 
 pytestmark = pytest.mark.slow
 
@@ -28,7 +28,7 @@ BENCH = "/api/v1/benches/simulated"
 def test_by_default_a_server_listens_on_loopback_and_beyond_it_a_token_is_needed(tmp_path: Path) -> None:
     assert ServerSettings(tmp_path).address.is_local
     with pytest.raises(CallerError, match="a token is needed"):
-        ServerSettings(tmp_path, Address("0.0.0.0"))
+        ServerSettings(tmp_path, ListenAddress("0.0.0.0"))
 
 
 @pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "192.168.1.7"])

@@ -28,7 +28,7 @@ from benchmarks.measured_isobars import (
 )
 from scipy.special import ndtr
 
-from musclewire.identify.isobaric_loops import Isobar
+from musclewire.identify.isobaric_loops import IsobaricLoop
 from musclewire.parameters.library import read_published
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.distribution import ONE_CLASS, BarrierClass
@@ -39,21 +39,21 @@ PUBLISHED = read_published("flexinol_isobars")
 READING_K = {"": (1.1, 0.2, 1.3), "held_out": (0.1, 0.1, 0.1)}
 
 
-def straight_loop(distance_k: float) -> Isobar:
+def straight_loop(distance_k: float) -> IsobaricLoop:
     """Branches of straight lines, 60 to 90 C on cooling."""
     up = np.linspace(300.0, 410.0, 1101)
     strain = np.concatenate([np.interp(up - shift, [333.15, 363.15], [0.04, 0.0]) for shift in (distance_k, 0.0)])
     strain[1101:] = strain[1101:][::-1]
     kelvin = np.concatenate([up, up[::-1]])
-    return Isobar(100e6, kelvin, strain)
+    return IsobaricLoop(100e6, kelvin, strain)
 
 
-def normal_loop(distance_k: float, per_k: float = 0.0) -> Isobar:
+def normal_loop(distance_k: float, per_k: float = 0.0) -> IsobaricLoop:
     """Branches of a normal distribution around 75 C on cooling, and strain that falls by ``per_k`` per kelvin."""
     up = np.linspace(300.0, 410.0, 1101)
     heating, cooling = (0.04 * ndtr((348.15 + shift - up) / 6.0) for shift in (distance_k, 0.0))
     kelvin = np.concatenate([up, up[::-1]])
-    return Isobar(100e6, kelvin, np.concatenate([heating, cooling[::-1]]) + per_k * (410.0 - kelvin))
+    return IsobaricLoop(100e6, kelvin, np.concatenate([heating, cooling[::-1]]) + per_k * (410.0 - kelvin))
 
 
 @pytest.mark.parametrize("held_out", ["", "held_out"])
@@ -98,10 +98,10 @@ def test_the_steepest_rate_is_that_of_the_straight_line() -> None:
 TWO_PHASES = {"r_phase_temperature_k": 100.0, "austenite_expansion_per_k": 0.0, "martensite_expansion_per_k": 0.0}
 
 
-def of_two_phases(classes: Sequence[BarrierClass]) -> tuple[WireConstants, Isobar]:
+def of_two_phases(classes: Sequence[BarrierClass]) -> tuple[WireConstants, IsobaricLoop]:
     """Return the simulated sample of two phases with classes of barrier, and its isobar."""
     constants, kelvin = sample_with(classes).replace(**TWO_PHASES), isobar_with(classes).temperature_k
-    return constants, Isobar(MINOR_LOOP_PA, kelvin, isobaric_path(constants, MINOR_LOOP_PA, kelvin).strain)
+    return constants, IsobaricLoop(MINOR_LOOP_PA, kelvin, isobaric_path(constants, MINOR_LOOP_PA, kelvin).strain)
 
 
 def rest_after_half_of_heating_k(classes: Sequence[BarrierClass]) -> float:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from musclewire.errors import NumericsError
-from musclewire.extras.studies import KindOptions, Outcome, Quantity, Run, RunKind, Runs, each
+from musclewire.extras.studies import KindOptions, Outcome, Quantity, RunKind, StudyRun, StudyRuns, each
 
 
 class CountingOptions(KindOptions):
@@ -25,7 +25,7 @@ def quantities(options: CountingOptions) -> Mapping[str, Quantity]:  # noqa: ARG
     return {"number": Quantity("1", "the run's number"), "draw": Quantity("1", "a random number of the run's seed")}
 
 
-def evaluate(runs: Runs[CountingOptions]) -> Sequence[Outcome]:
+def evaluate(runs: StudyRuns[CountingOptions]) -> Sequence[Outcome]:
     options = runs.runs[0].options
     numbers = [run.number for run in runs.runs]
     if options.takes_s:
@@ -40,13 +40,13 @@ def evaluate(runs: Runs[CountingOptions]) -> Sequence[Outcome]:
     return each(one, runs.runs)
 
 
-def one(run: Run[CountingOptions]) -> Outcome:
+def one(run: StudyRun[CountingOptions]) -> Outcome:
     if run.number == run.options.fails_at:
         raise NumericsError("this run fails on purpose")
     return {"number": float(run.number), "draw": run.own_seed / 2.0**32}
 
 
-def broken(runs: Runs[CountingOptions]) -> Sequence[Outcome]:
+def broken(runs: StudyRuns[CountingOptions]) -> Sequence[Outcome]:
     raise ZeroDivisionError(f"an error in the code, at {len(runs.runs)} runs")
 
 

@@ -10,7 +10,7 @@ from musclewire.app.options import ONLY, QUICK, Json
 from musclewire.app.output import emit_json, say, show
 
 if TYPE_CHECKING:
-    from musclewire.app.bench_measure import Machine
+    from musclewire.app.bench_measure import MachinePeaks
     from musclewire.app.bench_rows import Benchmark
 
 __all__ = ["bench"]
@@ -74,7 +74,7 @@ def ratio_text(ratio: float) -> str:
     return f"{ratio:,.0f}" if ratio >= 100.0 else f"{ratio:.3g}"
 
 
-def machine_text(machine: Machine) -> str:
+def machine_text(machine: MachinePeaks) -> str:
     """Return a machine with its measured peaks, where they were measured."""
     text = f"{machine.processor}, {machine.cores} cores"
     vectors, chained, moved = machine.vector_flops_per_s, machine.chained_flops_per_s, machine.bandwidth_bytes_per_s

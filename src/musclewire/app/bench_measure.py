@@ -23,8 +23,8 @@ from musclewire.arrays import FloatArray
 __all__ = [
     "Case",
     "Comparison",
-    "Machine",
-    "Side",
+    "MachinePeaks",
+    "TimedProgram",
     "arithmetic_side",
     "comparison",
     "fixed_arithmetic",
@@ -43,7 +43,7 @@ def nothing() -> None:
 
 
 @dataclass(frozen=True)
-class Side:
+class TimedProgram:
     """One of two programs: what runs, how many units of the comparison a run is, and what is made before, untimed.
 
     ``repeats`` is how often it runs in a turn: a run of less than a millisecond would mostly find the caches as the
@@ -76,7 +76,7 @@ class Case:
     name: str
     work: str
     theirs: str
-    sides: Callable[[bool], tuple[Side, Side]]
+    sides: Callable[[bool], tuple[TimedProgram, TimedProgram]]
     needs: str = ""
     clock: Callable[[], float] = thread_time
 
@@ -119,7 +119,7 @@ class Comparison:
 
 
 def paired_us(
-    ours: Side, theirs: Side, turns: int, clock: Callable[[], float] = perf_counter
+    ours: TimedProgram, theirs: TimedProgram, turns: int, clock: Callable[[], float] = perf_counter
 ) -> list[tuple[float, float]]:
     """Return our time and theirs of so many turns, in each of which both run, after one run that is not counted.
 
@@ -195,19 +195,19 @@ def fixed_python(rounds: int) -> None:
         state = after
 
 
-def arithmetic_side(rounds_of_a_unit: int = 1) -> Side:
+def arithmetic_side(rounds_of_a_unit: int = 1) -> TimedProgram:
     """Return the fixed compiled work in units of so many rounds."""
     table = np.linspace(0.0, 1.0, 101) ** 2
-    return Side(lambda _: fixed_arithmetic(ARITHMETIC_ROUNDS, table), ARITHMETIC_ROUNDS / rounds_of_a_unit)
+    return TimedProgram(lambda _: fixed_arithmetic(ARITHMETIC_ROUNDS, table), ARITHMETIC_ROUNDS / rounds_of_a_unit)
 
 
-def python_side(rounds_of_a_unit: int = 1) -> Side:
+def python_side(rounds_of_a_unit: int = 1) -> TimedProgram:
     """Return the fixed work in Python in units of so many rounds."""
-    return Side(lambda _: fixed_python(PYTHON_ROUNDS), PYTHON_ROUNDS / rounds_of_a_unit)
+    return TimedProgram(lambda _: fixed_python(PYTHON_ROUNDS), PYTHON_ROUNDS / rounds_of_a_unit)
 
 
 @dataclass(frozen=True)
-class Machine:
+class MachinePeaks:
     """The machine of a benchmark, with measured peaks of one thread in doubles with nothing fused.
 
     The peaks are None if they were not measured: only a checkout measures them.

@@ -22,8 +22,8 @@ import musclewire
 from musclewire.app.bench_measure import (
     Case,
     Comparison,
-    Machine,
-    Side,
+    MachinePeaks,
+    TimedProgram,
     arithmetic_side,
     comparison,
     paired_us,
@@ -39,7 +39,7 @@ from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import ConnectorLoad
 from musclewire.wire.paths import drive_path
 from musclewire.wire.state import WireState
-from musclewire.wire.stepping import CHOSEN, Stepping, fixed_steps
+from musclewire.wire.stepping import CHOSEN, StepControl, fixed_steps
 from musclewire.wire.wires import OneWire
 
 __all__ = ["Benchmark", "bench", "exchange_side", "paper_wire", "period_side", "step_side", "tick_side"]
@@ -89,7 +89,7 @@ class Benchmark:
         Whether there were few turns.
     """
 
-    machine: Machine
+    machine: MachinePeaks
     rows: tuple[Comparison, ...]
     left_out: tuple[tuple[str, str | None], ...]
     quick: bool
@@ -170,11 +170,11 @@ def checkout_module(folder: Path, name: str) -> Any:
     return import_module(f"benchmarks.speed.{name}")
 
 
-def machine_of(folder: Path | None) -> Machine:
+def machine_of(folder: Path | None) -> MachinePeaks:
     """Return this machine, with its peaks as a checkout measures them."""
     if folder is None:
-        return Machine(processor_name(), usable_cores())
-    found: Machine = checkout_module(folder, "machine").measured_machine()
+        return MachinePeaks(processor_name(), usable_cores())
+    found: MachinePeaks = checkout_module(folder, "machine").measured_machine()
     return found
 
 
@@ -192,14 +192,14 @@ def cases_with_fixed_work() -> Iterator[Case]:
     yield Case("fuzzy_pid_tick[fixed work]", work, python, lambda quick: (tick_side(quick), python_side(ROUNDS)))
 
 
-def step_side(step_s: float, load: ConnectorLoad | None = None) -> Side:
+def step_side(step_s: float, load: ConnectorLoad | None = None) -> TimedProgram:
     """Return a fixed step along a cycle of the slow sine in one call; a unit is a step."""
     wire = paper_wire(load)
     start = resting_state(wire)
-    return Side(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s, repeats=CYCLES)
+    return TimedProgram(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s, repeats=CYCLES)
 
 
-def period_side(quick: bool) -> Side:
+def period_side(quick: bool) -> TimedProgram:
     """Return periods along a whole cycle of the slow sine or, if quick, while the wire heats; a unit is a period."""
     wire = paper_wire()
     voltages = period_voltages(quick)
@@ -208,7 +208,7 @@ def period_side(quick: bool) -> Side:
         for voltage_v in voltages:
             wire.advance(voltage_v, CONTROL_PERIOD_S, CHOSEN)
 
-    return Side(run, len(voltages), partial(OneWire, wire))
+    return TimedProgram(run, len(voltages), partial(OneWire, wire))
 
 
 def period_voltages(quick: bool) -> list[float]:
@@ -218,7 +218,7 @@ def period_voltages(quick: bool) -> list[float]:
     return [drive_v(first_s + number * CONTROL_PERIOD_S) for number in range(periods)]
 
 
-def exchange_side(quick: bool) -> Side:
+def exchange_side(quick: bool) -> TimedProgram:
     """Return samples of the default rig while the wire heats; a unit is a sample."""
     # Imported here, as in the next one: the benchmark of a new process needs neither.
     from musclewire.rigs.configuration import open_rig
@@ -231,7 +231,7 @@ def exchange_side(quick: bool) -> Side:
             rig.exchange(drive)
         rig.close()
 
-    return Side(run, len(samples), partial(open_rig, "simulated"))
+    return TimedProgram(run, len(samples), partial(open_rig, "simulated"))
 
 
 def sample_voltages(quick: bool) -> list[float]:
@@ -239,7 +239,7 @@ def sample_voltages(quick: bool) -> list[float]:
     return [drive_v(20.0 + number * SAMPLE_S) for number in range(100 if quick else 400)]
 
 
-def tick_side(quick: bool, rule_base: str = "zhao-1993") -> Side:
+def tick_side(quick: bool, rule_base: str = "zhao-1993") -> TimedProgram:
     """Return ticks of the fuzzy PID with measurements that differ; a unit is a tick."""
     from musclewire.controllers import DriveLimits, FuzzyPid, FuzzyPidSettings
 
@@ -252,7 +252,7 @@ def tick_side(quick: bool, rule_base: str = "zhao-1993") -> Side:
         for strain in measured_strains:
             state = controller.step(state, 0.018, strain, 0.05).state
 
-    return Side(run, ticks)
+    return TimedProgram(run, ticks)
 
 
 def paper_wire(load: ConnectorLoad | None = None, scale: float = 1.0) -> WireConstants:
@@ -284,6 +284,6 @@ def slow_sine(sample_s: float) -> FloatArray:
     return drive
 
 
-def cycle(wire: WireConstants, start: WireState, sample_s: float, stepping: Stepping = CHOSEN) -> None:
+def cycle(wire: WireConstants, start: WireState, sample_s: float, stepping: StepControl = CHOSEN) -> None:
     """Follow one cycle of the slow sine in one call."""
     drive_path(wire, slow_sine(sample_s), sample_s=sample_s, stepping=stepping, state=start)

@@ -30,15 +30,15 @@ from musclewire.app.options import (
 )
 from musclewire.app.output import emit_json, say, show, step_bar, warn
 from musclewire.app.recording_options import ReadingOptions
-from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_samples
+from musclewire.app.stopping import StoppedCommand, stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from musclewire.identify.physical.advice import Advice
+    from musclewire.identify.physical.advice import ExperimentAdvice
     from musclewire.identify.physical.calibration import Calibration
-    from musclewire.identify.physical.search import Settings
+    from musclewire.identify.physical.search import SearchSettings
     from musclewire.signals.recording import Recording
 
 __all__ = ["calibrate"]
@@ -66,7 +66,7 @@ class SearchOptions:
     jumps: Annotated[int | None, JUMPS] = None
     threads: Annotated[int | None, THREADS] = None
 
-    def settings(self) -> Settings:
+    def settings(self) -> SearchSettings:
         """Return the settings of the effort with what the user chose otherwise."""
         from musclewire.identify.physical.search import settings_of_effort
 
@@ -183,10 +183,12 @@ def resumable(journal: Path | None) -> Iterator[None]:
     except SystemExit as stop:
         kept = journal is not None and journal.exists()
         rest = f"the same command continues where it stopped ({journal})" if kept else "nothing was kept: give -o"
-        raise Stopped(stop.code if isinstance(stop.code, int) else 1, rest) from None
+        raise StoppedCommand(stop.code if isinstance(stop.code, int) else 1, rest) from None
 
 
-def document(found: Calibration, advice: Sequence[Advice], output: Path | None, page: Path | None) -> dict[str, Any]:
+def document(
+    found: Calibration, advice: Sequence[ExperimentAdvice], output: Path | None, page: Path | None
+) -> dict[str, Any]:
     """Return the answer under the keys of the interface."""
     return {
         **found.as_dict(),
@@ -199,7 +201,7 @@ def document(found: Calibration, advice: Sequence[Advice], output: Path | None, 
     }
 
 
-def show_result(found: Calibration, advice: Sequence[Advice], output: Path | None, page: Path | None) -> None:
+def show_result(found: Calibration, advice: Sequence[ExperimentAdvice], output: Path | None, page: Path | None) -> None:
     """Print what was found and what to measure next on stdout."""
     show(str(found))
     if advice:
@@ -214,7 +216,7 @@ def show_result(found: Calibration, advice: Sequence[Advice], output: Path | Non
         say("warning: the fit does not hold; the report shows where")
 
 
-def advice_text(item: Advice) -> str:
+def advice_text(item: ExperimentAdvice) -> str:
     """Return what an experiment would add."""
     parts = [f"would identify {', '.join(item.identifies)}"] if item.identifies else []
     parts += [f"would halve the interval of {', '.join(item.narrows)}"] if item.narrows else []

@@ -16,7 +16,7 @@ from musclewire.app.files import require_recording_file
 from musclewire.app.home_command import HomeOptions
 from musclewire.app.many_loops_command import (
     MIN_VALID_FRACTION,
-    ManyLoopsOptions,
+    ManyLoopsChoice,
     refuse_single_run_options,
     run_many_loops,
 )
@@ -59,7 +59,7 @@ NO_RULES = "--rules belong to the controller fuzzy-pid, not to {}: leave one of 
 
 
 @dataclass(frozen=True)
-class LoopOptions:
+class ControlledLoopOptions:
     """What is controlled, along which reference, by which estimator and controller, and where the loop is closed."""
 
     quantity: Annotated[str, QUANTITY] = "strain"
@@ -76,9 +76,9 @@ class LoopOptions:
 def control(
     rig: RigName,
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
-    loop: LoopOptions,
+    loop: ControlledLoopOptions,
     timing: TimingOptions,
-    many: ManyLoopsOptions,
+    many: ManyLoopsChoice,
     homing: HomeOptions,
     figure: FigureOptions,
     output: Annotated[Path | None, OUTPUT] = None,
@@ -164,7 +164,7 @@ def end_by(run: ControlRun) -> None:
 
 
 def single_run_options(
-    loop: LoopOptions, timing: TimingOptions, figure: FigureOptions, output: Path | None, overwrite: bool
+    loop: ControlledLoopOptions, timing: TimingOptions, figure: FigureOptions, output: Path | None, overwrite: bool
 ) -> dict[str, bool]:
     """Return which options that only a single run can have were given, by name."""
     return {
@@ -199,7 +199,9 @@ def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> d
     }
 
 
-def loop_of(controller: str, settings: Any, load: KnownSpring | None, loop: LoopOptions) -> Callable[..., ControlRun]:
+def loop_of(
+    controller: str, settings: Any, load: KnownSpring | None, loop: ControlledLoopOptions
+) -> Callable[..., ControlRun]:
     """Return what runs the closed loop: on the host, or on the board that was built for this model and controller.
 
     Raises CallerError for options that change the host's numbers if the firmware's are to run.
@@ -227,14 +229,14 @@ def loop_of(controller: str, settings: Any, load: KnownSpring | None, loop: Loop
     return partial(control_on_board, settings=settings, estimator=loop.estimator or PAPER_ESTIMATOR)
 
 
-def estimator_of(loop: LoopOptions) -> str:
+def estimator_of(loop: ControlledLoopOptions) -> str:
     """Return the name of the estimator that the host runs."""
     from musclewire.experiment.closed_loop import default_estimator
 
     return loop.estimator or default_estimator(loop.wire_file)
 
 
-def settings_of(loop: LoopOptions) -> tuple[str, Any]:
+def settings_of(loop: ControlledLoopOptions) -> tuple[str, Any]:
     """Return controller and settings: those of a gains file, or by name; None for settings that are its defaults.
 
     Raises CallerError for an unknown estimator or controller, and for rules or a name that contradict the gains file.

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from musclewire.signals.import_mapping import ImportMapping
     from musclewire.signals.joining import JoinedRecordings
-    from musclewire.signals.understanding import Understanding
+    from musclewire.signals.understanding import FileInterpretation
 
 __all__ = ["import_recordings"]
 
@@ -123,7 +123,7 @@ def drawn(path: Path, mapping: ImportMapping, joined: JoinedRecordings | None, *
     return recording.plot(style=style)
 
 
-def imported(path: Path, mapping: ImportMapping, output: Path | None, matlab_version: str | None) -> Understanding:
+def imported(path: Path, mapping: ImportMapping, output: Path | None, matlab_version: str | None) -> FileInterpretation:
     """Return how a file was understood; if it can be used and there is an output, it has been converted."""
     from musclewire.signals import import_recording
 
@@ -141,14 +141,16 @@ def joined_files(files: list[Path], mappings: list[ImportMapping], join: str | N
     )
 
 
-def remember(understood: Understanding, path: Path) -> None:
+def remember(understood: FileInterpretation, path: Path) -> None:
     """Write the mapping by which a file was read."""
     from musclewire.signals import save_mapping
 
     save_mapping(understood.mapping, path)
 
 
-def report(understood: list[Understanding], joined: JoinedRecordings | None, written: list[Path], json: bool) -> None:
+def report(
+    understood: list[FileInterpretation], joined: JoinedRecordings | None, written: list[Path], json: bool
+) -> None:
     """Print how the files were joined and what was written; as JSON all that was found."""
     if json:
         emit_json(

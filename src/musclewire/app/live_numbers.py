@@ -27,7 +27,7 @@ class LiveNumbers:
         self._rig = rig
         self._row: Mapping[str, float] | None = None
 
-    def take(self, row: Mapping[str, float]) -> None:
+    def keep_row(self, row: Mapping[str, float]) -> None:
         """Keep a row of the run; the caller does not change it afterwards."""
         self._row = row
 

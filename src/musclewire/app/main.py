@@ -13,7 +13,7 @@ import typer
 
 from musclewire.app.command_line import CommandLine
 from musclewire.app.output import emit_json, say, show
-from musclewire.app.stopping import STOPPED, Stopped, ignore_signals, listen_for_signals
+from musclewire.app.stopping import STOPPED, StoppedCommand, ignore_signals, listen_for_signals
 from musclewire.errors import CallerError, MusclewireError
 
 __all__ = ["app", "main"]
@@ -100,7 +100,7 @@ def report_error(error: MusclewireError) -> int:
 
 def report_stop(stop: BaseException, code: int) -> int:
     """Say that a run was stopped, what is left of it or that the rig is safe, and where the recording is."""
-    rest = stop.rest if isinstance(stop, Stopped) else "the rig is safe"
+    rest = stop.rest if isinstance(stop, StoppedCommand) else "the rig is safe"
     say(f"musclewire: stopped by {STOPPED[code]}; {rest}")
     say_where_samples_are(stop)
     return code

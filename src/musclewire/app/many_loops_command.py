@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from musclewire.experiment.loop_outcomes import LoopOutcome, ManyControlRuns
     from musclewire.experiment.metrics import ControlMetrics
 
-__all__ = ["MIN_VALID_FRACTION", "ManyLoopsOptions", "refuse_single_run_options", "run_many_loops"]
+__all__ = ["MIN_VALID_FRACTION", "ManyLoopsChoice", "refuse_single_run_options", "run_many_loops"]
 
 
 # A closed loop with a smaller fraction of valid estimates was not closed.
@@ -25,7 +25,7 @@ MIN_VALID_FRACTION = 0.8
 
 
 @dataclass(frozen=True)
-class ManyLoopsOptions:
+class ManyLoopsChoice:
     """How many loops run at once, and how."""
 
     runs: Annotated[int | None, RUNS] = None
@@ -33,7 +33,7 @@ class ManyLoopsOptions:
     threads: Annotated[int | None, THREADS] = None
 
 
-def refuse_single_run_options(many: ManyLoopsOptions, single: dict[str, bool]) -> None:
+def refuse_single_run_options(many: ManyLoopsChoice, single: dict[str, bool]) -> None:
     """Raise CallerError for options of one run together with --runs, and for those of many runs without it.
 
     ``single`` holds which options of one run were given, by name.
@@ -48,7 +48,7 @@ def refuse_single_run_options(many: ManyLoopsOptions, single: dict[str, bool]) -
 
 
 def run_many_loops(
-    rig: str, seed: int | None, many: ManyLoopsOptions, loop: dict[str, Any], target: Reference, json: bool
+    rig: str, seed: int | None, many: ManyLoopsChoice, loop: dict[str, Any], target: Reference, json: bool
 ) -> None:
     """Run the loops and show their errors; exit code 1 if an error ended one of them."""
     from musclewire.experiment.closed_loop import approach_of

@@ -26,7 +26,7 @@ EXAMPLES = {
 }
 
 
-class Quantity(NamedTuple):
+class OptionQuantity(NamedTuple):
     """What an option with a number and a unit becomes: the SI unit, and the smallest and largest value in it.
 
     ``bare`` is the unit of a number that comes without one; "" if there must be one.
@@ -38,27 +38,27 @@ class Quantity(NamedTuple):
     bare: str = ""
 
 
-class Definition(NamedTuple):
+class OptionDefinition(NamedTuple):
     """What an option is called and means; ``quantity`` is None if its value is no number with a unit."""
 
     names: tuple[str, ...]
     help: str
-    quantity: Quantity | None = None
+    quantity: OptionQuantity | None = None
 
 
 # All options by their first name.
-OPTIONS: dict[str, Definition] = {}
+OPTIONS: dict[str, OptionDefinition] = {}
 
 
 def option(*names: str, help: str, **how: Any) -> Any:
     """Define an option; ``how`` goes to typer: smallest and largest number, how its value is shown."""
-    OPTIONS[names[0]] = Definition(names, help)
+    OPTIONS[names[0]] = OptionDefinition(names, help)
     return typer.Option(*names, help=help, **how)
 
 
 def quantity(name: str, unit: str, help: str, low: float = -inf, high: float = inf, bare: str = "") -> Any:
     """Define an option whose value is a number with a unit."""
-    OPTIONS[name] = Definition((name,), help, Quantity(unit, low, high, bare))
+    OPTIONS[name] = OptionDefinition((name,), help, OptionQuantity(unit, low, high, bare))
     return typer.Option(name, help=help, metavar="QUANTITY")
 
 

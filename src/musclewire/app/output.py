@@ -72,7 +72,7 @@ def progress_bar(
     if quiet:
         yield stop_if_asked
         return
-    bar = Bar(task, total_s, rig)
+    bar = ProgressBar(task, total_s, rig)
     try:
         yield bar.advance
     finally:
@@ -138,7 +138,7 @@ def run_bar(unit: str, quiet: bool = False) -> Iterator[OnRuns]:
             yield lambda done, total: progress.update(task, completed=done, total=total)
 
 
-class Bar:
+class ProgressBar:
     """A progress bar that appears with its first sample."""
 
     def __init__(self, task: str, total_s: float | None, rig: GuardedRig | None) -> None:
@@ -160,7 +160,7 @@ class Bar:
             self._before_s += self._last_s
         self._last_s = row["time_s"]
         if self._numbers is not None:
-            self._numbers.take(row)
+            self._numbers.keep_row(row)
         if self._progress is not None:
             self._progress.update(self._progress.task_ids[0], completed=self._before_s + self._last_s)
 

@@ -13,14 +13,21 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
 
-__all__ = ["STOPPED", "Stopped", "ignore_signals", "listen_for_signals", "stop_if_asked", "stops_between_samples"]
+__all__ = [
+    "STOPPED",
+    "StoppedCommand",
+    "ignore_signals",
+    "listen_for_signals",
+    "stop_if_asked",
+    "stops_between_samples",
+]
 
 # An ending takes this long at most; after that a further signal counts again.
 PATIENCE_S = 2.0
 STOPPED = {130: "Ctrl-C", 143: "SIGTERM"}
 
 
-class Stopped(SystemExit):
+class StoppedCommand(SystemExit):
     """A command that was stopped, with what is left of it in words; without them a rig was made safe."""
 
     def __init__(self, code: int, rest: str) -> None:
@@ -29,7 +36,7 @@ class Stopped(SystemExit):
         self.rest = rest
 
 
-class _Note:
+class _SignalState:
     """Whether signals wait for a sample now, and the exit code of one that does."""
 
     waiting_allowed = False
@@ -44,12 +51,12 @@ def listen_for_signals() -> None:
 
 
 def _on_signal(number: int, _frame: FrameType | None) -> None:
-    if _Note.ending_since_s is not None and time.monotonic() - _Note.ending_since_s < PATIENCE_S:
+    if _SignalState.ending_since_s is not None and time.monotonic() - _SignalState.ending_since_s < PATIENCE_S:
         return  # a double Ctrl-C must not break into the ending that the first one began
-    if _Note.waiting_allowed and _Note.exit_code is None:
-        _Note.exit_code = 128 + number
+    if _SignalState.waiting_allowed and _SignalState.exit_code is None:
+        _SignalState.exit_code = 128 + number
         return
-    _Note.ending_since_s = time.monotonic()
+    _SignalState.ending_since_s = time.monotonic()
     raise SystemExit(128 + number)
 
 
@@ -61,18 +68,18 @@ def ignore_signals() -> None:
 
 def stop_if_asked(_row: Mapping[str, float] | None = None) -> None:
     """Raise SystemExit if a signal has left its note; serves as a callback after each sample."""
-    if _Note.exit_code is not None:
-        code, _Note.exit_code = _Note.exit_code, None
-        _Note.ending_since_s = time.monotonic()
+    if _SignalState.exit_code is not None:
+        code, _SignalState.exit_code = _SignalState.exit_code, None
+        _SignalState.ending_since_s = time.monotonic()
         raise SystemExit(code)
 
 
 @contextmanager
 def stops_between_samples() -> Iterator[None]:
     """Let signals wait for the end of a sample inside this block, and for its end at the latest."""
-    _Note.waiting_allowed = True
+    _SignalState.waiting_allowed = True
     try:
         yield
     finally:
-        _Note.waiting_allowed = False
+        _SignalState.waiting_allowed = False
     stop_if_asked()

@@ -40,24 +40,24 @@ NO_CURRENT = float(Reason.NO_CURRENT)
 @compiled
 def fuzzy_tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
     """Control by the fuzzy-tuned PID: settings and rule base in ``constants``, the gains recorded."""
-    now = state.view(FUZZY_PID_STATE)[0]
+    memory = state.view(FUZZY_PID_STATE)[0]
     target, measured, reason, dt_s = given[0], given[1], given[4], given[5]
     if reason == NO_CURRENT:
-        if now["started"] != 0.0:
-            now["measured_rate"] = now["error_rate"] = now["rates_known"] = 0.0
-        answer_with(answer, now["drive_voltage_v"], 0.0, 0.0, 0.0, 0.0)
+        if memory["started"] != 0.0:
+            memory["measured_rate"] = memory["error_rate"] = memory["rates_known"] = 0.0
+        answer_with(answer, memory["drive_voltage_v"], 0.0, 0.0, 0.0, 0.0)
         return
-    if now["started"] == 0.0:
-        now["started"] = now["rates_known"] = 1.0
-        now["error"], now["measured"] = target - measured, measured
+    if memory["started"] == 0.0:
+        memory["started"] = memory["rates_known"] = 1.0
+        memory["error"], memory["measured"] = target - measured, measured
     before = (
-        now["drive_voltage_v"], now["error"], now["measured"], now["measured_rate"], now["error_rate"],
-        now["rates_known"] != 0.0,
+        memory["drive_voltage_v"], memory["error"], memory["measured"], memory["measured_rate"], memory["error_rate"],
+        memory["rates_known"] != 0.0,
     )  # fmt: skip
     settings, rules = constants[:N_SETTINGS].view(kernels.SETTINGS), constants[N_SETTINGS:].view(kernels.RULES)
     after = kernels.tick(before, target, measured, dt_s, settings, rules)
-    now["drive_voltage_v"], now["error"], now["measured"] = after[0], after[1], after[2]
-    now["measured_rate"], now["error_rate"], now["rates_known"] = after[3], after[4], 1.0
+    memory["drive_voltage_v"], memory["error"], memory["measured"] = after[0], after[1], after[2]
+    memory["measured_rate"], memory["error_rate"], memory["rates_known"] = after[3], after[4], 1.0
     failed = 0.0 if math.isfinite(target + measured) and math.isfinite(after[3] + after[4]) and dt_s > 0.0 else 1.0
     answer_with(answer, after[0], failed, after[6], after[7], after[8])
 
@@ -65,27 +65,31 @@ def fuzzy_tick(constants: FloatArray, state: FloatArray, given: FloatArray, answ
 @compiled
 def pid_tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
     """Control by the plain PID; its gains are recorded."""
-    of, now = constants.view(PID_SETTINGS)[0], state.view(PID_STATE)[0]
+    settings, memory = constants.view(PID_SETTINGS)[0], state.view(PID_STATE)[0]
     target, measured, reason, dt_s = given[0], given[1], given[4], given[5]
     if reason == NO_CURRENT:
-        if now["started"] != 0.0:
-            now["measured_rate"] = now["rates_known"] = 0.0
-        answer_with(answer, now["drive_voltage_v"], 0.0, 0.0, 0.0, 0.0)
+        if memory["started"] != 0.0:
+            memory["measured_rate"] = memory["rates_known"] = 0.0
+        answer_with(answer, memory["drive_voltage_v"], 0.0, 0.0, 0.0, 0.0)
         return
     error, rate = target - measured, 0.0
-    if now["started"] == 0.0:
-        now["started"] = now["rates_known"] = 1.0
-        now["error"], now["measured"] = error, measured
-    if now["rates_known"] != 0.0:
-        weight = dt_s / (of["derivative_filter_s"] + dt_s)
-        rate = now["measured_rate"] + weight * ((measured - now["measured"]) / dt_s - now["measured_rate"])
-    parts = of["kp"] * (error - now["error"]) + of["ki"] * dt_s * error - of["kd"] * (rate - now["measured_rate"])
-    drive_v = now["drive_voltage_v"] + of["input_scale"] * parts / of["error_unit"]
+    if memory["started"] == 0.0:
+        memory["started"] = memory["rates_known"] = 1.0
+        memory["error"], memory["measured"] = error, measured
+    if memory["rates_known"] != 0.0:
+        weight = dt_s / (settings["derivative_filter_s"] + dt_s)
+        rate = memory["measured_rate"] + weight * ((measured - memory["measured"]) / dt_s - memory["measured_rate"])
+    parts = (
+        settings["kp"] * (error - memory["error"])
+        + settings["ki"] * dt_s * error
+        - settings["kd"] * (rate - memory["measured_rate"])
+    )
+    drive_v = memory["drive_voltage_v"] + settings["input_scale"] * parts / settings["error_unit"]
     failed = 0.0 if math.isfinite(drive_v) and dt_s > 0.0 else 1.0
-    drive_v = min(max(drive_v, of["sense_voltage_v"]), of["maximum_voltage_v"])
-    now["drive_voltage_v"], now["error"], now["measured"] = drive_v, error, measured
-    now["measured_rate"], now["rates_known"] = rate, 1.0
-    answer_with(answer, drive_v, failed, of["kp"], of["ki"], of["kd"])
+    drive_v = min(max(drive_v, settings["sense_voltage_v"]), settings["maximum_voltage_v"])
+    memory["drive_voltage_v"], memory["error"], memory["measured"] = drive_v, error, measured
+    memory["measured_rate"], memory["rates_known"] = rate, 1.0
+    answer_with(answer, drive_v, failed, settings["kp"], settings["ki"], settings["kd"])
 
 
 @compiled

@@ -44,11 +44,11 @@ PowerLimits = tuple[float, float, float]
 
 
 @compiled
-def at(constants: FloatArray, table: int, value: float) -> float:
+def table_value(constants: FloatArray, table: int, value: float) -> float:
     """Return a table at a value of the quantity, linear between its levels and constant beyond them."""
-    of = constants[:N_NUMBERS].view(NUMBERS)[0]
-    last = int(of["n_levels"]) - 1
-    place = min(max((value - of["lowest"]) / of["spacing"], 0.0), float(last))
+    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
+    last = int(scalars["n_levels"]) - 1
+    place = min(max((value - scalars["lowest"]) / scalars["spacing"], 0.0), float(last))
     left = min(int(place), last - 1)
     first = N_NUMBERS + table * (last + 1) + left
     return float(constants[first] + (place - left) * (constants[first + 1] - constants[first]))
@@ -57,158 +57,167 @@ def at(constants: FloatArray, table: int, value: float) -> float:
 @compiled
 def edge_w(constants: FloatArray, place: float, value: float) -> float:
     """Return the power that holds a value at a place between the cooling branch (-1) and the heating branch (1)."""
-    heating, cooling = at(constants, HEATING, value), at(constants, COOLING, value)
+    heating, cooling = table_value(constants, HEATING, value), table_value(constants, COOLING, value)
     return float(0.5 * ((1.0 + place) * heating + (1.0 - place) * cooling))
 
 
 @compiled
 def power_w(constants: FloatArray, drive_voltage_v: float, value: float) -> float:
     """Return the electrical power in the wire at a drive voltage."""
-    of = constants[:N_NUMBERS].view(NUMBERS)[0]
-    resistance = at(constants, RESISTANCE, value)
-    current = drive_voltage_v / (resistance + of["shunt_resistance_ohm"])
+    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
+    resistance = table_value(constants, RESISTANCE, value)
+    current = drive_voltage_v / (resistance + scalars["shunt_resistance_ohm"])
     return float(current * current * resistance)
 
 
 @compiled
 def power_limits_w(constants: FloatArray, value: float) -> PowerLimits:
     """Return the power of the lowest and of the highest drive, and the highest steady one of the temperature limit."""
-    of = constants[:N_NUMBERS].view(NUMBERS)[0]
-    lowest_w = power_w(constants, of["sense_voltage_v"], value)
-    highest_w = power_w(constants, of["maximum_voltage_v"], value)
-    return lowest_w, highest_w, max(min(highest_w, of["maximum_steady_power_w"]), lowest_w)
+    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
+    lowest_w = power_w(constants, scalars["sense_voltage_v"], value)
+    highest_w = power_w(constants, scalars["maximum_voltage_v"], value)
+    return lowest_w, highest_w, max(min(highest_w, scalars["maximum_steady_power_w"]), lowest_w)
 
 
 @compiled
 def heat_per_value(constants: FloatArray, table: int, value: float) -> float:
     """Return the heat that moves the quantity by one on a branch: to warm the wire and to transform it."""
-    of = constants[:N_NUMBERS].view(NUMBERS)[0]
-    return float(of["thermal_time_constant_s"] * at(constants, table, value) + of["heat_per_unit"])
+    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
+    return float(scalars["thermal_time_constant_s"] * table_value(constants, table, value) + scalars["heat_per_unit"])
 
 
 @compiled
 def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
     """Control by feedforward of power and heat, and by a PI on what that leaves."""
-    now = state.view(STATE)[0]
+    state_row = state.view(STATE)[0]
     target, value, valid, reason, dt_s = given[0], given[1], given[3], given[4], given[5]
-    answer[0], answer[1], answer[2], answer[3] = now["drive_voltage_v"], 0.0, now["steady_w"], now["pulse_j"]
+    answer[0], answer[1], answer[2], answer[3] = (
+        state_row["drive_voltage_v"],
+        0.0,
+        state_row["steady_w"],
+        state_row["pulse_j"],
+    )
     if reason == NO_CURRENT:
         return
     if not math.isfinite(target - value) or not dt_s > 0.0 or not math.isfinite(dt_s):
         answer[1] = 1.0
         return
-    of = constants[:N_NUMBERS].view(NUMBERS)[0]
+    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
     if reason in (COLD, NOT_READY):
-        value = min(value, of["lowest"])
+        value = min(value, scalars["lowest"])
     limits_w = power_limits_w(constants, value)
-    first = now["started"] == 0.0
+    first = state_row["started"] == 0.0
     if first:
-        take_over(constants, now, value)
-    if target != now["target"]:
-        new_target(constants, now, target, value, first and valid == 0.0, limits_w)
-    error = expected(constants, now, target) - value
-    cross_the_gap(constants, now, value, error, dt_s, valid, limits_w)
-    command(constants, now, value, error, dt_s, limits_w)
-    answer[0], answer[2], answer[3] = now["drive_voltage_v"], now["steady_w"], now["pulse_j"]
+        take_over(constants, state_row, value)
+    if target != state_row["target"]:
+        new_target(constants, state_row, target, value, first and valid == 0.0, limits_w)
+    error = expected(constants, state_row, target) - value
+    cross_the_gap(constants, state_row, value, error, dt_s, valid, limits_w)
+    command(constants, state_row, value, error, dt_s, limits_w)
+    answer[0], answer[2], answer[3] = state_row["drive_voltage_v"], state_row["steady_w"], state_row["pulse_j"]
 
 
 @compiled
-def take_over(constants: FloatArray, now: Any, value: float) -> None:
+def take_over(constants: FloatArray, state: Any, value: float) -> None:
     """Start from the drive that is applied, as one that has been there for long."""
-    now["started"] = 1.0
-    now["power_w"] = power_w(constants, now["drive_voltage_v"], value)
-    now["steady_w"] = now["balance_w"] = now["power_w"]
-    now["target"] = now["start_value"] = now["anchor"] = value
+    state["started"] = 1.0
+    state["power_w"] = power_w(constants, state["drive_voltage_v"], value)
+    state["steady_w"] = state["balance_w"] = state["power_w"]
+    state["target"] = state["start_value"] = state["anchor"] = value
 
 
 @compiled
-def new_target(constants: FloatArray, now: Any, target: float, value: float, cold: bool, limits_w: PowerLimits) -> None:
+def new_target(
+    constants: FloatArray, state: Any, target: float, value: float, cold: bool, limits_w: PowerLimits
+) -> None:
     """Add what a new target takes: steady power of its branch, and the heat for the way there."""
     lowest_w, _, steady_limit_w = limits_w
-    of = constants[:N_NUMBERS].view(NUMBERS)[0]
-    side = 1.0 if target > now["target"] else -1.0
-    place = now["place"] if now["place"] != 0.0 else side
+    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
+    side = 1.0 if target > state["target"] else -1.0
+    place = state["place"] if state["place"] != 0.0 else side
     if cold:  # no branch is known of a cold wire: all that the target takes
-        change_w = edge_w(constants, 1.0, target) - now["steady_w"]
+        change_w = edge_w(constants, 1.0, target) - state["steady_w"]
     else:
-        here_w = edge_w(constants, side, now["target"])
-        gap_w = here_w - edge_w(constants, place, now["target"])
+        here_w = edge_w(constants, side, state["target"])
+        gap_w = here_w - edge_w(constants, place, state["target"])
         change_w = edge_w(constants, side, target) - here_w + gap_w
-    steady_w = min(max(now["steady_w"] + change_w, lowest_w), steady_limit_w)
-    warming_j = of["thermal_time_constant_s"] * (steady_w - now["steady_w"])
-    now["pulse_j"] += warming_j + of["heat_per_unit"] * (target - now["target"])
-    now["steady_w"], now["start_value"], now["place"], now["target"] = steady_w, value, side, target
+    steady_w = min(max(state["steady_w"] + change_w, lowest_w), steady_limit_w)
+    warming_j = scalars["thermal_time_constant_s"] * (steady_w - state["steady_w"])
+    state["pulse_j"] += warming_j + scalars["heat_per_unit"] * (target - state["target"])
+    state["steady_w"], state["start_value"], state["place"], state["target"] = steady_w, value, side, target
 
 
 @compiled
-def expected(constants: FloatArray, now: Any, target: float) -> float:
+def expected(constants: FloatArray, state: Any, target: float) -> float:
     """Return where the wire should be by now: short of its target by the heat that is still to come."""
-    table = HEATING_SLOPE if now["place"] >= 0.0 else COOLING_SLOPE
-    short = target - now["pulse_j"] / heat_per_value(constants, table, target)
-    return float(min(max(short, min(now["start_value"], target)), max(now["start_value"], target)))
+    table = HEATING_SLOPE if state["place"] >= 0.0 else COOLING_SLOPE
+    short = target - state["pulse_j"] / heat_per_value(constants, table, target)
+    return float(min(max(short, min(state["start_value"], target)), max(state["start_value"], target)))
 
 
 @compiled
 def cross_the_gap(
-    constants: FloatArray, now: Any, value: float, error: float, dt_s: float, valid: float, limits_w: PowerLimits
+    constants: FloatArray, state: Any, value: float, error: float, dt_s: float, valid: float, limits_w: PowerLimits
 ) -> None:
     """Let a wire that stands on the wrong side of its target jump over most of the gap between the branches."""
     lowest_w, _, steady_limit_w = limits_w
-    of = constants[:N_NUMBERS].view(NUMBERS)[0]
-    watch(constants, now, value, dt_s)
+    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
+    watch(constants, state, value, dt_s)
     side = 1.0 if error > 0.0 else -1.0
-    table = HEATING_SLOPE if now["place"] >= 0.0 else COOLING_SLOPE
-    pulse_over = abs(now["pulse_j"]) < of["tolerance"] * heat_per_value(constants, table, now["target"])
-    still = now["still_s"] >= STILL_S
-    if valid != 0.0 and pulse_over and still and abs(error) > of["tolerance"] and now["place"] * side <= 0.0:
-        gap_w = of["gap_fraction"] * (edge_w(constants, side, value) - edge_w(constants, now["place"], value))
-        now["steady_w"] = min(max(now["balance_w"] + gap_w, lowest_w), steady_limit_w)
-        now["pulse_j"] += of["thermal_time_constant_s"] * gap_w
-        now["place"] = side
+    table = HEATING_SLOPE if state["place"] >= 0.0 else COOLING_SLOPE
+    pulse_over = abs(state["pulse_j"]) < scalars["tolerance"] * heat_per_value(constants, table, state["target"])
+    still = state["still_s"] >= STILL_S
+    if valid != 0.0 and pulse_over and still and abs(error) > scalars["tolerance"] and state["place"] * side <= 0.0:
+        gap_w = scalars["gap_fraction"] * (edge_w(constants, side, value) - edge_w(constants, state["place"], value))
+        state["steady_w"] = min(max(state["balance_w"] + gap_w, lowest_w), steady_limit_w)
+        state["pulse_j"] += scalars["thermal_time_constant_s"] * gap_w
+        state["place"] = side
 
 
 @compiled
-def watch(constants: FloatArray, now: Any, value: float, dt_s: float) -> None:
+def watch(constants: FloatArray, state: Any, value: float, dt_s: float) -> None:
     """Measure for how long the wire has stood still."""
-    of = constants[:N_NUMBERS].view(NUMBERS)[0]
-    if abs(value - now["anchor"]) > 0.5 * of["tolerance"]:
-        now["anchor"], now["still_s"] = value, 0.0
+    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
+    if abs(value - state["anchor"]) > 0.5 * scalars["tolerance"]:
+        state["anchor"], state["still_s"] = value, 0.0
     else:
-        now["still_s"] += dt_s
+        state["still_s"] += dt_s
 
 
 @compiled
-def command(constants: FloatArray, now: Any, value: float, error: float, dt_s: float, limits_w: PowerLimits) -> None:
+def command(constants: FloatArray, state: Any, value: float, error: float, dt_s: float, limits_w: PowerLimits) -> None:
     """Set the drive voltage, then advance integral, pulse and heat balance with the power within the limits."""
     lowest_w, highest_w, steady_limit_w = limits_w
-    of = constants[:N_NUMBERS].view(NUMBERS)[0]
-    tau_s = of["thermal_time_constant_s"]
-    gain = heat_per_value(constants, HEATING_SLOPE if error > 0.0 else COOLING_SLOPE, value) / of["response_s"]
+    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
+    tau_s = scalars["thermal_time_constant_s"]
+    gain = heat_per_value(constants, HEATING_SLOPE if error > 0.0 else COOLING_SLOPE, value) / scalars["response_s"]
     # With this power the heat balance is at the limit after this sample, not above it.
-    warmest_w = steady_limit_w + max(0.0, steady_limit_w - now["balance_w"]) * tau_s / dt_s
+    warmest_w = steady_limit_w + max(0.0, steady_limit_w - state["balance_w"]) * tau_s / dt_s
     limit_w = max(min(highest_w, warmest_w), lowest_w)
-    without_pulse_w = now["steady_w"] + gain * error
-    wanted_w = without_pulse_w + now["pulse_j"] / of["pulse_time_s"]
+    without_pulse_w = state["steady_w"] + gain * error
+    wanted_w = without_pulse_w + state["pulse_j"] / scalars["pulse_time_s"]
     given_w = min(max(wanted_w, lowest_w), limit_w)
     by_pulse_w = given_w - min(max(without_pulse_w, lowest_w), limit_w)
-    now["pulse_j"] -= dt_s * (by_pulse_w + now["pulse_j"] / tau_s)
-    integral_w = gain * error * dt_s / of["integral_time_s"]
+    state["pulse_j"] -= dt_s * (by_pulse_w + state["pulse_j"] / tau_s)
+    integral_w = gain * error * dt_s / scalars["integral_time_s"]
     if not ((wanted_w > limit_w and integral_w > 0.0) or (wanted_w < lowest_w and integral_w < 0.0)):
-        now["steady_w"] = min(max(now["steady_w"] + integral_w, lowest_w), steady_limit_w)
-    now["balance_w"] += min(dt_s / tau_s, 1.0) * (given_w - now["balance_w"])
-    set_drive(constants, now, value, given_w, lowest_w, highest_w)
+        state["steady_w"] = min(max(state["steady_w"] + integral_w, lowest_w), steady_limit_w)
+    state["balance_w"] += min(dt_s / tau_s, 1.0) * (given_w - state["balance_w"])
+    set_drive(constants, state, value, given_w, lowest_w, highest_w)
 
 
 @compiled
-def set_drive(constants: FloatArray, now: Any, value: float, given_w: float, lowest_w: float, highest_w: float) -> None:
+def set_drive(
+    constants: FloatArray, state: Any, value: float, given_w: float, lowest_w: float, highest_w: float
+) -> None:
     """Set the drive voltage of a power; at a limit of the power exactly that of the drive."""
-    of = constants[:N_NUMBERS].view(NUMBERS)[0]
+    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
     if given_w == lowest_w:
-        now["drive_voltage_v"] = of["sense_voltage_v"]
+        state["drive_voltage_v"] = scalars["sense_voltage_v"]
     elif given_w == highest_w:
-        now["drive_voltage_v"] = of["maximum_voltage_v"]
-    elif given_w != now["power_w"]:
-        resistance = at(constants, RESISTANCE, value)
-        drive_v = math.sqrt(given_w / resistance) * (resistance + of["shunt_resistance_ohm"])
-        now["drive_voltage_v"] = min(max(drive_v, of["sense_voltage_v"]), of["maximum_voltage_v"])
-    now["power_w"] = given_w
+        state["drive_voltage_v"] = scalars["maximum_voltage_v"]
+    elif given_w != state["power_w"]:
+        resistance = table_value(constants, RESISTANCE, value)
+        drive_v = math.sqrt(given_w / resistance) * (resistance + scalars["shunt_resistance_ohm"])
+        state["drive_voltage_v"] = min(max(drive_v, scalars["sense_voltage_v"]), scalars["maximum_voltage_v"])
+    state["power_w"] = given_w

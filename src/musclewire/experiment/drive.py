@@ -22,13 +22,13 @@ from musclewire.sensing.estimator import dropout_failure
 from musclewire.signals.exchange import Command, Drive, RawSample
 from musclewire.signals.recording import MetadataValue, Recording
 
-__all__ = ["ALWAYS", "HeldCurrent", "HeldVoltage", "Pulses", "WithTruth", "drive_wire", "pulses_of"]
+__all__ = ["ALWAYS", "HeldCurrent", "HeldVoltage", "PulseTrain", "WithTruth", "drive_wire", "pulses_of"]
 
 # Samples without current after which a wire counts as broken.
 MAX_DROPOUTS = 5
 
 
-class Pulses(NamedTuple):
+class PulseTrain(NamedTuple):
     """A square wave in whole samples: the first ``on`` samples of every ``period`` are driven."""
 
     on: int = 1
@@ -40,12 +40,12 @@ class Pulses(NamedTuple):
 
 
 # No pauses.
-ALWAYS = Pulses()
+ALWAYS = PulseTrain()
 # A period has at least this many samples, so that a duty is met to a twentieth.
 MIN_PERIOD_SAMPLES = 10
 
 
-def pulses_of(duty: float, period_s: float, sample_period_s: float) -> Pulses:
+def pulses_of(duty: float, period_s: float, sample_period_s: float) -> PulseTrain:
     """Return the square wave nearest to a duty and a period. Raises CallerError for one that samples cannot make."""
     if not 0.0 < duty <= 1.0:
         raise CallerError(f"the duty is {duty:g}: it must be above 0 and at most 1 (100 %)")
@@ -55,7 +55,7 @@ def pulses_of(duty: float, period_s: float, sample_period_s: float) -> Pulses:
             f"a duty's period of {period_s:g} s has fewer than {MIN_PERIOD_SAMPLES} samples of {sample_period_s:g} s: "
             "give a longer one; pulses of kilohertz are the key [pwm] of a simulated rig's file"
         )
-    return Pulses(max(round(duty * period), 1), period)
+    return PulseTrain(max(round(duty * period), 1), period)
 
 
 class HeldVoltage:
@@ -69,7 +69,7 @@ class HeldVoltage:
         sense_voltage_v: float,
         sample_period_s: float,
         on_s: float,
-        pulses: Pulses = ALWAYS,
+        pulses: PulseTrain = ALWAYS,
     ) -> None:
         """Hold ``drive_voltage_v`` for ``on_s``; the first sample senses the wire cold."""
         self._drive_voltage_v = drive_voltage_v
@@ -112,7 +112,7 @@ class HeldCurrent:
         shunt_resistance_ohm: float,
         sample_period_s: float,
         on_s: float,
-        pulses: Pulses = ALWAYS,
+        pulses: PulseTrain = ALWAYS,
     ) -> None:
         """Hold ``current_a`` for ``on_s`` within ``maximum_voltage_v``; the first sample measures."""
         self._current_a = current_a
@@ -172,7 +172,7 @@ class WithTruth:
         return known and known._replace(true_names=tuple(self._names.values()))
 
 
-class Kept(TypedDict, total=False):
+class RecordingChoice(TypedDict, total=False):
     """Where a run is recorded, whether an earlier file may be replaced, and what is called with every row."""
 
     path: str | Path | None
@@ -187,8 +187,8 @@ def drive_wire(
     duration_s: float,
     supply_v: float | None = None,
     current_a: float | None = None,
-    pulses: Pulses = ALWAYS,
-    **kept: Unpack[Kept],
+    pulses: PulseTrain = ALWAYS,
+    **kept: Unpack[RecordingChoice],
 ) -> Recording:
     """Switch a supply or a held current on for ``on_s`` and record the rig for ``duration_s`` in total.
 
@@ -206,7 +206,7 @@ def drive_wire(
     return run_on_rig(rig, policy, duration_s, metadata=described, **kept)
 
 
-def policy_for(rig: Rig, on_s: float, limit_v: float, current_a: float | None, pulses: Pulses) -> Policy:
+def policy_for(rig: Rig, on_s: float, limit_v: float, current_a: float | None, pulses: PulseTrain) -> Policy:
     """Return a policy that holds a voltage or a limited current, with the true temperature if the rig knows it."""
     policy: Policy = HeldVoltage(limit_v, rig.sense_voltage_v, rig.sample_period_s, on_s, pulses)
     if current_a is not None:

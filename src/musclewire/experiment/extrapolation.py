@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.signal import lfilter
 
-from musclewire.parameters.validity import Reached, ValidityLimits, beyond_validity, section_m2
+from musclewire.parameters.validity import ReachedConditions, ValidityLimits, beyond_validity, section_m2
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
 from musclewire.signals.run_facts import RunFacts
@@ -28,7 +28,7 @@ def extrapolation_metadata(recording: Recording) -> dict[str, str]:
     return {"extrapolation": "; ".join(found)} if found else {}
 
 
-def reached_in(recording: Recording) -> Reached:
+def reached_in(recording: Recording) -> ReachedConditions:
     """Return the stresses and the temperature of a run, as far as instruments and metadata show them.
 
     Stress is the load cell's force over all sections that it reads together, the pretension's without a load cell.
@@ -36,7 +36,7 @@ def reached_in(recording: Recording) -> Reached:
     section = whole_section_m2(recording.facts)
     temperature = temperature_k(recording)
     if section is None:
-        return Reached(temperature_k=temperature)
+        return ReachedConditions(temperature_k=temperature)
     pretension = recording.facts.number_or_none("pretension_n")
     cold = largest = pretension
     if "force_n" in recording and len(recording):
@@ -44,7 +44,7 @@ def reached_in(recording: Recording) -> Reached:
         noise = NOISES * noise_level(force)
         cold, largest = max(float(np.nanmin(force)) + noise, 0.0), float(np.nanmax(force)) - noise
     stresses = [None if force_n is None else force_n / section for force_n in (cold, largest)]
-    return Reached(stresses[0], stresses[1], temperature, section)
+    return ReachedConditions(stresses[0], stresses[1], temperature, section)
 
 
 def whole_section_m2(facts: RunFacts) -> float | None:

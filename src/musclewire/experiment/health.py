@@ -11,7 +11,7 @@ from musclewire.identify.recordings import COLUMN_SUFFIX
 from musclewire.sensing.health import CAUSE_TEXT, Cause
 from musclewire.signals.recording import Recording
 
-__all__ = ["Finding", "findings", "health_metadata", "health_warnings", "result_holds"]
+__all__ = ["TimedFinding", "findings", "health_metadata", "health_warnings", "result_holds"]
 
 NAMES = {
     Cause.SATURATION: "saturation",
@@ -32,7 +32,7 @@ MAX_SATURATED = 0.1
 GRAVE = (Cause.CHANGED_LOAD, Cause.OTHER_WIRE, Cause.STALLED)
 
 
-class Finding(NamedTuple):
+class TimedFinding(NamedTuple):
     """A cause with the time [s] at which it was first found, and for how long [s] in total."""
 
     cause: Cause
@@ -40,7 +40,7 @@ class Finding(NamedTuple):
     lasted_s: float
 
 
-def findings(recording: Recording) -> tuple[Finding, ...]:
+def findings(recording: Recording) -> tuple[TimedFinding, ...]:
     """Return what is wrong in a closed loop, in the order of time; nothing for a recording without a target.
 
     Parameters
@@ -63,7 +63,7 @@ def findings(recording: Recording) -> tuple[Finding, ...]:
             marked[cause] = recording["health"] == float(cause)
     period_s = period_of(recording)
     found = [
-        Finding(cause, float(recording["time_s"][np.argmax(where)]), float(where.sum()) * period_s)
+        TimedFinding(cause, float(recording["time_s"][np.argmax(where)]), float(where.sum()) * period_s)
         for cause, where in marked.items()
         if where.any()
     ]

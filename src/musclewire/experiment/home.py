@@ -113,11 +113,15 @@ def home_duration_s(rig: Rig, model: SensingModel) -> float:
     return plan_for(rig, model).duration_s
 
 
-def require_spring(model: SensingModel, now: MetadataValue) -> None:
+def require_spring(model: SensingModel, stated_n_per_m: MetadataValue) -> None:
     """Raise CallerError if the rig states another spring than the model was characterised on."""
     before = model.wire.get("spring_stiffness_n_per_m")
-    if isinstance(before, int | float) and isinstance(now, int | float) and abs(now - before) > SAME_SPRING * before:
+    if (
+        isinstance(before, int | float)
+        and isinstance(stated_n_per_m, int | float)
+        and abs(stated_n_per_m - before) > SAME_SPRING * before
+    ):
         raise CallerError(
-            f"the wire pulls {now:g} N/m and pulled {before:g} N/m at the characterisation: make the home move on the "
-            "same load, or characterise again on this one"
+            f"the wire pulls {stated_n_per_m:g} N/m and pulled {before:g} N/m at the characterisation: make the "
+            "home move on the same load, or characterise again on this one"
         )

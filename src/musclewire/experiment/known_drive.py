@@ -78,7 +78,7 @@ def run_compiled_drive(rig: Rig, policy: object, samples: int) -> TakenRun | str
     if not (isinstance(policy, KnownDrivePolicy) and isinstance(rig, GuardedRig)) or true_state_of(rig) is None:
         return ""
     # Only now: a real rig does without the simulator.
-    from musclewire.rigs.compiled_loop.kernel import Ended
+    from musclewire.rigs.compiled_loop.kernel import CompiledLoopEnd
     from musclewire.rigs.compiled_loop.known_drive import run_known_drive
     from musclewire.rigs.compiled_loop.running import times_on_rig_s, uncompiled
 
@@ -91,6 +91,6 @@ def run_compiled_drive(rig: Rig, policy: object, samples: int) -> TakenRun | str
     if known is None:
         return ""
     run = run_known_drive(rig, times_s, known.drives_v, known.true_names)
-    if run.ended is not Ended.DONE:
+    if run.ended is not CompiledLoopEnd.DONE:
         return f"{run.ended.name.lower().replace('_', ' ')} at sample {run.samples + 1}"
     return TakenRun(np.array(elapsed_s), run.columns, np.hstack([known.values, run.true]))

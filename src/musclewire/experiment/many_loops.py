@@ -30,8 +30,8 @@ from musclewire.experiment.run import what_protects
 from musclewire.experiment.run_warnings import run_warnings
 from musclewire.experiment.timing_facts import NO_CLOCK
 from musclewire.identify.recordings import COLUMN_SUFFIX
-from musclewire.rigs.compiled_loop.kernel import Ended
-from musclewire.rigs.compiled_loop.running import CompiledRun, LoopTicks, Targets, run_compiled, times_on_rig_s
+from musclewire.rigs.compiled_loop.kernel import CompiledLoopEnd
+from musclewire.rigs.compiled_loop.running import CompiledRun, LoopTargets, LoopTicks, run_compiled, times_on_rig_s
 from musclewire.rigs.configuration import open_rig, rig_configuration
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.kinds import DeviceConfiguration
@@ -45,7 +45,12 @@ __all__ = ["ManyLoopsOptions", "control_compiled", "control_many"]
 
 # If a compiled loop ended like this, the loop in Python must end with an error. After a reading that is not sound the
 # protection may also hold the drive and go on.
-ENDS_A_RUN = (Ended.COMMAND_NOT_SOUND, Ended.WIRE_NOT_RESOLVED, Ended.ESTIMATOR_FAILED, Ended.CONTROLLER_FAILED)
+ENDS_A_RUN = (
+    CompiledLoopEnd.COMMAND_NOT_SOUND,
+    CompiledLoopEnd.WIRE_NOT_RESOLVED,
+    CompiledLoopEnd.ESTIMATOR_FAILED,
+    CompiledLoopEnd.CONTROLLER_FAILED,
+)
 
 
 class ManyLoopsOptions(TypedDict, total=False):
@@ -64,7 +69,7 @@ class ManyLoopsOptions(TypedDict, total=False):
     on_outcome: Callable[[LoopOutcome], None]
 
 
-class Case(NamedTuple):
+class LoopCase(NamedTuple):
     """One loop to run."""
 
     rig: DeviceConfiguration
@@ -79,7 +84,7 @@ class CompiledLoop(NamedTuple):
     choice: LoopChoice
     prepared: PreparedLoop
     ticks: LoopTicks
-    targets: Targets
+    targets: LoopTargets
     elapsed_s: FloatArray
     first_drive_v: float
 
@@ -217,7 +222,7 @@ def control_compiled(
     with rig:
         loop = compiled_loop_on(rig, model, reference, choice)
         run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
-        if run.ended is Ended.DONE:
+        if run.ended is CompiledLoopEnd.DONE:
             return control_run(rig, loop, run)
         in_python = control(rig, model, loop.prepared.reference, **choice.options)
         if run.ended in ENDS_A_RUN:
@@ -225,7 +230,7 @@ def control_compiled(
         return in_python
 
 
-def cases_of(rigs: Any, models: SensingModel | Sequence[SensingModel], seeds: tuple[int, ...]) -> list[Case]:
+def cases_of(rigs: Any, models: SensingModel | Sequence[SensingModel], seeds: tuple[int, ...]) -> list[LoopCase]:
     """Return the loops to run.
 
     Raises CallerError for no seeds, for lists that are not as long as the seeds, and for an open rig.
@@ -243,10 +248,10 @@ def cases_of(rigs: Any, models: SensingModel | Sequence[SensingModel], seeds: tu
         )
     known = {id(one): rig_configuration(one, may_import=True)[0] for one in each_rig}
     configurations = [known[id(one)] for one in each_rig] * (len(seeds) // len(each_rig))
-    return list(map(Case, configurations, each_model * (len(seeds) // len(each_model)), seeds))
+    return list(map(LoopCase, configurations, each_model * (len(seeds) // len(each_model)), seeds))
 
 
-def outcomes_in_python(cases: list[Case], reference: Reference | None, choice: LoopChoice) -> Iterator[LoopOutcome]:
+def outcomes_in_python(cases: list[LoopCase], reference: Reference | None, choice: LoopChoice) -> Iterator[LoopOutcome]:
     """Yield the outcomes of loops in Python, one after another."""
     for case in cases:
         with open_rig(case.rig, seed=case.seed) as rig:
@@ -254,7 +259,7 @@ def outcomes_in_python(cases: list[Case], reference: Reference | None, choice: L
 
 
 def compiled_outcomes(
-    cases: list[Case], reference: Reference | None, choice: LoopChoice, threads: int | None
+    cases: list[LoopCase], reference: Reference | None, choice: LoopChoice, threads: int | None
 ) -> Iterator[LoopOutcome]:
     """Yield the outcomes of compiled loops in the order of the cases."""
     loops: dict[tuple[int, int], CompiledLoop] = {}
@@ -264,7 +269,7 @@ def compiled_outcomes(
             with open_rig(case.rig, seed=case.seed) as rig:
                 loops[key] = compiled_loop_on(rig, case.model, reference, choice)
 
-    def outcome(case: Case) -> LoopOutcome:
+    def outcome(case: LoopCase) -> LoopOutcome:
         with open_rig(case.rig, seed=case.seed) as rig:
             return outcome_on(rig, loops[id(case.rig), id(case.model)], case.seed)
 
@@ -289,7 +294,7 @@ def compiled_loop_on(
     held = np.maximum(elapsed_s - rig.sample_period_s - choice.approach_s, 0.0)
     following = np.maximum(elapsed_s - choice.approach_s, 0.0)
     values = np.array([prepared.reference.targets_at(held), prepared.reference.targets_at(following)])
-    return CompiledLoop(model, choice, prepared, ticks, Targets(times_s, values), elapsed_s, first_drive_v)
+    return CompiledLoop(model, choice, prepared, ticks, LoopTargets(times_s, values), elapsed_s, first_drive_v)
 
 
 def ticks_of(prepared: PreparedLoop, choice: LoopChoice, first_drive_v: float) -> LoopTicks:
@@ -318,7 +323,7 @@ def ticks_of(prepared: PreparedLoop, choice: LoopChoice, first_drive_v: float) -
 def outcome_on(rig: GuardedRig, loop: CompiledLoop, seed: int) -> LoopOutcome:
     """Return the outcome of a compiled loop on a rig, or that of ``control`` where something unusual happened."""
     run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
-    if run.ended is Ended.DONE:
+    if run.ended is CompiledLoopEnd.DONE:
         whole = control_run(rig, loop, run)
         return LoopOutcome(seed, "done", True, whole.metrics, whole, run_warnings(whole))
     outcome = outcome_in_python(rig, loop.model, loop.prepared.reference, loop.choice, seed)
@@ -327,7 +332,7 @@ def outcome_on(rig: GuardedRig, loop: CompiledLoop, seed: int) -> LoopOutcome:
     return outcome
 
 
-def unlike(ended: Ended, which: str = "") -> str:
+def unlike(ended: CompiledLoopEnd, which: str = "") -> str:
     """Return the message on a compiled loop that ended where the loop in Python goes on."""
     return (
         f"the compiled loop {which}ended by {ended.name.lower()}, the loop in Python did not: a compiled tick differs "

@@ -27,7 +27,7 @@ from musclewire.experiment.endings import cause_of, first_line, rescued, softwar
 from musclewire.experiment.extrapolation import extrapolation_metadata
 from musclewire.experiment.health import health_metadata
 from musclewire.experiment.known_drive import TakenRun, run_compiled_drive
-from musclewire.experiment.timing_facts import NO_CLOCK, Pace, timing_metadata
+from musclewire.experiment.timing_facts import NO_CLOCK, RunPacing, timing_metadata
 from musclewire.rigs.abilities import adjustable_clock_of, exchange_times_of, protection_limits_of
 from musclewire.rigs.device import AdjustableClock
 from musclewire.rigs.protocol import Rig
@@ -212,7 +212,7 @@ def run_on_rig(
                     recorder.append_all(taken.rows(measured))
                 else:
                     first = exchange(command) if first is None else first
-                    loop = Loop(policy, exchange, recorder, measured, until)
+                    loop = RunParts(policy, exchange, recorder, measured, until)
                     follow(loop, first, samples, rig.sample_period_s, timing, on_sample)
             finally:
                 rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
@@ -224,7 +224,7 @@ def run_on_rig(
     return recorder.recording()
 
 
-class Loop(NamedTuple):
+class RunParts(NamedTuple):
     """What meets in a run: the policy, the rig's exchange, the recorder, its fields of a sample, and an early end."""
 
     policy: Policy
@@ -235,7 +235,7 @@ class Loop(NamedTuple):
 
 
 def follow(
-    loop: Loop,
+    loop: RunParts,
     sample: RawSample,
     samples: int,
     sample_period_s: float,
@@ -445,7 +445,7 @@ class LoopTiming:
 
     def __init__(self, sample_period_s: float, paced: bool, clock: AdjustableClock | None = None) -> None:
         """Watch a run of this sample period; ``paced`` if a real clock sets its pace, at the speed of ``clock``."""
-        self._pace = Pace(sample_period_s, paced, clock)
+        self._pace = RunPacing(sample_period_s, paced, clock)
         self._drive_ns, self._sample_ns, self._callbacks_ns = array("q"), array("q"), array("q")
 
     def sampled(self, drive_at_ns: int, sample_at_ns: int) -> None:

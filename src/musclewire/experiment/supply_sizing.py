@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.experiment.drive import ALWAYS, Pulses, drive_wire, pulses_of
+from musclewire.experiment.drive import ALWAYS, PulseTrain, drive_wire, pulses_of
 from musclewire.experiment.extrapolation import extrapolation_warnings
 from musclewire.experiment.run import OnSample
 from musclewire.experiment.run_warnings import friction_warnings, step_warnings
@@ -24,7 +24,7 @@ from musclewire.identify.catalogue_check import PULL_STRESS_PA, UNCOUNTED_STRAIN
 from musclewire.identify.electrical_sizing import (
     OVERHEATED_K,
     OneSecondDrive,
-    Shunt,
+    ShuntChoice,
     one_second_current,
     relaxation_time_s,
     steady_temperature_k,
@@ -100,7 +100,7 @@ class SupplyPlan:
     configuration: RigConfiguration
 
     @property
-    def pulses(self) -> Pulses:
+    def pulses(self) -> PulseTrain:
         """The square wave of the drive; one without pauses if no duty was given."""
         return requested_pulses(self.request)
 
@@ -139,7 +139,7 @@ class SupplySizing:
     numbers: DriveNumbers
     settled_k: float
     one_second: OneSecondDrive
-    shunt: Shunt
+    shunt: ShuntChoice
     warnings: tuple[str, ...]
 
     @property
@@ -148,7 +148,7 @@ class SupplySizing:
         return self.one_second.wire_voltage_v + self.one_second.current_a * self.shunt.resistance_ohm
 
 
-def requested_pulses(request: SupplyRequest) -> Pulses:
+def requested_pulses(request: SupplyRequest) -> PulseTrain:
     """Return the square wave that a request asks for. Raises CallerError for one that samples cannot make."""
     if request.duty is None:
         return ALWAYS

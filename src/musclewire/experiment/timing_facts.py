@@ -12,7 +12,7 @@ from musclewire.rigs.device import AdjustableClock
 from musclewire.rigs.real_time import scheduling
 from musclewire.signals.recording import MetadataValue
 
-__all__ = ["NO_CLOCK", "Pace", "timing_json", "timing_metadata"]
+__all__ = ["NO_CLOCK", "RunPacing", "timing_json", "timing_metadata"]
 
 NO_CLOCK = "none: samples came as fast as they were computed"
 CLOCK = "real time"
@@ -29,7 +29,7 @@ def percentiles(name: str, values_us: FloatArray) -> dict[str, MetadataValue]:
     return {f"{name}_{key}_us": round(float(value), 1) for key, value in zip(PERCENTILES, found, strict=True)}
 
 
-class Pace:
+class RunPacing:
     """What paces a run from its beginning on: nothing, real time, or a clock whose speed may change."""
 
     def __init__(self, sample_period_s: float, paced: bool, clock: AdjustableClock | None) -> None:
@@ -54,7 +54,7 @@ class Pace:
 
 
 def timing_metadata(
-    pace: Pace, drive_ns: IntArray, sample_ns: IntArray, callbacks_ns: IntArray
+    pace: RunPacing, drive_ns: IntArray, sample_ns: IntArray, callbacks_ns: IntArray
 ) -> dict[str, MetadataValue]:
     """Return a run's timing for its metadata; only compute times unless a clock paced it at one speed.
 

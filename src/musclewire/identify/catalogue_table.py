@@ -75,8 +75,8 @@ def judged(name: str, row: CatalogueRow, wire_class: str, run: CatalogueRun) -> 
         row,
         wire_class,
         run,
-        within(run.contraction_fraction, *CONTRACTION_RANGE, row.current_ma, counts, ROUNDING),
-        within(
+        judged_within(run.contraction_fraction, *CONTRACTION_RANGE, row.current_ma, counts, ROUNDING),
+        judged_within(
             run.cooling_s,
             time.value * (1.0 - COOLING_TOLERANCE),
             time.value * (1.0 + COOLING_TOLERANCE),
@@ -87,7 +87,7 @@ def judged(name: str, row: CatalogueRow, wire_class: str, run: CatalogueRun) -> 
     )
 
 
-def within(
+def judged_within(
     ours: float | None, low: float, high: float, cell: CatalogueCell, counts: bool, rounding: float
 ) -> JudgedValue:
     """Return a number with its verdict: None if the cell is not corroborated or the wire has no limits."""

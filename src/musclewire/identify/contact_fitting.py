@@ -58,7 +58,7 @@ class KnownGrip:
 
 
 @dataclass(frozen=True)
-class Closing:
+class GripperClosing:
     """A closing from the beginning of contraction: normalised resistance and power [W], (n,), and their rows."""
 
     normalised: FloatArray
@@ -163,7 +163,7 @@ def resistance_range(recordings: Sequence[Recording]) -> tuple[float, float]:
     return float(np.median(lows)), float(np.median(highs))
 
 
-def closing_of(recording: Recording, low_ohm: float, high_ohm: float) -> Closing:
+def closing_of(recording: Recording, low_ohm: float, high_ohm: float) -> GripperClosing:
     """Return the part of a recording in which the wire contracts, within the usable range."""
     resistance, power_w = electrical(recording)
     normalised = (resistance - low_ohm) / (high_ohm - low_ohm)
@@ -173,10 +173,10 @@ def closing_of(recording: Recording, low_ohm: float, high_ohm: float) -> Closing
     over = normalised[begin:] < low
     end = begin + int(np.argmax(over)) if over.any() else begin + int(np.nanargmin(normalised[begin:]))
     dt_s = recording.facts.sample_period_s
-    return Closing(normalised[begin:end], power_w[begin:end], dt_s, slice(begin, end))
+    return GripperClosing(normalised[begin:end], power_w[begin:end], dt_s, slice(begin, end))
 
 
-def blocks_of(closing: Closing) -> list[tuple[float, float, float]]:
+def blocks_of(closing: GripperClosing) -> list[tuple[float, float, float]]:
     """Return mean normalised resistance, its rate [1/s] and mean power [W] of each block of a closing."""
     found = []
     for first in range(0, closing.normalised.size - BLOCK_SAMPLES, BLOCK_SAMPLES):
@@ -204,7 +204,7 @@ def noise_of(free: FreeClosing, recordings: Sequence[Recording]) -> float:
     return high
 
 
-def surprises_of(free: FreeClosing, closing: Closing) -> list[float]:
+def surprises_of(free: FreeClosing, closing: GripperClosing) -> list[float]:
     """Return the detector's normalised innovations over a closing."""
     detector, found = ContactDetector(free, AirDisturbance()), []
     state = detector.start()._replace(highest=1.0)

@@ -21,7 +21,7 @@ from musclewire.wire.state import WireState
 __all__ = [
     "OVERHEATED_K",
     "OneSecondDrive",
-    "Shunt",
+    "ShuntChoice",
     "one_second_current",
     "relaxation_time_s",
     "full_stroke",
@@ -63,7 +63,7 @@ class OneSecondDrive(NamedTuple):
     holding_current_a: float
 
 
-class Shunt(NamedTuple):
+class ShuntChoice(NamedTuple):
     """A shunt of a standard value, its power at the current it was chosen for, and a standard rating."""
 
     resistance_ohm: float
@@ -175,7 +175,7 @@ def steady_temperature_k(power_w_per_m: float, wire: Wire, ambient_temperature_k
     return high
 
 
-def suggested_shunt(cold_resistance_ohm: float, current_a: float) -> Shunt:
+def suggested_shunt(cold_resistance_ohm: float, current_a: float) -> ShuntChoice:
     """Return the largest standard shunt that drops at most a twentieth of the cold wire's voltage, and its rating."""
     wanted = SHUNT_FRACTION * cold_resistance_ohm
     decade = 10.0 ** math.floor(math.log10(wanted))
@@ -183,4 +183,4 @@ def suggested_shunt(cold_resistance_ohm: float, current_a: float) -> Shunt:
     resistance = float(f"{resistance:.3g}")  # 0.22, not 0.22000000000000003
     power = current_a**2 * resistance
     rating = next((size for size in RATINGS_W if size >= RATING_FACTOR * power), RATINGS_W[-1])
-    return Shunt(resistance, power, rating)
+    return ShuntChoice(resistance, power, rating)

@@ -13,13 +13,19 @@ from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.wire.building import constants_from
 from musclewire.wire.paths import isobaric_path
 
-__all__ = ["Isobar", "IsobarSummary", "half_transformation_slope_pa_per_k", "simulated_isobar", "summarize_isobar"]
+__all__ = [
+    "IsobaricLoop",
+    "IsobarSummary",
+    "half_transformation_slope_pa_per_k",
+    "simulated_isobar",
+    "summarize_isobar",
+]
 
 COLDEST_K, HOTTEST_K = 303.15, 413.15
 FRACTIONS = (0.1, 0.5, 0.9)
 
 
-class Isobar(NamedTuple):
+class IsobaricLoop(NamedTuple):
     """One loop, cold to hot to cold: temperatures and strains, each (n,), under one stress."""
 
     stress_pa: float
@@ -45,15 +51,15 @@ def simulated_isobar(
     coldest_k: float = COLDEST_K,
     hottest_k: float = HOTTEST_K,
     points: int = 441,
-) -> Isobar:
+) -> IsobaricLoop:
     """Return the loop of a simulated wire under ``stress_pa`` from coldest to hottest and back, ``points`` each way."""
     up = np.linspace(coldest_k, hottest_k, points)
     kelvin = np.concatenate([up, up[-2::-1]])
     path = isobaric_path(constants_from(alloy, wire, bench), stress_pa, kelvin)
-    return Isobar(stress_pa, kelvin, path.strain)
+    return IsobaricLoop(stress_pa, kelvin, path.strain)
 
 
-def summarize_isobar(isobar: Isobar) -> IsobarSummary:
+def summarize_isobar(isobar: IsobaricLoop) -> IsobarSummary:
     """Return stroke and transformation temperatures of a loop, measured or simulated.
 
     The stroke is largest minus smallest strain; a branch is complete by 10 % when it has covered a tenth of its

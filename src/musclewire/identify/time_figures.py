@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["control_figure", "time_figure"]
 
 
-class Followed(NamedTuple):
+class TrackingSeries(NamedTuple):
     """Target, estimate and measurement of a run in the unit that is shown; None for what was not recorded."""
 
     name: str
@@ -32,7 +32,7 @@ class Followed(NamedTuple):
     measured: FloatArray | None
 
 
-class Panel(NamedTuple):
+class FigurePanel(NamedTuple):
     """Columns that share one axis: its label, their factor, and the zero that is subtracted."""
 
     label: str
@@ -42,18 +42,20 @@ class Panel(NamedTuple):
 
 
 PANELS = (
-    Panel("voltage [V]", ("drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")),
-    Panel("current [mA]", ("wire_current_a",), 1e3),
-    Panel("strain [%]", ("target_strain", "reference_strain", "estimated_strain"), 100.0),
-    Panel(
+    FigurePanel("voltage [V]", ("drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")),
+    FigurePanel("current [mA]", ("wire_current_a",), 1e3),
+    FigurePanel("strain [%]", ("target_strain", "reference_strain", "estimated_strain"), 100.0),
+    FigurePanel(
         "displacement [mm]",
         ("target_displacement_m", "displacement_m", "estimated_displacement_m", "endpoint_displacement_m"),
         1e3,
     ),
-    Panel("force [N]", ("target_force_n", "force_n", "estimated_force_n", "endpoint_force_n")),
-    Panel("grip force [N]", ("target_grip_force_n", "estimated_grip_force_n")),
-    Panel("stress [MPa]", ("stress_pa",), 1e-6),
-    Panel("temperature [°C]", ("wire_temperature_k", "estimated_temperature_k", "ambient_temperature_k"), 1.0, 273.15),
+    FigurePanel("force [N]", ("target_force_n", "force_n", "estimated_force_n", "endpoint_force_n")),
+    FigurePanel("grip force [N]", ("target_grip_force_n", "estimated_grip_force_n")),
+    FigurePanel("stress [MPa]", ("stress_pa",), 1e-6),
+    FigurePanel(
+        "temperature [°C]", ("wire_temperature_k", "estimated_temperature_k", "ambient_temperature_k"), 1.0, 273.15
+    ),
 )
 COLOURS = (COOLING, HEATING, AVERAGE, PAPER)
 WORDS = {"drive_voltage_v": "drive", "wire_voltage_v": "wire", "shunt_voltage_v": "shunt"}
@@ -80,7 +82,7 @@ def time_figure(recording: Recording, style: str) -> StyledFigure:
     return figure
 
 
-def draw_columns(axes: Axes, recording: Recording, panel: Panel, names: Sequence[str]) -> None:
+def draw_columns(axes: Axes, recording: Recording, panel: FigurePanel, names: Sequence[str]) -> None:
     """Draw the columns of one panel, with a legend if they are several."""
     for name, colour in zip(names, COLOURS, strict=False):
         values = panel.factor * (recording[name] - panel.zero)
@@ -121,21 +123,21 @@ def control_figure(recording: Recording, style: str) -> StyledFigure:
     return figure
 
 
-def followed(recording: Recording) -> Followed:
+def followed(recording: Recording) -> TrackingSeries:
     """Return what a run followed; raises RecordingError for a recording without a target."""
     for quantity, suffix in COLUMN_SUFFIX.items():
         if f"target_{suffix}" in recording:
             factor, unit = SHOWN_AS[quantity]
             columns = recording.columns.get(f"estimated_{suffix}"), reference_quantity(recording, quantity)
             found = (None if one is None else factor * one for one in columns)
-            return Followed(quantity, unit, factor * recording[f"target_{suffix}"], *found)
+            return TrackingSeries(quantity, unit, factor * recording[f"target_{suffix}"], *found)
     if "target_grip_force_n" in recording:
         columns = recording.columns.get("estimated_grip_force_n"), recording.columns.get("endpoint_force_n")
-        return Followed("grip force", "N", recording["target_grip_force_n"], *columns)
+        return TrackingSeries("grip force", "N", recording["target_grip_force_n"], *columns)
     raise RecordingError(f"a run of control has a target; this recording has {', '.join(recording.names)}")
 
 
-def draw_followed(axes: Axes, time_s: FloatArray, run: Followed) -> None:
+def draw_followed(axes: Axes, time_s: FloatArray, run: TrackingSeries) -> None:
     """Draw the target as a broad grey line, and on it what was measured and what was estimated."""
     wide = 1.8 * axes.figure.style.line_pt  # type: ignore[union-attr]  # our figures have a style
     axes.plot(time_s, run.target, color=TARGET, linewidth=wide, drawstyle="steps-post", label="target")
@@ -147,7 +149,7 @@ def draw_followed(axes: Axes, time_s: FloatArray, run: Followed) -> None:
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
 
 
-def draw_errors(axes: Axes, time_s: FloatArray, run: Followed) -> None:
+def draw_errors(axes: Axes, time_s: FloatArray, run: TrackingSeries) -> None:
     """Draw measured less target and estimated less measured; estimated less target where nothing was measured."""
     axes.axhline(0.0, color=TARGET, linewidth=0.8)
     pairs = (

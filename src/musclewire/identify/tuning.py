@@ -56,7 +56,7 @@ MIDDLE_KP = 0.06
 FREQUENCIES_RAD_PER_S = np.geomspace(1e-2, 1e3, 4000)
 
 
-class Margins(NamedTuple):
+class StabilityMargins(NamedTuple):
     """Stability margins of the feedback at the worst level of both branches.
 
     Parameters
@@ -95,7 +95,7 @@ class Tuning:
     controller: str
     settings: FeedforwardSettings | FuzzyPidSettings
     plant: FeedforwardSettings
-    margins: Margins
+    margins: StabilityMargins
     self_sensed: bool = False
 
     def save(self, path: str | Path) -> None:
@@ -415,17 +415,17 @@ def feedback_gains(plant: FeedforwardSettings) -> tuple[FloatArray, FloatArray]:
     return heating, cooling
 
 
-def worst_margins(plant: FeedforwardSettings) -> Margins:
+def worst_margins(plant: FeedforwardSettings) -> StabilityMargins:
     """Return the smallest margins over all levels and both branches."""
     all_levels = [
         margins_of(gain, float(slope), plant)
         for gains, slopes in zip(feedback_gains(plant), plant.branch_slopes(), strict=True)
         for gain, slope in zip(gains.tolist(), slopes, strict=True)
     ]
-    return Margins(*(min(row) for row in zip(*all_levels, strict=True)))
+    return StabilityMargins(*(min(row) for row in zip(*all_levels, strict=True)))
 
 
-def margins_of(gain: float, slope: float, plant: FeedforwardSettings) -> Margins:
+def margins_of(gain: float, slope: float, plant: FeedforwardSettings) -> StabilityMargins:
     """Return the margins of the PI on the plant at one level."""
     s = 1j * FREQUENCIES_RAD_PER_S
     lag = slope + s * (slope * plant.thermal_time_constant_s + plant.heat_per_unit)
@@ -435,7 +435,7 @@ def margins_of(gain: float, slope: float, plant: FeedforwardSettings) -> Margins
     crossover = int(np.argmax(size < 1.0))
     turned = int(np.argmax(phase < -math.pi))
     left_rad = math.pi + float(phase[crossover])
-    return Margins(1.0 / float(size[turned]), left_rad, left_rad / float(FREQUENCIES_RAD_PER_S[crossover]))
+    return StabilityMargins(1.0 / float(size[turned]), left_rad, left_rad / float(FREQUENCIES_RAD_PER_S[crossover]))
 
 
 def fuzzy_scale(model: SensingModel, plant: FeedforwardSettings) -> float:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from musclewire.identify.electrical_sizing import (
     OVERHEATED_K,
-    Shunt,
+    ShuntChoice,
     convective_loss_w_per_m,
     one_second_current,
     suggested_shunt,
@@ -45,7 +45,7 @@ class WireRow(NamedTuple):
     power_w: float
     amplitude_v: float
     sense_voltage_v: float
-    shunt: Shunt
+    shunt: ShuntChoice
 
 
 def wire_table(length_m: float, stress_pa: float, ambient_k: float) -> list[WireRow]:

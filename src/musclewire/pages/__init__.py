@@ -23,7 +23,7 @@ __all__ = [
     "PAPER",
     "STYLE",
     "TARGET",
-    "Card",
+    "NumberCard",
     "cards",
     "page",
     "svg",
@@ -96,7 +96,7 @@ def svg_in_frame(figure: Figure, name: str) -> str:
     return f'<div class="scroll broad" style="--drawn: {drawn_px:.0f}px">{svg(figure, name)}</div>'
 
 
-class Card(NamedTuple):
+class NumberCard(NamedTuple):
     """A key number of a page.
 
     Parameters
@@ -117,7 +117,7 @@ class Card(NamedTuple):
     ok: bool = True
 
 
-def cards(items: Iterable[Card]) -> str:
+def cards(items: Iterable[NumberCard]) -> str:
     """Return key numbers as a row of cards.
 
     Parameters

@@ -47,7 +47,7 @@ NAMES_OF_TABLES = {"part": "part"}
 TABLE_EXPECTED = ("model_type", "model_attributes_type")
 
 
-class Place(NamedTuple):
+class KeyPlace(NamedTuple):
     """Location of a problem: the model that has the key, and the key's field if the model declares it."""
 
     model: type[BaseModel]
@@ -202,7 +202,7 @@ def known_keys(model: type[BaseModel], place: Iterable[Any]) -> list[str]:
     return list(place_of(model, place).model.model_fields)
 
 
-def place_of(model: type[BaseModel], place: Iterable[Any]) -> Place:
+def place_of(model: type[BaseModel], place: Iterable[Any]) -> KeyPlace:
     """Return the model that has the last key of a location, following nested models, and the key's field."""
     current: type[BaseModel] = model
     keys = list(place)
@@ -221,9 +221,9 @@ def place_of(model: type[BaseModel], place: Iterable[Any]) -> Place:
         if get_origin(annotation) in (Union, UnionType):
             annotation = only_table(annotation) or tagged(get_args(annotation), str(next(parts, "")))
         if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
-            return Place(current, None)
+            return KeyPlace(current, None)
         current = annotation
-    return Place(current, current.model_fields.get(str(keys[-1])) if keys else None)
+    return KeyPlace(current, current.model_fields.get(str(keys[-1])) if keys else None)
 
 
 def only_table(annotation: Any) -> Any:

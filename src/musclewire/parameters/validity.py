@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from musclewire.parameters.parameter_groups import Alloy
 
-__all__ = ["Reached", "ValidityLimits", "beyond_validity", "section_m2", "validity_of"]
+__all__ = ["ReachedConditions", "ValidityLimits", "beyond_validity", "section_m2", "validity_of"]
 
 # Stress counts as beyond a limit from this fraction on: diameters are known to one or two percent.
 STRESS_SLACK = 0.02
@@ -39,7 +39,7 @@ class ValidityLimits(NamedTuple):
         return {name: value for name, value in self._asdict().items() if value is not None}
 
 
-class Reached(NamedTuple):
+class ReachedConditions(NamedTuple):
     """What a wire goes through in a run, in SI; None if unknown. ``section_m2`` is that of all legs that pull."""
 
     cold_stress_pa: float | None = None
@@ -67,7 +67,7 @@ def section_m2(diameter_m: float, legs: float = 1.0) -> float:
     return 0.25 * math.pi * diameter_m**2 * legs
 
 
-def beyond_validity(limits: ValidityLimits, reached: Reached) -> tuple[str, ...]:
+def beyond_validity(limits: ValidityLimits, reached: ReachedConditions) -> tuple[str, ...]:
     """Return a warning for each limit that a wire exceeds, the most dangerous first; none within all of them."""
     found = (*hot_warnings(limits, reached.temperature_k), *stress_warnings(limits, reached))
     return tuple(text for text in found if text)
@@ -89,7 +89,7 @@ def hot_warnings(limits: ValidityLimits, temperature_k: float | None) -> tuple[s
     return ()
 
 
-def stress_warnings(limits: ValidityLimits, reached: Reached) -> tuple[str, ...]:
+def stress_warnings(limits: ValidityLimits, reached: ReachedConditions) -> tuple[str, ...]:
     """Return warnings of stresses above the vendor's, above those of the alloy's data, and below them."""
     low, high, largest = limits.covered_stress_low_pa, limits.covered_stress_high_pa, reached.largest_stress_pa
     found = []
@@ -118,7 +118,7 @@ def exceeds(value: float | None, limit: float | None, slack: float = STRESS_SLAC
     return value is not None and limit is not None and value > limit * (1.0 + slack)
 
 
-def in_words(stress_pa: float | None, reached: Reached) -> str:
+def in_words(stress_pa: float | None, reached: ReachedConditions) -> str:
     """Return a stress as people write it, with the force on all legs if their section is known."""
     stress_pa = stress_pa or 0.0
     force = "" if reached.section_m2 is None else f" ({stress_pa * reached.section_m2:.2f} N)"

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.signals.units import measured_in
 
-__all__ = ["Air", "Surroundings", "AirModel"]
+__all__ = ["AirState", "Surroundings", "AirModel"]
 
 # Draughts are limited to this many standard deviations, so that convection never becomes negative.
 STRONGEST = 3.0
@@ -43,7 +43,7 @@ class Surroundings(BaseModel):
         return self.ambient_swing == 0.0 and self.draught == 0.0
 
 
-class Air(NamedTuple):
+class AirState(NamedTuple):
     """The air at one time: its temperature above the bench's [K], and the ratio of convection to that in still air."""
 
     warmer_k: float
@@ -61,14 +61,14 @@ class AirModel:
         self._phase = float(self._random.uniform(0.0, 2.0 * math.pi))
         self._draught = float(self._random.standard_normal())
 
-    def after(self, time_s: float, dt_s: float) -> Air:
+    def after(self, time_s: float, dt_s: float) -> AirState:
         """Return the air ``dt_s`` after the last call, at a time on the rig's clock."""
         # Exact for any step: an Ornstein-Uhlenbeck process sampled at the ends of steps.
         kept = math.exp(-dt_s / self._of.draught_time)
         self._draught = kept * self._draught + math.sqrt(1.0 - kept * kept) * float(self._random.standard_normal())
         strength = min(max(self._draught, -STRONGEST), STRONGEST)
         swing = math.sin(2.0 * math.pi * time_s / self._of.ambient_period + self._phase)
-        return Air(
+        return AirState(
             warmer_k=self._of.ambient_swing * swing,
             convection_ratio=1.0 + self._of.draught * strength,
         )

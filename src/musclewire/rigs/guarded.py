@@ -190,7 +190,7 @@ class GuardedRig:
             self._judge(sample)
         return sample
 
-    def take(self, drive_voltage_v: float, memory: Rows, time_s: float) -> None:
+    def adopt_compiled_samples(self, drive_voltage_v: float, memory: Rows, time_s: float) -> None:
         """Take over what sound samples of a simulated device in compiled code have made of the protection.
 
         Parameters
@@ -210,7 +210,7 @@ class GuardedRig:
         with self._deciding:
             if self._off_for_good:
                 self._end_as_switched_off()
-            self._protection.take(drive_voltage_v, memory)
+            self._protection.adopt_compiled_samples(drive_voltage_v, memory)
             self._last_time_s = time_s
 
     def _allowed(self, command: Command | float) -> Command:

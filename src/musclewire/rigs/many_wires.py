@@ -12,7 +12,7 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.rigs.simulated import stepping_of
 from musclewire.rigs.varied_rig import VariedWire
 from musclewire.wire.batch import WireBatch
-from musclewire.wire.stepping import MAX_STEP_ERROR_K, Stepping, require_resolved
+from musclewire.wire.stepping import MAX_STEP_ERROR_K, StepControl, require_resolved
 
 __all__ = ["WirePath", "drive_wires", "held_voltages_v"]
 
@@ -93,7 +93,7 @@ def driven(wires: Sequence[VariedWire], drives_v: FloatArray) -> list[WirePath |
     return [lost.get(place, path) for place, path in enumerate(paths)]
 
 
-def lost_wires(batch: WireBatch, stepping: Stepping, sample_s: float) -> dict[int, NumericsError]:
+def lost_wires(batch: WireBatch, stepping: StepControl, sample_s: float) -> dict[int, NumericsError]:
     """Return the error of each wire that the simulation has not resolved, by its place."""
     states = batch.states
     # Not a number is not below anything: written so that it counts as not resolved.

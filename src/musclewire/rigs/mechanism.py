@@ -14,7 +14,7 @@ from musclewire.parameters.finger_file import FingerCurve
 from musclewire.rigs.load_part import LoadPart
 from musclewire.wire.loads import ConnectorLoad, ElasticObject, spring_load, with_table
 
-__all__ = ["Mechanism", "Tendon", "mechanism_of"]
+__all__ = ["SimulatedLoad", "FingerTendon", "mechanism_of"]
 
 # A wire contracts by at most about 8 %; tables reach a little further.
 MAX_CONTRACTION = 0.10
@@ -23,7 +23,7 @@ SOLVE_POINTS = 20001
 
 
 @dataclass(frozen=True)
-class Tendon:
+class FingerTendon:
     """A finger at a connector: forces and positions over the connector's displacement [m], arrays of any shape.
 
     ``start_m`` is the tendon travel before the connector moves: by a pretension without pretensioner, or by a stage
@@ -67,7 +67,7 @@ class Tendon:
 
 
 @dataclass(frozen=True)
-class Mechanism:
+class SimulatedLoad:
     """A load for the simulator, the force that it adds to the stage's pretension, and the finger, if there is one.
 
     Parameters
@@ -85,7 +85,7 @@ class Mechanism:
     load: ConnectorLoad
     added_n: float
     stage: bool
-    tendon: Tendon | None
+    tendon: FingerTendon | None
 
 
 def mechanism_of(
@@ -95,7 +95,7 @@ def mechanism_of(
     leg_length_m: float,
     object_between: bool = False,
     tendon_slack_m: float | None = None,
-) -> Mechanism:
+) -> SimulatedLoad:
     """Return the mechanism of the parts at a connector, at a setting of the stage.
 
     If no part carries the stage's pretension the finger must, and is bent before anything is heated.
@@ -134,24 +134,24 @@ def mechanism_of(
         added_n += float(tendon.force_n(0.0, float(tendon.endpoint_force_n(0.0))))
         if not carried:
             start_m = travel_at_force(tendon, pretension_n, str(finger.finger_name))
-            tendon = Tendon(tendon.curve, 0.0, start_m, obstacle)
+            tendon = FingerTendon(tendon.curve, 0.0, start_m, obstacle)
     stage = carried or finger is not None or not weight_n
     load = load_of(parts, stiffness, tendon, obstacle, MAX_CONTRACTION * leg_length_m)
-    return Mechanism(load, added_n, stage, tendon)
+    return SimulatedLoad(load, added_n, stage, tendon)
 
 
-def tendon_of(part: LoadPart, obstacle: ElasticObject | None, slack_m: float | None) -> Tendon:
+def tendon_of(part: LoadPart, obstacle: ElasticObject | None, slack_m: float | None) -> FingerTendon:
     """Return the tendon of a part's finger; ``slack_m`` replaces the part's own slack."""
     finger = part.finger_file()
     assert finger is not None  # it has a name
     hanging_m = part.tendon_slack_m if slack_m is None else slack_m
-    return Tendon(finger.curve, max(hanging_m, 0.0), max(-hanging_m, 0.0), obstacle)
+    return FingerTendon(finger.curve, max(hanging_m, 0.0), max(-hanging_m, 0.0), obstacle)
 
 
 def load_of(
     parts: Sequence[LoadPart],
     stiffness_n_per_m: float,
-    tendon: Tendon | None,
+    tendon: FingerTendon | None,
     obstacle: ElasticObject | None,
     reach_m: float,
 ) -> ConnectorLoad:
@@ -170,7 +170,7 @@ def load_of(
 
 
 def beyond_spring_n(
-    displacement_m: FloatArray, parts: Sequence[LoadPart], tendon: Tendon | None, obstacle: ElasticObject | None
+    displacement_m: FloatArray, parts: Sequence[LoadPart], tendon: FingerTendon | None, obstacle: ElasticObject | None
 ) -> FloatArray:
     """Return the force of all parts that are not linear springs, over displacement, (n_points,); 0 at the start."""
     force = np.zeros_like(displacement_m)
@@ -186,7 +186,7 @@ def beyond_spring_n(
     return force
 
 
-def added_friction_n(displacement_m: FloatArray, parts: Sequence[LoadPart], tendon: Tendon | None) -> FloatArray:
+def added_friction_n(displacement_m: FloatArray, parts: Sequence[LoadPart], tendon: FingerTendon | None) -> FloatArray:
     """Return the largest friction of all parts in addition to the guide's, over displacement, (n_points,)."""
     friction = np.zeros_like(displacement_m) if tendon is None else tendon_friction_n(tendon, displacement_m)
     for part in parts:
@@ -196,14 +196,14 @@ def added_friction_n(displacement_m: FloatArray, parts: Sequence[LoadPart], tend
     return friction
 
 
-def tendon_friction_n(tendon: Tendon, displacement_m: FloatArray) -> FloatArray:
+def tendon_friction_n(tendon: FingerTendon, displacement_m: FloatArray) -> FloatArray:
     """Return the largest friction along the tendon over displacement, (n_points,)."""
     pulled = tendon.force_n(displacement_m, tendon.endpoint_force_n(displacement_m))
     # Far beyond the end of the finger's curve its compliance, continued, turns negative, and so would the friction.
     return np.maximum(tendon.column("friction_share", displacement_m) * pulled, 0.0)
 
 
-def travel_at_force(tendon: Tendon, force_n: float, name: str) -> float:
+def travel_at_force(tendon: FingerTendon, force_n: float, name: str) -> float:
     """Return the tendon travel at which a finger carries a force by itself [m]."""
     travel = np.linspace(0.0, tendon.curve.tendon_travel_m[-1], SOLVE_POINTS)
     force = tendon.force_n(travel, tendon.endpoint_force_n(travel))

@@ -8,7 +8,7 @@ from threading import Event
 
 from musclewire.rigs.real_time import wake_on_time
 
-__all__ = ["NAP_S", "SPIN_S", "Pacer"]
+__all__ = ["NAP_S", "SPIN_S", "SamplePacer"]
 
 # A sleeping thread is woken some 40 us late, and more on a busy machine: for the last part the thread stays awake. This
 # costs processor time in every sample period: 10 % of a core at 1 kHz, 0.2 % at the paper's 20 Hz.
@@ -18,7 +18,7 @@ SPIN_S = 1e-4
 NAP_S = 0.02
 
 
-class Pacer:
+class SamplePacer:
     """Paces samples on one grid: the n-th is due n periods after the first, whatever happened in between.
 
     A late caller gets samples at once until it has caught up with the grid: a late sample does not shift the following

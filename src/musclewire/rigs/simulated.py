@@ -20,7 +20,7 @@ from musclewire.physics.resistance import series_resistance_ohm
 from musclewire.rigs.air import AirModel, Surroundings
 from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
 from musclewire.rigs.load_part import LoadPart, Pull, SecondWire, Supply
-from musclewire.rigs.mechanism import MAX_CONTRACTION, TABLE_POINTS, Mechanism, Tendon, mechanism_of
+from musclewire.rigs.mechanism import MAX_CONTRACTION, TABLE_POINTS, FingerTendon, SimulatedLoad, mechanism_of
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.rigs.simulation_clock import SimulationClock
@@ -29,16 +29,16 @@ from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 from musclewire.wire.building import constants_from
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import ConnectorLoad, ElasticObject, spring_load
-from musclewire.wire.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair, no_grip
+from musclewire.wire.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, GrippedObject, PairConnection, no_grip
 from musclewire.wire.state import WireState
-from musclewire.wire.stepping import Stepping, steps_within
+from musclewire.wire.stepping import StepControl, steps_within
 from musclewire.wire.wires import OneWire, SampleMeans, SimulatedWires, TwoWires
 
 __all__ = [
-    "Instruments",
+    "BenchInstruments",
     "SimulatedDevice",
     "SimulatedInside",
-    "Spool",
+    "SimulatedSpool",
     "convection_metadata",
     "force_limit_n",
     "load_metadata",
@@ -55,10 +55,10 @@ class SimulatedInside(NamedTuple):
 
     wires: SimulatedWires
     bench: Mapping[str, float]
-    stepping: Stepping
-    instruments: Instruments
+    stepping: StepControl
+    instruments: BenchInstruments
     air: AirModel | None
-    mechanism: Mechanism
+    mechanism: SimulatedLoad
     reference_columns: tuple[str, ...]
     faulty: bool
     paced: bool
@@ -128,7 +128,7 @@ def read_sample(
     )
 
 
-class Instruments:
+class BenchInstruments:
     """Converter, displacement sensor, load cells and laser of a bench, repeatable for one seed."""
 
     def __init__(self, bench: Numbers, seed: int, at_endpoint: bool = False) -> None:
@@ -192,7 +192,7 @@ class Instruments:
         return self._endpoint_noise
 
 
-class Spool(NamedTuple):
+class SimulatedSpool(NamedTuple):
     """A wire, its alloy, its bench, and whether it starts before its first cycles (shakedown)."""
 
     wire: Wire
@@ -247,7 +247,7 @@ class SimulatedDevice:
 
     def __init__(
         self,
-        spool: Spool,
+        spool: SimulatedSpool,
         *,
         parts: Sequence[LoadPart] = (),
         surroundings: Surroundings | None = None,
@@ -269,7 +269,7 @@ class SimulatedDevice:
         self._tendon_slack_m: float | None = None
         self._leg_length_m = self._bench["wire_length_m"] / self._bench["legs"]
         self._mechanism = self._mechanism_at(self._bench["pretension_n"], None)
-        self._instruments = Instruments(self._bench, seed, at_endpoint=self._mechanism.tendon is not None)
+        self._instruments = BenchInstruments(self._bench, seed, at_endpoint=self._mechanism.tendon is not None)
         self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
         self._off, self._drive_voltage_v = False, 0.0
         # By how much friction has kept the connector ahead of a slack wire at most, at this setting of the stages.
@@ -287,10 +287,10 @@ class SimulatedDevice:
         self._clock = SimulationClock(self._bench["sample_period_s"]) if real_time else None
         self._stepping = self._stepping_of_the_bench()
 
-    def _mechanism_at(self, pretension_n: float, tendon_slack_m: float | None) -> Mechanism:
+    def _mechanism_at(self, pretension_n: float, tendon_slack_m: float | None) -> SimulatedLoad:
         """Return the wire's load at a setting of the stages."""
         if not self._parts:
-            return Mechanism(spring_load(self._bench["spring_stiffness_n_per_m"]), 0.0, True, None)
+            return SimulatedLoad(spring_load(self._bench["spring_stiffness_n_per_m"]), 0.0, True, None)
         return mechanism_of(
             self._parts,
             pretension_n=pretension_n,
@@ -299,7 +299,7 @@ class SimulatedDevice:
             tendon_slack_m=tendon_slack_m,
         )
 
-    def _stepping_of_the_bench(self) -> Stepping:
+    def _stepping_of_the_bench(self) -> StepControl:
         """Return how samples are divided into steps. Raises CallerError for a fixed step that does not divide them."""
         return stepping_of(self._bench)
 
@@ -355,14 +355,14 @@ class SimulatedDevice:
             paced=self._facts.paced,
         )
 
-    def take(self, drive_voltage_v: float, generator: np.random.Generator, air: AirModel | None, held_m: float) -> None:
+    def adopt(self, drive_voltage_v: float, rng: np.random.Generator, air: AirModel | None, held_m: float) -> None:
         """Take over what samples in compiled code have left behind, except for the wires' own state.
 
         Parameters
         ----------
         drive_voltage_v
             Drive voltage at the output [V].
-        generator
+        rng
             Generator of the instruments' noise.
         air
             The air, None if it is still.
@@ -370,7 +370,7 @@ class SimulatedDevice:
             Length by which friction has held the connector ahead of a slack wire at most [m].
         """
         self._drive_voltage_v, self._air, self._held_m = drive_voltage_v, air, max(self._held_m, held_m)
-        self._instruments.take_generator(generator)
+        self._instruments.take_generator(rng)
 
     def __repr__(self) -> str:
         """Name the wire, its pretension and its drive."""
@@ -541,14 +541,14 @@ class SimulatedDevice:
 
 
 def wires_of(
-    alloy: Alloy, wire: Wire, bench: Bench, parts: Sequence[LoadPart], mechanism: Mechanism, *, new_wire: bool
+    alloy: Alloy, wire: Wire, bench: Bench, parts: Sequence[LoadPart], mechanism: SimulatedLoad, *, new_wire: bool
 ) -> SimulatedWires:
     """Return the wires of a rig, cold and at rest under the stage's pretension and the weights on the connector.
 
     Raises CallerError for numbers that cannot belong to a wire, for a force or voltage that one does not allow, and
     for an unknown second wire.
     """
-    first = Spool(wire, alloy, bench, new_wire)
+    first = SimulatedSpool(wire, alloy, bench, new_wire)
     stage_n = bench.pretension_n.value if mechanism.stage else 0.0
     cold_n = stage_n + mechanism.added_n
     second = second_wire_of(parts)
@@ -556,7 +556,7 @@ def wires_of(
         return OneWire(first.pulling(mechanism.load, cold_n))
     other = wire if second.wire is None else load_wire(second.wire)
     require_voltage(second, other)
-    spool = Spool(other, alloy if second.wire is None else load_alloy(other.alloy), bench, new_wire)
+    spool = SimulatedSpool(other, alloy if second.wire is None else load_alloy(other.alloy), bench, new_wire)
     if second.pull is Pull.APART:
         one, two = (item.pulling(mechanism.load, cold_n) for item in (first, spool))
         grip = grip_between(parts, mechanism.tendon, one)
@@ -568,7 +568,9 @@ def wires_of(
         one, two = first.pulling(mechanism.load, own * cold_n), spool.pulling(None, (1.0 - own) * cold_n)
         grip = no_grip()
     series_ohm = one.series_resistance_ohm if second.supply is Supply.OWN else 1.0
-    return TwoWires((one, two), Pair(DIRECTIONS[second.pull], FEEDS[second.supply], second.voltage_v, series_ohm), grip)
+    return TwoWires(
+        (one, two), PairConnection(DIRECTIONS[second.pull], FEEDS[second.supply], second.voltage_v, series_ohm), grip
+    )
 
 
 def second_wire_of(parts: Sequence[LoadPart]) -> SecondWire | None:
@@ -621,9 +623,9 @@ def simulated_limits(
     return limits_of(wire, alloy, circuit, changed)
 
 
-def stepping_of(bench: Numbers) -> Stepping:
+def stepping_of(bench: Numbers) -> StepControl:
     """Return how a bench's samples are divided into steps. Raises CallerError for a step that does not divide them."""
-    stepping = Stepping(
+    stepping = StepControl(
         bench["time_step_s"],
         bench["temperature_tolerance_k"],
         bench["resistance_tolerance"],
@@ -652,7 +654,7 @@ def require_voltage(second: SecondWire, wire: Wire) -> None:
         )
 
 
-def grip_between(parts: Sequence[LoadPart], tendon: Tendon | None, constants: WireConstants) -> Grip:
+def grip_between(parts: Sequence[LoadPart], tendon: FingerTendon | None, constants: WireConstants) -> GrippedObject:
     """Return the object between two like fingers, with the tables of both fingers' endpoints."""
     between: ElasticObject | None = next((part.obstacle for part in parts if part.obstacle is not None), None)
     if between is None:
@@ -660,7 +662,7 @@ def grip_between(parts: Sequence[LoadPart], tendon: Tendon | None, constants: Wi
     if tendon is None:
         raise CallerError("a second finger needs a part 'finger', which it mirrors")
     displacement = np.linspace(0.0, MAX_CONTRACTION * constants.leg_length_m, TABLE_POINTS)
-    return Grip(
+    return GrippedObject(
         between.stiffness_n_per_m,
         between.clearance_m,
         float(displacement[1]),
@@ -676,7 +678,7 @@ def convection_metadata(diameter_m: float, ambient_temperature_k: float) -> Meta
     return {"convection_note": note} if note else {}
 
 
-def load_metadata(parts: Sequence[LoadPart], mechanism: Mechanism, two_wires: bool) -> Metadata:
+def load_metadata(parts: Sequence[LoadPart], mechanism: SimulatedLoad, two_wires: bool) -> Metadata:
     """Return the metadata of a recording that describe a wire's load."""
     stiffness = mechanism.load.stiffness_n_per_m
     if not parts:

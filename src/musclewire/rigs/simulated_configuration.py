@@ -23,7 +23,7 @@ from musclewire.rigs.simulated_faults import SimulatedFault
 from musclewire.signals.units import parse_quantity
 
 if TYPE_CHECKING:
-    from musclewire.rigs.simulated import SimulatedDevice, Spool
+    from musclewire.rigs.simulated import SimulatedDevice, SimulatedSpool
 
 __all__ = [
     "SIMULATED",
@@ -209,7 +209,7 @@ def device_of(
     ``settings`` are those that the numbers already have; they are only checked. Raises CallerError for one that the
     rig's load leaves without effect.
     """
-    from musclewire.rigs.simulated import Spool
+    from musclewire.rigs.simulated import SimulatedSpool
 
     alloy, chosen, around = parameters
     given = {*configuration.numbers_set(), *settings}
@@ -220,7 +220,7 @@ def device_of(
         )
     device = device_with(
         configuration.pwm,
-        Spool(chosen, alloy, around, configuration.new_wire),
+        SimulatedSpool(chosen, alloy, around, configuration.new_wire),
         parts=configuration.load,
         surroundings=configuration.surroundings,
         seed=seed,
@@ -236,7 +236,7 @@ def device_of(
     return device
 
 
-def device_with(pwm: PulseWidth | None, spool: Spool, **how: Any) -> SimulatedDevice:
+def device_with(pwm: PulseWidth | None, spool: SimulatedSpool, **how: Any) -> SimulatedDevice:
     """Return the simulated device, with a steady drive or heated by pulses. Raises CallerError for useless readings."""
     # The simulator is loaded when a rig is opened: to check a file, or to open hardware, nobody waits for it.
     from musclewire.rigs.simulated import SimulatedDevice

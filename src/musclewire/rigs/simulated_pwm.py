@@ -16,14 +16,14 @@ from typing import Any, NamedTuple
 from musclewire.errors import CallerError
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.pulse_width import APERTURE_S, PulseWidth, duty_of, left_over, pulse_width_problems
-from musclewire.rigs.simulated import SimulatedDevice, SimulatedInside, Spool
+from musclewire.rigs.simulated import SimulatedDevice, SimulatedInside, SimulatedSpool
 from musclewire.signals.exchange import RawSample
 from musclewire.wire.wires import SampleMeans
 
 __all__ = ["PulsedDevice"]
 
 
-class Phase(NamedTuple):
+class PulsePhase(NamedTuple):
     """A piece of a pulse: how long, at which voltage, and which voltages are read at its end."""
 
     duration_s: float
@@ -50,7 +50,7 @@ class PulsedDevice(SimulatedDevice):
         readings, and for a bench as ``SimulatedDevice`` does.
     """
 
-    def __init__(self, pwm: PulseWidth, spool: Spool, **how: Any) -> None:
+    def __init__(self, pwm: PulseWidth, spool: SimulatedSpool, **how: Any) -> None:
         """Cool the wire and wait without pulses."""
         readings = spool.bench.acquisition_readings.model_copy(update={"value": float(pwm.readings)})
         bench = spool.bench.model_copy(update={"acquisition_readings": readings})
@@ -124,7 +124,7 @@ class PulsedDevice(SimulatedDevice):
             return on_s
         return max(on_s, needed_s) if self._pwm.window == "on" else min(on_s, self._period_s - needed_s)
 
-    def _phases(self, on_s: float, off_v: float, reading: bool) -> list[Phase]:
+    def _phases(self, on_s: float, off_v: float, reading: bool) -> list[PulsePhase]:
         """Return a pulse piece by piece, cut at its edges and around both readings."""
         reads = self._reading_times(on_s) if reading else []
         cuts = {on_s, self._period_s, *(at_s for _, at_s in reads)}
@@ -134,7 +134,7 @@ class PulsedDevice(SimulatedDevice):
             if until_s > before_s:
                 level_v = self._pwm.supply if 0.5 * (before_s + until_s) < on_s else off_v
                 names = tuple(name for name, at_s in reads if at_s == until_s)
-                phases.append(Phase(until_s - before_s, level_v, names))
+                phases.append(PulsePhase(until_s - before_s, level_v, names))
                 before_s = until_s
         return phases
 
@@ -153,7 +153,7 @@ class PulsedDevice(SimulatedDevice):
             ("shunt", max((held_s + pwm.conversion_time) % period_s, APERTURE_S)),
         ]
 
-    def _run(self, phase: Phase, read: Mapping[str, list[float]]) -> SampleMeans:
+    def _run(self, phase: PulsePhase, read: Mapping[str, list[float]]) -> SampleMeans:
         """Run a piece of a pulse: wire, then filters, then the reading at its end."""
         means = self._wires.advance(phase.voltage_v, phase.duration_s, self._stepping)
         true = {"wire": means.wire_voltage_v, "shunt": means.shunt_voltage_v}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from musclewire.errors import CallerError
-from musclewire.rigs.pacing import Pacer
+from musclewire.rigs.pacing import SamplePacer
 from musclewire.rigs.protocol import Metadata
 
 __all__ = ["MAXIMUM_SPEED", "MINIMUM_SPEED", "SimulationClock", "checked_speed"]
@@ -32,7 +32,7 @@ class SimulationClock:
     def __init__(self, sample_period_s: float) -> None:
         """Pace in real time from the first sample on."""
         self._sample_period_s = sample_period_s
-        self._pacer = Pacer(sample_period_s)
+        self._pacer = SamplePacer(sample_period_s)
         self._speed, self._changes = 1.0, 0
         self._late_reported = False
 

@@ -15,14 +15,14 @@ from musclewire.rigs.air import Surroundings
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.load_kinds import Parts
 from musclewire.rigs.load_part import LoadPart
-from musclewire.rigs.mechanism import Mechanism, Tendon, mechanism_of
+from musclewire.rigs.mechanism import FingerTendon, SimulatedLoad, mechanism_of
 from musclewire.rigs.mounted_wire import SETTINGS
 from musclewire.rigs.protocol import Metadata
 from musclewire.rigs.simulated import require_allowed_pull
 from musclewire.rigs.simulated_configuration import RigConfiguration, changed_group, device_of, parameters_of
 from musclewire.wire.building import SHAPE, constants_of, measured_grains
 from musclewire.wire.constants import WireConstants
-from musclewire.wire.distribution import Distribution
+from musclewire.wire.distribution import OffsetDistribution
 from musclewire.wire.loads import spring_load
 
 __all__ = ["Value", "VariedKey", "VariedRig", "VariedWire", "key_unit", "keys_of"]
@@ -76,7 +76,7 @@ class VariedWire(NamedTuple):
     constants: WireConstants
     spool: Mapping[str, float]
     bench: Mapping[str, float]
-    tendon: Tendon | None
+    tendon: FingerTendon | None
     validity: ValidityLimits
 
     def facts(self) -> Metadata:
@@ -96,13 +96,13 @@ class VariedWire(NamedTuple):
         }
 
 
-class Base(NamedTuple):
+class BaseRig(NamedTuple):
     """A rig file with its own numbers, before any of them varies."""
 
     configuration: RigConfiguration
     groups: Mapping[str, ParameterGroup]
     numbers: Mapping[str, dict[str, float]]
-    grains: Distribution | None
+    grains: OffsetDistribution | None
 
 
 def keys_of(configuration: RigConfiguration) -> dict[str, VariedKey]:
@@ -185,10 +185,10 @@ class VariedRig:
                 f"{where}: 'spring_stiffness_n_per_m' belongs to the bench's spring, and [[load]] replaces it: vary "
                 "load.spring.stiffness"
             )
-        self._bases: dict[tuple[Value, ...], Base] = {}
-        self._mechanisms: dict[tuple[object, ...], Mechanism] = {}
+        self._bases: dict[tuple[Value, ...], BaseRig] = {}
+        self._mechanisms: dict[tuple[object, ...], SimulatedLoad] = {}
 
-    def _base(self, values: Mapping[str, Value]) -> Base:
+    def _base(self, values: Mapping[str, Value]) -> BaseRig:
         """Return the rig file with the keys of a set of values, and its own numbers."""
         chosen = tuple(values[name] for name, key in self.keys.items() if not key.group)
         if chosen not in self._bases:
@@ -198,7 +198,7 @@ class VariedRig:
                                               if not key.group})  # fmt: skip
         return self._bases[chosen]
 
-    def _read(self, changed: Mapping[tuple[str | int, ...], Value]) -> Base:
+    def _read(self, changed: Mapping[tuple[str | int, ...], Value]) -> BaseRig:
         """Return a rig file with some keys changed."""
         configuration = changed_file(self.configuration, changed, self.where)
         alloy, wire, bench = parameters_of(configuration, self.where, None, None, {})
@@ -209,9 +209,9 @@ class VariedRig:
             raise CallerError(
                 f"{self.where}: '{shape[0]}' has no effect: the alloy's [grain_quantiles] replaces it, leave it out"
             )
-        return Base(configuration, groups, {group: item.values() for group, item in groups.items()}, grains)
+        return BaseRig(configuration, groups, {group: item.values() for group, item in groups.items()}, grains)
 
-    def _numbers(self, values: Mapping[str, Value], base: Base) -> dict[str, dict[str, float]]:
+    def _numbers(self, values: Mapping[str, Value], base: BaseRig) -> dict[str, dict[str, float]]:
         """Return the numbers of wire, alloy and bench for a set of values. Raises CallerError for one out of range."""
         found = {group: dict(numbers) for group, numbers in base.numbers.items()}
         for name, key in self.keys.items():
@@ -262,10 +262,10 @@ class VariedRig:
         validity = validity_of(base.groups["alloy"])  # type: ignore[arg-type]  # by its key
         return VariedWire(name, constants, spool, bench, mechanism.tendon, validity)
 
-    def _mechanism(self, configuration: RigConfiguration, bench: Mapping[str, float]) -> Mechanism:
+    def _mechanism(self, configuration: RigConfiguration, bench: Mapping[str, float]) -> SimulatedLoad:
         """Return what the wire pulls; a load of parts is tabulated once for the same parts, pretension and leg."""
         if not configuration.load:
-            return Mechanism(spring_load(bench["spring_stiffness_n_per_m"]), 0.0, True, None)
+            return SimulatedLoad(spring_load(bench["spring_stiffness_n_per_m"]), 0.0, True, None)
         leg_length_m = bench["wire_length_m"] / bench["legs"]
         of = (*configuration.load, bench["pretension_n"], leg_length_m)
         if of not in self._mechanisms:
@@ -306,7 +306,7 @@ class VariedRig:
         )
         return GuardedRig(device)
 
-    def _group(self, base: Base, group: str, values: Mapping[str, Value]) -> ParameterGroup:
+    def _group(self, base: BaseRig, group: str, values: Mapping[str, Value]) -> ParameterGroup:
         """Return wire, alloy or bench with the values that belong to it."""
         own = base.groups[group]
         changed = {

@@ -29,7 +29,7 @@ from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 from musclewire.sensing.home_move import HomeMove
 from musclewire.sensing.known_load import KnownSpring
 from musclewire.sensing.model import SensingModel, load_model
-from musclewire.sensing.polynomial_estimator import PolynomialEstimator, SegmentState, SegmentTracker
+from musclewire.sensing.polynomial_estimator import PolynomialEstimator, SegmentTracker, SegmentTrackerState
 from musclewire.sensing.resistance_extremes import ResistanceExtremes, find_resistance_extremes
 from musclewire.sensing.segments import LoopSegments, find_loops, find_segments
 
@@ -67,5 +67,5 @@ __all__ = [
     "ResistanceExtremes",
     "find_resistance_extremes",
     "SegmentTracker",
-    "SegmentState",
+    "SegmentTrackerState",
 ]

@@ -139,7 +139,7 @@ class ContactState(NamedTuple):
     innovation: float | None
 
 
-class Interval(NamedTuple):
+class SampleInterval(NamedTuple):
     """The interval between two samples: normalised resistances, energy and its noise [J], powers [W], time [s]."""
 
     before: float
@@ -197,9 +197,9 @@ class ContactDetector:
             seen = seen._replace(following=True, covariance=np.diag([noise_j**2, level]))
         taken_w = 0.5 * (power_w + state.power_w)
         energy = state.energy_j + (taken_w - holding_w) * dt_s + noise_j / free.normalised_noise * (here - before)
-        return self._weigh(seen, Interval(before, here, energy, holding_w, taken_w, noise_j, dt_s))
+        return self._weigh(seen, SampleInterval(before, here, energy, holding_w, taken_w, noise_j, dt_s))
 
-    def _weigh(self, state: ContactState, interval: Interval) -> ContactState:
+    def _weigh(self, state: ContactState, interval: SampleInterval) -> ContactState:
         """Return the state after one more energy: filter, candidates, score."""
         places, signatures = self._candidates(state, interval)
         level, covariance, responses = self._predicted(state, interval)
@@ -220,7 +220,7 @@ class ContactDetector:
         )
         return self._scored(state)
 
-    def _candidates(self, state: ContactState, interval: Interval) -> tuple[FloatArray, FloatArray]:
+    def _candidates(self, state: ContactState, interval: SampleInterval) -> tuple[FloatArray, FloatArray]:
         """Return the places at which contact may have begun, and the energy signature of each until now [J per W]."""
         before, here, dt_s = interval.before, interval.here, interval.dt_s
         # Contact may also have begun since the sample before, at several places; the oldest candidates are dropped.
@@ -237,7 +237,7 @@ class ContactDetector:
         new = 0.5 * left * (1.0 - fractions) * dt_s + left * self.free.thermal_time_s
         return places, np.append(old, new)[-CANDIDATES:]
 
-    def _predicted(self, state: ContactState, interval: Interval) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _predicted(self, state: ContactState, interval: SampleInterval) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return level, covariance and the candidates' responses as predicted for the sample."""
         dt_s = interval.dt_s
         kept = exp(-dt_s / self.air.draught_time_s)

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from musclewire.sensing.curve import MARGIN, ResistanceCurve
 
-__all__ = ["NUMBERS", "BranchState", "Followed", "GatedBranches", "TimeStep", "time_step"]
+__all__ = ["NUMBERS", "BranchState", "BranchUpdate", "GatedBranches", "TimeStep", "time_step"]
 
 # Chosen on the tuning seeds 1 to 10 of benchmarks/gated_branches.py. Resistance counts in units of R_max - R_min, the
 # quantity in units of the model's range, times in seconds.
@@ -97,7 +97,7 @@ class BranchState(NamedTuple):
     sensing: float
 
 
-class Followed(NamedTuple):
+class BranchUpdate(NamedTuple):
     """What one sample gives: the variance of the quantity, whether the reading is on the curve, and the next state."""
 
     variance: float
@@ -182,7 +182,7 @@ class GatedBranches:
             "normalised_margin": MARGIN,
         }
 
-    def start(self, resistance_ohm: float, power_w: float) -> Followed:
+    def start(self, resistance_ohm: float, power_w: float) -> BranchUpdate:
         """Return the first sample: the mean of the branches, heating.
 
         Parameters
@@ -216,7 +216,7 @@ class GatedBranches:
             1.0,
             0.0 if read >= AMBIGUOUS_ABOVE else 1.0,
         )
-        return Followed(variance, self._low - MARGIN <= read <= self._high + MARGIN, state)
+        return BranchUpdate(variance, self._low - MARGIN <= read <= self._high + MARGIN, state)
 
     def step(
         self,
@@ -225,7 +225,7 @@ class GatedBranches:
         power_w: float,
         shunt_voltage_v: float,
         after: TimeStep,
-    ) -> Followed:
+    ) -> BranchUpdate:
         """Return the next sample.
 
         Parameters
@@ -286,7 +286,7 @@ class GatedBranches:
         now = BranchState(
             value, resistance, lagging, variance, read, before, noise_v2, learnt_s, mean_w, heating, sensing
         )
-        return Followed(spread, on_curve, now)
+        return BranchUpdate(spread, on_curve, now)
 
     def _moved(
         self, at: tuple[float, float, float], heating: float, moved: float, support: float, after: TimeStep

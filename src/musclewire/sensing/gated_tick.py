@@ -47,152 +47,154 @@ OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
 @compiled
 def tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
     """Estimate one sample; see ``signals.compiled_tick`` for the arrays."""
-    of, now = constants[:N_SHARED].view(SHARED_CONSTANTS)[0], state[:N_STATE].view(SHARED_STATE)[0]
+    constants_row, state_row = constants[:N_SHARED].view(SHARED_CONSTANTS)[0], state[:N_STATE].view(SHARED_STATE)[0]
     gates, branch = constants[N_SHARED:N_CONSTANTS].view(CONSTANTS)[0], state[N_STATE:].view(STATE)[0]
     wire_voltage_v, shunt_voltage_v = given[2], given[3]
     resistance_ohm = 0.0
-    if abs(shunt_voltage_v) >= of["minimum_current_a"] * of["shunt_resistance_ohm"]:
-        resistance_ohm = wire_voltage_v / shunt_voltage_v * of["shunt_resistance_ohm"]
+    if abs(shunt_voltage_v) >= constants_row["minimum_current_a"] * constants_row["shunt_resistance_ohm"]:
+        resistance_ohm = wire_voltage_v / shunt_voltage_v * constants_row["shunt_resistance_ohm"]
     if not 0.0 < resistance_ohm < math.inf:
-        now["dropouts"] += 1.0
-        failed = 0.0 if now["dropouts"] < of["allowed_samples"] else 1.0
-        answer_with(answer, now["value"], of["quantity_span"], NO_CURRENT, failed, 0.0)
+        state_row["dropouts"] += 1.0
+        failed = 0.0 if state_row["dropouts"] < constants_row["allowed_samples"] else 1.0
+        answer_with(answer, state_row["value"], constants_row["quantity_span"], NO_CURRENT, failed, 0.0)
         return
-    now["dropouts"] = 0.0
-    if not of["own_low_ohm"] <= resistance_ohm <= of["own_high_ohm"]:
-        now["mismatches"] += 1.0
-        failed = 0.0 if now["mismatches"] < of["allowed_samples"] else 1.0
-        answer_with(answer, now["value"], of["quantity_span"], MISMATCH, failed, resistance_ohm)
+    state_row["dropouts"] = 0.0
+    if not constants_row["own_low_ohm"] <= resistance_ohm <= constants_row["own_high_ohm"]:
+        state_row["mismatches"] += 1.0
+        failed = 0.0 if state_row["mismatches"] < constants_row["allowed_samples"] else 1.0
+        answer_with(answer, state_row["value"], constants_row["quantity_span"], MISMATCH, failed, resistance_ohm)
         return
-    now["mismatches"] = 0.0
+    state_row["mismatches"] = 0.0
     power_w = wire_voltage_v * wire_voltage_v / resistance_ohm
     variance, on_curve = follow(gates, branch, constants[N_CONSTANTS:], resistance_ohm, power_w, shunt_voltage_v)
-    if of["loaded"] != 0.0:
-        add_friction(of, now, branch["value"])
+    if constants_row["loaded"] != 0.0:
+        add_friction(constants_row, state_row, branch["value"])
     reason = OUT_OF_RANGE
     if on_curve:
         reason = OK if branch["sensing"] != 0.0 else COLD
-    now["value"] = branch["value"] + now["friction_n"]
-    std = math.sqrt(variance + of["scale_variance"] * branch["value"] * branch["value"])
-    answer_with(answer, now["value"], min(std, of["quantity_span"]), reason, 0.0, resistance_ohm)
+    state_row["value"] = branch["value"] + state_row["friction_n"]
+    std = math.sqrt(variance + constants_row["scale_variance"] * branch["value"] * branch["value"])
+    answer_with(answer, state_row["value"], min(std, constants_row["quantity_span"]), reason, 0.0, resistance_ohm)
 
 
 @compiled
 def follow(
-    of: Row, now: Row, both: FloatArray, resistance_ohm: float, power_w: float, shunt_voltage_v: float
+    constants: Row, state: Row, both: FloatArray, resistance_ohm: float, power_w: float, shunt_voltage_v: float
 ) -> tuple[float, bool]:
     """Follow the branches by one sample; return variance, and whether the reading is on the curve."""
-    read = (resistance_ohm - of["resistance_min_ohm"]) * of["per_ohm"]
-    power_w = min(power_w, of["max_power_w"])
-    if now["followed"] == 0.0:
-        now["followed"] = 1.0
-        return begin(of, now, both, read, power_w)
-    per_volt = resistance_ohm * of["per_ohm"] / shunt_voltage_v
-    noise = now["noise_v2"] * per_volt * per_volt + of["min_noise"]
-    on_curve = is_on_curve(of, read, noise)
-    now["mean_power_w"] += (power_w - now["mean_power_w"]) * of["mean_power_gain"]
-    ratio = min(power_w / now["mean_power_w"] - 1.0, of["max_ratio"])
-    filtered(of, now, read, noise, ratio)
-    learn_noise(of, now, read, per_volt)
-    support = ratio if now["heating"] != 0.0 else -ratio
-    if support < -of["turning_fraction"]:
+    read = (resistance_ohm - constants["resistance_min_ohm"]) * constants["per_ohm"]
+    power_w = min(power_w, constants["max_power_w"])
+    if state["followed"] == 0.0:
+        state["followed"] = 1.0
+        return begin(constants, state, both, read, power_w)
+    per_volt = resistance_ohm * constants["per_ohm"] / shunt_voltage_v
+    noise = state["noise_v2"] * per_volt * per_volt + constants["min_noise"]
+    on_curve = is_on_curve(constants, read, noise)
+    state["mean_power_w"] += (power_w - state["mean_power_w"]) * constants["mean_power_gain"]
+    ratio = min(power_w / state["mean_power_w"] - 1.0, constants["max_ratio"])
+    filtered(constants, state, read, noise, ratio)
+    learn_noise(constants, state, read, per_volt)
+    support = ratio if state["heating"] != 0.0 else -ratio
+    if support < -constants["turning_fraction"]:
         support = -support
-        now["heating"], now["lagging"] = 1.0 - now["heating"], now["resistance"]
-    inside = min(max(now["resistance"], of["normalised_min"]), of["normalised_max"])
+        state["heating"], state["lagging"] = 1.0 - state["heating"], state["resistance"]
+    inside = min(max(state["resistance"], constants["normalised_min"]), constants["normalised_max"])
     hot, cold, slope = branches(both, inside)
-    moved = now["resistance"] - now["lagging"]
-    if not moved * moved > of["motion_deviations"] * now["variance"] + of["min_motion_variance"]:
+    moved = state["resistance"] - state["lagging"]
+    if not moved * moved > constants["motion_deviations"] * state["variance"] + constants["min_motion_variance"]:
         moved = 0.0
-    locate(of, now, moved)
-    move(of, now, hot, cold, moved, support)
-    gap = of["gap_fraction"] * (hot - cold)
+    locate(constants, state, moved)
+    move(constants, state, hot, cold, moved, support)
+    gap = constants["gap_fraction"] * (hot - cold)
     slope = slope / 2.0
-    off = slope * (now["resistance"] - inside)
-    return gap * gap + slope * slope * now["variance"] + off * off + of["min_variance"], on_curve
+    off = slope * (state["resistance"] - inside)
+    return gap * gap + slope * slope * state["variance"] + off * off + constants["min_variance"], on_curve
 
 
 @compiled
-def begin(of: Row, now: Row, both: FloatArray, read: float, power_w: float) -> tuple[float, bool]:
+def begin(constants: Row, state: Row, both: FloatArray, read: float, power_w: float) -> tuple[float, bool]:
     """Follow the first sample."""
-    inside = min(max(read, of["normalised_min"]), of["normalised_max"])
+    inside = min(max(read, constants["normalised_min"]), constants["normalised_max"])
     hot, cold, slope = branches(both, inside)
-    now["value"] = (hot + cold) / 2.0
-    now["resistance"] = now["lagging"] = now["before"] = now["before_last"] = read
-    now["variance"], now["noise_v2"], now["learnt_s"] = of["first_variance"], 0.0, -1.0
-    now["mean_power_w"], now["heating"] = power_w, 1.0
-    now["sensing"] = 0.0 if read >= of["ambiguous_above"] else 1.0
+    state["value"] = (hot + cold) / 2.0
+    state["resistance"] = state["lagging"] = state["before"] = state["before_last"] = read
+    state["variance"], state["noise_v2"], state["learnt_s"] = constants["first_variance"], 0.0, -1.0
+    state["mean_power_w"], state["heating"] = power_w, 1.0
+    state["sensing"] = 0.0 if read >= constants["ambiguous_above"] else 1.0
     half, away = (hot - cold) / 2.0, slope / 2.0 * (read - inside)
-    margin = of["normalised_margin"]
-    on_curve = of["normalised_min"] - margin <= read <= of["normalised_max"] + margin
-    return half * half + away * away + of["min_variance"], on_curve
+    margin = constants["normalised_margin"]
+    on_curve = constants["normalised_min"] - margin <= read <= constants["normalised_max"] + margin
+    return half * half + away * away + constants["min_variance"], on_curve
 
 
 @compiled
-def locate(of: Row, now: Row, moved: float) -> None:
+def locate(constants: Row, state: Row, moved: float) -> None:
     """Follow whether the wire is between B and C."""
-    if now["resistance"] > of["normalised_max"]:
-        now["sensing"] = 0.0
+    if state["resistance"] > constants["normalised_max"]:
+        state["sensing"] = 0.0
         return
-    below = of["ambiguous_above"] - now["resistance"]
-    if (now["heating"] != 0.0 and moved < 0.0) or (below > 0.0 and below * below > 9.0 * now["variance"]):
-        now["sensing"] = 1.0
+    below = constants["ambiguous_above"] - state["resistance"]
+    if (state["heating"] != 0.0 and moved < 0.0) or (below > 0.0 and below * below > 9.0 * state["variance"]):
+        state["sensing"] = 1.0
 
 
 @compiled
-def is_on_curve(of: Row, read: float, noise: float) -> bool:
+def is_on_curve(constants: Row, read: float, noise: float) -> bool:
     """Return whether a reading can be one of the valid range, within three deviations of its noise."""
-    margin = of["normalised_margin"]
-    outside = max(of["normalised_min"] - margin - read, read - of["normalised_max"] - margin, 0.0)
+    margin = constants["normalised_margin"]
+    outside = max(constants["normalised_min"] - margin - read, read - constants["normalised_max"] - margin, 0.0)
     return bool(outside * outside <= 9.0 * noise)
 
 
 @compiled
-def filtered(of: Row, now: Row, read: float, noise: float, ratio: float) -> None:
+def filtered(constants: Row, state: Row, read: float, noise: float, ratio: float) -> None:
     """Filter the resistance."""
-    away = read - now["resistance"]
-    variance = now["variance"]
+    away = read - state["resistance"]
+    variance = state["variance"]
     surprise = max(away * away - noise - variance, 0.0)
-    variance += of["dt_s"] * (of["still_per_s"] + of["driven_per_s"] * ratio * ratio + of["surprise_per_s"] * surprise)
+    variance += constants["dt_s"] * (
+        constants["still_per_s"] + constants["driven_per_s"] * ratio * ratio + constants["surprise_per_s"] * surprise
+    )
     weight = variance / (variance + noise)
-    now["resistance"] += weight * away
+    state["resistance"] += weight * away
     variance -= weight * variance
-    now["variance"] = variance
-    now["lagging"] += (now["resistance"] - now["lagging"]) * of["lagging_gain"]
+    state["variance"] = variance
+    state["lagging"] += (state["resistance"] - state["lagging"]) * constants["lagging_gain"]
 
 
 @compiled
-def learn_noise(of: Row, now: Row, read: float, per_volt: float) -> None:
+def learn_noise(constants: Row, state: Row, read: float, per_volt: float) -> None:
     """Learn the noise from the second difference of the readings."""
-    bend = (read - now["before"]) - (now["before"] - now["before_last"])
-    now["before_last"] = now["before"]
-    now["before"] = read
-    if now["learnt_s"] < 0.0 or of["dt_s"] <= 0.0:
-        now["learnt_s"] = 0.0
+    bend = (read - state["before"]) - (state["before"] - state["before_last"])
+    state["before_last"] = state["before"]
+    state["before"] = read
+    if state["learnt_s"] < 0.0 or constants["dt_s"] <= 0.0:
+        state["learnt_s"] = 0.0
         return
-    now["learnt_s"] = min(now["learnt_s"] + of["dt_s"], of["noise_s"])
+    state["learnt_s"] = min(state["learnt_s"] + constants["dt_s"], constants["noise_s"])
     bend_v = bend / per_volt
-    now["noise_v2"] += (min(bend_v * bend_v / 6.0, of["max_noise_v2"]) - now["noise_v2"]) * (
-        of["dt_s"] / now["learnt_s"]
+    state["noise_v2"] += (min(bend_v * bend_v / 6.0, constants["max_noise_v2"]) - state["noise_v2"]) * (
+        constants["dt_s"] / state["learnt_s"]
     )
 
 
 @compiled
-def move(of: Row, now: Row, hot: float, cold: float, moved: float, support: float) -> None:
+def move(constants: Row, state: Row, hot: float, cold: float, moved: float, support: float) -> None:
     """Move the quantity towards its branch and keep it within both."""
-    value = now["value"]
-    if now["heating"] != 0.0:
+    value = state["value"]
+    if state["heating"] != 0.0:
         branch, ahead, towards = hot, hot - value, -moved
     else:
         branch, ahead, towards = cold, value - cold, moved
     if ahead < 0.0:
-        value += (branch - value) * of["return_gain"]
+        value += (branch - value) * constants["return_gain"]
     elif towards > 0.0:
         value = branch
-    elif support > of["supporting_fraction"]:
-        value += (branch - value) * of["approach_gain"]
+    elif support > constants["supporting_fraction"]:
+        value += (branch - value) * constants["approach_gain"]
     else:
-        value += ((hot + cold) / 2.0 - value) * of["middle_gain"]
-    now["value"] = min(max(value, min(hot, cold) - of["beyond"]), max(hot, cold) + of["beyond"])
+        value += ((hot + cold) / 2.0 - value) * constants["middle_gain"]
+    state["value"] = min(max(value, min(hot, cold) - constants["beyond"]), max(hot, cold) + constants["beyond"])
 
 
 @compiled

@@ -30,7 +30,7 @@ __all__ = [
     "MISMATCH_FRACTION",
     "PolynomialEstimator",
     "PolynomialState",
-    "SegmentState",
+    "SegmentTrackerState",
     "SegmentTracker",
     "mismatch_failure",
     "polynomial_estimator",
@@ -51,7 +51,7 @@ SMOOTHING_SAMPLES = 8.0
 MIN_POWER_CHANGE = 0.02
 
 
-class SegmentState(NamedTuple):
+class SegmentTrackerState(NamedTuple):
     """State of a :class:`SegmentTracker` between two samples.
 
     Parameters
@@ -101,7 +101,7 @@ class SegmentTracker:
             "min_power_change": MIN_POWER_CHANGE,
         }
 
-    def start(self, resistance_ohm: float, power_w: float) -> SegmentState:
+    def start(self, resistance_ohm: float, power_w: float) -> SegmentTrackerState:
         """Return the state for a first sample: near R_max a wire counts as cold until a change shows otherwise.
 
         Parameters
@@ -116,9 +116,9 @@ class SegmentTracker:
         The state.
         """
         cold = resistance_ohm >= self._ambiguous_above_ohm
-        return SegmentState(not cold, True, power_w, resistance_ohm, resistance_ohm)
+        return SegmentTrackerState(not cold, True, power_w, resistance_ohm, resistance_ohm)
 
-    def step(self, state: SegmentState, resistance_ohm: float, power_w: float) -> SegmentState:
+    def step(self, state: SegmentTrackerState, resistance_ohm: float, power_w: float) -> SegmentTrackerState:
         """Return the state after one more sample with current.
 
         Parameters
@@ -154,7 +154,7 @@ class SegmentTracker:
             opposite_ohm = anchor - smoothed
         if opposite_ohm > self._min_change_ohm:
             sensing, anchor = not sensing, smoothed
-        return SegmentState(sensing or smoothed < self._ambiguous_above_ohm, heating, extreme, anchor, smoothed)
+        return SegmentTrackerState(sensing or smoothed < self._ambiguous_above_ohm, heating, extreme, anchor, smoothed)
 
     def track(
         self, resistance_ohm: FloatArray, power_w: FloatArray, valid: npt.NDArray[np.bool_]
@@ -175,7 +175,7 @@ class SegmentTracker:
         Whether strain can be sensed, shape (n_times,).
         """
         sensing = np.zeros(resistance_ohm.shape, dtype=np.bool_)
-        state: SegmentState | None = None
+        state: SegmentTrackerState | None = None
         for row in np.flatnonzero(valid):
             resistance, power = float(resistance_ohm[row]), float(power_w[row])
             state = self.start(resistance, power) if state is None else self.step(state, resistance, power)
@@ -193,7 +193,7 @@ class PolynomialState(NamedTuple):
     value: float
     dropouts: int
     mismatches: int
-    segment: SegmentState | None
+    segment: SegmentTrackerState | None
     spring_force_n: float | None
     friction_n: float
 
@@ -349,7 +349,9 @@ class PolynomialEstimator:
             return state.friction_n
         return self.load.friction_after(state.friction_n, spring_force_n - state.spring_force_n)
 
-    def _segment_after(self, segment: SegmentState | None, sample: WireSample, resistance_ohm: float) -> SegmentState:
+    def _segment_after(
+        self, segment: SegmentTrackerState | None, sample: WireSample, resistance_ohm: float
+    ) -> SegmentTrackerState:
         """Return the segment after a sample of a wire on its way from a cold start to between B and C."""
         power_w = sample.wire_voltage_v * sample.wire_voltage_v / resistance_ohm
         if segment is None:

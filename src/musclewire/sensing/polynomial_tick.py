@@ -50,30 +50,30 @@ OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
 @compiled
 def tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
     """Estimate one sample; see ``signals.compiled_tick`` for the arrays."""
-    of, now = constants[:N_CONSTANTS].view(CONSTANTS)[0], state.view(STATE)[0]
+    constants_row, state_row = constants[:N_CONSTANTS].view(CONSTANTS)[0], state.view(STATE)[0]
     wire_voltage_v, shunt_voltage_v = given[2], given[3]
     resistance_ohm = 0.0
-    if abs(shunt_voltage_v) >= of["minimum_current_a"] * of["shunt_resistance_ohm"]:
-        resistance_ohm = wire_voltage_v / shunt_voltage_v * of["shunt_resistance_ohm"]
+    if abs(shunt_voltage_v) >= constants_row["minimum_current_a"] * constants_row["shunt_resistance_ohm"]:
+        resistance_ohm = wire_voltage_v / shunt_voltage_v * constants_row["shunt_resistance_ohm"]
     if not 0.0 < resistance_ohm < math.inf:
-        now["dropouts"] += 1.0
-        failed = 0.0 if now["dropouts"] < of["allowed_samples"] else 1.0
-        answer_with(answer, now["value"], of["quantity_span"], NO_CURRENT, failed, 0.0)
+        state_row["dropouts"] += 1.0
+        failed = 0.0 if state_row["dropouts"] < constants_row["allowed_samples"] else 1.0
+        answer_with(answer, state_row["value"], constants_row["quantity_span"], NO_CURRENT, failed, 0.0)
         return
-    value, std, in_range = estimate(of, constants[N_CONSTANTS:], resistance_ohm)
-    own = of["own_low_ohm"] <= resistance_ohm <= of["own_high_ohm"]
-    if of["loaded"] != 0.0:
-        add_friction(of, now, value)
+    value, std, in_range = estimate(constants_row, constants[N_CONSTANTS:], resistance_ohm)
+    own = constants_row["own_low_ohm"] <= resistance_ohm <= constants_row["own_high_ohm"]
+    if constants_row["loaded"] != 0.0:
+        add_friction(constants_row, state_row, value)
     if in_range:
-        track(of, now, resistance_ohm, wire_voltage_v * wire_voltage_v / resistance_ohm)
-        reason = OK if now["sensing"] != 0.0 else COLD
+        track(constants_row, state_row, resistance_ohm, wire_voltage_v * wire_voltage_v / resistance_ohm)
+        reason = OK if state_row["sensing"] != 0.0 else COLD
     else:
         reason = OUT_OF_RANGE if own else MISMATCH
-    now["value"] = value + now["friction_n"]
-    now["dropouts"] = 0.0
-    now["mismatches"] = 0.0 if own else now["mismatches"] + 1.0
-    failed = 1.0 if now["mismatches"] >= of["allowed_samples"] else 0.0
-    answer_with(answer, now["value"], std, reason, failed, resistance_ohm)
+    state_row["value"] = value + state_row["friction_n"]
+    state_row["dropouts"] = 0.0
+    state_row["mismatches"] = 0.0 if own else state_row["mismatches"] + 1.0
+    failed = 1.0 if state_row["mismatches"] >= constants_row["allowed_samples"] else 0.0
+    answer_with(answer, state_row["value"], std, reason, failed, resistance_ohm)
 
 
 @compiled
@@ -90,12 +90,12 @@ def answer_with(
 
 
 @compiled
-def estimate(of: Row, coefficients: FloatArray, resistance_ohm: float) -> tuple[float, float, bool]:
+def estimate(constants: Row, coefficients: FloatArray, resistance_ohm: float) -> tuple[float, float, bool]:
     """Return value, standard deviation and validity of one resistance, as ``ResistanceCurve.estimate`` does."""
-    fraction = (resistance_ohm - of["resistance_min_ohm"]) * of["per_ohm"]
+    fraction = (resistance_ohm - constants["resistance_min_ohm"]) * constants["per_ohm"]
     if not math.isfinite(fraction):
-        return of["quantity_max"], of["quantity_span"], False
-    low, high, margin = of["normalised_min"], of["normalised_max"], of["normalised_margin"]
+        return constants["quantity_max"], constants["quantity_span"], False
+    low, high, margin = constants["normalised_min"], constants["normalised_max"], constants["normalised_margin"]
     valid = low - margin <= fraction <= high + margin
     inside = low if fraction < low else high if fraction > high else fraction
     heating = cooling = slope = 0.0 * inside
@@ -104,43 +104,47 @@ def estimate(of: Row, coefficients: FloatArray, resistance_ohm: float) -> tuple[
         heating = heating * inside + coefficients[place]
         cooling = cooling * inside + coefficients[place + 1]
     half = (heating - cooling) / 2.0
-    spread = slope / 2.0 * (abs(fraction - inside) + of["noise_ohm"] * of["per_ohm"])
+    spread = slope / 2.0 * (abs(fraction - inside) + constants["noise_ohm"] * constants["per_ohm"])
     value = (heating + cooling) / 2.0
-    variance = half * half + of["residual_variance"] + spread * spread + of["scale_variance"] * value * value
-    return value, min(math.sqrt(variance), of["quantity_span"]), valid
+    variance = (
+        half * half + constants["residual_variance"] + spread * spread + constants["scale_variance"] * value * value
+    )
+    return value, min(math.sqrt(variance), constants["quantity_span"]), valid
 
 
 @compiled
-def add_friction(of: Row, now: Row, spring_force_n: float) -> None:
+def add_friction(constants: Row, state: Row, spring_force_n: float) -> None:
     """Follow the friction in addition to a known spring's force."""
-    if now["spring_known"] != 0.0:
-        moved_m = (spring_force_n - now["spring_force_n"]) / of["stiffness_n_per_m"]
-        now["friction_n"] = friction_force_n(now["friction_n"], moved_m, of["load_friction_n"], of["turning_m"])
-    now["spring_known"] = 1.0
-    now["spring_force_n"] = spring_force_n
+    if state["spring_known"] != 0.0:
+        moved_m = (spring_force_n - state["spring_force_n"]) / constants["stiffness_n_per_m"]
+        state["friction_n"] = friction_force_n(
+            state["friction_n"], moved_m, constants["load_friction_n"], constants["turning_m"]
+        )
+    state["spring_known"] = 1.0
+    state["spring_force_n"] = spring_force_n
 
 
 @compiled
-def track(of: Row, now: Row, resistance_ohm: float, power_w: float) -> None:
+def track(constants: Row, state: Row, resistance_ohm: float, power_w: float) -> None:
     """Follow the segment of the wire until it is between B and C, as ``SegmentTracker`` does."""
-    if now["tracked"] == 0.0:
-        now["tracked"] = 1.0
-        now["sensing"] = 0.0 if resistance_ohm >= of["ambiguous_above_ohm"] else 1.0
-        now["heating"] = 1.0
-        now["power_extreme_w"] = power_w
-        now["resistance_anchor_ohm"] = now["smoothed_ohm"] = resistance_ohm
+    if state["tracked"] == 0.0:
+        state["tracked"] = 1.0
+        state["sensing"] = 0.0 if resistance_ohm >= constants["ambiguous_above_ohm"] else 1.0
+        state["heating"] = 1.0
+        state["power_extreme_w"] = power_w
+        state["resistance_anchor_ohm"] = state["smoothed_ohm"] = resistance_ohm
         return
-    if now["sensing"] != 0.0:
+    if state["sensing"] != 0.0:
         return
-    heating, extreme, anchor = now["heating"] != 0.0, now["power_extreme_w"], now["resistance_anchor_ohm"]
-    smoothed = now["smoothed_ohm"]
-    smoothed += (resistance_ohm - smoothed) / of["smoothing_samples"]
+    heating, extreme, anchor = state["heating"] != 0.0, state["power_extreme_w"], state["resistance_anchor_ohm"]
+    smoothed = state["smoothed_ohm"]
+    smoothed += (resistance_ohm - smoothed) / constants["smoothing_samples"]
     if heating:
         extreme = max(extreme, power_w)
-        turned = power_w < extreme * (1.0 - of["min_power_change"])
+        turned = power_w < extreme * (1.0 - constants["min_power_change"])
     else:
         extreme = min(extreme, power_w)
-        turned = power_w > extreme * (1.0 + of["min_power_change"])
+        turned = power_w > extreme * (1.0 + constants["min_power_change"])
     if turned:
         heating, extreme, anchor = not heating, power_w, smoothed
     # Here the wire is not sensed yet: a change in the direction of A-B moves the anchor, one in the opposite counts.
@@ -151,10 +155,10 @@ def track(of: Row, now: Row, resistance_ohm: float, power_w: float) -> None:
         anchor = max(anchor, smoothed)
         opposite_ohm = anchor - smoothed
     sensing = False
-    if opposite_ohm > of["min_change_ohm"]:
+    if opposite_ohm > constants["min_change_ohm"]:
         sensing, anchor = True, smoothed
-    now["sensing"] = 1.0 if sensing or smoothed < of["ambiguous_above_ohm"] else 0.0
-    now["heating"] = 1.0 if heating else 0.0
-    now["power_extreme_w"] = extreme
-    now["resistance_anchor_ohm"] = anchor
-    now["smoothed_ohm"] = smoothed
+    state["sensing"] = 1.0 if sensing or smoothed < constants["ambiguous_above_ohm"] else 0.0
+    state["heating"] = 1.0 if heating else 0.0
+    state["power_extreme_w"] = extreme
+    state["resistance_anchor_ohm"] = anchor
+    state["smoothed_ohm"] = smoothed

@@ -77,7 +77,7 @@ def resistance_maximum(
     window = widest
     while window.samples >= MIN_SAMPLES:
         window = moved(measured_ohm, window, widest, height_ohm)
-        fits = _Fits.through(measured_ohm, window)
+        fits = _WindowPolynomials.through(measured_ohm, window)
         for order in ORDERS:
             found = fits.maximum(order)
             if found is not None and (height_ohm < MIN_NOISES * fits.noise_ohm(order) or fits.suffices(order)):
@@ -113,7 +113,7 @@ def parabola_maximum(resistance_ohm: FloatArray, peak: int) -> ResistanceMaximum
     return ResistanceMaximum(peak + shift, at + 0.25 * shift * (after - before))
 
 
-class Window(NamedTuple):
+class SampleWindow(NamedTuple):
     """The samples ``first`` to ``last``, both included."""
 
     first: int
@@ -125,17 +125,17 @@ class Window(NamedTuple):
         return self.last - self.first + 1
 
 
-class _Fits(NamedTuple):
+class _WindowPolynomials(NamedTuple):
     """Polynomials of least squares through a window, by their parts in orthonormal ones, (10,) or fewer."""
 
-    window: Window
+    window: SampleWindow
     basis: FloatArray
     level_ohm: float
     parts_ohm: FloatArray
     squares: float
 
     @classmethod
-    def through(cls, measured: FloatArray, window: Window) -> _Fits:
+    def through(cls, measured: FloatArray, window: SampleWindow) -> _WindowPolynomials:
         """Return the fits of all orders at once."""
         basis = orthonormal(window.samples)[0]
         values = measured[window.first : window.last + 1]
@@ -191,19 +191,19 @@ def orthonormal(samples: int) -> tuple[FloatArray, FloatArray]:
     return basis, np.linalg.inv(triangle[: CUBIC + 1, : CUBIC + 1])
 
 
-def above(values: FloatArray, peak: int, level: float) -> Window:
+def above(values: FloatArray, peak: int, level: float) -> SampleWindow:
     """Return the samples around a peak that lie above a level without a gap."""
     below = np.flatnonzero(values <= level)
     after = int(np.searchsorted(below, peak))
     first = int(below[after - 1]) + 1 if after > 0 else 0
     last = int(below[after]) - 1 if after < below.size else values.size - 1
-    return Window(min(first, peak), max(last, peak))
+    return SampleWindow(min(first, peak), max(last, peak))
 
 
-def moved(measured: FloatArray, window: Window, widest: Window, height_ohm: float) -> Window:
+def moved(measured: FloatArray, window: SampleWindow, widest: SampleWindow, height_ohm: float) -> SampleWindow:
     """Return the window in which the cubic through it is at most a height below its maximum."""
     for _ in range(MOVES):
-        fits = _Fits.through(measured, window)
+        fits = _WindowPolynomials.through(measured, window)
         found = fits.maximum(CUBIC)
         if found is None:
             return window
@@ -211,11 +211,11 @@ def moved(measured: FloatArray, window: Window, widest: Window, height_ohm: floa
         part = above(curve, round(found.place) - widest.first, found.resistance_ohm - height_ohm)
         if part.samples < MIN_SAMPLES:
             return window
-        window = Window(widest.first + part.first, widest.first + part.last)
+        window = SampleWindow(widest.first + part.first, widest.first + part.last)
     return window
 
 
-def narrower(window: Window, middle: int) -> Window:
+def narrower(window: SampleWindow, middle: int) -> SampleWindow:
     """Return the samples of a window on both sides of one, by a part fewer on each."""
     before, after = int(NARROWER * (middle - window.first)), int(NARROWER * (window.last - middle))
-    return Window(middle - before, middle + after)
+    return SampleWindow(middle - before, middle + after)

@@ -158,7 +158,7 @@ def find_segments(
     ----------
     Lan and Fan 2010, Fig. 3(b) and its text.
     """
-    signals = _Signals.read(resistance_ohm, strain, valid, quantity)
+    signals = _UsableSamples.read(resistance_ohm, strain, valid, quantity)
     pairs = signals.cycles()
     return signals.segments(pairs, _chosen(cycle, pairs, signals.curves))
 
@@ -186,13 +186,13 @@ def find_loops(
     RecordingError
         As :func:`find_segments`.
     """
-    signals = _Signals.read(resistance_ohm, strain, valid)
+    signals = _UsableSamples.read(resistance_ohm, strain, valid)
     pairs = signals.cycles()
     return [signals.segments(pairs, number) for number in range(len(pairs))]
 
 
 @dataclass(frozen=True, eq=False)
-class _Signals:
+class _UsableSamples:
     """The usable samples of a recording, raw and smoothed, with their indices in it."""
 
     place: npt.NDArray[np.intp]
@@ -210,7 +210,7 @@ class _Signals:
         strain: npt.ArrayLike,
         valid: npt.ArrayLike | None,
         quantity: str = "strain",
-    ) -> _Signals:
+    ) -> _UsableSamples:
         """Return the usable samples of a recording; RecordingError if there is no transformation in them."""
         place, resistance, contraction = _usable(resistance_ohm, strain, valid, quantity)
         _check_stroke(contraction, quantity)

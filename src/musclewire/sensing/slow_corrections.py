@@ -21,7 +21,7 @@ from musclewire.sensing.estimator import Estimator, SlowPart
 from musclewire.signals.exchange import QuantityEstimate, WireSample
 from musclewire.signals.recording import MetadataValue
 
-__all__ = ["CORRECTION_COLUMN", "Correction", "InLine", "InThread", "SlowCorrections", "SlowStatus", "estimates"]
+__all__ = ["CORRECTION_COLUMN", "SlowCorrection", "InLine", "InThread", "SlowCorrections", "SlowStatus", "estimates"]
 
 CORRECTION_COLUMN = "slow_correction"
 # While a slow part computes in Python, the tick gets the interpreter back after at most this; Python's default is 5 ms.
@@ -37,17 +37,17 @@ class SlowStatus(IntEnum):
     FAILED = 3
 
 
-class Correction(NamedTuple):
+class SlowCorrection(NamedTuple):
     """The value that a slow part returned, or the exception that it raised."""
 
     value: Any
     error: Exception | None = None
 
 
-class Executor(Protocol):
+class CorrectionExecutor(Protocol):
     """Computes slow parts, one at a time."""
 
-    def request(self, compute: Callable[[], Any]) -> Callable[[], Correction | None] | None:
+    def request(self, compute: Callable[[], Any]) -> Callable[[], SlowCorrection | None] | None:
         """Begin to compute.
 
         Parameters
@@ -66,18 +66,18 @@ class Executor(Protocol):
         ...
 
 
-def computed(compute: Callable[[], Any]) -> Correction:
+def computed(compute: Callable[[], Any]) -> SlowCorrection:
     """Return the value or the exception of a slow part."""
     try:
-        return Correction(compute())
+        return SlowCorrection(compute())
     except Exception as error:
-        return Correction(None, error)
+        return SlowCorrection(None, error)
 
 
 class InLine:
     """Computes at once, in the caller's thread: for simulations, whose time does not advance meanwhile."""
 
-    def request(self, compute: Callable[[], Any]) -> Callable[[], Correction | None]:
+    def request(self, compute: Callable[[], Any]) -> Callable[[], SlowCorrection | None]:
         """Compute, and return a function that returns the result."""
         result = computed(compute)
         return lambda: result
@@ -91,8 +91,8 @@ class InThread:
 
     def __init__(self) -> None:
         """Start the thread, and make the interpreter switch threads often enough for a tick."""
-        self._work: SimpleQueue[tuple[Callable[[], Any], list[Correction]] | None] = SimpleQueue()
-        self._running: list[Correction] | None = None
+        self._work: SimpleQueue[tuple[Callable[[], Any], list[SlowCorrection]] | None] = SimpleQueue()
+        self._running: list[SlowCorrection] | None = None
         self._interval_s = sys.getswitchinterval()
         sys.setswitchinterval(min(SWITCH_INTERVAL_S, self._interval_s))
         threading.Thread(target=self._follow, name="musclewire slow part", daemon=True).start()
@@ -103,11 +103,11 @@ class InThread:
             compute, results = task
             results.append(computed(compute))
 
-    def request(self, compute: Callable[[], Any]) -> Callable[[], Correction | None] | None:
+    def request(self, compute: Callable[[], Any]) -> Callable[[], SlowCorrection | None] | None:
         """Pass the computation to the thread; None while it is busy with the last one."""
         if self._running is not None and not self._running:
             return None
-        results: list[Correction] = []
+        results: list[SlowCorrection] = []
         self._running = results
         self._work.put((compute, results))
         return lambda: results[0] if results else None
@@ -134,7 +134,7 @@ class SlowCorrections:
         If the slow part's ticks are inconsistent: a correction must take effect before the next one is requested.
     """
 
-    def __init__(self, slow_part: SlowPart, executor: Executor) -> None:
+    def __init__(self, slow_part: SlowPart, executor: CorrectionExecutor) -> None:
         """Begin with an empty window."""
         if not (slow_part.window_ticks >= 1 and 1 <= slow_part.after_ticks <= slow_part.every_ticks):
             raise CallerError(
@@ -146,7 +146,7 @@ class SlowCorrections:
         self._window: deque[WireSample] = deque(maxlen=slow_part.window_ticks)
         self._tick = 0
         self._due_tick: int | None = None
-        self._result: Callable[[], Correction | None] | None = None
+        self._result: Callable[[], SlowCorrection | None] | None = None
         self._counts = dict.fromkeys(SlowStatus, 0)
         self._first_error = ""
 
@@ -170,7 +170,7 @@ class SlowCorrections:
         self._counts[status] += 1
         return state, status
 
-    def _in_effect(self, state: Any, result: Correction | None) -> tuple[Any, SlowStatus]:
+    def _in_effect(self, state: Any, result: SlowCorrection | None) -> tuple[Any, SlowStatus]:
         """Return the state with a correction that is due, or the old one if it is late or failed."""
         if result is None:
             return state, SlowStatus.LATE

@@ -36,7 +36,7 @@ _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct",
 _PLAIN_ISO = re.compile(r"\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}:\d{2}(?:\.\d{1,6})?")
 
 
-class _Moment(NamedTuple):
+class _PointInTime(NamedTuple):
     """A time in microseconds, since the year 1 or since midnight."""
 
     microseconds: int
@@ -132,7 +132,7 @@ class ClockTexts:
         return time_us
 
 
-def _moment(cell: str, day_first: bool) -> _Moment | None:
+def _moment(cell: str, day_first: bool) -> _PointInTime | None:
     match = _match(cell)
     if match is None:
         return None
@@ -140,11 +140,11 @@ def _moment(cell: str, day_first: bool) -> _Moment | None:
     try:
         time_us = _time_us(parts) if parts.get("hour") else 0
         if "year" not in parts:
-            return _Moment(time_us, False)
+            return _PointInTime(time_us, False)
         day = _date(parts, day_first).toordinal()
     except ValueError:
         return None
-    return _Moment(day * _DAY_US + time_us - _zone_us(parts.get("zone")), True)
+    return _PointInTime(day * _DAY_US + time_us - _zone_us(parts.get("zone")), True)
 
 
 def _time_us(parts: dict[str, str | None]) -> int:

@@ -17,7 +17,7 @@ from musclewire.signals.columns import (
     known_column,
 )
 from musclewire.signals.source_table import SourceColumn
-from musclewire.signals.units import Conversion, conversion_to_si, measures
+from musclewire.signals.units import UnitConversion, conversion_to_si, measures
 
 __all__ = [
     "HeaderMatch",
@@ -54,9 +54,9 @@ class MatchedHeader:
     is_text: bool = False
 
     @property
-    def conversion(self) -> Conversion:
+    def conversion(self) -> UnitConversion:
         """The conversion of the numbers under this header to SI."""
-        return Conversion(self.factor, self.offset)
+        return UnitConversion(self.factor, self.offset)
 
 
 @dataclass(frozen=True)

@@ -26,10 +26,10 @@ from musclewire.signals.headers import (
 from musclewire.signals.import_mapping import ImportMapping
 from musclewire.signals.metadata import MetadataValue
 from musclewire.signals.side_by_side import stacked_branches
-from musclewire.signals.source_table import Block, Cells, SourceTable, head_of
+from musclewire.signals.source_table import Cells, RowBlock, SourceTable, head_of
 from musclewire.signals.units import conversion_to_si
 
-__all__ = ["ImportPlan", "Tally", "checked_blocks", "plan_import"]
+__all__ = ["ImportPlan", "CheckedBlocks", "checked_blocks", "plan_import"]
 
 # Our own runs hold NaN in samples without an estimate; in any other column NaN is a gap in the data.
 _MAY_BE_NAN = frozenset(name for name in COLUMNS if name.startswith("estimated_"))
@@ -68,7 +68,7 @@ class ImportPlan:
 
 
 @dataclass
-class Tally:
+class CheckedBlocks:
     """What the checked blocks of a table held."""
 
     row_count: int = 0
@@ -110,14 +110,14 @@ def plan_import(table: SourceTable, mapping: ImportMapping) -> ImportPlan:
     return replace(plan, problem=_problem(plan, headers))
 
 
-def checked_blocks(plan: ImportPlan, tally: Tally) -> Iterator[dict[str, FloatArray]]:
+def checked_blocks(plan: ImportPlan, tally: CheckedBlocks) -> Iterator[dict[str, FloatArray]]:
     """Yield the recording's rows in SI, block after block, each checked; what they hold is added to ``tally``.
 
     Raises RecordingError with file, line or row, and column for the first number that cannot be used.
     """
     if plan.problem:
         raise RecordingError(plan.problem)
-    reader = _Reader(plan, tally)
+    reader = _BlockReader(plan, tally)
     for block in plan.table.blocks([item.index for item in plan.match.taken]):
         columns = reader.columns_of(block)
         tally.add(columns)
@@ -126,10 +126,10 @@ def checked_blocks(plan: ImportPlan, tally: Tally) -> Iterator[dict[str, FloatAr
         raise RecordingError(f"{plan.table.path}: has {tally.row_count} rows; a recording needs 2 or more")
 
 
-class _Reader:
+class _BlockReader:
     """Converts and checks the blocks of a table, one after the other."""
 
-    def __init__(self, plan: ImportPlan, tally: Tally) -> None:
+    def __init__(self, plan: ImportPlan, tally: CheckedBlocks) -> None:
         self._plan, self._tally = plan, tally
         self._path = plan.table.path
         self._rows = 0
@@ -140,7 +140,7 @@ class _Reader:
         header = "" if clock is None else clock.header.replace("{", "{{").replace("}", "}}")
         self._clock = ClockTexts(f"{self._path}: {{place}}, column '{header}'")
 
-    def columns_of(self, block: Block) -> dict[str, FloatArray]:
+    def columns_of(self, block: RowBlock) -> dict[str, FloatArray]:
         """Return a block's rows as columns of a recording."""
         taken = self._plan.match.taken
         numbered = [self._numbers(item, cells, block) for item, cells in zip(taken, block.values, strict=True)]
@@ -158,14 +158,14 @@ class _Reader:
             self._check_clock_rises(columns["time_s"], block, rows)
         return self._mounted(columns)
 
-    def _numbers(self, item: MatchedHeader, cells: Cells, block: Block) -> FloatArray:
+    def _numbers(self, item: MatchedHeader, cells: Cells, block: RowBlock) -> FloatArray:
         if not item.is_text:
             return np.asarray(cells, dtype=np.float64)
         seconds = self._clock.seconds([str(cell) for cell in cells], block.place)
         self._tally.start_time = self._clock.start_time
         return seconds
 
-    def _kept(self, numbered: Sequence[FloatArray], block: Block) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    def _kept(self, numbered: Sequence[FloatArray], block: RowBlock) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
         """Return which rows are kept: all, or those in which no number is missing."""
         size = numbered[0].size if numbered else len(block.values[0])
         keep = np.ones(size, dtype=bool)
@@ -177,7 +177,7 @@ class _Reader:
         return keep
 
     def _checked(
-        self, item: MatchedHeader, written: FloatArray, block: Block, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
+        self, item: MatchedHeader, written: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
     ) -> FloatArray:
         bad = np.isinf(written) if item.column in _MAY_BE_NAN else ~np.isfinite(written)
         if bad.any():
@@ -204,7 +204,7 @@ class _Reader:
         return written - self._origin if self._origin else written
 
     def _check_strain_is_a_fraction(
-        self, item: MatchedHeader, written: FloatArray, block: Block, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
+        self, item: MatchedHeader, written: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
     ) -> None:
         too_large = np.abs(written) > 1.0
         if item.column not in _STRAINS or item.unit_given or not too_large.any():
@@ -216,7 +216,7 @@ class _Reader:
         )
 
     def _check_clock_rises(
-        self, time_s: FloatArray, block: Block, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
+        self, time_s: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
     ) -> None:
         before = np.concatenate(([self._last_time_s], time_s[:-1]))
         stuck = time_s <= before

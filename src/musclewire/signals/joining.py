@@ -59,7 +59,7 @@ class JoinedRecordings(NamedTuple):
     notes: tuple[str, ...]
 
 
-class _Peak(NamedTuple):
+class _CorrelationPeak(NamedTuple):
     """The best delay [s] of two series, its correlation, the best elsewhere, and the delay of that [s]."""
 
     delay_s: float
@@ -146,7 +146,7 @@ def _on_grid(recording: Recording, name: str, step_s: float) -> FloatArray:
     return np.asarray(recording[name][np.searchsorted(edges, time_s[0] + step_s * np.arange(count))], dtype=np.float64)
 
 
-def _peak(first: Recording, second: Recording, pair: tuple[str, str], step_s: float) -> _Peak:
+def _peak(first: Recording, second: Recording, pair: tuple[str, str], step_s: float) -> _CorrelationPeak:
     """Return where two recordings correlate best, as a delay of the second clock."""
     one, other = _on_grid(first, pair[0], step_s), _on_grid(second, pair[1], step_s)
     for series, name in zip((one, other), pair, strict=True):
@@ -160,7 +160,9 @@ def _peak(first: Recording, second: Recording, pair: tuple[str, str], step_s: fl
     delay_s = start_s + step_s * (float(lags[best]) + _vertex(strength, best))
     elsewhere = _outside_main_peak(strength, best)
     after = int(np.argmax(elsewhere))
-    return _Peak(delay_s, float(strength[best]), float(elsewhere[after]), start_s + step_s * float(lags[after]))
+    return _CorrelationPeak(
+        delay_s, float(strength[best]), float(elsewhere[after]), start_s + step_s * float(lags[after])
+    )
 
 
 def _correlations(one: FloatArray, other: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -204,7 +206,7 @@ def _outside_main_peak(strength: FloatArray, best: int) -> FloatArray:
     return outside
 
 
-def _require_determined(peak: _Peak, pair: tuple[str, str]) -> None:
+def _require_determined(peak: _CorrelationPeak, pair: tuple[str, str]) -> None:
     """Raise RecordingError unless there is one delay at which the columns correlate, and no other."""
     names = " and ".join(dict.fromkeys(pair))
     if peak.correlation < MIN_CORRELATION:
@@ -221,7 +223,7 @@ def _require_determined(peak: _Peak, pair: tuple[str, str]) -> None:
 
 
 def _uncertainty_s(
-    first: Recording, second: Recording, pair: tuple[str, str], peak: _Peak, step_s: float
+    first: Recording, second: Recording, pair: tuple[str, str], peak: _CorrelationPeak, step_s: float
 ) -> tuple[float, tuple[str, ...]]:
     """Return the delay's standard deviation [s], and a note on the parts. Raises RecordingError if the clocks drift."""
     # An event is somewhere between two samples of each recording: uniform distributions of one sample period each way.
@@ -241,7 +243,9 @@ def _uncertainty_s(
     return std_s, (f"{len(parts)} parts by themselves have delays from {min(delays_s):.6g} to {max(delays_s):.6g} s",)
 
 
-def _fit_std_s(first: Recording, second: Recording, pair: tuple[str, str], peak: _Peak, step_s: float) -> float:
+def _fit_std_s(
+    first: Recording, second: Recording, pair: tuple[str, str], peak: _CorrelationPeak, step_s: float
+) -> float:
     """Return the delay's standard deviation [s] by least squares: noise over slope; noise may last over samples."""
     time_s = first["time_s"]
     shifted = np.interp(time_s + peak.delay_s, second["time_s"], second[pair[1]], left=np.nan, right=np.nan)
@@ -258,7 +262,7 @@ def _fit_std_s(first: Recording, second: Recording, pair: tuple[str, str], peak:
 
 
 def _delays_of_parts_s(
-    first: Recording, second: Recording, pair: tuple[str, str], peak: _Peak, step_s: float
+    first: Recording, second: Recording, pair: tuple[str, str], peak: _CorrelationPeak, step_s: float
 ) -> list[tuple[float, float]]:
     """Return delay and standard deviation [s] of each part of the recordings that determines a delay by itself."""
     time_s = first["time_s"]

@@ -23,7 +23,7 @@ from musclewire.signals.columns import COLUMNS
 from musclewire.signals.metadata import MetadataValue
 
 __all__ = [
-    "Journal",
+    "JournalContents",
     "encoded_end",
     "encoded_rows",
     "encoded_start",
@@ -96,7 +96,7 @@ def _checksum(kind: int, body: bytes | memoryview) -> int:
 
 
 @dataclass(frozen=True)
-class Journal:
+class JournalContents:
     """What a journal holds.
 
     ``values`` are the complete rows, (n_times, n_columns); ``ended`` is "" if it does not say;
@@ -110,9 +110,9 @@ class Journal:
     damaged_bytes: int
 
 
-def parsed_journal(data: bytes, path: Path) -> Journal:
+def parsed_journal(data: bytes, path: Path) -> JournalContents:
     """Return what a journal's bytes hold, up to the first record that is not whole. Raises RecordingError."""
-    records = Records(memoryview(data), _records_begin(data, path))
+    records = JournalRecords(memoryview(data), _records_begin(data, path))
     columns, metadata = _start_of(next(iter(records), None), path)
     blocks, ended = [], ""
     for kind, body in records:
@@ -122,10 +122,10 @@ def parsed_journal(data: bytes, path: Path) -> Journal:
             last = _facts_of(body, path)
             ended, metadata = str(last.get("ended", "")), {**metadata, **dict(last.get("metadata", {}))}
     values = np.concatenate([np.empty(0), *blocks]).reshape(-1, len(columns))
-    return Journal(columns, values, metadata, ended, records.damaged_bytes())
+    return JournalContents(columns, values, metadata, ended, records.damaged_bytes())
 
 
-class Records:
+class JournalRecords:
     """The whole records of a journal, one after the other."""
 
     def __init__(self, data: memoryview, place: int) -> None:

@@ -12,12 +12,12 @@ from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.manifest import absent_part, loaded, manifests
 from musclewire.signals.headers import missing_from, numbered_headers
 from musclewire.signals.import_mapping import ImportMapping, load_mapping
-from musclewire.signals.importing import ImportPlan, Tally, checked_blocks, plan_import
+from musclewire.signals.importing import CheckedBlocks, ImportPlan, checked_blocks, plan_import
 from musclewire.signals.journal import is_journal, unfinished
 from musclewire.signals.metadata import MetadataValue, checked_metadata
 from musclewire.signals.recording import Recording
 from musclewire.signals.source_table import SourceColumn, SourceTable, TableInMemory
-from musclewire.signals.understanding import Understanding, understanding_of
+from musclewire.signals.understanding import FileInterpretation, understanding_of
 from musclewire.signals.writing import require_streamable, write_blocks
 
 __all__ = ["has_headers", "import_recording", "mappings_of_files", "read_hdf5", "read_recording", "understand"]
@@ -68,7 +68,7 @@ def read_recording(
         For .parquet without pyarrow, for .tdms and .xlsx without the extra ``labfiles``.
     """
     wanted = _mapping(mapping, columns, metadata, group)
-    plan, tally = plan_import(_table(Path(path), wanted.group), wanted), Tally()
+    plan, tally = plan_import(_table(Path(path), wanted.group), wanted), CheckedBlocks()
     blocks = list(checked_blocks(plan, tally))
     values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     started = {} if tally.start_time is None else {"start_time": tally.start_time}
@@ -83,7 +83,7 @@ def import_recording(
     mapping: ImportMapping | str | Path | None = None,
     group: str | None = None,
     matlab_version: str | None = None,
-) -> Understanding:
+) -> FileInterpretation:
     """Check a recording of another program to its last row, and convert it if an output is given.
 
     The file is read block after block, so that its size does not matter.
@@ -120,7 +120,7 @@ def import_recording(
         For .parquet without pyarrow, for .tdms and .xlsx without the extra ``labfiles``.
     """
     wanted = _mapping(mapping, columns, metadata, group)
-    plan, tally = plan_import(_table(Path(path), wanted.group), wanted), Tally()
+    plan, tally = plan_import(_table(Path(path), wanted.group), wanted), CheckedBlocks()
     problem = ""
     if output is None:
         problem = _first_problem(plan, tally)
@@ -147,7 +147,7 @@ def mappings_of_files(paths: Sequence[str | Path], mapping: ImportMapping) -> li
     return [mapping.without(*one) for one in missing]
 
 
-def understand(path: str | Path, columns: Mapping[str, str] | None = None) -> Understanding:
+def understand(path: str | Path, columns: Mapping[str, str] | None = None) -> FileInterpretation:
     """Return the column, unit, factor and range of each header of a file, which are ignored, and what is wrong with it.
 
     Parameters
@@ -210,7 +210,7 @@ def _mapping(
     return given.joined(ImportMapping(columns or {}, metadata=checked_metadata(metadata or {}), group=group))
 
 
-def _first_problem(plan: ImportPlan, tally: Tally) -> str:
+def _first_problem(plan: ImportPlan, tally: CheckedBlocks) -> str:
     """Read a table to its end and return why it cannot be used, or ""."""
     try:
         for _ in checked_blocks(plan, tally):
@@ -220,7 +220,7 @@ def _first_problem(plan: ImportPlan, tally: Tally) -> str:
     return ""
 
 
-def _write(plan: ImportPlan, tally: Tally, output: Path, matlab_version: str | None) -> None:
+def _write(plan: ImportPlan, tally: CheckedBlocks, output: Path, matlab_version: str | None) -> None:
     if plan.problem:
         raise RecordingError(plan.problem)
     require_streamable(output, matlab_version)

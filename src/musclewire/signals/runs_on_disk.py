@@ -7,7 +7,7 @@ from pathlib import Path
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, MusclewireError, RecordingError
 from musclewire.signals.hdf5 import read_hdf5_columns
-from musclewire.signals.journal import Journal, is_journal, journal_of, parsed_journal, recording_of, unfinished
+from musclewire.signals.journal import JournalContents, is_journal, journal_of, parsed_journal, recording_of, unfinished
 from musclewire.signals.locking import locked_by_another
 from musclewire.signals.metadata import MetadataValue
 from musclewire.signals.open_journal import replace_journal
@@ -52,7 +52,7 @@ def read_journal(path: Path) -> tuple[dict[str, FloatArray], dict[str, MetadataV
     return columns, {**journal.metadata, "ended": ended_of(journal, running)}
 
 
-def ended_of(journal: Journal, running: bool) -> str:
+def ended_of(journal: JournalContents, running: bool) -> str:
     """Return how a run ended, in one line."""
     if journal.damaged_bytes and not running:
         return f"{journal.ended or CUT_OFF}; {journal.damaged_bytes} bytes after the last row are damaged"
@@ -119,6 +119,6 @@ def _write_beside(output: Path, recording: Recording, overwrite: bool) -> None:
 def _nothing_to_recover(target: Path, journal: Path) -> RecordingError:
     if target.is_file():
         return RecordingError(
-            f"{target}: is finished, there is no journal next to it; nothing is to be recovered, open it as it is"
+            f"{target}: is finished, there is no journal next to it; nothing is to be recovered, open it is"
         )
     return RecordingError(f"{target}: no such file, and no journal {journal}; give the name of the recording")

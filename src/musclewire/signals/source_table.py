@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 from musclewire.arrays import FloatArray
 from musclewire.signals.metadata import MetadataValue
 
-__all__ = ["BLOCK_ROWS", "Block", "Cells", "SourceColumn", "SourceTable", "TableInMemory", "head_of"]
+__all__ = ["BLOCK_ROWS", "RowBlock", "Cells", "SourceColumn", "SourceTable", "TableInMemory", "head_of"]
 
 # Rows that are handed over together: enough to be fast, and few enough to take little memory.
 BLOCK_ROWS = 65_536
@@ -21,7 +21,7 @@ BLOCK_ROWS = 65_536
 Cells = FloatArray | list[str]
 
 
-class Block(NamedTuple):
+class RowBlock(NamedTuple):
     """Some consecutive rows of a table.
 
     Parameters
@@ -86,7 +86,7 @@ class SourceTable(Protocol):
     def notes(self) -> tuple[str, ...]:
         """What reading left out or changed, a sentence each."""
 
-    def blocks(self, indices: Sequence[int]) -> Iterator[Block]:
+    def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, block after block from the first row on; each call begins again.
 
         Parameters
@@ -141,7 +141,7 @@ class TableInMemory:
     row_word: str = "row"
     first_row: int = 1
 
-    def blocks(self, indices: Sequence[int]) -> Iterator[Block]:
+    def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns as one block.
 
         Parameters
@@ -153,7 +153,7 @@ class TableInMemory:
         -------
         The only block.
         """
-        yield Block(
+        yield RowBlock(
             tuple(self.values[index] for index in indices), lambda row: f"{self.row_word} {self.first_row + row}"
         )
 

@@ -10,7 +10,7 @@ from typing import BinaryIO, NamedTuple
 
 from musclewire.errors import RecordingError
 
-__all__ = ["Lines", "lines_of"]
+__all__ = ["ConsecutiveLines", "lines_of"]
 
 # Read at once: large enough for speed, small against the 500 MiB that an import may take.
 _PIECE_BYTES = 1 << 22
@@ -38,7 +38,7 @@ _BINARY = (
 )
 
 
-class Lines(NamedTuple):
+class ConsecutiveLines(NamedTuple):
     """Some consecutive lines without their ends, and the number of the first, from 1.
 
     ``ends`` is False for the last lines of a file whose last line has no end, as a recording has that was cut off.
@@ -49,7 +49,7 @@ class Lines(NamedTuple):
     ends: bool = True
 
 
-def lines_of(path: Path) -> Iterator[Lines]:
+def lines_of(path: Path) -> Iterator[ConsecutiveLines]:
     """Yield the lines of a text file, piece by piece.
 
     UTF-8 (with single bytes of Windows-1252), UTF-16 and UTF-32 are recognised. Raises RecordingError if the file
@@ -62,7 +62,7 @@ def lines_of(path: Path) -> Iterator[Lines]:
         raise RecordingError(f"{path}: cannot be read: {problem.strerror}; check the file") from None
 
 
-def _lines(file: BinaryIO, path: Path) -> Iterator[Lines]:
+def _lines(file: BinaryIO, path: Path) -> Iterator[ConsecutiveLines]:
     decoder = _decoder(file.read(4096), path)
     file.seek(0)
     number, carried = 1, ""
@@ -75,9 +75,9 @@ def _lines(file: BinaryIO, path: Path) -> Iterator[Lines]:
         texts, last = _split(text[: len(text) - len(half)])
         _check_lengths([*texts, last] if len(text) > _MAX_LINE_LENGTH else (), number, path)
         if not raw:
-            yield Lines(number, [*texts, last] if last else texts, ends=not last)
+            yield ConsecutiveLines(number, [*texts, last] if last else texts, ends=not last)
             return
-        yield Lines(number, texts)
+        yield ConsecutiveLines(number, texts)
         number += len(texts) + (sum(text.count("\n") for text in texts) if '"' in text else 0)
         carried = last + half
 

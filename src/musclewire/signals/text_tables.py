@@ -16,7 +16,7 @@ from musclewire.errors import RecordingError
 from musclewire.signals.clock_texts import is_date, is_time_of_day
 from musclewire.signals.metadata import MetadataValue, entry_from_text, value_to_text
 from musclewire.signals.number_style import is_missing
-from musclewire.signals.source_table import Block, Cells, SourceColumn
+from musclewire.signals.source_table import Cells, RowBlock, SourceColumn
 from musclewire.signals.text_layout import Line, TextLayout, layout_of, split_line, too_wide
 from musclewire.signals.text_lines import lines_of
 
@@ -49,10 +49,10 @@ class TextTable:
         """How the file is built, in words."""
         return str(self.text_layout)
 
-    def blocks(self, indices: Sequence[int]) -> Iterator[Block]:
+    def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, block after block; each call begins again."""
         for numbers, texts in _rows_of(self.file, self.text_layout.first_line):
-            yield Block(self._values(numbers, texts, indices), _place(numbers))
+            yield RowBlock(self._values(numbers, texts, indices), _place(numbers))
 
     def _values(self, numbers: Sequence[int], texts: list[str], indices: Sequence[int]) -> tuple[Cells, ...]:
         plain = self._plain_numbers(texts, indices)

@@ -8,11 +8,11 @@ from dataclasses import asdict, dataclass
 from musclewire.signals.columns import COLUMNS
 from musclewire.signals.headers import IgnoredHeader, MatchedHeader, UndecidedHeader, split_header
 from musclewire.signals.import_mapping import ImportMapping
-from musclewire.signals.importing import ImportPlan, Tally
+from musclewire.signals.importing import CheckedBlocks, ImportPlan
 from musclewire.signals.metadata import MetadataValue
 from musclewire.signals.units import measures
 
-__all__ = ["Understanding", "understanding_of"]
+__all__ = ["FileInterpretation", "understanding_of"]
 
 # What a column with an unknown name is offered as, by its unit; the likeliest first.
 _OFFERED = (
@@ -22,7 +22,7 @@ _OFFERED = (
 
 
 @dataclass(frozen=True)
-class Understanding:
+class FileInterpretation:
     """How a file was understood: which header became which column, which ranges they have, and what is wrong.
 
     Parameters
@@ -102,12 +102,12 @@ class Understanding:
         return f"; perhaps -c {fitting[0]}='{item.header}'" if fitting and item.reason == "name not known" else ""
 
 
-def understanding_of(plan: ImportPlan, tally: Tally, problem: str) -> Understanding:
+def understanding_of(plan: ImportPlan, tally: CheckedBlocks, problem: str) -> FileInterpretation:
     """Return the report of a plan whose blocks have been read, to the end or to a problem."""
     table, match = plan.table, plan.match
     dropped = (f"{tally.dropped} rows without a number left out",) if tally.dropped else ()
     metadata = plan.metadata if tally.start_time is None else {"start_time": tally.start_time, **plan.metadata}
-    return Understanding(
+    return FileInterpretation(
         table.path,
         table.layout,
         tally.row_count,

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pydantic import BeforeValidator
 
 __all__ = [
-    "Conversion",
+    "UnitConversion",
     "conversion_to_si",
     "is_unit",
     "measured_in",
@@ -35,7 +35,7 @@ __all__ = [
 
 
 @dataclass(frozen=True)
-class Conversion:
+class UnitConversion:
     """``value_si = factor * value + offset``."""
 
     factor: float
@@ -77,7 +77,7 @@ def to_si(values: ArrayLike, unit_text: str, column: str, where: str) -> FloatAr
     return conversion_to_si(unit_text, column, where).apply(values)
 
 
-def conversion_to_si(unit_text: str, column: str, where: str) -> Conversion:
+def conversion_to_si(unit_text: str, column: str, where: str) -> UnitConversion:
     """Return the conversion from ``unit_text`` to SI for ``column``. Raises RecordingError as ``to_si`` does."""
     unit_si = COLUMNS[column].unit
     try:
@@ -223,11 +223,11 @@ _SHAPE = re.compile(rf"(?:1/)?{_FACTOR}(?:[*/ ]{_FACTOR}){{0,3}}")
 
 
 @functools.cache
-def _conversion(unit_text: str, unit_si: str) -> Conversion:
+def _conversion(unit_text: str, unit_si: str) -> UnitConversion:
     """Return the conversion; _UnitError(message) for no unit, _UnitError(message, True) for the wrong one."""
     spelling = _spelling(unit_text, unit_si)
     if spelling == unit_si:
-        return Conversion(1.0)
+        return UnitConversion(1.0)
     unit = _parsed(spelling, unit_text)
     if not _same_dimension(unit, unit_si):
         raise _UnitError(f"{unit_text or 'a number without a unit'} is {_dimension(spelling)}", True)
@@ -238,7 +238,7 @@ def _conversion(unit_text: str, unit_si: str) -> Conversion:
         raise _UnitError(f"unknown unit '{unit_text}'{nearest_hint(unit_text, _COMMON)}")
     # A degree Celsius is 1 K wide wherever the scale begins: the width itself has no rounding of a difference.
     step = f"delta_{unit}" if offset else unit
-    return Conversion(float(quantity(1.0, step).to(unit_si).magnitude), offset)
+    return UnitConversion(float(quantity(1.0, step).to(unit_si).magnitude), offset)
 
 
 def _spelling(unit_text: str, unit_si: str) -> str:

@@ -11,16 +11,16 @@ from typing import NamedTuple
 from musclewire.compiled import compiled_inline
 from musclewire.physics.resistance import ELASTIC_POISSON_RATIO, REFERENCE_TEMPERATURE_K
 from musclewire.wire.constants import StepConstants
-from musclewire.wire.fronts import Phases, Shakedown
+from musclewire.wire.fronts import PhaseFractions, ShakedownEffects
 from musclewire.wire.row import Rows
 
 __all__ = [
-    "Balance",
+    "BalanceResidual",
     "LoadPoint",
-    "Push",
-    "Settled",
-    "Strain",
-    "Trial",
+    "ConnectorForce",
+    "BalancedWire",
+    "StrainSlopes",
+    "TrialPoint",
     "balance_at",
     "contraction_of",
     "convection_w_per_m2_k",
@@ -36,7 +36,7 @@ MAX_EXPONENT = 32.0
 SEVEN_HALVINGS = 1.0 / 128.0
 
 
-class Push(NamedTuple):
+class ConnectorForce(NamedTuple):
     """A force on the connector that adds to the load's: that of a second wire or an object, linear around a point.
 
     Parameters
@@ -78,7 +78,7 @@ class LoadPoint(NamedTuple):
     limit_n: float
 
 
-class Strain(NamedTuple):
+class StrainSlopes(NamedTuple):
     """Strain of a wire at a temperature, a stress and its phases, with slopes.
 
     Parameters
@@ -98,7 +98,7 @@ class Strain(NamedTuple):
     oriented_per_pa: float
 
 
-class Settled(NamedTuple):
+class BalancedWire(NamedTuple):
     """A wire in both balances.
 
     Parameters
@@ -126,7 +126,7 @@ class Settled(NamedTuple):
     rise_pa: float
 
 
-class Balance(NamedTuple):
+class BalanceResidual(NamedTuple):
     """What is missing from both balances, and the Newton step that would meet them.
 
     Parameters
@@ -163,13 +163,13 @@ class Balance(NamedTuple):
     per_determinant: float
 
 
-class Trial(NamedTuple):
+class TrialPoint(NamedTuple):
     """A point at which both balances have been evaluated."""
 
-    phases: Phases
-    strain: Strain
+    phases: PhaseFractions
+    strain: StrainSlopes
     load: LoadPoint
-    balance: Balance
+    balance: BalanceResidual
 
 
 @compiled_inline
@@ -200,7 +200,7 @@ def decay(exponent: float) -> float:
 @compiled_inline
 def strain_at(
     constants: StepConstants, temperature_k: float, stress_pa: float, martensite: float, r_phase: float
-) -> Strain:
+) -> StrainSlopes:
     """Return the strain of a wire relative to stress-free austenite at 20 C.
 
     Parameters
@@ -228,7 +228,7 @@ def strain_at(
     k = constants
     unoriented = (k.strain_saturated - k.strain_at_no_stress) * decay(stress_pa * k.per_strain_scale_per_pa)
     oriented = k.strain_saturated - unoriented
-    return Strain(
+    return StrainSlopes(
         oriented * martensite + k.r_phase_strain * r_phase,
         stress_pa * (k.austenite_compliance_per_pa + martensite * k.added_compliance_per_pa),
         (k.austenite_expansion_per_k + martensite * k.added_expansion_per_k)
@@ -241,12 +241,12 @@ def strain_at(
 @compiled_inline
 def balance_at(
     constants: StepConstants,
-    shakedown: Shakedown,
-    phases: Phases,
-    strain: Strain,
+    shakedown: ShakedownEffects,
+    phases: PhaseFractions,
+    strain: StrainSlopes,
     load: LoadPoint,
     trial: tuple[float, float, float],
-) -> Balance:
+) -> BalanceResidual:
     """Return what is missing from both balances at a trial point, and the Newton step from there.
 
     Enthalpy: C (T - 20 C) - L (x_M + r x_R) = H. Force: sigma = load over section.
@@ -296,7 +296,7 @@ def balance_at(
     excess_per_k = stiffness * strain_per_k
     excess_per_pa = 1.0 + stiffness * strain_per_pa
     per_determinant = 1.0 / (heat_per_k * excess_per_pa - heat_per_pa * excess_per_k)
-    return Balance(
+    return BalanceResidual(
         heat_j,
         excess_pa,
         (heat_per_pa * excess_pa - excess_per_pa * heat_j) * per_determinant,
@@ -315,11 +315,11 @@ def balance_at(
 @compiled_inline
 def settled(
     constants: StepConstants,
-    shakedown: Shakedown,
-    point: Trial,
+    shakedown: ShakedownEffects,
+    point: TrialPoint,
     step: tuple[float, float],
     trial: tuple[float, float, float],
-) -> Settled:
+) -> BalancedWire:
     """Return the wire after the last Newton step, applied linearly.
 
     Temperature follows from enthalpy and the corrected fractions, so that energy is kept to rounding.
@@ -356,7 +356,7 @@ def settled(
     transformed = martensite + k.r_phase_entropy_ratio * r_phase
     temperature_k = REFERENCE_TEMPERATURE_K + (enthalpy_j + k.latent_heat_j * transformed) * k.per_capacity_k_per_j
     oriented = strain.oriented + strain.oriented_per_pa * rise_pa
-    after = Strain(
+    after = StrainSlopes(
         oriented * martensite + k.r_phase_strain * r_phase,
         stress_pa * (k.austenite_compliance_per_pa + martensite * k.added_compliance_per_pa),
         (k.austenite_expansion_per_k + martensite * k.added_expansion_per_k)
@@ -364,7 +364,7 @@ def settled(
         oriented,
         strain.oriented_per_pa,
     )
-    return Settled(
+    return BalancedWire(
         temperature_k,
         stress_pa,
         balance.contraction + moved,
@@ -378,7 +378,7 @@ def settled(
 
 
 @compiled_inline
-def contraction_of(constants: StepConstants, shakedown: Shakedown, strain: Strain) -> float:
+def contraction_of(constants: StepConstants, shakedown: ShakedownEffects, strain: StrainSlopes) -> float:
     """Return the contraction of a wire relative to its cold length under pretension.
 
     Parameters
@@ -401,8 +401,8 @@ def contraction_of(constants: StepConstants, shakedown: Shakedown, strain: Strai
 @compiled_inline
 def resistance_at(
     constants: StepConstants,
-    shakedown: Shakedown,
-    strain: Strain,
+    shakedown: ShakedownEffects,
+    strain: StrainSlopes,
     temperature_k: float,
     martensite: float,
     r_phase: float,

@@ -28,8 +28,8 @@ from musclewire.wire.paths import DrivenPath
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
 from musclewire.wire.step import RunningWire
-from musclewire.wire.stepping import Stepping, require_resolved
-from musclewire.wire.wires import CHOSEN, Drive, advance_wire, plan_of
+from musclewire.wire.stepping import StepControl, require_resolved
+from musclewire.wire.wires import CHOSEN, SourceOutput, advance_wire, plan_of
 
 __all__ = ["COLUMNS", "BatchMeans", "WireBatch", "drive_many"]
 
@@ -51,7 +51,7 @@ class BatchMeans(NamedTuple):
     force_n: FloatArray
 
 
-class Part(NamedTuple):
+class BatchPart(NamedTuple):
     """Wires of a batch that one thread runs, all in the same way.
 
     Parameters
@@ -103,7 +103,7 @@ class WireBatch:
         self,
         constants: Sequence[WireConstants],
         *,
-        stepping: Stepping = CHOSEN,
+        stepping: StepControl = CHOSEN,
         states: Sequence[WireState] | None = None,
         threads: int | None = None,
     ) -> None:
@@ -256,7 +256,7 @@ def drive_many(
     drive: FloatArray,
     *,
     sample_s: float,
-    stepping: Stepping = CHOSEN,
+    stepping: StepControl = CHOSEN,
     keep: Sequence[str] = ("displacement_m", "resistance_ohm"),
     threads: int | None = None,
 ) -> dict[str, FloatArray]:
@@ -302,7 +302,7 @@ def pool(threads: int) -> ThreadPoolExecutor:
 
 def parts_of(
     constants: Sequence[WireConstants], states: Sequence[WireState], *, fixed: bool, threads: int
-) -> list[Part]:
+) -> list[BatchPart]:
     """Return the wires in parts with one distribution, load's table and the way they run, for so many threads."""
     members: dict[tuple[int, int, bool], list[int]] = {}
     for place, item in enumerate(constants):
@@ -320,12 +320,14 @@ def parts_of(
     return parts
 
 
-def part_of(constants: Sequence[WireConstants], states: Sequence[WireState], places: list[int], in_lanes: bool) -> Part:
+def part_of(
+    constants: Sequence[WireConstants], states: Sequence[WireState], places: list[int], in_lanes: bool
+) -> BatchPart:
     """Return some of the wires as a part."""
     first = constants[places[0]]
     rows = np.concatenate([states[place].row for place in places])
     derived = np.concatenate([constants[place].derived.row for place in places])
-    return Part(
+    return BatchPart(
         np.array(places),
         rows,
         derived,
@@ -336,7 +338,7 @@ def part_of(constants: Sequence[WireConstants], states: Sequence[WireState], pla
     )
 
 
-def begin_again(part: Part, wires: npt.NDArray[np.bool_]) -> None:
+def begin_again(part: BatchPart, wires: npt.NDArray[np.bool_]) -> None:
     """Set some wires of a part back to where they began."""
     states, blocks = part.begins
     part.states[wires] = states[wires]
@@ -354,7 +356,7 @@ def lane_mask(lanes: npt.NDArray[np.bool_], field: FloatArray) -> npt.NDArray[np
     return np.broadcast_to(mask if field.ndim == 2 else mask[:, np.newaxis], field.shape)
 
 
-def unload(part: Part) -> None:
+def unload(part: BatchPart) -> None:
     """Copy the states of a part's blocks to its rows."""
     count = len(part.places)
     for name in state_fields():
@@ -362,7 +364,7 @@ def unload(part: Part) -> None:
         part.states[name] = lanes.reshape(-1, *lanes.shape[2:])[:count]
 
 
-def run_part(part: Part, task: Task) -> None:
+def run_part(part: BatchPart, task: Task) -> None:
     """Run a part of a batch along its drives."""
     if part.blocks is None:
         run_one_by_one(part.places, part.states, part.derived, part.tables, task)
@@ -380,7 +382,7 @@ def run_one_by_one(places: Places, states: Rows, derived: Rows, tables: tuple[Ro
         state, wire = states[at], places[at]
         row = wire if drive_v.shape[0] > 1 else 0
         for sample in range(drive_v.shape[1]):
-            means = advance_wire(running, Drive(drive_v[row, sample], False), plan)
+            means = advance_wire(running, SourceOutput(drive_v[row, sample], False), plan)
             truth = (
                 state.temperature_k,
                 state.stress_pa,

@@ -18,7 +18,7 @@ from musclewire.wire.constants import CONVECTION_POINTS, WireConstants
 from musclewire.wire.distribution import (
     ONE_CLASS,
     BarrierClass,
-    Distribution,
+    OffsetDistribution,
     of_classes,
     quantile_distribution,
     two_population_distribution,
@@ -76,7 +76,7 @@ def constants_from(
     return constants_of(alloy.values(), wire.values(), rig, load=load, new_wire=new_wire, distribution=grains)
 
 
-def measured_grains(alloy: Alloy) -> Distribution | None:
+def measured_grains(alloy: Alloy) -> OffsetDistribution | None:
     """Return the distribution through an alloy's measured quantiles; None for one described by numbers alone.
 
     ``Alloy.values`` does not hold them: whoever goes on with plain numbers takes this along.
@@ -92,7 +92,7 @@ def constants_of(
     *,
     load: ConnectorLoad | None = None,
     new_wire: bool = False,
-    distribution: Distribution | None = None,
+    distribution: OffsetDistribution | None = None,
     classes: Sequence[BarrierClass] = ONE_CLASS,
 ) -> WireConstants:
     """Return the constants from plain numbers by name, as a search that tries thousands of sets needs them.
@@ -125,7 +125,7 @@ def constants_of(
     require_a_wire(material, spool, bench)
     spread = distribution or two_population_distribution(*(material[name] for name in SHAPE))
     weights, barriers_k = of_classes(classes)
-    constants = WireConstants.of(
+    constants = WireConstants.from_values(
         len(weights),
         **alloy_on_spool(material, spool, new_wire=new_wire),
         **body(material, spool, bench),

@@ -237,70 +237,76 @@ def derive(constants: Rows, derived: Rows) -> None:
 
 
 @compiled
-def derive_body(of: WireConstants, to: StepConstants) -> None:
+def derive_body(constants: WireConstants, derived: StepConstants) -> None:
     """Fill in circuit, body, air and load of a wire."""
-    to.leg_length_m = of.leg_length_m
-    to.section_m2 = of.legs * of.area_m2
-    to.per_section_m2 = 1.0 / to.section_m2
-    to.per_stretch = 1.0 / (1.0 + of.cold_strain)
-    to.cold_strain = of.cold_strain
-    to.length_over_area_per_m = of.austenite_length_m / of.area_m2
-    to.capacity_j_per_k = of.heat_capacity_j_per_k
-    to.per_capacity_k_per_j = 1.0 / of.heat_capacity_j_per_k
-    to.latent_heat_j = of.latent_heat_j
-    to.series_resistance_ohm = of.series_resistance_ohm
-    to.shunt_resistance_ohm = of.shunt_resistance_ohm
-    to.ambient_temperature_k = of.ambient_temperature_k
-    to.surface_factor_m2 = of.surface_m2 * of.convection_factor
-    to.convection_start_k = of.convection_table_start_k
-    to.convection_per_k = 1.0 / of.convection_table_step_k
-    to.convection_w_per_m2_k[:] = of.convection_table_w_per_m2_k
-    to.pretension_n = of.pretension_n
-    to.spring_n = of.spring_stiffness_n_per_m * of.leg_length_m
-    to.friction_n = of.friction_n
-    to.per_presliding = of.leg_length_m / of.friction_presliding_m
-    to.load_points_per_contraction = of.leg_length_m / of.load_step_m
-    wears = of.shakedown_strain != 0.0 or of.shakedown_resistivity != 0.0 or of.shakedown_barrier != 0.0
-    to.shakedown_cycles = of.shakedown_cycles if wears else 0.0
-    to.shakedown_strain = of.shakedown_strain
-    to.shakedown_resistivity = of.shakedown_resistivity
-    to.shakedown_barrier = of.shakedown_barrier
+    derived.leg_length_m = constants.leg_length_m
+    derived.section_m2 = constants.legs * constants.area_m2
+    derived.per_section_m2 = 1.0 / derived.section_m2
+    derived.per_stretch = 1.0 / (1.0 + constants.cold_strain)
+    derived.cold_strain = constants.cold_strain
+    derived.length_over_area_per_m = constants.austenite_length_m / constants.area_m2
+    derived.capacity_j_per_k = constants.heat_capacity_j_per_k
+    derived.per_capacity_k_per_j = 1.0 / constants.heat_capacity_j_per_k
+    derived.latent_heat_j = constants.latent_heat_j
+    derived.series_resistance_ohm = constants.series_resistance_ohm
+    derived.shunt_resistance_ohm = constants.shunt_resistance_ohm
+    derived.ambient_temperature_k = constants.ambient_temperature_k
+    derived.surface_factor_m2 = constants.surface_m2 * constants.convection_factor
+    derived.convection_start_k = constants.convection_table_start_k
+    derived.convection_per_k = 1.0 / constants.convection_table_step_k
+    derived.convection_w_per_m2_k[:] = constants.convection_table_w_per_m2_k
+    derived.pretension_n = constants.pretension_n
+    derived.spring_n = constants.spring_stiffness_n_per_m * constants.leg_length_m
+    derived.friction_n = constants.friction_n
+    derived.per_presliding = constants.leg_length_m / constants.friction_presliding_m
+    derived.load_points_per_contraction = constants.leg_length_m / constants.load_step_m
+    wears = (
+        constants.shakedown_strain != 0.0
+        or constants.shakedown_resistivity != 0.0
+        or constants.shakedown_barrier != 0.0
+    )
+    derived.shakedown_cycles = constants.shakedown_cycles if wears else 0.0
+    derived.shakedown_strain = constants.shakedown_strain
+    derived.shakedown_resistivity = constants.shakedown_resistivity
+    derived.shakedown_barrier = constants.shakedown_barrier
 
 
 @compiled
-def derive_transformation(of: WireConstants, to: StepConstants) -> None:
+def derive_transformation(constants: WireConstants, derived: StepConstants) -> None:
     """Fill in phases, strain and resistivity of a wire."""
-    to.martensite_temperature_k = of.martensite_temperature_k
-    to.martensite_k_per_pa = 1.0 / of.martensite_stress_rate_pa_per_k
-    to.martensite_barrier_k = of.martensite_barrier_k
-    to.martensite_barrier_per_pa = of.martensite_barrier_per_pa
-    to.martensite_spread_k = of.martensite_spread_k
-    to.martensite_spread_per_pa = of.martensite_spread_per_pa
-    to.r_phase_temperature_k = of.r_phase_temperature_k
-    to.r_phase_k_per_pa = 1.0 / of.r_phase_stress_rate_pa_per_k
-    to.r_phase_entropy_ratio = of.r_phase_entropy_ratio
-    to.r_phase_barrier_k = of.r_phase_barrier_k
-    to.r_to_m_barrier_k = of.r_to_m_barrier_k
-    to.r_phase_spread_k = of.r_phase_entropy_ratio * of.r_phase_spread_k
-    to.per_r_phase_spread = 1.0 / to.r_phase_spread_k
-    to.strain_at_no_stress = of.strain_at_no_stress
-    to.strain_saturated = of.strain_saturated
-    to.per_strain_scale_per_pa = 1.0 / of.strain_stress_scale_pa
-    to.r_phase_strain = of.r_phase_strain
-    to.austenite_compliance_per_pa = 1.0 / of.austenite_modulus_pa
-    to.added_compliance_per_pa = 1.0 / of.martensite_modulus_pa - 1.0 / of.austenite_modulus_pa
-    to.austenite_expansion_per_k = of.austenite_expansion_per_k
-    to.added_expansion_per_k = of.martensite_expansion_per_k - of.austenite_expansion_per_k
-    to.austenite_resistivity_ohm_m = of.austenite_resistivity_ohm_m
-    to.austenite_resistivity_per_k = of.austenite_resistivity_per_k
-    to.r_phase_resistivity_ohm_m = of.r_phase_resistivity_ohm_m
-    to.r_phase_resistivity_per_k = of.r_phase_resistivity_per_k
-    to.martensite_resistivity_ohm_m = of.martensite_resistivity_ohm_m
-    to.martensite_resistivity_per_k = of.martensite_resistivity_per_k
-    to.distribution_core_start = of.distribution_core_start
-    to.distribution_core_end = of.distribution_core_end
-    to.distribution_per_core_step = 1.0 / of.distribution_core_step
-    to.distribution_per_step = 1.0 / of.distribution_step
-    to.distribution_core_place = (of.distribution_core_start - of.distribution_start) * to.distribution_per_step
-    to.class_weight[:] = of.class_weight
-    to.class_barrier_k[:] = of.class_barrier_k
+    derived.martensite_temperature_k = constants.martensite_temperature_k
+    derived.martensite_k_per_pa = 1.0 / constants.martensite_stress_rate_pa_per_k
+    derived.martensite_barrier_k = constants.martensite_barrier_k
+    derived.martensite_barrier_per_pa = constants.martensite_barrier_per_pa
+    derived.martensite_spread_k = constants.martensite_spread_k
+    derived.martensite_spread_per_pa = constants.martensite_spread_per_pa
+    derived.r_phase_temperature_k = constants.r_phase_temperature_k
+    derived.r_phase_k_per_pa = 1.0 / constants.r_phase_stress_rate_pa_per_k
+    derived.r_phase_entropy_ratio = constants.r_phase_entropy_ratio
+    derived.r_phase_barrier_k = constants.r_phase_barrier_k
+    derived.r_to_m_barrier_k = constants.r_to_m_barrier_k
+    derived.r_phase_spread_k = constants.r_phase_entropy_ratio * constants.r_phase_spread_k
+    derived.per_r_phase_spread = 1.0 / derived.r_phase_spread_k
+    derived.strain_at_no_stress = constants.strain_at_no_stress
+    derived.strain_saturated = constants.strain_saturated
+    derived.per_strain_scale_per_pa = 1.0 / constants.strain_stress_scale_pa
+    derived.r_phase_strain = constants.r_phase_strain
+    derived.austenite_compliance_per_pa = 1.0 / constants.austenite_modulus_pa
+    derived.added_compliance_per_pa = 1.0 / constants.martensite_modulus_pa - 1.0 / constants.austenite_modulus_pa
+    derived.austenite_expansion_per_k = constants.austenite_expansion_per_k
+    derived.added_expansion_per_k = constants.martensite_expansion_per_k - constants.austenite_expansion_per_k
+    derived.austenite_resistivity_ohm_m = constants.austenite_resistivity_ohm_m
+    derived.austenite_resistivity_per_k = constants.austenite_resistivity_per_k
+    derived.r_phase_resistivity_ohm_m = constants.r_phase_resistivity_ohm_m
+    derived.r_phase_resistivity_per_k = constants.r_phase_resistivity_per_k
+    derived.martensite_resistivity_ohm_m = constants.martensite_resistivity_ohm_m
+    derived.martensite_resistivity_per_k = constants.martensite_resistivity_per_k
+    derived.distribution_core_start = constants.distribution_core_start
+    derived.distribution_core_end = constants.distribution_core_end
+    derived.distribution_per_core_step = 1.0 / constants.distribution_core_step
+    derived.distribution_per_step = 1.0 / constants.distribution_step
+    derived.distribution_core_place = (
+        constants.distribution_core_start - constants.distribution_start
+    ) * derived.distribution_per_step
+    derived.class_weight[:] = constants.class_weight
+    derived.class_barrier_k[:] = constants.class_barrier_k

@@ -13,11 +13,20 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
-from musclewire.wire.balance import Push
-from musclewire.wire.fronts import Shakedown
+from musclewire.wire.balance import ConnectorForce
+from musclewire.wire.fronts import ShakedownEffects
 from musclewire.wire.step import NO_PUSH, Equilibrium, RunningWire, connector_after, load_at, solve
 
-__all__ = ["APART", "Grip", "Joint", "Start", "grip_force_n", "hold_object", "no_grip", "balance_connector"]
+__all__ = [
+    "APART",
+    "GrippedObject",
+    "CoupledBalance",
+    "BalanceGuess",
+    "grip_force_n",
+    "hold_object",
+    "no_grip",
+    "balance_connector",
+]
 
 # Direction of a second wire that has a connector of its own.
 APART = 0.0
@@ -34,7 +43,7 @@ MAX_LINEAR_STEPS = 100
 SMALL_CONTRACTION = 1e-16
 
 
-class Grip(NamedTuple):
+class GrippedObject(NamedTuple):
     """An object between two fingers, and how each finger meets it.
 
     The endpoints touch it when their displacements add up to ``clearance_m``. The tables of a finger are (n,), at
@@ -64,7 +73,7 @@ class Grip(NamedTuple):
     leverage: FloatArray
 
 
-class Start(NamedTuple):
+class BalanceGuess(NamedTuple):
     """Where the solution of one wire begins.
 
     Parameters
@@ -77,14 +86,14 @@ class Start(NamedTuple):
         Guess of where it will be, the contraction that of its connector.
     """
 
-    shakedown: Shakedown
+    shakedown: ShakedownEffects
     enthalpy_j: float
     temperature_k: float
     stress_pa: float
     contraction: float
 
 
-class Joint(NamedTuple):
+class CoupledBalance(NamedTuple):
     """Both wires after a step.
 
     Parameters
@@ -105,8 +114,8 @@ class Joint(NamedTuple):
 
     first: Equilibrium
     second: Equilibrium
-    push: Push
-    other_push: Push
+    push: ConnectorForce
+    other_push: ConnectorForce
     contraction: float
     friction_n: float
     grip_n: float
@@ -114,7 +123,7 @@ class Joint(NamedTuple):
     solved: bool
 
 
-class Pull(NamedTuple):
+class LinearizedForce(NamedTuple):
     """A wire's force, linear around a contraction: force [N] there, and its fall per contraction [N]."""
 
     force_n: float
@@ -122,37 +131,37 @@ class Pull(NamedTuple):
     contraction: float
 
 
-def no_grip() -> Grip:
+def no_grip() -> GrippedObject:
     """Return a grip without an object, for wires on one connector."""
     nothing = np.zeros(2)
-    return Grip(0.0, 0.0, 1.0, nothing, nothing, nothing)
+    return GrippedObject(0.0, 0.0, 1.0, nothing, nothing, nothing)
 
 
 @compiled
-def solve_wire(wire: RunningWire, start: Start, guess: tuple[float, float], push: Push) -> Equilibrium:
+def solve_wire(wire: RunningWire, start: BalanceGuess, guess: tuple[float, float], push: ConnectorForce) -> Equilibrium:
     """Return a wire in balance with its load and a push: one copy of the solution's machine code for all callers."""
     return solve(wire, start.shakedown, start.enthalpy_j, guess, push)
 
 
 @compiled_inline
-def pull_of(wire: RunningWire, found: Equilibrium) -> Pull:
+def pull_of(wire: RunningWire, found: Equilibrium) -> LinearizedForce:
     """Return a wire's force around a solution, at constant enthalpy; below 0 it stands for a slack wire."""
     k = wire.constants
     slope_pa = found.stress_per_contraction_pa
     if not slope_pa < 0.0:  # no wire gets stiffer by pulling less: only a guess, so that Newton's method goes on
         slope_pa = -1.0 / (k.austenite_compliance_per_pa * k.per_stretch)
-    return Pull(found.wire.stress_pa * k.section_m2, -slope_pa * k.section_m2, found.wire.contraction)
+    return LinearizedForce(found.wire.stress_pa * k.section_m2, -slope_pa * k.section_m2, found.wire.contraction)
 
 
 @compiled_inline
-def pull_at(pull: Pull, contraction: float) -> float:
+def pull_at(pull: LinearizedForce, contraction: float) -> float:
     """Return the linear force at a contraction [N], below 0 for a slack wire."""
     return pull.force_n - pull.fall_n * (contraction - pull.contraction)
 
 
 @compiled
 def held_wire(
-    wire: RunningWire, start: Start, guess: tuple[float, float], contraction: float, expected_n: float
+    wire: RunningWire, start: BalanceGuess, guess: tuple[float, float], contraction: float, expected_n: float
 ) -> Equilibrium:
     """Return a wire whose connector is held at a contraction by a stiff spring that there has the force expected [N].
 
@@ -162,7 +171,7 @@ def held_wire(
     before = (state.connector_contraction, state.friction_n)
     own_n = load_at(k, wire.load, contraction, before, NO_PUSH).force_n
     stiffness_n = HOLDING_STIFFNESS * k.section_m2 / (k.austenite_compliance_per_pa * k.per_stretch)
-    return solve_wire(wire, start, guess, Push(expected_n - own_n, stiffness_n, contraction))
+    return solve_wire(wire, start, guess, ConnectorForce(expected_n - own_n, stiffness_n, contraction))
 
 
 @compiled_inline
@@ -173,7 +182,12 @@ def beside(found: Equilibrium, contraction: float) -> float:
 
 @compiled
 def balanced_contraction(
-    first: RunningWire, other_pretension_n: float, pull: Pull, other: Pull, sense: tuple[float, float], start: float
+    first: RunningWire,
+    other_pretension_n: float,
+    pull: LinearizedForce,
+    other: LinearizedForce,
+    sense: tuple[float, float],
+    start: float,
 ) -> float:
     """Return the contraction of the first wire at which both pulls balance the load of their connector.
 
@@ -229,7 +243,9 @@ def slack_move(
 
 
 @compiled
-def balance_connector(first: RunningWire, second: RunningWire, direction: float, start: Start, other: Start) -> Joint:
+def balance_connector(
+    first: RunningWire, second: RunningWire, direction: float, start: BalanceGuess, other: BalanceGuess
+) -> CoupledBalance:
     """Return two wires on one connector in balance with its load, which is the first one's.
 
     Newton's method on the connector's displacement: each wire is solved where the connector is tried, and both forces
@@ -274,7 +290,7 @@ def balance_connector(first: RunningWire, second: RunningWire, direction: float,
     before = (first.state.connector_contraction, first.state.friction_n)
     friction_n = load_at(one, first.load, after, before, NO_PUSH).friction_n
     solved = close and found.solved and others.solved
-    return Joint(found, others, NO_PUSH, NO_PUSH, after, friction_n, 0.0, (earlier, other_earlier), solved)
+    return CoupledBalance(found, others, NO_PUSH, NO_PUSH, after, friction_n, 0.0, (earlier, other_earlier), solved)
 
 
 @compiled
@@ -287,7 +303,7 @@ def at_table(table: FloatArray, step_m: float, displacement_m: float) -> tuple[f
 
 
 @compiled
-def grip_force_n(grip: Grip, displacement_m: float, other_m: float) -> float:
+def grip_force_n(grip: GrippedObject, displacement_m: float, other_m: float) -> float:
     """Return the force between each endpoint and the object [N] with both connectors where they are."""
     own, other = at_table(grip.endpoint_m, grip.step_m, displacement_m), at_table(grip.endpoint_m, grip.step_m, other_m)
     squeezed = own[0] + other[0] - grip.clearance_m
@@ -298,7 +314,7 @@ def grip_force_n(grip: Grip, displacement_m: float, other_m: float) -> float:
     return grip.stiffness_n_per_m * squeezed / (1.0 + grip.stiffness_n_per_m * soft)
 
 
-class Finger(NamedTuple):
+class FingerBalance(NamedTuple):
     """A finger's wire in balance under a force on its endpoint.
 
     Parameters
@@ -316,7 +332,7 @@ class Finger(NamedTuple):
     """
 
     found: Equilibrium
-    push: Push
+    push: ConnectorForce
     contraction: float
     reach_m: float
     per_n: float
@@ -325,13 +341,18 @@ class Finger(NamedTuple):
 
 @compiled
 def pressed_finger(
-    wire: RunningWire, start: Start, guess: tuple[float, float], around: float, grip: Grip, grip_n: float
-) -> Finger:
+    wire: RunningWire,
+    start: BalanceGuess,
+    guess: tuple[float, float],
+    around: float,
+    grip: GrippedObject,
+    grip_n: float,
+) -> FingerBalance:
     """Return a finger whose endpoint a force [N] pushes back; the leverage is linear around a contraction."""
     k = wire.constants
     length_m = k.leg_length_m
     leverage, slope = at_table(grip.leverage, grip.step_m, around * length_m)
-    push = Push(leverage * grip_n, slope * length_m * grip_n, around)
+    push = ConnectorForce(leverage * grip_n, slope * length_m * grip_n, around)
     found = solve_wire(wire, start, guess, push)
     before = (wire.state.connector_contraction, wire.state.friction_n)
     contraction, _ = connector_after(wire, found, push)
@@ -347,13 +368,18 @@ def pressed_finger(
     soft, soft_slope = at_table(grip.compliance_m_per_n, grip.step_m, x_m)
     per_n = -leverage * yields * length_m * (free_slope - soft_slope * grip_n) - soft
     beside_n = abs(leverage * grip_n - (push.force_n + push.per_contraction_n * (contraction - around)))
-    return Finger(found, push, contraction, free_m - soft * grip_n, per_n, beside_n)
+    return FingerBalance(found, push, contraction, free_m - soft * grip_n, per_n, beside_n)
 
 
 @compiled
 def hold_object(
-    first: RunningWire, second: RunningWire, grip: Grip, begin_n: float, start: Start, other: Start
-) -> Joint:
+    first: RunningWire,
+    second: RunningWire,
+    grip: GrippedObject,
+    begin_n: float,
+    start: BalanceGuess,
+    other: BalanceGuess,
+) -> CoupledBalance:
     """Return two fingers in balance, each with its load and both with the object between them.
 
     Newton's method on the force on the object: each finger is solved under it, and the endpoints must then have
@@ -394,4 +420,4 @@ def hold_object(
         other_guess = (two.found.wire.temperature_k, two.found.wire.stress_pa)
         around, other_around = one.contraction, two.contraction
     solved = close and one.found.solved and two.found.solved
-    return Joint(one.found, two.found, one.push, two.push, 0.0, 0.0, grip_n, (earlier, other_earlier), solved)
+    return CoupledBalance(one.found, two.found, one.push, two.push, 0.0, 0.0, grip_n, (earlier, other_earlier), solved)

@@ -16,7 +16,7 @@ from musclewire.errors import CallerError
 
 __all__ = [
     "BarrierClass",
-    "Distribution",
+    "OffsetDistribution",
     "of_classes",
     "quantile_distribution",
     "signed_power",
@@ -36,7 +36,7 @@ CELLS = 1024
 CORE_REACH, CORE_CELLS = 1.0, CELLS // 2
 
 
-class Distribution(NamedTuple):
+class OffsetDistribution(NamedTuple):
     """Cumulative distribution of the grains' offsets in units of the spread: cubics on cells.
 
     Cells have one width, or two: narrow ones in a core, where a heavy-tailed distribution is steep, wide ones outside.
@@ -146,7 +146,7 @@ def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> Float
 
 
 @lru_cache(maxsize=64)
-def signed_power_distribution(skew: float, tail: float) -> Distribution:
+def signed_power_distribution(skew: float, tail: float) -> OffsetDistribution:
     """Return the distribution of :func:`signed_power` over a normal quantile, tabulated.
 
     Value and density are exact at every end of a cell. The density jumps at offset 0 if there is a skew; a cell ends
@@ -183,7 +183,7 @@ def signed_power_distribution(skew: float, tail: float) -> Distribution:
     right = density / np.where(offset >= 0.0, 1.0 + skew, 1.0 - skew)
     width = np.diff(offset)
     cells = cubic_cells(cumulative, right[:-1] * width, left[1:] * width)
-    return Distribution(float(offset[0]), step, cells, float(core[0]), float(core[-1]), core_step)
+    return OffsetDistribution(float(offset[0]), step, cells, float(core[0]), float(core[-1]), core_step)
 
 
 def two_populations(
@@ -226,7 +226,9 @@ def require_early_population(early_fraction: float, early_width: float) -> None:
 
 
 @lru_cache(maxsize=64)
-def two_population_distribution(skew: float, tail: float, early_fraction: float, early_width: float) -> Distribution:
+def two_population_distribution(
+    skew: float, tail: float, early_fraction: float, early_width: float
+) -> OffsetDistribution:
     """Return the distribution of :func:`two_populations` over a normal quantile, tabulated.
 
     Value and density are exact at every end of a cell. Cells end where the early grains begin and where they end, and
@@ -269,7 +271,7 @@ def two_population_distribution(skew: float, tail: float, early_fraction: float,
     width, most = np.diff(cells.ends), 3.0 * np.diff(cumulative)
     # A very narrow early population leaves a steep middle cells too wide, which would overshoot (Fritsch, Carlson).
     rises = np.minimum(right[:-1] * width, most), np.minimum(left[1:] * width, most)
-    return Distribution(
+    return OffsetDistribution(
         float(cells.ends[0]),
         cells.step,
         cubic_cells(cumulative, *rises),
@@ -351,7 +353,7 @@ def cubic_cells(value: FloatArray, rise_at_start: FloatArray, rise_at_end: Float
     return np.ascontiguousarray(np.stack((value[:-1], rise_at_start, square, cube), axis=1))
 
 
-def tabulated_distribution(offset: FloatArray, cumulative: FloatArray, *, cells: int = CELLS) -> Distribution:
+def tabulated_distribution(offset: FloatArray, cumulative: FloatArray, *, cells: int = CELLS) -> OffsetDistribution:
     """Return a distribution through any table: monotone cubics between its points, resampled onto equal cells.
 
     Parameters
@@ -395,10 +397,10 @@ def tabulated_distribution(offset: FloatArray, cumulative: FloatArray, *, cells:
     slope = curve.derivative()(ends) * step
     value = np.clip(curve(ends), 0.0, 1.0)
     value[0], value[-1] = 0.0, 1.0
-    return Distribution(float(ends[0]), step, cubic_cells(value, slope[:-1], slope[1:]))
+    return OffsetDistribution(float(ends[0]), step, cubic_cells(value, slope[:-1], slope[1:]))
 
 
 @lru_cache(maxsize=64)
-def quantile_distribution(offset: tuple[float, ...], fraction: tuple[float, ...]) -> Distribution:
+def quantile_distribution(offset: tuple[float, ...], fraction: tuple[float, ...]) -> OffsetDistribution:
     """Return the distribution through measured quantiles, the same table for the same numbers: batches share it."""
     return tabulated_distribution(np.array(offset), np.array(fraction))

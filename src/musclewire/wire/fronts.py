@@ -19,13 +19,13 @@ from musclewire.wire.constants import StepConstants
 from musclewire.wire.row import Rows
 
 __all__ = [
-    "Fronts",
-    "Phases",
+    "TransformationFronts",
+    "PhaseFractions",
     "Thresholds",
     "cumulative_at",
     "fronts_after",
     "moved_fronts",
-    "Shakedown",
+    "ShakedownEffects",
     "phases_of_class",
     "shakedown_of",
     "thresholds_at",
@@ -35,7 +35,7 @@ __all__ = [
 MIN_SPREAD_K = 1e-6
 
 
-class Shakedown(NamedTuple):
+class ShakedownEffects(NamedTuple):
     """Effects of the shakedown that a wire has behind it.
 
     Parameters
@@ -89,7 +89,7 @@ class Thresholds(NamedTuple):
     p_per_k: float
 
 
-class Phases(NamedTuple):
+class PhaseFractions(NamedTuple):
     """Volume fractions of a wire with their slopes over temperature [1/K] and stress [1/Pa]."""
 
     martensite: float
@@ -100,7 +100,7 @@ class Phases(NamedTuple):
     r_phase_per_pa: float
 
 
-class Fronts(NamedTuple):
+class TransformationFronts(NamedTuple):
     """Both fronts after a temperature and a stress, with their slopes.
 
     Parameters
@@ -122,7 +122,7 @@ class Fronts(NamedTuple):
 
 
 @compiled_inline
-def shakedown_of(constants: StepConstants, cycles: float) -> Shakedown:
+def shakedown_of(constants: StepConstants, cycles: float) -> ShakedownEffects:
     """Return the effects of a wire's shakedown after a number of cycles.
 
     Parameters
@@ -144,9 +144,9 @@ def shakedown_of(constants: StepConstants, cycles: float) -> Shakedown:
     """
     k = constants
     if k.shakedown_cycles == 0.0:
-        return Shakedown(1.0, 0.0, 1.0)
+        return ShakedownEffects(1.0, 0.0, 1.0)
     remaining = math.exp(-cycles / k.shakedown_cycles)
-    return Shakedown(
+    return ShakedownEffects(
         1.0 + k.shakedown_barrier * remaining,
         k.shakedown_strain * (1.0 - remaining),
         1.0 + k.shakedown_resistivity * remaining,
@@ -230,7 +230,7 @@ def thresholds_at(
 
 
 @compiled_inline
-def moved_fronts(at: Thresholds, front_austenite: float, front_martensite: float) -> Fronts:
+def moved_fronts(at: Thresholds, front_austenite: float, front_martensite: float) -> TransformationFronts:
     """Return the fronts that thresholds leave behind: cooling moves them down, heating up.
 
     Parameters
@@ -276,7 +276,7 @@ def moved_fronts(at: Thresholds, front_austenite: float, front_martensite: float
     f = high if moves else f
     f_k = (m_k if follows else at.r_per_k) if moves else f_k
     f_pa = (m_pa if follows else at.austenite_r_phase_per_pa) if moves else f_pa
-    return Fronts(f, m, f_k, f_pa, m_k, m_pa)
+    return TransformationFronts(f, m, f_k, f_pa, m_k, m_pa)
 
 
 @compiled_inline
@@ -287,7 +287,7 @@ def fronts_after(
     barrier_factor: float,
     barrier_k: float,
     fronts: tuple[float, float],
-) -> Fronts:
+) -> TransformationFronts:
     """Return the fronts q_F, q_M of a class of grains after a temperature and a stress: both functions above in one."""
     at = thresholds_at(constants, temperature_k, stress_pa, barrier_factor, barrier_k)
     return moved_fronts(at, fronts[0], fronts[1])
@@ -295,8 +295,8 @@ def fronts_after(
 
 @compiled_inline
 def phases_of_class(
-    weight: float, fronts: Fronts, martensite: tuple[float, float], austenite: tuple[float, float]
-) -> Phases:
+    weight: float, fronts: TransformationFronts, martensite: tuple[float, float], austenite: tuple[float, float]
+) -> PhaseFractions:
     """Return what a class of grains adds to the volume fractions of the wire.
 
     Parameters
@@ -314,7 +314,7 @@ def phases_of_class(
     """
     loss_per_k = weight * martensite[1] * fronts.martensite_per_k
     loss_per_pa = weight * martensite[1] * fronts.martensite_per_pa
-    return Phases(
+    return PhaseFractions(
         weight * (1.0 - martensite[0]),
         weight * (martensite[0] - austenite[0]),
         -loss_per_k,

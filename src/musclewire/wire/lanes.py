@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.wire.balance import (
-    Trial,
+    TrialPoint,
     balance_at,
     contraction_of,
     convection_w_per_m2_k,
@@ -18,7 +18,14 @@ from musclewire.wire.balance import (
     strain_at,
 )
 from musclewire.wire.constants import StepConstants
-from musclewire.wire.fronts import Fronts, Phases, Shakedown, cumulative_at, fronts_after, phases_of_class
+from musclewire.wire.fronts import (
+    PhaseFractions,
+    ShakedownEffects,
+    TransformationFronts,
+    cumulative_at,
+    fronts_after,
+    phases_of_class,
+)
 from musclewire.wire.lane_layout import LANES, Block, constants_of_lane, state_of_lane
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
@@ -27,7 +34,7 @@ from musclewire.wire.step import (
     NO_PUSH,
     SMALL_BEND_N,
     SOLVED_K,
-    Middle,
+    HalfStepWire,
     RunningWire,
     accept,
     guess_after,
@@ -36,8 +43,8 @@ from musclewire.wire.step import (
     solve,
 )
 from musclewire.wire.wires import (
-    Drive,
-    Instant,
+    SourceOutput,
+    WireInstant,
     circuit_at,
     owed_j,
 )
@@ -51,7 +58,7 @@ def begin(b: Block, first: int, rows: Rows) -> None:
     for lane in range(LANES):
         k = constants_of_lane(b, lane)
         coefficient = convection_w_per_m2_k(k, rows[min(first + lane, rows.shape[0] - 1)], b.s_temperature_k[lane])
-        drive = Drive(b.t_drive_v[lane], False)
+        drive = SourceOutput(b.t_drive_v[lane], False)
         now = circuit_at(k, drive, b.s_resistance_ohm[lane], b.s_temperature_k[lane], coefficient)
         b.t_current_a[lane], b.t_power_w[lane], b.t_loss_w[lane] = now.current_a, now.power_w, now.loss_w
         b.t_voltage_sum[lane] = b.t_current_sum[lane] = b.t_moved_sum[lane] = b.t_stress_sum[lane] = 0.0
@@ -97,10 +104,12 @@ def guess(b: Block, step_s: float) -> None:
     """Take the heat of the step, and guess temperature and stress at its end, in all lanes."""
     for lane in range(LANES):
         k, state = constants_of_lane(b, lane), state_of_lane(b, lane)
-        drive = Drive(b.t_drive_v[lane], False)
+        drive = SourceOutput(b.t_drive_v[lane], False)
         within = circuit_at(k, drive, b.t_middle_ohm[lane], b.t_middle_k[lane], b.t_coefficient[lane])
         heat_j = (within.power_w - within.loss_w) * step_s + b.s_carried_heat_j[lane]
-        middle = Middle(b.t_middle_k[lane], b.t_middle_ohm[lane], b.t_temperature_slope[lane], b.t_stress_slope[lane])
+        middle = HalfStepWire(
+            b.t_middle_k[lane], b.t_middle_ohm[lane], b.t_temperature_slope[lane], b.t_stress_slope[lane]
+        )
         trial = guess_after(state, middle, heat_j)
         b.t_within_w[lane] = within.power_w - within.loss_w
         b.t_heat_j[lane] = heat_j
@@ -141,9 +150,9 @@ def look_up_austenite(b: Block, cells: Rows, row: int) -> None:
 
 
 @compiled_inline
-def fronts_of_lane(b: Block, row: int, lane: int) -> Fronts:
+def fronts_of_lane(b: Block, row: int, lane: int) -> TransformationFronts:
     """Return the fronts of a class that follow from the guess."""
-    return Fronts(
+    return TransformationFronts(
         b.t_class_austenite[row, lane],
         b.t_class_martensite[row, lane],
         b.t_class_austenite_per_k[row, lane],
@@ -154,14 +163,14 @@ def fronts_of_lane(b: Block, row: int, lane: int) -> Fronts:
 
 
 @compiled_inline
-def phases_of_lane(b: Block, lane: int) -> Phases:
+def phases_of_lane(b: Block, lane: int) -> PhaseFractions:
     """Return the volume fractions that follow from the guess."""
-    whole = Phases(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    whole = PhaseFractions(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for row in range(b.k_class_weight.shape[0]):
         martensite = (b.t_class_martensite_fraction[row, lane], b.t_class_martensite_density[row, lane])
         austenite = (b.t_class_austenite_fraction[row, lane], b.t_class_austenite_density[row, lane])
         part = phases_of_class(b.k_class_weight[row, lane], fronts_of_lane(b, row, lane), martensite, austenite)
-        whole = Phases(
+        whole = PhaseFractions(
             whole.martensite + part.martensite,
             whole.r_phase + part.r_phase,
             whole.martensite_per_k + part.martensite_per_k,
@@ -180,7 +189,7 @@ def settle(b: Block, load: Rows) -> None:
     """
     for lane in range(LANES):
         k = constants_of_lane(b, lane)
-        over = Shakedown(1.0, 0.0, 1.0)
+        over = ShakedownEffects(1.0, 0.0, 1.0)
         heat_j, trial_k, trial_pa = b.t_heat_j[lane], b.t_trial_k[lane], b.t_trial_pa[lane]
         before = (b.s_connector_contraction[lane], b.s_friction_n[lane])
         resistance_before, slope_before = b.s_resistance_ohm[lane], b.s_resistance_slope_ohm_per_j[lane]
@@ -189,7 +198,7 @@ def settle(b: Block, load: Rows) -> None:
         strain = strain_at(k, trial_k, trial_pa, phases.martensite, phases.r_phase)
         force = load_at(k, load, contraction_of(k, over, strain), before, NO_PUSH)
         balance = balance_at(k, over, phases, strain, force, (trial_k, trial_pa, enthalpy_j))
-        point = Trial(phases, strain, force, balance)
+        point = TrialPoint(phases, strain, force, balance)
         rise_k, rise_pa = balance.rise_k, balance.rise_pa
         after = settled(k, over, point, (rise_k, rise_pa), (trial_k, trial_pa, enthalpy_j))
         moved = balance.contraction_per_k * rise_k + balance.contraction_per_pa * rise_pa
@@ -236,7 +245,7 @@ def solve_lane(b: Block, lane: int, constants: StepConstants, cells: Rows, load:
     scratch.unsolved_steps = b.s_unsolved_steps[lane]
     wire = RunningWire(scratch, constants, cells, load)
     trial = (b.t_trial_k[lane], b.t_trial_pa[lane])
-    found = solve(wire, Shakedown(1.0, 0.0, 1.0), b.s_enthalpy_j[lane], trial, NO_PUSH)
+    found = solve(wire, ShakedownEffects(1.0, 0.0, 1.0), b.s_enthalpy_j[lane], trial, NO_PUSH)
     accept(wire, found, b.t_heat_j[lane], NO_PUSH)
     for row in range(b.k_class_weight.shape[0]):
         b.s_front_austenite[row, lane] = scratch.front_austenite[row]
@@ -258,10 +267,10 @@ def finish(b: Block, step_s: float) -> None:
     """Make up the accounts of the step in all lanes: heat, what it owes, error and means."""
     for lane in range(LANES):
         k = constants_of_lane(b, lane)
-        drive = Drive(b.t_drive_v[lane], False)
+        drive = SourceOutput(b.t_drive_v[lane], False)
         ended = circuit_at(k, drive, b.s_resistance_ohm[lane], b.s_temperature_k[lane], b.t_coefficient[lane])
-        started = Instant(b.t_current_a[lane], b.t_power_w[lane], b.t_loss_w[lane])
-        owes_j = owed_j(started, Instant(0.0, b.t_within_w[lane], 0.0), ended, step_s)
+        started = WireInstant(b.t_current_a[lane], b.t_power_w[lane], b.t_loss_w[lane])
+        owes_j = owed_j(started, WireInstant(0.0, b.t_within_w[lane], 0.0), ended, step_s)
         slope_before, slope_after = b.t_temperature_slope[lane], b.s_temperature_slope_k_per_j[lane]
         error_k = abs(owes_j) * (slope_after if slope_after > slope_before else slope_before)
         error_before_k = b.s_step_error_k[lane]

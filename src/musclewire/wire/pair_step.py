@@ -10,38 +10,38 @@ from typing import NamedTuple
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled_inline
-from musclewire.wire.balance import Push, convection_w_per_m2_k, loss_w
+from musclewire.wire.balance import ConnectorForce, convection_w_per_m2_k, loss_w
 from musclewire.wire.constants import StepConstants
-from musclewire.wire.coupling import APART, Grip, Joint, Start, balance_connector, hold_object
+from musclewire.wire.coupling import APART, BalanceGuess, CoupledBalance, GrippedObject, balance_connector, hold_object
 from musclewire.wire.fronts import shakedown_of
 from musclewire.wire.state import WireState
 from musclewire.wire.step import NO_HEAT_J, Equilibrium, RunningWire, accept, guess_after, middle_of_step
-from musclewire.wire.stepping import RESISTANCE, STRAIN, TEMPERATURE, Attempt, Instant, error_ratio, owed_j
+from musclewire.wire.stepping import RESISTANCE, STRAIN, TEMPERATURE, StepAttempt, WireInstant, error_ratio, owed_j
 
 __all__ = [
     "OWN_SUPPLY",
     "PARALLEL",
     "SERIES",
-    "Both",
-    "Course",
-    "Pair",
+    "RunningPair",
+    "HeatDirection",
+    "PairConnection",
     "PairAttempt",
     "PairInstant",
-    "Setting",
+    "PairSetting",
     "attempt_both",
     "course_of",
     "error_ratio_of_both",
     "instant_of_both",
     "present",
     "remember",
-    "take_both",
+    "accept_pair_step",
 ]
 
 # Supply of the second wire: its own one, in parallel with the first wire, or in series with it.
 OWN_SUPPLY, PARALLEL, SERIES = 0, 1, 2
 
 
-class Pair(NamedTuple):
+class PairConnection(NamedTuple):
     """What joins two wires.
 
     Parameters
@@ -63,31 +63,31 @@ class Pair(NamedTuple):
     partner_series_ohm: float
 
 
-class Both(NamedTuple):
+class RunningPair(NamedTuple):
     """Two wires in compiled code."""
 
     first: RunningWire
     second: RunningWire
 
 
-class Setting(NamedTuple):
+class PairSetting(NamedTuple):
     """What does not change during a sample: the drive [V], what joins the wires, and the object between them."""
 
     drive_voltage_v: float
-    pair: Pair
-    grip: Grip
+    pair: PairConnection
+    grip: GrippedObject
 
 
 class PairInstant(NamedTuple):
     """Both wires at one moment: each in circuit and air, voltage across the terminals [V], current of the shunt [A]."""
 
-    first: Instant
-    second: Instant
+    first: WireInstant
+    second: WireInstant
     terminals_v: float
     shunt_a: float
 
 
-class Course(NamedTuple):
+class HeatDirection(NamedTuple):
     """Direction of a pair's last step: the heat of each wire over that of both, as a vector of length 1.
 
     Where wires are joined each feels the other's heat. Slopes over the pair's heat along that direction are what both
@@ -106,7 +106,7 @@ class Course(NamedTuple):
     other: float
 
 
-class Ahead(NamedTuple):
+class PredictedWire(NamedTuple):
     """A wire as it is, or as it is expected after some heat: temperature, resistance, stress, its connector's place."""
 
     temperature_k: float
@@ -118,15 +118,15 @@ class Ahead(NamedTuple):
 class PairAttempt(NamedTuple):
     """A step of a pair that was tried: of each wire, of what joins them, and both in the circuit at its end."""
 
-    first: Attempt
-    second: Attempt
-    joint: Joint
+    first: StepAttempt
+    second: StepAttempt
+    joint: CoupledBalance
     ended: PairInstant
 
 
 @compiled_inline
 def currents_a(
-    first_ohm: float, second_ohm: float, series_ohm: float, drive_voltage_v: float, pair: Pair
+    first_ohm: float, second_ohm: float, series_ohm: float, drive_voltage_v: float, pair: PairConnection
 ) -> tuple[float, float, float, float]:
     """Return the currents of both wires [A], the voltage across the terminals and the current through the shunt."""
     if pair.feed == SERIES:
@@ -149,7 +149,9 @@ def heat_loss_w(constants: StepConstants, temperature_k: float) -> float:
 
 
 @compiled_inline
-def instant_of_both(wires: Both, setting: Setting, first: Ahead, second: Ahead) -> PairInstant:
+def instant_of_both(
+    wires: RunningPair, setting: PairSetting, first: PredictedWire, second: PredictedWire
+) -> PairInstant:
     """Return both wires in their circuit and in the air; shunt and leads are the first one's."""
     one, two = wires.first.constants, wires.second.constants
     own_ohm, other_ohm = first.resistance_ohm, second.resistance_ohm
@@ -157,30 +159,30 @@ def instant_of_both(wires: Both, setting: Setting, first: Ahead, second: Ahead) 
         own_ohm, other_ohm, one.series_resistance_ohm, setting.drive_voltage_v, setting.pair
     )
     return PairInstant(
-        Instant(current, current * current * own_ohm, heat_loss_w(one, first.temperature_k)),
-        Instant(partner, partner * partner * other_ohm, heat_loss_w(two, second.temperature_k)),
+        WireInstant(current, current * current * own_ohm, heat_loss_w(one, first.temperature_k)),
+        WireInstant(partner, partner * partner * other_ohm, heat_loss_w(two, second.temperature_k)),
         voltage,
         through,
     )
 
 
 @compiled_inline
-def present(state: WireState) -> Ahead:
+def present(state: WireState) -> PredictedWire:
     """Return a wire as it is."""
-    return Ahead(state.temperature_k, state.resistance_ohm, state.stress_pa, state.connector_contraction)
+    return PredictedWire(state.temperature_k, state.resistance_ohm, state.stress_pa, state.connector_contraction)
 
 
 @compiled_inline
-def course_of(first: WireState, second: WireState, joined: bool) -> Course:
+def course_of(first: WireState, second: WireState, joined: bool) -> HeatDirection:
     """Return the direction of the last step of a pair."""
     together_j = math.hypot(first.last_heat_j, second.last_heat_j)
     if not joined or together_j == 0.0:
-        return Course(joined, 0.0, 0.0)
-    return Course(joined, first.last_heat_j / together_j, second.last_heat_j / together_j)
+        return HeatDirection(joined, 0.0, 0.0)
+    return HeatDirection(joined, first.last_heat_j / together_j, second.last_heat_j / together_j)
 
 
 @compiled_inline
-def along(course: Course, heat_j: float, other_j: float) -> float:
+def along(course: HeatDirection, heat_j: float, other_j: float) -> float:
     """Return the part of a pair's heat along its course [J]; 0 after a turn, when no phase changes at first."""
     return max(course.own * heat_j + course.other * other_j, 0.0)
 
@@ -188,7 +190,7 @@ def along(course: Course, heat_j: float, other_j: float) -> float:
 @compiled_inline
 def ahead(
     state: WireState, constants: StepConstants, joined: bool, heat_j: float, half_j: float, along_j: float, unit: float
-) -> Ahead:
+) -> PredictedWire:
     """Return a wire after some heat, by the slopes of the last step.
 
     ``half_j`` is half of the step's heat at the rate of its start, ``along_j`` the part of the pair's heat along its
@@ -197,9 +199,9 @@ def ahead(
     if not joined:
         middle = middle_of_step(state, constants, half_j)
         temperature_k, stress_pa = guess_after(state, middle, heat_j)
-        return Ahead(temperature_k, middle.resistance_ohm, stress_pa, state.connector_contraction)
+        return PredictedWire(temperature_k, middle.resistance_ohm, stress_pa, state.connector_contraction)
     warming_k = constants.per_capacity_k_per_j * (heat_j - along_j * unit)
-    return Ahead(
+    return PredictedWire(
         state.temperature_k + state.temperature_slope_k_per_j * along_j + warming_k,
         state.resistance_ohm + state.resistance_slope_ohm_per_j * along_j,
         max(state.stress_pa + state.stress_slope_pa_per_j * along_j, 0.0),
@@ -209,8 +211,8 @@ def ahead(
 
 @compiled_inline
 def ahead_of_both(
-    wires: Both, course: Course, heats_j: tuple[float, float], halves_j: tuple[float, float]
-) -> tuple[Ahead, Ahead]:
+    wires: RunningPair, course: HeatDirection, heats_j: tuple[float, float], halves_j: tuple[float, float]
+) -> tuple[PredictedWire, PredictedWire]:
     """Return both wires after some heat, by the slopes of the last step."""
     one, two = wires
     along_j = along(course, heats_j[0], heats_j[1])
@@ -221,15 +223,15 @@ def ahead_of_both(
 
 
 @compiled_inline
-def start_of(state: WireState, constants: StepConstants, heat_j: float, expected: Ahead) -> Start:
+def start_of(state: WireState, constants: StepConstants, heat_j: float, expected: PredictedWire) -> BalanceGuess:
     """Return where the solution of a wire begins."""
     shakedown = shakedown_of(constants, state.cycles)
     enthalpy_j = state.enthalpy_j + heat_j
-    return Start(shakedown, enthalpy_j, expected.temperature_k, expected.stress_pa, expected.contraction)
+    return BalanceGuess(shakedown, enthalpy_j, expected.temperature_k, expected.stress_pa, expected.contraction)
 
 
 @compiled_inline
-def net_w(instant: Instant) -> float:
+def net_w(instant: WireInstant) -> float:
     """Return the rate at which a wire gains heat [W]."""
     return instant.power_w - instant.loss_w
 
@@ -238,24 +240,24 @@ def net_w(instant: Instant) -> float:
 def tried_of(
     wire: RunningWire,
     found: Equilibrium,
-    instants: tuple[Instant, Instant, Instant],
+    instants: tuple[WireInstant, WireInstant, WireInstant],
     half_j: float,
     heat_j: float,
     step_s: float,
     joined: bool,
-) -> Attempt:
+) -> StepAttempt:
     """Return the attempt of one wire from start, middle and end of the step, as that of a single wire is made."""
     began, within, ended = instants
     state, k = wire.state, wire.constants
     owes_j = owed_j(began, within, ended, step_s)
     turned = joined or half_j * state.last_heat_j < 0.0
     before = k.per_capacity_k_per_j if turned else state.temperature_slope_k_per_j
-    return Attempt(found, within, ended, heat_j, owes_j, abs(owes_j) * max(found.temperature_slope_k_per_j, before))
+    return StepAttempt(found, within, ended, heat_j, owes_j, abs(owes_j) * max(found.temperature_slope_k_per_j, before))
 
 
 @compiled_inline
 def attempt_both(
-    wires: Both, setting: Setting, course: Course, began: PairInstant, grip_n: float, step_s: float
+    wires: RunningPair, setting: PairSetting, course: HeatDirection, began: PairInstant, grip_n: float, step_s: float
 ) -> PairAttempt:
     """Return a step of both wires, which do not move yet: the method of a single wire, with both solved at once.
 
@@ -286,14 +288,16 @@ def attempt_both(
 
 
 @compiled_inline
-def settled_ahead(found: Equilibrium) -> Ahead:
+def settled_ahead(found: Equilibrium) -> PredictedWire:
     """Return a wire as it is in a solution."""
     after = found.wire
-    return Ahead(after.temperature_k, after.resistance_ohm, after.stress_pa, after.contraction)
+    return PredictedWire(after.temperature_k, after.resistance_ohm, after.stress_pa, after.contraction)
 
 
 @compiled_inline
-def take(wire: RunningWire, tried: Attempt, push: Push, began: Instant, step_s: float) -> None:
+def accept_coupled_step(
+    wire: RunningWire, tried: StepAttempt, push: ConnectorForce, began: WireInstant, step_s: float
+) -> None:
     """Move a wire by a step that was tried, in place."""
     state = wire.state
     accept(wire, tried.found, tried.heat_j, push)
@@ -304,15 +308,17 @@ def take(wire: RunningWire, tried: Attempt, push: Push, began: Instant, step_s: 
 
 
 @compiled_inline
-def take_both(wires: Both, setting: Setting, tried: PairAttempt, began: PairInstant, step_s: float) -> None:
+def accept_pair_step(
+    wires: RunningPair, setting: PairSetting, tried: PairAttempt, began: PairInstant, step_s: float
+) -> None:
     """Move both wires by a step that was tried, in place."""
     first, second = wires
     one, two, joint = first.state, second.state, tried.joint
     direction = setting.pair.direction
     if direction != APART:  # the common connector, set below, does not follow a single slack wire
         one.connector_contraction, two.connector_contraction = -math.inf, -math.inf
-    take(first, tried.first, joint.push, began.first, step_s)
-    take(second, tried.second, joint.other_push, began.second, step_s)
+    accept_coupled_step(first, tried.first, joint.push, began.first, step_s)
+    accept_coupled_step(second, tried.second, joint.other_push, began.second, step_s)
     if direction != APART:
         lengths = first.constants.leg_length_m / second.constants.leg_length_m
         one.connector_contraction, one.friction_n = joint.contraction, joint.friction_n
@@ -325,7 +331,7 @@ def take_both(wires: Both, setting: Setting, tried: PairAttempt, began: PairInst
 
 
 @compiled_inline
-def remember(state: WireState, before: Ahead, together_j: float) -> None:
+def remember(state: WireState, before: PredictedWire, together_j: float) -> None:
     """Set the slopes of a joined wire to those of its last step over the heat of the pair, in place."""
     if together_j > NO_HEAT_J:
         per_j = 1.0 / together_j
@@ -338,13 +344,13 @@ def remember(state: WireState, before: Ahead, together_j: float) -> None:
 @compiled_inline
 def joined_error_ratio(
     state: WireState,
-    tried: Attempt,
+    tried: StepAttempt,
     rates_w: tuple[float, float],
     together_j: tuple[float, float],
-    of: tuple[float, FloatArray],
+    step_and_plan: tuple[float, FloatArray],
 ) -> float:
     """Return the largest error of a joined wire's step over its tolerance, as ``error_ratio`` of a single wire."""
-    step_s, plan = of
+    step_s, plan = step_and_plan
     before_w, after_w = rates_w
     heat_j, owing_j = together_j
     per_j = 1.0 / heat_j if heat_j > NO_HEAT_J else 0.0
@@ -364,7 +370,7 @@ def joined_error_ratio(
 
 @compiled_inline
 def error_ratio_of_both(
-    wires: Both, course: Course, tried: PairAttempt, began: PairInstant, step_s: float, plan: FloatArray
+    wires: RunningPair, course: HeatDirection, tried: PairAttempt, began: PairInstant, step_s: float, plan: FloatArray
 ) -> float:
     """Return the largest error of a step of both wires over its tolerance."""
     one, two = wires.first.state, wires.second.state
@@ -378,8 +384,8 @@ def error_ratio_of_both(
     after_w = 0.0
     if heat_j > 0.0:
         after_w = (first.heat_j * net_w(tried.ended.first) + second.heat_j * net_w(tried.ended.second)) / heat_j
-    rates_w, together_j, of = (before_w, after_w), (heat_j, owing_j), (step_s, plan)
+    rates_w, together_j, step_and_plan = (before_w, after_w), (heat_j, owing_j), (step_s, plan)
     return max(
-        joined_error_ratio(one, first, rates_w, together_j, of),
-        joined_error_ratio(two, second, rates_w, together_j, of),
+        joined_error_ratio(one, first, rates_w, together_j, step_and_plan),
+        joined_error_ratio(two, second, rates_w, together_j, step_and_plan),
     )

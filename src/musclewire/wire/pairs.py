@@ -14,24 +14,24 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.wire.constants import WireConstants
-from musclewire.wire.coupling import APART, Grip, grip_force_n, no_grip
+from musclewire.wire.coupling import APART, GrippedObject, grip_force_n, no_grip
 from musclewire.wire.pair_step import (
     OWN_SUPPLY,
     PARALLEL,
     SERIES,
-    Both,
-    Course,
-    Pair,
+    HeatDirection,
     PairAttempt,
+    PairConnection,
     PairInstant,
-    Setting,
+    PairSetting,
+    RunningPair,
+    accept_pair_step,
     attempt_both,
     course_of,
     error_ratio_of_both,
     instant_of_both,
     present,
     remember,
-    take_both,
 )
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
@@ -41,14 +41,24 @@ from musclewire.wire.stepping import (
     DURATION,
     MIN_STEP_S,
     STEPS,
-    Stepping,
+    StepControl,
     longest_step_s,
     next_step_s,
     plan_of,
     shorter_step_s,
 )
 
-__all__ = ["APART", "OWN_SUPPLY", "PARALLEL", "SERIES", "Grip", "Pair", "PairMeans", "advance_pair", "no_grip"]
+__all__ = [
+    "APART",
+    "OWN_SUPPLY",
+    "PARALLEL",
+    "SERIES",
+    "GrippedObject",
+    "PairConnection",
+    "PairMeans",
+    "advance_pair",
+    "no_grip",
+]
 
 
 class PairMeans(NamedTuple):
@@ -81,7 +91,7 @@ class PairMeans(NamedTuple):
     grip_n: float
 
 
-class Shown(NamedTuple):
+class AveragedQuantities(NamedTuple):
     """What is averaged over a sample, at one moment: of the circuit, of both connectors and wires, of the object."""
 
     terminals_v: float
@@ -94,7 +104,7 @@ class Shown(NamedTuple):
 
 
 @compiled_inline
-def shown(wires: Both, setting: Setting, instant: PairInstant) -> Shown:
+def shown(wires: RunningPair, setting: PairSetting, instant: PairInstant) -> AveragedQuantities:
     """Return what instruments would see at a moment."""
     one, two = wires.first.state, wires.second.state
     x_m = one.connector_contraction * wires.first.constants.leg_length_m
@@ -104,11 +114,11 @@ def shown(wires: Both, setting: Setting, instant: PairInstant) -> Shown:
         y_m = setting.pair.direction * x_m
     elif setting.grip.stiffness_n_per_m > 0.0:
         grip_n = grip_force_n(setting.grip, x_m, y_m)
-    return Shown(instant.terminals_v, instant.shunt_a, x_m, one.stress_pa, y_m, two.stress_pa, grip_n)
+    return AveragedQuantities(instant.terminals_v, instant.shunt_a, x_m, one.stress_pa, y_m, two.stress_pa, grip_n)
 
 
 @compiled_inline
-def add_both(sums: FloatArray, step_s: float, before: Shown, after: Shown) -> None:
+def add_both(sums: FloatArray, step_s: float, before: AveragedQuantities, after: AveragedQuantities) -> None:
     """Add a step to the sums of all means by the trapezoidal rule, in place."""
     sums[0] += step_s * (before.terminals_v + after.terminals_v)
     sums[1] += step_s * (before.shunt_a + after.shunt_a)
@@ -121,12 +131,17 @@ def add_both(sums: FloatArray, step_s: float, before: Shown, after: Shown) -> No
 
 @compiled_inline
 def move_both(
-    wires: Both, setting: Setting, course: Course, tried: PairAttempt, began: PairInstant, step_s: float
-) -> Shown:
+    wires: RunningPair,
+    setting: PairSetting,
+    course: HeatDirection,
+    tried: PairAttempt,
+    began: PairInstant,
+    step_s: float,
+) -> AveragedQuantities:
     """Move both wires by a step that was tried, with the slopes for the next one; return what is then seen."""
     one, two = wires.first.state, wires.second.state
     before, other_before = present(one), present(two)
-    take_both(wires, setting, tried, began, step_s)
+    accept_pair_step(wires, setting, tried, began, step_s)
     seen = shown(wires, setting, tried.ended)
     if setting.pair.direction != APART or seen.grip_n > 0.0:
         together_j = math.hypot(tried.first.heat_j, tried.second.heat_j)
@@ -139,7 +154,7 @@ def move_both(
 
 
 @compiled_inline
-def advance_both(wires: Both, setting: Setting, plan: FloatArray, sums: FloatArray) -> None:
+def advance_both(wires: RunningPair, setting: PairSetting, plan: FloatArray, sums: FloatArray) -> None:
     """Advance both wires in place by a duration, and add up what is averaged over it, (7,)."""
     one, two = wires.first.state, wires.second.state
     began = instant_of_both(wires, setting, present(one), present(two))
@@ -185,12 +200,14 @@ def advance_pair_rows(
     ``parts`` are the ``step_arrays`` of both wires' constants.
     """
     one, two = parts
-    wires = Both(
+    wires = RunningPair(
         RunningWire(states[0][0], one[0][0], one[1][0], one[2][0]),
         RunningWire(states[1][0], two[0][0], two[1][0], two[2][0]),
     )
     sums[:] = 0.0
-    advance_both(wires, Setting(drive_voltage_v, Pair(*pair_values), Grip(*grip_values)), plan, sums)
+    advance_both(
+        wires, PairSetting(drive_voltage_v, PairConnection(*pair_values), GrippedObject(*grip_values)), plan, sums
+    )
     sums *= 0.5 / plan[DURATION]
     sums[1] *= wires.first.constants.shunt_resistance_ohm
     sums[3] *= wires.first.constants.section_m2
@@ -200,11 +217,11 @@ def advance_pair_rows(
 def advance_pair(
     states: tuple[WireState, WireState],
     constants: tuple[WireConstants, WireConstants],
-    pair: Pair,
-    grip: Grip,
+    pair: PairConnection,
+    grip: GrippedObject,
     drive_voltage_v: float,
     duration_s: float,
-    stepping: Stepping = CHOSEN,
+    stepping: StepControl = CHOSEN,
 ) -> tuple[tuple[WireState, WireState], PairMeans]:
     """Return both wires after a time at one drive voltage, and the means over that time.
 

@@ -19,8 +19,8 @@ from musclewire.wire.prescribed import follow, resistance_of, total_strain
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
 from musclewire.wire.step import RunningWire
-from musclewire.wire.stepping import Stepping, require_resolved
-from musclewire.wire.wires import CHOSEN, Drive, advance_wire, plan_of
+from musclewire.wire.stepping import StepControl, require_resolved
+from musclewire.wire.wires import CHOSEN, SourceOutput, advance_wire, plan_of
 
 __all__ = ["DrivenPath", "IsobaricPath", "drive_path", "isobaric_path"]
 
@@ -66,7 +66,7 @@ def drive_rows(
     state = wire.state
     shown = np.empty((9, drive.shape[0]))
     for sample in range(drive.shape[0]):
-        means = advance_wire(wire, Drive(drive[sample], is_current), plan)
+        means = advance_wire(wire, SourceOutput(drive[sample], is_current), plan)
         shown[0, sample] = means[0]
         shown[1, sample] = means[1]
         shown[2, sample] = means[2]
@@ -84,7 +84,7 @@ def drive_path(
     drive: FloatArray,
     *,
     sample_s: float,
-    stepping: Stepping = CHOSEN,
+    stepping: StepControl = CHOSEN,
     state: WireState | None = None,
     regulated_current: bool = False,
 ) -> tuple[DrivenPath, WireState]:

@@ -7,14 +7,14 @@ import math
 from musclewire.compiled import compiled
 from musclewire.wire.balance import resistance_at, strain_at
 from musclewire.wire.constants import StepConstants
-from musclewire.wire.fronts import Shakedown, shakedown_of
+from musclewire.wire.fronts import ShakedownEffects, shakedown_of
 from musclewire.wire.step import RunningWire, phases_at
 
 __all__ = ["cool_from_hot", "follow", "resistance_of", "total_strain"]
 
 
 @compiled
-def follow(wire: RunningWire, shakedown: Shakedown, temperature_k: float, stress_pa: float) -> None:
+def follow(wire: RunningWire, shakedown: ShakedownEffects, temperature_k: float, stress_pa: float) -> None:
     """Apply a temperature and a stress to the phases of a wire, in place.
 
     Parameters

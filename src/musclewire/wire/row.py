@@ -105,7 +105,7 @@ class Row:
         return cls(np.zeros(layout.itemsize // np.dtype(np.float64).itemsize), layout)
 
     @classmethod
-    def of(cls, classes: int, **values: object) -> Self:
+    def from_values(cls, classes: int, **values: object) -> Self:
         """Return a row of these values. Raises CallerError if a field is missing or unknown."""
         missing = [item.name for item in cls.fields if item.name not in values]
         if missing:

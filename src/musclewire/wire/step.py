@@ -11,17 +11,17 @@ from typing import NamedTuple
 
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.wire.balance import (
+    BalancedWire,
+    ConnectorForce,
     LoadPoint,
-    Push,
-    Settled,
-    Trial,
+    TrialPoint,
     balance_at,
     contraction_of,
     settled,
     strain_at,
 )
 from musclewire.wire.constants import StepConstants
-from musclewire.wire.fronts import Phases, Shakedown, cumulative_at, fronts_after, phases_of_class
+from musclewire.wire.fronts import PhaseFractions, ShakedownEffects, cumulative_at, fronts_after, phases_of_class
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
 
@@ -32,7 +32,7 @@ __all__ = [
     "SMALL_BEND_N",
     "SOLVED_K",
     "Equilibrium",
-    "Middle",
+    "HalfStepWire",
     "RunningWire",
     "accept",
     "equilibrium_of",
@@ -60,7 +60,7 @@ SMALL_BEND_N = 1e-6
 HELD_N = 1e-9
 # Heat below this is rounding.
 NO_HEAT_J = 1e-12
-NO_PUSH = Push(0.0, 0.0, 0.0)
+NO_PUSH = ConnectorForce(0.0, 0.0, 0.0)
 
 
 class RunningWire(NamedTuple):
@@ -90,7 +90,7 @@ class Equilibrium(NamedTuple):
         Whether they are met.
     """
 
-    wire: Settled
+    wire: BalancedWire
     temperature_slope_k_per_j: float
     stress_slope_pa_per_j: float
     contraction_slope_per_j: float
@@ -136,7 +136,7 @@ def friction_at(
 
 @compiled_inline
 def load_at(
-    constants: StepConstants, load: Rows, contraction: float, before: tuple[float, float], push: Push
+    constants: StepConstants, load: Rows, contraction: float, before: tuple[float, float], push: ConnectorForce
 ) -> LoadPoint:
     """Return the load's force at a contraction: pretension, spring, table, push, and friction after the motion there.
 
@@ -184,18 +184,18 @@ def load_at(
 
 
 @compiled_inline
-def phases_at(wire: RunningWire, shakedown: Shakedown, temperature_k: float, stress_pa: float) -> Phases:
+def phases_at(wire: RunningWire, shakedown: ShakedownEffects, temperature_k: float, stress_pa: float) -> PhaseFractions:
     """Return the volume fractions at a trial point, from the fronts before; those after go to ``front_trial``."""
     state, k = wire.state, wire.constants
     trial = state.front_trial
-    whole = Phases(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    whole = PhaseFractions(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for row in range(state.front_austenite.shape[0]):
         before = (state.front_austenite[row], state.front_martensite[row])
         after = fronts_after(k, temperature_k, stress_pa, shakedown.barrier_factor, k.class_barrier_k[row], before)
         martensite = cumulative_at(k, wire.cells, row, after.martensite)
         austenite = cumulative_at(k, wire.cells, row, after.austenite)
         part = phases_of_class(k.class_weight[row], after, martensite, austenite)
-        whole = Phases(
+        whole = PhaseFractions(
             whole.martensite + part.martensite,
             whole.r_phase + part.r_phase,
             whole.martensite_per_k + part.martensite_per_k,
@@ -214,8 +214,13 @@ def phases_at(wire: RunningWire, shakedown: Shakedown, temperature_k: float, str
 
 @compiled_inline
 def trial_at(
-    wire: RunningWire, shakedown: Shakedown, push: Push, temperature_k: float, stress_pa: float, enthalpy_j: float
-) -> Trial:
+    wire: RunningWire,
+    shakedown: ShakedownEffects,
+    push: ConnectorForce,
+    temperature_k: float,
+    stress_pa: float,
+    enthalpy_j: float,
+) -> TrialPoint:
     """Return both balances at a trial temperature and stress."""
     state, k = wire.state, wire.constants
     phases = phases_at(wire, shakedown, temperature_k, stress_pa)
@@ -223,11 +228,11 @@ def trial_at(
     before = (state.connector_contraction, state.friction_n)
     load = load_at(k, wire.load, contraction_of(k, shakedown, strain), before, push)
     balance = balance_at(k, shakedown, phases, strain, load, (temperature_k, stress_pa, enthalpy_j))
-    return Trial(phases, strain, load, balance)
+    return TrialPoint(phases, strain, load, balance)
 
 
 @compiled_inline
-def bend_n(wire: RunningWire, point: Trial, push: Push, moved: float) -> float:
+def bend_n(wire: RunningWire, point: TrialPoint, push: ConnectorForce, moved: float) -> float:
     """Return how far the load after a motion is from its straight continuation [N]: 0 for a spring without friction."""
     state, k = wire.state, wire.constants
     if wire.load.table.shape[1] == 2 and k.friction_n == 0.0:
@@ -239,7 +244,7 @@ def bend_n(wire: RunningWire, point: Trial, push: Push, moved: float) -> float:
 
 @compiled_inline
 def solve(
-    wire: RunningWire, shakedown: Shakedown, enthalpy_j: float, guess: tuple[float, float], push: Push
+    wire: RunningWire, shakedown: ShakedownEffects, enthalpy_j: float, guess: tuple[float, float], push: ConnectorForce
 ) -> Equilibrium:
     """Return temperature and stress of a wire at an enthalpy, in balance with its load.
 
@@ -310,7 +315,7 @@ def solve(
 
 
 @compiled_inline
-def stress_balanced(constants: StepConstants, point: Trial, stress_pa: float, bracket_pa: float) -> bool:
+def stress_balanced(constants: StepConstants, point: TrialPoint, stress_pa: float, bracket_pa: float) -> bool:
     """Return whether the force is balanced at the trial's temperature, or the wire is slack."""
     only_pa = point.balance.excess_pa / point.balance.excess_per_pa
     if abs(only_pa) * constants.martensite_k_per_pa < 0.1 * SOLVED_K or bracket_pa < 1.0:
@@ -319,7 +324,7 @@ def stress_balanced(constants: StepConstants, point: Trial, stress_pa: float, br
 
 
 @compiled_inline
-def next_stress_pa(point: Trial, stress_pa: float, low_pa: float, high_pa: float) -> float:
+def next_stress_pa(point: TrialPoint, stress_pa: float, low_pa: float, high_pa: float) -> float:
     """Return the next trial stress [Pa] at constant temperature, within its bracket."""
     new_pa = stress_pa - point.balance.excess_pa / point.balance.excess_per_pa
     if point.balance.excess_per_pa > 0.0 and low_pa < new_pa < high_pa:
@@ -331,7 +336,7 @@ def next_stress_pa(point: Trial, stress_pa: float, low_pa: float, high_pa: float
 
 @compiled_inline
 def next_temperature_k(
-    constants: StepConstants, point: Trial, temperature_k: float, bracket_k: tuple[float, float], evaluations: int
+    constants: StepConstants, point: TrialPoint, temperature_k: float, bracket_k: tuple[float, float], evaluations: int
 ) -> float:
     """Return the next trial temperature [K] by the equation reduced to it, within its bracket."""
     balance = point.balance
@@ -347,7 +352,7 @@ def next_temperature_k(
 
 
 @compiled_inline
-def equilibrium_of(point: Trial, after: Settled, evaluations: int, solved: bool) -> Equilibrium:
+def equilibrium_of(point: TrialPoint, after: BalancedWire, evaluations: int, solved: bool) -> Equilibrium:
     """Return a solution with its slopes over heat; a slack wire has those of temperature alone."""
     balance = point.balance
     taut = after.stress_pa > 0.0
@@ -365,7 +370,7 @@ def equilibrium_of(point: Trial, after: Settled, evaluations: int, solved: bool)
     )
 
 
-class Middle(NamedTuple):
+class HalfStepWire(NamedTuple):
     """Wire half a step ahead, by the slopes over heat of the last step.
 
     Parameters
@@ -383,7 +388,7 @@ class Middle(NamedTuple):
 
 
 @compiled_inline
-def middle_of_step(state: WireState, constants: StepConstants, half_heat_j: float) -> Middle:
+def middle_of_step(state: WireState, constants: StepConstants, half_heat_j: float) -> HalfStepWire:
     """Return a wire half a step ahead, after half of the step's heat at the rate of its start.
 
     After a change from heating to cooling or back no phase changes at first: the slopes are those of the capacity
@@ -393,7 +398,7 @@ def middle_of_step(state: WireState, constants: StepConstants, half_heat_j: floa
     temperature_slope = constants.per_capacity_k_per_j if turned else state.temperature_slope_k_per_j
     stress_slope = 0.0 if turned else state.stress_slope_pa_per_j
     resistance_slope = 0.0 if turned else state.resistance_slope_ohm_per_j
-    return Middle(
+    return HalfStepWire(
         state.temperature_k + temperature_slope * half_heat_j,
         state.resistance_ohm + resistance_slope * half_heat_j,
         temperature_slope,
@@ -402,7 +407,7 @@ def middle_of_step(state: WireState, constants: StepConstants, half_heat_j: floa
 
 
 @compiled_inline
-def guess_after(state: WireState, middle: Middle, heat_j: float) -> tuple[float, float]:
+def guess_after(state: WireState, middle: HalfStepWire, heat_j: float) -> tuple[float, float]:
     """Return temperature [K] and stress [Pa] after a step's heat, by the slopes of the step before."""
     return (
         state.temperature_k + middle.temperature_slope_k_per_j * heat_j,
@@ -411,7 +416,7 @@ def guess_after(state: WireState, middle: Middle, heat_j: float) -> tuple[float,
 
 
 @compiled_inline
-def accept(wire: RunningWire, found: Equilibrium, heat_j: float, push: Push) -> None:
+def accept(wire: RunningWire, found: Equilibrium, heat_j: float, push: ConnectorForce) -> None:
     """Move a wire to a solution: its state, its fronts, and the slopes for the next step."""
     state, after = wire.state, found.wire
     for row in range(state.front_austenite.shape[0]):
@@ -442,7 +447,7 @@ def accept(wire: RunningWire, found: Equilibrium, heat_j: float, push: Push) -> 
 
 
 @compiled_inline
-def connector_after(wire: RunningWire, found: Equilibrium, push: Push) -> tuple[float, float]:
+def connector_after(wire: RunningWire, found: Equilibrium, push: ConnectorForce) -> tuple[float, float]:
     """Return the connector's contraction and the friction [N] of a solution that the wire has not moved to yet."""
     after = found.wire
     if after.stress_pa > 0.0 or after.contraction >= wire.state.connector_contraction:
@@ -451,7 +456,7 @@ def connector_after(wire: RunningWire, found: Equilibrium, push: Push) -> tuple[
 
 
 @compiled
-def slid_connector(wire: RunningWire, contraction: float, push: Push) -> tuple[float, float]:
+def slid_connector(wire: RunningWire, contraction: float, push: ConnectorForce) -> tuple[float, float]:
     """Return how far the connector of a slack wire follows it, as far as the load overcomes the friction, and that [N].
 
     Without friction nothing holds the connector, and it follows the wire.

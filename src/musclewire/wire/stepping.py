@@ -25,10 +25,10 @@ __all__ = [
     "STEPS",
     "STRAIN",
     "TEMPERATURE",
-    "Attempt",
-    "Drive",
-    "Instant",
-    "Stepping",
+    "StepAttempt",
+    "SourceOutput",
+    "WireInstant",
+    "StepControl",
     "circuit_at",
     "are_resolved",
     "error_ratio",
@@ -58,7 +58,7 @@ MIN_STEP_S = 1e-5
 MAX_STEP_ERROR_K = 2.0
 
 
-class Stepping(NamedTuple):
+class StepControl(NamedTuple):
     """How a sample is divided into steps.
 
     By default steps are chosen: a sample is one step, and is split where the estimated error of a step in temperature,
@@ -82,7 +82,7 @@ class Stepping(NamedTuple):
     strain: float = 1e-5
 
 
-def fixed_steps(step_s: float) -> Stepping:
+def fixed_steps(step_s: float) -> StepControl:
     """Return steps of one length.
 
     Parameters
@@ -101,10 +101,10 @@ def fixed_steps(step_s: float) -> Stepping:
     """
     if not 0.0 < step_s < math.inf:
         raise CallerError(f"a step of {step_s} s cannot be: give a positive number of seconds")
-    return Stepping(fixed_s=step_s)
+    return StepControl(fixed_s=step_s)
 
 
-def steps_within(stepping: Stepping, duration_s: float) -> int:
+def steps_within(stepping: StepControl, duration_s: float) -> int:
     """Return how many fixed steps a duration has, 0 for chosen ones.
 
     Parameters
@@ -135,17 +135,17 @@ def steps_within(stepping: Stepping, duration_s: float) -> int:
     return round(ratio)
 
 
-CHOSEN = Stepping()
+CHOSEN = StepControl()
 
 
-class Drive(NamedTuple):
+class SourceOutput(NamedTuple):
     """What the source holds: a voltage [V], or a current [A]."""
 
     value: float
     is_current: bool
 
 
-class Instant(NamedTuple):
+class WireInstant(NamedTuple):
     """A wire in its circuit and in the air at one moment: current [A], electrical power and heat loss [W]."""
 
     current_a: float
@@ -153,7 +153,7 @@ class Instant(NamedTuple):
     loss_w: float
 
 
-class Attempt(NamedTuple):
+class StepAttempt(NamedTuple):
     """A step that was tried.
 
     Parameters
@@ -171,8 +171,8 @@ class Attempt(NamedTuple):
     """
 
     found: Equilibrium
-    within: Instant
-    ended: Instant
+    within: WireInstant
+    ended: WireInstant
     heat_j: float
     owed_j: float
     error_k: float
@@ -180,30 +180,36 @@ class Attempt(NamedTuple):
 
 @compiled_inline
 def circuit_at(
-    constants: StepConstants, drive: Drive, resistance_ohm: float, temperature_k: float, coefficient_w_per_m2_k: float
-) -> Instant:
+    constants: StepConstants,
+    drive: SourceOutput,
+    resistance_ohm: float,
+    temperature_k: float,
+    coefficient_w_per_m2_k: float,
+) -> WireInstant:
     """Return current, power and loss of a wire: the source drives wire, shunt and leads in series."""
     current_a = drive.value if drive.is_current else drive.value / (resistance_ohm + constants.series_resistance_ohm)
     loss = loss_w(constants, coefficient_w_per_m2_k, temperature_k)
-    return Instant(current_a, current_a * current_a * resistance_ohm, loss)
+    return WireInstant(current_a, current_a * current_a * resistance_ohm, loss)
 
 
 @compiled_inline
-def instant_of(constants: StepConstants, drive: Drive, resistance_ohm: float, temperature_k: float) -> Instant:
+def instant_of(
+    constants: StepConstants, drive: SourceOutput, resistance_ohm: float, temperature_k: float
+) -> WireInstant:
     """Return current, power and loss of a wire, with the air's coefficient from the wire's table."""
     coefficient = convection_w_per_m2_k(constants, constants, temperature_k)
     return circuit_at(constants, drive, resistance_ohm, temperature_k, coefficient)
 
 
 @compiled_inline
-def owed_j(started: Instant, within: Instant, ended: Instant, step_s: float) -> float:
+def owed_j(started: WireInstant, within: WireInstant, ended: WireInstant, step_s: float) -> float:
     """Return the heat of a step by the trapezoidal rule less that by its middle [J]."""
     both_w = 0.5 * (started.power_w - started.loss_w + ended.power_w - ended.loss_w)
     return (both_w - (within.power_w - within.loss_w)) * step_s
 
 
 @compiled_inline
-def error_ratio(state: WireState, tried: Attempt, started: Instant, step_s: float, plan: FloatArray) -> float:
+def error_ratio(state: WireState, tried: StepAttempt, started: WireInstant, step_s: float, plan: FloatArray) -> float:
     """Return the largest error of a step over its tolerance: of temperature, resistance and strain.
 
     Resistance and contraction are also shown as means over a sample: how far the mean of both ends may be from the
@@ -246,7 +252,7 @@ def next_step_s(step_s: float, ratio: float) -> float:
 
 
 @lru_cache(maxsize=64)
-def plan_of(stepping: Stepping, duration_s: float) -> FloatArray:
+def plan_of(stepping: StepControl, duration_s: float) -> FloatArray:
     """Return a stepping over a duration as compiled code takes it, (5,): duration [s], fixed steps, tolerances.
 
     Raises CallerError for a duration that is not positive or that fixed steps do not divide.
@@ -272,7 +278,7 @@ def are_resolved(states: Rows) -> bool:
     return True
 
 
-def require_resolved(after: WireState, stepping: Stepping, sample_s: float, before: WireState | None = None) -> None:
+def require_resolved(after: WireState, stepping: StepControl, sample_s: float, before: WireState | None = None) -> None:
     """Raise NumericsError if steps up to a state were not solved, or too long for what happened in them.
 
     Parameters

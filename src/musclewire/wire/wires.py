@@ -15,7 +15,7 @@ from musclewire.compiled import compiled, compiled_inline
 from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.fronts import shakedown_of
-from musclewire.wire.pairs import APART, Grip, Pair, advance_pair
+from musclewire.wire.pairs import APART, GrippedObject, PairConnection, advance_pair
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
 from musclewire.wire.step import NO_PUSH, RunningWire, accept, guess_after, middle_of_step, solve
@@ -24,10 +24,10 @@ from musclewire.wire.stepping import (
     DURATION,
     MIN_STEP_S,
     STEPS,
-    Attempt,
-    Drive,
-    Instant,
-    Stepping,
+    SourceOutput,
+    StepAttempt,
+    StepControl,
+    WireInstant,
     are_resolved,
     circuit_at,
     error_ratio,
@@ -42,13 +42,13 @@ from musclewire.wire.stepping import (
 
 __all__ = [
     "CHOSEN",
-    "Drive",
-    "Instant",
+    "SourceOutput",
+    "WireInstant",
     "WireMeans",
     "attempt",
     "circuit_at",
     "owed_j",
-    "take",
+    "accept_step",
     "advance",
     "advance_rows",
     "advance_wire",
@@ -86,7 +86,7 @@ def advance(
     constants: WireConstants,
     drive_voltage_v: float,
     duration_s: float,
-    stepping: Stepping = CHOSEN,
+    stepping: StepControl = CHOSEN,
 ) -> tuple[WireState, WireMeans]:
     """Return the state after a time at one drive voltage, and the means over that time.
 
@@ -128,7 +128,7 @@ def advance(
 
 
 @compiled_inline
-def attempt(wire: RunningWire, drive: Drive, started: Instant, step_s: float) -> Attempt:
+def attempt(wire: RunningWire, drive: SourceOutput, started: WireInstant, step_s: float) -> StepAttempt:
     """Return a step of a wire; the wire itself does not move yet.
 
     Power and loss in the middle of the step give its heat. The trapezoidal rule with the end as found would give a
@@ -143,11 +143,11 @@ def attempt(wire: RunningWire, drive: Drive, started: Instant, step_s: float) ->
     ended = instant_of(k, drive, found.wire.resistance_ohm, found.wire.temperature_k)
     owes_j = owed_j(started, within, ended, step_s)
     slope = max(found.temperature_slope_k_per_j, middle.temperature_slope_k_per_j)
-    return Attempt(found, within, ended, heat_j, owes_j, abs(owes_j) * slope)
+    return StepAttempt(found, within, ended, heat_j, owes_j, abs(owes_j) * slope)
 
 
 @compiled_inline
-def take(wire: RunningWire, tried: Attempt, started: Instant, step_s: float) -> None:
+def accept_step(wire: RunningWire, tried: StepAttempt, started: WireInstant, step_s: float) -> None:
     """Move a wire by a step that was tried, in place."""
     state = wire.state
     accept(wire, tried.found, tried.heat_j, NO_PUSH)
@@ -158,7 +158,7 @@ def take(wire: RunningWire, tried: Attempt, started: Instant, step_s: float) -> 
 
 
 @compiled_inline
-def advance_wire(wire: RunningWire, drive: Drive, plan: FloatArray) -> tuple[float, float, float, float]:
+def advance_wire(wire: RunningWire, drive: SourceOutput, plan: FloatArray) -> tuple[float, float, float, float]:
     """Advance a wire in place by a duration; return the means of :func:`advance`."""
     state, k = wire.state, wire.constants
     started = instant_of(k, drive, state.resistance_ohm, state.temperature_k)
@@ -178,7 +178,7 @@ def advance_wire(wire: RunningWire, drive: Drive, plan: FloatArray) -> tuple[flo
                 continue
             state.step_s = next_step_s(step_s, ratio)
         resistance_ohm, connector, stress_pa = state.resistance_ohm, state.connector_contraction, state.stress_pa
-        take(wire, tried, started, step_s)
+        accept_step(wire, tried, started, step_s)
         # The trapezoidal rule for all four alike: otherwise strain would be late or early compared with resistance.
         ended = tried.ended
         voltage_sum += step_s * (started.current_a * resistance_ohm + ended.current_a * state.resistance_ohm)
@@ -210,7 +210,9 @@ def advance_rows(
     plan: FloatArray,
 ) -> tuple[float, float, float, float]:
     """Advance a wire in place, arrays of one record, (1,); return the means of :func:`advance`."""
-    return advance_wire(RunningWire(states[0], constants[0], cells[0], load[0]), Drive(drive_voltage_v, False), plan)
+    return advance_wire(
+        RunningWire(states[0], constants[0], cells[0], load[0]), SourceOutput(drive_voltage_v, False), plan
+    )
 
 
 class SampleMeans(NamedTuple):
@@ -254,7 +256,7 @@ class SimulatedWires(Protocol):
         """Largest estimated error of a step in temperature since the wires were at rest [K]."""
         ...
 
-    def advance(self, drive_voltage_v: float, duration_s: float, stepping: Stepping) -> SampleMeans:
+    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> SampleMeans:
         """Advance by one sample at one drive voltage.
 
         Parameters
@@ -353,7 +355,7 @@ class OneWire:
         """Largest estimated error of a step in temperature since the wire was at rest [K]."""
         return float(self._state.step_error_k)
 
-    def advance(self, drive_voltage_v: float, duration_s: float, stepping: Stepping) -> SampleMeans:
+    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> SampleMeans:
         """Advance by one sample at one drive voltage."""
         if self._handed_out:
             self._state, self._handed_out = self._state.copy(), False
@@ -362,7 +364,7 @@ class OneWire:
         means = advance_rows(self._state.row, self._derived, self._cells, self._load, drive_voltage_v, plan)
         return SampleMeans(*means)
 
-    def take(self, states: Rows, constants: Rows) -> None:
+    def adopt_compiled_state(self, states: Rows, constants: Rows) -> None:
         """Take the state that samples in compiled code have left behind, (1,), and the constants in the air then."""
         numbers: FloatArray = states.view(np.float64)
         self._state, self._handed_out, self._derived = WireState(numbers, states.dtype), False, constants
@@ -389,7 +391,9 @@ class OneWire:
 class TwoWires:
     """Two coupled wires; the load and the circuit are the first one's."""
 
-    def __init__(self, constants: tuple[WireConstants, WireConstants], pair: Pair, grip: Grip) -> None:
+    def __init__(
+        self, constants: tuple[WireConstants, WireConstants], pair: PairConnection, grip: GrippedObject
+    ) -> None:
         """Cool both wires under their pretension."""
         self._both = constants
         self._states = (resting_state(constants[0]), resting_state(constants[1]))
@@ -424,7 +428,7 @@ class TwoWires:
         """The larger of both errors [K]."""
         return max(state.step_error_k for state in self._states)
 
-    def advance(self, drive_voltage_v: float, duration_s: float, stepping: Stepping) -> SampleMeans:
+    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> SampleMeans:
         """Advance by one sample at one drive voltage."""
         self._last = (stepping, duration_s)
         self._states, means = advance_pair(

@@ -25,8 +25,8 @@ from musclewire.controllers.protection import (
     rested,
     tripped_by,
 )
-from musclewire.controllers.protection.protect import CONDITION_EVENTS, Conditions, after
-from musclewire.controllers.protection.table import Drive, Effect
+from musclewire.controllers.protection.protect import CONDITION_EVENTS, LastingConditions, state_after
+from musclewire.controllers.protection.table import AllowedDrive, Effect
 
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.3,
@@ -48,7 +48,7 @@ LIMITS = ProtectionLimits(
 )
 SOUND = (32.0 / 17.0, 2.0 / 17.0)
 TABLE = protection_table()
-OFF = tuple(state for state in State if TABLE.output_drives[state] is Drive.NONE)
+OFF = tuple(state for state in State if TABLE.output_drives[state] is AllowedDrive.NONE)
 ON = tuple(state for state in State if state not in OFF)
 
 # How each state comes about by the public functions alone.
@@ -97,7 +97,7 @@ def test_each_function_leads_where_the_table_says(state: State, signal: Signal) 
 @pytest.mark.parametrize("state", State, ids=lambda state: state.name)
 def test_arming_leads_from_everywhere_to_armed_and_forgets_all_but_the_warmth(state: State) -> None:
     before = REACHED[state]._replace(temperature_k=350.0, settled_ohm=16.0)
-    found = after(before, Signal.ARM, TABLE, drive_voltage_v=LIMITS.sense_voltage_v)
+    found = state_after(before, Signal.ARM, TABLE, drive_voltage_v=LIMITS.sense_voltage_v)
     assert found == armed(LIMITS)._replace(temperature_k=350.0)
 
 
@@ -131,7 +131,7 @@ def test_the_first_cause_stays() -> None:
 
 
 def test_what_is_missing_never_puts_out_more_than_before() -> None:
-    more = {Drive.NONE: 0, Drive.SENSE: 1, Drive.COMMANDED: 2}
+    more = {AllowedDrive.NONE: 0, AllowedDrive.SENSE: 1, AllowedDrive.COMMANDED: 2}
     for state in State:
         for signal in (Signal.MISSING, Signal.MISSING_LONG, Signal.MISSING_TOO_LONG, Signal.REST):
             following = TABLE.transitions[state][signal].state
@@ -179,7 +179,7 @@ def test_an_event_seen_elsewhere_does_what_the_table_says(event: Event) -> None:
 
 
 def test_conditions_are_named_by_their_events_and_only_they_have_a_time() -> None:
-    assert [event.name.lower() for event in CONDITION_EVENTS] == list(Conditions._fields)
+    assert [event.name.lower() for event in CONDITION_EVENTS] == list(LastingConditions._fields)
     assert all(Event[row.name.upper()] in CONDITION_EVENTS for row in TABLE.event if row.lasts_s > 0.0)
 
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.extras.design.drawing import Circle, Drawing, Vertex, ring_area_m2, svg_text
+from musclewire.extras.design.drawing import Drawing, DrawnHole, OutlineVertex, ring_area_m2, svg_text
 from musclewire.extras.design.serpentine.geometry import SerpentineGeometry
 from musclewire.extras.design.serpentine.outline import CORNER_M, serpentine_drawing
 
@@ -18,7 +18,7 @@ GEOMETRY = SerpentineGeometry(4, 11.72e-3, 3.26e-3, 1.01e-3, 10e-3, 0.25e-3)
 
 
 def test_two_half_circles_make_a_circle() -> None:
-    ring = [Vertex(-1.0, 0.0, 1.0), Vertex(1.0, 0.0, 1.0)]
+    ring = [OutlineVertex(-1.0, 0.0, 1.0), OutlineVertex(1.0, 0.0, 1.0)]
     assert ring_area_m2(ring) == pytest.approx(math.pi)
     assert ring_area_m2([vertex._replace(bulge=-1.0) for vertex in ring]) == pytest.approx(-math.pi)
 
@@ -53,7 +53,9 @@ def test_holes_are_inside_pad_and_connector() -> None:
 
 def test_the_svg_is_one_to_one_in_millimetres_and_closed() -> None:
     drawing = Drawing(
-        (Vertex(0, 0), Vertex(0.03, 0), Vertex(0.03, 0.02), Vertex(0, 0.02)), (Circle(0.01, 0.01, 4e-3),), "a & b"
+        (OutlineVertex(0, 0), OutlineVertex(0.03, 0), OutlineVertex(0.03, 0.02), OutlineVertex(0, 0.02)),
+        (DrawnHole(0.01, 0.01, 4e-3),),
+        "a & b",
     )
     root = ElementTree.fromstring(svg_text(drawing))
     assert (root.get("width"), root.get("height")) == ("34.000mm", "24.000mm")

@@ -20,7 +20,7 @@ from musclewire.extras.design.serpentine.closed_form import (
     stiffness_n_per_m,
     width_parameter,
 )
-from musclewire.extras.design.serpentine.geometry import Arc, SerpentineGeometry, Straight
+from musclewire.extras.design.serpentine.geometry import CentreLineArc, CentreLineStraight, SerpentineGeometry
 from musclewire.extras.design.serpentine.strip import MESHES, ForceCurve, force_curve, linear_answer
 from musclewire.parameters.materials import load_material
 
@@ -31,7 +31,7 @@ POM = load_material("pom")
 def serpentine(
     beams: int = 6, half: float = 11e-3, pitch: float = 4e-3, thickness: float = 0.4e-3
 ) -> SerpentineGeometry:
-    return SerpentineGeometry.of(beams, half, pitch, thickness, 10e-3)
+    return SerpentineGeometry.with_corner_fraction(beams, half, pitch, thickness, 10e-3)
 
 
 def frame(geometry: SerpentineGeometry, *, guided: bool = False, leads: bool = True) -> float:
@@ -173,7 +173,7 @@ def test_a_stretched_serpentine_grows_stiffer() -> None:
 def test_the_centre_line_goes_on_without_a_break_and_turns_as_often_to_both_sides(geometry: SerpentineGeometry) -> None:
     place, turned = (0.0, geometry.fittings.pad_height_m), 0.0
     for piece in geometry.centre_line():
-        if isinstance(piece, Straight):
+        if isinstance(piece, CentreLineStraight):
             assert math.dist(place, piece.start_m) < 1e-12
             place = piece.end_m
         else:
@@ -184,7 +184,7 @@ def test_the_centre_line_goes_on_without_a_break_and_turns_as_often_to_both_side
     assert turned == pytest.approx(0.0, abs=1e-9)
 
 
-def on(arc: Arc, angle: float) -> tuple[float, float]:
+def on(arc: CentreLineArc, angle: float) -> tuple[float, float]:
     x, y = arc.centre_m
     return x + arc.radius_m * math.cos(angle), y + arc.radius_m * math.sin(angle)
 

@@ -7,12 +7,12 @@ from functools import cache
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.extras.design.serpentine.analysis import DesignCheck, Duty, PretensionerDesign, analyse
-from musclewire.extras.design.serpentine.geometry import Envelope, SerpentineGeometry
+from musclewire.extras.design.serpentine.analysis import DesignCheck, PretensionerDesign, PretensionerDuty, analyse
+from musclewire.extras.design.serpentine.geometry import AvailableRoom, SerpentineGeometry
 from musclewire.extras.design.serpentine.sizing import PretensionerRequest, design_pretensioner
 from musclewire.parameters.materials import load_material
 
-PAPER = Envelope(24.6e-3, 27.6e-3, 10e-3)
+PAPER = AvailableRoom(24.6e-3, 27.6e-3, 10e-3)
 # Lan and Fan 2010, sections 4.1 and 4.3: pretensioner and finger, pretension; a leg of 35 mm contracts by 3 %.
 STIFFNESS, FINGER, PRETENSION, STROKE = 386.2, 1084.4, 0.71, 1.05e-3
 
@@ -20,11 +20,11 @@ STIFFNESS, FINGER, PRETENSION, STROKE = 386.2, 1084.4, 0.71, 1.05e-3
 def request(
     stiffness: float = STIFFNESS,
     material: str = "pom",
-    envelope: Envelope = PAPER,
+    envelope: AvailableRoom = PAPER,
     process: str | None = None,
-    duty: Duty | None = None,
+    duty: PretensionerDuty | None = None,
 ) -> PretensionerRequest:
-    usual = Duty(PRETENSION, STROKE, None, FINGER)
+    usual = PretensionerDuty(PRETENSION, STROKE, None, FINGER)
     return PretensionerRequest(stiffness, duty or usual, load_material(material), envelope, process)
 
 
@@ -80,35 +80,35 @@ def test_weighed_by_its_length() -> None:
 
 IMPOSSIBLE = {
     "far too stiff": (
-        request(1e6, duty=Duty(PRETENSION, STROKE)),
+        request(1e6, duty=PretensionerDuty(PRETENSION, STROKE)),
         ("stiffness out of reach", "N/m less than the 1e+06 N/m requested"),
     ),
     "far too soft": (
-        request(0.01, duty=Duty(0.001)),
+        request(0.01, duty=PretensionerDuty(0.001)),
         ("too thin to make", "mm below the 1 mm that 'laser-cut' makes"),
     ),
     "too much travel": (
-        request(duty=Duty(PRETENSION, travel_m=32e-3)),
+        request(duty=PretensionerDuty(PRETENSION, travel_m=32e-3)),
         ("too much stress", "at a travel of 32.00 mm", "MPa above the 32.5 MPa", "yield 65 MPa"),
     ),
     "a little too much travel": (
-        request(duty=Duty(PRETENSION, travel_m=9.6e-3)),
+        request(duty=PretensionerDuty(PRETENSION, travel_m=9.6e-3)),
         ("largest stress at the whole travel is 3", "MPa beyond 32.5 MPa"),
     ),
-    "too narrow": (request(envelope=Envelope(5e-3, 27.6e-3, 10e-3)), ("12.00 mm across the wire, 7.00 mm more",)),
-    "too short": (request(envelope=Envelope(24.6e-3, 12e-3, 10e-3)), ("16.00 mm along the wire, 4.00 mm more",)),
+    "too narrow": (request(envelope=AvailableRoom(5e-3, 27.6e-3, 10e-3)), ("12.00 mm across the wire, 7.00 mm more",)),
+    "too short": (request(envelope=AvailableRoom(24.6e-3, 12e-3, 10e-3)), ("16.00 mm along the wire, 4.00 mm more",)),
     "too little travel for the pretension": (
-        request(duty=Duty(PRETENSION, travel_m=1e-3)),
+        request(duty=PretensionerDuty(PRETENSION, travel_m=1e-3)),
         ("0.386 N at a travel of 1 mm", "0.324 N less than the pretension of 0.71 N"),
     ),
     "stiffer than the finger": (
-        request(duty=Duty(PRETENSION, STROKE, None, 300.0)),
+        request(duty=PretensionerDuty(PRETENSION, STROKE, None, 300.0)),
         ("no softer than the finger of 300.0 N/m", "86.2 N/m too stiff", "56 % of the contraction force"),
     ),
-    "no duty": (request(duty=Duty()), ("give the pretensioner's duty",)),
+    "no duty": (request(duty=PretensionerDuty()), ("give the pretensioner's duty",)),
     "no stiffness": (request(0.0), ("must be above 0",)),
     "an unknown process": (request(process="forge"), ("pom is not made by 'forge'",)),
-    "a flat envelope": (request(envelope=Envelope(24.6e-3, 27.6e-3, 0.0)), ("three sizes above 0",)),
+    "a flat envelope": (request(envelope=AvailableRoom(24.6e-3, 27.6e-3, 0.0)), ("three sizes above 0",)),
 }
 
 
@@ -130,29 +130,29 @@ def test_what_cannot_be_is_one_line_with_the_limit_and_by_how_much(name: str) ->
 
 
 def test_a_given_serpentine_that_breaks_a_rule_says_which() -> None:
-    stiff = SerpentineGeometry.of(2, 6e-3, 4e-3, 1.5e-3, 10e-3)
-    found = analyse(stiff, load_material("pom"), None, Duty(PRETENSION, STROKE, None, FINGER), PAPER)
+    stiff = SerpentineGeometry.with_corner_fraction(2, 6e-3, 4e-3, 1.5e-3, 10e-3)
+    found = analyse(stiff, load_material("pom"), None, PretensionerDuty(PRETENSION, STROKE, None, FINGER), PAPER)
     assert not found.holds
     assert "softer than the finger" in [check.name for check in found.checks if not check.ok]
 
 
 @pytest.mark.slow
 def test_a_travel_beyond_what_the_strip_stretches_to_is_said() -> None:
-    small = SerpentineGeometry.of(2, 6e-3, 3e-3, 0.8e-3, 5e-3)
+    small = SerpentineGeometry.with_corner_fraction(2, 6e-3, 3e-3, 0.8e-3, 5e-3)
     with pytest.raises(CallerError, match=r"a travel of 60\.00 mm is too far: .* MPa above the permanent limit of pom"):
-        analyse(small, load_material("pom"), None, Duty(travel_m=60e-3))
+        analyse(small, load_material("pom"), None, PretensionerDuty(travel_m=60e-3))
 
 
 @pytest.mark.slow
 def test_gentler_corners_are_tried_where_the_usual_ones_have_too_much_stress() -> None:
     """8 mm of travel are too far with an inner radius of a quarter of the thickness, and not with half of it."""
-    found = design_pretensioner(request(duty=Duty(PRETENSION, travel_m=8e-3)))
+    found = design_pretensioner(request(duty=PretensionerDuty(PRETENSION, travel_m=8e-3)))
     assert found.holds
     assert found.geometry.corner_radius_m > 0.4 * found.geometry.thickness_m
 
 
 def test_without_a_duty_nothing_is_said_of_stress() -> None:
-    found = analyse(SerpentineGeometry.of(2, 6e-3, 4e-3, 1e-3, 5e-3), load_material("pom"))
+    found = analyse(SerpentineGeometry.with_corner_fraction(2, 6e-3, 4e-3, 1e-3, 5e-3), load_material("pom"))
     assert found.travel_m is None
     assert found.stress_pa is None
 
@@ -160,7 +160,7 @@ def test_without_a_duty_nothing_is_said_of_stress() -> None:
 @pytest.mark.parametrize("numbers", [{"pretension_n": -1.0}, {"travel_m": 0.0}, {"stroke_m": -1e-3}])
 def test_a_duty_that_cannot_be_is_refused(numbers: dict[str, float]) -> None:
     with pytest.raises(CallerError, match="must be"):
-        Duty(**numbers)
+        PretensionerDuty(**numbers)
 
 
 def test_a_check_holds_by_its_rule() -> None:

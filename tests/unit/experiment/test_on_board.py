@@ -10,7 +10,7 @@ from tests.unit.rigs.serial.board_in_memory import BoardInMemory, rig_on
 
 from musclewire.errors import CallerError
 from musclewire.experiment.run import Decision, run_on_rig
-from musclewire.extras.board.serial.frames import Frame
+from musclewire.extras.board.serial.frames import SerialFrame
 from musclewire.extras.board.serial.messages import MessageKind
 from musclewire.rigs.configuration import open_rig
 from musclewire.signals.exchange import Command, RawSample, Target
@@ -36,7 +36,7 @@ def test_the_file_is_made_before_the_board_is_armed_so_that_its_heater_does_not_
     there_when_armed = []
 
     class Watched(BoardInMemory):
-        def obey(self, frame: Frame) -> None:
+        def obey(self, frame: SerialFrame) -> None:
             if frame.kind == MessageKind.ARM:
                 there_when_armed.append(journal_of(path).exists())
             super().obey(frame)

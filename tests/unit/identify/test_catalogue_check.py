@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import musclewire.identify.catalogue_check as check
 from musclewire.identify.catalogue_check import dead_weight_bench, run_catalogue_test, time_below
-from musclewire.identify.catalogue_table import compare_catalogue, within
+from musclewire.identify.catalogue_table import compare_catalogue, judged_within
 from musclewire.parameters import Alloy, Wire, load_alloy, load_bench, load_wire
 from musclewire.parameters.catalogue import CatalogueCell
 
@@ -96,11 +96,11 @@ UNVERIFIED = CatalogueCell(value=1.0, status="unverified")
 
 
 def test_only_corroborated_cells_that_count_are_judged() -> None:
-    assert within(0.5, 0.8, 1.0, CORROBORATED, True, 0.0).ok is False
-    assert within(0.9, 0.8, 1.0, CORROBORATED, True, 0.0).ok is True
-    assert within(None, 0.8, 1.0, CORROBORATED, True, 0.0).ok is False
-    assert within(0.5, 0.8, 1.0, UNVERIFIED, True, 0.0).ok is None
-    assert within(0.5, 0.8, 1.0, CORROBORATED, False, 0.0).ok is None
+    assert judged_within(0.5, 0.8, 1.0, CORROBORATED, True, 0.0).ok is False
+    assert judged_within(0.9, 0.8, 1.0, CORROBORATED, True, 0.0).ok is True
+    assert judged_within(None, 0.8, 1.0, CORROBORATED, True, 0.0).ok is False
+    assert judged_within(0.5, 0.8, 1.0, UNVERIFIED, True, 0.0).ok is None
+    assert judged_within(0.5, 0.8, 1.0, CORROBORATED, False, 0.0).ok is None
 
 
 def test_the_judged_cells_are_those_of_the_bar() -> None:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
-from musclewire.identify.isobaric_loops import Isobar, half_transformation_slope_pa_per_k, summarize_isobar
+from musclewire.identify.isobaric_loops import IsobaricLoop, half_transformation_slope_pa_per_k, summarize_isobar
 
 STROKE = 0.04
 
@@ -17,12 +17,12 @@ def straight_loop(
     heated_k: tuple[float, float] = (360.0, 380.0),
     cooled_k: tuple[float, float] = (350.0, 330.0),
     stress_pa: float = 1e8,
-) -> Isobar:
+) -> IsobaricLoop:
     """A loop that loses its stroke evenly between two temperatures, and regains it between two others, in time."""
     up = np.linspace(300.0, 400.0, 201)
     strain_up = np.interp(up, heated_k, (STROKE, 0.0))
     strain_down = np.interp(up, cooled_k[::-1], (STROKE, 0.0))
-    return Isobar(stress_pa, np.concatenate([up, up[-2::-1]]), np.concatenate([strain_up, strain_down[-2::-1]]))
+    return IsobaricLoop(stress_pa, np.concatenate([up, up[-2::-1]]), np.concatenate([strain_up, strain_down[-2::-1]]))
 
 
 def test_the_fractions_of_each_branch_are_counted_in_its_own_direction() -> None:
@@ -60,7 +60,7 @@ def test_the_slope_of_an_isobars_half_over_stress_is_that_of_each_branch() -> No
 
 def test_what_goes_one_way_only_or_never_strains_is_no_isobar() -> None:
     loop = straight_loop()
-    half = Isobar(1e8, loop.temperature_k[:201], loop.strain[:201])
-    for wrong in (half, Isobar(1e8, loop.temperature_k, np.zeros(loop.strain.size))):
+    half = IsobaricLoop(1e8, loop.temperature_k[:201], loop.strain[:201])
+    for wrong in (half, IsobaricLoop(1e8, loop.temperature_k, np.zeros(loop.strain.size))):
         with pytest.raises(RecordingError, match="from cold to hot and back"):
             summarize_isobar(wrong)

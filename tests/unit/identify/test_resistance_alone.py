@@ -12,11 +12,11 @@ from musclewire.experiment.open_loop import characterize
 from musclewire.identify import estimate, fit
 from musclewire.identify.resistance_alone.fitting import ResistanceFit, fit_resistance
 from musclewire.identify.resistance_alone.marks import Marks
-from musclewire.identify.resistance_alone.what_helps import within
+from musclewire.identify.resistance_alone.what_helps import combined_std
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.parameters.spreads import load_spreads, priors_around
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.simulated import SimulatedDevice, Spool
+from musclewire.rigs.simulated import SimulatedDevice, SimulatedSpool
 from musclewire.sensing.model import load_model
 from musclewire.signals import Recording
 
@@ -33,7 +33,7 @@ def loop() -> Recording:
     wire = load_wire(NAME)
     alloy, shift = load_alloy(wire.alloy), wire.temperature_shift_k
     strains = {name: getattr(alloy, name) for name in ("strain_at_no_stress", "strain_saturated")}
-    spool = Spool(
+    spool = SimulatedSpool(
         wire.model_copy(update={"temperature_shift_k": shift.model_copy(update={"value": shift.value - 5.0})}),
         alloy.model_copy(
             update={name: item.model_copy(update={"value": FACTOR * item.value}) for name, item in strains.items()}
@@ -159,8 +159,8 @@ def test_impossible_marks_are_refused(given: dict[str, float], words: str) -> No
 
 def test_two_measurements_of_one_number_combine_by_inverse_variance() -> None:
     """3-4-5 upside down: 1/9 + 1/16 = 25/144."""
-    assert within(3.0, 4.0) == pytest.approx(12.0 / 5.0)
-    assert within(3.0, 1e9) == pytest.approx(3.0)
+    assert combined_std(3.0, 4.0) == pytest.approx(12.0 / 5.0)
+    assert combined_std(3.0, 1e9) == pytest.approx(3.0)
 
 
 def test_the_prior_is_the_named_wire_with_the_spreads_of_a_spool() -> None:

@@ -17,7 +17,7 @@ from musclewire.experiment.open_loop import characterize
 from musclewire.extras.interfaces.environments import ENVIRONMENT, Episode, WireEnv, WireVectorEnv
 from musclewire.extras.interfaces.environments.kernels import MEMORY, empty_ends, read_lanes
 from musclewire.extras.interfaces.environments.vector import facts_of
-from musclewire.extras.interfaces.environments.watch import Watch
+from musclewire.extras.interfaces.environments.watch import ProtectionWatch
 from musclewire.extras.interfaces.simulated_wire import simulated_wire
 from musclewire.identify import fit
 from musclewire.rigs.configuration import RigConfiguration, open_rig
@@ -195,7 +195,7 @@ def test_the_protection_of_many_is_that_of_every_rig(
     facts["maximum_temperature_k"][0], facts["jump_share"][0] = hottest_k, jump_share
     facts["acquisition_noise_v"] = facts["displacement_noise_m"] = 0.0
     facts["acquisition_step_v"] = 1e-12
-    watch = Watch([limits, wire.limits], facts, memory)
+    watch = ProtectionWatch([limits, wire.limits], facts, memory)
     watch.rest(np.array([True, True]))
     state = armed(limits)
     for drive_v, wire_factor, shunt_v in readings:

@@ -6,20 +6,20 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from musclewire.extras.live.server.leases import LEASE_AT_REST_S, LEASE_S, Control, Outcome
+from musclewire.extras.live.server.leases import LEASE_AT_REST_S, LEASE_S, BenchControl, RequestOutcome
 
 
 def test_whoever_asks_first_has_control_and_the_next_one_asks_for_it() -> None:
-    control = Control()
-    assert control.ask("a", "Ann", 0.0) is Outcome.YOURS
-    assert control.ask("b", "Ben", 0.1) is Outcome.ASKED
-    assert control.ask("c", "Cid", 0.2) is Outcome.BUSY
+    control = BenchControl()
+    assert control.ask("a", "Ann", 0.0) is RequestOutcome.YOURS
+    assert control.ask("b", "Ben", 0.1) is RequestOutcome.ASKED
+    assert control.ask("c", "Cid", 0.2) is RequestOutcome.BUSY
     assert control.holds("a", 0.2)
     assert not control.holds("b", 0.2)
 
 
 def test_the_holder_gives_or_keeps_and_nobody_else_answers() -> None:
-    control = Control()
+    control = BenchControl()
     control.ask("a", "Ann", 0.0)
     control.ask("b", "Ben", 0.1)
     assert not control.answer("b", True, 0.1)
@@ -33,7 +33,7 @@ def test_the_holder_gives_or_keeps_and_nobody_else_answers() -> None:
 
 
 def test_a_silent_holder_loses_control_after_the_lease_and_not_before() -> None:
-    control = Control()
+    control = BenchControl()
     control.ask("a", "Ann", 0.0)
     assert control.end_lost(LEASE_S) is None
     control.sign_of_life("a", LEASE_S)
@@ -45,7 +45,7 @@ def test_a_silent_holder_loses_control_after_the_lease_and_not_before() -> None:
 
 
 def test_a_late_sign_of_life_brings_no_lease_back() -> None:
-    control = Control()
+    control = BenchControl()
     control.ask("a", "Ann", 0.0)
     control.sign_of_life("a", LEASE_S + 0.01)
     assert not control.holds("a", LEASE_S + 0.01)
@@ -54,7 +54,7 @@ def test_a_late_sign_of_life_brings_no_lease_back() -> None:
 
 def test_who_asked_comes_next_when_the_holder_leaves_or_is_lost_but_only_if_there() -> None:
     for gone_s in (0.3, LEASE_S + 0.3):
-        control = Control()
+        control = BenchControl()
         control.ask("a", "Ann", 0.0)
         control.ask("b", "Ben", 0.2)
         if gone_s < LEASE_S:
@@ -70,7 +70,7 @@ class Leases(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.control, self.now_s = Control(), 0.0
+        self.control, self.now_s = BenchControl(), 0.0
         self.seen: dict[str, float] = {}
 
     people = st.sampled_from("abc")
@@ -85,7 +85,7 @@ class Leases(RuleBasedStateMachine):
         outcome = self.control.ask(who, who.upper(), self.now_s)
         if before is None:
             self.seen[who] = self.now_s
-        if outcome is Outcome.ASKED:
+        if outcome is RequestOutcome.ASKED:
             self.seen[who] = self.now_s
 
     @rule(who=people)
@@ -131,7 +131,7 @@ TestLeases.settings = settings(max_examples=60, stateful_step_count=30, deadline
 
 
 def test_at_rest_a_moment_without_a_sign_costs_nobody_control() -> None:
-    control = Control()
+    control = BenchControl()
     control.ask("a", "Ada", 0.0)
     control.lease_s = LEASE_AT_REST_S
     assert control.end_lost(LEASE_AT_REST_S) is None

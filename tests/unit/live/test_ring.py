@@ -7,16 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from musclewire.extras.live.ring import MAX_COLUMNS, SLOTS, Ring, create_ring
+from musclewire.extras.live.ring import MAX_COLUMNS, SLOTS, RowRing, create_ring
 
 
 @pytest.fixture
-def ends(tmp_path: Path) -> tuple[Ring, Ring]:
+def ends(tmp_path: Path) -> tuple[RowRing, RowRing]:
     create_ring(tmp_path / "ring")
-    return Ring(tmp_path / "ring"), Ring(tmp_path / "ring")
+    return RowRing(tmp_path / "ring"), RowRing(tmp_path / "ring")
 
 
-def test_rows_come_out_as_they_went_in_by_layout(ends: tuple[Ring, Ring]) -> None:
+def test_rows_come_out_as_they_went_in_by_layout(ends: tuple[RowRing, RowRing]) -> None:
     writer, reader = ends
     for number in range(5):
         writer.write(1, [float(number), 0.5])
@@ -29,13 +29,13 @@ def test_rows_come_out_as_they_went_in_by_layout(ends: tuple[Ring, Ring]) -> Non
     assert reader.read(cursor) == (6, [], 0)
 
 
-def test_who_begins_now_gets_none_of_what_was(ends: tuple[Ring, Ring]) -> None:
+def test_who_begins_now_gets_none_of_what_was(ends: tuple[RowRing, RowRing]) -> None:
     writer, reader = ends
     writer.write(1, [1.0])
     assert reader.read(-1) == (1, [], 0)
 
 
-def test_a_reader_that_was_away_is_told_what_it_lost(ends: tuple[Ring, Ring]) -> None:
+def test_a_reader_that_was_away_is_told_what_it_lost(ends: tuple[RowRing, RowRing]) -> None:
     writer, reader = ends
     for number in range(SLOTS + 100):
         writer.write(1, [float(number)])
@@ -45,7 +45,7 @@ def test_a_reader_that_was_away_is_told_what_it_lost(ends: tuple[Ring, Ring]) ->
     assert rows[0].values[-1, 0] == SLOTS + 99
 
 
-def test_a_row_that_is_being_overwritten_is_left_out(ends: tuple[Ring, Ring]) -> None:
+def test_a_row_that_is_being_overwritten_is_left_out(ends: tuple[RowRing, RowRing]) -> None:
     writer, reader = ends
     writer.write(1, [1.0])
     writer.write(1, [2.0])
@@ -55,6 +55,6 @@ def test_a_row_that_is_being_overwritten_is_left_out(ends: tuple[Ring, Ring]) ->
     assert lost == 1
 
 
-def test_too_many_columns_are_refused(ends: tuple[Ring, Ring]) -> None:
+def test_too_many_columns_are_refused(ends: tuple[RowRing, RowRing]) -> None:
     with pytest.raises(ValueError, match="a row of"):
         ends[0].write(1, [0.0] * (MAX_COLUMNS + 1))

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from musclewire.parameters.catalogue import catalogue_row
 from musclewire.parameters.library import load_alloy, load_wire
 from musclewire.parameters.parameter_groups import Alloy
-from musclewire.parameters.validity import Reached, ValidityLimits, beyond_validity, section_m2, validity_of
+from musclewire.parameters.validity import ReachedConditions, ValidityLimits, beyond_validity, section_m2, validity_of
 from musclewire.parameters.wire_file import wire_file_text
 
 FLEXINOL = load_alloy("flexinol")
@@ -27,27 +27,27 @@ def test_the_vendors_stress_is_the_catalogues_pull_force() -> None:
 
 
 def test_a_wire_within_all_limits_has_no_warning() -> None:
-    assert beyond_validity(LIMITS, Reached(60e6, 150e6, 380.0, section_m2(1e-4, 2.0))) == ()
-    assert beyond_validity(ValidityLimits(), Reached(1.0, 1e9, 2000.0)) == ()
+    assert beyond_validity(LIMITS, ReachedConditions(60e6, 150e6, 380.0, section_m2(1e-4, 2.0))) == ()
+    assert beyond_validity(ValidityLimits(), ReachedConditions(1.0, 1e9, 2000.0)) == ()
 
 
 def test_each_limit_is_named_with_its_number_and_force() -> None:
-    (low,) = beyond_validity(LIMITS, Reached(cold_stress_pa=20e6, section_m2=1e-8))
+    (low,) = beyond_validity(LIMITS, ReachedConditions(cold_stress_pa=20e6, section_m2=1e-8))
     assert "20 MPa (0.20 N)" in low
     assert "45 MPa (0.45 N)" in low
-    vendor, data = beyond_validity(LIMITS, Reached(largest_stress_pa=300e6))
+    vendor, data = beyond_validity(LIMITS, ReachedConditions(largest_stress_pa=300e6))
     assert "vendor's 172 MPa" in vendor
     assert "220 MPa that the alloy's data cover" in data
-    (data,) = beyond_validity(LIMITS, Reached(temperature_k=443.15))
+    (data,) = beyond_validity(LIMITS, ReachedConditions(temperature_k=443.15))
     assert "170 C, above the 140 C" in data
-    (annealed,) = beyond_validity(LIMITS, Reached(temperature_k=490.0))
+    (annealed,) = beyond_validity(LIMITS, ReachedConditions(temperature_k=490.0))
     assert "above the 200 C" in annealed
 
 
 @given(st.floats(0.0, 1e9), st.floats(0.0, 1e9), st.floats(200.0, 2000.0))
 def test_more_stress_and_heat_never_warn_less(stress_pa: float, more_pa: float, kelvin: float) -> None:
-    less = beyond_validity(LIMITS, Reached(100e6, stress_pa, kelvin))
-    more = beyond_validity(LIMITS, Reached(100e6, stress_pa + more_pa, kelvin + 1.0))
+    less = beyond_validity(LIMITS, ReachedConditions(100e6, stress_pa, kelvin))
+    more = beyond_validity(LIMITS, ReachedConditions(100e6, stress_pa + more_pa, kelvin + 1.0))
     assert len(more) >= len(less)
 
 

@@ -16,7 +16,7 @@ from musclewire.parameters.library import load_bench
 from musclewire.rigs.compiled_loop.running import uncompiled
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.simulated import Instruments, read_sample
+from musclewire.rigs.simulated import BenchInstruments, read_sample
 from musclewire.sensing import SensingModel
 from musclewire.signals.recording import Recording
 
@@ -24,7 +24,7 @@ from musclewire.signals.recording import Recording
 @pytest.mark.parametrize("at_endpoint", [False, True])
 def test_noise_is_drawn_beforehand_as_it_is_from_sample_to_sample(at_endpoint: bool) -> None:
     bench = load_bench("paper").values()
-    python, ahead = (Instruments(bench, 3, at_endpoint) for _ in range(2))
+    python, ahead = (BenchInstruments(bench, 3, at_endpoint) for _ in range(2))
     true = (1.2345, 0.0789, 1e-3, 2.0)
     for noise in ahead.noise_ahead(5)[0]:
         assert read_sample(noise, ahead.readings, true, ahead.scales) == python.sample(*true)

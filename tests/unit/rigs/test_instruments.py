@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.parameters import load_bench
-from musclewire.rigs.simulated import Instruments, read_sample
+from musclewire.rigs.simulated import BenchInstruments, read_sample
 
 BENCH = load_bench("paper").values()
 SAMPLES = 3
@@ -41,13 +41,13 @@ def test_readings_are_what_numpy_makes_of_the_same_random_numbers(
     readings: int, seed: int, wire_v: float, shunt_v: float, noise_v: float
 ) -> None:
     bench = {**BENCH, "acquisition_readings": float(readings), "acquisition_noise_v": noise_v}
-    instruments = Instruments(bench, seed)
+    instruments = BenchInstruments(bench, seed)
     read = [instruments.sample(wire_v, shunt_v, 1e-3, 2.0) for _ in range(SAMPLES)]
     assert read == by_numpy(bench, seed, wire_v, shunt_v)
 
 
 def test_instruments_at_an_endpoint_take_their_random_numbers_after_those_of_the_connector() -> None:
-    instruments = Instruments(BENCH, 5, at_endpoint=True)
+    instruments = BenchInstruments(BENCH, 5, at_endpoint=True)
     random = np.random.default_rng(5)
     for _ in range(SAMPLES):
         drawn = random.standard_normal(2 * int(BENCH["acquisition_readings"]) + 4)
@@ -59,7 +59,7 @@ def test_instruments_at_an_endpoint_take_their_random_numbers_after_those_of_the
 
 def test_nothing_is_compiled_once_the_instruments_are_there() -> None:
     """A rig on a clock would be late by the compilation, and off."""
-    instruments = Instruments(BENCH, 1)
+    instruments = BenchInstruments(BENCH, 1)
     known = set(read_sample.signatures)
     instruments.sample(1.0, 0.1, 1e-3, 2.0)
     assert known

@@ -11,7 +11,7 @@ from musclewire.errors import CallerError
 from musclewire.parameters.finger_file import FingerCurve, load_finger
 from musclewire.rigs.load_kinds import Parts
 from musclewire.rigs.load_parts import Antagonist, Blocked, Contact, Finger, Pretensioner, Spring, Weight
-from musclewire.rigs.mechanism import Mechanism, Tendon, mechanism_of
+from musclewire.rigs.mechanism import FingerTendon, SimulatedLoad, mechanism_of
 from musclewire.wire.loads import ElasticObject
 
 LEG_M, BESIDE_N_PER_M = 0.035, 386.2
@@ -32,22 +32,22 @@ STRAIGHT = FingerCurve(
 )
 
 
-def mechanism(*parts: Any, pretension_n: float = 0.71, **options: Any) -> Mechanism:
+def mechanism(*parts: Any, pretension_n: float = 0.71, **options: Any) -> SimulatedLoad:
     return mechanism_of(parts, pretension_n=pretension_n, leg_length_m=LEG_M, **options)
 
 
-def table(of: Mechanism) -> tuple[np.ndarray, np.ndarray]:
+def table(of: SimulatedLoad) -> tuple[np.ndarray, np.ndarray]:
     return of.load.step_m * np.arange(of.load.force_n.size), of.load.force_n
 
 
-def tendon_of(found: Mechanism) -> Tendon:
+def tendon_of(found: SimulatedLoad) -> FingerTendon:
     assert found.tendon is not None
     return found.tendon
 
 
 def test_a_straight_fingers_contact_is_two_springs_in_series_through_its_lever() -> None:
     """By hand at 1 mm, 3 mm of clearance, 500 N/m: 3 mm inside, 1 / (1/500 + 2e-3) = 250 N/m, 0.75 N, 3.75 N more."""
-    held = Tendon(STRAIGHT, 0.0, 0.0, ElasticObject(500.0, 3e-3))
+    held = FingerTendon(STRAIGHT, 0.0, 0.0, ElasticObject(500.0, 3e-3))
     force = float(held.endpoint_force_n(1e-3))
     assert force == pytest.approx(0.75)
     assert float(held.endpoint_m(1e-3, force)) == pytest.approx(6e-3 - 2e-3 * 0.75)

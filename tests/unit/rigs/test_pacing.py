@@ -13,7 +13,7 @@ from musclewire.rigs import pacing
 from musclewire.rigs.abilities import adjustable_clock_of
 from musclewire.rigs.configuration import open_rig
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs.pacing import SPIN_S, Pacer
+from musclewire.rigs.pacing import SPIN_S, SamplePacer
 
 READING_TAKES_S = 1e-6
 
@@ -74,7 +74,7 @@ def rig(clock: Clock) -> GuardedRig:  # noqa: ARG001
 
 
 def test_the_nth_sample_is_due_n_periods_after_the_first_whatever_the_caller_does_between(clock: Clock) -> None:
-    pacer = Pacer(0.001)
+    pacer = SamplePacer(0.001)
     returned = []
     random = np.random.default_rng(1)
     for _ in range(10_000):
@@ -86,7 +86,7 @@ def test_the_nth_sample_is_due_n_periods_after_the_first_whatever_the_caller_doe
 
 
 def test_a_sleep_that_ends_late_does_not_shift_what_follows(clock: Clock) -> None:
-    pacer = Pacer(0.01, sleep=lambda seconds: clock.sleep(seconds + 0.004))
+    pacer = SamplePacer(0.01, sleep=lambda seconds: clock.sleep(seconds + 0.004))
     returned = []
     for _ in range(100):
         pacer.wait()
@@ -95,14 +95,14 @@ def test_a_sleep_that_ends_late_does_not_shift_what_follows(clock: Clock) -> Non
 
 
 def test_the_last_stretch_is_waited_for_awake(clock: Clock) -> None:
-    pacer = Pacer(0.01)
+    pacer = SamplePacer(0.01)
     pacer.wait()
     pacer.wait()
     assert clock.slept_s == [pytest.approx(0.01 - SPIN_S, abs=1e-5)]
 
 
 def test_after_a_rest_nothing_is_due(clock: Clock) -> None:
-    pacer = Pacer(0.01)
+    pacer = SamplePacer(0.01)
     pacer.wait()
     clock.now_s += 60.0
     assert pacer.late_s() == pytest.approx(59.99, abs=1e-3)
@@ -187,15 +187,15 @@ def test_a_rig_that_was_made_safe_may_be_left_alone(clock: Clock, rig: GuardedRi
 
 
 @pytest.fixture
-def started(clock: Clock) -> Pacer:
+def started(clock: Clock) -> SamplePacer:
     """A pacer of one second whose grid begins at 100 s."""
-    pacer = Pacer(1.0)
+    pacer = SamplePacer(1.0)
     pacer.wait()
     assert clock.now_s == pytest.approx(100.0, abs=1e-5)
     return pacer
 
 
-def test_another_thread_ends_a_wait_and_all_that_follow(clock: Clock, started: Pacer) -> None:
+def test_another_thread_ends_a_wait_and_all_that_follow(clock: Clock, started: SamplePacer) -> None:
     clock.meanwhile = [(0.3, started.end)]
     for _ in range(3):
         started.wait()
@@ -212,7 +212,7 @@ def test_another_thread_ends_a_wait_and_all_that_follow(clock: Clock, started: P
     ],
 )
 def test_another_thread_changes_the_period_of_a_wait(
-    clock: Clock, started: Pacer, period_s: float, due_s: list[float]
+    clock: Clock, started: SamplePacer, period_s: float, due_s: list[float]
 ) -> None:
     clock.meanwhile = [(0.3, lambda: started.change_period(period_s))]
     found_s = []
@@ -223,7 +223,7 @@ def test_another_thread_changes_the_period_of_a_wait(
     assert started.late_s() == 0.0
 
 
-def test_a_change_back_during_a_wait_changes_nothing(clock: Clock, started: Pacer) -> None:
+def test_a_change_back_during_a_wait_changes_nothing(clock: Clock, started: SamplePacer) -> None:
     clock.meanwhile = [(0.2, lambda: started.change_period(3.0)), (0.2, lambda: started.change_period(1.0))]
     started.wait()
     assert clock.now_s == pytest.approx(101.0, abs=1e-4)

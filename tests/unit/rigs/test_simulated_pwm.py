@@ -14,7 +14,7 @@ from musclewire.experiment.run_warnings import run_warnings
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.rigs.abilities import true_state_of
 from musclewire.rigs.pulse_width import PulseWidth, duty_of, pulse_width_problems, unsettled_error
-from musclewire.rigs.simulated import Spool
+from musclewire.rigs.simulated import SimulatedSpool
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.rigs.simulated_pwm import PulsedDevice
 from musclewire.signals.exchange import Drive, RawSample
@@ -82,7 +82,7 @@ def test_sampling_too_early_is_wrong_by_what_the_filters_leave(delay_s: float, s
     assert unsettled_error(pwm, 0.3) == pytest.approx(error)
     around = load_bench("paper")
     quiet = {name: getattr(around, name).model_copy(update={"value": value}) for name, value in QUIET.items()}
-    spool = Spool(load_wire("paper-100um"), load_alloy("flexinol"), around.model_copy(update=quiet))
+    spool = SimulatedSpool(load_wire("paper-100um"), load_alloy("flexinol"), around.model_copy(update=quiet))
     device = PulsedDevice(pwm, spool)
     for _ in range(3):
         sample = device.exchange(Drive(2.0))
@@ -102,7 +102,7 @@ def test_sampling_that_is_of_no_use_is_refused_with_its_cause() -> None:
 
 def test_conversions_that_run_free_of_the_pulses_alias() -> None:
     pwm = PulseWidth(frequency=1000.0, supply=5.0, trigger="free", conversion_time=104e-6)
-    spool = Spool(load_wire("paper-100um"), load_alloy("flexinol"), load_bench("paper"))
+    spool = SimulatedSpool(load_wire("paper-100um"), load_alloy("flexinol"), load_bench("paper"))
     device = PulsedDevice(pwm, spool)
     shunts = []
     for _ in range(20):

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from musclewire.parameters import load_wire
 from musclewire.rigs.abilities import true_state_of
-from musclewire.rigs.air import Air, AirModel, Surroundings
+from musclewire.rigs.air import AirModel, AirState, Surroundings
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.signals.exchange import RawSample
 
@@ -19,7 +19,7 @@ DT_S = 0.05
 DRIVE_V = [0.3, 1.0, 3.0, 3.2, 2.0, 0.3]
 
 
-def airs(surroundings: Surroundings, seed: int, samples: int, dt_s: float = DT_S) -> list[Air]:
+def airs(surroundings: Surroundings, seed: int, samples: int, dt_s: float = DT_S) -> list[AirState]:
     weather = AirModel(surroundings, seed)
     return [weather.after(index * dt_s, dt_s) for index in range(samples)]
 

@@ -12,7 +12,7 @@ from musclewire.errors import CallerError
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.sensing import SensingModel
 from musclewire.sensing.estimator import EstimatorSetup
-from musclewire.sensing.particles.cloud import Cloud, cloud_of
+from musclewire.sensing.particles.cloud import ParticleCloud, cloud_of
 from musclewire.sensing.particles.estimator import ParticleFilter, ParticleState, particle_filter
 from musclewire.sensing.particles.kernel import LOAD, MIN_LOAD
 from musclewire.sensing.particles.settings import EXPLANATIONS, UNKNOWNS, ParticleSettings
@@ -44,7 +44,7 @@ def followed(estimator: ParticleFilter, resistances: list[float]) -> list[Estima
     return steps
 
 
-def clouds(state: ParticleState) -> list[Cloud]:
+def clouds(state: ParticleState) -> list[ParticleCloud]:
     return [cloud_of(one, WIRE.classes, FEW) for one in state.hypotheses]
 
 

@@ -14,11 +14,11 @@ from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.loads import with_table
 from musclewire.wire.paths import drive_path
-from musclewire.wire.stepping import Stepping, fixed_steps
+from musclewire.wire.stepping import StepControl, fixed_steps
 from musclewire.wire.wires import advance
 
 SAMPLE_S, SAMPLES = 0.05, 60
-TEN_MS, CHOSEN = fixed_steps(0.01), Stepping()
+TEN_MS, CHOSEN = fixed_steps(0.01), StepControl()
 
 
 def wall(displacement_m: Array) -> Array:
@@ -51,7 +51,7 @@ def drives(count: int, seed: int = 2) -> Array:
 
 @pytest.mark.parametrize("stepping", [TEN_MS, fixed_steps(0.05), CHOSEN], ids=["10 ms", "50 ms", "chosen"])
 @pytest.mark.parametrize("threads", [1, 2, 3])
-def test_each_wire_has_the_bits_of_itself_alone(stepping: Stepping, threads: int) -> None:
+def test_each_wire_has_the_bits_of_itself_alone(stepping: StepControl, threads: int) -> None:
     many, drive = wires(37), drives(37)
     found = drive_many(many, drive, sample_s=SAMPLE_S, stepping=stepping, keep=COLUMNS, threads=threads)
     for place, wire in enumerate(many):

@@ -12,7 +12,7 @@ from musclewire.wire.batch import WireBatch
 from musclewire.wire.building import resting_state
 from musclewire.wire.fronts import shakedown_of
 from musclewire.wire.paths import drive_path
-from musclewire.wire.stepping import Stepping, fixed_steps
+from musclewire.wire.stepping import StepControl, fixed_steps
 
 SAMPLE_S = 0.05
 ONE_CYCLE_V = np.array([slow_sine_v(time_s, 6.0, 10.0) for time_s in np.arange(0.0, 10.0, SAMPLE_S)])
@@ -20,8 +20,8 @@ COOLING_V = np.zeros(round(10.0 / SAMPLE_S))
 
 
 @pytest.mark.parametrize("new_wire", [False, True], ids=["after shakedown", "new"])
-@pytest.mark.parametrize("stepping", [Stepping(), fixed_steps(0.01)], ids=["chosen", "10 ms"])
-def test_a_wire_heated_through_and_cooled_again_has_made_one_cycle(new_wire: bool, stepping: Stepping) -> None:
+@pytest.mark.parametrize("stepping", [StepControl(), fixed_steps(0.01)], ids=["chosen", "10 ms"])
+def test_a_wire_heated_through_and_cooled_again_has_made_one_cycle(new_wire: bool, stepping: StepControl) -> None:
     wire = constants(new_wire=new_wire, bench_values={"ambient_temperature_k": 260.0})
     path, state = drive_path(wire, np.concatenate([ONE_CYCLE_V, COOLING_V]), sample_s=SAMPLE_S, stepping=stepping)
     assert path.martensite_fraction.min() < 1e-3

@@ -23,14 +23,14 @@ from musclewire.wire.pairs import (
     OWN_SUPPLY,
     PARALLEL,
     SERIES,
-    Grip,
-    Pair,
+    GrippedObject,
+    PairConnection,
     PairMeans,
     advance_pair,
     no_grip,
 )
 from musclewire.wire.state import WireState
-from musclewire.wire.stepping import Stepping, fixed_steps
+from musclewire.wire.stepping import StepControl, fixed_steps
 from musclewire.wire.wires import advance
 
 pytestmark = pytest.mark.slow
@@ -65,9 +65,9 @@ def at_rest(both: Both) -> States:
 
 def course(
     both: Both,
-    pair: Pair,
+    pair: PairConnection,
     voltages_v: list[float],
-    grip: Grip | None = None,
+    grip: GrippedObject | None = None,
     *,
     dt_s: float = 1e-3,
     hold_s: float = 0.1,
@@ -99,21 +99,23 @@ def finger_load(contact_n_per_m: float = 0.0, clearance_m: float = 0.0) -> Conne
     return with_table(BESIDE_N_PER_M, force_n, np.zeros_like, reach_m=REACH_M, points=POINTS)
 
 
-def grip(stiffness_n_per_m: float = FOAM_N_PER_M, give_m_per_n: float = GIVE_M_PER_N) -> Grip:
+def grip(stiffness_n_per_m: float = FOAM_N_PER_M, give_m_per_n: float = GIVE_M_PER_N) -> GrippedObject:
     x = np.linspace(0.0, REACH_M, POINTS)
-    return Grip(stiffness_n_per_m, CLEARANCE_M, float(x[1]), RATIO * x, give_m_per_n + 0.0 * x, LEVER + 0.0 * x)
+    return GrippedObject(
+        stiffness_n_per_m, CLEARANCE_M, float(x[1]), RATIO * x, give_m_per_n + 0.0 * x, LEVER + 0.0 * x
+    )
 
 
 class Case(NamedTuple):
     both: Both
-    pair: Pair
-    grip: Grip
+    pair: PairConnection
+    grip: GrippedObject
 
 
 CASES = {
-    "parallel": Case((wire(spring_load(800.0)), wire()), Pair(1.0, PARALLEL, 0.0, 1.0), no_grip()),
-    "antagonist": Case((wire(spring_load(200.0)), wire()), Pair(-1.0, OWN_SUPPLY, 1.5, 1.0), no_grip()),
-    "grip": Case((wire(finger_load()), wire(finger_load())), Pair(APART, SERIES, 0.0, 1.0), grip()),
+    "parallel": Case((wire(spring_load(800.0)), wire()), PairConnection(1.0, PARALLEL, 0.0, 1.0), no_grip()),
+    "antagonist": Case((wire(spring_load(200.0)), wire()), PairConnection(-1.0, OWN_SUPPLY, 1.5, 1.0), no_grip()),
+    "grip": Case((wire(finger_load()), wire(finger_load())), PairConnection(APART, SERIES, 0.0, 1.0), grip()),
 }
 
 
@@ -137,7 +139,9 @@ def test_two_equal_wires_on_one_connector_are_one_wire_with_half_the_load() -> N
     half = wire(spring_load(400.0), shunt_resistance_ohm=2.0)
     states, single, contracted = at_rest(both), resting_state(half), []
     for voltage in CYCLE_V:
-        states, means = advance_pair(states, both, Pair(1.0, PARALLEL, 0.0, 1.0), no_grip(), voltage, 1e-3, MS)
+        states, means = advance_pair(
+            states, both, PairConnection(1.0, PARALLEL, 0.0, 1.0), no_grip(), voltage, 1e-3, MS
+        )
         single, mean = advance(single, half, voltage, 1e-3, MS)
         for state in states:
             assert state.stress_pa == pytest.approx(single.stress_pa, rel=1e-9)
@@ -155,7 +159,7 @@ def test_two_equal_wires_on_one_connector_are_one_wire_with_half_the_load() -> N
 def test_two_equal_wires_go_through_a_whole_cycle_like_one_with_half_the_load() -> None:
     both = (wire(spring_load(800.0)), wire())
     half = wire(spring_load(400.0), shunt_resistance_ohm=2.0)
-    visited, _ = course(both, Pair(1.0, PARALLEL, 0.0, 1.0), CYCLE_V)
+    visited, _ = course(both, PairConnection(1.0, PARALLEL, 0.0, 1.0), CYCLE_V)
     single, far = resting_state(half), []
     for voltage, (first, second) in zip(CYCLE_V, visited, strict=True):
         single, _ = advance(single, half, voltage, 0.1, MS)
@@ -170,7 +174,7 @@ def test_two_equal_wires_in_parallel_are_one_wire_of_twice_the_section() -> None
     alike = ("area_m2", "surface_m2", "heat_capacity_j_per_k", "latent_heat_j")
     twice = both[0].replace(**{name: 2.0 * getattr(both[0], name) for name in alike})
     double = with_pretension(twice, 1.8)
-    visited, means = course(both, Pair(1.0, PARALLEL, 0.0, 1.0), CYCLE_V)
+    visited, means = course(both, PairConnection(1.0, PARALLEL, 0.0, 1.0), CYCLE_V)
     single = resting_state(double)
     for voltage, (first, _), mean in zip(CYCLE_V, visited, means, strict=True):
         single, alone = advance(single, double, voltage, 0.1, MS)
@@ -184,7 +188,7 @@ def test_equal_antagonists_in_equal_heat_hold_the_connector_where_it_is() -> Non
     both = (wire(), wire())
     states = at_rest(both)
     for voltage in CYCLE_V:
-        pair = Pair(-1.0, OWN_SUPPLY, voltage, both[0].series_resistance_ohm)
+        pair = PairConnection(-1.0, OWN_SUPPLY, voltage, both[0].series_resistance_ohm)
         states, means = advance_pair(states, both, pair, no_grip(), voltage, 0.1, MS)
         assert means.displacement_m == pytest.approx(0.0, abs=1e-12)
         assert means.force_n == pytest.approx(means.partner_force_n, rel=1e-12)
@@ -194,7 +198,7 @@ def test_equal_antagonists_in_equal_heat_hold_the_connector_where_it_is() -> Non
 @pytest.mark.parametrize("stiffness_n_per_m", [0.0, 500.0])
 def test_antagonists_pull_alike_but_for_the_spring_between_them_and_move_as_one(stiffness_n_per_m: float) -> None:
     both = (wire(spring_load(stiffness_n_per_m)), wire())
-    visited, means = course(both, Pair(-1.0, OWN_SUPPLY, 1.0, 1.0), CYCLE_V)
+    visited, means = course(both, PairConnection(-1.0, OWN_SUPPLY, 1.0, 1.0), CYCLE_V)
     taut = 0
     for (first, second), mean in zip(visited, means, strict=True):
         x = moved_m(first, both[0])
@@ -212,7 +216,7 @@ def test_antagonists_that_change_places_mirror_the_motion() -> None:
     both = (wire(), wire())
     ends = []
     for own_v, other_v in ((2.6, 0.5), (0.5, 2.6)):
-        ends.append(course(both, Pair(-1.0, OWN_SUPPLY, other_v, 1.0), [own_v] * 60)[1][-1])
+        ends.append(course(both, PairConnection(-1.0, OWN_SUPPLY, other_v, 1.0), [own_v] * 60)[1][-1])
     assert ends[0].displacement_m > 2e-4
     assert ends[0].displacement_m == pytest.approx(-ends[1].displacement_m, abs=1e-8)
     assert ends[0].force_n == pytest.approx(ends[1].partner_force_n, rel=1e-5)
@@ -220,7 +224,7 @@ def test_antagonists_that_change_places_mirror_the_motion() -> None:
 
 def test_wires_in_series_carry_one_current_and_share_power_by_resistance() -> None:
     both = (wire(), thick())
-    pair = Pair(APART, SERIES, 0.0, 1.0)
+    pair = PairConnection(APART, SERIES, 0.0, 1.0)
     states = course(both, pair, CYCLE_V[:300])[0][-1]
     assert states[0].resistance_ohm > 1.5 * states[1].resistance_ohm
     after, means = advance_pair(states, both, pair, no_grip(), 4.0, 1e-3, MS)
@@ -235,7 +239,7 @@ def test_wires_in_series_carry_one_current_and_share_power_by_resistance() -> No
 
 def test_wires_in_parallel_share_the_shunts_current_by_conductance() -> None:
     both = (wire(), thick())
-    pair = Pair(1.0, PARALLEL, 0.0, 1.0)
+    pair = PairConnection(1.0, PARALLEL, 0.0, 1.0)
     states = course(both, pair, CYCLE_V[:100])[0][-1]
     after, means = advance_pair(states, both, pair, no_grip(), 1.0, 1e-3, MS)
     ohm = np.array([[state.resistance_ohm for state in ends] for ends in (states, after)])
@@ -251,7 +255,7 @@ def test_wires_in_parallel_share_the_shunts_current_by_conductance() -> None:
 def test_wires_that_share_nothing_are_two_single_wires() -> None:
     """Each on its own spring, fed by its own supply: to the bit what the kernel of one wire does."""
     both = (wire(spring_load(588.6)), thick(spring_load(300.0)))
-    pair = Pair(APART, OWN_SUPPLY, 1.9, both[1].series_resistance_ohm)
+    pair = PairConnection(APART, OWN_SUPPLY, 1.9, both[1].series_resistance_ohm)
     states = alone = at_rest(both)
     for voltage in CYCLE_V[::3]:
         states, means = advance_pair(states, both, pair, no_grip(), voltage, 0.1, MS)
@@ -276,7 +280,7 @@ def endpoint_force_n(state: WireState, of: WireConstants) -> float:
 def test_what_two_fingers_hold_pushes_both_alike_and_nothing_before_they_touch_it() -> None:
     """Newton's third law, for two unlike wires."""
     both = (wire(finger_load()), thick(finger_load(), pretension_n=1.1))
-    visited, means = course(both, Pair(APART, OWN_SUPPLY, 1.6, 1.0), CYCLE_V, grip())
+    visited, means = course(both, PairConnection(APART, OWN_SUPPLY, 1.6, 1.0), CYCLE_V, grip())
     touched = 0
     for (first, second), mean in zip(visited, means, strict=True):
         apart_m = CLEARANCE_M - RATIO * (moved_m(first, both[0]) + moved_m(second, both[1]))
@@ -297,7 +301,7 @@ def test_two_like_fingers_are_one_finger_on_the_plane_between_them() -> None:
     """Half the clearance to a plane, and half the foam before it: twice as stiff. Twice the voltage feeds both."""
     both = (wire(finger_load()), wire(finger_load()))
     alone = wire(finger_load(2.0 * FOAM_N_PER_M, CLEARANCE_M / 2.0), shunt_resistance_ohm=0.5)
-    pair = Pair(APART, SERIES, 0.0, 1.0)
+    pair = PairConnection(APART, SERIES, 0.0, 1.0)
     visited, _ = course(both, pair, [2.0 * voltage for voltage in CYCLE_V], grip())
     single, far, forces = resting_state(alone), [], []
     for voltage, (first, second) in zip(CYCLE_V, visited, strict=True):
@@ -310,7 +314,7 @@ def test_two_like_fingers_are_one_finger_on_the_plane_between_them() -> None:
     assert max(far) < 1e-4
 
 
-def shown(name: str, stepping: Stepping) -> Array:
+def shown(name: str, stepping: StepControl) -> Array:
     """Return temperature [K], contraction in per mille and stress [MPa] of both wires over two sudden starts."""
     both, pair, between = CASES[name]
     factor = 2.0 if pair.feed == SERIES else 1.0
@@ -335,8 +339,8 @@ def test_finer_steps_lead_to_one_answer_to_second_order(name: str) -> None:
 
 @pytest.mark.parametrize("name", sorted(CASES))
 def test_chosen_steps_keep_their_tolerance(name: str) -> None:
-    far = np.abs(shown(name, Stepping()) - shown(name, fixed_steps(1e-4)))
-    assert far[:, ::3].max() < 2.0 * Stepping().temperature_k
+    far = np.abs(shown(name, StepControl()) - shown(name, fixed_steps(1e-4)))
+    assert far[:, ::3].max() < 2.0 * StepControl().temperature_k
 
 
 @pytest.mark.parametrize("name", sorted(CASES))
@@ -370,7 +374,7 @@ def test_a_cold_wire_beside_a_hot_one_goes_slack_and_the_other_carries_all(hot_f
     """Each on a supply of its own, one left cold: the connector follows the wire that pulls."""
     both = (wire(spring_load(300.0), 0.3), wire(ALONE, 0.3))
     own_v, other_v = (3.2, 0.0) if hot_first else (0.0, 3.2)
-    visited, means = course(both, Pair(1.0, OWN_SUPPLY, other_v, 1.0), [own_v] * 80)
+    visited, means = course(both, PairConnection(1.0, OWN_SUPPLY, other_v, 1.0), [own_v] * 80)
     hot, cold = (0, 1) if hot_first else (1, 0)
     end, mean = visited[-1], means[-1]
     assert end[cold].stress_pa == 0.0
@@ -414,7 +418,7 @@ def test_every_history_keeps_shares_energy_and_no_wire_pushes(
 def test_antagonists_that_rub_cool_from_a_rest_without_a_jump() -> None:
     """After a long rest a hot wire is switched off: stress falls with temperature, in every millisecond a little."""
     both = (wire(spring_load(400.0), guide_friction_n=0.1), wire())
-    pair = Pair(-1.0, OWN_SUPPLY, 0.0, 1.0)
+    pair = PairConnection(-1.0, OWN_SUPPLY, 0.0, 1.0)
     states = course(both, pair, [3.0] * 90)[0][-1]
     stresses = [states[0].stress_pa]
     for _ in range(1500):
@@ -427,7 +431,7 @@ def test_antagonists_that_rub_cool_from_a_rest_without_a_jump() -> None:
 
 def test_slack_antagonists_without_pretension_come_tight_where_one_pulls() -> None:
     both = (wire(pretension_n=0.0), wire(pretension_n=0.0))
-    visited, means = course(both, Pair(-1.0, OWN_SUPPLY, 0.0, 1.0), [3.0] * 60)
+    visited, means = course(both, PairConnection(-1.0, OWN_SUPPLY, 0.0, 1.0), [3.0] * 60)
     assert means[-1].displacement_m > 1e-4
     first, second = visited[-1]
     assert pulls_n(first, both[0]) == pytest.approx(pulls_n(second, both[1]), abs=1e-6)
@@ -435,13 +439,17 @@ def test_slack_antagonists_without_pretension_come_tight_where_one_pulls() -> No
 
 
 STIFF = {
-    "antagonist on a wall": Case((wire(spring_load(1e6)), wire()), Pair(-1.0, OWN_SUPPLY, 2.5, 1.0), no_grip()),
-    "strong antagonist": Case((wire(spring_load(100.0)), thick()), Pair(-1.0, OWN_SUPPLY, 2.8, 1.0), no_grip()),
+    "antagonist on a wall": Case(
+        (wire(spring_load(1e6)), wire()), PairConnection(-1.0, OWN_SUPPLY, 2.5, 1.0), no_grip()
+    ),
+    "strong antagonist": Case(
+        (wire(spring_load(100.0)), thick()), PairConnection(-1.0, OWN_SUPPLY, 2.8, 1.0), no_grip()
+    ),
     "steel between fingers": Case(
-        (wire(finger_load()), thick(finger_load())), Pair(APART, OWN_SUPPLY, 2.6, 1.0), grip(1e7, 0.0)
+        (wire(finger_load()), thick(finger_load())), PairConnection(APART, OWN_SUPPLY, 2.6, 1.0), grip(1e7, 0.0)
     ),
     "steel between soft fingers": Case(
-        (wire(finger_load()), wire(finger_load())), Pair(APART, SERIES, 0.0, 1.0), grip(1e7)
+        (wire(finger_load()), wire(finger_load())), PairConnection(APART, SERIES, 0.0, 1.0), grip(1e7)
     ),
 }
 
@@ -460,7 +468,9 @@ def test_what_is_stiff_leaves_no_step_unsolved(name: str) -> None:
         assert max(mean.grip_n for mean in means) > 0.2, "the fingers must have held it"
 
 
-RUBBING = Case((wire(spring_load(400.0), guide_friction_n=0.3), wire()), Pair(-1.0, OWN_SUPPLY, 0.0, 1.0), no_grip())
+RUBBING = Case(
+    (wire(spring_load(400.0), guide_friction_n=0.3), wire()), PairConnection(-1.0, OWN_SUPPLY, 0.0, 1.0), no_grip()
+)
 
 
 @pytest.mark.parametrize("dt_s", [1e-3, 10e-3])

@@ -11,7 +11,7 @@ from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.wire.building import constants_from, resting_state
 from musclewire.wire.paths import drive_path, isobaric_path
-from musclewire.wire.stepping import Stepping, fixed_steps
+from musclewire.wire.stepping import StepControl, fixed_steps
 from musclewire.wire.wires import advance
 
 CONSTANTS = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
@@ -76,7 +76,7 @@ def test_a_fixed_step_divides_its_sample(sample_s: float, step_s: float) -> None
 @pytest.mark.parametrize("name", ["temperature_k", "resistance", "strain"])
 def test_a_tolerance_of_nothing_is_refused(name: str) -> None:
     with pytest.raises(CallerError, match="tolerances must be above 0"):
-        drive_path(CONSTANTS, DRIVE_V, sample_s=0.05, stepping=Stepping()._replace(**{name: 0.0}))
+        drive_path(CONSTANTS, DRIVE_V, sample_s=0.05, stepping=StepControl()._replace(**{name: 0.0}))
 
 
 def test_a_wire_cannot_be_pushed() -> None:

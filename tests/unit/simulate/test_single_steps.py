@@ -15,7 +15,7 @@ from musclewire.wire.batch import WireBatch
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.paths import drive_path
 from musclewire.wire.state import WireState
-from musclewire.wire.stepping import Stepping, fixed_steps
+from musclewire.wire.stepping import StepControl, fixed_steps
 from musclewire.wire.warming import heated_state
 from musclewire.wire.wires import WireMeans, advance
 
@@ -82,7 +82,9 @@ def test_after_a_step_the_wire_carries_its_load_at_the_enthalpy_of_its_phases(
     assert abs(after.friction_n) <= wire.friction_n * (1.0 + 1e-12)
 
 
-def answer(before: WireState, wire: WireConstants, drive_v: float, stepping: Stepping) -> tuple[np.ndarray, WireState]:
+def answer(
+    before: WireState, wire: WireConstants, drive_v: float, stepping: StepControl
+) -> tuple[np.ndarray, WireState]:
     """Return temperature [K], resistance [ohm] and strain [1e-3] after 80 ms."""
     after, _ = advance(before, wire, drive_v, 0.08, stepping)
     return np.array([after.temperature_k, after.resistance_ohm, 1e3 * after.contraction]), after
@@ -108,9 +110,9 @@ def test_each_tolerance_alone_keeps_its_quantity(tight: str, drive_v: float) -> 
     before = heated_state(WIRE, 366.0)
     finest, _ = answer(before, WIRE, drive_v, fixed_steps(2.5e-4))
     loose = {"temperature_k": 1e3, "resistance": 1e3, "strain": 1e3}
-    coarse, once = answer(before, WIRE, drive_v, Stepping(**loose))
+    coarse, once = answer(before, WIRE, drive_v, StepControl(**loose))
     tolerance = {"temperature_k": 2e-3, "resistance": 1e-5, "strain": 3e-6}[tight]
-    found, kept = answer(before, WIRE, drive_v, Stepping(**{**loose, tight: tolerance}))
+    found, kept = answer(before, WIRE, drive_v, StepControl(**{**loose, tight: tolerance}))
     assert kept.evaluations > once.evaluations
     assert (np.abs(found - finest) < np.abs(coarse - finest)).all()
     place, scale = {"temperature_k": (0, 1.0), "resistance": (1, before.resistance_ohm), "strain": (2, 1e3)}[tight]
@@ -134,7 +136,7 @@ def test_the_estimated_error_is_near_the_error_of_the_step() -> None:
 def test_chosen_steps_go_on_with_the_length_that_suits_and_grow_again() -> None:
     state, lengths = heated_state(WIRE, 366.0), []
     for drive_v in (3.4,) * 4 + (0.6,) * 4:
-        state, _ = advance(state, WIRE, drive_v, 0.05, Stepping())
+        state, _ = advance(state, WIRE, drive_v, 0.05, StepControl())
         lengths.append(state.step_s)
     assert all(1e-5 <= length_s <= 3.0 * 0.05 for length_s in lengths)
     assert min(lengths) < 0.05

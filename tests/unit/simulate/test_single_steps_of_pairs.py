@@ -28,19 +28,21 @@ from test_pairs import (
 
 from musclewire.wire.building import resting_state
 from musclewire.wire.loads import spring_load
-from musclewire.wire.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, Pair, PairMeans, advance_pair, no_grip
+from musclewire.wire.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, PairConnection, PairMeans, advance_pair, no_grip
 from musclewire.wire.state import WireState
-from musclewire.wire.stepping import Stepping, fixed_steps
+from musclewire.wire.stepping import StepControl, fixed_steps
 from musclewire.wire.wires import advance
 
 TEN_MS = fixed_steps(0.01)
 RUB_N = 0.2
 UNLIKE = {
-    "parallel": Case((wire(spring_load(800.0)), thick()), Pair(1.0, PARALLEL, 0.0, 1.0), no_grip()),
+    "parallel": Case((wire(spring_load(800.0)), thick()), PairConnection(1.0, PARALLEL, 0.0, 1.0), no_grip()),
     "antagonists": Case(
-        (wire(spring_load(200.0), guide_friction_n=RUB_N), thick()), Pair(-1.0, OWN_SUPPLY, 1.2, 1.5), no_grip()
+        (wire(spring_load(200.0), guide_friction_n=RUB_N), thick()),
+        PairConnection(-1.0, OWN_SUPPLY, 1.2, 1.5),
+        no_grip(),
     ),
-    "grip": Case((wire(finger_load()), thick(finger_load(), 1.1)), Pair(APART, SERIES, 0.0, 1.0), grip()),
+    "grip": Case((wire(finger_load()), thick(finger_load(), 1.1)), PairConnection(APART, SERIES, 0.0, 1.0), grip()),
 }
 DRIVE_V = {"parallel": 4.5, "antagonists": 3.2, "grip": 5.5}
 HEATED_S = {"parallel": 0.5, "antagonists": 0.5, "grip": 1.0}
@@ -59,7 +61,7 @@ def in_the_middle(name: str) -> tuple[WireState, WireState]:
 
 
 def after(
-    name: str, heated: bool, duration_s: float, stepping: Stepping
+    name: str, heated: bool, duration_s: float, stepping: StepControl
 ) -> tuple[tuple[WireState, WireState], PairMeans]:
     """Return both wires and the means some time later, heated on or left to cool."""
     both, pair, between = UNLIKE[name]
@@ -162,13 +164,13 @@ def test_half_the_step_of_a_pair_leaves_a_quarter_of_the_error(name: str, heated
 @ways
 def test_chosen_steps_of_a_pair_keep_their_tolerance(name: str, heated: bool) -> None:
     finest = numbers(after(name, heated, 0.08, fixed_steps(5e-4))[0])
-    tight = Stepping(temperature_k=5e-5, resistance=1e3, strain=1e3)
+    tight = StepControl(temperature_k=5e-5, resistance=1e3, strain=1e3)
     found, _ = after(name, heated, 0.08, tight)
     assert np.abs(numbers(found) - finest)[::3].max() < 5e-3
-    loose, _ = after(name, heated, 0.08, Stepping(temperature_k=1e3, resistance=1e3, strain=1e3))
+    loose, _ = after(name, heated, 0.08, StepControl(temperature_k=1e3, resistance=1e3, strain=1e3))
     assert sum(one.evaluations for one in found) > sum(one.evaluations for one in loose)
     for changed in ({"resistance": 1e-6}, {"strain": 3e-7}):
-        stepping = Stepping(**{"temperature_k": 1e3, "resistance": 1e3, "strain": 1e3, **changed})
+        stepping = StepControl(**{"temperature_k": 1e3, "resistance": 1e3, "strain": 1e3, **changed})
         finer, _ = after(name, heated, 0.08, stepping)
         assert sum(one.evaluations for one in finer) > sum(one.evaluations for one in loose)
         assert np.linalg.norm(numbers(finer) - finest) < np.linalg.norm(numbers(loose) - finest) + 1e-4
@@ -178,8 +180,8 @@ def test_a_pair_that_shares_nothing_steps_like_two_single_wires_to_the_bit() -> 
     both = (wire(spring_load(588.6)), thick(spring_load(300.0)))
     states = alone = (resting_state(both[0]), resting_state(both[1]))
     for own_v, other_v in ((3.5, 4.5), (3.5, 0.5), (0.3, 4.5)):
-        pair = Pair(APART, OWN_SUPPLY, other_v, both[1].series_resistance_ohm)
-        for stepping in (TEN_MS, Stepping()):
+        pair = PairConnection(APART, OWN_SUPPLY, other_v, both[1].series_resistance_ohm)
+        for stepping in (TEN_MS, StepControl()):
             states, means = advance_pair(states, both, pair, no_grip(), own_v, 0.2, stepping)
             if stepping is TEN_MS:
                 first, mean = advance(alone[0], both[0], own_v, 0.2, stepping)
@@ -198,7 +200,7 @@ def test_equal_wires_on_one_connector_share_pretension_and_spring() -> None:
     states, single = (resting_state(both[0]), resting_state(both[1])), resting_state(half)
     for drive_v in (4.0, 4.0, 4.0, 0.3):
         states, means = advance_pair(
-            states, both, Pair(1.0, PARALLEL, 0.0, 1.0), no_grip(), drive_v, 0.15, fixed_steps(5e-3)
+            states, both, PairConnection(1.0, PARALLEL, 0.0, 1.0), no_grip(), drive_v, 0.15, fixed_steps(5e-3)
         )
         single, mean = advance(single, half, drive_v, 0.15, fixed_steps(5e-3))
         assert states[0].temperature_k == pytest.approx(single.temperature_k, abs=0.02)

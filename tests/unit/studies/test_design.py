@@ -11,26 +11,26 @@ from hypothesis import strategies as st
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.extras.studies.design import METHODS, Design, design_of, run_seed, saltelli_points, unit_cube
-from musclewire.extras.studies.varied_parameters import Axis, Sampled
+from musclewire.extras.studies.design import METHODS, StudyDesign, design_of, run_seed, saltelli_points, unit_cube
+from musclewire.extras.studies.varied_parameters import GridAxis, SampledParameter
 
 
 def plain(values: FloatArray) -> FloatArray:
     return values
 
 
-def sampled(name: str) -> Sampled:
-    return Sampled(name, "1", plain)
+def sampled(name: str) -> SampledParameter:
+    return SampledParameter(name, "1", plain)
 
 
 axes = st.lists(st.integers(1, 4), max_size=3).map(
-    lambda sizes: [Axis(f"a{place}", "N", tuple(10.0 * place + k for k in range(size)))
+    lambda sizes: [GridAxis(f"a{place}", "N", tuple(10.0 * place + k for k in range(size)))
                    for place, size in enumerate(sizes)]
 )  # fmt: skip
 
 
 @given(axes, st.integers(0, 2), st.integers(1, 5))
-def test_the_runs_are_every_point_of_the_grid_with_every_sample(grid: list[Axis], drawn: int, samples: int) -> None:
+def test_the_runs_are_every_point_of_the_grid_with_every_sample(grid: list[GridAxis], drawn: int, samples: int) -> None:
     design = design_of([*grid, *(sampled(f"s{k}") for k in range(drawn))], "random", samples, 3)
     points = list(itertools.product(*(axis.values for axis in grid)))
     rows = design.rows(0, len(design))
@@ -41,7 +41,7 @@ def test_the_runs_are_every_point_of_the_grid_with_every_sample(grid: list[Axis]
 
 
 @given(axes, st.data())
-def test_any_part_of_the_runs_is_that_part_of_all(grid: list[Axis], data: st.DataObject) -> None:
+def test_any_part_of_the_runs_is_that_part_of_all(grid: list[GridAxis], data: st.DataObject) -> None:
     design = design_of([*grid, sampled("s")], "latin-hypercube", 4, 1)
     first = data.draw(st.integers(0, len(design)))
     stop = data.draw(st.integers(first, len(design)))
@@ -90,15 +90,15 @@ def test_the_seed_of_a_run_depends_on_its_number_alone() -> None:
 
 def test_a_distribution_with_infinite_values_is_refused() -> None:
     with pytest.raises(CallerError, match="not finite"):
-        design_of([Sampled("s", "1", lambda p: np.full_like(p, np.inf))], "random", 4, 1)
+        design_of([SampledParameter("s", "1", lambda p: np.full_like(p, np.inf))], "random", 4, 1)
 
 
 def test_more_runs_than_anybody_evaluates_are_refused() -> None:
     with pytest.raises(CallerError, match="more than 10000000"):
-        design_of([Axis(name, "N", tuple(map(float, range(300)))) for name in "abc"], "random", 1, 1)
+        design_of([GridAxis(name, "N", tuple(map(float, range(300)))) for name in "abc"], "random", 1, 1)
 
 
 def test_a_study_without_parameters_is_one_run_for_each_sample() -> None:
     design = design_of([], "random", 5, 1)
-    assert isinstance(design, Design)
+    assert isinstance(design, StudyDesign)
     assert design.rows(0, 5) == [()] * 5

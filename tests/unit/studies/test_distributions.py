@@ -10,7 +10,7 @@ import pytest
 
 from musclewire.errors import CallerError
 from musclewire.extras.studies.distributions import quantile_function
-from musclewire.extras.studies.varied_parameters import Axis, ParameterTable, Sampled, resolved
+from musclewire.extras.studies.varied_parameters import GridAxis, ParameterTable, SampledParameter, resolved
 
 # Of the standard normal distribution, as every table prints it.
 NORMAL_975 = 1.959964
@@ -75,7 +75,7 @@ def test_numbers_that_make_no_distribution_are_refused(given: dict[str, Any], wo
 def test_units_are_taken_off_and_a_difference_of_temperatures_needs_one() -> None:
     table = ParameterTable(distribution="normal", mean="22 degC", std="2 K")
     found = resolved("ambient_temperature", "K", table)
-    assert isinstance(found, Sampled)
+    assert isinstance(found, SampledParameter)
     assert found.quantile(np.array([0.5]))[0] == pytest.approx(295.15)
     with pytest.raises(CallerError, match="difference of temperatures"):
         resolved("ambient_temperature", "K", ParameterTable(distribution="normal", mean="22 degC", std="2 degC"))
@@ -83,10 +83,10 @@ def test_units_are_taken_off_and_a_difference_of_temperatures_needs_one() -> Non
 
 def test_points_are_an_axis_with_both_ends() -> None:
     linear = resolved("pretension", "N", ParameterTable(low="1 N", high="2 N", points=3))
-    assert isinstance(linear, Axis)
+    assert isinstance(linear, GridAxis)
     assert linear.values == pytest.approx((1.0, 1.5, 2.0))
     log = resolved("pretension", "N", ParameterTable(low=1.0, high=100.0, points=3, spacing="log"))
-    assert isinstance(log, Axis)
+    assert isinstance(log, GridAxis)
     assert log.values == pytest.approx((1.0, 10.0, 100.0))
 
 
@@ -108,7 +108,7 @@ def test_keys_that_do_not_belong_together_are_refused(unit: str, table: dict[str
 
 def test_a_prior_is_a_distribution_between_its_bounds() -> None:
     found = resolved("martensite_temperature_k", "K", ParameterTable(prior="niti-wire"))
-    assert isinstance(found, Sampled)
+    assert isinstance(found, SampledParameter)
     ends = found.quantile(np.array([1e-12, 1.0 - 1e-12]))
     from musclewire.parameters.priors import load_priors
 

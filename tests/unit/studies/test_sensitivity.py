@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from musclewire.arrays import FloatArray
-from musclewire.extras.studies.design import Design, design_of
+from musclewire.extras.studies.design import StudyDesign, design_of
 from musclewire.extras.studies.sensitivity import Sensitivity, sensitivity_of, sensitivity_text
-from musclewire.extras.studies.varied_parameters import Axis, Sampled
+from musclewire.extras.studies.varied_parameters import GridAxis, SampledParameter
 
 A, B = 7.0, 0.1
 
@@ -21,7 +21,7 @@ def wide(probability: FloatArray) -> FloatArray:
     return math.pi * (2.0 * probability - 1.0)
 
 
-def ishigami(design: Design) -> FloatArray:
+def ishigami(design: StudyDesign) -> FloatArray:
     x, y, z = design.samples.T[:3]
     return np.asarray(np.sin(x) + A * np.sin(y) ** 2 + B * z**4 * np.sin(x))
 
@@ -35,8 +35,8 @@ def closed_form() -> tuple[list[float], list[float]]:
     return [first / whole, second / whole, 0.0], [(first + together) / whole, second / whole, together / whole]
 
 
-def three(method: str, samples: int) -> Design:
-    return design_of([Sampled(name, "1", wide) for name in "xyz"], method, samples, 1)
+def three(method: str, samples: int) -> StudyDesign:
+    return design_of([SampledParameter(name, "1", wide) for name in "xyz"], method, samples, 1)
 
 
 def test_saltellis_design_gives_the_closed_forms_of_ishigamis_function() -> None:
@@ -51,7 +51,7 @@ def test_saltellis_design_gives_the_closed_forms_of_ishigamis_function() -> None
 @pytest.mark.parametrize("method", ["sobol", "latin-hypercube", "halton", "random"])
 def test_any_other_sample_gives_the_first_indices(method: str) -> None:
     # The fourth has no effect. In four dimensions RBD-FAST takes a Sobol sequence's third for its first.
-    design = design_of([Sampled(name, "1", wide) for name in "xyzw"], method, 4096, 1)
+    design = design_of([SampledParameter(name, "1", wide) for name in "xyzw"], method, 4096, 1)
     rows = sensitivity_of(design, {"f": ishigami(design)}, 1)
     assert [row.first for row in rows] == pytest.approx([*closed_form()[0], 0.0], abs=0.04)
     # The third acts by its interaction with the first alone: its first index is 0, PAWN's is not.
@@ -61,7 +61,7 @@ def test_any_other_sample_gives_the_first_indices(method: str) -> None:
 
 def test_the_indices_of_a_grid_are_exact() -> None:
     x, y = np.linspace(-1.0, 1.0, 5), np.linspace(-1.0, 1.0, 9)
-    design = design_of([Axis("x", "1", tuple(x.tolist())), Axis("y", "1", tuple(y.tolist()))], "random", 1, 1)
+    design = design_of([GridAxis("x", "1", tuple(x.tolist())), GridAxis("y", "1", tuple(y.tolist()))], "random", 1, 1)
     values = (3.0 * x[:, None] + 2.0 * y[None, :] + x[:, None] * y[None, :]).ravel()
     rows = sensitivity_of(design, {"f": values}, 1)
     parts = [9.0 * x.var(), 4.0 * y.var(), x.var() * y.var()]
@@ -71,8 +71,8 @@ def test_the_indices_of_a_grid_are_exact() -> None:
 @pytest.mark.parametrize("method", ["saltelli", "sobol"])
 def test_over_a_grid_all_indices_are_of_one_variance(method: str) -> None:
     """Of 3 g + 2 x + g x with g of -1, 0, 1 and x uniform from -1 to 1; y does nothing."""
-    sampled = [Sampled(name, "1", lambda probability: 2.0 * probability - 1.0) for name in "xy"]
-    design = design_of([Axis("g", "1", (-1.0, 0.0, 1.0)), *sampled], method, 1024, 1)
+    sampled = [SampledParameter(name, "1", lambda probability: 2.0 * probability - 1.0) for name in "xy"]
+    design = design_of([GridAxis("g", "1", (-1.0, 0.0, 1.0)), *sampled], method, 1024, 1)
     g, x = np.array([-1.0, 0.0, 1.0])[:, None], design.samples[:, 0]
     rows = sensitivity_of(design, {"f": (3.0 * g + 2.0 * x + g * x).ravel()}, 1)
     of_g, of_x, together = 6.0, 4.0 / 3.0, 2.0 / 9.0

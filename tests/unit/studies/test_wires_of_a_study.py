@@ -100,11 +100,11 @@ def test_ideal_readings_are_those_of_a_rig_without_errors(rig: str) -> None:
 def test_the_gaps_are_those_of_loop_gaps_and_the_fit_is_fits() -> None:
     from musclewire.extras.studies.characterize_runs import CharacterizeOptions, drive_v, loop_numbers
     from musclewire.extras.studies.ideal_runs import ideal_runs
-    from musclewire.extras.studies.run_kind import Run, Runs
+    from musclewire.extras.studies.run_kind import StudyRun, StudyRuns
 
     options = CharacterizeOptions(cycles=1, period=60.0, fit=True)
     rig = VariedRig(RigConfiguration(), "test", [])
-    runs = Runs(rig, [Run(0, {}, options, 1)], frozenset())
+    runs = StudyRuns(rig, [StudyRun(0, {}, options, 1)], frozenset())
     (found,) = ideal_runs(runs, lambda run, wire: drive_v(run.options, wire))
     assert not isinstance(found, Exception)
     names = frozenset({"strain_gap", "force_gap", "displacement_gap", "fit_rmse", "fit_order"})

@@ -12,7 +12,7 @@ from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy
 from musclewire.wire.distribution import (
     BarrierClass,
-    Distribution,
+    OffsetDistribution,
     of_classes,
     signed_power,
     signed_power_distribution,
@@ -121,7 +121,7 @@ def test_weights_of_classes_are_positive_and_add_up_to_one(weights: tuple[float,
 
 
 def test_a_uniform_distribution_by_hand() -> None:
-    table = Distribution(-1.0, 1.0, np.array([[0.0, 0.5, 0.0, 0.0], [0.5, 0.5, 0.0, 0.0]]))
+    table = OffsetDistribution(-1.0, 1.0, np.array([[0.0, 0.5, 0.0, 0.0], [0.5, 0.5, 0.0, 0.0]]))
     assert table.cumulative(np.array([-3.0, -1.0, -0.5, 0.0, 0.9, 2.0])) == pytest.approx([0, 0, 0.25, 0.5, 0.95, 1])
 
 

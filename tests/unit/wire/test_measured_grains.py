@@ -13,7 +13,7 @@ from wire_makers import alloy, bench, wire_100um
 
 from musclewire.errors import CallerError
 from musclewire.identify.physical.candidate import candidate_constants
-from musclewire.identify.physical.candidates import Candidates
+from musclewire.identify.physical.candidates import CandidateParameters
 from musclewire.parameters import Alloy
 from musclewire.parameters.parameter_groups import GrainQuantiles
 from musclewire.parameters.priors import load_priors
@@ -47,7 +47,7 @@ def test_two_wires_of_one_table_share_it_and_a_pickled_one_is_the_same() -> None
 
 
 def test_a_search_keeps_them_and_leaves_alone_what_they_replace() -> None:
-    candidates = Candidates(load_priors(), measured(), wire_100um(), bench())
+    candidates = CandidateParameters(load_priors(), measured(), wire_100um(), bench())
     assert not {"grain_skew", "grain_tail", "early_fraction", "early_width"} & set(candidates.names)
     values = candidates.wire_values(np.zeros(len(candidates)))
     found = candidate_constants(values, values.wire, values.bench)

@@ -32,7 +32,7 @@ LongerState.fields = (*LongerState.fields[-2:], *LongerState.fields[:-2])
 
 
 def longer(state: WireState, worn_j: float) -> LongerState:
-    return LongerState.of(state.classes, **state.values(), worn_j=worn_j, class_age=np.arange(state.classes))
+    return LongerState.from_values(state.classes, **state.values(), worn_j=worn_j, class_age=np.arange(state.classes))
 
 
 @pytest.mark.parametrize("row", [WireState, WireConstants, StepConstants, LongerState])
@@ -86,7 +86,7 @@ def test_fields_are_floats_and_a_missing_or_unknown_one_is_named() -> None:
     values = state.values()
     del values["stress_pa"], values["cycles"]
     with pytest.raises(CallerError, match="needs stress_pa, cycles"):
-        WireState.of(state.classes, **values)
+        WireState.from_values(state.classes, **values)
 
 
 def test_a_pickled_row_is_the_same_wire() -> None:

@@ -23,8 +23,8 @@ from musclewire.physics.material import (
 )
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K, phase_resistivity_ohm_m, wire_resistance_ohm
 from musclewire.wire.balance import (
+    ConnectorForce,
     LoadPoint,
-    Push,
     balance_at,
     contraction_of,
     convection_w_per_m2_k,
@@ -36,8 +36,8 @@ from musclewire.wire.balance import (
 from musclewire.wire.building import resting_state
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.fronts import (
-    Phases,
-    Shakedown,
+    PhaseFractions,
+    ShakedownEffects,
     cumulative_at,
     fronts_after,
     phases_of_class,
@@ -55,8 +55,8 @@ factors = st.floats(1.0, 1.4)
 fractions = st.floats(0.0, 1.0)
 # Steps of the difference quotients: temperature [K], stress [Pa], contraction.
 DT_K, DS_PA, DC = 1e-4, 100.0, 1e-8
-OVER = Shakedown(1.0, 0.0, 1.0)
-NO_PUSH = Push(0.0, 0.0, 0.0)
+OVER = ShakedownEffects(1.0, 0.0, 1.0)
+NO_PUSH = ConnectorForce(0.0, 0.0, 0.0)
 
 
 def quotient(function: Callable[[float], float], at: float, step: float) -> float:
@@ -169,13 +169,13 @@ class Point:
 
     def __init__(self, wire: WireConstants, start: tuple[float, float], temperature_k: float, stress_pa: float) -> None:
         k, cells, load = (part[0] for part in wire.step_arrays())
-        over = Shakedown(1.1, 1e-3, 1.05)
+        over = ShakedownEffects(1.1, 1e-3, 1.05)
         fronts = fronts_after(k, temperature_k, stress_pa, over.barrier_factor, 0.0, start)
         both = (cumulative_at(k, cells, 0, fronts.martensite), cumulative_at(k, cells, 0, fronts.austenite))
-        self.phases: Phases = phases_of_class(1.0, fronts, *both)
+        self.phases: PhaseFractions = phases_of_class(1.0, fronts, *both)
         self.strain = strain_at(k, temperature_k, stress_pa, self.phases.martensite, self.phases.r_phase)
         self.contraction = float(contraction_of(k, over, self.strain))
-        self.load: LoadPoint = load_at(k, load, self.contraction, (0.01, 0.0), Push(0.1, 30.0, 0.005))
+        self.load: LoadPoint = load_at(k, load, self.contraction, (0.01, 0.0), ConnectorForce(0.1, 30.0, 0.005))
         self.balance = balance_at(k, over, self.phases, self.strain, self.load, (temperature_k, stress_pa, 0.01))
 
 
@@ -242,7 +242,7 @@ def test_resistance_is_that_of_the_published_equations(
     wire, r_phase = WIRES[kind], (1.0 - martensite) * part
     k = wire.derived.record
     strain = strain_at(k, temperature_k, stress_pa, martensite, r_phase)
-    found = resistance_at(k, Shakedown(1.0, 0.0, factor), strain, temperature_k, martensite, r_phase)
+    found = resistance_at(k, ShakedownEffects(1.0, 0.0, factor), strain, temperature_k, martensite, r_phase)
     resistivity = sum(
         fraction * times * phase_resistivity_ohm_m(at_reference, per_k, temperature_k)
         for fraction, times, at_reference, per_k in (
@@ -292,7 +292,7 @@ def test_the_load_is_the_sum_of_its_parts_with_their_slopes(
 ) -> None:
     wire = LOADED[name]
     k, _, load = (item[0] for item in wire.step_arrays())
-    pushed = Push(push, 25.0, 0.01)
+    pushed = ConnectorForce(push, 25.0, 0.01)
     before_n = 0.2 * part
     at = load_at(k, load, contraction, (before, before_n), pushed)
     moved_m = contraction * wire.leg_length_m
@@ -325,7 +325,7 @@ def solved_at(
     """Return a wire's equilibrium at an enthalpy, from a guess, with a push; the slopes, and whether it is solved."""
     wire = RunningWire(states[0], constants[0], cells[0], load[0])
     over = shakedown_of(constants[0], 0.0)
-    found = solve(wire, over, given[0], (given[1], given[2]), Push(given[3], 0.0, 0.0))
+    found = solve(wire, over, given[0], (given[1], given[2]), ConnectorForce(given[3], 0.0, 0.0))
     return (
         found.wire.temperature_k, found.wire.stress_pa, found.wire.contraction, found.temperature_slope_k_per_j,
         found.stress_slope_pa_per_j, found.contraction_slope_per_j, found.stress_per_contraction_pa, found.solved,

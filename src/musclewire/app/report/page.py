@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from musclewire.app.report.figures import report_figures
 from musclewire.experiment.metrics import APPROACHED, FROM_FIRST_TARGET
-from musclewire.pages import Card, cards, page, table_rows
+from musclewire.pages import NumberCard, cards, page, table_rows
 from musclewire.parameters.library import load_alloy, load_bench, load_wire, read_published
 from musclewire.signals.whole_files import write_text_whole
 
@@ -61,32 +61,32 @@ def steps_text(time_step_s: float) -> str:
     return f"steps of {1e3 * time_step_s:g} ms" if time_step_s else "steps chosen by tolerance"
 
 
-def key_numbers(result: DemoResult, wall_s: float) -> list[Card]:
+def key_numbers(result: DemoResult, wall_s: float) -> list[NumberCard]:
     """Return the key numbers next to the paper's."""
     paper = read_published("lan_fan_2010")["loop_100um"]
     table = read_published("lan_fan_2010")["table2"]
     printed = [*table["mae_rise_pct"], *table["mae_return_pct"]]
     model, metrics = result.model, result.run.metrics
     return [
-        Card("Strain gap", f"{100 * result.gaps.strain_gap:.3f} %", f"paper {paper['strain_gap_pct']} %"),
-        Card("R<sub>min</sub>", f"{model.resistance_min_ohm:.3f} Ω", f"paper {paper['resistance_min_ohm']} Ω"),
-        Card("R<sub>max</sub>", f"{model.resistance_max_ohm:.3f} Ω", f"paper {paper['resistance_max_ohm']} Ω"),
+        NumberCard("Strain gap", f"{100 * result.gaps.strain_gap:.3f} %", f"paper {paper['strain_gap_pct']} %"),
+        NumberCard("R<sub>min</sub>", f"{model.resistance_min_ohm:.3f} Ω", f"paper {paper['resistance_min_ohm']} Ω"),
+        NumberCard("R<sub>max</sub>", f"{model.resistance_max_ohm:.3f} Ω", f"paper {paper['resistance_max_ohm']} Ω"),
         *error_cards(result, "Largest step MAE", metrics.mae_max_pct, metrics.mae_max_approached_pct, max(printed)),
         *error_cards(
             result, "Mean step MAE", metrics.mae_mean_pct, metrics.mae_mean_approached_pct, sum(printed) / len(printed)
         ),
-        Card("Computed in", f"{wall_s:.1f} s", f"{wire_seconds(result):.0f} s of wire time"),
+        NumberCard("Computed in", f"{wall_s:.1f} s", f"{wire_seconds(result):.0f} s of wire time"),
     ]
 
 
 def error_cards(
     result: DemoResult, name: str, counted: float | None, approached: float | None, paper: float
-) -> list[Card]:
+) -> list[NumberCard]:
     """Return the cards of an error of the steps, one for each reading of Eq. 7."""
     printed = f"paper {paper:.2f} %"
     return [
-        Card(f"{name} {FROM_FIRST_TARGET}", f"{counted:.2f} %", printed),
-        Card(f"{name} {APPROACHED} of {result.run.metrics.approach_s:g} s", f"{approached:.2f} %", printed),
+        NumberCard(f"{name} {FROM_FIRST_TARGET}", f"{counted:.2f} %", printed),
+        NumberCard(f"{name} {APPROACHED} of {result.run.metrics.approach_s:g} s", f"{approached:.2f} %", printed),
     ]
 
 

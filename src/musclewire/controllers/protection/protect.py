@@ -12,7 +12,7 @@ from math import isfinite
 from typing import Generic, NamedTuple, TypeVar
 
 from musclewire.controllers.protection.table import (
-    Drive,
+    AllowedDrive,
     Effect,
     Event,
     ProtectionLimits,
@@ -25,9 +25,9 @@ from musclewire.physics.resistance import series_resistance_ohm
 
 __all__ = [
     "CONDITION_EVENTS",
-    "Conditions",
+    "LastingConditions",
     "ProtectionState",
-    "after",
+    "state_after",
     "allowed_drive_v",
     "armed",
     "closed",
@@ -61,14 +61,14 @@ TIME_ROUNDING_S = 1e-6
 
 # What every sample compares with: Python 3.11 takes longer to look up a member of an enumeration than to compare it.
 NO_EVENT = Event.NONE
-NO_DRIVE, COMMANDED_DRIVE, SENSE_DRIVE = Drive.NONE, Drive.COMMANDED, Drive.SENSE
+NO_DRIVE, COMMANDED_DRIVE, SENSE_DRIVE = AllowedDrive.NONE, AllowedDrive.COMMANDED, AllowedDrive.SENSE
 COMMAND, PRESENT = Signal.COMMAND, Signal.PRESENT
 NOTHING, FOLLOW = Effect.NOTHING, Effect.FOLLOW
 
 Each = TypeVar("Each")
 
 
-class Conditions(NamedTuple, Generic[Each]):
+class LastingConditions(NamedTuple, Generic[Each]):
     """One item for each event that is seen in a reading and must last, in the order of evaluation.
 
     The names are those of the events. This is their only list: whether each is seen, how long it has been seen, its
@@ -87,9 +87,11 @@ class Conditions(NamedTuple, Generic[Each]):
     over_temperature: Each
 
 
-CONDITION_EVENTS: Conditions[Event] = Conditions(*(Event[name.upper()] for name in Conditions._fields))
-HEALTHY: Conditions[bool] = Conditions(*(False for _ in Conditions._fields))
-NOTHING_LASTS: Conditions[float] = Conditions(*(0.0 for _ in Conditions._fields))
+CONDITION_EVENTS: LastingConditions[Event] = LastingConditions(
+    *(Event[name.upper()] for name in LastingConditions._fields)
+)
+HEALTHY: LastingConditions[bool] = LastingConditions(*(False for _ in LastingConditions._fields))
+NOTHING_LASTS: LastingConditions[float] = LastingConditions(*(0.0 for _ in LastingConditions._fields))
 
 
 class ProtectionState(NamedTuple):
@@ -105,7 +107,7 @@ class ProtectionState(NamedTuple):
     drive_voltage_v: float
     temperature_k: float
     missing_s: float = 0.0
-    lasting_s: Conditions[float] = NOTHING_LASTS
+    lasting_s: LastingConditions[float] = NOTHING_LASTS
     settled_ohm: float = 0.0
     wire_voltage_v: float = 0.0
     shunt_voltage_v: float = 0.0
@@ -114,7 +116,7 @@ class ProtectionState(NamedTuple):
     repeats_drive_v: float = 0.0
 
 
-def after(
+def state_after(
     state: ProtectionState,
     signal: Signal,
     table: ProtectionTable,
@@ -169,17 +171,17 @@ def with_drive(state: ProtectionState, following: State, drive_voltage_v: float)
 def armed(limits: ProtectionLimits) -> ProtectionState:
     """Return the state in which a rig may be driven: a cold wire, nothing commanded yet."""
     cold = ProtectionState(State.OFF, Event.NONE, 0.0, limits.ambient_temperature_k)
-    return after(cold, Signal.ARM, protection_table(), drive_voltage_v=limits.sense_voltage_v)
+    return state_after(cold, Signal.ARM, protection_table(), drive_voltage_v=limits.sense_voltage_v)
 
 
 def tripped_by(state: ProtectionState, event: Event) -> ProtectionState:
     """Return the state after an event that switches off at once; the first cause stays."""
-    return after(state, Signal.FAULT, protection_table(), event=event)
+    return state_after(state, Signal.FAULT, protection_table(), event=event)
 
 
 def closed(state: ProtectionState) -> ProtectionState:
     """Return the state after the rig has closed its output; a trip keeps its cause."""
-    return after(state, Signal.CLOSE, protection_table())
+    return state_after(state, Signal.CLOSE, protection_table())
 
 
 def rested(state: ProtectionState, limits: ProtectionLimits) -> ProtectionState:
@@ -188,7 +190,7 @@ def rested(state: ProtectionState, limits: ProtectionLimits) -> ProtectionState:
     A drive held before the pause is not applied again after it, and the resistance of a wire that has cooled meanwhile
     is no jump. Missing readings stay missing until one arrives; the temperature is kept, which is on the safe side.
     """
-    return after(state, Signal.REST, protection_table(), drive_voltage_v=limits.sense_voltage_v)
+    return state_after(state, Signal.REST, protection_table(), drive_voltage_v=limits.sense_voltage_v)
 
 
 def protect_command(
@@ -202,7 +204,7 @@ def protect_command(
     rules = table or protection_table()
     if not (isfinite(drive_voltage_v) and 0.0 <= drive_voltage_v <= limits.maximum_voltage_v * MAXIMUM_ROUNDING):
         return protect_event(state, Event.COMMAND_REFUSED, 0.0, rules)
-    return after(state, COMMAND, rules, drive_voltage_v=drive_voltage_v)
+    return state_after(state, COMMAND, rules, drive_voltage_v=drive_voltage_v)
 
 
 def allowed_drive_v(state: ProtectionState, limits: ProtectionLimits) -> float:
@@ -219,7 +221,7 @@ def protect_event(
     """Return the state after an event that has been seen for ``seen_s``: it trips or degrades, as the table says."""
     rules = table or protection_table()
     if rules.row(event).action == "trip":
-        return after(state, Signal.FAULT, rules, event=event)
+        return state_after(state, Signal.FAULT, rules, event=event)
     return protect_missing(state, event, seen_s, rules)
 
 
@@ -233,7 +235,7 @@ def protect_missing(
         signal = Signal.MISSING_TOO_LONG
     elif missing_s > rules.sense_after_s - TIME_ROUNDING_S:
         signal = Signal.MISSING_LONG
-    return after(state, signal, rules, event=event, missing_s=missing_s)
+    return state_after(state, signal, rules, event=event, missing_s=missing_s)
 
 
 def protect_reading(
@@ -254,15 +256,17 @@ def protect_reading(
         cooling = heated(state, limits, 0.0, dt_s)
         return protect_event(cooling, missing, state.missing_s + dt_s, rules)
     seen, state = conditions(state, limits, drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_s)
-    state = after(state, PRESENT, rules)
+    state = state_after(state, PRESENT, rules)
     if seen is HEALTHY:
         return state if state.lasting_s is NOTHING_LASTS else state._replace(lasting_s=NOTHING_LASTS)
     return judged(state, seen, dt_s, rules)
 
 
-def judged(state: ProtectionState, seen: Conditions[bool], dt_s: float, table: ProtectionTable) -> ProtectionState:
+def judged(
+    state: ProtectionState, seen: LastingConditions[bool], dt_s: float, table: ProtectionTable
+) -> ProtectionState:
     """Return the state after the conditions of a reading: the first that has lasted long enough acts."""
-    lasting_s = Conditions(*(was + dt_s if now else 0.0 for was, now in zip(state.lasting_s, seen, strict=True)))
+    lasting_s = LastingConditions(*(was + dt_s if now else 0.0 for was, now in zip(state.lasting_s, seen, strict=True)))
     state = state._replace(lasting_s=lasting_s)
     for event, now, lasted_s in zip(CONDITION_EVENTS, seen, lasting_s, strict=True):
         if now and lasted_s > table.lasts_s[event] - TIME_ROUNDING_S:
@@ -305,7 +309,7 @@ def conditions(
     wire_voltage_v: float,
     shunt_voltage_v: float,
     dt_s: float,
-) -> tuple[Conditions[bool], ProtectionState]:
+) -> tuple[LastingConditions[bool], ProtectionState]:
     """Return which conditions hold for a reading (``HEALTHY`` if none does), and the updated state."""
     measured, resistance = measured_resistance(limits, drive_voltage_v, wire_voltage_v, shunt_voltage_v)
     outside = not limits.resistance_low_ohm <= resistance <= limits.resistance_high_ohm
@@ -327,7 +331,7 @@ def conditions(
     # The record costs as much as all of the above: it is built only if a condition holds.
     if not (saturated or reversed_ or short or current or power or stuck or jumped or outside or frozen or hot):
         return HEALTHY, state
-    seen = Conditions(
+    seen = LastingConditions(
         channel_saturated=saturated,
         channels_swapped=reversed_,
         wire_short=short,

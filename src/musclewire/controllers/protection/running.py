@@ -26,7 +26,7 @@ from musclewire.controllers.protection.sound import (
     sound_sample,
 )
 from musclewire.controllers.protection.table import (
-    Drive,
+    AllowedDrive,
     Effect,
     Event,
     ProtectionLimits,
@@ -111,7 +111,7 @@ class RunningProtection:
         self.last_reading_v = (drive_v, wire_v, shunt_v)
         self._become(protect_reading(self.state, self._limits, drive_v, wire_v, shunt_v, covered_s, self._table))
 
-    def take(self, drive_voltage_v: float, memory: Rows) -> None:
+    def adopt_compiled_samples(self, drive_voltage_v: float, memory: Rows) -> None:
         """Take over what sound samples in compiled code have made of the memory, and the last drive of theirs."""
         self.command(drive_voltage_v)
         remembered = dict(zip(REMEMBERED, memory[0].item(), strict=True))
@@ -141,5 +141,5 @@ def takes_numbers_only(table: ProtectionTable) -> bool:
     return (
         run[Signal.COMMAND] == (State.RUN, Effect.FOLLOW)
         and run[Signal.PRESENT] == (State.RUN, Effect.NOTHING)
-        and table.output_drives[State.RUN] is Drive.COMMANDED
+        and table.output_drives[State.RUN] is AllowedDrive.COMMANDED
     )

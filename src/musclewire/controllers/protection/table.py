@@ -17,7 +17,7 @@ from musclewire.errors import CallerError
 __all__ = [
     "ProtectionLimits",
     "Action",
-    "Drive",
+    "AllowedDrive",
     "Effect",
     "Event",
     "EventRow",
@@ -103,7 +103,7 @@ class State(IntEnum):
     DEGRADED = 5
 
 
-class Drive(IntEnum):
+class AllowedDrive(IntEnum):
     """Which drive voltage may be out in a state."""
 
     NONE = 0
@@ -173,7 +173,7 @@ class Transition(NamedTuple):
     effect: Effect
 
 
-class Row(BaseModel):
+class NumberedRow(BaseModel):
     """What every row of the table has."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -182,7 +182,7 @@ class Row(BaseModel):
     number: int = Field(ge=0, le=255)
 
 
-class StateRow(Row):
+class StateRow(NumberedRow):
     """One state: what is out, and what it means."""
 
     drive: Literal["none", "commanded", "sense"]
@@ -190,13 +190,13 @@ class StateRow(Row):
     meaning: str
 
 
-class EffectRow(Row):
+class EffectRow(NumberedRow):
     """One effect of a transition, in words."""
 
     meaning: str
 
 
-class Then(BaseModel):
+class TransitionRow(BaseModel):
     """Where a signal leads to from one state, by name."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -205,14 +205,14 @@ class Then(BaseModel):
     effect: str
 
 
-class SignalRow(Row):
+class SignalRow(NumberedRow):
     """One signal: when it comes, and what it does in each state."""
 
     when: str
-    then: dict[str, Then]
+    then: dict[str, TransitionRow]
 
 
-class EventRow(Row):
+class EventRow(NumberedRow):
     """One event: when it is seen, how long it must last [s], and what happens then."""
 
     number: int = Field(ge=1, le=255)
@@ -224,7 +224,7 @@ class EventRow(Row):
     remedy: str
 
 
-class ReservedRow(Row):
+class ReservedRow(NumberedRow):
     """A name and number that older programs know and nothing uses any more."""
 
     kind: Literal["event", "state", "action"]
@@ -283,9 +283,9 @@ class ProtectionTable(BaseModel):
         )
 
     @cached_property
-    def output_drives(self) -> tuple[Drive, ...]:
+    def output_drives(self) -> tuple[AllowedDrive, ...]:
         """Which drive may be out in each state, by the state's number."""
-        return tuple(Drive[row.drive.upper()] for row in sorted(self.state, key=lambda row: row.number))
+        return tuple(AllowedDrive[row.drive.upper()] for row in sorted(self.state, key=lambda row: row.number))
 
     def row(self, event: Event) -> EventRow:
         """Return the row of an event. Raises KeyError for ``Event.NONE``, which has none."""
@@ -303,11 +303,11 @@ class ProtectionTable(BaseModel):
         return {Event(row.number): row for row in self.event}
 
 
-def _transition(then: Then) -> Transition:
+def _transition(then: TransitionRow) -> Transition:
     return Transition(State[then.to.upper()], Effect[then.effect.upper()])
 
 
-def _require_same(rows: Sequence[Row], kind: type[IntEnum], without: tuple[str, ...] = ()) -> None:
+def _require_same(rows: Sequence[NumberedRow], kind: type[IntEnum], without: tuple[str, ...] = ()) -> None:
     """Raise ValueError unless names and numbers of the rows are those of an enumeration, each once."""
     found = sorted((row.name.upper(), row.number) for row in rows)
     if found != sorted((item.name, item.value) for item in kind if item.name not in without):

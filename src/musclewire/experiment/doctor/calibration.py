@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from musclewire.errors import CallerError
 from musclewire.experiment.doctor.evidence import Evidence
-from musclewire.experiment.doctor.probing import Level
+from musclewire.experiment.doctor.probing import VoltageLevel
 
 __all__ = ["ChannelCalibration", "calibrations"]
 
@@ -23,7 +23,7 @@ class ChannelCalibration(NamedTuple):
 
 
 def calibrations(
-    evidence: Evidence, at_sense: Level | None, meter_wire_v: float | None, meter_shunt_v: float | None
+    evidence: Evidence, at_sense: VoltageLevel | None, meter_wire_v: float | None, meter_shunt_v: float | None
 ) -> tuple[ChannelCalibration, ...]:
     """Return the calibration of both channels: offsets at 0 V, gains by a meter that was read at the sense voltage.
 
@@ -36,7 +36,7 @@ def calibrations(
     return tuple(found)
 
 
-def gain_of(channel: str, offset_v: float, at_sense: Level | None, meter_v: float | None) -> float | None:
+def gain_of(channel: str, offset_v: float, at_sense: VoltageLevel | None, meter_v: float | None) -> float | None:
     """Return the factor by which a channel's reading agrees with a meter's."""
     if meter_v is None:
         return None

@@ -9,7 +9,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.experiment.doctor.evidence import Evidence, LinearFit, noise_v
 from musclewire.experiment.doctor.findings import Findings, RigCheck, SkippedCheck
-from musclewire.experiment.doctor.probing import Level
+from musclewire.experiment.doctor.probing import VoltageLevel
 
 __all__ = ["finite_check", "hum_check", "moving_checks", "offset_checks", "quiet_checks", "range_check"]
 
@@ -33,7 +33,7 @@ HUM_RATE_HZ = 150.0
 BEYOND = 1.5
 
 
-def finite_check(levels: tuple[Level, ...]) -> RigCheck:
+def finite_check(levels: tuple[VoltageLevel, ...]) -> RigCheck:
     """Check that every reading is a number."""
     lost = sum(
         int(np.count_nonzero(~np.isfinite(level.wire_voltage_v) | ~np.isfinite(level.shunt_voltage_v)))
@@ -71,7 +71,7 @@ def offset_check(name: str, zero_v: FloatArray, at_sense_v: float, evidence: Evi
     return RigCheck(name, ok, offset, "V", advice)
 
 
-def quiet_checks(evidence: Evidence, at_sense: Level | None, sample_period_s: float) -> Findings:
+def quiet_checks(evidence: Evidence, at_sense: VoltageLevel | None, sample_period_s: float) -> Findings:
     """Check the noise of both channels, and the resulting noise of resistance and strain at the sense voltage."""
     zero = evidence.zero
     wire_v, shunt_v = noise_v(zero.wire_voltage_v), noise_v(zero.shunt_voltage_v)
@@ -118,7 +118,7 @@ def bits_check(evidence: Evidence, wire_noise_v: float, shunt_noise_v: float) ->
     return RigCheck("resolution_bits", ok, bits, "bit", advice)
 
 
-def min_step_v(levels: tuple[Level, ...], name: str) -> float:
+def min_step_v(levels: tuple[VoltageLevel, ...], name: str) -> float:
     """Return the smallest difference between two distinct readings of a channel."""
     steps = np.diff(np.unique(np.concatenate([getattr(level, name) for level in levels])))
     # Sums of many readings differ in their last bit, which is no step of a converter.
@@ -126,7 +126,7 @@ def min_step_v(levels: tuple[Level, ...], name: str) -> float:
     return float(steps.min()) if steps.size else 0.0
 
 
-def strain_noise_check(at_sense: Level, evidence: Evidence, calmer: float) -> RigCheck:
+def strain_noise_check(at_sense: VoltageLevel, evidence: Evidence, calmer: float) -> RigCheck:
     """Check the strain that corresponds to the noise of the resistance at the sense voltage."""
     resistance = (at_sense.wire_voltage_v - evidence.wire.offset_v) / (
         at_sense.shunt_voltage_v - evidence.shunt.offset_v

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.experiment.doctor.probing import Level
+from musclewire.experiment.doctor.probing import VoltageLevel
 
 __all__ = ["Evidence", "LinearFit", "evidence_of", "noise_v"]
 
@@ -34,7 +34,7 @@ class LinearFit(NamedTuple):
 class Evidence(NamedTuple):
     """The levels and their fits: ``wire``, ``shunt`` and both together (``circuit``) over the drive, in volts."""
 
-    levels: tuple[Level, ...]
+    levels: tuple[VoltageLevel, ...]
     wire: LinearFit
     shunt: LinearFit
     circuit: LinearFit
@@ -42,7 +42,7 @@ class Evidence(NamedTuple):
     shunt_resistance_ohm: float
 
     @property
-    def zero(self) -> Level:
+    def zero(self) -> VoltageLevel:
         """The level at 0 V."""
         return self.levels[0]
 
@@ -72,7 +72,7 @@ class Evidence(NamedTuple):
         return self.shunt.slope * self.sense_voltage_v / self.shunt_resistance_ohm
 
 
-def evidence_of(levels: Sequence[Level], sense_voltage_v: float, shunt_resistance_ohm: float) -> Evidence:
+def evidence_of(levels: Sequence[VoltageLevel], sense_voltage_v: float, shunt_resistance_ohm: float) -> Evidence:
     """Return the lines through levels of which the first is at 0 V. Needs two levels or more, all finite."""
     drive_v = np.concatenate([np.full(len(level.time_s), level.commanded_v) for level in levels])
     wire_v = np.concatenate([level.wire_voltage_v for level in levels])

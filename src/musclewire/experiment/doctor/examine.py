@@ -20,7 +20,7 @@ from musclewire.experiment.doctor.channel_checks import (
 from musclewire.experiment.doctor.circuit_checks import ExpectedWire, circuit_findings
 from musclewire.experiment.doctor.evidence import Evidence, evidence_of
 from musclewire.experiment.doctor.findings import Findings, RigCheck, SkippedCheck
-from musclewire.experiment.doctor.probing import LOW_FRACTIONS, Level, OnProbe, Probe
+from musclewire.experiment.doctor.probing import LOW_FRACTIONS, OnProbe, VoltageLevel, VoltageProbe
 from musclewire.experiment.doctor.sense_checks import clock_findings, protection_findings, warmth_findings
 from musclewire.manifest import loaded, manifests
 from musclewire.parameters.library import load_wire
@@ -72,7 +72,7 @@ class Examination(NamedTuple):
         return self.trouble is None and not self.findings.failed
 
 
-class Subject(NamedTuple):
+class ExaminedRig(NamedTuple):
     """A rig with its metadata's statements about the wire, looked up once."""
 
     rig: Rig
@@ -104,7 +104,7 @@ def examine(
     reading that cannot belong to its channel.
     """
     subject = subject_of(rig)
-    probe = Probe(rig, clock, on_sample)
+    probe = VoltageProbe(rig, clock, on_sample)
     findings = identity_findings(subject) + protection_findings(subject.limits)
     try:
         evidence, at_sense, seen = probed(probe, subject, findings, hold_s)
@@ -134,8 +134,8 @@ def trip_findings(trouble: RigError | None) -> Findings:
 
 
 def probed(
-    probe: Probe, subject: Subject, before: Findings, hold_s: float
-) -> tuple[Evidence | None, Level | None, Findings]:
+    probe: VoltageProbe, subject: ExaminedRig, before: Findings, hold_s: float
+) -> tuple[Evidence | None, VoltageLevel | None, Findings]:
     """Return evidence, the level at the sense voltage if it was held, and findings.
 
     A failed check among those ``before`` may forbid holding it.
@@ -153,7 +153,7 @@ def probed(
     return evidence, at_sense, findings
 
 
-def subject_of(rig: Rig) -> Subject:
+def subject_of(rig: Rig) -> ExaminedRig:
     """Return a rig with its statements about its wire; None for what it does not state."""
     metadata = rig.metadata()
     limits = protection_limits_of(rig)
@@ -167,7 +167,7 @@ def subject_of(rig: Rig) -> Subject:
         wire, why = None, "several wires share the drive; see the window"
     cold = None if wire is None or length_m is None else wire.resistance_per_metre_ohm_per_m.value * length_m
     low, high = (None, None) if limits is None else (limits.resistance_low_ohm, limits.resistance_high_ohm)
-    return Subject(rig, metadata, wire, length_m, limits, ExpectedWire(cold, low, high, why))
+    return ExaminedRig(rig, metadata, wire, length_m, limits, ExpectedWire(cold, low, high, why))
 
 
 def known_wire(name: str | None) -> tuple[Wire | None, str]:
@@ -180,7 +180,7 @@ def known_wire(name: str | None) -> tuple[Wire | None, str]:
         return None, f"the rig's wire is not known: {error}"
 
 
-def identity_findings(subject: Subject) -> Findings:
+def identity_findings(subject: ExaminedRig) -> Findings:
     """Return whether the rig identifies itself and its voltages are consistent."""
     rig = subject.rig
     ok = (
@@ -196,7 +196,7 @@ def identity_findings(subject: Subject) -> Findings:
     return Findings((RigCheck("identity", ok, said, "", advice),))
 
 
-def look_low(probe: Probe, rig: Rig) -> tuple[Level, ...]:
+def look_low(probe: VoltageProbe, rig: Rig) -> tuple[VoltageLevel, ...]:
     """Hold 0 V and the levels at which the protection expects no current yet; stop if the output is not 0 V."""
     zero = probe.hold(0.0, ZERO_S)
     if zero is None:
@@ -210,7 +210,7 @@ def look_low(probe: Probe, rig: Rig) -> tuple[Level, ...]:
     return tuple(probe.levels)
 
 
-def low_findings(levels: tuple[Level, ...], subject: Subject) -> tuple[Evidence | None, Findings]:
+def low_findings(levels: tuple[VoltageLevel, ...], subject: ExaminedRig) -> tuple[Evidence | None, Findings]:
     """Return the fits and checks of the low levels; no fits if there are too few numbers."""
     if not levels:
         return None, Findings((), (SkippedCheck("wiring", "the rig gave no sample at all"),))
@@ -225,7 +225,7 @@ def low_findings(levels: tuple[Level, ...], subject: Subject) -> tuple[Evidence 
     return evidence, findings
 
 
-def stuck_findings(levels: tuple[Level, ...], subject: Subject) -> Findings:
+def stuck_findings(levels: tuple[VoltageLevel, ...], subject: ExaminedRig) -> Findings:
     """Return the check that is possible if only 0 V was commanded: whether the output is 0 V."""
     zero = levels[0]
     volts = float((zero.wire_voltage_v + zero.shunt_voltage_v).mean())
@@ -238,7 +238,7 @@ def stuck_findings(levels: tuple[Level, ...], subject: Subject) -> Findings:
     return Findings((RigCheck("output_at_zero_v", False, volts, "V", advice),))
 
 
-def sense_findings(evidence: Evidence, at_sense: Level | None, subject: Subject) -> Findings:
+def sense_findings(evidence: Evidence, at_sense: VoltageLevel | None, subject: ExaminedRig) -> Findings:
     """Return the checks that need the sense voltage, and those of noise."""
     ambient = subject.limits.ambient_temperature_k if subject.limits is not None else AMBIENT_K
     return (

@@ -16,7 +16,7 @@ from musclewire.errors import CallerError, RigError
 from musclewire.rigs.protocol import Rig
 from musclewire.signals.exchange import RawSample
 
-__all__ = ["LOW_FRACTIONS", "Level", "OnProbe", "Probe", "samples_of"]
+__all__ = ["LOW_FRACTIONS", "VoltageLevel", "OnProbe", "VoltageProbe", "samples_of"]
 
 Clock = Callable[[], float]
 OnProbe = Callable[[RawSample], None]
@@ -28,7 +28,7 @@ SETTLING_S, SETTLING_SAMPLES = 0.1, 2
 MIN_SAMPLES = 20
 
 
-class Level(NamedTuple):
+class VoltageLevel(NamedTuple):
     """Samples of one output voltage, settled ones only; arrays of shape (n_times,).
 
     ``host_s`` is the host's own clock when each sample arrived.
@@ -47,17 +47,17 @@ def samples_of(rig: Rig, seconds: float) -> int:
     return max(round(seconds / rig.sample_period_s), MIN_SAMPLES)
 
 
-class Probe:
+class VoltageProbe:
     """Holds voltages on a rig and keeps the samples, also those of a level during which the rig had a fault."""
 
     def __init__(self, rig: Rig, clock: Clock, on_sample: OnProbe | None) -> None:
         """Take an open rig; ``clock`` returns the host's seconds."""
         self._rig, self._clock, self._on_sample = rig, clock, on_sample
-        self.levels: list[Level] = []
+        self.levels: list[VoltageLevel] = []
         self.trouble: RigError | None = None
         self.highest_v = 0.0
 
-    def hold(self, voltage_v: float, seconds: float) -> Level | None:
+    def hold(self, voltage_v: float, seconds: float) -> VoltageLevel | None:
         """Hold a voltage and return its samples; None after a fault of the rig, which is then in ``trouble``.
 
         Raises CallerError for a voltage above the sense voltage, which must not be put out here.
@@ -78,7 +78,7 @@ class Probe:
         kept = rows if self.trouble is not None and not self.levels else rows[settling:]
         if kept:
             columns = np.asarray(kept, dtype=np.float64).T
-            self.levels.append(Level(voltage_v, *columns))
+            self.levels.append(VoltageLevel(voltage_v, *columns))
         return None if self.trouble is not None else self.levels[-1]
 
     def _fill(self, rows: list[tuple[float, ...]], voltage_v: float, samples: int) -> None:

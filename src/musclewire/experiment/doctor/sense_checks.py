@@ -8,7 +8,7 @@ from musclewire.arrays import FloatArray
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.experiment.doctor.evidence import Evidence
 from musclewire.experiment.doctor.findings import Findings, RigCheck, SkippedCheck
-from musclewire.experiment.doctor.probing import Level
+from musclewire.experiment.doctor.probing import VoltageLevel
 from musclewire.identify.electrical_sizing import steady_temperature_k
 from musclewire.parameters.parameter_groups import Wire
 
@@ -24,7 +24,7 @@ STEP_FRACTION, OFF_FRACTION = 0.5, 0.01
 
 
 def warmth_findings(
-    evidence: Evidence, at_sense: Level | None, wire: Wire | None, length_m: float | None, ambient_k: float
+    evidence: Evidence, at_sense: VoltageLevel | None, wire: Wire | None, length_m: float | None, ambient_k: float
 ) -> Findings:
     """Return the effect of the sense voltage on the wire: measured drift and computed temperature."""
     if at_sense is None:
@@ -44,7 +44,7 @@ def warmth_findings(
     return Findings((drift, RigCheck("sense_warming_k", ok, rise, "K", advice)))
 
 
-def drift_check(evidence: Evidence, at_sense: Level) -> RigCheck:
+def drift_check(evidence: Evidence, at_sense: VoltageLevel) -> RigCheck:
     """Check that resistance is constant while the sense voltage is held: first third against last."""
     resistance = (
         evidence.shunt_resistance_ohm
@@ -64,7 +64,7 @@ def drift_check(evidence: Evidence, at_sense: Level) -> RigCheck:
     return RigCheck("sense_drift", ok, drift, "1", advice)
 
 
-def clock_findings(levels: tuple[Level, ...], sample_period_s: float, paced: bool) -> Findings:
+def clock_findings(levels: tuple[VoltageLevel, ...], sample_period_s: float, paced: bool) -> Findings:
     """Return the checks of the sample clock: its steps and, if it is a real clock, its rate against the host's."""
     steps = np.concatenate([np.diff(level.time_s) for level in levels])
     usual = float(np.median(steps))
@@ -80,7 +80,7 @@ def clock_findings(levels: tuple[Level, ...], sample_period_s: float, paced: boo
     return Findings((period, *host_checks(levels[-1], sample_period_s)))
 
 
-def host_checks(level: Level, sample_period_s: float) -> tuple[RigCheck, RigCheck]:
+def host_checks(level: VoltageLevel, sample_period_s: float) -> tuple[RigCheck, RigCheck]:
     """Check the rig's clock against the host's, and how evenly samples arrive."""
     span = level.time_s[-1] - level.time_s[0]
     rate = float((level.host_s[-1] - level.host_s[0]) / span)

@@ -11,7 +11,7 @@ from musclewire.app.output import emit_json, show
 from musclewire.extras.board.options import DRY_RUN, OLD_BOOTLOADER, SERIAL_PORT
 
 if TYPE_CHECKING:
-    from musclewire.extras.board.serial.flash import Loader
+    from musclewire.extras.board.serial.flash import FlashLoader
     from musclewire.extras.board.serial.images import FirmwareImage
 
 __all__ = ["flash"]
@@ -77,7 +77,7 @@ def limits_text(image: FirmwareImage) -> str:
     return f"shunt {image.shunt_resistance_ohm:g} ohm, at most {image.maximum_voltage_v:g} V"
 
 
-def document(image: FirmwareImage, loader: Loader, port: str, greeted: dict[str, Any] | None) -> dict[str, Any]:
+def document(image: FirmwareImage, loader: FlashLoader, port: str, greeted: dict[str, Any] | None) -> dict[str, Any]:
     """Return what was done under the keys of the interface."""
     return {
         **{key: value for key, value in image._asdict().items() if key != "compiler"},

@@ -21,9 +21,9 @@ from musclewire.signals.whole_files import write_whole
 
 __all__ = [
     "FORMATS",
-    "Circle",
+    "DrawnHole",
     "Drawing",
-    "Vertex",
+    "OutlineVertex",
     "polyline_m",
     "ring_area_m2",
     "rounded",
@@ -40,7 +40,7 @@ MARGIN_MM = 2.0
 LINE_MM = 0.1
 
 
-class Vertex(NamedTuple):
+class OutlineVertex(NamedTuple):
     """A vertex of an outline [m] and the bulge of the way to the next."""
 
     x_m: float
@@ -48,7 +48,7 @@ class Vertex(NamedTuple):
     bulge: float = 0.0
 
 
-class Circle(NamedTuple):
+class DrawnHole(NamedTuple):
     """A hole: centre and diameter [m]."""
 
     x_m: float
@@ -60,8 +60,8 @@ class Circle(NamedTuple):
 class Drawing:
     """A part: its outline counter-clockwise, its holes, its title and a note."""
 
-    outline: tuple[Vertex, ...]
-    holes: tuple[Circle, ...]
+    outline: tuple[OutlineVertex, ...]
+    holes: tuple[DrawnHole, ...]
     title: str
     note: str = ""
 
@@ -71,7 +71,7 @@ class Drawing:
         return ring_area_m2(self.outline) - sum(math.pi * hole.diameter_m**2 / 4.0 for hole in self.holes)
 
 
-def ring_area_m2(ring: Sequence[Vertex]) -> float:
+def ring_area_m2(ring: Sequence[OutlineVertex]) -> float:
     """Return the area inside a ring [m^2]: polygon and the segments of circle that its arcs add; clockwise negative."""
     area = 0.0
     for start, end in zip(ring, [*ring[1:], ring[0]], strict=True):
@@ -85,20 +85,20 @@ def ring_area_m2(ring: Sequence[Vertex]) -> float:
 
 def rounded(
     corner: tuple[float, float], into: tuple[float, float], out: tuple[float, float], radius_m: float
-) -> list[Vertex]:
+) -> list[OutlineVertex]:
     """Return a square corner with a rounding: two vertices and the arc between them.
 
     ``into`` and ``out`` are the unit vectors of the ways to and from the corner.
     """
     if radius_m <= 0.0:
-        return [Vertex(*corner)]
+        return [OutlineVertex(*corner)]
     turn = math.copysign(1.0, into[0] * out[1] - into[1] * out[0])
     begin = (corner[0] - radius_m * into[0], corner[1] - radius_m * into[1])
     end = (corner[0] + radius_m * out[0], corner[1] + radius_m * out[1])
-    return [Vertex(*begin, turn * math.tan(math.pi / 8.0)), Vertex(*end)]
+    return [OutlineVertex(*begin, turn * math.tan(math.pi / 8.0)), OutlineVertex(*end)]
 
 
-def polyline_m(ring: Sequence[Vertex], turn_rad: float = 0.1) -> FloatArray:
+def polyline_m(ring: Sequence[OutlineVertex], turn_rad: float = 0.1) -> FloatArray:
     """Return a ring as a closed polyline (n, 2) [m] for pictures, its arcs cut into chords of at most ``turn_rad``."""
     points: list[tuple[float, float]] = []
     for start, end in zip(ring, [*ring[1:], ring[0]], strict=True):
@@ -116,13 +116,13 @@ def polyline_m(ring: Sequence[Vertex], turn_rad: float = 0.1) -> FloatArray:
     return np.array([*points, points[0]])
 
 
-def bounds_m(ring: Sequence[Vertex]) -> tuple[float, float, float, float]:
+def bounds_m(ring: Sequence[OutlineVertex]) -> tuple[float, float, float, float]:
     """Return the bounding box of a ring's vertices [m]: minimum x and y, maximum x and y."""
     xs, ys = [vertex.x_m for vertex in ring], [vertex.y_m for vertex in ring]
     return min(xs), min(ys), max(xs), max(ys)
 
 
-def svg_path(ring: Sequence[Vertex], left_mm: float, top_mm: float) -> str:
+def svg_path(ring: Sequence[OutlineVertex], left_mm: float, top_mm: float) -> str:
     """Return a ring as an SVG path in millimetres; SVG's y points down, so a left turn becomes a right one."""
     words: list[str] = []
     for start, end in zip(ring, [*ring[1:], ring[0]], strict=True):

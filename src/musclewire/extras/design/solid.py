@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from musclewire.errors import CallerError, MissingExtraError
-from musclewire.extras.design.drawing import MM, Circle, Drawing, Vertex
+from musclewire.extras.design.drawing import MM, Drawing, DrawnHole, OutlineVertex
 from musclewire.signals.whole_files import write_whole
 
-__all__ = ["SOLID_FORMATS", "Bore", "Solid", "write_solid"]
+__all__ = ["SOLID_FORMATS", "StraightBore", "Solid", "write_solid"]
 
 SOLID_FORMATS = (".stl", ".step")
 # Largest distance of a facet from the surface, and the angle between neighbouring facets.
@@ -26,7 +26,7 @@ FACET_MM, FACET_RAD = 0.005, 0.1
 BEYOND_MM = 0.05
 
 
-class Bore(NamedTuple):
+class StraightBore(NamedTuple):
     """A straight hole within the sheet: where it begins and ends in the plane, its height and its diameter [m]."""
 
     start_m: tuple[float, float]
@@ -46,7 +46,7 @@ class Solid:
 
     drawing: Drawing
     depth_m: float
-    bores: tuple[Bore, ...] = ()
+    bores: tuple[StraightBore, ...] = ()
 
     @property
     def volume_m3(self) -> float:
@@ -98,7 +98,7 @@ def shape_of(solid: Solid) -> Any:
     return shape
 
 
-def wire_of(ring: Sequence[Vertex]) -> Any:
+def wire_of(ring: Sequence[OutlineVertex]) -> Any:
     """Return a ring of lines and arcs as a closed wire."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeWire
 
@@ -108,7 +108,7 @@ def wire_of(ring: Sequence[Vertex]) -> Any:
     return wire.Wire()
 
 
-def edge_of(start: Vertex, end: Vertex) -> Any:
+def edge_of(start: OutlineVertex, end: OutlineVertex) -> Any:
     """Return the way from one vertex to the next: a line, or an arc through the point that its bulge says."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
     from OCP.GC import GC_MakeArcOfCircle
@@ -123,7 +123,7 @@ def edge_of(start: Vertex, end: Vertex) -> Any:
     return BRepBuilderAPI_MakeEdge(GC_MakeArcOfCircle(first, gp_Pnt(top.real, top.imag, 0.0), last).Value()).Edge()
 
 
-def circle_of(hole: Circle) -> Any:
+def circle_of(hole: DrawnHole) -> Any:
     """Return the edge of a hole as a wire that runs clockwise, as inner edges of a face do."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeWire
     from OCP.gp import gp_Ax2, gp_Circ, gp_Dir, gp_Pnt
@@ -134,7 +134,7 @@ def circle_of(hole: Circle) -> Any:
     return wire
 
 
-def cylinder_of(bore: Bore) -> Any:
+def cylinder_of(bore: StraightBore) -> Any:
     """Return what a bore takes away."""
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeCylinder
     from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt

@@ -11,7 +11,7 @@ from musclewire.errors import CallerError
 from musclewire.rigs.configuration import RigConfiguration, simulated_configuration
 from musclewire.rigs.simulated_configuration import open_simulated
 from musclewire.wire.constants import WireConstants
-from musclewire.wire.stepping import Stepping
+from musclewire.wire.stepping import StepControl
 from musclewire.wire.wires import OneWire
 
 __all__ = ["SimulatedWire", "simulated_wire"]
@@ -41,7 +41,7 @@ class SimulatedWire:
     constants: WireConstants
     limits: ProtectionLimits
     bench: Mapping[str, float]
-    stepping: Stepping
+    stepping: StepControl
     undisturbed: bool
 
     @property

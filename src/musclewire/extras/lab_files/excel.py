@@ -106,7 +106,7 @@ def _layout(sheet: Any, path: Path) -> SheetLayout | None:
 
 
 @dataclass
-class _Column:
+class _ExcelColumn:
     """The cells of one column: numbers until a text appears, then text; dates as seconds since 1970."""
 
     header: str
@@ -158,9 +158,9 @@ def _number(value: Any) -> float:
     return float(value) if isinstance(value, (int, float)) else math.nan
 
 
-def _read(sheet: Any, layout: SheetLayout, path: Path) -> tuple[list[_Column], int]:
+def _read(sheet: Any, layout: SheetLayout, path: Path) -> tuple[list[_ExcelColumn], int]:
     headers = layout.headers or numbered_headers(layout.width)
-    columns = [_Column(header, layout.unit_of(index)) for index, header in enumerate(headers)]
+    columns = [_ExcelColumn(header, layout.unit_of(index)) for index, header in enumerate(headers)]
     length = 0
     for number, row in enumerate(_rows(sheet, path)):
         if number < layout.first_row:
@@ -173,7 +173,7 @@ def _read(sheet: Any, layout: SheetLayout, path: Path) -> tuple[list[_Column], i
 
 
 def _table(
-    path: Path, title: str, layout: SheetLayout, columns: Sequence[_Column], rows: int, formulas: Sequence[str]
+    path: Path, title: str, layout: SheetLayout, columns: Sequence[_ExcelColumn], rows: int, formulas: Sequence[str]
 ) -> TableInMemory:
     kept = [column for column in columns if not column.is_empty and column.header]
     unnamed = sum(not column.is_empty and not column.header for column in columns)
@@ -202,12 +202,12 @@ def _table(
     )
 
 
-def _source_column(column: _Column) -> SourceColumn:
+def _source_column(column: _ExcelColumn) -> SourceColumn:
     unit = "s" if column.is_date and column.texts is None else column.unit
     return SourceColumn(one_line(column.header), unit, is_text=column.texts is not None)
 
 
-def _cells(column: _Column, rows: int) -> Cells:
+def _cells(column: _ExcelColumn, rows: int) -> Cells:
     if column.texts is not None:
         return column.texts[:rows]
     values = np.frombuffer(column.numbers, dtype=np.float64)[:rows]
@@ -215,7 +215,7 @@ def _cells(column: _Column, rows: int) -> Cells:
 
 
 def _without_values(
-    path: Path, title: str, layout: SheetLayout, columns: Sequence[_Column], openpyxl: Any
+    path: Path, title: str, layout: SheetLayout, columns: Sequence[_ExcelColumn], openpyxl: Any
 ) -> list[str]:
     """Return the headers of columns whose first blank cell is a formula: the workbook was never calculated."""
     blank = {index: column.first_blank for index, column in enumerate(columns) if column.first_blank is not None}

@@ -14,7 +14,7 @@ from musclewire.errors import MusclewireError, RecordingError, nearest_hint
 from musclewire.signals.columns import columns_called, key_of_header
 from musclewire.signals.headers import split_header
 from musclewire.signals.metadata import MetadataValue, checked_metadata, entry_from_text
-from musclewire.signals.source_table import BLOCK_ROWS, Block, SourceColumn
+from musclewire.signals.source_table import BLOCK_ROWS, RowBlock, SourceColumn
 from musclewire.signals.units import measures
 
 __all__ = [
@@ -92,12 +92,12 @@ class FileTable:
         """The columns, with the unit that the file states apart from the name."""
         return tuple(SourceColumn(one_line(each.name) or "unnamed", each.unit) for each in self.file_columns)
 
-    def blocks(self, indices: Sequence[int]) -> Iterator[Block]:
+    def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, read from the file block by block; each call begins again."""
         for start in range(0, self.row_count, BLOCK_ROWS):
             stop = min(start + BLOCK_ROWS, self.row_count)
             values = tuple(self._rows(self.file_columns[index], start, stop) for index in indices)
-            yield Block(values, lambda row, first=start + 1: f"row {first + row}")  # type: ignore[misc]
+            yield RowBlock(values, lambda row, first=start + 1: f"row {first + row}")  # type: ignore[misc]
 
     def _rows(self, column: FileColumn, start: int, stop: int) -> FloatArray:
         with damage_reported(self.path, self.layout):

@@ -42,7 +42,7 @@ _TECHNICAL = frozenset({
 
 
 @dataclass(frozen=True)
-class _Style:
+class _LvmStyle:
     """How the file is written, from its first header."""
 
     separator: str
@@ -54,14 +54,14 @@ class _Style:
 
 
 @dataclass
-class _Packet:
+class _LvmPacket:
     """One packet: the fields of its header, the names of its columns, and its numbers row by row."""
 
     names: list[str]
     fields: Mapping[str, Sequence[str]]
     values: array[float] = field(default_factory=lambda: array("d"))
 
-    def of(self, name: str) -> list[str]:
+    def header_cells(self, name: str) -> list[str]:
         """Return a field of the header, one cell per channel; empty if the packet does not state it."""
         return list(self.fields.get(name, ()))
 
@@ -82,7 +82,7 @@ def read_lvm_table(path: Path, group: str | None = None) -> FileTable:
     With several X columns that differ, each channel is a table of its own, chosen by ``group``. Raises RecordingError
     naming the line for a cell that is no number.
     """
-    lines = _Lines(path)
+    lines = _NumberedLines(path)
     style = _style(lines)
     packets = list(_packets(lines, style))
     if not packets:
@@ -101,7 +101,7 @@ def read_lvm_table(path: Path, group: str | None = None) -> FileTable:
     return file_table(path, layout, part)
 
 
-class _Lines:
+class _NumberedLines:
     """The lines of a file with their numbers, one at a time."""
 
     def __init__(self, path: Path) -> None:
@@ -137,7 +137,7 @@ def _encoding(path: Path) -> str:
     return "utf-8-sig"
 
 
-def _style(lines: _Lines) -> _Style:
+def _style(lines: _NumberedLines) -> _LvmStyle:
     entries: dict[str, str] = {}
     separator = "\t"
     for line in lines:
@@ -151,7 +151,7 @@ def _style(lines: _Lines) -> _Style:
         entries.setdefault(key.strip(), value.strip(separator).strip())
     else:
         raise RecordingError(f"{lines.path}: has no line '{_END}'; it is cut off, use another copy")
-    return _Style(
+    return _LvmStyle(
         separator=separator,
         decimal=entries.get("Decimal_Separator", ".") or ".",
         x_columns=entries.get("X_Columns", "One").lower(),
@@ -161,7 +161,7 @@ def _style(lines: _Lines) -> _Style:
     )
 
 
-def _separator(line: str, lines: _Lines) -> str:
+def _separator(line: str, lines: _NumberedLines) -> str:
     """Return the separator by its name, which is also between the two cells of this line."""
     rest = line.removeprefix("Separator")
     by_name = _SEPARATORS.get(rest.strip("\t,; ").lower())
@@ -170,10 +170,10 @@ def _separator(line: str, lines: _Lines) -> str:
     return by_name
 
 
-def _packets(lines: _Lines, style: _Style) -> Iterator[_Packet]:
+def _packets(lines: _NumberedLines, style: _LvmStyle) -> Iterator[_LvmPacket]:
     """Yield the packets; special blocks are left out. A packet without a header continues the one before."""
     fields: dict[str, list[str]] = {}
-    packet: _Packet | None = None
+    packet: _LvmPacket | None = None
     in_special = past_header = False
     for line in lines:
         cells = [cell.strip() for cell in line.split(style.separator)]
@@ -183,7 +183,7 @@ def _packets(lines: _Lines, style: _Style) -> Iterator[_Packet]:
         elif in_special or first == "***Start_Special***":
             in_special = first != "***End_Special***"
         elif first == "X_Value":
-            packet = _Packet(_names(cells, lines), fields)
+            packet = _LvmPacket(_names(cells, lines), fields)
             fields = {}
             yield packet
         elif first in {"Channels", "Samples", "Date", "Time", "X_Dimension", "Y_Unit_Label", "X0", "Delta_X", "Notes"}:
@@ -196,7 +196,7 @@ def _packets(lines: _Lines, style: _Style) -> Iterator[_Packet]:
             packet.values.extend(_row(cells, packet, style, lines))
 
 
-def _names(cells: Sequence[str], lines: _Lines) -> list[str]:
+def _names(cells: Sequence[str], lines: _NumberedLines) -> list[str]:
     names = [cell for cell in cells if cell]
     names = names[:-1] if names[-1].lower() == "comment" else names
     if not 1 < len(names) <= MAX_CHANNELS:
@@ -204,7 +204,7 @@ def _names(cells: Sequence[str], lines: _Lines) -> list[str]:
     return names
 
 
-def _row(cells: Sequence[str], packet: _Packet, style: _Style, lines: _Lines) -> list[float]:
+def _row(cells: Sequence[str], packet: _LvmPacket, style: _LvmStyle, lines: _NumberedLines) -> list[float]:
     """Return the numbers of a row; the comment behind them is left out, and a blank cell is NaN."""
     numbers = [math.nan] * len(packet.names)
     for index, cell in enumerate(cells[: len(packet.names)]):
@@ -219,7 +219,7 @@ def _row(cells: Sequence[str], packet: _Packet, style: _Style, lines: _Lines) ->
     return numbers
 
 
-def _parts(packets: Sequence[_Packet], style: _Style, path: Path) -> list[FilePart]:
+def _parts(packets: Sequence[_LvmPacket], style: _LvmStyle, path: Path) -> list[FilePart]:
     names = packets[0].names
     numbers = np.concatenate([packet.numbers for packet in packets])
     paired = style.x_columns == "multi"
@@ -244,25 +244,25 @@ def _channel(name: str, unit: str | None, values: FloatArray) -> FileColumn:
     return FileColumn(name, unit, lambda start, stop: values[start:stop])
 
 
-def _cell(packet: _Packet, name: str, y: int, paired: bool) -> str:
+def _cell(packet: _LvmPacket, name: str, y: int, paired: bool) -> str:
     """Return a field of a packet for the channel in column ``y``; there is one cell for each channel."""
-    cells, index = packet.of(name), (y // 2 if paired else y - 1)
+    cells, index = packet.header_cells(name), (y // 2 if paired else y - 1)
     # Between pairs of columns the cells of a header may be blank.
     cells = [cell for cell in cells if cell] if paired else cells
     return cells[index] if index < len(cells) else ""
 
 
-def _unit(packet: _Packet, y: int, paired: bool) -> str | None:
+def _unit(packet: _LvmPacket, y: int, paired: bool) -> str | None:
     return _cell(packet, "Y_Unit_Label", y, paired) or None
 
 
-def _clock(packet: _Packet, x: FloatArray, y: int, paired: bool) -> FileColumn:
+def _clock(packet: _LvmPacket, x: FloatArray, y: int, paired: bool) -> FileColumn:
     dimension = _cell(packet, "X_Dimension", y, paired) or "Time"
     unit = _cell(packet, "X_Unit_Label", y, paired) or ("s" if dimension.lower() == "time" else None)
     return _channel("time" if dimension.lower() == "time" else dimension, unit, x)
 
 
-def _x_values(packets: Sequence[_Packet], style: _Style, x: int, y: int, path: Path) -> FloatArray:
+def _x_values(packets: Sequence[_LvmPacket], style: _LvmStyle, x: int, y: int, path: Path) -> FloatArray:
     """Return the abscissa of all rows: written, or by ``X0`` and ``Delta_X``; packets follow each other by their dates.
 
     Times of a file with ``Time_Pref`` absolute are seconds since 1904: the first becomes 0. Relative times count from
@@ -284,7 +284,7 @@ def _x_values(packets: Sequence[_Packet], style: _Style, x: int, y: int, path: P
     return x_values - x_values[0] if since_1904 else x_values
 
 
-def _counted(packet: _Packet, y: int, paired: bool, style: _Style, path: Path) -> FloatArray:
+def _counted(packet: _LvmPacket, y: int, paired: bool, style: _LvmStyle, path: Path) -> FloatArray:
     texts = [_cell(packet, name, y, paired).replace(style.decimal, ".") for name in ("X0", "Delta_X")]
     try:
         first, step = (float(text) for text in texts)
@@ -294,9 +294,11 @@ def _counted(packet: _Packet, y: int, paired: bool, style: _Style, path: Path) -
     return first + step * np.arange(len(packet.numbers), dtype=np.float64)
 
 
-def _first_moment(packets: Sequence[_Packet], style: _Style) -> str | None:
+def _first_moment(packets: Sequence[_LvmPacket], style: _LvmStyle) -> str | None:
     packet = packets[0]
-    stated = _moment(next(iter(packet.of("Date")), ""), next(iter(packet.of("Time")), "")) or style.start
+    stated = (
+        _moment(next(iter(packet.header_cells("Date")), ""), next(iter(packet.header_cells("Time")), "")) or style.start
+    )
     return stated.isoformat() if stated else None
 
 

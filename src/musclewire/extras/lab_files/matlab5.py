@@ -12,7 +12,13 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.extras.lab_files.file_table import FileTable, damage_reported
 from musclewire.extras.lab_files.matlab5_check import MAX_BYTES, check_matlab5
-from musclewire.extras.lab_files.matlab_variables import Numbers, Struct, Unusable, Variable, table_of_variables
+from musclewire.extras.lab_files.matlab_variables import (
+    MatlabArray,
+    Struct,
+    UnusableVariable,
+    Variable,
+    table_of_variables,
+)
 
 __all__ = ["read_matlab5_table"]
 
@@ -47,7 +53,7 @@ def _variables(path: Path) -> tuple[Struct, str]:
         wanted = [key for key, matlab_class in kinds.items() if matlab_class in _READ]
         loaded = loadmat(name, variable_names=wanted, appendmat=False) if wanted else {}
     variables = {key: _variable(loaded[key]) for key in wanted if key in loaded}
-    others = {key: Unusable(_name_of(kind)) for key, kind in kinds.items() if kind not in _READ}
+    others = {key: UnusableVariable(_name_of(kind)) for key, kind in kinds.items() if kind not in _READ}
     return {**variables, **others}, "4" if major == 0 else "5"
 
 
@@ -59,29 +65,29 @@ def _name_of(matlab_class: str) -> str:
 
 def _variable(value: Any) -> Variable:
     if not isinstance(value, np.ndarray):
-        return Unusable("sparse matrix" if hasattr(value, "tocsc") else type(value).__name__)
+        return UnusableVariable("sparse matrix" if hasattr(value, "tocsc") else type(value).__name__)
     if value.dtype.names:
         return _structs(value)
     if value.dtype.kind == "U":
         return str(value.reshape(-1)[0]) if value.size == 1 else ""
     if value.dtype.kind not in "biuf" or value.ndim > 2:
-        return Unusable("cell" if value.dtype.kind == "O" else "complex or 3-D array")
+        return UnusableVariable("cell" if value.dtype.kind == "O" else "complex or 3-D array")
     return _numbers(value)
 
 
 def _structs(value: Any) -> Variable:
     if type(value).__name__ in {"MatlabObject", "MatlabOpaque", "MatlabFunction"}:
-        return Unusable("object")
+        return UnusableVariable("object")
     items: list[Variable] = [
         {name: _variable(item[name]) for name in value.dtype.names} for item in value.reshape(-1, order="F")
     ]
     return items[0] if len(items) == 1 else items
 
 
-def _numbers(value: Any) -> Numbers:
+def _numbers(value: Any) -> MatlabArray:
     table = value.reshape(-1, 1) if 1 in value.shape else value
 
     def read(column: int, start: int, stop: int) -> FloatArray:
         return np.asarray(table[start:stop, column], dtype=np.float64)
 
-    return Numbers(table.shape[0], table.shape[1], read)
+    return MatlabArray(table.shape[0], table.shape[1], read)

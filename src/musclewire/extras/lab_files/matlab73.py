@@ -13,8 +13,8 @@ from musclewire.extras.lab_files.file_table import FileTable, damage_reported, t
 from musclewire.extras.lab_files.hdf5_layout import check_readable, decoded, opened
 from musclewire.extras.lab_files.hdf5_trial import check_by_trial
 from musclewire.extras.lab_files.matlab_variables import (
-    Numbers,
-    Unusable,
+    MatlabArray,
+    UnusableVariable,
     Variable,
     parts_of_variables,
     table_of_variables,
@@ -91,7 +91,9 @@ def _referred(file: Any, reference: Any, path: Path) -> Variable:
     import h5py
 
     item = file[reference] if reference else None
-    return _variable(item, path) if isinstance(item, h5py.Dataset) else Unusable("struct in an array of structs")
+    return (
+        _variable(item, path) if isinstance(item, h5py.Dataset) else UnusableVariable("struct in an array of structs")
+    )
 
 
 def _variable(dataset: Any, path: Path) -> Variable:
@@ -103,11 +105,11 @@ def _variable(dataset: Any, path: Path) -> Variable:
         # One row of text; UTF-16 code units, as MATLAB keeps them.
         return np.asarray(dataset[()], dtype="<u2").tobytes().decode("utf-16-le", errors="replace")
     if matlab_class not in _NUMERIC or dataset.dtype.kind not in "biuf" or len(dataset.shape) > 2:
-        return Unusable(matlab_class or "data set without MATLAB's class")
+        return UnusableVariable(matlab_class or "data set without MATLAB's class")
     return _numbers(dataset, path)
 
 
-def _numbers(dataset: Any, path: Path) -> Numbers:
+def _numbers(dataset: Any, path: Path) -> MatlabArray:
     """Return an array as MATLAB sees it: HDF5 keeps its dimensions in the opposite order."""
     name, shape = dataset.name, (*dataset.shape, 1, 1)[:2] if dataset.ndim < 2 else dataset.shape
     width, rows = shape
@@ -124,5 +126,5 @@ def _numbers(dataset: Any, path: Path) -> Numbers:
             return np.asarray(values, dtype=np.float64).reshape(-1)
 
     if dataset.ndim < 2 or row_vector:
-        return Numbers(dataset.size, 1, read)
-    return Numbers(rows, width, read)
+        return MatlabArray(dataset.size, 1, read)
+    return MatlabArray(rows, width, read)

@@ -19,7 +19,15 @@ from musclewire.extras.lab_files.file_table import (
     one_line,
 )
 
-__all__ = ["METADATA_NAME", "Numbers", "Struct", "Unusable", "Variable", "parts_of_variables", "table_of_variables"]
+__all__ = [
+    "METADATA_NAME",
+    "MatlabArray",
+    "Struct",
+    "UnusableVariable",
+    "Variable",
+    "parts_of_variables",
+    "table_of_variables",
+]
 
 # Our own .mat files keep the metadata, which MATLAB's names cannot all spell, as JSON in this variable.
 METADATA_NAME = "musclewire_metadata"
@@ -30,7 +38,7 @@ _UNITS = frozenset({"unit", "units"})
 
 
 @dataclass(frozen=True)
-class Numbers:
+class MatlabArray:
     """A real array of two dimensions as MATLAB sees it; ``read(column, start, stop)`` returns rows of a column.
 
     A row vector is kept as a column.
@@ -42,13 +50,13 @@ class Numbers:
 
 
 @dataclass(frozen=True)
-class Unusable:
+class UnusableVariable:
     """A variable that holds no table, such as a cell array, and what it is called in MATLAB."""
 
     matlab_class: str
 
 
-Variable = Numbers | str | Unusable | Mapping[str, "Variable"] | list["Variable"]
+Variable = MatlabArray | str | UnusableVariable | Mapping[str, "Variable"] | list["Variable"]
 Struct = Mapping[str, "Variable"]
 
 _CURES = {
@@ -96,7 +104,7 @@ def _parts(name: str, struct: Struct, depth: int) -> Iterator[FilePart]:
     units = next((value for key, value in struct.items() if key.lower() in _UNITS and isinstance(value, Mapping)), {})
     vectors: dict[int, list[FileColumn]] = {}
     for key, value in struct.items():
-        if isinstance(value, Numbers) and value.rows > 1:
+        if isinstance(value, MatlabArray) and value.rows > 1:
             columns = _columns(key, value, units)
             if value.width == 1:
                 vectors.setdefault(value.rows, []).extend(columns)
@@ -122,7 +130,7 @@ def _inner_parts(name: str, struct: Struct, depth: int) -> Iterator[FilePart]:
                     yield from _parts(f"{called}({number})", item, depth + 1)
 
 
-def _columns(name: str, numbers: Numbers, units: Struct) -> tuple[FileColumn, ...]:
+def _columns(name: str, numbers: MatlabArray, units: Struct) -> tuple[FileColumn, ...]:
     unit = units.get(name)
 
     def column(index: int) -> FileColumn:
@@ -137,12 +145,12 @@ def _columns(name: str, numbers: Numbers, units: Struct) -> tuple[FileColumn, ..
 def _structure_with_time(name: str, struct: Struct) -> FilePart | None:
     """Return what Simulink saves as "structure with time": ``time``, and ``signals`` with values and label each."""
     time, signals = struct["time"], struct["signals"]
-    if not isinstance(time, Numbers) or isinstance(signals, (Numbers, str, Unusable)):
+    if not isinstance(time, MatlabArray) or isinstance(signals, (MatlabArray, str, UnusableVariable)):
         return None
     columns = [FileColumn("time", "s", lambda start, stop: time.read(0, start, stop))]
     for number, signal in enumerate(signals if isinstance(signals, list) else [signals], start=1):
         values = signal.get("values") if isinstance(signal, Mapping) else None
-        if isinstance(signal, Mapping) and isinstance(values, Numbers) and values.rows == time.rows:
+        if isinstance(signal, Mapping) and isinstance(values, MatlabArray) and values.rows == time.rows:
             label = signal.get("label")
             columns += _columns(label if isinstance(label, str) and label else f"signal {number}", values, {})
     return FilePart(name or _ROOT, tuple(columns), time.rows, {})
@@ -153,7 +161,7 @@ def _metadata(struct: Struct) -> dict[str, str | int | float | bool | None]:
     for key, value in struct.items():
         if isinstance(value, str) and key != METADATA_NAME:
             found[key] = value
-        elif isinstance(value, Numbers) and (value.rows, value.width) == (1, 1):
+        elif isinstance(value, MatlabArray) and (value.rows, value.width) == (1, 1):
             found[key] = float(value.read(0, 0, 1)[0])
     return metadata_of(found)
 
@@ -171,7 +179,7 @@ def _own_metadata(variables: Struct, path: Path) -> dict[str, str | int | float 
 def _unusable(struct: Struct, depth: int = 0) -> tuple[str, str] | None:
     """Return name and class of the first variable that only MATLAB can read, of structs within a struct, too."""
     for key, value in struct.items():
-        if isinstance(value, Unusable):
+        if isinstance(value, UnusableVariable):
             return key, value.matlab_class
         if isinstance(value, Mapping) and depth < MAX_DEPTH and (inner := _unusable(value, depth + 1)):
             return f"{key}.{inner[0]}", inner[1]

@@ -14,7 +14,7 @@ import numpy as np
 from musclewire.errors import MissingExtraError, RecordingError
 from musclewire.extras.lab_files.file_table import damage_reported, metadata_of, one_line
 from musclewire.signals.metadata import MetadataValue
-from musclewire.signals.source_table import BLOCK_ROWS, Block, Cells, SourceColumn
+from musclewire.signals.source_table import BLOCK_ROWS, Cells, RowBlock, SourceColumn
 
 __all__ = ["PARQUET_KEY", "ParquetTable", "read_parquet_table"]
 
@@ -40,14 +40,14 @@ class ParquetTable:
     layout: str = "Parquet"
     sample_period_s: float | None = field(default=None, init=False)
 
-    def blocks(self, indices: Sequence[int]) -> Iterator[Block]:
+    def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, batch after batch; each call begins again."""
         row = 1
         for batch in _batches(Path(self.path), sorted({self.sources[index] for index in indices})):
             with damage_reported(self.path, "Parquet"):
                 order = {source: place for place, source in enumerate(sorted({self.sources[i] for i in indices}))}
                 values = tuple(self._cells(batch.column(order[self.sources[index]]), index) for index in indices)
-            yield Block(values, lambda number, first=row: f"row {first + number}")  # type: ignore[misc]
+            yield RowBlock(values, lambda number, first=row: f"row {first + number}")  # type: ignore[misc]
             row += batch.num_rows
 
     def _cells(self, column: Any, index: int) -> Cells:

@@ -14,7 +14,7 @@ from typing import Any
 
 from musclewire.errors import RigError
 from musclewire.extras.live.messages import Answer, Command
-from musclewire.extras.live.ring import Ring, Rows, create_ring
+from musclewire.extras.live.ring import RingRows, RowRing, create_ring
 
 __all__ = ["BenchHandle", "BenchSettings"]
 
@@ -89,7 +89,7 @@ class BenchHandle:
         self._process: asyncio.subprocess.Process | None = None
         self._answers: dict[int, asyncio.Future[Answer]] = {}
         self._numbers = 0
-        self._ring: Ring | None = None
+        self._ring: RowRing | None = None
         self._ring_folder: tempfile.TemporaryDirectory[str] | None = None
         self._reader: asyncio.Task[None] | None = None
         self._stops_ordered = self._stops_confirmed = 0
@@ -116,7 +116,7 @@ class BenchHandle:
         self._ring_folder = tempfile.TemporaryDirectory(prefix="musclewire-", dir=memory if memory.is_dir() else None)
         path = Path(self._ring_folder.name) / "rows"
         create_ring(path)
-        self._ring = Ring(path)
+        self._ring = RowRing(path)
         self._process = await asyncio.create_subprocess_exec(
             sys.executable,
             *("-P", "-m", "musclewire.extras.live.bench.process"),
@@ -199,8 +199,8 @@ class BenchHandle:
         """Pass on that whoever has control is there."""
         self._send({"alive": 1})
 
-    def rows(self, cursor: int) -> tuple[int, list[Rows], int]:
-        """Return the rows after a cursor, as ``Ring.read`` does; below 0 for none of those that are there."""
+    def rows(self, cursor: int) -> tuple[int, list[RingRows], int]:
+        """Return the rows after a cursor, as ``RowRing.read`` does; below 0 for none of those that are there."""
         return (cursor, [], 0) if self._ring is None else self._ring.read(cursor)
 
     def _send(self, message: dict[str, Any]) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 
-__all__ = ["MAX_COLUMNS", "Ring", "Rows", "create_ring"]
+__all__ = ["MAX_COLUMNS", "RowRing", "RingRows", "create_ring"]
 
 MAX_COLUMNS = 48
 # At 1 kHz sixteen seconds, at the paper's 20 Hz a quarter of an hour.
@@ -30,7 +30,7 @@ SLOT_BYTES = 8 * SLOT_NUMBERS
 IN_MEMORY = {"flags": mmap.MAP_SHARED | mmap.MAP_POPULATE} if hasattr(mmap, "MAP_POPULATE") else {}
 
 
-class Rows(NamedTuple):
+class RingRows(NamedTuple):
     """Rows of one layout, (n_rows, n_columns), in the order in which they were written."""
 
     layout: int
@@ -43,7 +43,7 @@ def create_ring(path: Path) -> None:
         file.truncate(HEAD_BYTES + SLOTS * SLOT_BYTES)
 
 
-class Ring:
+class RowRing:
     """An end of a ring.
 
     Parameters
@@ -85,7 +85,7 @@ class Ring:
         self._pack_one(self._memory, start, number)
         self._pack_count(self._memory, 0, self._written)
 
-    def read(self, cursor: int, most: int = SLOTS // 2) -> tuple[int, list[Rows], int]:
+    def read(self, cursor: int, most: int = SLOTS // 2) -> tuple[int, list[RingRows], int]:
         """Return the rows after a cursor.
 
         Parameters
@@ -116,11 +116,13 @@ class Ring:
         self._memory.close()
 
 
-def same_layouts(slots: FloatArray) -> list[Rows]:
+def same_layouts(slots: FloatArray) -> list[RingRows]:
     """Return the values of slots, those of one layout in a row together."""
     if not len(slots):
         return []
     changes = np.flatnonzero((np.diff(slots[:, 1]) != 0) | (np.diff(slots[:, 2]) != 0)) + 1
     return [
-        Rows(int(part[0, 1]), part[:, 3 : 3 + int(part[0, 2])].copy()) for part in np.split(slots, changes) if len(part)
+        RingRows(int(part[0, 1]), part[:, 3 : 3 + int(part[0, 2])].copy())
+        for part in np.split(slots, changes)
+        if len(part)
     ]

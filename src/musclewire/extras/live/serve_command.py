@@ -15,13 +15,13 @@ import typer
 from musclewire.app import completion
 from musclewire.app.options import CPU, OUTPUT, REAL_TIME_PRIORITY, SEED
 from musclewire.app.output import say, show
-from musclewire.app.stopping import Stopped
+from musclewire.app.stopping import StoppedCommand
 from musclewire.errors import CallerError
 from musclewire.extras.live.options import HOST, OPEN, PORT, TOKEN_FILE
 
 if TYPE_CHECKING:
     from musclewire.extras.live.bench_handle import BenchHandle
-    from musclewire.extras.live.server.running import Running, ServerSettings
+    from musclewire.extras.live.server.running import RunningServer, ServerSettings
 
 __all__ = ["serve"]
 
@@ -47,7 +47,7 @@ class AddressOptions:
 
 
 @dataclass(frozen=True)
-class LoopOptions:
+class LoopTimingOptions:
     """How the loops keep their time."""
 
     cpu: Annotated[int | None, CPU] = None
@@ -56,7 +56,7 @@ class LoopOptions:
 
 def serve(
     address: AddressOptions,
-    loop: LoopOptions,
+    loop: LoopTimingOptions,
     rig: Rigs = None,
     output: Annotated[Path, OUTPUT] = Path("musclewire-session"),
     seed: Annotated[int | None, SEED] = None,
@@ -76,15 +76,15 @@ def serve(
     handles = handles_of(rigs, loop, settings.folder, seed)
     ended = asyncio.run(serve_session(handles, settings, lambda running: announce(running, address)))
     if ended is not None:
-        raise Stopped(128 + ended, "every drive is off")
+        raise StoppedCommand(128 + ended, "every drive is off")
 
 
-def settings_from(options: AddressOptions, loop: LoopOptions, folder: Path) -> ServerSettings:
+def settings_from(options: AddressOptions, loop: LoopTimingOptions, folder: Path) -> ServerSettings:
     """Return how the session is served, its folder made."""
     from musclewire.extras.live.server.access import new_token, read_token
-    from musclewire.extras.live.server.running import Address, ServerSettings
+    from musclewire.extras.live.server.running import ListenAddress, ServerSettings
 
-    address = Address(options.host, options.port)
+    address = ListenAddress(options.host, options.port)
     token = None if address.is_local else new_token()
     if options.token_file is not None:
         token = read_token(options.token_file)
@@ -95,7 +95,7 @@ def settings_from(options: AddressOptions, loop: LoopOptions, folder: Path) -> S
     return ServerSettings(folder.resolve(), address, token, cpu=loop.cpu)
 
 
-def handles_of(rigs: Sequence[str], loop: LoopOptions, folder: Path, seed: int | None) -> list[BenchHandle]:
+def handles_of(rigs: Sequence[str], loop: LoopTimingOptions, folder: Path, seed: int | None) -> list[BenchHandle]:
     """Return a bench for each rig, none of them started."""
     from musclewire.extras.live.bench_handle import BenchHandle, BenchSettings
 
@@ -116,7 +116,7 @@ def identifiers(rigs: Sequence[str]) -> list[str]:
     return found
 
 
-def announce(running: Running, options: AddressOptions) -> None:
+def announce(running: RunningServer, options: AddressOptions) -> None:
     """Print the link of the page, and what to know about who can open it."""
     address = running.address
     if address.port != options.port:

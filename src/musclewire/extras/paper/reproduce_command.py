@@ -12,7 +12,7 @@ import typer
 
 from musclewire.app.options import ONLY, OUTPUT, SEED, WORKERS, Json
 from musclewire.app.output import emit_json, run_bar, say, show
-from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_samples
+from musclewire.app.stopping import StoppedCommand, stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError
 from musclewire.extras.paper.options import FIRST_SEED, SEEDS
 from musclewire.extras.paper.paper_text import print_rows, print_summary
@@ -67,7 +67,7 @@ def reproduce(
     try:
         result = reproduced(only, seeds, which.workers, page, quiet=json)
     except SystemExit as stop:
-        raise Stopped(stop.code if isinstance(stop.code, int) else 1, "no page was written") from None
+        raise StoppedCommand(stop.code if isinstance(stop.code, int) else 1, "no page was written") from None
     document = as_document(result, page, time.perf_counter() - started)
     write_document(document, data)
     if json:

@@ -1,7 +1,16 @@
 """Studies of many wires: what varies, what is run, where it is evaluated, and what becomes of the results."""
 
 from musclewire.extras.studies.data_set import on_grid, read_study_data
-from musclewire.extras.studies.run_kind import RUN_KINDS, KindOptions, Outcome, Quantity, Run, RunKind, Runs, each
+from musclewire.extras.studies.run_kind import (
+    RUN_KINDS,
+    KindOptions,
+    Outcome,
+    Quantity,
+    RunKind,
+    StudyRun,
+    StudyRuns,
+    each,
+)
 from musclewire.extras.studies.study import StudyResult, Workers, read_study, sweep
 
 __all__ = [
@@ -9,9 +18,9 @@ __all__ = [
     "KindOptions",
     "Outcome",
     "Quantity",
-    "Run",
+    "StudyRun",
     "RunKind",
-    "Runs",
+    "StudyRuns",
     "StudyResult",
     "Workers",
     "each",

@@ -14,7 +14,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.experiment.open_loop import characterize
 from musclewire.extras.studies.ideal_runs import IdealRun, Readings, by_readings, ideal_runs
-from musclewire.extras.studies.run_kind import KindOptions, Outcome, Quantity, Run, RunKind, Runs, each
+from musclewire.extras.studies.run_kind import KindOptions, Outcome, Quantity, RunKind, StudyRun, StudyRuns, each
 from musclewire.identify import fit
 from musclewire.identify.loop_gaps import force_is_level, gap_in
 from musclewire.identify.recordings import required_quantity, resistance_reading
@@ -84,19 +84,19 @@ def quantities(options: CharacterizeOptions) -> Mapping[str, Quantity]:
     return {**NUMBERS, **(HOTTEST if ideal else {}), **(FITTED if options.fit else {}), **SERIES}
 
 
-def evaluate(runs: Runs[CharacterizeOptions]) -> Sequence[Outcome]:
+def evaluate(runs: StudyRuns[CharacterizeOptions]) -> Sequence[Outcome]:
     """Return gaps and extremes of the loop of each run."""
     return by_readings(runs, on_wires, partial(on_rig, runs))
 
 
-def on_wires(runs: Runs[CharacterizeOptions]) -> Sequence[Outcome]:
+def on_wires(runs: StudyRuns[CharacterizeOptions]) -> Sequence[Outcome]:
     """Return what runs with ideal readings yield."""
     found = ideal_runs(runs, lambda run, wire: drive_v(run.options, wire))
     pairs = list(zip(runs.runs, found, strict=True))
     return each(lambda pair: of_ideal(pair[0].options, pair[1], runs.keep), pairs)
 
 
-def on_rig(runs: Runs[CharacterizeOptions], run: Run[CharacterizeOptions]) -> Outcome:
+def on_rig(runs: StudyRuns[CharacterizeOptions], run: StudyRun[CharacterizeOptions]) -> Outcome:
     """Return what a run through the rig's instruments yields."""
     options = run.options
     with runs.open(run) as rig:

@@ -12,7 +12,7 @@ from concurrent.futures import CancelledError
 from typing import Any
 
 from musclewire.errors import CallerError, MissingExtraError, NumericsError
-from musclewire.extras.studies.evaluation import Chunk, ChunkResult, Task, evaluate_chunk
+from musclewire.extras.studies.evaluation import Chunk, ChunkResult, StudyTask, evaluate_chunk
 
 __all__ = ["evaluate_on_cluster"]
 
@@ -27,7 +27,7 @@ CONNECT_S = 30.0
 
 
 def evaluate_on_cluster(
-    task: Task,
+    task: StudyTask,
     chunks: Sequence[Chunk],
     on_result: Callable[[ChunkResult], None],
     *,
@@ -64,7 +64,7 @@ def evaluate_on_cluster(
     """
     client = connected(scheduler)
     try:
-        Queue(client, task, chunks, retries).run(on_result, look)
+        ClusterQueue(client, task, chunks, retries).run(on_result, look)
     except OSError as problem:
         raise NumericsError(
             f"the scheduler at {scheduler} answers no more ({' '.join(str(problem).split())}): start it and run the "
@@ -89,10 +89,10 @@ def connected(scheduler: str) -> Any:
         ) from None
 
 
-class Queue:
+class ClusterQueue:
     """The chunks of a study on a cluster: those that wait here, and those that are there."""
 
-    def __init__(self, client: Any, task: Task, chunks: Sequence[Chunk], retries: int) -> None:
+    def __init__(self, client: Any, task: StudyTask, chunks: Sequence[Chunk], retries: int) -> None:
         """Begin with all chunks here."""
         self._client, self._retries = client, retries
         self._chunks = chunks

@@ -15,7 +15,7 @@ from musclewire.experiment.closed_loop import control
 from musclewire.experiment.many_loops import control_compiled
 from musclewire.experiment.metrics import ControlMetrics, ControlRun
 from musclewire.experiment.open_loop import characterize
-from musclewire.extras.studies.run_kind import KindOptions, Outcome, Quantity, Run, RunKind, Runs, each
+from musclewire.extras.studies.run_kind import KindOptions, Outcome, Quantity, RunKind, StudyRun, StudyRuns, each
 from musclewire.identify import fit
 from musclewire.identify.recordings import required_quantity
 from musclewire.rigs.compiled_loop.running import uncompiled
@@ -104,12 +104,12 @@ def quantities(options: ControlOptions) -> Mapping[str, Quantity]:  # noqa: ARG0
     return {**NUMBERS, **SERIES}
 
 
-def evaluate(runs: Runs[ControlOptions]) -> Sequence[Outcome]:
+def evaluate(runs: StudyRuns[ControlOptions]) -> Sequence[Outcome]:
     """Return the errors of each run."""
     return each(partial(on_rig, runs), runs.runs)
 
 
-def on_rig(runs: Runs[ControlOptions], run: Run[ControlOptions]) -> Outcome:
+def on_rig(runs: StudyRuns[ControlOptions], run: StudyRun[ControlOptions]) -> Outcome:
     """Return what a closed loop on the rig of a run yields."""
     options = run.options
     with runs.open(run) as rig:

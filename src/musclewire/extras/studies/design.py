@@ -11,9 +11,9 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.extras.studies.varied_parameters import Axis, Sampled, Value
+from musclewire.extras.studies.varied_parameters import GridAxis, SampledParameter, Value
 
-__all__ = ["METHODS", "Design", "design_of", "run_seed"]
+__all__ = ["METHODS", "StudyDesign", "design_of", "run_seed"]
 
 # How the unit cube of the sampled parameters is filled.
 METHODS = ("random", "latin-hypercube", "sobol", "halton", "saltelli")
@@ -21,7 +21,7 @@ MAX_RUNS = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class StudyDesign:
     """The values of all runs: every point of the grid with every sample, the samples of a point next to each other.
 
     Parameters
@@ -36,7 +36,7 @@ class Design:
         How they were sampled; "" without any.
     """
 
-    axes: tuple[Axis, ...]
+    axes: tuple[GridAxis, ...]
     sampled: tuple[tuple[str, str], ...]
     samples: FloatArray
     method: str
@@ -104,7 +104,7 @@ class Design:
         return np.tile(np.repeat(np.array(self.axes[place].values), after), before)
 
 
-def design_of(parameters: Sequence[Axis | Sampled], method: str, samples: int, seed: int) -> Design:
+def design_of(parameters: Sequence[GridAxis | SampledParameter], method: str, samples: int, seed: int) -> StudyDesign:
     """Return the runs of a study.
 
     Parameters
@@ -128,15 +128,15 @@ def design_of(parameters: Sequence[Axis | Sampled], method: str, samples: int, s
     CallerError
         For a number of samples that the method does not take, and for more runs than anybody evaluates.
     """
-    axes = tuple(item for item in parameters if isinstance(item, Axis))
-    drawn = [item for item in parameters if isinstance(item, Sampled)]
+    axes = tuple(item for item in parameters if isinstance(item, GridAxis))
+    drawn = [item for item in parameters if isinstance(item, SampledParameter)]
     cube = unit_cube(method, len(drawn), samples, seed) if drawn else np.empty((samples, 0))
     columns = [item.quantile(cube[:, place]) for place, item in enumerate(drawn)]
     values = np.column_stack(columns) if columns else cube
     for item, column in zip(drawn, columns, strict=True):
         if not np.isfinite(column).all():
             raise CallerError(f"parameters.{item.name}: the distribution has values that are not finite: truncate it")
-    design = Design(axes, tuple((item.name, item.unit) for item in drawn), values, method if drawn else "")
+    design = StudyDesign(axes, tuple((item.name, item.unit) for item in drawn), values, method if drawn else "")
     if len(design) > MAX_RUNS:
         raise CallerError(f"this study has {len(design)} runs, more than {MAX_RUNS}: fewer points or samples")
     return design

@@ -13,7 +13,7 @@ from musclewire.errors import CallerError, nearest_hint
 __all__ = ["quantile_function"]
 
 
-class Usual(NamedTuple):
+class DistributionFamily(NamedTuple):
     """A usual distribution: the keys that it needs, those that it may have, and how scipy.stats makes it."""
 
     needs: tuple[str, ...]
@@ -21,51 +21,51 @@ class Usual(NamedTuple):
     frozen: Callable[[Mapping[str, Any]], Any]
 
 
-def uniform(of: Mapping[str, Any]) -> Any:
+def uniform(keys: Mapping[str, Any]) -> Any:
     """Return a uniform distribution between two ends."""
     from scipy import stats
 
-    return stats.uniform(of["low"], of["high"] - of["low"])
+    return stats.uniform(keys["low"], keys["high"] - keys["low"])
 
 
-def log_uniform(of: Mapping[str, Any]) -> Any:
+def log_uniform(keys: Mapping[str, Any]) -> Any:
     """Return a distribution whose logarithm is uniform between those of two ends."""
     from scipy import stats
 
-    return stats.loguniform(of["low"], of["high"])
+    return stats.loguniform(keys["low"], keys["high"])
 
 
-def normal(of: Mapping[str, Any]) -> Any:
+def normal(keys: Mapping[str, Any]) -> Any:
     """Return a normal distribution, truncated at ends that are given."""
     from scipy import stats
 
-    if "low" not in of and "high" not in of:
-        return stats.norm(of["mean"], of["std"])
-    low, high = ((of.get(key, end) - of["mean"]) / of["std"] for key, end in (("low", -np.inf), ("high", np.inf)))
-    return stats.truncnorm(low, high, of["mean"], of["std"])
+    if "low" not in keys and "high" not in keys:
+        return stats.norm(keys["mean"], keys["std"])
+    low, high = ((keys.get(key, end) - keys["mean"]) / keys["std"] for key, end in (("low", -np.inf), ("high", np.inf)))
+    return stats.truncnorm(low, high, keys["mean"], keys["std"])
 
 
-def log_normal(of: Mapping[str, Any]) -> Any:
+def log_normal(keys: Mapping[str, Any]) -> Any:
     """Return a log-normal distribution."""
     from scipy import stats
 
-    return stats.lognorm(np.log(of["factor"]), scale=of["median"])
+    return stats.lognorm(np.log(keys["factor"]), scale=keys["median"])
 
 
-def triangular(of: Mapping[str, Any]) -> Any:
+def triangular(keys: Mapping[str, Any]) -> Any:
     """Return a triangular distribution between two ends."""
     from scipy import stats
 
-    width = of["high"] - of["low"]
-    return stats.triang((of["mode"] - of["low"]) / width, of["low"], width)
+    width = keys["high"] - keys["low"]
+    return stats.triang((keys["mode"] - keys["low"]) / width, keys["low"], width)
 
 
-USUAL: Mapping[str, Usual] = {
-    "uniform": Usual(("low", "high"), (), uniform),
-    "log-uniform": Usual(("low", "high"), (), log_uniform),
-    "normal": Usual(("mean", "std"), ("low", "high"), normal),
-    "log-normal": Usual(("median", "factor"), (), log_normal),
-    "triangular": Usual(("low", "mode", "high"), (), triangular),
+USUAL: Mapping[str, DistributionFamily] = {
+    "uniform": DistributionFamily(("low", "high"), (), uniform),
+    "log-uniform": DistributionFamily(("low", "high"), (), log_uniform),
+    "normal": DistributionFamily(("mean", "std"), ("low", "high"), normal),
+    "log-normal": DistributionFamily(("median", "factor"), (), log_normal),
+    "triangular": DistributionFamily(("low", "mode", "high"), (), triangular),
 }
 
 

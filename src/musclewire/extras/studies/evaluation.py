@@ -9,16 +9,25 @@ from typing import Any, NamedTuple
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, MusclewireError
 from musclewire.extras.studies.plan import RUN, Plan, engine
-from musclewire.extras.studies.run_kind import KindOptions, Outcome, Quantity, Run, RunKind, Runs, column_of, each
+from musclewire.extras.studies.run_kind import (
+    KindOptions,
+    Outcome,
+    Quantity,
+    RunKind,
+    StudyRun,
+    StudyRuns,
+    column_of,
+    each,
+)
 from musclewire.parameters.validation import validated
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.rigs.varied_rig import Value, VariedRig
 
-__all__ = ["Chunk", "ChunkResult", "Task", "evaluate_chunk", "task_of"]
+__all__ = ["Chunk", "ChunkResult", "StudyTask", "evaluate_chunk", "task_of"]
 
 
 @dataclass(frozen=True)
-class Task:
+class StudyTask:
     """All that a worker must know of a study besides the values of its runs; it can be pickled.
 
     Parameters
@@ -86,9 +95,9 @@ class ChunkResult(NamedTuple):
         return self.first + len(self.errors)
 
 
-def task_of(plan: Plan) -> Task:
+def task_of(plan: Plan) -> StudyTask:
     """Return what workers must know of a study."""
-    return Task(
+    return StudyTask(
         kind=plan.kind,
         configuration=plan.rig.configuration,
         where=plan.rig.where,
@@ -100,7 +109,7 @@ def task_of(plan: Plan) -> Task:
     )
 
 
-def evaluate_chunk(task: Task, chunk: Chunk) -> ChunkResult:
+def evaluate_chunk(task: StudyTask, chunk: Chunk) -> ChunkResult:
     """Return the kept quantities of some runs. They depend on nothing else: not on other runs, cores or workers.
 
     Parameters
@@ -124,14 +133,14 @@ def evaluate_chunk(task: Task, chunk: Chunk) -> ChunkResult:
     rig = VariedRig(task.configuration, task.where, [name for name in task.names if not name.startswith(RUN)])
     runs = each(lambda place: run_of(task, chunk.first + place, chunk.values[place]), range(len(chunk.values)))
     possible = [run for run in runs if not isinstance(run, MusclewireError)]
-    found = iter(task.kind.evaluate(Runs(rig, possible, frozenset(task.keep))))
+    found = iter(task.kind.evaluate(StudyRuns(rig, possible, frozenset(task.keep))))
     outcomes: list[Outcome] = [run if isinstance(run, MusclewireError) else next(found) for run in runs]
     columns = {name: column_of(name, quantity, outcomes) for name, quantity in task.keep.items()}
     errors = tuple(message(one) if isinstance(one, MusclewireError) else "" for one in outcomes)
     return ChunkResult(chunk.first, columns, errors)
 
 
-def run_of(task: Task, number: int, values: Sequence[Value]) -> Run[Any]:
+def run_of(task: StudyTask, number: int, values: Sequence[Value]) -> StudyRun[Any]:
     """Return one run with its values; those of ``run.KEY`` change its options."""
     named = dict(zip(task.names, values, strict=True))
     changed = {name.removeprefix(RUN): value for name, value in named.items() if name.startswith(RUN)}
@@ -139,7 +148,7 @@ def run_of(task: Task, number: int, values: Sequence[Value]) -> Run[Any]:
     options = task.options
     if changed:
         options = validated(type(options), {**dict(options), **changed}, f"{task.where}: run")
-    return Run(number, on_rig, options, task.seed)
+    return StudyRun(number, on_rig, options, task.seed)
 
 
 def message(error: MusclewireError) -> str:

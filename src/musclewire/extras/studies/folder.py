@@ -15,7 +15,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from musclewire.errors import CallerError
-from musclewire.extras.studies.design import Design
+from musclewire.extras.studies.design import StudyDesign
 from musclewire.extras.studies.evaluation import Chunk, ChunkResult
 from musclewire.extras.studies.plan import Plan, engine
 from musclewire.signals.whole_files import write_text_whole, write_whole
@@ -169,7 +169,7 @@ class Chunks(Sequence[Chunk]):
         The runs of each chunk: the first, and the one after the last.
     """
 
-    def __init__(self, design: Design, ranges: Sequence[tuple[int, int]]) -> None:
+    def __init__(self, design: StudyDesign, ranges: Sequence[tuple[int, int]]) -> None:
         """Take the ranges."""
         self._design, self._ranges = design, ranges
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError
-from musclewire.extras.studies.run_kind import Outcome, Run, Runs, each
+from musclewire.extras.studies.run_kind import Outcome, StudyRun, StudyRuns, each
 from musclewire.rigs.many_wires import drive_wires, held_voltages_v
 from musclewire.rigs.varied_rig import VariedWire
 from musclewire.signals.recording import Recording
@@ -45,7 +45,7 @@ class IdealRun(NamedTuple):
 
 
 def ideal_runs(
-    runs: Runs[Any], drive_of: Callable[[Run[Any], VariedWire], FloatArray]
+    runs: StudyRuns[Any], drive_of: Callable[[StudyRun[Any], VariedWire], FloatArray]
 ) -> list[IdealRun | MusclewireError]:
     """Return each run of a chunk with ideal readings, or the error of one that cannot be run.
 
@@ -62,7 +62,7 @@ def ideal_runs(
     """
     wires = runs.wires()
 
-    def prepared(pair: tuple[Run[Any], VariedWire | MusclewireError]) -> tuple[VariedWire, FloatArray]:
+    def prepared(pair: tuple[StudyRun[Any], VariedWire | MusclewireError]) -> tuple[VariedWire, FloatArray]:
         run, wire = pair
         if isinstance(wire, MusclewireError):
             raise wire
@@ -95,9 +95,9 @@ def ideal_runs(
 
 
 def by_readings(
-    runs: Runs[Any],
-    on_wires: Callable[[Runs[Any]], Sequence[Outcome]],
-    on_rig: Callable[[Run[Any]], Outcome],
+    runs: StudyRuns[Any],
+    on_wires: Callable[[StudyRuns[Any]], Sequence[Outcome]],
+    on_rig: Callable[[StudyRun[Any]], Outcome],
 ) -> list[Outcome]:
     """Return an outcome for each run, whose readings are its own: what the others have must not matter.
 

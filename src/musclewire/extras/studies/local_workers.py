@@ -15,7 +15,7 @@ from typing import Any
 
 from musclewire.errors import CallerError, NumericsError
 from musclewire.experiment.worker_process import end_worker, start_worker
-from musclewire.extras.studies.evaluation import Chunk, ChunkResult, Task, evaluate_chunk
+from musclewire.extras.studies.evaluation import Chunk, ChunkResult, StudyTask, evaluate_chunk
 
 __all__ = ["evaluate_here", "evaluate_locally"]
 
@@ -25,7 +25,7 @@ LOOK_S = 0.2
 
 
 def evaluate_here(
-    task: Task, chunks: Sequence[Chunk], on_result: OnResult, *, look: Callable[[], None] = lambda: None
+    task: StudyTask, chunks: Sequence[Chunk], on_result: OnResult, *, look: Callable[[], None] = lambda: None
 ) -> None:
     """Evaluate chunks one after the other in this process.
 
@@ -46,7 +46,7 @@ def evaluate_here(
 
 
 def evaluate_locally(
-    task: Task,
+    task: StudyTask,
     chunks: Sequence[Chunk],
     on_result: OnResult,
     *,
@@ -78,7 +78,7 @@ def evaluate_locally(
     NumericsError
         If a chunk has failed more often than that, or by an error in the code.
     """
-    pool = Pool(pickled(task), chunks, retries)
+    pool = ChunkPool(pickled(task), chunks, retries)
     threads = [threading.Thread(target=pool.serve, daemon=True) for _ in range(min(workers, len(chunks)))]
     for thread in threads:
         thread.start()
@@ -92,7 +92,7 @@ def evaluate_locally(
         pool.end()
 
 
-def pickled(task: Task) -> bytes:
+def pickled(task: StudyTask) -> bytes:
     """Return a task as bytes. Raises CallerError for a kind of run that is known in this process only."""
     module = getattr(task.kind.evaluate, "__module__", "")
     try:
@@ -109,7 +109,7 @@ def pickled(task: Task) -> bytes:
     return data
 
 
-class Pool:
+class ChunkPool:
     """Processes that take chunks from one queue and put results into another."""
 
     def __init__(self, task: bytes, chunks: Sequence[Chunk], retries: int) -> None:

@@ -18,10 +18,10 @@ from pydantic.fields import FieldInfo
 
 from musclewire.compiled import kernel_source_hash
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.extras.studies.design import Design, design_of
+from musclewire.extras.studies.design import StudyDesign, design_of
 from musclewire.extras.studies.run_kind import RUN_KINDS, KindOptions, Quantity, RunKind
 from musclewire.extras.studies.study_file import StudyFile
-from musclewire.extras.studies.varied_parameters import Axis, Sampled, resolved
+from musclewire.extras.studies.varied_parameters import GridAxis, SampledParameter, resolved
 from musclewire.parameters.validation import validated
 from musclewire.parameters.wire_file import is_wire_file
 from musclewire.rigs.configuration import simulated_configuration
@@ -58,7 +58,7 @@ class Plan:
     kind: RunKind[Any]
     options: KindOptions
     keep: Mapping[str, Quantity]
-    design: Design
+    design: StudyDesign
 
     @cached_property
     def fingerprint(self) -> str:
@@ -185,9 +185,9 @@ def require_distinct(keys: Mapping[str, VariedKey], where: str) -> None:
             raise CallerError(f"{where}: parameters.{same} and parameters.{name} are the same number: give one of them")
 
 
-def placed(item: Axis | Sampled, folder: Path) -> Axis | Sampled:
+def placed(item: GridAxis | SampledParameter, folder: Path) -> GridAxis | SampledParameter:
     """Return a parameter with the wire files among its values found next to the study's file."""
-    if isinstance(item, Sampled) or item.unit:
+    if isinstance(item, SampledParameter) or item.unit:
         return item
     return item._replace(values=tuple(found_in(folder, value) for value in item.values))
 
@@ -203,10 +203,10 @@ def files_found(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return {key: found_in(folder, value) for key, value in table.items()}
 
 
-def sampled_design(file: StudyFile, parameters: list[Axis | Sampled], where: str) -> Design:
+def sampled_design(file: StudyFile, parameters: list[GridAxis | SampledParameter], where: str) -> StudyDesign:
     """Return the runs of a study. Raises CallerError if a distribution is not sampled."""
     sampling = file.sampling
-    drawn = [item.name for item in parameters if isinstance(item, Sampled)]
+    drawn = [item.name for item in parameters if isinstance(item, SampledParameter)]
     if sampling is None:
         if drawn:
             raise CallerError(f"{where}: {drawn[0]} is a distribution: say [sampling] method and samples, or give it "

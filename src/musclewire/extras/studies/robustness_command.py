@@ -15,7 +15,7 @@ import typer
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.options import LIST, OUTPUT, QUICK, WORKERS, Json
 from musclewire.app.output import emit_json, run_bar, show
-from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_samples
+from musclewire.app.stopping import StoppedCommand, stop_if_asked, stops_between_samples
 from musclewire.extras.studies.options import CONDITION, CONTROLLERS, ESTIMATORS, TRACK, TUNING
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def resumable(folder: Path) -> Iterator[None]:
         yield
     except SystemExit as stop:
         code = stop.code if isinstance(stop.code, int) else 1
-        raise Stopped(code, f"finished runs are kept in {folder}, and the same command continues") from None
+        raise StoppedCommand(code, f"finished runs are kept in {folder}, and the same command continues") from None
 
 
 def drawn(result: Robustness, *, style: str) -> Figure:

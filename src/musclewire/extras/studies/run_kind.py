@@ -16,7 +16,7 @@ from musclewire.registry import Registry
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.varied_rig import Value, VariedRig, VariedWire
 
-__all__ = ["RUN_KINDS", "KindOptions", "Outcome", "Quantity", "Run", "RunKind", "Runs", "column_of", "each"]
+__all__ = ["RUN_KINDS", "KindOptions", "Outcome", "Quantity", "StudyRun", "RunKind", "StudyRuns", "column_of", "each"]
 
 # The result of a run: a number, or an array of numbers for a series, by quantity; or the error that ended it.
 Outcome = Mapping[str, float | FloatArray] | MusclewireError
@@ -50,7 +50,7 @@ Options = TypeVar("Options", bound=KindOptions)
 
 
 @dataclass(frozen=True)
-class Run(Generic[Options]):
+class StudyRun(Generic[Options]):
     """One run of a study.
 
     Parameters
@@ -77,7 +77,7 @@ class Run(Generic[Options]):
 
 
 @dataclass(frozen=True)
-class Runs(Generic[Options]):
+class StudyRuns(Generic[Options]):
     """Some runs of a study that are evaluated together.
 
     Parameters
@@ -91,10 +91,10 @@ class Runs(Generic[Options]):
     """
 
     rig: VariedRig
-    runs: Sequence[Run[Options]]
+    runs: Sequence[StudyRun[Options]]
     keep: frozenset[str]
 
-    def open(self, run: Run[Options]) -> GuardedRig:
+    def open(self, run: StudyRun[Options]) -> GuardedRig:
         """Return the open rig of a run, with instruments and protection.
 
         Parameters
@@ -133,7 +133,7 @@ class RunKind(Generic[Options]):
 
     options: type[Options]
     quantities: Callable[[Options], Mapping[str, Quantity]]
-    evaluate: Callable[[Runs[Options]], Sequence[Outcome]]
+    evaluate: Callable[[StudyRuns[Options]], Sequence[Outcome]]
     runs_per_chunk: int = 1
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.extras.studies.data_set import require_extra
-from musclewire.extras.studies.design import Design
+from musclewire.extras.studies.design import StudyDesign
 
 __all__ = ["Sensitivity", "sensitivity_of", "sensitivity_text"]
 
@@ -68,7 +68,7 @@ class Sensitivity(NamedTuple):
     pawn: float | None = None
 
 
-def sensitivity_of(design: Design, columns: Mapping[str, FloatArray], seed: int) -> list[Sensitivity]:
+def sensitivity_of(design: StudyDesign, columns: Mapping[str, FloatArray], seed: int) -> list[Sensitivity]:
     """Return the indices of every quantity that is a number and varies.
 
     Parameters
@@ -113,7 +113,7 @@ def varies(values: FloatArray) -> bool:
     return bool(finite.size and np.ptp(finite) > MIN_VARIATION * float(np.abs(finite).max()))
 
 
-def of_grid(design: Design, quantity: str, values: FloatArray, seed: int) -> list[Sensitivity]:
+def of_grid(design: StudyDesign, quantity: str, values: FloatArray, seed: int) -> list[Sensitivity]:
     """Return the first index of each axis of a grid: the variance of the means over all else, relative to the whole.
 
     Means over sampled parameters are estimates; their interval is that of drawing the samples again.
@@ -139,7 +139,7 @@ def first_of_axes(cube: FloatArray) -> FloatArray:
     return np.array([mean.var() / whole for mean in means])
 
 
-def of_samples(design: Design, quantity: str, values: FloatArray, seed: int) -> list[Sensitivity]:
+def of_samples(design: StudyDesign, quantity: str, values: FloatArray, seed: int) -> list[Sensitivity]:
     """Return the indices of the sampled parameters, relative to the variance of all runs, over all points of a grid."""
     if not design.sampled:
         return []
@@ -148,13 +148,13 @@ def of_samples(design: Design, quantity: str, values: FloatArray, seed: int) -> 
     return analyse(design, quantity, rows, seed)
 
 
-def problem_of(design: Design) -> dict[str, Any]:
+def problem_of(design: StudyDesign) -> dict[str, Any]:
     """Return the sampled parameters as SALib describes them."""
     ends = [[float(column.min()), float(column.max())] for column in design.samples.T]
     return {"num_vars": len(design.sampled), "names": [name for name, _ in design.sampled], "bounds": ends}
 
 
-def saltelli(design: Design, quantity: str, rows: FloatArray, seed: int) -> list[Sensitivity]:
+def saltelli(design: StudyDesign, quantity: str, rows: FloatArray, seed: int) -> list[Sensitivity]:
     """Return first and total Sobol indices; the design needs every run. ``rows`` [point of the grid, sample]."""
     from SALib.analyze import sobol
 
@@ -189,7 +189,7 @@ def saltelli(design: Design, quantity: str, rows: FloatArray, seed: int) -> list
     ]
 
 
-def given_data(design: Design, quantity: str, rows: FloatArray, seed: int) -> list[Sensitivity]:
+def given_data(design: StudyDesign, quantity: str, rows: FloatArray, seed: int) -> list[Sensitivity]:
     """Return first index and PAWN's from any sample; samples with a failed run are left out. ``rows`` as above."""
     from SALib.analyze import delta, pawn
 

@@ -13,7 +13,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.experiment.drive import drive_wire
 from musclewire.extras.studies.ideal_runs import IdealRun, Readings, by_readings, ideal_runs
-from musclewire.extras.studies.run_kind import KindOptions, Outcome, Quantity, Run, RunKind, Runs, each
+from musclewire.extras.studies.run_kind import KindOptions, Outcome, Quantity, RunKind, StudyRun, StudyRuns, each
 from musclewire.identify.recordings import required_quantity, resistance_reading
 from musclewire.rigs.varied_rig import VariedWire
 from musclewire.signals.recording import Recording
@@ -72,19 +72,19 @@ def quantities(options: SimulateOptions) -> Mapping[str, Quantity]:  # noqa: ARG
     return {**NUMBERS, **SERIES}
 
 
-def evaluate(runs: Runs[SimulateOptions]) -> Sequence[Outcome]:
+def evaluate(runs: StudyRuns[SimulateOptions]) -> Sequence[Outcome]:
     """Return contraction, heat and times of each run."""
     return by_readings(runs, on_wires, partial(on_rig, runs))
 
 
-def on_wires(runs: Runs[SimulateOptions]) -> Sequence[Outcome]:
+def on_wires(runs: StudyRuns[SimulateOptions]) -> Sequence[Outcome]:
     """Return what runs with ideal readings yield."""
     found = ideal_runs(runs, lambda run, wire: drive_v(run.options, wire))
     pairs = list(zip(runs.runs, found, strict=True))
     return each(lambda pair: of_ideal(pair[0].options, pair[1]), pairs)
 
 
-def on_rig(runs: Runs[SimulateOptions], run: Run[SimulateOptions]) -> Outcome:
+def on_rig(runs: StudyRuns[SimulateOptions], run: StudyRun[SimulateOptions]) -> Outcome:
     """Return what a run through the rig's instruments yields."""
     options = run.options
     with runs.open(run) as rig:

@@ -193,7 +193,7 @@ def sweep(
         from musclewire.extras.studies.data_set import read_columns
 
         return StudyResult(plan, *read_columns(store.data))
-    kept = Kept(plan, store)
+    kept = FinishedChunks(plan, store)
     chunks = unfinished(
         plan, kept.finished, positive(chosen.runs_per_chunk, "runs_per_chunk") or plan.kind.runs_per_chunk
     )
@@ -202,7 +202,7 @@ def sweep(
     say(before, len(plan.design))
 
     def on_result(result: ChunkResult) -> None:
-        kept.take(result)
+        kept.keep_chunk(result)
         say(kept.runs, len(plan.design))
 
     evaluate(plan, chunks, on_result, chosen, look)
@@ -239,7 +239,7 @@ def positive(number: int | None, name: str) -> int | None:
     return number
 
 
-class Kept:
+class FinishedChunks:
     """Finished chunks: in the folder of the study, or in memory if it has none."""
 
     def __init__(self, plan: Plan, folder: StudyFolder | None) -> None:
@@ -249,7 +249,7 @@ class Kept:
         self.finished = [] if folder is None else folder.finished()
         self.runs = sum(stop - first for first, stop in self.finished)
 
-    def take(self, result: ChunkResult) -> None:
+    def keep_chunk(self, result: ChunkResult) -> None:
         """Keep a finished chunk."""
         if self._folder is None:
             self._results.append(result)

@@ -23,7 +23,7 @@ from musclewire.extras.studies.study_figures import (
     over_parameters_figure,
     series_figure,
 )
-from musclewire.pages import Card, cards, page, svg_in_frame, table, table_rows
+from musclewire.pages import NumberCard, cards, page, svg_in_frame, table, table_rows
 from musclewire.signals.whole_files import write_text_whole
 
 __all__ = ["require_packages", "write_study"]
@@ -99,16 +99,16 @@ def page_text(result: StudyResult, indices: Sequence[Sensitivity]) -> str:
     return page("musclewire.extras.studies", "study.html", parts)
 
 
-def key_numbers(result: StudyResult) -> list[Card]:
+def key_numbers(result: StudyResult) -> list[NumberCard]:
     """Return the key numbers of a study."""
     design = result.plan.design
     sampled = f"{len(design.samples)} samples ({design.method})" if design.method else ""
     grid = f"{design.points} points of a grid" if design.axes else ""
     return [
-        Card("Runs", f"{len(result)}", " x ".join(text for text in (grid, sampled) if text) or "one setting"),
-        Card("Kind", escape(str(result.plan.file.run["kind"])), f"{len(result.plan.keep)} quantities kept"),
-        Card("Failed", f"{result.failed}", "runs without a result", ok=result.failed == 0),
-        Card("Parameters", f"{len(design.names)}", f"seed {result.plan.file.seed}"),
+        NumberCard("Runs", f"{len(result)}", " x ".join(text for text in (grid, sampled) if text) or "one setting"),
+        NumberCard("Kind", escape(str(result.plan.file.run["kind"])), f"{len(result.plan.keep)} quantities kept"),
+        NumberCard("Failed", f"{result.failed}", "runs without a result", ok=result.failed == 0),
+        NumberCard("Parameters", f"{len(design.names)}", f"seed {result.plan.file.seed}"),
     ]
 
 

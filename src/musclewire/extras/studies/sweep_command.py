@@ -15,7 +15,7 @@ import typer
 from musclewire.app.figure_options import FigureOptions
 from musclewire.app.options import LIST, OUTPUT, OVERWRITE, WORKERS, Json
 from musclewire.app.output import emit_json, run_bar, show, warn
-from musclewire.app.stopping import Stopped, stop_if_asked, stops_between_samples
+from musclewire.app.stopping import StoppedCommand, stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError
 from musclewire.extras.studies.options import PLAN, RETRIES, RUNS_PER_CHUNK, SCHEDULER
 
@@ -111,7 +111,7 @@ def resumable(folder: Path) -> Iterator[None]:
         yield
     except SystemExit as stop:
         code = stop.code if isinstance(stop.code, int) else 1
-        raise Stopped(code, f"finished runs are kept in {folder}, and the same command continues") from None
+        raise StoppedCommand(code, f"finished runs are kept in {folder}, and the same command continues") from None
 
 
 def show_plan(plan: Plan, json: bool) -> None:

@@ -15,7 +15,7 @@ from musclewire.extras.studies.distributions import quantile_function
 from musclewire.parameters.priors import load_priors
 from musclewire.signals.units import parse_quantity
 
-__all__ = ["Axis", "ParameterTable", "Sampled", "Value", "resolved"]
+__all__ = ["GridAxis", "ParameterTable", "SampledParameter", "Value", "resolved"]
 
 Value = float | str | bool
 Quantity = float | str
@@ -83,7 +83,7 @@ class ParameterTable(BaseModel):
     prior: str | None = None
 
 
-class Axis(NamedTuple):
+class GridAxis(NamedTuple):
     """A parameter that takes each of some values: an axis of the grid."""
 
     name: str
@@ -91,7 +91,7 @@ class Axis(NamedTuple):
     values: tuple[Value, ...]
 
 
-class Sampled(NamedTuple):
+class SampledParameter(NamedTuple):
     """A parameter that is drawn: ``quantile`` takes cumulative probabilities, (n,), to its values."""
 
     name: str
@@ -99,7 +99,7 @@ class Sampled(NamedTuple):
     quantile: Callable[[FloatArray], FloatArray]
 
 
-def resolved(name: str, unit: str, table: ParameterTable) -> Axis | Sampled:
+def resolved(name: str, unit: str, table: ParameterTable) -> GridAxis | SampledParameter:
     """Return a parameter of a study.
 
     Parameters
@@ -124,18 +124,18 @@ def resolved(name: str, unit: str, table: ParameterTable) -> Axis | Sampled:
     given = {key: value for key, value in table if value not in (None, {}) and key != "spacing"}
     if table.values is not None:
         require_only(where, given, "values", ("values",))
-        return Axis(name, unit, tuple(axis_value(where, unit, value) for value in table.values))
+        return GridAxis(name, unit, tuple(axis_value(where, unit, value) for value in table.values))
     if not unit:
         raise CallerError(f"{where}: a parameter without a unit takes 'values' only, a list")
     if table.prior is not None:
         require_only(where, given, "prior", ("prior",))
-        return Sampled(name, unit, prior_of(name, table.prior, where))
+        return SampledParameter(name, unit, prior_of(name, table.prior, where))
     numbers = {key: in_si(f"{where}.{key}", unit, given[key], key in DIFFERENCES) for key in WITH_UNIT if key in given}
     if table.points is not None:
         require_only(where, given, "points", ("low", "high", "points"))
-        return Axis(name, unit, points_between(where, numbers, table.points, table.spacing))
+        return GridAxis(name, unit, points_between(where, numbers, table.points, table.spacing))
     known = {key: given[key] for key in given if key not in WITH_UNIT}
-    return Sampled(name, unit, quantile_function(where, table.spacing, {**known, **numbers}))
+    return SampledParameter(name, unit, quantile_function(where, table.spacing, {**known, **numbers}))
 
 
 def require_only(where: str, given: Mapping[str, Any], what: str, known: tuple[str, ...]) -> None:

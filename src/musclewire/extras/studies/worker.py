@@ -8,7 +8,7 @@ import sys
 from typing import BinaryIO
 
 from musclewire.errors import NumericsError
-from musclewire.extras.studies.evaluation import Chunk, Task, evaluate_chunk
+from musclewire.extras.studies.evaluation import Chunk, StudyTask, evaluate_chunk
 
 __all__ = ["main"]
 
@@ -27,16 +27,16 @@ def main() -> None:
         return
 
 
-def loaded(requests: BinaryIO) -> Task | NumericsError:
+def loaded(requests: BinaryIO) -> StudyTask | NumericsError:
     """Return the task of this worker, or why it cannot be read: its kind of run may not be importable here."""
     try:
-        task: Task = pickle.load(requests)
+        task: StudyTask = pickle.load(requests)
         return task
     except (ImportError, AttributeError) as problem:
         return NumericsError(f"a worker cannot import the kind of run: {problem}")
 
 
-def answer_to(task: Task | NumericsError, chunk: Chunk) -> object:
+def answer_to(task: StudyTask | NumericsError, chunk: Chunk) -> object:
     """Return the result of a chunk, or the error that the parent is to raise."""
     if isinstance(task, NumericsError):
         return task

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.identify.home.registration import MARTENSITE_PER_K, Anchors, Registration, register
+from musclewire.identify.home.registration import MARTENSITE_PER_K, AnchorPoint, Registration, register
 from musclewire.identify.home.seen_points import SeenPoints, seen_points
 from musclewire.identify.home.warming import HeatCourse, WireHeat, course_of, wire_heat_of
 from musclewire.sensing.home_move import DRIFT_FRACTION, HomeMove
@@ -125,10 +125,10 @@ def homed_model(
     sweep, heat = course_of(recording), wire_heat_of(recording)
     seen = seen_points(sweep)
     require_complete(model, seen)
-    air = Air.of(model, recording, ambient_k)
+    air = SweepAirTemperature.from_recording(model, recording, ambient_k)
     ends_ohm = (model.resistance_min_ohm, model.resistance_max_ohm)
     found = register(before, sweep, heat, ends_ohm, anchors_of(model, before, seen), air.change_k)
-    moved = Moved.by(found, before, heat, air, model.resistance_max_ohm)
+    moved = WireChange.from_registration(found, before, heat, air, model.resistance_max_ohm)
     require_explained(model, found, moved, air)
     home = home_move(model, recording, found, moved)
     home = replace(home, load_n=assumed_n, ambient_k=air.measured_k, cycles=cycles)
@@ -146,14 +146,14 @@ def homed_model(
     )
 
 
-class Air(NamedTuple):
+class SweepAirTemperature(NamedTuple):
     """The air's temperature in the sweep, and its change since the characterisation [K], None if unknown."""
 
     measured_k: float | None
     change_k: float | None
 
     @classmethod
-    def of(cls, model: SensingModel, recording: Recording, ambient_k: float | None) -> Air:
+    def from_recording(cls, model: SensingModel, recording: Recording, ambient_k: float | None) -> SweepAirTemperature:
         """Return what is known: the measured temperature, or the mean of the recording's own thermometer."""
         column = recording.columns.get("ambient_temperature_k")
         if ambient_k is None and column is not None and np.isfinite(column).any():
@@ -175,7 +175,7 @@ class Air(NamedTuple):
         return AIR_STD_K if self.change_k is None else MEASURED_STD_K
 
 
-class Moved(NamedTuple):
+class WireChange(NamedTuple):
     """What a registration says about the wire as a whole.
 
     By how much warmer it transforms [K], a known change of the air taken off, with its standard deviation [K]; the
@@ -192,7 +192,9 @@ class Moved(NamedTuple):
     shifted: bool
 
     @classmethod
-    def by(cls, found: Registration, before: HeatCourse, heat: WireHeat, air: Air, at_b_ohm: float) -> Moved:
+    def from_registration(
+        cls, found: Registration, before: HeatCourse, heat: WireHeat, air: SweepAirTemperature, at_b_ohm: float
+    ) -> WireChange:
         """Return it from a registration; the power that the middle of the fall takes shows the warming."""
         middle_k = 0.5 * (power_at(before, 0.25) + power_at(before, 0.75)) / heat.loss_w_per_k
         ratio = exp(float(found.values[4]))
@@ -260,7 +262,7 @@ def require_complete(model: SensingModel, seen: SeenPoints) -> None:
         )
 
 
-def anchors_of(model: SensingModel, before: HeatCourse, seen: SeenPoints) -> tuple[Anchors, ...]:
+def anchors_of(model: SensingModel, before: HeatCourse, seen: SeenPoints) -> tuple[AnchorPoint, ...]:
     """Return the points that loop and sweep both show: B on the way up, B on the way down, and C where it is real."""
     was = seen_points(before)
     pairs = (
@@ -268,10 +270,10 @@ def anchors_of(model: SensingModel, before: HeatCourse, seen: SeenPoints) -> tup
         (was.cooling_b_ohm, seen.cooling_b_ohm, COOLING_B_FRACTION),
         (was.c_ohm, seen.c_ohm, C_FRACTION),
     )
-    return tuple(Anchors(one, two, error * one) for one, two, error in pairs if one is not None and two is not None)
+    return tuple(AnchorPoint(one, two, error * one) for one, two, error in pairs if one is not None and two is not None)
 
 
-def require_explained(model: SensingModel, found: Registration, moved: Moved, air: Air) -> None:
+def require_explained(model: SensingModel, found: Registration, moved: WireChange, air: SweepAirTemperature) -> None:
     """Raise RecordingError for what a wire's own drift does not explain: another shape, another wire, another load."""
     span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
     if not moved.certain:
@@ -297,7 +299,7 @@ def require_explained(model: SensingModel, found: Registration, moved: Moved, ai
         )
 
 
-def home_move(model: SensingModel, recording: Recording, found: Registration, moved: Moved) -> HomeMove:
+def home_move(model: SensingModel, recording: Recording, found: Registration, moved: WireChange) -> HomeMove:
     """Return what the model's file keeps, counted from the characterisation."""
     low_ohm, high_ohm = model.resistance_min_ohm, model.resistance_max_ohm
     span_ohm = high_ohm - low_ohm
@@ -349,7 +351,7 @@ def corrected_model(model: SensingModel, found: Registration, home: HomeMove) ->
     )
 
 
-def notes_on(seen: SeenPoints, moved: Moved, air: Air) -> tuple[str, ...]:
+def notes_on(seen: SeenPoints, moved: WireChange, air: SweepAirTemperature) -> tuple[str, ...]:
     """Return what was not seen, what cannot be separated, and why nothing was corrected."""
     notes = []
     if seen.c_ohm is None:

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
-from musclewire.identify.home.warming import STEPS_PER_LAG, Branches, HeatCourse, WireHeat, branches_of
+from musclewire.identify.home.warming import STEPS_PER_LAG, HeatCourse, WarmingBranches, WireHeat, branches_of
 
-__all__ = ["NAMES", "Anchors", "Registration", "register"]
+__all__ = ["NAMES", "AnchorPoint", "Registration", "register"]
 
 NAMES = ("scale", "offset_ohm", "shift_k", "air_k", "log_ratio", "log_lag", "log_latent")
 # What is known beforehand, as standard deviations: ageing of a trained wire within a percent, joints and leads within
@@ -40,7 +40,7 @@ TOGETHER = 20.0
 MIN_CURRENT_A = 1e-3
 
 
-class Anchors(NamedTuple):
+class AnchorPoint(NamedTuple):
     """A point of the curve that both loop and sweep show, as B: resistances [ohm], and the error between them [ohm]."""
 
     loop_ohm: float
@@ -76,7 +76,7 @@ class Registration(NamedTuple):
     moved_stds_ohm: tuple[float, float]
 
 
-class Problem:
+class RegistrationProblem:
     """The residuals of a sweep against a loop."""
 
     def __init__(
@@ -85,7 +85,7 @@ class Problem:
         sweep: HeatCourse,
         heat: WireHeat,
         ends_ohm: tuple[float, float],
-        anchors: tuple[Anchors, ...],
+        anchors: tuple[AnchorPoint, ...],
         air_k: float | None,
     ) -> None:
         """Resample both; ``ends_ohm`` are the model's resistances at C and B, ``air_k`` the air's known change."""
@@ -108,7 +108,7 @@ class Problem:
         """Return by how much a resistance of the loop has changed [ohm]."""
         return float(self.mapped(values, at_ohm)) - at_ohm
 
-    def branches(self, values: FloatArray) -> Branches:
+    def branches(self, values: FloatArray) -> WarmingBranches:
         """Return the loop's branches for a lag and a latent heat."""
         lag_s, latent = self.heat.lag_s * float(np.exp(values[5])), self.latent(values)
         return branches_of(self.loop, self.loop.warming_k(self.heat, lag_s, latent))
@@ -122,7 +122,7 @@ class Problem:
         branches = self.branches(values)
         lag_s, ratio = self.heat.lag_s * float(np.exp(values[5])), float(np.exp(values[4]))
         warming = self.sweep.warming_k(self.heat, lag_s, self.latent(values), ratio) + float(values[3] - values[2])
-        expected, inside = branches.at(warming, int(np.argmax(warming)))
+        expected, inside = branches.along_course(warming, int(np.argmax(warming)))
         steps = np.maximum(np.abs(np.gradient(warming)), 1e-3)
         slope = np.minimum(np.abs(np.gradient(expected)) / steps, self.span_ohm / 5.0)
         std = np.sqrt(self.noise_ohm**2 + (CURVE_FRACTION * self.span_ohm) ** 2 + (WARMING_STD_K * slope) ** 2)
@@ -162,7 +162,7 @@ def register(
     sweep: HeatCourse,
     heat: WireHeat,
     ends_ohm: tuple[float, float],
-    anchors: tuple[Anchors, ...] = (),
+    anchors: tuple[AnchorPoint, ...] = (),
     air_k: float | None = None,
 ) -> Registration:
     """Lay a sweep over a loop by least squares.
@@ -188,7 +188,7 @@ def register(
     """
     from scipy.optimize import least_squares
 
-    problem = Problem(loop, sweep, heat, ends_ohm, anchors, air_k)
+    problem = RegistrationProblem(loop, sweep, heat, ends_ohm, anchors, air_k)
     scales = [0.01, 0.1, 3.0, 3.0, 0.1, 0.1, 0.2]
     searches = [least_squares(problem.residuals, start, x_scale=scales) for start in starts(problem)]
     found = min(searches, key=lambda one: float(one.cost))
@@ -208,7 +208,7 @@ def register(
     )
 
 
-def starts(problem: Problem) -> list[FloatArray]:
+def starts(problem: RegistrationProblem) -> list[FloatArray]:
     """Return where to begin the search: as characterised, and with the loss by which the hottest samples agree."""
     ratio = float(problem.sweep.power_w.max() / problem.loop.power_w.max())
     other = problem.start.copy()
@@ -224,7 +224,7 @@ def covariance_of(slopes: FloatArray, scales: FloatArray) -> FloatArray:
     return np.asarray(own @ own.T)
 
 
-def moved_std_ohm(problem: Problem, values: FloatArray, covariance: FloatArray, at_ohm: float) -> float:
+def moved_std_ohm(problem: RegistrationProblem, values: FloatArray, covariance: FloatArray, at_ohm: float) -> float:
     """Return the standard deviation of the change of a resistance [ohm]."""
     slope = np.zeros(values.size)
     for place, step in enumerate((1e-4, 1e-3, 1e-2)):

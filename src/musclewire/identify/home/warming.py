@@ -15,7 +15,7 @@ from musclewire.errors import RecordingError
 from musclewire.identify.recordings import resistance_reading
 from musclewire.signals.recording import Recording
 
-__all__ = ["Branches", "HeatCourse", "WireHeat", "branches_of", "course_of", "wire_heat_of"]
+__all__ = ["WarmingBranches", "HeatCourse", "WireHeat", "branches_of", "course_of", "wire_heat_of"]
 
 # Grid of a branch over its warming: finer than the error of the warming itself.
 BRANCH_POINTS = 160
@@ -82,7 +82,7 @@ class HeatCourse(NamedTuple):
         return steady_k + latent_k_per_ohm * (self.resistance_ohm - lagged(self.resistance_ohm, gain))
 
 
-class Branches(NamedTuple):
+class WarmingBranches(NamedTuple):
     """Resistance over warming on the way up and on the way down, each (n,) with rising warming [K]."""
 
     heating_k: FloatArray
@@ -90,7 +90,7 @@ class Branches(NamedTuple):
     cooling_k: FloatArray
     cooling_ohm: FloatArray
 
-    def at(self, warming_k: FloatArray, turn: int) -> tuple[FloatArray, FloatArray]:
+    def along_course(self, warming_k: FloatArray, turn: int) -> tuple[FloatArray, FloatArray]:
         """Return resistance [ohm] of a course that turns at a sample, and where the branches reach, both (n_times,)."""
         up, down = warming_k[:turn], warming_k[turn:]
         found = np.concatenate(
@@ -115,12 +115,12 @@ def lagged(values: FloatArray, gain: float) -> FloatArray:
     return np.asarray(lfilter([gain], [1.0, gain - 1.0], values, zi=[(1.0 - gain) * values[0]])[0])
 
 
-def branches_of(course: HeatCourse, warming_k: FloatArray) -> Branches:
+def branches_of(course: HeatCourse, warming_k: FloatArray) -> WarmingBranches:
     """Return both branches of a course on an even grid, averaged over equal steps of warming."""
     turn = int(np.argmax(warming_k))
     up = averaged(warming_k[: turn + 1], course.resistance_ohm[: turn + 1])
     down = averaged(warming_k[turn:], course.resistance_ohm[turn:])
-    return Branches(*up, *down)
+    return WarmingBranches(*up, *down)
 
 
 def averaged(warming_k: FloatArray, resistance_ohm: FloatArray) -> tuple[FloatArray, FloatArray]:

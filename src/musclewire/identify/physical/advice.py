@@ -18,10 +18,10 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError
-from musclewire.identify.isobaric_loops import Isobar
+from musclewire.identify.isobaric_loops import IsobaricLoop
 from musclewire.identify.physical.calibration import Calibration
 from musclewire.identify.physical.candidate import candidate_constants
-from musclewire.identify.physical.candidates import Candidates, WireValues
+from musclewire.identify.physical.candidates import CandidateParameters, WireValues
 from musclewire.identify.physical.cooling import CoolingObservation
 from musclewire.identify.physical.driven import DrivenObservation
 from musclewire.identify.physical.isobaric import IsobaricObservation
@@ -29,10 +29,10 @@ from musclewire.identify.physical.measured_channels import RawChannel
 from musclewire.identify.physical.observations import Observation, residuals_of
 from musclewire.identify.physical.search import ParallelProblem, jacobian, threads
 from musclewire.identify.physical.uncertainty import IDENTIFIABLE_FRACTION
-from musclewire.parameters.validity import Reached, ValidityLimits, beyond_validity, section_m2, validity_of
+from musclewire.parameters.validity import ReachedConditions, ValidityLimits, beyond_validity, section_m2, validity_of
 from musclewire.wire.paths import isobaric_path
 
-__all__ = ["Advice", "Experiment", "next_experiments", "how_to_identify", "proposed"]
+__all__ = ["ExperimentAdvice", "CandidateExperiment", "next_experiments", "how_to_identify", "proposed"]
 
 
 MAX_ADVICE = 3
@@ -50,7 +50,7 @@ COOLING_S, COOLING_SAMPLE_S = 20.0, 0.02
 
 
 @dataclass(frozen=True)
-class Experiment:
+class CandidateExperiment:
     """A possible experiment: its key in the data file, and its observation simulated with the fitted wire."""
 
     key: str
@@ -58,7 +58,7 @@ class Experiment:
 
 
 @dataclass(frozen=True)
-class Advice:
+class ExperimentAdvice:
     """A recommended experiment: instructions, the parameters it would identify, and those it would narrow by half.
 
     ``gain`` is its effect on all parameters: the sum of the logarithms of deviation before over after.
@@ -86,7 +86,7 @@ def how_to_identify(measure: str) -> str:
     return str(texts()["measures"].get(measure, measure))
 
 
-def next_experiments(calibration: Calibration) -> tuple[Advice, ...]:
+def next_experiments(calibration: Calibration) -> tuple[ExperimentAdvice, ...]:
     """Return what to measure next: the experiments that would identify most of what the recordings do not.
 
     Up to nine experiments are simulated, with a derivative by every parameter: it takes seconds.
@@ -114,31 +114,31 @@ def next_experiments(calibration: Calibration) -> tuple[Advice, ...]:
     return tuple(sorted(worth, key=lambda item: (-len(item.identifies), -item.gain))[:MAX_ADVICE])
 
 
-def advice_of(key: str, names: tuple[str, ...], now: FloatArray, then: FloatArray) -> Advice:
+def advice_of(key: str, names: tuple[str, ...], before: FloatArray, after: FloatArray) -> ExperimentAdvice:
     """Return the value of an experiment, from the deviations in units of the prior's before and after it, (n,)."""
     text = texts()["experiments"][key]
-    unknown = now > IDENTIFIABLE_FRACTION
-    identifies = unknown & (then <= IDENTIFIABLE_FRACTION)
-    narrows = unknown & ~identifies & (then <= 0.5 * now)
+    unknown = before > IDENTIFIABLE_FRACTION
+    identifies = unknown & (after <= IDENTIFIABLE_FRACTION)
+    narrows = unknown & ~identifies & (after <= 0.5 * before)
     # The parameter that would be identified best comes first.
-    order = np.argsort(then)
-    return Advice(
+    order = np.argsort(after)
+    return ExperimentAdvice(
         text["title"],
         text["text"],
         tuple(names[index] for index in order if identifies[index]),
         tuple(names[index] for index in order if narrows[index]),
-        float(np.sum(np.log(now / then))),
+        float(np.sum(np.log(before / after))),
     )
 
 
-def all_parameters(calibration: Calibration) -> tuple[Candidates, FloatArray, FloatArray]:
+def all_parameters(calibration: Calibration) -> tuple[CandidateParameters, FloatArray, FloatArray]:
     """Return all parameters with a prior, the fitted wire's coordinates, (n,), and the information on them, (n, n).
 
     For parameters on which the recordings do not depend, it is that of the prior alone.
     """
     problem, result = calibration.problem, calibration.search_result
     groups = (calibration.alloy, calibration.wire, calibration.bench)
-    candidates = Candidates(calibration.inputs.priors, *groups)
+    candidates = CandidateParameters(calibration.inputs.priors, *groups)
     groups_by_name = {"alloy": groups[0].values(), "wire": groups[1].values(), "bench": groups[2].values()}
     numbers = np.array(
         [groups_by_name[prior.group][name] for name, prior in zip(candidates.names, candidates.priors, strict=True)]
@@ -159,7 +159,7 @@ def deviations(information: FloatArray) -> FloatArray:
 class ExperimentProblem:
     """An experiment as a least-squares problem: residuals against its simulated measurement, (m,)."""
 
-    def __init__(self, observation: Observation, candidates: Candidates) -> None:
+    def __init__(self, observation: Observation, candidates: CandidateParameters) -> None:
         """Take an experiment and the unknown parameters."""
         self._observation = observation
         self._candidates = candidates
@@ -174,7 +174,9 @@ class ExperimentProblem:
         return self
 
 
-def slope_of(observation: Observation, candidates: Candidates, coordinates: FloatArray, each: Any) -> FloatArray:
+def slope_of(
+    observation: Observation, candidates: CandidateParameters, coordinates: FloatArray, each: Any
+) -> FloatArray:
     """Return the derivative of an experiment's normalised residuals by all parameters, (m, n)."""
     parallel = ParallelProblem(ExperimentProblem(observation, candidates), each)
     here = parallel.residuals(coordinates)
@@ -183,7 +185,7 @@ def slope_of(observation: Observation, candidates: Candidates, coordinates: Floa
     return jacobian(parallel, coordinates, here, STEP, central=True)
 
 
-def proposed(calibration: Calibration) -> Iterator[Experiment]:
+def proposed(calibration: Calibration) -> Iterator[CandidateExperiment]:
     """Yield the experiments that would add information, simulated with the fitted wire."""
     values = calibration.values
     observations = calibration.problem.observations
@@ -198,29 +200,31 @@ def proposed(calibration: Calibration) -> Iterator[Experiment]:
         return driven_experiment(values, around, slow_sine(drive * highest_v), SAMPLE_S, channels)
 
     if driven:
-        yield Experiment("half_pretension", loop(pretension=LOW_FACTOR))
+        yield CandidateExperiment("half_pretension", loop(pretension=LOW_FACTOR))
         if max_force_n(values, bench) <= values.wire["maximum_force_n"] and not beyond_stress(calibration, bench):
-            yield Experiment("twice_pretension", loop(pretension=HIGH_FACTOR))
-        yield Experiment("minor_loop", loop(drive=MINOR_FACTOR))
-        yield Experiment("fast_step", driven_experiment(values, bench, fast_step(highest_v), FAST_SAMPLE_S, usual))
+            yield CandidateExperiment("twice_pretension", loop(pretension=HIGH_FACTOR))
+        yield CandidateExperiment("minor_loop", loop(drive=MINOR_FACTOR))
+        yield CandidateExperiment(
+            "fast_step", driven_experiment(values, bench, fast_step(highest_v), FAST_SAMPLE_S, usual)
+        )
         if "temperature" not in measured:
-            yield Experiment("temperature", loop(channels=("temperature",)))
+            yield CandidateExperiment("temperature", loop(channels=("temperature",)))
         if "force" not in measured and bench["spring_stiffness_n_per_m"] > 0.0:
-            yield Experiment("load_cell", loop(channels=("force",)))
+            yield CandidateExperiment("load_cell", loop(channels=("force",)))
         if "strain" not in measured:
-            yield Experiment("displacement", loop(channels=("strain",)))
+            yield CandidateExperiment("displacement", loop(channels=("strain",)))
     else:
-        yield Experiment("resistance", loop())
+        yield CandidateExperiment("resistance", loop())
     if not any(isinstance(item, IsobaricObservation) for item in observations):
-        yield Experiment("isobars", isobars_experiment(values))
+        yield CandidateExperiment("isobars", isobars_experiment(values))
     if not any(isinstance(item, CoolingObservation) for item in observations):
-        yield Experiment("cooling_curve", cooling_experiment(values, bench))
+        yield CandidateExperiment("cooling_curve", cooling_experiment(values, bench))
 
 
 def beyond_stress(calibration: Calibration, bench: Mapping[str, float]) -> bool:
     """Return whether twice the pretension stretches the cold wire by more than its vendor's stress for many cycles."""
     section = section_m2(calibration.values.wire["diameter_m"], bench["legs"])
-    cold = Reached(largest_stress_pa=HIGH_FACTOR * bench["pretension_n"] / section)
+    cold = ReachedConditions(largest_stress_pa=HIGH_FACTOR * bench["pretension_n"] / section)
     vendors = ValidityLimits(working_stress_pa=validity_of(calibration.alloy).working_stress_pa)
     return bool(beyond_validity(vendors, cold))
 
@@ -269,7 +273,7 @@ def isobars_experiment(values: WireValues) -> IsobaricObservation:
         middle = constants.martensite_temperature_k + stress / constants.martensite_stress_rate_pa_per_k
         up = np.linspace(values.bench["ambient_temperature_k"], middle + ABOVE_TRANSFORMATION_K, ISOBAR_POINTS)
         kelvin = np.concatenate([up, up[-2::-1]])
-        loops.append(Isobar(stress, kelvin, isobaric_path(constants, stress, kelvin).strain))
+        loops.append(IsobaricLoop(stress, kelvin, isobaric_path(constants, stress, kelvin).strain))
     return IsobaricObservation("", loops)
 
 

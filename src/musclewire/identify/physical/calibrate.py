@@ -15,11 +15,11 @@ from musclewire.compiled import kernel_source_hash
 from musclewire.errors import CallerError, MusclewireError
 from musclewire.identify.physical.bench import checked_settings
 from musclewire.identify.physical.calibration import Calibration, CalibrationInputs
-from musclewire.identify.physical.candidates import Candidates
-from musclewire.identify.physical.journal import Journal
+from musclewire.identify.physical.candidates import CandidateParameters
+from musclewire.identify.physical.journal import SearchJournal
 from musclewire.identify.physical.posterior import PosteriorProblem
 from musclewire.identify.physical.recording_kinds import StartingPoint, observable_parameters, observations_of, start_of
-from musclewire.identify.physical.search import OnProgress, OnStep, SearchResult, Settings, search
+from musclewire.identify.physical.search import OnProgress, OnStep, SearchResult, SearchSettings, search
 from musclewire.identify.physical.uncertainty import ParameterEstimate, covariance, estimates, excess_variance
 from musclewire.parameters.library import bench_known_with, load_alloy, load_wire
 from musclewire.parameters.parameter_groups import Alloy, Bench, Parameter, Wire
@@ -37,7 +37,7 @@ def calibrate(
     wire: str = "paper-100um",
     priors: str | PriorSet = "niti-wire",
     bench: Mapping[str, float | str] | None = None,
-    settings: Settings | None = None,
+    settings: SearchSettings | None = None,
     journal_path: Path | None = None,
     on_progress: OnProgress | None = None,
     on_step: OnStep | None = None,
@@ -81,7 +81,7 @@ def calibrate(
         If no candidate can be simulated.
     """
     started = time.monotonic()
-    chosen = settings or Settings()
+    chosen = settings or SearchSettings()
     named = named_recordings(recordings)
     given = {key: item.value for key, item in bench_known_with(wire).items()} | checked_settings(bench or {})
     start, notes = start_of(named, wire, given)
@@ -90,11 +90,11 @@ def calibrate(
     observations, more_notes = observations_of(named, given | {"diameter_m": start.wire.diameter_m.value})
     prior_set = priors if isinstance(priors, PriorSet) else load_priors(priors)
     problem = PosteriorProblem(
-        Candidates(prior_set, *start, only=observable_parameters(prior_set, observations)), observations
+        CandidateParameters(prior_set, *start, only=observable_parameters(prior_set, observations)), observations
     )
     journal = None
     if journal_path is not None:
-        journal = Journal(journal_path, fingerprint(named, prior_set, chosen, wire, given))
+        journal = SearchJournal(journal_path, fingerprint(named, prior_set, chosen, wire, given))
     try:
         result = search(problem, chosen, journal=journal, on_progress=on_progress, on_step=on_step)
     except MusclewireError:
@@ -166,7 +166,7 @@ def named_recordings(recordings: Mapping[str, Recording] | Recording | Sequence[
 def fingerprint(
     recordings: Mapping[str, Recording],
     priors: PriorSet,
-    settings: Settings,
+    settings: SearchSettings,
     wire: str,
     bench: Mapping[str, float],
 ) -> str:

@@ -17,7 +17,7 @@ from musclewire.identify.physical.calibration_text import not_followed, notebook
 from musclewire.identify.physical.candidates import WireValues
 from musclewire.identify.physical.observations import ChannelComparison, compare
 from musclewire.identify.physical.posterior import PosteriorProblem
-from musclewire.identify.physical.search import SearchResult, Settings
+from musclewire.identify.physical.search import SearchResult, SearchSettings
 from musclewire.identify.physical.uncertainty import ParameterEstimate
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.priors import PriorSet
@@ -38,7 +38,7 @@ class CalibrationInputs:
     sources: tuple[str, ...]
     wire: str
     priors: PriorSet
-    settings: Settings
+    settings: SearchSettings
     notes: tuple[str, ...]
 
 

@@ -9,14 +9,14 @@ from pathlib import Path
 import matplotlib as mpl
 
 from musclewire.errors import CallerError
-from musclewire.identify.physical.advice import Advice, how_to_identify, next_experiments
+from musclewire.identify.physical.advice import ExperimentAdvice, how_to_identify, next_experiments
 from musclewire.identify.physical.calibration import Calibration
 from musclewire.identify.physical.calibration_figures import loop_figure, observation_figure
 from musclewire.identify.physical.calibration_text import number, verdict
 from musclewire.identify.physical.interval_bars import interval_bar, key_of_bars
 from musclewire.identify.physical.observations import ChannelComparison
 from musclewire.identify.physical.uncertainty import ParameterEstimate
-from musclewire.pages import STYLE, Card, cards, page, svg_in_frame
+from musclewire.pages import STYLE, NumberCard, cards, page, svg_in_frame
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.signals.whole_files import write_text_whole
 
@@ -25,7 +25,7 @@ __all__ = ["write_report"]
 FIELDS = {**Alloy.model_fields, **Wire.model_fields, **Bench.model_fields}
 
 
-def write_report(calibration: Calibration, path: str | Path, advice: Sequence[Advice] | None = None) -> None:
+def write_report(calibration: Calibration, path: str | Path, advice: Sequence[ExperimentAdvice] | None = None) -> None:
     """Write the page of a calibration as one HTML file, whole or not at all.
 
     Parameters
@@ -69,7 +69,7 @@ def write_report(calibration: Calibration, path: str | Path, advice: Sequence[Ad
     write_text_whole(path, page("musclewire.identify.physical", "report.html", parts))
 
 
-def key_numbers(calibration: Calibration) -> list[Card]:
+def key_numbers(calibration: Calibration) -> list[NumberCard]:
     """Return the key numbers."""
     identifiable, whole = len(calibration.identifiable), len(calibration.estimates)
     costs = sorted(calibration.search_result.costs)
@@ -77,11 +77,11 @@ def key_numbers(calibration: Calibration) -> list[Card]:
     bound = sum(item.at_bound for item in calibration.estimates)
     verdict = "holds" if calibration.holds else "does not hold"
     return [
-        Card("The fit", verdict, worst_channel(calibration), calibration.holds),
-        Card("Residuals", f"{calibration.rmse:.2f}", "of their uncertainty, rms"),
-        Card("Identifiable from the recordings", f"{identifiable} of {whole}", "parameters"),
-        Card("At a bound of the search", f"{bound}", "parameters", bound == 0),
-        Card("Descents that agree", f"{agree} of {len(costs)}", "end within 5 % of the best"),
+        NumberCard("The fit", verdict, worst_channel(calibration), calibration.holds),
+        NumberCard("Residuals", f"{calibration.rmse:.2f}", "of their uncertainty, rms"),
+        NumberCard("Identifiable from the recordings", f"{identifiable} of {whole}", "parameters"),
+        NumberCard("At a bound of the search", f"{bound}", "parameters", bound == 0),
+        NumberCard("Descents that agree", f"{agree} of {len(costs)}", "end within 5 % of the best"),
     ]
 
 
@@ -186,7 +186,7 @@ def codes(names: Iterable[str]) -> str:
     return ", ".join(f"<code>{escape(name)}</code>" for name in names)
 
 
-def advice_part(advice: Sequence[Advice]) -> str:
+def advice_part(advice: Sequence[ExperimentAdvice]) -> str:
     """Return the experiments worth making, with the parameters each would identify."""
     if not advice:
         return "<p>None of the usual experiments would identify a parameter that these recordings do not.</p>"
@@ -198,7 +198,7 @@ def advice_part(advice: Sequence[Advice]) -> str:
     )
 
 
-def advice_card(place: int, item: Advice) -> str:
+def advice_card(place: int, item: ExperimentAdvice) -> str:
     """Return one experiment."""
     count = len(item.identifies)
     more = (

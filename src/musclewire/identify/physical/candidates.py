@@ -10,9 +10,9 @@ from musclewire.arrays import FloatArray
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.priors import Prior, PriorSet
 from musclewire.wire.building import SHAPE, measured_grains
-from musclewire.wire.distribution import Distribution
+from musclewire.wire.distribution import OffsetDistribution
 
-__all__ = ["Candidates", "WireValues"]
+__all__ = ["CandidateParameters", "WireValues"]
 
 
 class WireValues(NamedTuple):
@@ -21,10 +21,10 @@ class WireValues(NamedTuple):
     alloy: dict[str, float]
     wire: dict[str, float]
     bench: dict[str, float]
-    grains: Distribution | None = None
+    grains: OffsetDistribution | None = None
 
 
-class Candidates:
+class CandidateParameters:
     """Parameters to find, as vectors of standard normal coordinates: 0 is the prior's mean, 1 its deviation.
 
     There is one coordinate for each parameter, in the order of ``names``; all other numbers keep the value of the given

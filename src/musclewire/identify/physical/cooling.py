@@ -23,7 +23,7 @@ from musclewire.identify.physical.measured_channels import (
     instruments_of,
     require_rows,
 )
-from musclewire.identify.physical.observations import Channel, binned
+from musclewire.identify.physical.observations import ObservedChannel, binned
 from musclewire.parameters.library import load_bench
 from musclewire.signals.recording import Recording
 from musclewire.wire.paths import drive_path
@@ -82,7 +82,7 @@ class CoolingObservation:
         return self._title
 
     @property
-    def channels(self) -> Sequence[Channel]:
+    def channels(self) -> Sequence[ObservedChannel]:
         """The channels that are compared, in bins."""
         return self._channels
 
@@ -139,7 +139,7 @@ def observe_cooling(recording: Recording, bench: Mapping[str, float], title: str
     complete = recording.with_metadata({**known, "leg_length_m": known["wire_length_m"] / known["legs"]})
     require_rows(complete)
     even, period_s = even_clock(complete["time_s"])
-    channels = {name: raw.at(even) for name, raw in instruments_of(complete).items()}
+    channels = {name: raw.selected_rows(even) for name, raw in instruments_of(complete).items()}
     if not channels:
         raise RecordingError(
             "neither voltages nor temperature, strain or force were recorded: there is nothing to compare, record "

@@ -23,7 +23,7 @@ from musclewire.identify.physical.measured_channels import (
     instruments_of,
     require_rows,
 )
-from musclewire.identify.physical.observations import Channel, binned
+from musclewire.identify.physical.observations import ObservedChannel, binned
 from musclewire.identify.recordings import resistance_reading
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
@@ -87,7 +87,7 @@ class DrivenObservation:
         return self._title
 
     @property
-    def channels(self) -> Sequence[Channel]:
+    def channels(self) -> Sequence[ObservedChannel]:
         """The channels that are compared, in bins."""
         return self._channels
 
@@ -189,7 +189,7 @@ def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) 
         known["sample_period_s"],
         known,
         bench.get("diameter_m"),
-        {name: raw.at(even).grouped(group) for name, raw in channels.items()},
+        {name: raw.selected_rows(even).grouped(group) for name, raw in channels.items()},
         circuit,
     )
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.identify.isobaric_loops import Isobar
+from musclewire.identify.isobaric_loops import IsobaricLoop
 from musclewire.identify.physical.candidate import candidate_constants
 from musclewire.identify.physical.candidates import WireValues
 from musclewire.identify.physical.measured_channels import CURVE_STRETCHES
-from musclewire.identify.physical.observations import Channel, with_model_error
+from musclewire.identify.physical.observations import ObservedChannel, with_model_error
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
 from musclewire.wire.paths import isobaric_path
@@ -41,12 +41,12 @@ class IsobaricObservation:
     stresses count.
     """
 
-    def __init__(self, title: str, isobars: Sequence[Isobar], model_error: float = ISOBAR_ERROR) -> None:
+    def __init__(self, title: str, isobars: Sequence[IsobaricLoop], model_error: float = ISOBAR_ERROR) -> None:
         """Take loops whose strains are positive in elongation."""
         self._title = title
         self._isobars = list(isobars)
         self._channels = [
-            Channel(
+            ObservedChannel(
                 f"strain at {isobar.stress_pa / 1e6:.4g} MPa",
                 "1",
                 "temperature_k",
@@ -63,12 +63,12 @@ class IsobaricObservation:
         return self._title
 
     @property
-    def isobars(self) -> Sequence[Isobar]:
+    def isobars(self) -> Sequence[IsobaricLoop]:
         """The loops as measured."""
         return self._isobars
 
     @property
-    def channels(self) -> Sequence[Channel]:
+    def channels(self) -> Sequence[ObservedChannel]:
         """One channel for each stress."""
         return self._channels
 
@@ -84,7 +84,7 @@ class IsobaricObservation:
         return {channel.name: strain + zero for channel, strain in zip(self._channels, strains, strict=True)}
 
 
-def counts_contraction(isobars: Sequence[Isobar]) -> bool:
+def counts_contraction(isobars: Sequence[IsobaricLoop]) -> bool:
     """Return whether strain rises with temperature, that is whether contraction is positive, as in our own recordings.
 
     The covariance is summed over all loops, since almost without load there is only thermal expansion.
@@ -92,13 +92,13 @@ def counts_contraction(isobars: Sequence[Isobar]) -> bool:
     return sum(float(np.cov(item.temperature_k, item.strain)[0, 1]) for item in isobars) > 0.0
 
 
-def in_elongation(isobars: Sequence[Isobar]) -> list[Isobar]:
+def in_elongation(isobars: Sequence[IsobaricLoop]) -> list[IsobaricLoop]:
     """Return isobars, which all have the same sign of strain, with strain positive in elongation."""
     sign = -1.0 if counts_contraction(isobars) else 1.0
     return [item._replace(strain=sign * item.strain) for item in isobars]
 
 
-def isobars_in(recording: Recording) -> list[Isobar]:
+def isobars_in(recording: Recording) -> list[IsobaricLoop]:
     """Return the isobars of a recording with temperature, strain and stress, with the recording's sign of strain.
 
     The stress may scatter about its mean, as a load cell's does; it may not move slowly with time or with the wire.
@@ -126,7 +126,7 @@ def isobars_in(recording: Recording) -> list[Isobar]:
             )
         part = slice(start, stop)
         refuse_moving(stress_pa[part], scatter_pa, start)
-        found.append(Isobar(float(np.median(stress_pa[part])), temperature_k[part], strain[part]))
+        found.append(IsobaricLoop(float(np.median(stress_pa[part])), temperature_k[part], strain[part]))
     return found
 
 
@@ -166,7 +166,7 @@ def refuse_moving(stress_pa: FloatArray, scatter_pa: float, first_row: int) -> N
     )
 
 
-def observe_isobars(isobars: Sequence[Isobar], title: str) -> IsobaricObservation:
+def observe_isobars(isobars: Sequence[IsobaricLoop], title: str) -> IsobaricObservation:
     """Return isobars as one observation. Raises RecordingError if none of them shows a transformation."""
     strokes = [float(np.ptp(item.strain)) for item in isobars]
     if max(strokes) < MIN_STROKE:

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from musclewire.errors import CallerError
 
-__all__ = ["Journal"]
+__all__ = ["SearchJournal"]
 
 
-class Journal:
+class SearchJournal:
     """A text file with one line of numbers for each descent, after a first line that identifies the search."""
 
     def __init__(self, path: Path, fingerprint: str) -> None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.identify.physical.observations import Channel, binned, with_model_error
+from musclewire.identify.physical.observations import ObservedChannel, binned, with_model_error
 from musclewire.identify.recordings import required_quantity
 from musclewire.sensing.smoothing import noise_level
 from musclewire.signals.recording import Recording
@@ -48,7 +48,7 @@ class RawChannel(NamedTuple):
     noise: FloatArray
     usable: NDArray[np.bool_]
 
-    def at(self, rows: NDArray[np.intp]) -> RawChannel:
+    def selected_rows(self, rows: NDArray[np.intp]) -> RawChannel:
         """Return the channel at some rows."""
         return RawChannel(self.unit, self.values[rows], self.noise[rows], self.usable[rows])
 
@@ -86,14 +86,14 @@ def bin_size(samples: int) -> int:
 
 def binned_channel(
     name: str, raw: RawChannel, time_s: FloatArray, size: int, stretches: int
-) -> tuple[Channel, NDArray[np.bool_]]:
+) -> tuple[ObservedChannel, NDArray[np.bool_]]:
     """Return a channel in bins of ``size`` samples, and which bins it keeps: those whose samples are all usable.
 
     ``time_s`` is the clock of the samples, (n,), ``stretches`` the number of independent values of the model's error.
     """
     keep = binned(raw.usable.astype(float), size) > 0.999
     deviation = np.sqrt(binned(raw.noise**2, size) / size)
-    channel = Channel(
+    channel = ObservedChannel(
         name,
         raw.unit,
         "time_s",

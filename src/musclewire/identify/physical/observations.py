@@ -17,11 +17,19 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.identify.physical.candidates import WireValues
 
-__all__ = ["Channel", "ChannelComparison", "Observation", "binned", "compare", "residuals_of", "with_model_error"]
+__all__ = [
+    "ObservedChannel",
+    "ChannelComparison",
+    "Observation",
+    "binned",
+    "compare",
+    "residuals_of",
+    "with_model_error",
+]
 
 
 @dataclass(frozen=True, eq=False)
-class Channel:
+class ObservedChannel:
     """One measured column, (n,), with its standard uncertainty, (n,), both in ``unit``, and the axis it runs over."""
 
     name: str
@@ -36,7 +44,7 @@ class Channel:
 class ChannelComparison:
     """A channel and its simulation with a candidate, (n,)."""
 
-    channel: Channel
+    channel: ObservedChannel
     predicted: FloatArray
 
     @property
@@ -59,7 +67,7 @@ class Observation(Protocol):
         ...
 
     @property
-    def channels(self) -> Sequence[Channel]:
+    def channels(self) -> Sequence[ObservedChannel]:
         """The channels that are compared."""
         ...
 

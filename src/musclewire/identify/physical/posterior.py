@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.identify.physical.candidates import Candidates
+from musclewire.identify.physical.candidates import CandidateParameters
 from musclewire.identify.physical.observations import Observation, residuals_of
 
 __all__ = ["PosteriorProblem"]
@@ -16,7 +16,7 @@ __all__ = ["PosteriorProblem"]
 class PosteriorProblem:
     """Residuals of the observations and of the prior: their least squares are the maximum a posteriori."""
 
-    def __init__(self, candidates: Candidates, observations: Sequence[Observation]) -> None:
+    def __init__(self, candidates: CandidateParameters, observations: Sequence[Observation]) -> None:
         """Take the unknown parameters and the observations."""
         self.candidates = candidates
         self.observations = tuple(observations)

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 from musclewire.errors import CallerError, MusclewireError, RecordingError
-from musclewire.identify.isobaric_loops import Isobar
+from musclewire.identify.isobaric_loops import IsobaricLoop
 from musclewire.identify.physical.bench import assumed_of_bench, diameter_of
 from musclewire.identify.physical.cooling import CoolingObservation, observe_cooling
 from musclewire.identify.physical.driven import DrivenObservation, observe_drive
@@ -96,7 +96,7 @@ def observations_of(
     cannot constrain anything, CallerError if its bench is not known; both name the recording.
     """
     found: list[Observation] = []
-    isobars: list[Isobar] = []
+    isobars: list[IsobaricLoop] = []
     isobar_names: list[str] = []
     notes: list[str] = []
     given = bench or {}
@@ -128,7 +128,7 @@ def is_isobaric(recording: Recording) -> bool:
     return set(ISOBAR_TABLE) <= set(recording.names) and not any(column in recording for column in ELECTRICAL)
 
 
-def isobar_text(isobars: list[Isobar]) -> str:
+def isobar_text(isobars: list[IsobaricLoop]) -> str:
     """Return stresses and temperatures of isobars in words."""
     stresses = ", ".join(f"{item.stress_pa / 1e6:.4g}" for item in isobars)
     low, high = (pick(pick(item.temperature_k) for item in isobars) - 273.15 for pick in (min, max))

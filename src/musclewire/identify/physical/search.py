@@ -21,7 +21,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError, nearest_hint
-from musclewire.identify.physical.journal import Journal
+from musclewire.identify.physical.journal import SearchJournal
 from musclewire.parameters.seeds import require_seed
 
 __all__ = [
@@ -30,7 +30,7 @@ __all__ = [
     "OnProgress",
     "OnStep",
     "LeastSquaresProblem",
-    "Settings",
+    "SearchSettings",
     "ParallelProblem",
     "jacobian",
     "search",
@@ -93,7 +93,7 @@ class LeastSquaresProblem(Protocol):
 
 
 @dataclass(frozen=True)
-class Settings:
+class SearchSettings:
     """Effort of a search; the defaults suit a wire with some thirty unknowns."""
 
     seed: int = 1
@@ -113,14 +113,14 @@ class Settings:
 
 
 # Effort by name: one descent to see whether a fit is possible; the default; for a final result.
-EFFORTS: Mapping[str, Settings] = {
-    "quick": Settings(starts=1, jumps=0, evaluations_each=5, evaluations_last=5),
-    "normal": Settings(),
-    "thorough": Settings(starts=8, jumps=10, evaluations_each=15, evaluations_last=20),
+EFFORTS: Mapping[str, SearchSettings] = {
+    "quick": SearchSettings(starts=1, jumps=0, evaluations_each=5, evaluations_last=5),
+    "normal": SearchSettings(),
+    "thorough": SearchSettings(starts=8, jumps=10, evaluations_each=15, evaluations_last=20),
 }
 
 
-def settings_of_effort(effort: str) -> Settings:
+def settings_of_effort(effort: str) -> SearchSettings:
     """Return the settings of a search by the name of its effort.
 
     Parameters
@@ -210,9 +210,9 @@ def threads(count: int | None) -> Iterator[Callable[..., list[FloatArray | None]
 
 def search(
     problem: LeastSquaresProblem,
-    settings: Settings,
+    settings: SearchSettings,
     *,
-    journal: Journal | None = None,
+    journal: SearchJournal | None = None,
     on_progress: OnProgress | None = None,
     on_step: OnStep | None = None,
 ) -> SearchResult:
@@ -267,7 +267,7 @@ def search(
 
 
 def descents(
-    parallel: ParallelProblem, settings: Settings, journal: Journal | None, report: OnProgress
+    parallel: ParallelProblem, settings: SearchSettings, journal: SearchJournal | None, report: OnProgress
 ) -> list[tuple[float, FloatArray]]:
     """Return the ends of all graduated descents, (cost, vector), in their order."""
     size = parallel.problem.low.size
@@ -295,7 +295,7 @@ def one_descent(
     parallel: ParallelProblem,
     ends: Sequence[tuple[float, FloatArray]],
     number: int,
-    settings: Settings,
+    settings: SearchSettings,
     random: np.random.Generator,
     size: int,
 ) -> tuple[float, FloatArray]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.identify.physical.candidates import Candidates
+from musclewire.identify.physical.candidates import CandidateParameters
 
 __all__ = ["ParameterEstimate", "covariance", "estimates", "excess_variance"]
 
@@ -81,7 +81,9 @@ def covariance(jacobian: FloatArray, excess: float = 1.0) -> FloatArray:
     return np.asarray(np.linalg.inv(information))
 
 
-def estimates(candidates: Candidates, coordinates: FloatArray, deviation: FloatArray) -> list[ParameterEstimate]:
+def estimates(
+    candidates: CandidateParameters, coordinates: FloatArray, deviation: FloatArray
+) -> list[ParameterEstimate]:
     """Return every parameter with its standard deviation; ``deviation``, (n,), is in coordinates."""
     numbers = candidates.numbers(coordinates)
     return [

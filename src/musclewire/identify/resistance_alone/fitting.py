@@ -11,7 +11,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, FitRejectedError
 from musclewire.identify.physical.bench import SETTABLE, bench_of, checked_settings
-from musclewire.identify.physical.candidates import Candidates
+from musclewire.identify.physical.candidates import CandidateParameters
 from musclewire.identify.physical.recording_kinds import start_of
 from musclewire.identify.recordings import resistance_reading
 from musclewire.identify.resistance_alone.marks import Marks
@@ -27,7 +27,7 @@ from musclewire.identify.resistance_alone.possible_curves import (
     scale_and_offset_std,
 )
 from musclewire.identify.resistance_alone.posterior_wires import PosteriorWires, posterior_wires
-from musclewire.identify.resistance_alone.what_helps import Cost, Help, costs_of, what_helps
+from musclewire.identify.resistance_alone.what_helps import HelpfulMeasurement, VarianceShare, costs_of, what_helps
 from musclewire.identify.sensing_model import loop_notes, power_loop
 from musclewire.parameters.library import bench_known_with
 from musclewire.parameters.parameter_groups import Bench, Parameter
@@ -77,8 +77,8 @@ class ResistanceFit:
     stroke: float
     stroke_std: float
     misfit: float
-    costs: tuple[Cost, ...]
-    helps: tuple[Help, ...]
+    costs: tuple[VarianceShare, ...]
+    helps: tuple[HelpfulMeasurement, ...]
 
     def report(self) -> dict[str, object]:
         """Return the numbers that ``musclewire fit --wire --json`` adds to those of the model."""
@@ -100,11 +100,11 @@ class ResistanceFit:
         return "\n".join(lines)
 
 
-class Assumed(NamedTuple):
+class AssumedWire(NamedTuple):
     """What is assumed of a wire: its name, the unknowns around it, and notes on the stated bench."""
 
     wire: str
-    candidates: Candidates
+    candidates: CandidateParameters
     bench: Mapping[str, float]
     notes: tuple[str, ...]
 
@@ -181,7 +181,7 @@ def fit_resistance(
     known = marks or Marks()
     assumed = assumed_of(recording, wire, bench, known)
     observation = observe_resistance(recording, assumed.bench, known.end_stop_m, assumed.candidates.names)
-    how = How(order, quantity, seed)
+    how = CurveFitSettings(order, quantity, seed)
     found = possible_of(assumed, observation, how)
     refuse_other_wire(found.wires, wire)
     notes: tuple[str, ...] = ()
@@ -195,7 +195,7 @@ def fit_resistance(
     return result_of(found, anchored(found, recording, observation, assumed), known, assumed, notes)
 
 
-class How(NamedTuple):
+class CurveFitSettings(NamedTuple):
     """How curves are fitted: order of the polynomials, quantity, and the seed of the drawn wires."""
 
     order: int | str
@@ -203,7 +203,7 @@ class How(NamedTuple):
     seed: int
 
 
-class Possible(NamedTuple):
+class PossibleWires(NamedTuple):
     """Wires that an observation leaves possible, the curves of some, the likeliest one's model, and its leg [m]."""
 
     wires: PosteriorWires
@@ -218,8 +218,8 @@ class Possible(NamedTuple):
 
 
 def possible_of(
-    assumed: Assumed, observation: ResistanceAndMarks, how: How, start: FloatArray | None = None
-) -> Possible:
+    assumed: AssumedWire, observation: ResistanceAndMarks, how: CurveFitSettings, start: FloatArray | None = None
+) -> PossibleWires:
     """Return the wires that an observation leaves possible, with the curves of some that are drawn from them."""
     candidates = assumed.candidates
     wires = posterior_wires(candidates, observation, start)
@@ -232,10 +232,10 @@ def possible_of(
 
     curves = possible_curves(wires.draw(candidates, DRAWN_WIRES, how.seed), model_of)
     leg_m = leg_length_m(candidates.wire_values(wires.coordinates))
-    return Possible(wires, curves, model_of(wires.coordinates), leg_m)
+    return PossibleWires(wires, curves, model_of(wires.coordinates), leg_m)
 
 
-def too_coarse(found: Possible, marks: Marks) -> str:
+def too_coarse(found: PossibleWires, marks: Marks) -> str:
     """Return why marks are left out, "" for marks that help.
 
     Marks that would hardly lessen the uncertainty move the result by their own error and gain nothing.
@@ -250,7 +250,7 @@ def too_coarse(found: Possible, marks: Marks) -> str:
 
 
 def result_of(
-    found: Possible, model: SensingModel, marks: Marks, assumed: Assumed, notes: tuple[str, ...]
+    found: PossibleWires, model: SensingModel, marks: Marks, assumed: AssumedWire, notes: tuple[str, ...]
 ) -> ResistanceFit:
     """Return the model with its uncertainty, and what it rests on."""
     scale_std, offset_std = scale_and_offset_std(found.curves, model)
@@ -267,7 +267,7 @@ def result_of(
     )
 
 
-def assumed_of(recording: Recording, wire: str, bench: Mapping[str, float | str] | None, marks: Marks) -> Assumed:
+def assumed_of(recording: Recording, wire: str, bench: Mapping[str, float | str] | None, marks: Marks) -> AssumedWire:
     """Return the unknowns of a named wire on the stated bench, whose length has the error of the ruler."""
     stated = {key: item.value for key, item in bench_known_with(wire).items()} | checked_settings(bench or {})
     start, notes = start_of({"the recording": recording}, wire, stated)
@@ -287,8 +287,10 @@ def assumed_of(recording: Recording, wire: str, bench: Mapping[str, float | str]
     )
     if marks.end_stop_m is not None:
         unknown.pop("spring_stiffness_n_per_m", None)  # the load's table holds the stated one
-    candidates = Candidates(priors.model_copy(update={"parameters": unknown}), start.alloy, start.wire, its_bench)
-    return Assumed(wire, candidates, stated | {"diameter_m": start.wire.diameter_m.value}, tuple(notes))
+    candidates = CandidateParameters(
+        priors.model_copy(update={"parameters": unknown}), start.alloy, start.wire, its_bench
+    )
+    return AssumedWire(wire, candidates, stated | {"diameter_m": start.wire.diameter_m.value}, tuple(notes))
 
 
 def refuse_other_wire(wires: PosteriorWires, name: str) -> None:
@@ -305,7 +307,9 @@ def stop_std(marks: Marks) -> float:
     return 0.0 if marks.end_stop_m is None else marks.reading_std_m / marks.end_stop_m
 
 
-def anchored(found: Possible, recording: Recording, observation: ResistanceAndMarks, assumed: Assumed) -> SensingModel:
+def anchored(
+    found: PossibleWires, recording: Recording, observation: ResistanceAndMarks, assumed: AssumedWire
+) -> SensingModel:
     """Return the likeliest wire's model between the resistances of B and C that were measured.
 
     The simulated motion says when the recording's loops begin and turn.
@@ -327,7 +331,7 @@ def anchored(found: Possible, recording: Recording, observation: ResistanceAndMa
     )
 
 
-def doubts(assumed: Assumed, wires: PosteriorWires, stroke_std: float) -> list[str]:
+def doubts(assumed: AssumedWire, wires: PosteriorWires, stroke_std: float) -> list[str]:
     """Return what a user of the model must know: that nothing was measured but resistance, and what is unusual."""
     found = [
         f"no motion was measured: the stroke is that of {assumed.wire} as far as the resistance shows, and may be off "

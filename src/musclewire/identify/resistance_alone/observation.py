@@ -9,7 +9,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.identify.physical.candidates import WireValues
 from musclewire.identify.physical.driven import DrivenObservation, observe_drive
-from musclewire.identify.physical.observations import Channel
+from musclewire.identify.physical.observations import ObservedChannel
 from musclewire.identify.resistance_alone.marks import Marks
 from musclewire.signals.recording import Recording
 from musclewire.wire.loads import ConnectorLoad
@@ -35,10 +35,12 @@ class ResistanceAndMarks:
         self._channels = list(driven.channels)
         if marks is not None and marks.stroke_m is not None:
             one = np.ones(1)
-            self._channels.append(Channel(MARK, "m", "none", 0.0 * one, marks.stroke_m * one, marks.stroke_std_m * one))
+            self._channels.append(
+                ObservedChannel(MARK, "m", "none", 0.0 * one, marks.stroke_m * one, marks.stroke_std_m * one)
+            )
 
     @property
-    def channels(self) -> Sequence[Channel]:
+    def channels(self) -> Sequence[ObservedChannel]:
         """The resistance, and the displacement between the marks."""
         return self._channels
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import NumericsError
-from musclewire.identify.physical.candidates import Candidates
+from musclewire.identify.physical.candidates import CandidateParameters
 from musclewire.identify.physical.posterior import PosteriorProblem
 from musclewire.identify.physical.search import FINAL_STEP, SEARCH_STEP, ParallelProblem, descend, jacobian, threads
 from musclewire.identify.physical.uncertainty import covariance, excess_variance
@@ -32,7 +32,7 @@ class PosteriorWires(NamedTuple):
     covariance: FloatArray
     misfit: float
 
-    def draw(self, candidates: Candidates, count: int, seed: int) -> FloatArray:
+    def draw(self, candidates: CandidateParameters, count: int, seed: int) -> FloatArray:
         """Return coordinates of wires drawn from the posterior, within the prior's bounds, (count, n)."""
         random = np.random.default_rng(seed)
         drawn = random.multivariate_normal(self.coordinates, self.covariance, size=count, method="cholesky")
@@ -40,7 +40,7 @@ class PosteriorWires(NamedTuple):
 
 
 def posterior_wires(
-    candidates: Candidates, observation: ResistanceAndMarks, start: FloatArray | None = None
+    candidates: CandidateParameters, observation: ResistanceAndMarks, start: FloatArray | None = None
 ) -> PosteriorWires:
     """Return the wires that an observation leaves possible, by least squares (Laplace).
 

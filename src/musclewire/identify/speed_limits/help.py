@@ -23,7 +23,7 @@ from musclewire.physics.heat import convection_coefficient_w_per_m2_k
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.run_facts import RunFacts
 
-__all__ = ["Help", "diameter_for", "what_helps"]
+__all__ = ["SufficientChanges", "diameter_for", "what_helps"]
 
 Misses = Callable[[SpeedPlant, float], FloatArray]
 
@@ -37,7 +37,7 @@ HOT_K = 373.15
 AMPLE = 100.0
 
 
-class Help(NamedTuple):
+class SufficientChanges(NamedTuple):
     """What each change alone must be, so that the wire follows; None if it is not needed or does not suffice.
 
     Parameters
@@ -88,17 +88,17 @@ class Help(NamedTuple):
 
 def what_helps(
     plant: SpeedPlant, misses: Misses, tolerance: float, slow: Set[str], model: SensingModel, facts: RunFacts
-) -> Help:
+) -> SufficientChanges:
     """Return what each change alone must be; ``misses`` are those of a plant on the reference taken slower."""
     if not slow:
-        return Help()
+        return SufficientChanges()
 
     def follows(changed: SpeedPlant, slower: float = 1.0, sides: Set[str] = slow) -> bool:
         missed = misses(changed, slower)
         cools = "cooling" not in sides or bool((missed <= tolerance).all())
         return cools and ("heating" not in sides or bool((missed >= -tolerance).all()))
 
-    found = Help(slower=smallest(partial(follows, plant), MAX_FACTOR))
+    found = SufficientChanges(slower=smallest(partial(follows, plant), MAX_FACTOR))
     if "heating" in slow:
         heats = {"heating"}
         found = found._replace(voltage=smallest(lambda x: follows(plant.with_voltage(x), sides=heats), MAX_FACTOR))

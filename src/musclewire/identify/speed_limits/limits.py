@@ -14,7 +14,7 @@ from musclewire.arrays import FloatArray
 from musclewire.controllers.feedforward import FeedforwardSettings
 from musclewire.controllers.references import Reference
 from musclewire.errors import CallerError
-from musclewire.identify.speed_limits.help import Help, what_helps
+from musclewire.identify.speed_limits.help import SufficientChanges, what_helps
 from musclewire.identify.speed_limits.plant import SpeedPlant, plant_of_gains, plant_of_model
 from musclewire.identify.speed_limits.tracking import branches_of, followed
 from musclewire.sensing.curve import SHOWN_AS
@@ -88,7 +88,7 @@ class SpeedLimits:
     findings: tuple[TooFast, ...]
     asked_amplitude: float
     possible_amplitude: float
-    help: Help
+    help: SufficientChanges
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -124,7 +124,7 @@ class SpeedLimits:
         )
 
 
-class Targets(NamedTuple):
+class SampledTargets(NamedTuple):
     """A reference in even periods: time between them [s], the targets, (n,), and where each ends to be held, (n,)."""
 
     period_s: float
@@ -189,12 +189,12 @@ def speed_limits_of(
     )
 
 
-def misses(way: Targets, plant: SpeedPlant, slower: float) -> FloatArray:
+def misses(way: SampledTargets, plant: SpeedPlant, slower: float) -> FloatArray:
     """Return the misses of a plant on a way that is taken so many times slower."""
     return way._replace(period_s=slower * way.period_s).misses(plant)
 
 
-def around(way: Targets, found: tuple[TooFast, ...]) -> Targets:
+def around(way: SampledTargets, found: tuple[TooFast, ...]) -> SampledTargets:
     """Return the part of a long reference around its worst miss, by which help is found; a short one whole."""
     if not found or len(way.targets) <= PERIODS_FOR_HELP:
         return way
@@ -203,14 +203,14 @@ def around(way: Targets, found: tuple[TooFast, ...]) -> Targets:
     return way._replace(targets=way.targets[begins : begins + PERIODS_FOR_HELP])
 
 
-def sampled(reference: Reference, sample_period_s: float) -> Targets:
+def sampled(reference: Reference, sample_period_s: float) -> SampledTargets:
     """Return a reference in periods of the rig, or in longer ones if there were too many."""
     count = min(max(round(reference.duration_s / sample_period_s), 1), MAX_PERIODS)
     period_s = reference.duration_s / count
-    return Targets(period_s, reference.targets_at(period_s * np.arange(count)))
+    return SampledTargets(period_s, reference.targets_at(period_s * np.arange(count)))
 
 
-def findings_of(plant: SpeedPlant, way: Targets, reached: FloatArray, tolerance: float) -> tuple[TooFast, ...]:
+def findings_of(plant: SpeedPlant, way: SampledTargets, reached: FloatArray, tolerance: float) -> tuple[TooFast, ...]:
     """Return each stretch of held targets that are missed to one side."""
     last = way.held_until
     first = np.append(0, last[:-1] + 1)

@@ -10,10 +10,10 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.identify.speed_limits.plant import SpeedPlant
 
-__all__ = ["Branch", "branches_of", "followed"]
+__all__ = ["TimedBranch", "branches_of", "followed"]
 
 
-class Branch(NamedTuple):
+class TimedBranch(NamedTuple):
     """One branch for a walk along it: level and time along it [s], steady and driving power [W]."""
 
     levels: FloatArray
@@ -38,11 +38,11 @@ class Branch(NamedTuple):
         return time_constant_s * math.log(left / there)
 
 
-def branches_of(plant: SpeedPlant) -> tuple[Branch, Branch]:
+def branches_of(plant: SpeedPlant) -> tuple[TimedBranch, TimedBranch]:
     """Return heating and cooling branch of a plant, driven as far as its circuit goes."""
     return (
-        Branch(plant.levels, plant.heating_times_s(), plant.heating_power_w, plant.highest_power_w),
-        Branch(plant.levels, plant.cooling_times_s(), plant.cooling_power_w, plant.lowest_power_w),
+        TimedBranch(plant.levels, plant.heating_times_s(), plant.heating_power_w, plant.highest_power_w),
+        TimedBranch(plant.levels, plant.cooling_times_s(), plant.cooling_power_w, plant.lowest_power_w),
     )
 
 
@@ -63,7 +63,7 @@ def followed(plant: SpeedPlant, targets: FloatArray, period_s: float) -> FloatAr
     return found
 
 
-def towards(branch: Branch, level: float, power_w: float, way: tuple[float, float, float]) -> tuple[float, float]:
+def towards(branch: TimedBranch, level: float, power_w: float, way: tuple[float, float, float]) -> tuple[float, float]:
     """Return level and steady power after a period on the way to a target: target, period [s], time constant [s]."""
     target, period_s, time_constant_s = way
     rising = target > level

@@ -19,7 +19,7 @@ from musclewire.rigs.simulated import read_sample
 from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS
 from musclewire.wire.row import Rows
 
-__all__ = ["BENCH", "Ended", "LoopArrays", "RIG_COLUMNS", "RigArrays", "run_drive", "run_loop"]
+__all__ = ["BENCH", "CompiledLoopEnd", "LoopArrays", "RIG_COLUMNS", "RigArrays", "run_drive", "run_loop"]
 
 # A row of a structured array; mypy knows no fields of it.
 Row = Any
@@ -31,7 +31,7 @@ BENCH = np.dtype([(name, np.float64) for name in ("sample_period_s", "amplifier_
 RIG_COLUMNS = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "displacement_m", "force_n")
 
 
-class Ended(IntEnum):
+class CompiledLoopEnd(IntEnum):
     """How a compiled loop ended."""
 
     DONE = 0
@@ -44,9 +44,13 @@ class Ended(IntEnum):
 
 
 N_ESTIMATED, N_CONTROLLED = len(ESTIMATOR_ANSWERS), len(CONTROLLER_ANSWERS)
-DONE, COMMAND_NOT_SOUND, WIRE_NOT_RESOLVED = int(Ended.DONE), int(Ended.COMMAND_NOT_SOUND), int(Ended.WIRE_NOT_RESOLVED)
-READING_NOT_SOUND = int(Ended.READING_NOT_SOUND)
-ESTIMATOR_FAILED, CONTROLLER_FAILED = int(Ended.ESTIMATOR_FAILED), int(Ended.CONTROLLER_FAILED)
+DONE, COMMAND_NOT_SOUND, WIRE_NOT_RESOLVED = (
+    int(CompiledLoopEnd.DONE),
+    int(CompiledLoopEnd.COMMAND_NOT_SOUND),
+    int(CompiledLoopEnd.WIRE_NOT_RESOLVED),
+)
+READING_NOT_SOUND = int(CompiledLoopEnd.READING_NOT_SOUND)
+ESTIMATOR_FAILED, CONTROLLER_FAILED = int(CompiledLoopEnd.ESTIMATOR_FAILED), int(CompiledLoopEnd.CONTROLLER_FAILED)
 
 
 class RigArrays(NamedTuple):

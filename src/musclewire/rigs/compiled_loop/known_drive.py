@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.rigs.compiled_loop.kernel import RIG_COLUMNS, Ended, RigArrays, run_drive
+from musclewire.rigs.compiled_loop.kernel import RIG_COLUMNS, CompiledLoopEnd, RigArrays, run_drive
 from musclewire.rigs.compiled_loop.one_wire import places_of
 from musclewire.rigs.compiled_loop.running import (
     CompiledRun,
@@ -31,7 +31,7 @@ class KnownRun(NamedTuple):
     ``true`` has what was asked of the wire's state at the end of each sample, (n_samples, n_names).
     """
 
-    ended: Ended
+    ended: CompiledLoopEnd
     samples: int
     columns: dict[str, FloatArray]
     true: FloatArray
@@ -53,20 +53,20 @@ def run_known_drive(
     places = places_of(arrays.wire, true_names)
     true = np.empty((times_s.size, places.size))
     ended, complete = run_drive(arrays, drives_v, arrays.wire.states.view(np.float64), places, true)
-    require_same_clock(Ended(ended), arrays)
+    require_same_clock(CompiledLoopEnd(ended), arrays)
     held_m = float(arrays.slack_m[:complete].max(initial=0.0))
     error_k = float(arrays.wire.states[0]["step_error_k"])
-    shown = CompiledRun(Ended(ended), complete, columns_of(arrays.shown, RIG_COLUMNS), held_m, error_k)
+    shown = CompiledRun(CompiledLoopEnd(ended), complete, columns_of(arrays.shown, RIG_COLUMNS), held_m, error_k)
     run = with_endpoint(shown, arrays.true_displacement_m, inside, noise)
-    if run.ended is Ended.DONE:
+    if run.ended is CompiledLoopEnd.DONE:
         take_over(rig, arrays, float(drives_v[-1]))
         assert isinstance(rig.device, SimulatedDevice)
-        rig.device.take(float(run.columns["drive_voltage_v"][-1]), generator, air, held_m)
+        rig.device.adopt(float(run.columns["drive_voltage_v"][-1]), generator, air, held_m)
     return KnownRun(run.ended, run.samples, run.columns, true)
 
 
 def take_over(rig: GuardedRig, arrays: RigArrays, last_drive_v: float) -> None:
     """Leave protection and wire as samples have left them. Raises RigError if the rig was closed meanwhile."""
     _, wire = inside_of(rig)
-    rig.take(last_drive_v, arrays.memory, float(arrays.times_s[-1]))
-    wire.take(arrays.wire.states, arrays.wire.constants)
+    rig.adopt_compiled_samples(last_drive_v, arrays.memory, float(arrays.times_s[-1]))
+    wire.adopt_compiled_state(arrays.wire.states, arrays.wire.constants)

@@ -10,7 +10,7 @@ import numpy as np
 from musclewire.arrays import FloatArray, IntArray
 from musclewire.compiled import compiled
 from musclewire.wire.row import Rows
-from musclewire.wire.stepping import Stepping, plan_of
+from musclewire.wire.stepping import StepControl, plan_of
 from musclewire.wire.stepping import is_resolved as state_is_resolved
 from musclewire.wire.wires import OneWire, advance_rows
 
@@ -36,7 +36,7 @@ class WireArrays(NamedTuple):
     plan: FloatArray
 
 
-def wire_arrays(wire: OneWire, stepping: Stepping, sample_period_s: float) -> WireArrays:
+def wire_arrays(wire: OneWire, stepping: StepControl, sample_period_s: float) -> WireArrays:
     """Return the arrays of a wire; what changes in a loop is a copy."""
     derived, cells, load = wire.constants.step_arrays()
     return WireArrays(wire.state.copy().row, derived.copy(), cells, load, plan_of(stepping, sample_period_s))

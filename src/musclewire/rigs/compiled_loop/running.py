@@ -14,7 +14,7 @@ from musclewire.controllers.protection import State, protection_table
 from musclewire.controllers.protection.sound import packed_limits, packed_memory
 from musclewire.errors import CallerError, NumericsError
 from musclewire.rigs.air import AirModel
-from musclewire.rigs.compiled_loop.kernel import BENCH, RIG_COLUMNS, Ended, LoopArrays, RigArrays, run_loop
+from musclewire.rigs.compiled_loop.kernel import BENCH, RIG_COLUMNS, CompiledLoopEnd, LoopArrays, RigArrays, run_loop
 from musclewire.rigs.compiled_loop.one_wire import sample_times_s, wire_arrays
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.rigs.simulated import SimulatedDevice, SimulatedInside
@@ -25,7 +25,7 @@ from musclewire.wire.wires import OneWire
 __all__ = [
     "CompiledRun",
     "LoopTicks",
-    "Targets",
+    "LoopTargets",
     "columns_of",
     "inside_of",
     "require_same_clock",
@@ -53,7 +53,7 @@ class CompiledRun(NamedTuple):
     largest estimated error of a step in temperature [K].
     """
 
-    ended: Ended
+    ended: CompiledLoopEnd
     samples: int
     columns: dict[str, FloatArray]
     friction_held_m: float
@@ -96,7 +96,7 @@ def times_on_rig_s(rig: GuardedRig, samples: int) -> FloatArray:
     return sample_times_s(wire, inside.bench["sample_period_s"], samples)
 
 
-class Targets(NamedTuple):
+class LoopTargets(NamedTuple):
     """What a loop follows, and the times of its samples on the rig's clock [s], (n_samples,).
 
     ``values``, (2, n_samples), are those that held while each sample was taken and those that hold after it.
@@ -106,7 +106,7 @@ class Targets(NamedTuple):
     values: FloatArray
 
 
-def run_compiled(rig: GuardedRig, ticks: LoopTicks, targets: Targets, first_drive_v: float) -> CompiledRun:
+def run_compiled(rig: GuardedRig, ticks: LoopTicks, targets: LoopTargets, first_drive_v: float) -> CompiledRun:
     """Run a closed loop from the present state of a rig, which itself is left as it is.
 
     The columns are those of the loop in Python, to the bit. The interpreter is free meanwhile: loops of several rigs
@@ -119,10 +119,10 @@ def run_compiled(rig: GuardedRig, ticks: LoopTicks, targets: Targets, first_driv
     arrays = arrays_of(own, ticks, targets.values)
     functions = (callback(ticks.estimator.function, 4), callback(ticks.controller.function, 4))
     ended, complete = run_loop(*functions, arrays, first_drive_v)
-    require_same_clock(Ended(ended), own)
+    require_same_clock(CompiledLoopEnd(ended), own)
     held_m = float(own.slack_m[:complete].max(initial=0.0))
     error_k = float(own.wire.states[0]["step_error_k"])
-    run = CompiledRun(Ended(ended), complete, columns_of(own.shown, names_of(ticks)), held_m, error_k)
+    run = CompiledRun(CompiledLoopEnd(ended), complete, columns_of(own.shown, names_of(ticks)), held_m, error_k)
     return with_endpoint(run, own.true_displacement_m, inside, noise)
 
 
@@ -196,9 +196,9 @@ def columns_of(shown: FloatArray, names: tuple[str, ...]) -> dict[str, FloatArra
     return dict(zip(names, np.ascontiguousarray(shown.T), strict=True))
 
 
-def require_same_clock(ended: Ended, arrays: RigArrays) -> None:
+def require_same_clock(ended: CompiledLoopEnd, arrays: RigArrays) -> None:
     """Raise NumericsError if a run that reached its end did so at another time than the rig will."""
-    if ended is Ended.DONE and arrays.wire.states[0]["time_s"] != arrays.times_s[-1]:
+    if ended is CompiledLoopEnd.DONE and arrays.wire.states[0]["time_s"] != arrays.times_s[-1]:
         raise NumericsError("the compiled loop's clock differs from the rig's: report it with the rig file")
 
 
@@ -211,7 +211,7 @@ def with_endpoint(
         return run
     beyond = moved_m[: run.samples] + tendon.start_m - tendon.slack_m > tendon.curve.tendon_travel_m[-1]
     if beyond.any():  # the rig ends the run there
-        return run._replace(ended=Ended.BEYOND_FINGER, samples=int(np.argmax(beyond)))
+        return run._replace(ended=CompiledLoopEnd.BEYOND_FINGER, samples=int(np.argmax(beyond)))
     pull_n = tendon.endpoint_force_n(moved_m)
     displacement_noise_m, force_noise_n = inside.instruments.endpoint_noise
     there = run.columns | {

@@ -11,12 +11,21 @@ from musclewire.sensing.particles.settings import UNKNOWNS, ParticleSettings
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
 
-__all__ = ["CLOCK", "HISTORY", "Cloud", "Clock", "History", "cloud_at_rest", "cloud_of", "state_of"]
+__all__ = [
+    "CLOCK",
+    "HISTORY",
+    "ParticleCloud",
+    "SharedPlaces",
+    "SampleHistory",
+    "cloud_at_rest",
+    "cloud_of",
+    "state_of",
+]
 
 N_UNKNOWNS = len(UNKNOWNS)
 
 
-class Clock(NamedTuple):
+class SharedPlaces(NamedTuple):
     """Places of the numbers that all hypotheses share."""
 
     samples: int
@@ -27,10 +36,10 @@ class Clock(NamedTuple):
     kept: int
 
 
-CLOCK = Clock(*range(6))
+CLOCK = SharedPlaces(*range(6))
 
 
-class History(NamedTuple):
+class SampleHistory(NamedTuple):
     """Rows of the samples kept since the older snapshot; the variance is that of a hypothesis's resistance."""
 
     power_w: int
@@ -39,10 +48,10 @@ class History(NamedTuple):
     variance_ohm2: int
 
 
-HISTORY = History(*range(4))
+HISTORY = SampleHistory(*range(4))
 
 
-class Cloud(NamedTuple):
+class ParticleCloud(NamedTuple):
     """All hypotheses, as compiled code takes them; each row is one.
 
     Parameters
@@ -60,9 +69,9 @@ class Cloud(NamedTuple):
     old, new
         Wires of two snapshots, drawn by their weights, (n_snapshot,).
     history
-        Samples since the older snapshot, in the rows of :class:`History`, (4, n_kept).
+        Samples since the older snapshot, in the rows of :class:`SampleHistory`, (4, n_kept).
     clock
-        What all share: see :class:`Clock`.
+        What all share: see :class:`SharedPlaces`.
     """
 
     wires: Rows
@@ -76,7 +85,7 @@ class Cloud(NamedTuple):
     clock: FloatArray
 
 
-def cloud_of(state: bytes, classes: int, settings: ParticleSettings) -> Cloud:
+def cloud_of(state: bytes, classes: int, settings: ParticleSettings) -> ParticleCloud:
     """Return a copy of a state's hypotheses, which may be changed; ``classes`` of barrier has each wire."""
     numbers = np.frombuffer(state, np.float64).copy()
     layout = WireState.layout(classes)
@@ -85,7 +94,7 @@ def cloud_of(state: bytes, classes: int, settings: ParticleSettings) -> Cloud:
     rest = numbers.size - len(CLOCK)
     ends = [*np.cumsum(sizes), rest]
     wires, unknowns, changed, log_weight, since, old, new, history, clock = np.split(numbers, ends)
-    return Cloud(
+    return ParticleCloud(
         wires.view(layout),
         unknowns.reshape(n, N_UNKNOWNS),
         changed.reshape(n, N_UNKNOWNS),
@@ -98,17 +107,17 @@ def cloud_of(state: bytes, classes: int, settings: ParticleSettings) -> Cloud:
     )
 
 
-def state_of(cloud: Cloud) -> bytes:
+def state_of(cloud: ParticleCloud) -> bytes:
     """Return the hypotheses as an immutable state."""
     return b"".join(array.tobytes() for array in cloud)
 
 
-def cloud_at_rest(rest: WireState, settings: ParticleSettings, sample_period_s: float) -> Cloud:
+def cloud_at_rest(rest: WireState, settings: ParticleSettings, sample_period_s: float) -> ParticleCloud:
     """Return hypotheses that nothing has changed, each with a wire at rest, within what a calibration leaves open."""
     n = settings.hypotheses
     left_open = np.random.default_rng(settings.seed).standard_normal((n, N_UNKNOWNS))
     kept = 2 * max(round(settings.restart_time_s / sample_period_s), 2)
-    return Cloud(
+    return ParticleCloud(
         np.repeat(rest.row, n),
         left_open * np.array(settings.spread_at_rest),
         np.zeros((n, N_UNKNOWNS)),

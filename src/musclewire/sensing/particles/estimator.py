@@ -15,8 +15,8 @@ from musclewire.sensing.gated_estimator import GatedEstimator, GatedState, gated
 from musclewire.sensing.health import ChangeEvidence, ChangeState, after_evidence, change_of
 from musclewire.sensing.home_move import HomeMove
 from musclewire.sensing.particles.cloud import cloud_at_rest, cloud_of, state_of
-from musclewire.sensing.particles.explanations import Opinion, after_sample, combined, weights_of
-from musclewire.sensing.particles.kernel import SUMMARY, Measured, Numbers, Wire, follow_sample
+from musclewire.sensing.particles.explanations import ExplanationEstimate, after_sample, combined, weights_of
+from musclewire.sensing.particles.kernel import SUMMARY, HypothesisWire, ParticleNumbers, ParticleSample, follow_sample
 from musclewire.sensing.particles.settings import EXPLANATIONS, UNKNOWNS, ParticleSettings
 from musclewire.signals.exchange import EstimatorStep, QuantityEstimate, Reason, WireSample
 from musclewire.wire.building import resting_state
@@ -112,7 +112,7 @@ class ParticleFilter:
         self._range = branches.curve.quantity_max - branches.curve.quantity_min
         self._max_power_w = MAX_RATE_K_PER_S * wire.heat_capacity_j_per_k
         derived, cells, load = wire.step_arrays()
-        self._arrays = Wire(derived.copy(), cells, load)
+        self._arrays = HypothesisWire(derived.copy(), cells, load)
         self._numbers = tuple(numbers_of(settings, name, place) for place, name in enumerate(EXPLANATIONS))
         rest = state_of(cloud_at_rest(resting_state(wire), settings, self._period_s))
         n = len(EXPLANATIONS)
@@ -147,7 +147,7 @@ class ParticleFilter:
             (*recorded, float(change_of(change))),
         )
 
-    def _followed(self, state: ParticleState, measured: Measured) -> tuple[tuple[bytes, ...], list[FloatArray]]:
+    def _followed(self, state: ParticleState, measured: ParticleSample) -> tuple[tuple[bytes, ...], list[FloatArray]]:
         """Return the hypotheses of each explanation after a sample, and what each says."""
         after, answers = [], []
         for before, numbers in zip(state.hypotheses, self._numbers, strict=True):
@@ -158,7 +158,7 @@ class ParticleFilter:
             answers.append(answer)
         return tuple(after), answers
 
-    def _opinions(self, answers: list[FloatArray], seen: QuantityEstimate | None) -> list[Opinion]:
+    def _opinions(self, answers: list[FloatArray], seen: QuantityEstimate | None) -> list[ExplanationEstimate]:
         """Return what each explanation says; ``seen`` is the estimate of the gated branches where it is valid.
 
         Little distinguishes a change of load from one of load and air: both filters then have half a vote.
@@ -166,11 +166,11 @@ class ParticleFilter:
         air, load, both = (self._opinion(answer) for answer in answers)
         if seen is not None:
             apart = 0.5 * (air.value - seen.value)
-            air = Opinion(air.value - apart, math.hypot(air.std, apart))
+            air = ExplanationEstimate(air.value - apart, math.hypot(air.std, apart))
         halfway = 0.5 * (load.value + both.value)
-        return [air, Opinion(halfway, load.std), both]
+        return [air, ExplanationEstimate(halfway, load.std), both]
 
-    def _opinion(self, answer: FloatArray) -> Opinion:
+    def _opinion(self, answer: FloatArray) -> ExplanationEstimate:
         """Return value and standard deviation by one explanation, in the model's quantity."""
         own_std = math.hypot(self._settings.structural_strain * self._range, self._branches.curve.offset_std)
         factor, value, std = 1.0, answer[SUMMARY.contraction], answer[SUMMARY.contraction_std]
@@ -181,7 +181,7 @@ class ParticleFilter:
         # A filter whose explanation is wrong goes astray; beyond these bounds it says nothing more.
         low, high = self._branches.curve.quantity_min - self._range, self._branches.curve.quantity_max + self._range
         std = min(math.hypot(factor * std, own_std), self._range)
-        return Opinion(min(max(factor * float(value), low), high), std)
+        return ExplanationEstimate(min(max(factor * float(value), low), high), std)
 
     def _doubts(self, misfit: float, std: float) -> Reason:
         """Return why a sample that the branches can sense is not valid after all, or OK."""
@@ -189,7 +189,7 @@ class ParticleFilter:
             return Reason.UNEXPLAINED
         return Reason.UNCERTAIN if std > self._settings.largest_std * self._range else Reason.OK
 
-    def _measured(self, state: ParticleState, sample: WireSample, readable: bool) -> Measured:
+    def _measured(self, state: ParticleState, sample: WireSample, readable: bool) -> ParticleSample:
         """Return a sample as the hypotheses take it; without a reading the power follows from the drive."""
         duration_s = self._period_s
         if state.time_s is not None and duration_s / ODD_TIME < sample.time_s - state.time_s < duration_s * ODD_TIME:
@@ -199,10 +199,12 @@ class ParticleFilter:
             power_w = sample.wire_voltage_v * sample.shunt_voltage_v / self._shunt_ohm
             # The calibrated wire has the resistance of its characterisation; a home move says what became of it.
             calibrated_ohm = max((resistance_ohm - self._offset_ohm) / self._scale, MIN_RESISTANCE_OHM)
-            return Measured(min(power_w, self._max_power_w), calibrated_ohm, abs(sample.shunt_voltage_v), duration_s)
+            return ParticleSample(
+                min(power_w, self._max_power_w), calibrated_ohm, abs(sample.shunt_voltage_v), duration_s
+            )
         usual_ohm = self._branches.curve.resistance_max_ohm
         current_a = sample.drive_voltage_v / (usual_ohm + self._shunt_ohm)
-        return Measured(min(current_a * current_a * usual_ohm, self._max_power_w), 0.0, 0.0, duration_s)
+        return ParticleSample(min(current_a * current_a * usual_ohm, self._max_power_w), 0.0, 0.0, duration_s)
 
     def _evidence(self, recorded: tuple[float, ...], reason: Reason) -> ChangeEvidence:
         """Return what has been found of changes in a sample."""
@@ -259,9 +261,9 @@ def after_home(
     return replace(settings, spread_at_rest=tuple(at_rest.values())), wire
 
 
-def numbers_of(settings: ParticleSettings, explanation: str, place: int) -> Numbers:
+def numbers_of(settings: ParticleSettings, explanation: str, place: int) -> ParticleNumbers:
     """Return the numbers of an explanation's filter; each has random numbers of its own."""
-    return Numbers(
+    return ParticleNumbers(
         settings.tables(explanation),
         settings.resistance_error,
         settings.error_time_s,

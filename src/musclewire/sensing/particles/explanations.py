@@ -14,10 +14,10 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.sensing.particles.settings import ParticleSettings
 
-__all__ = ["Opinion", "after_sample", "combined", "weights_of"]
+__all__ = ["ExplanationEstimate", "after_sample", "combined", "weights_of"]
 
 
-class Opinion(NamedTuple):
+class ExplanationEstimate(NamedTuple):
     """Value and standard deviation of the quantity by one explanation."""
 
     value: float
@@ -41,7 +41,9 @@ def weights_of(evidence: Sequence[float], cost: float, softness: float) -> Float
     return np.asarray(weight / weight.sum())
 
 
-def combined(opinions: Sequence[Opinion], evidence: Sequence[float], settings: ParticleSettings) -> Opinion:
+def combined(
+    opinions: Sequence[ExplanationEstimate], evidence: Sequence[float], settings: ParticleSettings
+) -> ExplanationEstimate:
     """Return the value by the weights of the explanations, and a deviation that doubts these weights.
 
     Evidence is gathered from few independent samples: an explanation that is a little worse counts for nothing in the
@@ -53,4 +55,4 @@ def combined(opinions: Sequence[Opinion], evidence: Sequence[float], settings: P
     variance = sum(
         part * (opinion.std**2 + (opinion.value - value) ** 2) for part, opinion in zip(doubted, opinions, strict=True)
     )
-    return Opinion(float(value), math.sqrt(variance))
+    return ExplanationEstimate(float(value), math.sqrt(variance))

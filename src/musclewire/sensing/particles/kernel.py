@@ -14,13 +14,13 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.random_numbers import normal_pair, philox, uniform
-from musclewire.sensing.particles.cloud import CLOCK, HISTORY, Cloud
+from musclewire.sensing.particles.cloud import CLOCK, HISTORY, ParticleCloud
 from musclewire.wire.constants import StepConstants
 from musclewire.wire.heated import advance_heated
 from musclewire.wire.row import Rows
 from musclewire.wire.step import RunningWire
 
-__all__ = ["SUMMARY", "Measured", "Numbers", "Summary", "Wire", "follow_sample"]
+__all__ = ["SUMMARY", "ParticleSample", "ParticleNumbers", "SummaryPlaces", "HypothesisWire", "follow_sample"]
 
 # Places of the unknowns; see settings.UNKNOWNS.
 CONVECTION, AMBIENT, LOAD, STIFFNESS, RESISTANCE, TRANSFORMATION = range(6)
@@ -49,7 +49,7 @@ HOPELESS, MOST = 3.0, 0.1
 COST = 2.0
 
 
-class Measured(NamedTuple):
+class ParticleSample(NamedTuple):
     """A sample: power [W], resistance [ohm] (0 if none was read), shunt voltage [V], and the time it took [s]."""
 
     power_w: float
@@ -58,7 +58,7 @@ class Measured(NamedTuple):
     duration_s: float
 
 
-class Wire(NamedTuple):
+class HypothesisWire(NamedTuple):
     """The calibrated wire: its constants, of which hypotheses change a few, with distribution and load, each (1,)."""
 
     constants: Rows
@@ -66,7 +66,7 @@ class Wire(NamedTuple):
     load: Rows
 
 
-class Numbers(NamedTuple):
+class ParticleNumbers(NamedTuple):
     """The numbers of ``ParticleSettings`` that a sample reads; ``spreads`` is its table."""
 
     spreads: FloatArray
@@ -80,7 +80,7 @@ class Numbers(NamedTuple):
     seed: int
 
 
-class Summary(NamedTuple):
+class SummaryPlaces(NamedTuple):
     """Places of the numbers that a sample answers; those of unknowns and of their changes are rows."""
 
     contraction: int
@@ -96,11 +96,13 @@ class Summary(NamedTuple):
     size: int
 
 
-SUMMARY = Summary(0, 1, 2, 3, 4, 5, 6, 7, 13, 19, 20)
+SUMMARY = SummaryPlaces(0, 1, 2, 3, 4, 5, 6, 7, 13, 19, 20)
 
 
 @compiled
-def follow_sample(cloud: Cloud, wire: Wire, numbers: Numbers, measured: Measured, answer: FloatArray) -> None:
+def follow_sample(
+    cloud: ParticleCloud, wire: HypothesisWire, numbers: ParticleNumbers, measured: ParticleSample, answer: FloatArray
+) -> None:
     """Advance, weigh and renew all hypotheses by one sample, in place.
 
     Parameters
@@ -140,7 +142,7 @@ def follow_sample(cloud: Cloud, wire: Wire, numbers: Numbers, measured: Measured
 
 
 @compiled
-def compare(cloud: Cloud, shown: FloatArray, resistance_ohm: float, variance_ohm2: float) -> None:
+def compare(cloud: ParticleCloud, shown: FloatArray, resistance_ohm: float, variance_ohm2: float) -> None:
     """Add the likelihood of a measured resistance to that of every hypothesis; 0 ohm stands for no reading."""
     for one in range(cloud.log_weight.shape[0]):
         if not abs(shown[0, one] + shown[1, one] + shown[2, one]) < math.inf:
@@ -161,7 +163,7 @@ def gained(log_weight: FloatArray) -> float:
 
 
 @compiled
-def noise_of(clock: FloatArray, measured: Measured) -> float:
+def noise_of(clock: FloatArray, measured: ParticleSample) -> float:
     """Return the noise of a sample's resistance [ohm], from second differences of those before: the drive is smooth.
 
     What is followed is the noise of a voltage, since one at the sense voltage is that of one under drive.
@@ -181,7 +183,7 @@ def noise_of(clock: FloatArray, measured: Measured) -> float:
     return float(clock[CLOCK.noise_v] / measured.shunt_voltage_v)
 
 
-class Calibrated(NamedTuple):
+class VariedConstants(NamedTuple):
     """The constants of the calibrated wire that hypotheses change."""
 
     ambient_k: float
@@ -193,9 +195,9 @@ class Calibrated(NamedTuple):
 
 
 @compiled
-def calibrated_of(k: StepConstants) -> Calibrated:
+def calibrated_of(k: StepConstants) -> VariedConstants:
     """Return the constants that hypotheses change."""
-    return Calibrated(
+    return VariedConstants(
         k.ambient_temperature_k,
         k.surface_factor_m2,
         k.pretension_n,
@@ -206,7 +208,7 @@ def calibrated_of(k: StepConstants) -> Calibrated:
 
 
 @compiled
-def suppose(k: StepConstants, known: Calibrated, unknown: FloatArray) -> None:
+def suppose(k: StepConstants, known: VariedConstants, unknown: FloatArray) -> None:
     """Set the constants to those of a hypothesis."""
     k.ambient_temperature_k = known.ambient_k + unknown[AMBIENT]
     k.surface_factor_m2 = known.surface_m2 * math.exp(unknown[CONVECTION])
@@ -217,7 +219,7 @@ def suppose(k: StepConstants, known: Calibrated, unknown: FloatArray) -> None:
 
 
 @compiled
-def advance_all(cloud: Cloud, wire: Wire, measured: Measured, shown: FloatArray) -> None:
+def advance_all(cloud: ParticleCloud, wire: HypothesisWire, measured: ParticleSample, shown: FloatArray) -> None:
     """Advance the wire of every hypothesis; ``shown`` gets its resistance [ohm], contraction and force [N]."""
     k, cells, load = wire.constants[0], wire.cells[0], wire.load[0]
     known = calibrated_of(k)
@@ -242,7 +244,7 @@ def weigh(log_weight: FloatArray, weight: FloatArray) -> float:
 
 
 @compiled
-def summarise(cloud: Cloud, shown: FloatArray, answer: FloatArray) -> None:
+def summarise(cloud: ParticleCloud, shown: FloatArray, answer: FloatArray) -> None:
     """Fill in weighted means and deviations; hypotheses that could not be computed have no weight."""
     answer[:] = 0.0
     total_ohm = 0.0
@@ -268,7 +270,7 @@ def summarise(cloud: Cloud, shown: FloatArray, answer: FloatArray) -> None:
 
 
 @compiled
-def follow_misfit(clock: FloatArray, measured: Measured, answer: FloatArray, explained_ohm: float) -> None:
+def follow_misfit(clock: FloatArray, measured: ParticleSample, answer: FloatArray, explained_ohm: float) -> None:
     """Turn the mean resistance into its misfit, and smooth that in units of what wire and noise explain."""
     answer[SUMMARY.misfit_ohm] -= measured.resistance_ohm
     part = min(measured.duration_s / MISFIT_TIME_S, 1.0)
@@ -276,7 +278,7 @@ def follow_misfit(clock: FloatArray, measured: Measured, answer: FloatArray, exp
 
 
 @compiled
-def keep(cloud: Cloud, measured: Measured, variance_ohm2: float, weight: FloatArray, seed: int) -> None:
+def keep(cloud: ParticleCloud, measured: ParticleSample, variance_ohm2: float, weight: FloatArray, seed: int) -> None:
     """Keep a sample for restarts; from time to time the newer snapshot becomes the older one, and another is taken."""
     place, length = int(cloud.clock[CLOCK.kept]), cloud.history.shape[1]
     half = length // 2
@@ -296,7 +298,7 @@ def keep(cloud: Cloud, measured: Measured, variance_ohm2: float, weight: FloatAr
 
 
 @compiled
-def snapshot(cloud: Cloud, weight: FloatArray, seed: int) -> None:
+def snapshot(cloud: ParticleCloud, weight: FloatArray, seed: int) -> None:
     """Take a snapshot of the wires, drawn by their weights, from which the likelihood counts from 0."""
     samples = int(cloud.clock[CLOCK.samples])
     for one in range(cloud.new.shape[0]):
@@ -317,7 +319,9 @@ def drawn(weight: FloatArray, chance: float) -> int:
 
 
 @compiled
-def restart(cloud: Cloud, wire: Wire, numbers: Numbers, shown: FloatArray, number: int) -> None:
+def restart(
+    cloud: ParticleCloud, wire: HypothesisWire, numbers: ParticleNumbers, shown: FloatArray, number: int
+) -> None:
     """Try a new hypothesis from the older snapshot on; if it explains the samples since, it replaces the worst one."""
     weight, samples = shown[3], int(cloud.clock[CLOCK.samples])
     a, b, c, d = philox(samples, number, 5, 0, numbers.seed)
@@ -349,7 +353,7 @@ def restart(cloud: Cloud, wire: Wire, numbers: Numbers, shown: FloatArray, numbe
 
 @compiled
 def follow_history(
-    cloud: Cloud, wire: Wire, unknown: FloatArray, tried: Rows, least: float
+    cloud: ParticleCloud, wire: HypothesisWire, unknown: FloatArray, tried: Rows, least: float
 ) -> tuple[float, tuple[float, float, float]]:
     """Run a wire through the kept samples; return likelihood, and what it shows; end early below ``least``."""
     k, cells, load = wire.constants[0], wire.cells[0], wire.load[0]
@@ -374,7 +378,7 @@ def follow_history(
 
 
 @compiled
-def resample(cloud: Cloud, weight: FloatArray, numbers: Numbers) -> None:
+def resample(cloud: ParticleCloud, weight: FloatArray, numbers: ParticleNumbers) -> None:
     """Draw the hypotheses again by their weights, systematically; some are renewed, all others wander a little.
 
     Systematic resampling: Kitagawa 1996, doi 10.2307/1390750.
@@ -417,7 +421,7 @@ def six_deviates(samples: int, one: int, seed: int) -> tuple[float, float, float
 def change(
     unknown: FloatArray,
     changed: FloatArray,
-    numbers: Numbers,
+    numbers: ParticleNumbers,
     deviates: tuple[float, float, float, float, float, float],
     chances: tuple[float, float],
 ) -> None:
@@ -441,7 +445,7 @@ def change(
 def wander(
     unknown: FloatArray,
     changed: FloatArray,
-    numbers: Numbers,
+    numbers: ParticleNumbers,
     deviates: tuple[float, float, float, float, float, float],
 ) -> None:
     """Move a hypothesis a little: what has changed by a random walk, what has not within its spread at rest."""

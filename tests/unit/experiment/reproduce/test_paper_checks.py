@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment.metrics import ControlMetrics, StepMetrics
 from musclewire.extras.paper.known_failures import known_failures, parsed_known_failures
-from musclewire.extras.paper.reproduce import Measured, PaperCheck, Runs, all_checks, measured, selected
+from musclewire.extras.paper.reproduce import PaperCheck, RunCache, SeedResult, all_checks, measured, selected
 from musclewire.extras.paper.reproduce.paper_checks import Compare, holds, subject_of
 from musclewire.parameters.library import read_published
 
-RUNS = Runs()
+RUNS = RunCache()
 CHECKS = all_checks()
 NAMES = [check.name for check in CHECKS]
 
@@ -69,7 +69,7 @@ def test_a_table_is_reported_from_the_first_target_on_by_the_metrics_of_its_own_
     )
     for table, first_pct in (("table2", 30.0), ("table3", 40.0)):
         rows = [item for item in CHECKS if item.name.startswith(f"{table}.mae_from_first_target")]
-        assert [item.measure(cast("Runs", runs)) for item in rows] == [first_pct, first_pct + 1.0, first_pct + 2.0]
+        assert [item.measure(cast("RunCache", runs)) for item in rows] == [first_pct, first_pct + 1.0, first_pct + 2.0]
 
 
 @given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(0.0, 1e3))
@@ -81,11 +81,11 @@ def test_within_means_neither_above_nor_below_the_tolerance(ours: float, paper: 
 
 
 def test_a_loop_that_cannot_be_used_gives_no_number_and_says_why() -> None:
-    def measure(_: Runs) -> float:
+    def measure(_: RunCache) -> float:
         raise RecordingError("no complete\ncycle")
 
     gap = PaperCheck("fig0.gap", 1.0, "%", 9.0, "because", "printed", measure, origin="fitted")
-    assert measured(gap, RUNS) == Measured(None, "no complete cycle")
+    assert measured(gap, RUNS) == SeedResult(None, "no complete cycle")
 
 
 @pytest.mark.parametrize("number", [math.nan, math.inf])

@@ -9,10 +9,10 @@ import pytest
 
 from musclewire.errors import CallerError, NumericsError, RecordingError
 from musclewire.experiment.worker_process import start_worker
-from musclewire.extras.paper.reproduce import PaperCheck, Runs, reproduce, reproduction, seed_numbers, selected
+from musclewire.extras.paper.reproduce import PaperCheck, RunCache, reproduce, reproduction, seed_numbers, selected
 from musclewire.extras.paper.reproduce.all_checks import all_checks
-from musclewire.extras.paper.reproduce.paper_checks import Measured
-from musclewire.extras.paper.reproduce.seed_numbers import Watching, numbers_of_seeds
+from musclewire.extras.paper.reproduce.paper_checks import SeedResult
+from musclewire.extras.paper.reproduce.seed_numbers import SeedCallbacks, numbers_of_seeds
 
 SEEDS = (3, 1, 4, 8)
 
@@ -21,29 +21,29 @@ def check(name: str, measure: Any) -> PaperCheck:
     return PaperCheck(name, 2.0, "ohm", 0.5, "because half is enough", "printed", measure, origin="fitted")
 
 
-def seed_itself(runs: Runs) -> float:
+def seed_itself(runs: RunCache) -> float:
     if runs.seed == 4:
         raise RecordingError("no complete cycle")
     return float(runs.seed)
 
 
 def test_each_seed_gives_its_own_number_or_problem_in_the_order_of_the_seeds() -> None:
-    found = numbers_of_seeds([check("eq1.x", seed_itself)], SEEDS, workers=1, watching=Watching())
-    assert found.of("eq1.x") == [
-        Measured(3.0), Measured(1.0), Measured(None, "no complete cycle"), Measured(8.0)
+    found = numbers_of_seeds([check("eq1.x", seed_itself)], SEEDS, workers=1, watching=SeedCallbacks())
+    assert found.for_check("eq1.x") == [
+        SeedResult(3.0), SeedResult(1.0), SeedResult(None, "no complete cycle"), SeedResult(8.0)
     ]  # fmt: skip
-    assert found.of("eq1.x", (8, 3)) == [Measured(8.0), Measured(3.0)]
+    assert found.for_check("eq1.x", (8, 3)) == [SeedResult(8.0), SeedResult(3.0)]
 
 
 def test_what_no_seed_changes_is_measured_once() -> None:
-    calls: list[Runs] = []
+    calls: list[RunCache] = []
 
-    def fixed(runs: Runs) -> float:
+    def fixed(runs: RunCache) -> float:
         calls.append(runs)
         return runs.staircase.hold_s
 
-    found = numbers_of_seeds([check("eq1.x", fixed)], SEEDS, workers=1, watching=Watching())
-    assert found.of("eq1.x") == [Measured(6.0)] * 4
+    found = numbers_of_seeds([check("eq1.x", fixed)], SEEDS, workers=1, watching=SeedCallbacks())
+    assert found.for_check("eq1.x") == [SeedResult(6.0)] * 4
     assert len(calls) == 1
 
 
@@ -58,7 +58,7 @@ def test_whoever_watches_is_told_of_each_seed_and_may_stop() -> None:
             raise StopError
 
     varying = check("eq1.x", lambda runs: float(runs.seed))
-    watching = Watching(lambda done, total: told.append((done, total)), stop_after_two)
+    watching = SeedCallbacks(lambda done, total: told.append((done, total)), stop_after_two)
     with pytest.raises(StopError):
         numbers_of_seeds([varying], SEEDS, workers=1, watching=watching)
     assert told == [(1, 4), (2, 4)]
@@ -89,10 +89,10 @@ def test_the_numbers_do_not_depend_on_the_number_of_processes() -> None:
 @pytest.mark.slow
 def test_a_single_seed_has_the_same_numbers_alone_and_among_others() -> None:
     chosen = selected(all_checks(), "table1.resistance")
-    many = numbers_of_seeds(chosen, (5, 6), workers=2, watching=Watching())
+    many = numbers_of_seeds(chosen, (5, 6), workers=2, watching=SeedCallbacks())
     alone = reproduction.reproduce("table1.resistance", seeds=[6])
     assert alone.single_seed == 6
-    assert [row.ours for row in alone.rows] == [many.of(row.name, (6,))[0].number for row in alone.rows]
+    assert [row.ours for row in alone.rows] == [many.for_check(row.name, (6,))[0].number for row in alone.rows]
 
 
 @pytest.mark.slow

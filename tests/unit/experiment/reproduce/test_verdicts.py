@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import quantile_test
 
-from musclewire.extras.paper.reproduce import Measured, PaperCheck, counts_by_origin, judged
+from musclewire.extras.paper.reproduce import PaperCheck, SeedResult, counts_by_origin, judged
 from musclewire.extras.paper.reproduce.paper_checks import Compare, holds
 from musclewire.extras.paper.reproduce.verdicts import ReproductionRow, median_interval, spread_of
 
@@ -22,7 +22,7 @@ def check(compare: Compare = "within", paper: float = 2.0, tolerance: float = 0.
 
 
 def row(*ours: float | None, compare: Compare = "within") -> ReproductionRow:
-    found = [Measured(None, "no loop") if number is None else Measured(number) for number in ours]
+    found = [SeedResult(None, "no loop") if number is None else SeedResult(number) for number in ours]
     return judged(check(compare), found, {})
 
 
@@ -105,7 +105,7 @@ def test_no_number_at_all_fails_with_the_reason_of_the_first_seed() -> None:
 
 
 def test_a_known_failure_still_fails_and_carries_its_reason() -> None:
-    found = judged(check(), [Measured(9.0)], {"fig0.number": "the wire is no wire"})
+    found = judged(check(), [SeedResult(9.0)], {"fig0.number": "the wire is no wire"})
     assert not found.ok
     assert found.known_failure
     assert found.known_reason == "the wire is no wire"

@@ -11,8 +11,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.identify.isobaric_loops import Isobar
-from musclewire.identify.physical.candidates import Candidates, WireValues
+from musclewire.identify.isobaric_loops import IsobaricLoop
+from musclewire.identify.physical.candidates import CandidateParameters, WireValues
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.priors import load_priors
 from musclewire.signals import Recording
@@ -34,10 +34,10 @@ PERIOD_S = 0.05
 
 
 @cache
-def candidates() -> Candidates:
+def candidates() -> CandidateParameters:
     """All that has a prior, on the paper's wire and bench."""
     wire = load_wire("paper-100um")
-    return Candidates(load_priors(), load_alloy(wire.alloy), wire, load_bench("paper"))
+    return CandidateParameters(load_priors(), load_alloy(wire.alloy), wire, load_bench("paper"))
 
 
 def true_wire(seed: int = 1, spread: float = 0.5) -> tuple[WireValues, Array]:
@@ -81,12 +81,14 @@ def isobars(values: WireValues, stresses_pa: Iterable[float] = (50e6, 100e6, 200
     """Isobars as one table, strain positive in elongation from an arbitrary zero."""
     random = np.random.default_rng(seed)
     constants = constants_of(values.alloy, values.wire, values.bench)
-    parts: list[Isobar] = []
+    parts: list[IsobaricLoop] = []
     for stress in stresses_pa:
         up = np.linspace(295.0, constants.martensite_temperature_k + stress / 8e6 + 60.0, 120)
         kelvin = np.concatenate([up, up[-2::-1]])
         strain = isobaric_path(constants, stress, kelvin).strain
-        parts.append(Isobar(stress, kelvin, 0.004 + strain + NOISE["strain"] * random.standard_normal(strain.size)))
+        parts.append(
+            IsobaricLoop(stress, kelvin, 0.004 + strain + NOISE["strain"] * random.standard_normal(strain.size))
+        )
     return Recording(
         {
             "wire_temperature_k": np.concatenate([item.temperature_k for item in parts]),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.identify.physical.advice import Advice, next_experiments, proposed
+from musclewire.identify.physical.advice import ExperimentAdvice, next_experiments, proposed
 from musclewire.identify.physical.calibrate import calibrate
 from musclewire.identify.physical.calibrated_wire import save_wire
 from musclewire.identify.physical.calibration import Calibration
@@ -41,7 +41,7 @@ def found(*names: str) -> Calibration:
 
 
 @cache
-def advised(*names: str) -> tuple[Advice, ...]:
+def advised(*names: str) -> tuple[ExperimentAdvice, ...]:
     """What to measure after such a calibration."""
     return next_experiments(found(*names))
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_wires import candidates
 
-from musclewire.identify.physical.candidates import Candidates
+from musclewire.identify.physical.candidates import CandidateParameters
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.parameters.priors import load_priors
 
@@ -33,7 +33,7 @@ def test_zero_is_the_priors_mean_and_one_its_deviation() -> None:
 def test_each_number_goes_to_its_group_and_the_rest_stays() -> None:
     wire, bench = load_wire("paper-100um"), load_bench("paper")
     alloy = load_alloy(wire.alloy)
-    space = Candidates(load_priors(), alloy, wire, bench, only=["latent_heat_j_per_kg", "guide_friction_n"])
+    space = CandidateParameters(load_priors(), alloy, wire, bench, only=["latent_heat_j_per_kg", "guide_friction_n"])
     assert space.names == ("latent_heat_j_per_kg", "guide_friction_n")
     values = space.wire_values(np.array([1.0, -1.0]))
     priors = load_priors().parameters

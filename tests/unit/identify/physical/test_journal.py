@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.identify.physical.journal import Journal, read_journal
+from musclewire.identify.physical.journal import SearchJournal, read_journal
 
 
 @pytest.fixture
@@ -18,11 +18,11 @@ def path(tmp_path: Path) -> Path:
 
 
 def test_what_was_written_is_remembered_in_order(path: Path) -> None:
-    journal = Journal(path, "mine")
+    journal = SearchJournal(path, "mine")
     assert journal.next() is None
     journal.write([1.0, 2.0])
     journal.write([0.1, 1e-300])
-    again = Journal(path, "mine")
+    again = SearchJournal(path, "mine")
     assert again.remembered == 2
     assert [again.next(), again.next(), again.next()] == [[1.0, 2.0], [0.1, 1e-300], None]
 
@@ -30,16 +30,16 @@ def test_what_was_written_is_remembered_in_order(path: Path) -> None:
 @given(st.lists(st.floats(allow_nan=False), min_size=1, max_size=5))
 def test_every_number_is_remembered_to_the_bit(tmp_path_factory: pytest.TempPathFactory, numbers: list[float]) -> None:
     path = tmp_path_factory.mktemp("journal") / "j"
-    Journal(path, "mine").write(numbers)
+    SearchJournal(path, "mine").write(numbers)
     assert read_journal(path, "mine") == [numbers]
 
 
 def test_a_line_cut_off_in_writing_is_dropped(path: Path) -> None:
-    journal = Journal(path, "mine")
+    journal = SearchJournal(path, "mine")
     journal.write([1.0, 2.0])
     journal.write([3.0, 4.0])
     path.write_text(path.read_text()[:-4])
-    again = Journal(path, "mine")
+    again = SearchJournal(path, "mine")
     assert again.remembered == 1
     again.next()
     again.write([5.0])
@@ -47,10 +47,10 @@ def test_a_line_cut_off_in_writing_is_dropped(path: Path) -> None:
 
 
 def test_the_journal_of_another_search_is_refused_and_left_alone(path: Path) -> None:
-    Journal(path, "mine").write([1.0])
+    SearchJournal(path, "mine").write([1.0])
     before = path.read_bytes()
     with pytest.raises(CallerError, match="belongs to a search with other recordings"):
-        Journal(path, "other")
+        SearchJournal(path, "other")
     assert path.read_bytes() == before
 
 
@@ -58,16 +58,16 @@ def test_the_journal_of_another_search_is_refused_and_left_alone(path: Path) -> 
 def test_a_file_that_is_no_journal_is_refused_and_left_alone(path: Path, content: bytes) -> None:
     path.write_bytes(content)
     with pytest.raises(CallerError, match="is not the journal of a search"):
-        Journal(path, "mine")
+        SearchJournal(path, "mine")
     assert path.read_bytes() == content
 
 
 def test_a_folder_that_is_not_there_is_the_callers_error(tmp_path: Path) -> None:
     with pytest.raises(CallerError, match="cannot be written"):
-        Journal(tmp_path / "none" / "j", "mine")
+        SearchJournal(tmp_path / "none" / "j", "mine")
 
 
 def test_a_journal_that_is_done_is_gone(path: Path) -> None:
-    journal = Journal(path, "mine")
+    journal = SearchJournal(path, "mine")
     journal.remove()
     assert not path.exists()

@@ -9,12 +9,12 @@ import pytest
 from numpy.typing import NDArray
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.identify.physical.journal import Journal
+from musclewire.identify.physical.journal import SearchJournal
 from musclewire.identify.physical.search import (
     EFFORTS,
     ParallelProblem,
     SearchResult,
-    Settings,
+    SearchSettings,
     jacobian,
     search,
     settings_of_effort,
@@ -56,7 +56,7 @@ class Impossible(Linear):
 
 
 def test_a_linear_problem_is_solved_as_ridge_regression_solves_it() -> None:
-    found = search(Linear(), Settings(seed=3))
+    found = search(Linear(), SearchSettings(seed=3))
     assert found.coordinates == pytest.approx(Linear().answer(), abs=1e-6)
     assert found.jacobian[:30] == pytest.approx(Linear.matrix, abs=1e-6)
     assert found.cost == pytest.approx(float(found.residuals @ found.residuals))
@@ -66,13 +66,13 @@ def test_a_linear_problem_is_solved_as_ridge_regression_solves_it() -> None:
 def test_the_best_of_a_rippled_valley_is_found() -> None:
     grid = np.linspace(-5.0, 5.0, 200_001)
     least = 4.0 * float(np.min((30.0 * (grid - 2.0) + 4.0 * np.sin(9.0 * grid)) ** 2 + grid**2))
-    assert search(Wavy(), Settings(seed=1)).cost == pytest.approx(least, rel=1e-3)
+    assert search(Wavy(), SearchSettings(seed=1)).cost == pytest.approx(least, rel=1e-3)
 
 
 def test_bounds_are_kept() -> None:
     problem = Linear()
     problem.high = np.array([5.0, 5.0, 5.0, 1.0])
-    found = search(problem, Settings())
+    found = search(problem, SearchSettings())
     assert found.coordinates[3] == pytest.approx(1.0, abs=1e-3)
     assert np.all(found.coordinates <= problem.high)
 
@@ -87,7 +87,7 @@ def same(one: SearchResult, other: SearchResult) -> bool:
 
 
 def test_one_seed_gives_one_answer_to_the_bit_whatever_the_threads() -> None:
-    first, second = (search(Wavy(), Settings(seed=7, threads=count)) for count in (1, 4))
+    first, second = (search(Wavy(), SearchSettings(seed=7, threads=count)) for count in (1, 4))
     assert same(first, second)
 
 
@@ -97,7 +97,7 @@ class StopNowError(Exception):
 
 @pytest.mark.parametrize("steps", [1, 40, 150])
 def test_a_stopped_search_goes_on_to_the_same_answer_to_the_bit(steps: int, tmp_path: Path) -> None:
-    whole = search(Wavy(), Settings(seed=5))
+    whole = search(Wavy(), SearchSettings(seed=5))
     left = steps
 
     def stop_later() -> None:
@@ -108,15 +108,15 @@ def test_a_stopped_search_goes_on_to_the_same_answer_to_the_bit(steps: int, tmp_
 
     path = tmp_path / "wire.toml.search"
     with pytest.raises(StopNowError):
-        search(Wavy(), Settings(seed=5), journal=Journal(path, "one"), on_step=stop_later)
-    assert same(search(Wavy(), Settings(seed=5), journal=Journal(path, "one")), whole)
+        search(Wavy(), SearchSettings(seed=5), journal=SearchJournal(path, "one"), on_step=stop_later)
+    assert same(search(Wavy(), SearchSettings(seed=5), journal=SearchJournal(path, "one")), whole)
 
 
 def test_progress_counts_descents_and_names_the_stage() -> None:
     seen: list[tuple[str, int, int]] = []
     search(
         Linear(),
-        Settings(starts=2, jumps=1),
+        SearchSettings(starts=2, jumps=1),
         on_progress=lambda stage, done, total, _: seen.append((stage, done, total)),
     )
     assert seen == [("global search", 1, 3), ("global search", 2, 3), ("global search", 3, 3), ("local search", 1, 1)]
@@ -124,7 +124,7 @@ def test_progress_counts_descents_and_names_the_stage() -> None:
 
 def test_where_no_vector_can_be_simulated_the_search_says_so() -> None:
     with pytest.raises(NumericsError, match="no candidate could be simulated"):
-        search(Impossible(), Settings(starts=1, jumps=0))
+        search(Impossible(), SearchSettings(starts=1, jumps=0))
 
 
 def test_a_derivative_beside_a_bound_looks_inward() -> None:
@@ -138,7 +138,7 @@ def test_a_derivative_beside_a_bound_looks_inward() -> None:
 
 
 def test_efforts_are_known_by_their_words() -> None:
-    assert settings_of_effort("normal") == Settings()
+    assert settings_of_effort("normal") == SearchSettings()
     assert EFFORTS["quick"].starts < EFFORTS["thorough"].starts
     with pytest.raises(CallerError, match="did you mean 'quick'"):
         settings_of_effort("quik")
@@ -147,4 +147,4 @@ def test_efforts_are_known_by_their_words() -> None:
 @pytest.mark.parametrize("wrong", [{"starts": 0}, {"jumps": -1}, {"threads": 0}, {"evaluations_each": 0}])
 def test_a_search_that_would_not_search_is_refused(wrong: dict[str, int]) -> None:
     with pytest.raises(CallerError, match="a search needs"):
-        Settings(**wrong)
+        SearchSettings(**wrong)

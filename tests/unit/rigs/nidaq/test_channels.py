@@ -7,25 +7,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.extras.board.nidaq.channels import SETTLING_READINGS, Scale, layout_of
+from musclewire.extras.board.nidaq.channels import SETTLING_READINGS, LinearScale, layout_of
 
 NUMBERS = st.floats(-1e3, 1e3).filter(lambda value: abs(value) > 1e-3)
 
 
 def test_a_scale_turns_volts_into_a_quantity() -> None:
-    lvdt = Scale(per_volt=1e-3, offset=-2e-3)
+    lvdt = LinearScale(per_volt=1e-3, offset=-2e-3)
     assert lvdt.quantity(3.0) == pytest.approx(1e-3)
     assert lvdt.voltage_v(1e-3) == pytest.approx(3.0)
 
 
 @given(NUMBERS, NUMBERS, NUMBERS)
 def test_a_scale_and_back_is_the_same(per_volt: float, offset: float, voltage_v: float) -> None:
-    scale = Scale(per_volt, offset)
+    scale = LinearScale(per_volt, offset)
     assert scale.voltage_v(scale.quantity(voltage_v)) == pytest.approx(voltage_v, rel=1e-6, abs=1e-6)
 
 
 def test_the_largest_quantity_is_that_of_the_nearer_end() -> None:
-    assert Scale(2.0, 0.5).largest(10.0) == pytest.approx(19.5)
+    assert LinearScale(2.0, 0.5).largest(10.0) == pytest.approx(19.5)
 
 
 def test_a_period_on_demand_is_the_hosts_time_then_the_averaged_readings() -> None:

@@ -20,7 +20,7 @@ from musclewire.extras.board.nidaq.guardian import (
     PUT,
     REPLY,
     SAFE,
-    Guardian,
+    OutputGuardian,
 )
 
 
@@ -46,8 +46,8 @@ class Bench:
     host: socket.socket
     line: socket.socket
 
-    def guardian(self) -> Guardian:
-        return Guardian(ORDERS, self.line)
+    def guardian(self) -> OutputGuardian:
+        return OutputGuardian(ORDERS, self.line)
 
     def send(self, *commands: tuple[bytes, float]) -> None:
         self.host.sendall(b"".join(COMMAND.pack(*command) for command in commands))

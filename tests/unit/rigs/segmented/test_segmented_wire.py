@@ -14,8 +14,8 @@ from scipy.special import ndtr
 from musclewire.errors import CallerError, NumericsError
 from musclewire.extras.studies.segmented.conditions import Conditions
 from musclewire.extras.studies.segmented.structure import (
-    Ageing,
     NormalMixture,
+    WireAgeing,
     WireStructure,
     fin_length_m,
     graded_fractions,
@@ -25,7 +25,7 @@ from musclewire.extras.studies.segmented.wire import SegmentedWire
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.wire.building import constants_from
 from musclewire.wire.distribution import BarrierClass
-from musclewire.wire.stepping import Stepping
+from musclewire.wire.stepping import StepControl
 from musclewire.wire.wires import OneWire
 
 pytestmark = pytest.mark.slow
@@ -56,7 +56,7 @@ def test_one_segment_without_clamps_is_the_simulated_wire() -> None:
     """By the kernel of one wire with a tenth of its tolerances: 0.01 % of stroke and 2e-5 of resistance."""
     alloy, wire, bench = load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper")
     known, ours = OneWire(constants_from(alloy, wire, bench)), paper(WireStructure(1, clamped=False))
-    fine = Stepping(0.0, 5e-4, 3e-6, 1e-6)
+    fine = StepControl(0.0, 5e-4, 3e-6, 1e-6)
     for number in range(600):
         expected = known.advance(drive_v(number), SAMPLE_S, fine)
         found = ours.advance(drive_v(number), SAMPLE_S)
@@ -277,7 +277,7 @@ def test_three_segments_carry_one_force_jump_with_the_load_and_go_slack_together
 
 
 def test_ageing_grows_with_the_logarithm_of_the_cycles() -> None:
-    ageing = Ageing(cycles_scale=10.0, residual_strain=1e-3, resistance=0.01, temperature_k=2.0)
+    ageing = WireAgeing(cycles_scale=10.0, residual_strain=1e-3, resistance=0.01, temperature_k=2.0)
     strain, factor, shift_k = ageing.effects(10.0 * (math.e - 1.0))
     assert (strain, factor, shift_k) == pytest.approx((1e-3, 1.01, 2.0))
     trained = ageing._replace(cycles_before=1000.0)
@@ -286,7 +286,7 @@ def test_ageing_grows_with_the_logarithm_of_the_cycles() -> None:
 
 
 def test_a_wire_that_ages_ends_longer_and_of_more_resistance_than_one_that_does_not() -> None:
-    ageing = Ageing(cycles_scale=1.0, residual_strain=2e-3, resistance=0.01)
+    ageing = WireAgeing(cycles_scale=1.0, residual_strain=2e-3, resistance=0.01)
     plain, aged = paper(WireStructure(10)), paper(WireStructure(10, ageing=ageing))
     for number in range(400):
         for wire in (plain, aged):

@@ -13,7 +13,7 @@ from math import nan
 from musclewire.extras.board.serial.board import Board
 from musclewire.extras.board.serial.configuration import SerialConfiguration
 from musclewire.extras.board.serial.device import SerialDevice
-from musclewire.extras.board.serial.frames import Frame, FrameParser, encode_frame
+from musclewire.extras.board.serial.frames import FrameParser, SerialFrame, encode_frame
 from musclewire.extras.board.serial.line import LineLostError
 from musclewire.extras.board.serial.messages import MessageKind
 from musclewire.rigs.guarded import GuardedRig
@@ -76,14 +76,14 @@ class BoardInMemory:
         if kind in self.drop:
             self.drop.discard(kind)
             return
-        self.waiting += encode_frame(Frame(kind, self.sequence, payload))
+        self.waiting += encode_frame(SerialFrame(kind, self.sequence, payload))
 
     def identify(self) -> None:
         text = b"memory".ljust(16, b"\0") + b"strain".ljust(12, b"\0")
         numbers = (1, 1, 0, 0, 1000, 50000, 0.3, self.maximum_v, SHUNT_OHM, self.expiry_ms, 7, self.event_at_reset)
         self.tell(MessageKind.IDENTITY, struct.pack("<BBBBIIfffHIB", *numbers) + text)
 
-    def obey(self, frame: Frame) -> None:
+    def obey(self, frame: SerialFrame) -> None:
         self.commands.append((frame.kind, frame.payload))
         result = 0
         moves = frame.kind in (MessageKind.DRIVE, MessageKind.TARGET)

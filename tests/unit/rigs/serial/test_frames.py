@@ -10,10 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.extras.board.serial.frames import MAXIMUM_BODY_BYTES, Frame, FrameParser, encode_frame, stuff, unstuff
-from musclewire.extras.board.serial.messages import BoardSample, Identity, MessageKind, read_message
+from musclewire.extras.board.serial.frames import (
+    MAXIMUM_BODY_BYTES,
+    FrameParser,
+    SerialFrame,
+    encode_frame,
+    stuff,
+    unstuff,
+)
+from musclewire.extras.board.serial.messages import BoardIdentity, BoardSample, MessageKind, read_message
 
-FRAMES = st.builds(Frame, st.integers(0, 255), st.integers(0, 65535), st.binary(max_size=MAXIMUM_BODY_BYTES - 8))
+FRAMES = st.builds(SerialFrame, st.integers(0, 255), st.integers(0, 65535), st.binary(max_size=MAXIMUM_BODY_BYTES - 8))
 
 
 @pytest.mark.parametrize(
@@ -44,11 +51,11 @@ def test_whatever_is_stuffed_has_no_zero_and_comes_back(body: bytes) -> None:
 def test_a_frame_has_the_bytes_that_the_protocol_says() -> None:
     body = bytes([1, 0x03, 0x34, 0x12]) + struct.pack("<f", 1.5)
     body += struct.pack("<I", zlib.crc32(body))
-    assert encode_frame(Frame(0x03, 0x1234, struct.pack("<f", 1.5))) == stuff(body) + b"\0"
+    assert encode_frame(SerialFrame(0x03, 0x1234, struct.pack("<f", 1.5))) == stuff(body) + b"\0"
 
 
 @given(st.lists(FRAMES, max_size=8), st.integers(1, 40))
-def test_frames_come_out_as_they_went_in_however_the_line_cuts_them(frames: list[Frame], piece: int) -> None:
+def test_frames_come_out_as_they_went_in_however_the_line_cuts_them(frames: list[SerialFrame], piece: int) -> None:
     parser = FrameParser()
     line = b"".join(encode_frame(frame) for frame in frames)
     found = [frame for at in range(0, len(line), piece) for frame in parser.feed(line[at : at + piece])]
@@ -58,7 +65,9 @@ def test_frames_come_out_as_they_went_in_however_the_line_cuts_them(frames: list
 
 
 @given(FRAMES, FRAMES, st.data())
-def test_a_damaged_frame_is_dropped_and_the_next_one_found(first: Frame, second: Frame, data: st.DataObject) -> None:
+def test_a_damaged_frame_is_dropped_and_the_next_one_found(
+    first: SerialFrame, second: SerialFrame, data: st.DataObject
+) -> None:
     """One byte changed to any other: CRC-32 sees every error burst up to 32 bits, and a new zero only splits."""
     line = bytearray(encode_frame(first))
     at = data.draw(st.integers(0, len(line) - 2))
@@ -69,7 +78,7 @@ def test_a_damaged_frame_is_dropped_and_the_next_one_found(first: Frame, second:
 
 
 def test_a_frame_cut_in_the_middle_costs_itself_only_once_a_zero_follows() -> None:
-    frame = Frame(0x82, 7, bytes(32))
+    frame = SerialFrame(0x82, 7, bytes(32))
     parser = FrameParser()
     assert parser.feed(encode_frame(frame)[:20]) == []
     assert parser.feed(b"\0" + encode_frame(frame)) == [frame]
@@ -101,12 +110,12 @@ def test_another_version_is_dropped_and_remembered() -> None:
 
 def test_a_payload_that_no_frame_holds_is_refused() -> None:
     with pytest.raises(CallerError, match="send less at once"):
-        encode_frame(Frame(1, 0, bytes(MAXIMUM_BODY_BYTES - 7)))
+        encode_frame(SerialFrame(1, 0, bytes(MAXIMUM_BODY_BYTES - 7)))
 
 
 def test_a_sample_is_read_to_the_bit() -> None:
     payload = struct.pack("<IBBHffffff", 70000, 1, 0, 513, 1.5, 1.25, 0.25, 15.0, 0.02, 0.025)
-    message = read_message(Frame(MessageKind.SAMPLE, 0, payload))
+    message = read_message(SerialFrame(MessageKind.SAMPLE, 0, payload))
     assert message == BoardSample(70000, 1, 0, 513, 1.5, 1.25, 0.25, 15.0, pytest.approx(0.02), pytest.approx(0.025))
 
 
@@ -114,13 +123,13 @@ def test_an_identity_says_board_and_quantity_as_text() -> None:
     payload = struct.pack(
         "<BBBBIIfffHIB16s12s", 1, 0, 3, 2, 1000, 50000, 0.25, 4.0, 1.0, 250, 99, 15, b"mps2-an386", b"strain"
     )
-    identity = read_message(Frame(MessageKind.IDENTITY, 0, payload))
-    assert isinstance(identity, Identity)
+    identity = read_message(SerialFrame(MessageKind.IDENTITY, 0, payload))
+    assert isinstance(identity, BoardIdentity)
     assert (identity.board, identity.quantity, identity.reset_by) == ("mps2-an386", "strain", "watchdog")
     assert identity.tick_period_s == 0.001
     assert identity.firmware_version == "0.3"
 
 
 @given(FRAMES)
-def test_any_frame_is_a_message_or_none(frame: Frame) -> None:
+def test_any_frame_is_a_message_or_none(frame: SerialFrame) -> None:
     read_message(frame)

@@ -9,7 +9,7 @@ from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, RigError
 from musclewire.extras.board.serial.board import Board
 from musclewire.extras.board.serial.device import SerialDevice
-from musclewire.extras.board.serial.frames import Frame
+from musclewire.extras.board.serial.frames import SerialFrame
 from musclewire.extras.board.serial.messages import MessageKind
 from musclewire.rigs.guarded import ProtectionTripError
 
@@ -68,7 +68,7 @@ def test_a_refusal_is_explained_by_what_the_board_says_after_it(says: bool, even
     class Restarted(BoardInMemory):
         """Refuses a drive after its restart, and then greets or says nothing more."""
 
-        def obey(self, frame: Frame) -> None:
+        def obey(self, frame: SerialFrame) -> None:
             super().obey(frame)
             if frame.kind == MessageKind.DRIVE and self.state == 0:
                 self.identify() if says else setattr(self, "deaf", True)

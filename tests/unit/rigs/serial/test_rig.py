@@ -11,8 +11,8 @@ from tests.unit.rigs.serial.board_in_memory import BoardInMemory, rig_on
 
 from musclewire.controllers.protection import Event
 from musclewire.errors import CallerError, RigError
-from musclewire.extras.board.serial.board import Board, LinkStormError, OffMeanwhileError
-from musclewire.extras.board.serial.frames import Frame, encode_frame, stuff
+from musclewire.extras.board.serial.board import Board, BoardOffMeanwhileError, LinkStormError
+from musclewire.extras.board.serial.frames import SerialFrame, encode_frame, stuff
 from musclewire.extras.board.serial.messages import MessageKind
 from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
 from musclewire.signals.exchange import Target
@@ -299,7 +299,7 @@ def test_every_command_starts_with_a_zero_that_ends_what_a_disturbance_left() ->
     line.parser.feed(b"\x55\x55")
     Board(line, line.clock_s).send(MessageKind.HELLO)
     assert [kind for kind, _ in line.commands] == [MessageKind.HELLO]
-    assert encode_frame(Frame(MessageKind.HELLO, 1, b"")).endswith(b"\0")
+    assert encode_frame(SerialFrame(MessageKind.HELLO, 1, b"")).endswith(b"\0")
 
 
 def test_a_period_too_long_for_every_fault_to_end_off_within_half_a_second_is_refused() -> None:
@@ -322,7 +322,7 @@ def test_a_stop_is_sent_while_a_sample_is_awaited_and_its_answer_ends_the_wait()
                 assert stopped.wait(60.0)
             return super().read(timeout_s)
 
-        def obey(self, frame: Frame) -> None:
+        def obey(self, frame: SerialFrame) -> None:
             super().obey(frame)
             if frame.kind == MessageKind.OFF and self.blocked:
                 stopped.set()
@@ -353,9 +353,9 @@ def test_once_0_v_is_ordered_no_other_command_goes_out() -> None:
     board = Board(line, line.clock_s)
     board.order_off()
     for kind in (MessageKind.ARM, MessageKind.HELLO):
-        with pytest.raises(OffMeanwhileError):
+        with pytest.raises(BoardOffMeanwhileError):
             board.send(kind)
-    with pytest.raises(OffMeanwhileError):
+    with pytest.raises(BoardOffMeanwhileError):
         board.send_drive(1.0)
     board.send(MessageKind.OFF)
     assert {kind for kind, _ in line.commands} == {MessageKind.OFF}

@@ -13,13 +13,13 @@ from musclewire.extras.studies.robustness.bars import bars
 from musclewire.extras.studies.robustness.benchmark import chosen_by, ranges
 from musclewire.extras.studies.robustness.disturbances import Disturbance
 from musclewire.extras.studies.robustness.grips import changes
-from musclewire.extras.studies.robustness.jobs import Answer, Job, job_of_plain
+from musclewire.extras.studies.robustness.jobs import JobAnswer, RobustnessJob, job_of_plain
 from musclewire.extras.studies.robustness.population import drawn_wire
 from musclewire.extras.studies.robustness.references import REFERENCES, reference_targets, start_up
 from musclewire.extras.studies.robustness.rows import estimator_rows
-from musclewire.extras.studies.robustness.scoring import Score, judged_from_s, pooled
+from musclewire.extras.studies.robustness.scoring import ErrorSums, judged_from_s, pooled
 from musclewire.extras.studies.robustness.settings import settings
-from musclewire.extras.studies.robustness.verdicts import Verdict, effective_bar_pct, verdicts_of
+from musclewire.extras.studies.robustness.verdicts import BarVerdict, effective_bar_pct, verdicts_of
 
 
 def condition(name):
@@ -119,25 +119,25 @@ def test_when_a_condition_counts_from():
 
 def test_a_score_is_the_root_mean_square_of_its_errors():
     errors = np.array([0.01, -0.02, 0.06])
-    score = Score(samples=3, squares=float(errors @ errors), valid=2, wrong=1, within=1)
+    score = ErrorSums(samples=3, squares=float(errors @ errors), valid=2, wrong=1, within=1)
     assert score.rms_pct == pytest.approx(100.0 * math.sqrt(np.mean(errors**2)))
     assert score.beyond_5_share == pytest.approx(1 / 3)
     assert score.coverage == pytest.approx(0.5)
-    assert Score().rms_pct is None
+    assert ErrorSums().rms_pct is None
 
 
 @given(st.lists(st.tuples(st.integers(1, 50), st.floats(0.0, 1.0)), min_size=1, max_size=5))
 def test_pooled_scores_are_the_score_of_all_samples(parts):
-    total = pooled(Score(samples=count, squares=count * square) for count, square in parts)
+    total = pooled(ErrorSums(samples=count, squares=count * square) for count, square in parts)
     expected = sum(count * square for count, square in parts) / sum(count for count, _ in parts)
     assert total.rms_pct == pytest.approx(100.0 * math.sqrt(expected))
 
 
 def answer(seed, error, gap_pct=1.0, name="none"):
     squares = 100 * (error / 100.0) ** 2
-    score = Score(samples=100, squares=squares, valid=100, within=95)
-    job = Job(seed, name, ("sines",), (bars().default_estimator,), ())
-    return Answer(job, gap_pct, 1, {bars().default_estimator: score}, {}, (), {}, {}, {})
+    score = ErrorSums(samples=100, squares=squares, valid=100, within=95)
+    job = RobustnessJob(seed, name, ("sines",), (bars().default_estimator,), ())
+    return JobAnswer(job, gap_pct, 1, {bars().default_estimator: score}, {}, (), {}, {}, {})
 
 
 def test_a_wire_with_a_large_gap_has_a_larger_bar():
@@ -160,13 +160,13 @@ def test_a_missed_bar_is_named():
 
 
 def test_a_number_that_was_not_found_misses_its_bar():
-    assert not Verdict("error", "none", None, None, 1.0, "%").holds
-    assert Verdict("error", "none", 1.0, 0.5, 1.0, "%").holds
+    assert not BarVerdict("error", "none", None, None, 1.0, "%").holds
+    assert BarVerdict("error", "none", 1.0, 0.5, 1.0, "%").holds
 
 
 def test_an_answer_is_what_was_kept_of_it():
     found = answer(101, 0.5)
-    assert Answer.of_plain(found.plain()) == found
+    assert JobAnswer.of_plain(found.plain()) == found
     assert job_of_plain([1, "none", ["sines"], ["polynomial"], [["polynomial", "fuzzy-pid"]]]).loops == (
         ("polynomial", "fuzzy-pid"),
     )

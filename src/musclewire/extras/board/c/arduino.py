@@ -13,7 +13,7 @@ from musclewire.errors import CallerError
 from musclewire.signals.whole_files import write_whole
 
 if TYPE_CHECKING:
-    from musclewire.extras.board.c.library import Library
+    from musclewire.extras.board.c.library import CLibrary
 
 __all__ = ["write_arduino_zip"]
 
@@ -23,7 +23,7 @@ IN_ZIP = ("library.properties", "keywords.txt", "LICENSE", "README.md", "src/", 
 NO_DATE = (1980, 1, 1, 0, 0, 0)
 
 
-def write_arduino_zip(library: Library, path: str | Path) -> Path:
+def write_arduino_zip(library: CLibrary, path: str | Path) -> Path:
     """Write a library that was exported as one .zip, which the Arduino IDE adds by Sketch, Include Library.
 
     Parameters

@@ -17,7 +17,7 @@ from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase, kern
 from musclewire.controllers.fuzzy import packed_rules
 from musclewire.controllers.protection import Event, ProtectionLimits, protection_table
 from musclewire.controllers.protection import protect as protection_rules
-from musclewire.controllers.protection.table import Drive
+from musclewire.controllers.protection.table import AllowedDrive
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.physics.resistance import wire_resistance
 from musclewire.sensing.curve import MARGIN
@@ -26,7 +26,7 @@ from musclewire.sensing.gated_branches import NUMBERS, GatedBranches, time_step
 from musclewire.sensing.model import SensingModel
 from musclewire.sensing.polynomial_estimator import MISMATCH_FRACTION
 
-__all__ = ["ACTIONS", "CONTROL_HEADINGS", "Constant", "Constants", "collect", "control_numbers"]
+__all__ = ["ACTIONS", "CONTROL_HEADINGS", "CConstant", "CConstants", "collect", "control_numbers"]
 
 Kind = Literal["real", "integer"]
 ACTIONS = {"": 0, "trip": 1, "degrade": 2}
@@ -49,7 +49,7 @@ GATE_NUMBERS = (
 
 
 @dataclass(frozen=True)
-class Constant:
+class CConstant:
     """One number or one table, under its C name without ``MW_``; a table's ``columns`` make one initialiser a row."""
 
     name: str
@@ -61,12 +61,12 @@ class Constant:
 
 
 @dataclass(frozen=True)
-class Constants:
+class CConstants:
     """All numbers of a library, grouped under headings."""
 
-    groups: dict[str, list[Constant]] = field(default_factory=dict)
+    groups: dict[str, list[CConstant]] = field(default_factory=dict)
 
-    def all(self) -> list[Constant]:
+    def all(self) -> list[CConstant]:
         """Return every constant, in order."""
         return [constant for group in self.groups.values() for constant in group]
 
@@ -82,7 +82,7 @@ def collect(
     limits: DriveLimits,
     protection: ProtectionLimits,
     estimator: str = PAPER_ESTIMATOR,
-) -> Constants:
+) -> CConstants:
     """Return the numbers of a library. Raises CallerError if drive limits and protection disagree."""
     checked = protection.checked()
     for name in ("sense_voltage_v", "maximum_voltage_v"):
@@ -91,7 +91,7 @@ def collect(
             raise CallerError(
                 f"{name} is {asked:g} V in the drive limits and {allowed:g} V in the protection: give both one value"
             )
-    return Constants(
+    return CConstants(
         {
             "circuit and limits of the drive": _circuit(checked),
             **control_numbers(model, settings, rule_base, estimator).groups,
@@ -103,7 +103,7 @@ def collect(
 
 def control_numbers(
     model: SensingModel, settings: FuzzyPidSettings, rule_base: RuleBase, estimator: str = PAPER_ESTIMATOR
-) -> Constants:
+) -> CConstants:
     """Return the numbers of a model, its estimator and its controller: those that the checksum covers."""
     groups = {
         MODEL_HEADING: _model(model),
@@ -115,10 +115,10 @@ def control_numbers(
     elif estimator != PAPER_ESTIMATOR:
         hint = nearest_hint(estimator, (GATED, PAPER_ESTIMATOR))
         raise CallerError(f"estimator {estimator!r} has no C form{hint}: export {GATED} or {PAPER_ESTIMATOR}")
-    return Constants(groups)
+    return CConstants(groups)
 
 
-def _gates(model: SensingModel) -> list[Constant]:
+def _gates(model: SensingModel) -> list[CConstant]:
     """Return the numbers of the direction-gated branches; their names are those of ``sensing.gated_branches``."""
     numbers = GatedBranches(model).tick_constants(time_step(0.0))
     margin = MISMATCH_FRACTION * (model.resistance_max_ohm - model.resistance_min_ohm)
@@ -132,7 +132,7 @@ def _gates(model: SensingModel) -> list[Constant]:
     ]
 
 
-def _circuit(limits: ProtectionLimits) -> list[Constant]:
+def _circuit(limits: ProtectionLimits) -> list[CConstant]:
     min_current_a = inspect.signature(wire_resistance).parameters["minimum_current_a"].default
     shunt_ohm = limits.shunt_resistance_ohm
     return [
@@ -143,7 +143,7 @@ def _circuit(limits: ProtectionLimits) -> list[Constant]:
     ]
 
 
-def _model(model: SensingModel) -> list[Constant]:
+def _model(model: SensingModel) -> list[CConstant]:
     heating, cooling = (tuple(reversed(powers)) for powers in (model.heating_coefficients, model.cooling_coefficients))
     per_ohm = 1.0 / (model.resistance_max_ohm - model.resistance_min_ohm)
     return [
@@ -157,12 +157,12 @@ def _model(model: SensingModel) -> list[Constant]:
         _real("QUANTITY_MIN", model.quantity_min, f"{model.quantity} [{model.unit}] at the ends of the range"),
         _real("QUANTITY_MAX", model.quantity_max),
         _integer("COEFFICIENTS", len(heating)),
-        Constant("HEATING_FALLING", heating, table=True, meaning="g_h of Eq. 4, highest power first"),
-        Constant("COOLING_FALLING", cooling, table=True, meaning="g_c; the estimate is the mean of both (Eq. 5)"),
+        CConstant("HEATING_FALLING", heating, table=True, meaning="g_h of Eq. 4, highest power first"),
+        CConstant("COOLING_FALLING", cooling, table=True, meaning="g_c; the estimate is the mean of both (Eq. 5)"),
     ]
 
 
-def _controller(settings: FuzzyPidSettings) -> list[Constant]:
+def _controller(settings: FuzzyPidSettings) -> list[CConstant]:
     return [
         *(
             _real(f"K{letter.upper()}_{end}", getattr(settings, f"k{letter}_range")[index])
@@ -177,7 +177,7 @@ def _controller(settings: FuzzyPidSettings) -> list[Constant]:
     ]
 
 
-def _rules(rule_base: RuleBase) -> list[Constant]:
+def _rules(rule_base: RuleBase) -> list[CConstant]:
     inference = rule_base.rules.inference
     row = packed_rules(rule_base)[0]
     tables = {name: tuple(row[f"{name.lower()}_table"].ravel().tolist()) for name in ("KP", "KI", "KD")}
@@ -193,18 +193,18 @@ def _rules(rule_base: RuleBase) -> list[Constant]:
         _integer("RISING", kernels.RISING),
         _integer("HAS_SMOOTH_SETS", int(smooth)),
         _integer("MIRRORED", int(row["mirrored"]), "which half of the tables serves both directions"),
-        Constant("INPUT_SETS", tuple(sets.ravel().tolist()), table=True, columns=4, meaning="shape and three points"),
+        CConstant("INPUT_SETS", tuple(sets.ravel().tolist()), table=True, columns=4, meaning="shape and three points"),
     ]
     for name, table in tables.items():
         real = name == "KI" and inference == "product-weighted-sum"
-        found.append(Constant(f"{name}_TABLE", table, "real" if real else "integer", table=True))
+        found.append(CConstant(f"{name}_TABLE", table, "real" if real else "integer", table=True))
     if inference == "min-max-centroid":
         points = tuple(row["output_sets"].ravel().tolist())
-        found.append(Constant("OUTPUT_SETS", points, table=True, columns=kernels.UNIVERSE_POINTS))
+        found.append(CConstant("OUTPUT_SETS", points, table=True, columns=kernels.UNIVERSE_POINTS))
     return found
 
 
-def _protection(limits: ProtectionLimits) -> list[Constant]:
+def _protection(limits: ProtectionLimits) -> list[CConstant]:
     saturated = protection_rules.SATURATED_FRACTION
     above_k = limits.maximum_temperature_k - limits.ambient_temperature_k
     return [
@@ -225,11 +225,11 @@ def _protection(limits: ProtectionLimits) -> list[Constant]:
     ]
 
 
-def _table() -> list[Constant]:
+def _table() -> list[CConstant]:
     return [*_machine(), *_events(), *_conditions(), *_times(), *_reserved()]
 
 
-def _machine() -> list[Constant]:
+def _machine() -> list[CConstant]:
     """Return states, signals and effects, and the table of transitions, each with effect and next state in one byte."""
     table = protection_table()
     transitions = tuple(float(EFFECT_WEIGHT * effect + state) for row in table.transitions for state, effect in row)
@@ -240,15 +240,15 @@ def _machine() -> list[Constant]:
         _integer("SIGNALS", len(table.signal)),
         *(_integer(f"EFFECT_{row.name.upper()}", row.number, row.meaning) for row in table.effect),
         _integer("EFFECT_WEIGHT", EFFECT_WEIGHT, "a transition is its effect times this, plus the state that follows"),
-        Constant("TRANSITIONS", transitions, "integer", table=True, meaning="by state, then by signal"),
-        *(_integer(f"OUT_{drive.name}", drive.value) for drive in Drive),
-        Constant(
+        CConstant("TRANSITIONS", transitions, "integer", table=True, meaning="by state, then by signal"),
+        *(_integer(f"OUT_{drive.name}", drive.value) for drive in AllowedDrive),
+        CConstant(
             "OUT", tuple(float(drive) for drive in table.output_drives), "integer", table=True, meaning="by state"
         ),
     ]
 
 
-def _events() -> list[Constant]:
+def _events() -> list[CConstant]:
     rows = {row.number: row for row in protection_table().event}
     count = max(Event) + 1
     actions = tuple(float(ACTIONS[rows[number].action if number in rows else ""]) for number in range(count))
@@ -256,23 +256,23 @@ def _events() -> list[Constant]:
         _integer("EVENTS", count),
         *(_integer(f"EVENT_{event.name}", event.value, rows[event].cause if event in rows else "") for event in Event),
         *(_integer(f"ACTION_{name.upper()}", number) for name, number in ACTIONS.items() if name),
-        Constant("ACTIONS", actions, "integer", table=True, meaning="by event"),
+        CConstant("ACTIONS", actions, "integer", table=True, meaning="by event"),
     ]
 
 
-def _conditions() -> list[Constant]:
+def _conditions() -> list[CConstant]:
     """Return the events that must last, in the order in which they are judged."""
     lasts_s = protection_table().lasts_s
     events = protection_rules.CONDITION_EVENTS
     return [
         _integer("LASTING", len(events), "events that must last, in the order in which they are judged"),
         *(_integer(f"LASTING_{event.name}", index) for index, event in enumerate(events)),
-        Constant("LASTING_EVENTS", tuple(float(event) for event in events), "integer", table=True),
-        Constant("LASTING_US", tuple(_microseconds(lasts_s[event]) for event in events), "integer", table=True),
+        CConstant("LASTING_EVENTS", tuple(float(event) for event in events), "integer", table=True),
+        CConstant("LASTING_US", tuple(_microseconds(lasts_s[event]) for event in events), "integer", table=True),
     ]
 
 
-def _times() -> list[Constant]:
+def _times() -> list[CConstant]:
     table = protection_table()
     fractions = {name: f"{name}_FRACTION" for name in ("DRIVEN", "STUCK", "SUPPLY", "SHORT", "MOVED")}
     return [
@@ -287,7 +287,7 @@ def _times() -> list[Constant]:
     ]
 
 
-def _reserved() -> list[Constant]:
+def _reserved() -> list[CConstant]:
     """Return the names that programs written for an older library may use."""
     rows = protection_table().reserved
     return [_integer(f"{row.kind.upper()}_{row.name.upper()}", row.number, f"reserved: {row.why}") for row in rows]
@@ -303,15 +303,15 @@ def _microseconds(time_s: float) -> int:
     return whole
 
 
-def _real(name: str, value: float, meaning: str = "") -> Constant:
-    return Constant(name, (float(value),), meaning=meaning)
+def _real(name: str, value: float, meaning: str = "") -> CConstant:
+    return CConstant(name, (float(value),), meaning=meaning)
 
 
-def _integer(name: str, value: int, meaning: str = "") -> Constant:
-    return Constant(name, (float(value),), "integer", meaning=meaning)
+def _integer(name: str, value: int, meaning: str = "") -> CConstant:
+    return CConstant(name, (float(value),), "integer", meaning=meaning)
 
 
-def numbers_of(constants: Sequence[Constant]) -> list[tuple[str, float]]:
+def numbers_of(constants: Sequence[CConstant]) -> list[tuple[str, float]]:
     """Return every real number with its name in Python: ``heating_coefficients[2]``, ``kp_range[0]``."""
     return [
         (_known_as(constant, index), value)
@@ -321,7 +321,7 @@ def numbers_of(constants: Sequence[Constant]) -> list[tuple[str, float]]:
     ]
 
 
-def _known_as(constant: Constant, index: int) -> str:
+def _known_as(constant: CConstant, index: int) -> str:
     name = constant.name.lower()
     if name.endswith("_falling"):
         return f"{name.removesuffix('_falling')}_coefficients[{len(constant.values) - 1 - index}]"

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.extras.board.c.reference import Outcome, ReferenceTick
+from musclewire.extras.board.c.reference import ReferenceTick, TickOutcome
 from musclewire.parameters.seeds import require_seed
 
-__all__ = ["FAULTS", "Tick", "exercise"]
+__all__ = ["FAULTS", "ExerciseRow", "exercise"]
 
 # Largest step of the resistance in a control period, as a fraction of the model's span.
 WALK_FRACTION = 0.02
@@ -20,7 +20,7 @@ MAX_FAULT_S = 0.6
 NOISE_V = 2e-4
 
 
-class Tick(NamedTuple):
+class ExerciseRow(NamedTuple):
     """One row: whether the library is started again before it, the inputs, and Python's outcome after it.
 
     ``control_s`` is 0 if only a sample is taken. All inputs are numbers that single precision holds exactly.
@@ -32,10 +32,10 @@ class Tick(NamedTuple):
     target: float
     tick_s: float
     control_s: float
-    outcome: Outcome
+    outcome: TickOutcome
 
 
-class Voltages(NamedTuple):
+class ExerciseVoltages(NamedTuple):
     """The readings of both channels, with what a fault may depend on: the last reading and the channels' ranges."""
 
     wire_v: float
@@ -45,7 +45,7 @@ class Voltages(NamedTuple):
 
 
 # Each fault replaces the two voltages by those that the channels would then read.
-FAULTS: dict[str, Callable[[Voltages], tuple[float, float]]] = {
+FAULTS: dict[str, Callable[[ExerciseVoltages], tuple[float, float]]] = {
     "open wire": lambda v: (v.wire_v + v.shunt_v, 0.0),
     "supply missing": lambda _: (0.0, 0.0),
     "not a number": lambda v: (math.nan, v.shunt_v),
@@ -70,13 +70,13 @@ def exercise(
     tick_s: float = 0.05,
     ticks_a_control: int = 1,
     fault_probability: float = 0.01,
-) -> Iterator[Tick]:
+) -> Iterator[ExerciseRow]:
     """Run the reference through random ticks; after a trip it is started again a few ticks later.
 
     ``fault_probability`` is the probability of a fault at each tick. The same seed gives the same ticks.
     """
     random = np.random.default_rng(require_seed(seed))
-    bench = _Bench(reference, random)
+    bench = _RandomWalkWire(reference, random)
     start, tripped_for = True, 0
     fault, fault_left = "", 0
     for index in range(ticks):
@@ -96,12 +96,12 @@ def exercise(
         outcome = reference.sample(wire_v, shunt_v, _single(tick_s))
         if control_s:
             outcome = reference.control(target, control_s)
-        yield Tick(start, wire_v, shunt_v, target, _single(tick_s), control_s, outcome)
+        yield ExerciseRow(start, wire_v, shunt_v, target, _single(tick_s), control_s, outcome)
         tripped_for = tripped_for + 1 if outcome.state == 4 else 0
         start = tripped_for > 3
 
 
-class _Bench:
+class _RandomWalkWire:
     """A wire whose resistance follows a random walk, in the circuit of the protection's limits."""
 
     def __init__(self, reference: ReferenceTick, random: np.random.Generator) -> None:
@@ -127,10 +127,10 @@ class _Bench:
             _single(current * limits.shunt_resistance_ohm + float(noise[1])),
         )
 
-    def voltages(self, wire_v: float, shunt_v: float) -> Voltages:
+    def voltages(self, wire_v: float, shunt_v: float) -> ExerciseVoltages:
         """Return two readings with what a fault may depend on."""
         limits = self._reference.protection_limits
-        return Voltages(wire_v, shunt_v, self.last_wire_v, (limits.wire_range_v, limits.shunt_range_v))
+        return ExerciseVoltages(wire_v, shunt_v, self.last_wire_v, (limits.wire_range_v, limits.shunt_range_v))
 
     def target_after(self, tick_s: float) -> float:
         """Return the target, which occasionally jumps to another value in the range."""

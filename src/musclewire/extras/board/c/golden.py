@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from itertools import chain
 
-from musclewire.extras.board.c.exercise import Tick, exercise
-from musclewire.extras.board.c.reference import Outcome, ReferenceTick
+from musclewire.extras.board.c.exercise import ExerciseRow, exercise
+from musclewire.extras.board.c.reference import ReferenceTick, TickOutcome
 
 __all__ = ["COLUMNS", "golden_ticks", "golden_vectors"]
 
 SEED = 2010
 # Ticks without faults first, then faults at the control rate, then a converter that is faster than the controller.
 CALM, FAULTY, FAST = 150, 250, 300
-COLUMNS = ("start", "wire_voltage_v", "shunt_voltage_v", "target", "tick_s", "control_s", *Outcome._fields)
+COLUMNS = ("start", "wire_voltage_v", "shunt_voltage_v", "target", "tick_s", "control_s", *TickOutcome._fields)
 
 
-def golden_ticks(reference: ReferenceTick) -> list[Tick]:
+def golden_ticks(reference: ReferenceTick) -> list[ExerciseRow]:
     """Return the ticks of the golden vectors, the same each time."""
     return list(
         chain(

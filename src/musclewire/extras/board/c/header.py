@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import zlib
 
-from musclewire.extras.board.c.constants import CONTROL_HEADINGS, Constant, Constants
+from musclewire.extras.board.c.constants import CONTROL_HEADINGS, CConstant, CConstants
 from musclewire.extras.board.c.numbers import literal, rows
 
 __all__ = ["constants_header", "model_checksum"]
@@ -24,7 +24,7 @@ START = """/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identi
 """
 
 
-def constants_header(constants: Constants, *, name: str, model: str, rules: str, quantity: str, double: bool) -> str:
+def constants_header(constants: CConstants, *, name: str, model: str, rules: str, quantity: str, double: bool) -> str:
     """Return the text of ``mw_constants.h``."""
     from importlib.metadata import version
 
@@ -42,7 +42,7 @@ def constants_header(constants: Constants, *, name: str, model: str, rules: str,
     return f"{start}{_body(constants)}\n#endif\n"
 
 
-def model_checksum(constants: Constants) -> int:
+def model_checksum(constants: CConstants) -> int:
     """Return the crc32 by which a host recognises a model with its controller.
 
     Circuit and limits are not included: they belong to the board, and a host that checks which loop the board runs
@@ -58,17 +58,17 @@ def model_checksum(constants: Constants) -> int:
     The crc32 (IEEE 802.3) of the constants' text, 0 to 2^32 - 1.
     """
     chosen = {heading: group for heading, group in constants.groups.items() if heading in CONTROL_HEADINGS}
-    return zlib.crc32(_body(Constants(chosen)).encode())
+    return zlib.crc32(_body(CConstants(chosen)).encode())
 
 
-def _body(constants: Constants) -> str:
+def _body(constants: CConstants) -> str:
     lines: list[str] = []
     for heading, group in constants.groups.items():
         lines += ["", f"/* {_comment(heading)} */", *(line for constant in group for line in _lines(constant))]
     return "\n".join(lines) + "\n"
 
 
-def _lines(constant: Constant) -> list[str]:
+def _lines(constant: CConstant) -> list[str]:
     comment = f" /* {_comment(constant.meaning)} */" if constant.meaning else ""
     if not constant.table:
         return [f"#define MW_{constant.name} {_number(constant, constant.values[0])}{comment}"]
@@ -88,7 +88,7 @@ def _braced(texts: list[str]) -> list[str]:
     return [f"{{{lines[0]}", *lines[1:-1], f"{lines[-1]}}},"] if len(lines) > 1 else [f"{{{lines[0]}}},"]
 
 
-def _number(constant: Constant, value: float) -> str:
+def _number(constant: CConstant, value: float) -> str:
     if constant.kind == "integer":
         whole = int(value)
         return str(whole) if whole >= 0 else f"({whole})"

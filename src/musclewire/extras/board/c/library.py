@@ -11,7 +11,7 @@ from typing import NamedTuple, TypedDict, Unpack
 from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase, load_rule_base
 from musclewire.controllers.protection import ProtectionLimits
 from musclewire.errors import CallerError
-from musclewire.extras.board.c.constants import Constants, collect, control_numbers
+from musclewire.extras.board.c.constants import CConstants, collect, control_numbers
 from musclewire.extras.board.c.golden import golden_vectors
 from musclewire.extras.board.c.header import constants_header, model_checksum
 from musclewire.extras.board.c.keywords import keywords_file
@@ -20,7 +20,7 @@ from musclewire.extras.board.c.reference import ReferenceTick
 from musclewire.sensing.estimator import PAPER_ESTIMATOR
 from musclewire.sensing.model import SensingModel
 
-__all__ = ["Library", "library_license", "library_sources", "loop_checksum", "write_library"]
+__all__ = ["CLibrary", "library_license", "library_sources", "loop_checksum", "write_library"]
 
 TEST_FILES = (
     "golden_test.c",
@@ -34,7 +34,7 @@ TEST_FILES = (
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
 
-class Library(NamedTuple):
+class CLibrary(NamedTuple):
     """A library that was written: its folder, its name, its files (relative, in order) and its numbers.
 
     ``single_error_share`` is the largest error of the estimate in single precision, as a fraction of the full scale;
@@ -44,7 +44,7 @@ class Library(NamedTuple):
     folder: Path
     name: str
     files: tuple[str, ...]
-    constants: Constants
+    constants: CConstants
     single_error_share: float
     golden_rows: int
     reference: ReferenceTick
@@ -112,7 +112,7 @@ def write_library(
     folder: str | Path,
     name: str = "musclewire",
     **form: Unpack[LibraryForm],
-) -> Library:
+) -> CLibrary:
     """Write the library into a folder, which is made if need be; files of the same names are replaced.
 
     Without ``overwrite`` a file there with another content is left alone, and nothing is written at all.
@@ -152,7 +152,7 @@ def write_library(
         refuse_replacing(Path(folder), texts)
     _write(Path(folder), texts)
     error = single_error_share(model, constants)
-    return Library(Path(folder), name, tuple(texts), constants, error, vectors.count("\n") - 1, reference)
+    return CLibrary(Path(folder), name, tuple(texts), constants, error, vectors.count("\n") - 1, reference)
 
 
 def refuse_replacing(folder: Path, texts: Mapping[str, str]) -> None:

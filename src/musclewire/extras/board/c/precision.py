@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.extras.board.c.constants import Constants, numbers_of
+from musclewire.extras.board.c.constants import CConstants, numbers_of
 from musclewire.extras.board.c.numbers import check_single
 from musclewire.sensing.model import SensingModel
 
@@ -29,7 +29,7 @@ ORDERED = (
 )
 
 
-def check_precision(model: SensingModel, constants: Constants) -> None:
+def check_precision(model: SensingModel, constants: CConstants) -> None:
     """Raise CallerError, naming the number, if single precision overflows, underflows or loses digits."""
     for name, value in numbers_of(constants.all()):
         if math.isfinite(value):
@@ -44,7 +44,7 @@ def check_precision(model: SensingModel, constants: Constants) -> None:
     _check_estimate(model, constants)
 
 
-def _check_products(constants: Constants) -> None:
+def _check_products(constants: CConstants) -> None:
     """Check the intermediate products and quotients of a tick: each must stay a normal number at full scale."""
     value = constants.value
     range_ = value("QUANTITY_MAX") - value("QUANTITY_MIN")
@@ -62,7 +62,7 @@ def _check_products(constants: Constants) -> None:
         check_single(name, result)
 
 
-def _check_estimate(model: SensingModel, constants: Constants) -> None:
+def _check_estimate(model: SensingModel, constants: CConstants) -> None:
     error = single_error_share(model, constants)
     if error <= MAX_ERROR:
         return
@@ -91,7 +91,7 @@ def _check_estimate(model: SensingModel, constants: Constants) -> None:
     )
 
 
-def single_error_share(model: SensingModel, constants: Constants) -> float:
+def single_error_share(model: SensingModel, constants: CConstants) -> float:
     """Return the largest difference between the estimate in single and in double precision, over the full scale."""
     low, high = model.valid_resistance_ohm
     resistances = np.linspace(low, high, CHECKED_RESISTANCES)
@@ -102,7 +102,7 @@ def single_error_share(model: SensingModel, constants: Constants) -> float:
     return float(error / (model.quantity_max - model.quantity_min)) if np.isfinite(error) else math.inf
 
 
-def single_estimates(constants: Constants, resistance_ohm: FloatArray) -> npt.NDArray[np.float32]:
+def single_estimates(constants: CConstants, resistance_ohm: FloatArray) -> npt.NDArray[np.float32]:
     """Return the estimates as the library computes them in single precision, operation by operation."""
 
     def number(name: str) -> np.float32:

@@ -29,12 +29,12 @@ from musclewire.sensing.model import SensingModel
 from musclewire.sensing.polynomial_estimator import MISMATCH_FRACTION, PolynomialEstimator
 from musclewire.signals.exchange import QuantityEstimate, Reason, drive_voltage_of
 
-__all__ = ["Outcome", "ReferenceTick"]
+__all__ = ["TickOutcome", "ReferenceTick"]
 
 TIME_ROUNDING_S = 1e-9
 
 
-class Outcome(NamedTuple):
+class TickOutcome(NamedTuple):
     """The outcome of a library's tick: resistance, estimate, gains, allowed drive and protection state. SI units."""
 
     resistance_ohm: float
@@ -49,7 +49,7 @@ class Outcome(NamedTuple):
 
 
 @dataclass
-class Sums:
+class SampleSums:
     """Sums of samples, for a mean."""
 
     drive_v: float = 0.0
@@ -84,7 +84,7 @@ class ReferenceTick:
         """Start cold: the drive is the sense voltage, and nothing is known of the wire."""
         self.protection = armed(self.protection_limits)
         self._pid: ControllerState | None = None
-        self._mean, self._block = Sums(), Sums()
+        self._mean, self._block = SampleSums(), SampleSums()
         self._resistance_ohm = 0.0
         self._voltages_v = (0.0, 0.0)
         self._gates: BranchState | None = None
@@ -96,10 +96,10 @@ class ReferenceTick:
         """Drive voltage [V] that the protection allows now."""
         return allowed_drive_v(self.protection, self.protection_limits)
 
-    def outcome(self) -> Outcome:
+    def outcome(self) -> TickOutcome:
         """Return the outcome of the last tick."""
         kp, ki, kd = self._gains
-        return Outcome(
+        return TickOutcome(
             self._resistance_ohm,
             self._estimate,
             self._valid,
@@ -111,7 +111,7 @@ class ReferenceTick:
             int(self.protection.event),
         )
 
-    def sample(self, wire_voltage_v: float, shunt_voltage_v: float, tick_s: float) -> Outcome:
+    def sample(self, wire_voltage_v: float, shunt_voltage_v: float, tick_s: float) -> TickOutcome:
         """Take one sample: add it to the sums, and pass each full block to the protection."""
         if not (tick_s > 0.0 and math.isfinite(tick_s)):
             self.protection = tripped_by(self.protection, Event.CLOCK_BACKWARDS)
@@ -128,12 +128,12 @@ class ReferenceTick:
             self.protection = protect_reading(
                 self.protection, self.protection_limits, drive_v, wire_v, shunt_v, block.time_s
             )
-            self._block = Sums()
+            self._block = SampleSums()
         return self.outcome()
 
-    def control(self, target: float, dt_s: float) -> Outcome:
+    def control(self, target: float, dt_s: float) -> TickOutcome:
         """Estimate and control from the mean of the samples since the last control tick."""
-        mean, self._mean = self._mean, Sums()
+        mean, self._mean = self._mean, SampleSums()
         self._resistance_ohm = 0.0
         if mean.samples:
             self._voltages_v = (mean.wire_v / mean.samples, mean.shunt_v / mean.samples)
@@ -162,7 +162,7 @@ class ReferenceTick:
         return self._followed(self._resistance_ohm, dt_s)
 
     def _followed(self, resistance_ohm: float, dt_s: float) -> QuantityEstimate:
-        """Return the estimate by the branch of the direction; a resistance of another wire leaves it as it is."""
+        """Return the estimate by the branch of the direction; a resistance of another wire leaves it is."""
         if not self._own_ohm[0] <= resistance_ohm <= self._own_ohm[1]:
             return QuantityEstimate(self._estimate, 0.0, False, Reason.MISMATCH)
         wire_v, shunt_v = self._voltages_v

@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 from musclewire.errors import CallerError
 
-__all__ = ["Layout", "Scale", "layout_of"]
+__all__ = ["SamplePeriodLayout", "LinearScale", "layout_of"]
 
 # The first reading after the output's clock edge is taken while the output still settles.
 SETTLING_READINGS = 1
 
 
-class Scale(NamedTuple):
+class LinearScale(NamedTuple):
     """``quantity = per_volt * voltage + offset``; both as a calibration found them."""
 
     per_volt: float
@@ -31,7 +31,7 @@ class Scale(NamedTuple):
         return min(abs(self.quantity(range_v)), abs(self.quantity(-range_v)))
 
 
-class Span(NamedTuple):
+class ReadingSpan(NamedTuple):
     """The readings of a sample: how many to fetch, and how many of the last ones to average."""
 
     fetch: int
@@ -39,7 +39,7 @@ class Span(NamedTuple):
     periods: int
 
 
-class Layout(NamedTuple):
+class SamplePeriodLayout(NamedTuple):
     """The division of a sample period: its readings, the averaged ones, and whether the card's clock sets the drive.
 
     On demand, a period begins with the host's time to decide, in which the drive changes, followed by the averaged
@@ -56,12 +56,12 @@ class Layout(NamedTuple):
         """Readings that pass while the host may decide."""
         return self.period - self.readings - (SETTLING_READINGS if self.clocked else 0)
 
-    def first(self) -> Span:
+    def first(self) -> ReadingSpan:
         """Return the span of the first sample, whose drive is out before the readings begin."""
         fetch = SETTLING_READINGS + self.readings if self.clocked else self.period
-        return Span(fetch, self.readings, 1)
+        return ReadingSpan(fetch, self.readings, 1)
 
-    def following(self, waiting: int) -> Span:
+    def following(self, waiting: int) -> ReadingSpan:
         """Return the span of a sample whose drive was written when ``waiting`` readings had come since the last one.
 
         All its averaged readings are taken under that drive. A host that was late skips whole periods, so that times
@@ -70,16 +70,16 @@ class Layout(NamedTuple):
         late = max(0, waiting - self.decision)
         if self.clocked:
             periods = 1 + -(-late // self.period)
-            return Span(periods * self.period, self.readings, periods)
+            return ReadingSpan(periods * self.period, self.readings, periods)
         # A late write leaves fewer readings of its period; under half of them is too few.
         periods = 1 + late // self.period
         left = periods * self.period - waiting
         if 2 * left < self.readings:
             periods, left = periods + 1, left + self.period
-        return Span(periods * self.period, min(self.readings, left), periods)
+        return ReadingSpan(periods * self.period, min(self.readings, left), periods)
 
 
-def layout_of(sample_period_s: float, reading_rate_hz: float, readings: int, *, clocked: bool) -> Layout:
+def layout_of(sample_period_s: float, reading_rate_hz: float, readings: int, *, clocked: bool) -> SamplePeriodLayout:
     """Return how a sample period is divided. Raises CallerError if the numbers do not fit together."""
     exact = sample_period_s * reading_rate_hz
     period = round(exact)
@@ -88,7 +88,7 @@ def layout_of(sample_period_s: float, reading_rate_hz: float, readings: int, *, 
             f"a sample_period of {sample_period_s:g} s has {exact:g} readings at a reading_rate of "
             f"{reading_rate_hz:g} Hz: it must be a whole number"
         )
-    layout = Layout(period, readings, clocked)
+    layout = SamplePeriodLayout(period, readings, clocked)
     if layout.decision < 1:
         raise CallerError(
             f"readings {readings} of the {period} in a sample period leave the host no time to decide: "

@@ -23,7 +23,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import CallerError
-from musclewire.extras.board.nidaq.channels import Layout, Scale, layout_of
+from musclewire.extras.board.nidaq.channels import LinearScale, SamplePeriodLayout, layout_of
 from musclewire.rigs.kinds import DeviceConfiguration
 from musclewire.rigs.mounted_wire import LivePeriod, MountedWire
 from musclewire.signals.units import measured_in
@@ -84,9 +84,9 @@ class VoltageInput(Input):
     offset: Volts = 0.0
 
     @property
-    def rule(self) -> Scale:
+    def rule(self) -> LinearScale:
         """How volts at the terminal become volts on the circuit."""
-        return Scale(self.gain, self.offset)
+        return LinearScale(self.gain, self.offset)
 
 
 class DisplacementInput(Input):
@@ -104,9 +104,9 @@ class DisplacementInput(Input):
     offset: Metres = 0.0
 
     @property
-    def rule(self) -> Scale:
+    def rule(self) -> LinearScale:
         """How volts become metres."""
-        return Scale(self.scale, self.offset)
+        return LinearScale(self.scale, self.offset)
 
 
 class ForceInput(Input):
@@ -124,9 +124,9 @@ class ForceInput(Input):
     offset: Newtons = 0.0
 
     @property
-    def rule(self) -> Scale:
+    def rule(self) -> LinearScale:
         """How volts become newtons."""
-        return Scale(self.scale, self.offset)
+        return LinearScale(self.scale, self.offset)
 
 
 class Inputs(BaseModel):
@@ -170,9 +170,9 @@ class Output(BaseModel):
     offset: Volts = 0.0
 
     @property
-    def rule(self) -> Scale:
+    def rule(self) -> LinearScale:
         """How volts of the card become the drive voltage."""
-        return Scale(self.gain, self.offset)
+        return LinearScale(self.gain, self.offset)
 
 
 class NiDaqConfiguration(DeviceConfiguration, MountedWire):
@@ -221,7 +221,7 @@ class NiDaqConfiguration(DeviceConfiguration, MountedWire):
                 )
         return self
 
-    def layout(self) -> Layout:
+    def layout(self) -> SamplePeriodLayout:
         """Return how a sample period is divided. Raises CallerError if the numbers do not fit together."""
         clocked = self.output_timing == "hardware"
         return layout_of(self.sample_period, self.reading_rate, self.readings, clocked=clocked)

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 from musclewire.controllers.protection import Event, protection_table
 from musclewire.errors import RigError
-from musclewire.extras.board.nidaq.channels import Span
+from musclewire.extras.board.nidaq.channels import ReadingSpan
 from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
-from musclewire.extras.board.nidaq.driver import Card, InputStream, OutputSettings
+from musclewire.extras.board.nidaq.driver import AcquisitionCard, InputStream, OutputSettings
 from musclewire.extras.board.nidaq.driver_errors import STALLED, DaqFaultError
 from musclewire.extras.board.nidaq.guardian import GuardianOrders
 from musclewire.extras.board.nidaq.output import GuardedOutput, GuardianLostError, HostStalledError
@@ -21,7 +21,7 @@ from musclewire.rigs.kinds import DeviceKind
 from musclewire.rigs.protocol import Metadata
 from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
 
-__all__ = ["NIDAQ", "NiDaqDevice", "Silence"]
+__all__ = ["NIDAQ", "NiDaqDevice", "SilenceTimes"]
 
 # Length of the driver's buffer of readings [s]: a first run may compile for this long at the sense voltage.
 BUFFER_S = 30.0
@@ -42,11 +42,11 @@ COLUMNS = {
 }
 
 
-class OffMeanwhileError(RigError):
+class CardOffMeanwhileError(RigError):
     """Another thread has switched off."""
 
 
-class Silence(NamedTuple):
+class SilenceTimes(NamedTuple):
     """Seconds of a silent host after which the guardian goes to the sense voltage, and after which it switches off."""
 
     sense_after_s: float
@@ -75,10 +75,10 @@ class NiDaqDevice:
         If the card cannot be used.
     """
 
-    def __init__(self, configuration: NiDaqConfiguration, silence: Silence | None = None) -> None:
+    def __init__(self, configuration: NiDaqConfiguration, silence: SilenceTimes | None = None) -> None:
         """Open the card at 0 V."""
         self._of = configuration
-        self._silence = silence or Silence(protection_table().sense_after_s, protection_table().trip_after_s)
+        self._silence = silence or SilenceTimes(protection_table().sense_after_s, protection_table().trip_after_s)
         self._layout = configuration.layout()
         self._wired = configuration.inputs.wired()
         self._drive_voltage_v = 0.0
@@ -90,7 +90,7 @@ class NiDaqDevice:
         # Another thread may call ``off``: the output is then closed at once, the inputs when the exchange has ended.
         self._writing, self._exchanging = RLock(), RLock()
         self._facts = self._known_facts()
-        self._card = Card(configuration.device, configuration.grpc)
+        self._card = AcquisitionCard(configuration.device, configuration.grpc)
         try:
             self._product = self._card.product()
             buffer = int(BUFFER_S * configuration.reading_rate)
@@ -189,7 +189,7 @@ class NiDaqDevice:
             try:
                 span = self._put(drive_voltage_v)
                 means_v = self._mean_readings_v(span)
-            except OffMeanwhileError:
+            except CardOffMeanwhileError:
                 return SWITCHED_OFF
             except HostStalledError as stall:
                 return DeviceFault(Event.COMMAND_MISSING, f"{stall}: the guardian has switched off")
@@ -205,7 +205,7 @@ class NiDaqDevice:
         late_s = (span.periods - 1) * self._of.sample_period
         return Missing(Event.SAMPLE_LATE, late_s, sample) if driven else sample
 
-    def _put(self, drive_voltage_v: float) -> Span:
+    def _put(self, drive_voltage_v: float) -> ReadingSpan:
         """Write the drive and return which readings are taken under it."""
         with self._writing:
             self._require_on()
@@ -225,7 +225,7 @@ class NiDaqDevice:
         self._reading_since = now
         return self._layout.first()
 
-    def _mean_readings_v(self, span: Span) -> list[float]:
+    def _mean_readings_v(self, span: ReadingSpan) -> list[float]:
         """Return the mean voltage [V] of each input over a span's last readings, in the order of the rig file."""
         skipped = span.fetch - span.average
         sums = [0.0] * len(self._wired)
@@ -258,7 +258,7 @@ class NiDaqDevice:
 
     def _require_on(self) -> None:
         if self._off:
-            raise OffMeanwhileError("the output is closed: open the rig again")
+            raise CardOffMeanwhileError("the output is closed: open the rig again")
 
     def sense(self) -> bool:
         """Go to the sense voltage at once, and stop reading until the next sample is asked for."""

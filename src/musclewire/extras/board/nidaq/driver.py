@@ -13,7 +13,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import MissingExtraError
 from musclewire.extras.board.nidaq.driver_errors import LATE_WRITE, DaqFaultError, explained
 
-__all__ = ["Card", "InputStream", "OutputLine", "OutputSettings", "nidaqmx_package"]
+__all__ = ["AcquisitionCard", "InputStream", "OutputLine", "OutputSettings", "nidaqmx_package"]
 
 EXTRA = "nidaq"
 # Longer than any sample, shorter than a user's patience.
@@ -37,7 +37,7 @@ def nidaqmx_package() -> ModuleType:
     return package
 
 
-class Card:
+class AcquisitionCard:
     """A card by its name, in this machine or, with an address, behind a gRPC device server."""
 
     def __init__(self, device: str, grpc_address: str | None = None) -> None:
@@ -117,7 +117,7 @@ def deadline_for_calls() -> Any:
 class InputStream:
     """All inputs of a rig in one task, read at the card's sample clock into the driver's buffer."""
 
-    def __init__(self, card: Card, inputs: Mapping[str, Any], rate_hz: float, buffer: int) -> None:
+    def __init__(self, card: AcquisitionCard, inputs: Mapping[str, Any], rate_hz: float, buffer: int) -> None:
         """Set up channels, clock and buffer. Raises DaqFaultError for what the card does not have."""
         self._card = card
         constants = card.package.constants
@@ -197,7 +197,7 @@ class OutputLine:
     def __init__(self, settings: OutputSettings) -> None:
         """Set up the output. Raises DaqFaultError for what the card does not have."""
         self._settings = settings
-        self._card = Card(settings.device, settings.grpc_address)
+        self._card = AcquisitionCard(settings.device, settings.grpc_address)
         self._timed: Any = None
         self._timed_writer: Any = None
         self._now: Any = None

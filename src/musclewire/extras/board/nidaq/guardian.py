@@ -22,11 +22,11 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from musclewire.errors import MusclewireError, RigError
-from musclewire.extras.board.nidaq.channels import Scale
+from musclewire.extras.board.nidaq.channels import LinearScale
 from musclewire.extras.board.nidaq.driver import OutputLine, OutputSettings
 from musclewire.extras.board.nidaq.driver_errors import DaqFaultError
 
-__all__ = ["BEGIN", "COMMAND", "END", "KEEP", "PUT", "REPLY", "SAFE", "GuardianOrders", "Watch", "main"]
+__all__ = ["BEGIN", "COMMAND", "END", "KEEP", "PUT", "REPLY", "SAFE", "GuardianOrders", "SilenceWatch", "main"]
 
 # Host to guardian: a command, and a drive voltage [V].
 COMMAND = struct.Struct("<cd")
@@ -62,7 +62,7 @@ class GuardianOrders(NamedTuple):
         return cls(OutputSettings(*output), *rest)
 
 
-class Watch:
+class SilenceWatch:
     """The rule for a silent host: times in, voltage out, without a clock of its own.
 
     It applies only while the wire is driven above the sense voltage: below, silence does no harm.
@@ -109,14 +109,14 @@ class Watch:
         return self._orders.sense_voltage_v
 
 
-class Guardian:
+class OutputGuardian:
     """The output, the socket and the watch together."""
 
     def __init__(self, orders: GuardianOrders, line: socket.socket) -> None:
         """Open the output and put it to 0 V. Raises DaqFaultError if that fails."""
         self._line = line
-        self._scale = Scale(orders.gain, orders.offset_v)
-        self._watch = Watch(orders)
+        self._scale = LinearScale(orders.gain, orders.offset_v)
+        self._watch = SilenceWatch(orders)
         self._orders = orders
         self._parent = os.getppid()
         self._output = OutputLine(orders.output)
@@ -265,7 +265,7 @@ def main() -> int:
     with line:
         line.sendall(word.encode())
         try:
-            guardian = Guardian(orders, line)
+            guardian = OutputGuardian(orders, line)
         except MusclewireError as fault:
             reply(line, FAILED, 0.0, fault)
             return fault.exit_code

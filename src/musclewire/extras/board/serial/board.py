@@ -8,18 +8,18 @@ from collections.abc import Callable
 from threading import Lock
 
 from musclewire.errors import RigError
-from musclewire.extras.board.serial.frames import PROTOCOL_VERSION, Frame, FrameParser, encode_frame
-from musclewire.extras.board.serial.line import Line
+from musclewire.extras.board.serial.frames import PROTOCOL_VERSION, FrameParser, SerialFrame, encode_frame
+from musclewire.extras.board.serial.line import ByteLine
 from musclewire.extras.board.serial.messages import (
     Acknowledgement,
-    Identity,
+    BoardIdentity,
     Message,
     MessageKind,
     payload_of,
     read_message,
 )
 
-__all__ = ["Board", "LinkStormError", "OffMeanwhileError"]
+__all__ = ["Board", "LinkStormError", "BoardOffMeanwhileError"]
 
 # The protocol's checksum storm: this many broken frames within this time.
 STORM_FRAMES, STORM_S = 16, 0.2
@@ -33,7 +33,7 @@ class LinkStormError(RigError):
     """The line carries mostly broken frames."""
 
 
-class OffMeanwhileError(RigError):
+class BoardOffMeanwhileError(RigError):
     """Another thread has requested to switch off: no other command goes out any more."""
 
 
@@ -46,7 +46,7 @@ class Board:
     because no answer came.
     """
 
-    def __init__(self, line: Line, clock_s: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, line: ByteLine, clock_s: Callable[[], float] = time.monotonic) -> None:
         """Use an open line; ``clock_s`` is the host's clock [s]."""
         self._line, self._clock_s = line, clock_s
         self.parser = FrameParser()
@@ -69,12 +69,12 @@ class Board:
         """
         with self._sending:
             if self._only_off and kind is not MessageKind.OFF:
-                raise OffMeanwhileError("the line is to be closed: open the rig again")
+                raise BoardOffMeanwhileError("the line is to be closed: open the rig again")
             if sequence is not None:
                 self.repeated_commands += 1
             number = self.new_sequence() if sequence is None else sequence
             # The zero before it ends the bytes of any disturbance on the line, so that they spoil no command.
-            self._line.write(b"\0" + encode_frame(Frame(kind, number, payload)))
+            self._line.write(b"\0" + encode_frame(SerialFrame(kind, number, payload)))
             return number
 
     @property
@@ -143,7 +143,7 @@ class Board:
                         return message
         return None
 
-    def hello(self, max_wait_s: float = BOOT_S) -> Identity:
+    def hello(self, max_wait_s: float = BOOT_S) -> BoardIdentity:
         """Return the board's identity. Raises RigError if no board answers or it has another protocol version."""
         ends_s = self._clock_s() + max_wait_s
         while self._clock_s() < ends_s:
@@ -151,7 +151,7 @@ class Board:
             again_s = self._clock_s() + HELLO_EVERY_S
             while (left_s := again_s - self._clock_s()) > 0.0:
                 for message in self.receive(left_s):
-                    if isinstance(message, Identity):
+                    if isinstance(message, BoardIdentity):
                         return self._checked(message)
                 self._refuse_other_version()
         raise RigError(
@@ -163,7 +163,7 @@ class Board:
         if self.parser.other_version is not None:
             self._wrong_version(self.parser.other_version)
 
-    def _checked(self, identity: Identity) -> Identity:
+    def _checked(self, identity: BoardIdentity) -> BoardIdentity:
         if identity.protocol_version != PROTOCOL_VERSION:
             self._wrong_version(identity.protocol_version)
         return identity

@@ -13,15 +13,15 @@ from typing import NoReturn
 from musclewire.controllers.fuzzy_pid import FuzzyPidSettings
 from musclewire.controllers.protection import Event, State
 from musclewire.errors import CallerError, RigError
-from musclewire.extras.board.serial.board import Board, LinkStormError, OffMeanwhileError
+from musclewire.extras.board.serial.board import Board, BoardOffMeanwhileError, LinkStormError
 from musclewire.extras.board.serial.configuration import SerialConfiguration
 from musclewire.extras.board.serial.line import LineLostError, open_line
 from musclewire.extras.board.serial.messages import (
     Acknowledgement,
     AcknowledgementResult,
     BoardEvent,
+    BoardIdentity,
     BoardSample,
-    Identity,
     Message,
     MessageKind,
     payload_of,
@@ -136,7 +136,7 @@ class SerialDevice:
         return self._drive_voltage_v
 
     @property
-    def identity(self) -> Identity:
+    def identity(self) -> BoardIdentity:
         """Identity that the board has reported."""
         return self._identity
 
@@ -209,7 +209,7 @@ class SerialDevice:
         with self._talking:
             try:
                 return self._period(command)
-            except OffMeanwhileError:
+            except BoardOffMeanwhileError:
                 return SWITCHED_OFF
             except LineLostError as error:
                 return DeviceFault(Event.DEVICE_LOST, str(error))
@@ -238,7 +238,7 @@ class SerialDevice:
 
     def _require_on(self) -> None:
         if self._board.only_off:
-            raise OffMeanwhileError("the line is to be closed: open the rig again")
+            raise BoardOffMeanwhileError("the line is to be closed: open the rig again")
 
     def _send(self, command: Command, sequence: int | None = None) -> int:
         """Send a command and return its sequence number; with a ``sequence`` it is the same command again."""
@@ -292,7 +292,7 @@ class SerialDevice:
         """Raise BoardFaultError if the board has tripped, refused the command, or restarted."""
         if isinstance(message, (BoardSample, BoardEvent)) and message.state == State.TRIPPED:
             self._trip_as_the_board(message.event)
-        if isinstance(message, Identity):  # not requested, so the board has restarted
+        if isinstance(message, BoardIdentity):  # not requested, so the board has restarted
             self._trip_restarted(message)
         if isinstance(message, BoardSample) and self._went_back(message.tick):
             self._trip_restarted(None)
@@ -321,11 +321,11 @@ class SerialDevice:
                 message = self._unread.popleft()
                 if isinstance(message, (BoardSample, BoardEvent)) and message.state == State.TRIPPED:
                     self._trip_as_the_board(message.event)
-                if isinstance(message, Identity):
+                if isinstance(message, BoardIdentity):
                     self._trip_restarted(message)
         self._trip_restarted(None)
 
-    def _trip_restarted(self, identity: Identity | None) -> NoReturn:
+    def _trip_restarted(self, identity: BoardIdentity | None) -> NoReturn:
         """Raise BoardFaultError for a board that is no longer armed; without an identity it is requested."""
         if identity is None:
             with contextlib.suppress(RigError):

@@ -12,10 +12,10 @@ from musclewire.extras.board.serial.board import Board
 from musclewire.extras.board.serial.boards import BOARDS
 from musclewire.extras.board.serial.images import FirmwareImage
 from musclewire.extras.board.serial.line import open_line
-from musclewire.extras.board.serial.messages import Identity
+from musclewire.extras.board.serial.messages import BoardIdentity
 from musclewire.extras.board.serial.ports import ports_text, serial_ports
 
-__all__ = ["Loader", "find_port", "greet", "loader_for", "run_loader"]
+__all__ = ["FlashLoader", "find_port", "greet", "loader_for", "run_loader"]
 
 # An Uno's boot loader, and that of Nanos made before 2018.
 BAUD, OLD_BAUD = 115200, 57600
@@ -29,7 +29,7 @@ INSTALL = {
 }
 
 
-class Loader(NamedTuple):
+class FlashLoader(NamedTuple):
     """The program that writes a board's flash, and its command."""
 
     program: str
@@ -46,7 +46,7 @@ def find_port(board: str) -> str:
     raise RigError(f"{found} an {board}: name one by --serial-port; {ports_text(ports)}")
 
 
-def loader_for(image: FirmwareImage, port: str, old_bootloader: bool = False) -> Loader:
+def loader_for(image: FirmwareImage, port: str, old_bootloader: bool = False) -> FlashLoader:
     """Return the loader of an image's board and its command. Raises CallerError for an option of another board."""
     if image.board == "arduino-uno":
         # avrdude's name of what pyserial calls a socket, by which an emulated board is reached.
@@ -67,14 +67,14 @@ def loader_for(image: FirmwareImage, port: str, old_bootloader: bool = False) ->
             "-U",
             write,
         )
-        return Loader("avrdude", command)
+        return FlashLoader("avrdude", command)
     if old_bootloader:
         raise CallerError(f"--old-bootloader is for a Nano; {image.board} has one boot loader: leave it out")
     command = ("dfu-util", "-a", "0", "-s", f"{FLASH_START}:leave", "-D", str(image.path))
-    return Loader("dfu-util", command)
+    return FlashLoader("dfu-util", command)
 
 
-def run_loader(loader: Loader, old_bootloader: bool = False) -> str:
+def run_loader(loader: FlashLoader, old_bootloader: bool = False) -> str:
     """Run a loader and return what it said. Raises RigError if it is missing, fails or does not end."""
     if shutil.which(loader.program) is None:
         raise RigError(f"{loader.program}, which writes the board's flash, is missing: {INSTALL[loader.program]}")
@@ -93,7 +93,7 @@ def last_words(text: str) -> str:
     return lines[-1] if lines else "it said nothing"
 
 
-def advice(loader: Loader, old_bootloader: bool) -> str:
+def advice(loader: FlashLoader, old_bootloader: bool) -> str:
     """Return what to try when a loader has failed."""
     if loader.program == "dfu-util":
         return "hold BOOT0, press and release NRST, release BOOT0, and try again"
@@ -102,7 +102,7 @@ def advice(loader: Loader, old_bootloader: bool) -> str:
     return "is it the right port, and does no other program hold it? A Nano of before 2018 needs --old-bootloader"
 
 
-def greet(image: FirmwareImage, port: str) -> Identity:
+def greet(image: FirmwareImage, port: str) -> BoardIdentity:
     """Return what the flashed board says it is. Raises RigError if it is silent or another board or circuit."""
     board = Board(open_line(port, BOARDS[image.board]["baud"]))
     try:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from musclewire.errors import CallerError
 from musclewire.extras.board.serial.message_types import MAXIMUM_BODY_BYTES, PROTOCOL_VERSION
 
-__all__ = ["Frame", "FrameParser", "LinkErrors", "MAXIMUM_BODY_BYTES", "PROTOCOL_VERSION", "encode_frame"]
+__all__ = ["SerialFrame", "FrameParser", "LinkErrors", "MAXIMUM_BODY_BYTES", "PROTOCOL_VERSION", "encode_frame"]
 
 HEADER = struct.Struct("<BBH")
 CHECKSUM = struct.Struct("<I")
@@ -26,7 +26,7 @@ MAX_ON_THE_LINE_BYTES = MAXIMUM_BODY_BYTES + 1
 MAX_RUN = 0xFF
 
 
-class Frame(NamedTuple):
+class SerialFrame(NamedTuple):
     """One frame: its type, its sequence number (0 to 65535) and its payload."""
 
     kind: int
@@ -78,7 +78,7 @@ def unstuff(stuffed: bytes) -> bytes | None:
     return bytes(body)
 
 
-def encode_frame(frame: Frame) -> bytes:
+def encode_frame(frame: SerialFrame) -> bytes:
     """Return a frame as it goes over the line. Raises CallerError for a payload that no frame can hold."""
     body = HEADER.pack(PROTOCOL_VERSION, frame.kind, frame.sequence & 0xFFFF) + frame.payload
     body += CHECKSUM.pack(zlib.crc32(body))
@@ -100,7 +100,7 @@ class FrameParser:
     _under_way: bytearray = field(default_factory=bytearray)
     _overflowed: bool = False
 
-    def feed(self, data: bytes) -> list[Frame]:
+    def feed(self, data: bytes) -> list[SerialFrame]:
         """Take bytes from the line and return the frames that they complete."""
         pieces = data.split(b"\0")
         frames = []
@@ -122,7 +122,7 @@ class FrameParser:
             at += room + 1
         self._under_way += piece[at:]
 
-    def _finish(self) -> Frame | None:
+    def _finish(self) -> SerialFrame | None:
         """Return the frame that a zero byte has just ended, None for one that is dropped."""
         stuffed, overflowed = bytes(self._under_way), self._overflowed
         self._under_way.clear()
@@ -136,7 +136,7 @@ class FrameParser:
             return None
         return self._checked(body)
 
-    def _checked(self, body: bytes) -> Frame | None:
+    def _checked(self, body: bytes) -> SerialFrame | None:
         if len(body) < MIN_BODY_BYTES:
             self.errors.too_short += 1
             return None
@@ -150,4 +150,4 @@ class FrameParser:
             self.other_version = version
             return None
         self.accepted += 1
-        return Frame(kind, sequence, body[HEADER.size : -CHECKSUM.size])
+        return SerialFrame(kind, sequence, body[HEADER.size : -CHECKSUM.size])

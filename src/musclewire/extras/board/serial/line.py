@@ -9,7 +9,7 @@ from typing import Any, Protocol
 from musclewire.errors import MissingExtraError, RigError
 from musclewire.extras.board.serial.ports import ports_text, serial_ports
 
-__all__ = ["Line", "LineLostError", "open_line"]
+__all__ = ["ByteLine", "LineLostError", "open_line"]
 
 # More than a second of samples at any rate: a longer backlog has been abandoned.
 READ_BYTES = 65536
@@ -20,7 +20,7 @@ class LineLostError(RigError):
     """The line to the board is gone: unplugged, reset, or closed by the other side."""
 
 
-class Line(Protocol):
+class ByteLine(Protocol):
     """Bytes to and from a board."""
 
     @property

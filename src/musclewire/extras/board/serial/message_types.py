@@ -15,7 +15,7 @@ __all__ = [
     "BoardEvent",
     "BoardSample",
     "IdentityFields",
-    "Injection",
+    "FaultInjection",
     "LAYOUTS",
     "MAXIMUM_BODY_BYTES",
     "MessageKind",
@@ -62,7 +62,7 @@ class ResetCause(IntEnum):
     BROWN_OUT = 3
 
 
-class Injection(IntEnum):
+class FaultInjection(IntEnum):
     """Faults inside the firmware, for tests."""
 
     STUCK_LOOP = 1

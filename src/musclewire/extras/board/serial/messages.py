@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from musclewire.extras.board.serial.frames import Frame
+from musclewire.extras.board.serial.frames import SerialFrame
 from musclewire.extras.board.serial.message_types import (
     LAYOUTS,
     Acknowledgement,
@@ -25,7 +25,7 @@ __all__ = [
     "AcknowledgementResult",
     "BoardEvent",
     "BoardSample",
-    "Identity",
+    "BoardIdentity",
     "Message",
     "MessageKind",
     "payload_of",
@@ -33,7 +33,7 @@ __all__ = [
 ]
 
 
-class Identity(IdentityFields):
+class BoardIdentity(IdentityFields):
     """Identity of a board, with the model and the firmware that it was built with."""
 
     __slots__ = ()
@@ -55,10 +55,10 @@ class Identity(IdentityFields):
         return known.get(self.reset_cause, f"cause {self.reset_cause}")
 
 
-Message = Identity | BoardSample | BoardEvent | Acknowledgement
+Message = BoardIdentity | BoardSample | BoardEvent | Acknowledgement
 # The type that each of the board's messages is read as.
 READ_AS: dict[int, type[Message]] = {
-    MessageKind.IDENTITY: Identity,
+    MessageKind.IDENTITY: BoardIdentity,
     MessageKind.SAMPLE: BoardSample,
     MessageKind.EVENT: BoardEvent,
     MessageKind.ACKNOWLEDGEMENT: Acknowledgement,
@@ -75,7 +75,7 @@ def text_of(field: bytes) -> str:
     return field.split(b"\0")[0].decode("ascii", "backslashreplace")
 
 
-def read_message(frame: Frame) -> Message | None:
+def read_message(frame: SerialFrame) -> Message | None:
     """Return a board's message, None for a type that is not the board's or a payload of another length."""
     made = READ_AS.get(frame.kind)
     if made is None:

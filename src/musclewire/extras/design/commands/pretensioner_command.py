@@ -33,8 +33,8 @@ from musclewire.extras.design.options import (  # fmt: skip
 )
 
 if TYPE_CHECKING:
-    from musclewire.extras.design.serpentine.analysis import Duty, PretensionerDesign
-    from musclewire.extras.design.serpentine.geometry import Envelope, SerpentineGeometry
+    from musclewire.extras.design.serpentine.analysis import PretensionerDesign, PretensionerDuty
+    from musclewire.extras.design.serpentine.geometry import AvailableRoom, SerpentineGeometry
     from musclewire.parameters.materials import Material
 
 __all__ = ["pretensioner"]
@@ -65,7 +65,7 @@ class DimensionOptions:
         """Return the geometry of these dimensions."""
         from musclewire.extras.design.serpentine.geometry import SerpentineGeometry
 
-        geometry = SerpentineGeometry.of(
+        geometry = SerpentineGeometry.with_corner_fraction(
             self.beams or 0,
             in_si("--half-length", self.half_length) or 0.0,
             in_si("--pitch", self.pitch) or 0.0,
@@ -86,12 +86,12 @@ class DutyOptions:
     travel: Annotated[str | None, TRAVEL] = None
     finger_stiffness: Annotated[str | None, FINGER_STIFFNESS] = None
 
-    def duty(self) -> Duty:
+    def duty(self) -> PretensionerDuty:
         """Return it in SI."""
-        from musclewire.extras.design.serpentine.analysis import Duty
+        from musclewire.extras.design.serpentine.analysis import PretensionerDuty
 
         usual = USUAL_PRETENSION if self.travel is None else None
-        return Duty(
+        return PretensionerDuty(
             pretension_n=in_si("--pretension", self.pretension or usual),
             stroke_m=in_si("--stroke", self.stroke),
             travel_m=in_si("--travel", self.travel),
@@ -129,7 +129,7 @@ def pretensioner(
     if file is not None and making.depth is not None:
         raise CallerError("--depth and --file contradict each other: the file has a depth, leave --depth out")
     files.require("pretensioner")
-    room: Envelope | None
+    room: AvailableRoom | None
     if stiffness is not None:
         made, name, room = sized(stiffness, duty.duty(), making)
     else:
@@ -162,9 +162,9 @@ def require_one_way(stiffness: str | None, file: str | None, dimensions: Dimensi
         )
 
 
-def room_from(envelope: str, depth: str | None) -> Envelope:
+def room_from(envelope: str, depth: str | None) -> AvailableRoom:
     """Return the room there is, from '24.6x27.6x10 mm'; a depth that is given takes the place of the third size."""
-    from musclewire.extras.design.serpentine.geometry import Envelope
+    from musclewire.extras.design.serpentine.geometry import AvailableRoom
     from musclewire.signals.units import parse_quantity
 
     parts = [part.strip() for part in re.split(r"[x×]", envelope)]
@@ -180,7 +180,7 @@ def room_from(envelope: str, depth: str | None) -> Envelope:
             f"a depth of {1e3 * asked:g} mm does not fit: it is {1e3 * (asked - deep):g} mm more than the "
             f"{1e3 * deep:g} mm of the envelope; give less, or a deeper envelope"
         )
-    return Envelope(across, along, deep if asked is None else asked)
+    return AvailableRoom(across, along, deep if asked is None else asked)
 
 
 def material_named(name: str) -> Material:
@@ -190,7 +190,9 @@ def material_named(name: str) -> Material:
     return load_material(name)
 
 
-def sized(stiffness: str, duty: Duty, making: MakingOptions) -> tuple[PretensionerDesign, str, Envelope]:
+def sized(
+    stiffness: str, duty: PretensionerDuty, making: MakingOptions
+) -> tuple[PretensionerDesign, str, AvailableRoom]:
     """Return the pretensioner of a wanted stiffness, the name of its material, and the room for it."""
     from musclewire.extras.design.serpentine.sizing import PretensionerRequest, design_pretensioner
 
@@ -202,8 +204,8 @@ def sized(stiffness: str, duty: Duty, making: MakingOptions) -> tuple[Pretension
 
 
 def computed(
-    file: str | None, dimensions: DimensionOptions, duty: Duty, making: MakingOptions
-) -> tuple[PretensionerDesign, str, Envelope | None]:
+    file: str | None, dimensions: DimensionOptions, duty: PretensionerDuty, making: MakingOptions
+) -> tuple[PretensionerDesign, str, AvailableRoom | None]:
     """Return the pretensioner of a file or of given dimensions, the name of its material, and the room for it."""
     from musclewire.extras.design.serpentine.analysis import analyse
     from musclewire.extras.design.serpentine.pretensioner_file_text import geometry_of

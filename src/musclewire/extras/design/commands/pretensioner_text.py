@@ -8,14 +8,14 @@ from musclewire.extras.design.commands.check_text import check_json, check_lines
 
 if TYPE_CHECKING:
     from musclewire.extras.design.serpentine.analysis import PretensionerDesign
-    from musclewire.extras.design.serpentine.geometry import Envelope
+    from musclewire.extras.design.serpentine.geometry import AvailableRoom
 
 __all__ = ["made_json", "made_text", "materials_json", "materials_text"]
 
 MM, MPA = 1e3, 1e-6
 
 
-def made_json(made: PretensionerDesign, material: str, room: Envelope | None) -> dict[str, Any]:
+def made_json(made: PretensionerDesign, material: str, room: AvailableRoom | None) -> dict[str, Any]:
     """Return a pretensioner under the keys of the interface; numbers that are not finite become null."""
     geometry, curve, duty = made.geometry, made.curve, made.duty
     return {
@@ -58,7 +58,7 @@ def finger_share(made: PretensionerDesign) -> float | None:
     return None if finger is None else finger / (finger + made.stiffness_n_per_m)
 
 
-def made_text(made: PretensionerDesign, room: Envelope | None) -> str:
+def made_text(made: PretensionerDesign, room: AvailableRoom | None) -> str:
     """Return a pretensioner as lines for people."""
     g, curve = made.geometry, made.curve
     sizes = " x ".join(f"{MM * size:.2f}" for size in (g.across_m, g.along_m, g.depth_m))

@@ -16,7 +16,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.extras.design.finger.geometry import FingerGeometry
 
-__all__ = ["Chain", "PlacedChain", "cantilever_chain", "finger_chain", "place"]
+__all__ = ["AngleChain", "PlacedChain", "cantilever_chain", "finger_chain", "place"]
 
 
 ELEMENTS_PER_SEGMENT = 8
@@ -26,7 +26,7 @@ GAUSS = (0.5 - math.sqrt(1.0 / 12.0), 0.5 + math.sqrt(1.0 / 12.0))
 
 
 @dataclass(frozen=True)
-class Chain:
+class AngleChain:
     """A chain of ``n_angles`` unknown angles [rad]; ``n_terms`` unit vectors; one chord for each flexible segment.
 
     ``angle_of_term`` (n_terms, n_angles) and ``phase_rad`` (n_terms,) give the angle of each unit vector, ``chords_m``
@@ -54,7 +54,7 @@ class Chain:
 class PlacedChain:
     """A chain at given angles: chord vectors (n_chords, 2) and endpoint (2,) [m], and their unit vectors."""
 
-    chain: Chain
+    chain: AngleChain
     unit: FloatArray
     chord_vectors_m: FloatArray
     endpoint_m: FloatArray
@@ -88,7 +88,7 @@ class PlacedChain:
         return np.asarray(grown - chain.angle_of_term.T @ (back[:, None] * chain.angle_of_term))
 
 
-def place(chain: Chain, angles_rad: FloatArray) -> PlacedChain:
+def place(chain: AngleChain, angles_rad: FloatArray) -> PlacedChain:
     """Return a chain at the given angles, (n_angles,) [rad]."""
     angle = chain.angle_of_term @ angles_rad + chain.phase_rad
     unit = np.column_stack([np.cos(angle), np.sin(angle)])
@@ -100,7 +100,7 @@ def finger_chain(
     *,
     guided: tuple[int, ...] | None = None,
     elements_per_segment: int = ELEMENTS_PER_SEGMENT,
-) -> Chain:
+) -> AngleChain:
     """Return the chain of a finger whose tendon runs through the palm and all columns, or only those ``guided``.
 
     ``guided`` counts columns from 0 at the palm, rising; the tendon is fastened to its last. Two neighbouring guides
@@ -167,7 +167,7 @@ def yielding_lengths_m(geometry: FingerGeometry, elements_per_segment: int) -> F
     return np.asarray(lengths.ravel())
 
 
-def cantilever_chain(length_m: float, elements: int) -> Chain:
+def cantilever_chain(length_m: float, elements: int) -> AngleChain:
     """Return a plain cantilever without columns, plate or tendon, for comparison with published tables."""
     rows = TermRows(elements)
     for node in range(elements):
@@ -206,10 +206,10 @@ def chain_of(
     yielding_m: FloatArray,
     natural_turn_rad: float,
     column_nodes: tuple[int, ...],
-) -> Chain:
+) -> AngleChain:
     """Return the chain of collected unit vectors."""
     turns = np.eye(rows.n_angles) - np.eye(rows.n_angles, k=-1)
-    return Chain(
+    return AngleChain(
         np.array(rows.rows),
         np.array(rows.phases),
         chords_m,

@@ -18,12 +18,12 @@ from musclewire.extras.design.finger.curve import beam_stress_pa
 from musclewire.extras.design.finger.geometry import FingerGeometry
 from musclewire.extras.design.finger.statics import FingerEquilibrium, equilibrium
 
-__all__ = ["Scheme", "compare_schemes"]
+__all__ = ["PullingScheme", "compare_schemes"]
 
 STEPS = 120
 
 
-class Scheme(NamedTuple):
+class PullingScheme(NamedTuple):
     """One way to pull a finger, driven until the travel or the allowed stress of the beam is exhausted.
 
     ``guided`` are the columns the tendon is guided by or fastened to, ``range_over_length`` is the endpoint's
@@ -42,7 +42,7 @@ class Scheme(NamedTuple):
     angles_rad: FloatArray
 
 
-def compare_schemes(geometry: FingerGeometry, travel_m: float, stress_pa: float) -> list[Scheme]:
+def compare_schemes(geometry: FingerGeometry, travel_m: float, stress_pa: float) -> list[PullingScheme]:
     """Return several ways to pull one finger, each to the end of a travel or to a stress in its beam (Fig. 13a).
 
     Parameters
@@ -70,7 +70,9 @@ def compare_schemes(geometry: FingerGeometry, travel_m: float, stress_pa: float)
     return [driven(geometry, name, guided, travel_m, stress_pa) for name, guided in guides.items()]
 
 
-def driven(geometry: FingerGeometry, name: str, guided: tuple[int, ...], travel_m: float, stress_pa: float) -> Scheme:
+def driven(
+    geometry: FingerGeometry, name: str, guided: tuple[int, ...], travel_m: float, stress_pa: float
+) -> PullingScheme:
     """Return a scheme at its limit, to a hundred and twentieth of the travel."""
     chain = finger_chain(geometry, guided=guided)
     at, limit = equilibrium(chain, geometry.stiffness_n_m2, 0.0), "travel"
@@ -92,10 +94,10 @@ def driven(geometry: FingerGeometry, name: str, guided: tuple[int, ...], travel_
 
 def scheme_of(
     geometry: FingerGeometry, name: str, guided: tuple[int, ...], at: FingerEquilibrium, limit: str
-) -> Scheme:
+) -> PullingScheme:
     """Return an equilibrium as a scheme's row."""
     endpoint = at.endpoint_displacement_m
-    return Scheme(
+    return PullingScheme(
         name,
         guided,
         endpoint,

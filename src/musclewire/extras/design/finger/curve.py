@@ -8,7 +8,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.design.finger.chain import Chain, finger_chain
+from musclewire.extras.design.finger.chain import AngleChain, finger_chain
 from musclewire.extras.design.finger.friction import ASSUMED_FRICTION, friction_at
 from musclewire.extras.design.finger.geometry import FingerGeometry
 from musclewire.extras.design.finger.statics import FingerEquilibrium, equilibria, equilibrium, sensitivity
@@ -117,7 +117,9 @@ def bent_per_m(at: FingerEquilibrium) -> FloatArray:
     return np.asarray((chain.turns @ at.angles_rad - chain.natural_turn_rad) / chain.yielding_m)
 
 
-def travel_for_endpoint_m(chain: Chain, stiffness_n_m2: float, endpoint_m: float, max_m: float) -> FingerEquilibrium:
+def travel_for_endpoint_m(
+    chain: AngleChain, stiffness_n_m2: float, endpoint_m: float, max_m: float
+) -> FingerEquilibrium:
     """Return the equilibrium, without load, at which the endpoint has moved by ``endpoint_m``.
 
     Raises CallerError if that requires more travel than ``max_m``.
@@ -139,7 +141,7 @@ def travel_for_endpoint_m(chain: Chain, stiffness_n_m2: float, endpoint_m: float
 
 
 def between(
-    chain: Chain, stiffness_n_m2: float, low: FingerEquilibrium, high: FingerEquilibrium, endpoint_m: float
+    chain: AngleChain, stiffness_n_m2: float, low: FingerEquilibrium, high: FingerEquilibrium, endpoint_m: float
 ) -> FingerEquilibrium:
     """Return the equilibrium with a given endpoint between two neighbours, by bisection with secants."""
     at = low

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from musclewire.extras.design.drawing import Circle, Drawing, Vertex, write_drawing
+from musclewire.extras.design.drawing import Drawing, DrawnHole, OutlineVertex, write_drawing
 from musclewire.extras.design.finger.chain import finger_chain
 from musclewire.extras.design.finger.geometry import HOLE_RADIUS_M, FingerGeometry
 from musclewire.extras.design.finger.shape import finger_shape
@@ -26,13 +26,13 @@ def finger_drawing(geometry: FingerGeometry, title: str = "finger") -> Drawing:
     high = geometry.column_height_m
     block = [(0.0, high), (-BLOCK_LENGTH_M, high), (-BLOCK_LENGTH_M, -BLOCK_BELOW_M), (0.0, -BLOCK_BELOW_M)]
     ring = [(float(x), float(y)) for x, y in shape.outline()] + block
-    screws = [Circle(fraction * BLOCK_LENGTH_M, -0.5 * BLOCK_BELOW_M, SCREW_HOLE_M) for fraction in (-0.25, -0.75)]
+    screws = [DrawnHole(fraction * BLOCK_LENGTH_M, -0.5 * BLOCK_BELOW_M, SCREW_HOLE_M) for fraction in (-0.25, -0.75)]
     note = (
         f"{MM * geometry.beam_depth_m:.2f} mm deep; beam {MM * geometry.beam_thickness_m:.2f} mm; two tendon holes of "
         f"{2 * MM * HOLE_RADIUS_M:.1f} mm side by side through block and columns, "
         f"{MM * geometry.tendon_offset_m:.2f} mm from the middle of the beam"
     )
-    return Drawing(tuple(Vertex(x, y) for x, y in ring), tuple(screws), title, note)
+    return Drawing(tuple(OutlineVertex(x, y) for x, y in ring), tuple(screws), title, note)
 
 
 def write_finger_drawing(geometry: FingerGeometry, path: Path, title: str = "finger") -> None:

@@ -13,7 +13,7 @@ from matplotlib.patches import Polygon, Rectangle
 
 from musclewire.arrays import FloatArray
 from musclewire.extras.design.finger.chain import finger_chain
-from musclewire.extras.design.finger.comparison import Scheme
+from musclewire.extras.design.finger.comparison import PullingScheme
 from musclewire.extras.design.finger.curve import beam_stress_pa
 from musclewire.extras.design.finger.finger_study import FingerStudyResult
 from musclewire.extras.design.finger.geometry import FingerGeometry
@@ -209,7 +209,7 @@ def draw_schemes(figure: Figure, place: Any, result: FingerStudyResult) -> None:
         axes.set_ylim(-1.4, high)
 
 
-def draw_scheme(axes: Any, geometry: FingerGeometry, scheme: Scheme, shape: FingerShape) -> None:
+def draw_scheme(axes: Any, geometry: FingerGeometry, scheme: PullingScheme, shape: FingerShape) -> None:
     """Draw one scheme of actuation, at its limit."""
     draw_palm(axes, geometry)
     resting = finger_shape(geometry, finger_chain(geometry).resting_angles_rad)

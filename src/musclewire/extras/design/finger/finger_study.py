@@ -12,7 +12,7 @@ from musclewire.errors import CallerError
 from musclewire.extras.design.design_checks import DesignCheck
 from musclewire.extras.design.finger.chain import FOOT_THICKNESSES, finger_chain
 from musclewire.extras.design.finger.closed_forms import pure_moment_stiffness_n_per_m
-from musclewire.extras.design.finger.comparison import Scheme, compare_schemes
+from musclewire.extras.design.finger.comparison import PullingScheme, compare_schemes
 from musclewire.extras.design.finger.curve import (
     CURVE_REACH,
     beam_stress_pa,
@@ -25,16 +25,16 @@ from musclewire.extras.design.finger.curve import (
     touch_curve,
     travel_for_endpoint_m,
 )
-from musclewire.extras.design.finger.friction import ASSUMED_FRICTION, MAX_FRICTION, Friction, friction_at
+from musclewire.extras.design.finger.friction import ASSUMED_FRICTION, MAX_FRICTION, ConnectorFriction, friction_at
 from musclewire.extras.design.finger.geometry import FingerGeometry
 from musclewire.extras.design.finger.plane_stress import finger_body, plane_stress_path
 from musclewire.extras.design.finger.sizing import FingerRequest, design_finger, finger_stiffness_n_per_m
-from musclewire.extras.design.finger.statics import FingerEquilibrium, Sensitivity, equilibria, sensitivity
+from musclewire.extras.design.finger.statics import EquilibriumSlopes, FingerEquilibrium, equilibria, sensitivity
 from musclewire.extras.design.finger.wire import WireOnFinger, wire_on_finger
 from musclewire.parameters.finger_file import FingerCurve
 from musclewire.parameters.library import load_alloy, load_wire
 from musclewire.parameters.materials import Material
-from musclewire.parameters.validity import Reached, beyond_validity, section_m2, validity_of
+from musclewire.parameters.validity import ReachedConditions, beyond_validity, section_m2, validity_of
 from musclewire.wire.loads import ElasticObject
 
 __all__ = ["FingerStudyResult", "FingerStudy", "ObjectContact", "WireToPull", "study_finger"]
@@ -103,14 +103,14 @@ class FingerStudyResult:
     geometry: FingerGeometry
     stiffness_n_per_m: float
     at: FingerEquilibrium
-    slope: Sensitivity
-    friction: Friction
+    slope: EquilibriumSlopes
+    friction: ConnectorFriction
     stress_pa: float
     curve: FingerCurve
     checks: list[DesignCheck]
     contact: ObjectContact | None
     wire: WireOnFinger | None
-    schemes: list[Scheme]
+    schemes: list[PullingScheme]
     warnings: list[str] = field(default_factory=list)
 
 
@@ -291,7 +291,7 @@ def object_contact(study: FingerStudy, geometry: FingerGeometry, obstacle: Elast
     )
 
 
-def schemes_of(study: FingerStudy, geometry: FingerGeometry) -> list[Scheme]:
+def schemes_of(study: FingerStudy, geometry: FingerGeometry) -> list[PullingScheme]:
     """Return the schemes of actuation of this finger, up to the available travel and the material's yield."""
     return compare_schemes(geometry, study.travel_m, study.material.yield_stress_pa.value)
 
@@ -355,5 +355,5 @@ def warnings_of_wire(asked: WireToPull | None, found: WireOnFinger | None) -> li
         return []
     wire = load_wire(asked.name)
     section = section_m2(wire.diameter_m.value, 2.0)
-    reached = Reached(asked.pretension_n / section, found.wire_stress_pa, section_m2=section)
+    reached = ReachedConditions(asked.pretension_n / section, found.wire_stress_pa, section_m2=section)
     return list(beyond_validity(validity_of(load_alloy(wire.alloy)), reached))

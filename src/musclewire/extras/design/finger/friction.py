@@ -14,14 +14,14 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.design.finger.chain import Chain, PlacedChain
+from musclewire.extras.design.finger.chain import AngleChain, PlacedChain
 from musclewire.extras.design.finger.statics import FingerEquilibrium, equilibrium
 
 __all__ = [
     "ASSUMED_FRICTION",
     "FRICTION_SOURCE",
     "MAX_FRICTION",
-    "Friction",
+    "ConnectorFriction",
     "chord_tensions",
     "friction_at",
     "hole_turns_rad",
@@ -38,7 +38,7 @@ ROUNDS = 60
 SETTLED = 1e-11
 
 
-class Friction(NamedTuple):
+class ConnectorFriction(NamedTuple):
     """Force at the connector [N] while pulling and while easing at the same travel, and friction's fraction of it.
 
     ``fraction`` is half the difference over the force without friction.
@@ -61,7 +61,7 @@ def hole_turns_rad(placed: PlacedChain, angles_rad: FloatArray) -> FloatArray:
 
 
 def chord_tensions(
-    chain: Chain, stiffness_n_m2: float, travel_m: float, coefficient: float, near: FingerEquilibrium
+    chain: AngleChain, stiffness_n_m2: float, travel_m: float, coefficient: float, near: FingerEquilibrium
 ) -> tuple[FingerEquilibrium, FloatArray]:
     """Return the finger at a travel under friction, and each chord's fraction of the connector's force, (n_chords,).
 
@@ -78,7 +78,9 @@ def chord_tensions(
     raise NumericsError(f"friction of {coefficient:g} does not converge: the tendon would lock; give a smaller one")
 
 
-def friction_at(chain: Chain, stiffness_n_m2: float, free: FingerEquilibrium, coefficient: float) -> Friction:
+def friction_at(
+    chain: AngleChain, stiffness_n_m2: float, free: FingerEquilibrium, coefficient: float
+) -> ConnectorFriction:
     """Return the effect of friction on the connector's force at an equilibrium without friction.
 
     Raises CallerError for a negative coefficient or an equilibrium without travel.
@@ -91,4 +93,4 @@ def friction_at(chain: Chain, stiffness_n_m2: float, free: FingerEquilibrium, co
         chord_tensions(chain, stiffness_n_m2, free.travel_m, sign * coefficient, free)[0].tendon_force_n
         for sign in (1.0, -1.0)
     ]
-    return Friction(forces[0], forces[1], 0.5 * (forces[0] - forces[1]) / free.tendon_force_n)
+    return ConnectorFriction(forces[0], forces[1], 0.5 * (forces[0] - forces[1]) / free.tendon_force_n)

@@ -17,7 +17,7 @@ from musclewire.extras.design.finger.drawing import BLOCK_LENGTH_M, finger_drawi
 from musclewire.extras.design.finger.geometry import HOLE_RADIUS_M, FingerGeometry
 from musclewire.extras.design.finger.shape import beside, finger_shape
 from musclewire.extras.design.finger.sizing import WALL_M
-from musclewire.extras.design.solid import Bore, Solid, write_solid
+from musclewire.extras.design.solid import Solid, StraightBore, write_solid
 
 __all__ = ["finger_solid", "write_finger_solid"]
 
@@ -36,7 +36,9 @@ def finger_solid(geometry: FingerGeometry, tendon_hole_m: float = TENDON_HOLE_M,
     high = geometry.tendon_offset_m + HOLE_RADIUS_M - 0.5 * tendon_hole_m
     ways = [np.array([[-BLOCK_LENGTH_M, high], [0.0, high]]), *(beside(column, high) for column in shape.columns)]
     bores = [
-        Bore(point(way[0]), point(way[1]), leg * geometry.beam_depth_m, tendon_hole_m) for way in ways for leg in LEGS
+        StraightBore(point(way[0]), point(way[1]), leg * geometry.beam_depth_m, tendon_hole_m)
+        for way in ways
+        for leg in LEGS
     ]
     return Solid(finger_drawing(geometry, title), geometry.beam_depth_m, tuple(bores))
 

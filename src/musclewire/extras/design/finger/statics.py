@@ -15,10 +15,10 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.design.finger.chain import Chain, PlacedChain, place
+from musclewire.extras.design.finger.chain import AngleChain, PlacedChain, place
 from musclewire.wire.loads import ElasticObject
 
-__all__ = ["FingerEquilibrium", "Sensitivity", "equilibria", "equilibrium", "loaded_cantilever", "sensitivity"]
+__all__ = ["FingerEquilibrium", "EquilibriumSlopes", "equilibria", "equilibrium", "loaded_cantilever", "sensitivity"]
 
 NEWTON_STEPS = 40
 # Of the largest moment in the chain, and of the length of the tendon between the guides.
@@ -46,7 +46,7 @@ class FingerEquilibrium:
     travel_slope_m: FloatArray
 
 
-class Sensitivity(NamedTuple):
+class EquilibriumSlopes(NamedTuple):
     """Derivatives of an equilibrium by endpoint force at held travel, and by travel at held endpoint force."""
 
     tendon_force_per_endpoint_force: float
@@ -58,7 +58,7 @@ class Sensitivity(NamedTuple):
 class FingerProblem:
     """A chain with its bending stiffness: the constants of Newton's method."""
 
-    def __init__(self, chain: Chain, stiffness_n_m2: float, chord_weights: FloatArray | None = None) -> None:
+    def __init__(self, chain: AngleChain, stiffness_n_m2: float, chord_weights: FloatArray | None = None) -> None:
         """Take chain and stiffness; ``chord_weights`` (n_chords,) are the chords' fractions of the palm's force."""
         self.chain = chain
         self.bending = chain.turns.T @ ((stiffness_n_m2 / chain.yielding_m)[:, None] * chain.turns)
@@ -86,7 +86,7 @@ class FingerProblem:
 
 
 def equilibrium(
-    chain: Chain,
+    chain: AngleChain,
     stiffness_n_m2: float,
     travel_m: float,
     *,
@@ -138,7 +138,7 @@ def equilibrium(
 
 
 def equilibria(
-    chain: Chain,
+    chain: AngleChain,
     stiffness_n_m2: float,
     travels_m: FloatArray,
     *,
@@ -218,7 +218,7 @@ def solve_system(system: FloatArray, right: FloatArray, travel_m: float) -> Floa
     return step
 
 
-def sensitivity(at: FingerEquilibrium) -> Sensitivity:
+def sensitivity(at: FingerEquilibrium) -> EquilibriumSlopes:
     """Return how an equilibrium without friction changes with a small endpoint force and a small travel.
 
     Both come from one factorisation of the same symmetric system, so dT/df = dy/dx holds to rounding (reciprocity:
@@ -233,7 +233,7 @@ def sensitivity(at: FingerEquilibrium) -> Sensitivity:
     right[:count, 0] = -across
     right[count, 1] = -1.0
     by_force, by_travel = np.linalg.solve(system, right).T
-    return Sensitivity(
+    return EquilibriumSlopes(
         float(by_force[count]),
         float(-(across @ by_force[:count])),
         float(across @ by_travel[:count]),
@@ -241,7 +241,7 @@ def sensitivity(at: FingerEquilibrium) -> Sensitivity:
     )
 
 
-def loaded_cantilever(chain: Chain, stiffness_n_m2: float, force_n: float, steps: int = 10) -> FingerEquilibrium:
+def loaded_cantilever(chain: AngleChain, stiffness_n_m2: float, force_n: float, steps: int = 10) -> FingerEquilibrium:
     """Return a chain without a tendon under a dead force across its axis at its endpoint, in ``steps`` load steps.
 
     The same discrete statics as the finger's, for comparison with published tables. Raises CallerError for a chain that

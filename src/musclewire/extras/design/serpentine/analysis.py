@@ -11,7 +11,7 @@ from musclewire.errors import CallerError
 from musclewire.extras.design.design_checks import DesignCheck
 from musclewire.extras.design.frame import chain_stiffness_n_per_m
 from musclewire.extras.design.serpentine import closed_form
-from musclewire.extras.design.serpentine.geometry import Envelope, SerpentineGeometry
+from musclewire.extras.design.serpentine.geometry import AvailableRoom, SerpentineGeometry
 from musclewire.extras.design.serpentine.strip import (
     FINEST,
     MESHES,
@@ -22,7 +22,7 @@ from musclewire.extras.design.serpentine.strip import (
 )
 from musclewire.parameters.materials import Material
 
-__all__ = ["DesignCheck", "Duty", "PretensionerDesign", "analyse", "finger_problem"]
+__all__ = ["DesignCheck", "PretensionerDuty", "PretensionerDesign", "analyse", "finger_problem"]
 
 # Tolerances between two methods for the same number.
 BEAMS_TOLERANCE, STRIP_TOLERANCE, MESH_TOLERANCE, CORNER_TOLERANCE = 0.005, 0.03, 0.005, 0.08
@@ -36,7 +36,7 @@ PLATE = 10.0
 
 
 @dataclass(frozen=True)
-class Duty:
+class PretensionerDuty:
     """What a pretensioner is for.
 
     Parameters
@@ -118,7 +118,7 @@ class PretensionerDesign:
     geometry: SerpentineGeometry
     material: Material
     process: str
-    duty: Duty
+    duty: PretensionerDuty
     linear: tuple[LinearAnswer, ...]
     guided: LinearAnswer
     curve: ForceCurve
@@ -147,8 +147,8 @@ def analyse(
     geometry: SerpentineGeometry,
     material: Material,
     process: str | None = None,
-    duty: Duty | None = None,
-    envelope: Envelope | None = None,
+    duty: PretensionerDuty | None = None,
+    envelope: AvailableRoom | None = None,
     wanted_n_per_m: float | None = None,
 ) -> PretensionerDesign:
     """Return the analysis of a serpentine, with all its checks.
@@ -156,7 +156,7 @@ def analyse(
     Raises CallerError for a process that is not known for the material or a travel beyond its range, NumericsError if
     the strip finds no balance.
     """
-    asked = duty or Duty()
+    asked = duty or PretensionerDuty()
     process = material.process_called(process)
     least = material.minimum_thickness_by(process)
     linear = tuple(linear_answer(geometry, material, across) for across in MESHES)
@@ -251,7 +251,7 @@ def corner_checks(geometry: SerpentineGeometry, answer: LinearAnswer, rule: str)
 
 def use_checks(
     geometry: SerpentineGeometry,
-    duty: Duty,
+    duty: PretensionerDuty,
     stiffness: float,
     curve: ForceCurve,
     travel: float | None,
@@ -288,7 +288,7 @@ def strength_checks(
     ]
 
 
-def making_checks(geometry: SerpentineGeometry, min_m: float, envelope: Envelope | None) -> list[DesignCheck]:
+def making_checks(geometry: SerpentineGeometry, min_m: float, envelope: AvailableRoom | None) -> list[DesignCheck]:
     """Return checks that the process can make it and that it fits the envelope."""
     checks = [
         DesignCheck("thickness", geometry.thickness_m, min_m, "m", "above"),

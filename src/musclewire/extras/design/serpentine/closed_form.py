@@ -19,7 +19,7 @@ from itertools import pairwise
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.extras.design.serpentine.geometry import Arc, SerpentineGeometry, Straight
+from musclewire.extras.design.serpentine.geometry import CentreLineArc, CentreLineStraight, SerpentineGeometry
 
 __all__ = [
     "corner_stress_factor",
@@ -77,16 +77,16 @@ def line_points(geometry: SerpentineGeometry, rounded: bool, leads: bool) -> tup
         pieces = geometry.centre_line()
     else:
         corners = geometry.vertices_m() if leads else geometry.vertices_m()[1:-1]
-        pieces = [Straight(start, end) for start, end in pairwise(corners)]
+        pieces = [CentreLineStraight(start, end) for start, end in pairwise(corners)]
     fraction = 0.5 * (1.0 + GAUSS_POINTS)
     points = [places_on(piece, fraction) for piece in pieces]
     weights = [0.5 * piece.length_m * GAUSS_WEIGHTS for piece in pieces]
     return np.concatenate(points), np.concatenate(weights)
 
 
-def places_on(piece: Straight | Arc, fraction: FloatArray) -> FloatArray:
+def places_on(piece: CentreLineStraight | CentreLineArc, fraction: FloatArray) -> FloatArray:
     """Return points (n, 2) at fractions (n,) of a piece of the centre line [m]."""
-    if isinstance(piece, Straight):
+    if isinstance(piece, CentreLineStraight):
         start, end = np.array(piece.start_m), np.array(piece.end_m)
         straight: FloatArray = start + fraction[:, None] * (end - start)
         return straight
@@ -143,7 +143,7 @@ def rounded_stiffness_n_per_m(
     coefficient = 10.0 * (1.0 + poisson_ratio) / (12.0 + 11.0 * poisson_ratio)
     sheared = stretched = 0.0
     for piece in geometry.centre_line():
-        if isinstance(piece, Arc):
+        if isinstance(piece, CentreLineArc):
             sheared += 0.5 * piece.length_m
             stretched += 0.5 * piece.length_m
         elif abs(piece.end_m[0] - piece.start_m[0]) > abs(piece.end_m[1] - piece.start_m[1]):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.extras.design.drawing import Circle, polyline_m
+from musclewire.extras.design.drawing import DrawnHole, polyline_m
 from musclewire.extras.design.serpentine.outline import serpentine_drawing
 from musclewire.extras.design.serpentine.strip import pulled_strip
 from musclewire.pages import AVERAGE, COOLING, HEATING, STYLE, TARGET
@@ -105,7 +105,7 @@ def end_motion(state: BodyEquilibrium, connector_m: float) -> tuple[FloatArray, 
 
 
 def block(
-    axes: Axes, corner: tuple[float, float], size: tuple[float, float], holes: list[Circle], moved: Affine2D
+    axes: Axes, corner: tuple[float, float], size: tuple[float, float], holes: list[DrawnHole], moved: Affine2D
 ) -> None:
     """Draw a thick block with its holes [mm], moved and turned."""
     import matplotlib.patches as shapes

@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 from musclewire.errors import CallerError
 
-__all__ = ["Arc", "Envelope", "Fittings", "SerpentineGeometry", "Straight"]
+__all__ = ["CentreLineArc", "AvailableRoom", "SerpentineFittings", "SerpentineGeometry", "CentreLineStraight"]
 
 # A strip shorter than this many thicknesses is no beam: closed forms and intuition end there.
 MIN_HALF_BEAM = 2.0
@@ -38,7 +38,7 @@ USUAL_CORNER = 0.25
 MAX_BEAMS = 60
 
 
-class Straight(NamedTuple):
+class CentreLineStraight(NamedTuple):
     """A straight piece of the centre line: where it begins and ends [m]."""
 
     start_m: tuple[float, float]
@@ -50,7 +50,7 @@ class Straight(NamedTuple):
         return math.dist(self.start_m, self.end_m)
 
 
-class Arc(NamedTuple):
+class CentreLineArc(NamedTuple):
     """A rounded corner of the centre line: centre, radius, angle where it begins, angle it turns by (left positive)."""
 
     centre_m: tuple[float, float]
@@ -64,7 +64,7 @@ class Arc(NamedTuple):
         return self.radius_m * abs(self.turn_rad)
 
 
-class Envelope(NamedTuple):
+class AvailableRoom(NamedTuple):
     """Available room across the wire, along it and out of plane [m]; it holds pad and connector too."""
 
     across_m: float
@@ -73,7 +73,7 @@ class Envelope(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Fittings:
+class SerpentineFittings:
     """Fittings of a serpentine: a clamping pad with screw holes, and a connector with a hole for wire and tendon."""
 
     pad_height_m: float = 5e-3
@@ -98,7 +98,7 @@ class SerpentineGeometry:
     thickness_m: float
     depth_m: float
     corner_radius_m: float
-    fittings: Fittings = field(default_factory=Fittings)
+    fittings: SerpentineFittings = field(default_factory=SerpentineFittings)
 
     def __post_init__(self) -> None:
         """Refuse impossible dimensions, in one line that names the wrong number and its limits."""
@@ -135,7 +135,7 @@ class SerpentineGeometry:
             )
 
     @classmethod
-    def of(
+    def with_corner_fraction(
         cls,
         beams: int,
         half_length_m: float,
@@ -210,20 +210,20 @@ class SerpentineGeometry:
             y += self.pitch_m
         return [*found, (0.0, y), (0.0, self.connector_m)]
 
-    def centre_line(self) -> list[Straight | Arc]:
+    def centre_line(self) -> list[CentreLineStraight | CentreLineArc]:
         """Return the centre line with its rounded corners, from pad to connector."""
         corners, radius = self.vertices_m(), self.centre_radius_m
-        pieces: list[Straight | Arc] = []
+        pieces: list[CentreLineStraight | CentreLineArc] = []
         start = corners[0]
         for before, corner, after in zip(corners, corners[1:], corners[2:], strict=False):
             into, out = direction(before, corner), direction(corner, after)
             turn = math.copysign(0.5 * math.pi, into[0] * out[1] - into[1] * out[0])
             begins = (corner[0] - radius * into[0], corner[1] - radius * into[1])
             centre = (begins[0] + radius * out[0], begins[1] + radius * out[1])
-            pieces.append(Straight(start, begins))
-            pieces.append(Arc(centre, radius, math.atan2(-out[1], -out[0]), turn))
+            pieces.append(CentreLineStraight(start, begins))
+            pieces.append(CentreLineArc(centre, radius, math.atan2(-out[1], -out[0]), turn))
             start = (corner[0] + radius * out[0], corner[1] + radius * out[1])
-        return [*(piece for piece in pieces if piece.length_m > 1e-12), Straight(start, corners[-1])]
+        return [*(piece for piece in pieces if piece.length_m > 1e-12), CentreLineStraight(start, corners[-1])]
 
 
 def words(name: str) -> str:

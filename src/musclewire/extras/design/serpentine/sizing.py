@@ -20,16 +20,16 @@ from musclewire.extras.design.serpentine import closed_form
 from musclewire.extras.design.serpentine.analysis import (
     WANTED_TOLERANCE,
     DesignCheck,
-    Duty,
     PretensionerDesign,
+    PretensionerDuty,
     analyse,
     finger_problem,
 )
 from musclewire.extras.design.serpentine.geometry import (
     MIN_HALF_BEAM,
     USUAL_CORNER,
-    Envelope,
-    Fittings,
+    AvailableRoom,
+    SerpentineFittings,
     SerpentineGeometry,
 )
 from musclewire.extras.design.serpentine.strip import linear_answer
@@ -51,9 +51,9 @@ class PretensionerRequest:
     """Requirements: a stiffness [N/m] and a duty, of a material, by a process, within an envelope."""
 
     stiffness_n_per_m: float
-    duty: Duty
+    duty: PretensionerDuty
     material: Material
-    envelope: Envelope
+    envelope: AvailableRoom
     process: str | None = None
 
     @property
@@ -67,7 +67,7 @@ class PretensionerRequest:
         return self.duty.travel_with(self.stiffness_n_per_m) or 0.0
 
 
-class Candidate(NamedTuple):
+class SerpentineCandidate(NamedTuple):
     """A serpentine of the requested stiffness by the closed form, and the limit it exceeds most, if any."""
 
     geometry: SerpentineGeometry
@@ -93,7 +93,7 @@ def design_pretensioner(request: PretensionerRequest) -> PretensionerDesign:
         If there is none: the message names the limit that binds and by how much.
     """
     require_sense(request)
-    closest: Candidate | None = None
+    closest: SerpentineCandidate | None = None
     almost: list[PretensionerDesign] = []
     for corner_fraction in CORNER_FRACTIONS:
         for form in forms(corner_fraction):
@@ -109,7 +109,7 @@ def design_pretensioner(request: PretensionerRequest) -> PretensionerDesign:
     raise CallerError(close_call(request, almost) if almost else closest.problem)
 
 
-def made_of(request: PretensionerRequest, candidate: Candidate) -> PretensionerDesign | None:
+def made_of(request: PretensionerRequest, candidate: SerpentineCandidate) -> PretensionerDesign | None:
     """Return a candidate rounded, trimmed and computed by finite elements; None if trimming misses the stiffness."""
     trimmed = trim(request, candidate.geometry)
     if trimmed is None:
@@ -139,7 +139,7 @@ def require_sense(request: PretensionerRequest) -> None:
         raise CallerError(problem)
 
 
-class Form(NamedTuple):
+class SearchVariables(NamedTuple):
     """Variables of the search: beams, half length over that which fills the width, corner radius over thickness."""
 
     beams: int
@@ -147,23 +147,25 @@ class Form(NamedTuple):
     corner_fraction: float
 
 
-def forms(corner_fraction: float) -> list[Form]:
+def forms(corner_fraction: float) -> list[SearchVariables]:
     """Return all forms with such corners, the simplest and widest first."""
-    return [Form(beams, fraction, corner_fraction) for beams in BEAM_NUMBERS for fraction in WIDTH_FRACTIONS]
+    return [SearchVariables(beams, fraction, corner_fraction) for beams in BEAM_NUMBERS for fraction in WIDTH_FRACTIONS]
 
 
-def shape(request: PretensionerRequest, form: Form, thickness_m: float) -> SerpentineGeometry:
+def shape(request: PretensionerRequest, form: SearchVariables, thickness_m: float) -> SerpentineGeometry:
     """Return the serpentine that fills the envelope along the wire, and a fraction of its width."""
-    fittings = Fittings()
+    fittings = SerpentineFittings()
     room = request.envelope.along_m - fittings.pad_height_m - fittings.connector_height_m
     pitch = (room + thickness_m) / (form.beams + 2)
     half = 0.5 * form.width_fraction * (request.envelope.across_m - thickness_m)
-    return SerpentineGeometry.of(form.beams, half, pitch, thickness_m, request.envelope.depth_m, form.corner_fraction)
+    return SerpentineGeometry.with_corner_fraction(
+        form.beams, half, pitch, thickness_m, request.envelope.depth_m, form.corner_fraction
+    )
 
 
-def thickest_m(request: PretensionerRequest, form: Form) -> float:
+def thickest_m(request: PretensionerRequest, form: SearchVariables) -> float:
     """Return the largest thickness [m] with slots wide enough and beams long enough; 0 or less if none does."""
-    fittings = Fittings()
+    fittings = SerpentineFittings()
     room = request.envelope.along_m - fittings.pad_height_m - fittings.connector_height_m
     slots = (room - (form.beams + 2) * request.min_m) / (form.beams + 1)
     across = request.envelope.across_m
@@ -181,7 +183,7 @@ def estimate_n_per_m(request: PretensionerRequest, geometry: SerpentineGeometry)
     )
 
 
-def tried(request: PretensionerRequest, form: Form) -> list[Candidate]:
+def tried(request: PretensionerRequest, form: SearchVariables) -> list[SerpentineCandidate]:
     """Return the serpentine of this form that has the requested stiffness; nothing if none fits."""
     max_thickness_m = thickest_m(request, form)
     if max_thickness_m <= THINNEST_M:
@@ -196,7 +198,7 @@ def tried(request: PretensionerRequest, form: Form) -> list[Candidate]:
     return [judged(request, geometry)]
 
 
-def judged(request: PretensionerRequest, geometry: SerpentineGeometry) -> Candidate:
+def judged(request: PretensionerRequest, geometry: SerpentineGeometry) -> SerpentineCandidate:
     """Return a serpentine with the limit it exceeds most."""
     min_thickness_m, allowed = request.min_m, request.material.allowable_stress_pa.value
     process = request.material.process_called(request.process)
@@ -217,12 +219,12 @@ def judged(request: PretensionerRequest, geometry: SerpentineGeometry) -> Candid
         "material",
     )
     excess, problem = max(thin, weak)
-    return Candidate(geometry, excess, problem)
+    return SerpentineCandidate(geometry, excess, problem)
 
 
 def out_of_reach(request: PretensionerRequest) -> str:
     """Return why no serpentine has the requested stiffness: envelope too small or stiffness out of range."""
-    fittings, envelope = Fittings(), request.envelope
+    fittings, envelope = SerpentineFittings(), request.envelope
     min_across = max(fittings.pad_width_m, fittings.connector_width_m)
     min_along = fittings.pad_height_m + fittings.connector_height_m + 4.0 * request.min_m + 3.0 * request.min_m
     for name, room, need in (

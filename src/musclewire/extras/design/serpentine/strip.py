@@ -17,7 +17,7 @@ from musclewire.errors import CallerError
 from musclewire.extras.design.elasticity import BodyEquilibrium, BodyLoad, load_path, solve_large, solve_linear
 from musclewire.extras.design.plane_body import PlaneBody
 from musclewire.extras.design.serpentine.closed_form import places_on
-from musclewire.extras.design.serpentine.geometry import Arc, SerpentineGeometry
+from musclewire.extras.design.serpentine.geometry import CentreLineArc, SerpentineGeometry
 from musclewire.parameters.materials import Material
 
 __all__ = [
@@ -96,7 +96,7 @@ def sections(geometry: SerpentineGeometry, across: int) -> tuple[FloatArray, Flo
     points: list[FloatArray] = []
     tangents: list[FloatArray] = []
     for piece in geometry.centre_line():
-        if isinstance(piece, Arc):
+        if isinstance(piece, CentreLineArc):
             fraction = np.linspace(0.0, 1.0, ARC_ELEMENTS * across + ARC_MORE + 1)
             angle = piece.start_rad + fraction * piece.turn_rad
             tangent = math.copysign(1.0, piece.turn_rad) * np.stack([-np.sin(angle), np.cos(angle)], axis=1)
@@ -131,7 +131,7 @@ class StripEnds(NamedTuple):
     weights: FloatArray
 
     @classmethod
-    def of(cls, body: PlaneBody, geometry: SerpentineGeometry) -> StripEnds:
+    def of_body(cls, body: PlaneBody, geometry: SerpentineGeometry) -> StripEnds:
         """Find the ends of a body made by strip_body."""
         near = 1e-6 * geometry.thickness_m
         held = body.nodes_near(y_m=geometry.fittings.pad_height_m, within_m=near)
@@ -158,7 +158,7 @@ def linear_answer(
 ) -> LinearAnswer:
     """Return stiffness and stress for small displacements; ``guided``: the end cannot turn or move sideways."""
     body = strip_body(geometry, material, across)
-    ends = StripEnds.of(body, geometry)
+    ends = StripEnds.of_body(body, geometry)
     if guided:
         prescribed_m = BodyLoad.held(ends.held) | BodyLoad.moved(ends.pulled, {0: 0.0, 1: 1e-6})
         found = solve_linear(body, BodyLoad(prescribed_m))
@@ -180,7 +180,7 @@ def force_curve(
     allowed = material.allowable_stress_pa.value
     linear = linear_answer(geometry, material, across)
     body = strip_body(geometry, material, across)
-    ends = StripEnds.of(body, geometry)
+    ends = StripEnds.of_body(body, geometry)
     unit_n = max(allowed / linear.stress_pa_per_n, min_travel_m * linear.stiffness_n_per_m)
     rows = [(0.0, 0.0, 0.0)]
 
@@ -204,4 +204,4 @@ def pulled_strip(
 ) -> BodyEquilibrium:
     """Return the balance under a pull [N] along the wire. Raises NumericsError if there is none."""
     body = strip_body(geometry, material, across)
-    return solve_large(body, StripEnds.of(body, geometry).pulling(body, force_n), steps=2)
+    return solve_large(body, StripEnds.of_body(body, geometry).pulling(body, force_n), steps=2)

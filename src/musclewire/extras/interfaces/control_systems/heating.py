@@ -11,7 +11,7 @@ from musclewire.wire.fronts import shakedown_of
 from musclewire.wire.row import Rows
 from musclewire.wire.state import WireState
 from musclewire.wire.step import NO_PUSH, RunningWire, accept, guess_after, middle_of_step, solve
-from musclewire.wire.stepping import Drive, instant_of
+from musclewire.wire.stepping import SourceOutput, instant_of
 
 __all__ = ["HeatFlow", "heat_flow_of", "heated_to"]
 
@@ -58,7 +58,7 @@ def flow_rows(
     derived: Rows, drive_voltage_v: float, resistance_ohm: float, temperature_k: float
 ) -> tuple[float, float]:
     """Return the electrical power of a wire in its circuit and its loss to the air [W]."""
-    found = instant_of(derived[0], Drive(drive_voltage_v, False), resistance_ohm, temperature_k)
+    found = instant_of(derived[0], SourceOutput(drive_voltage_v, False), resistance_ohm, temperature_k)
     return found.power_w, found.loss_w
 
 

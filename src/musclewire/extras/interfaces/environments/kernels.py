@@ -23,7 +23,7 @@ __all__ = [
     "FACTS",
     "MEMORY",
     "NO_CURVE",
-    "Curve",
+    "CompiledCurve",
     "LaneEnds",
     "LaneRun",
     "draw_levels",
@@ -68,7 +68,7 @@ Rows = NDArray[np.void]
 Record = Any
 
 
-class Curve(NamedTuple):
+class CompiledCurve(NamedTuple):
     """The mean polynomial of a resistance curve as compiled code takes it; no coefficients: no estimate."""
 
     resistance_min_ohm: float
@@ -79,7 +79,7 @@ class Curve(NamedTuple):
     cooling: FloatArray
 
 
-NO_CURVE = Curve(0.0, 0.0, 0.0, 0.0, np.empty(0), np.empty(0))
+NO_CURVE = CompiledCurve(0.0, 0.0, 0.0, 0.0, np.empty(0), np.empty(0))
 
 
 class LaneRun(NamedTuple):
@@ -91,7 +91,7 @@ class LaneRun(NamedTuple):
 
     seed: int
     level_of_sample: NDArray[np.int64]
-    curve: Curve
+    curve: CompiledCurve
 
 
 class LaneEnds(NamedTuple):
@@ -205,7 +205,7 @@ def read_lanes(facts: Rows, memory: Rows, seed: int, means: FloatArray, ends: La
 
 
 @compiled
-def estimate_of(curve: Curve, resistance_ohm: float) -> float:
+def estimate_of(curve: CompiledCurve, resistance_ohm: float) -> float:
     """Return the mean of both branches at a resistance (Eqs. 3 to 5), as ``ResistanceCurve.estimate`` does."""
     fraction = (resistance_ohm - curve.resistance_min_ohm) * curve.per_ohm
     inside = min(max(fraction, curve.normalised_min), curve.normalised_max)

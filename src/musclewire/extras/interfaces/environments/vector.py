@@ -19,7 +19,7 @@ from musclewire.extras.interfaces.environments.kernels import (
     FACTS,
     MEMORY,
     NO_CURVE,
-    Curve,
+    CompiledCurve,
     LaneEnds,
     LaneRun,
     draw_levels,
@@ -36,7 +36,7 @@ from musclewire.extras.interfaces.environments.spaces import (
     observation_space,
     strain_model,
 )
-from musclewire.extras.interfaces.environments.watch import Watch
+from musclewire.extras.interfaces.environments.watch import ProtectionWatch
 from musclewire.extras.interfaces.simulated_wire import SimulatedWire, simulated_wire
 from musclewire.rigs.configuration import RigConfiguration
 from musclewire.sensing import SensingModel
@@ -103,7 +103,7 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         self._memory = np.zeros(num_envs, MEMORY)
         self._targets = np.zeros((num_envs, self._episode.levels))
         self._drive_v = np.zeros(num_envs)
-        self._watch = Watch([wire.limits for wire in lanes], self._facts, self._memory)
+        self._watch = ProtectionWatch([wire.limits for wire in lanes], self._facts, self._memory)
         self._run = LaneRun(0, self._episode.level_of_sample(period_s), curve_of(known))
         self.single_action_space = action_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -232,12 +232,12 @@ def widest(wires: Sequence[SimulatedWire]) -> ProtectionLimits:
     return ProtectionLimits(*(max(column) for column in columns))
 
 
-def curve_of(model: SensingModel | None) -> Curve:
+def curve_of(model: SensingModel | None) -> CompiledCurve:
     """Return the resistance curve of a model as compiled code takes it."""
     if model is None:
         return NO_CURVE
     curve = model.curve()
-    return Curve(
+    return CompiledCurve(
         curve.resistance_min_ohm,
         1.0 / (curve.resistance_max_ohm - curve.resistance_min_ohm),
         curve.normalised_min,

@@ -23,12 +23,12 @@ from musclewire.controllers.protection.protect import NOTHING_LASTS
 from musclewire.controllers.protection.sound import MEMORY as REMEMBERED
 from musclewire.extras.interfaces.environments.kernels import LaneEnds
 
-__all__ = ["Watch"]
+__all__ = ["ProtectionWatch"]
 
 NAMES = REMEMBERED.names or ()
 
 
-class Watch:
+class ProtectionWatch:
     """Lanes whose protection is in another state than ``run`` with nothing that lasts; as a rule there are none."""
 
     def __init__(self, limits: list[ProtectionLimits], facts: NDArray[np.void], memory: NDArray[np.void]) -> None:

@@ -15,14 +15,14 @@ from typing import NamedTuple
 
 from musclewire.errors import CallerError, NumericsError
 
-__all__ = ["Binary", "binary_platform", "compiled_binary"]
+__all__ = ["FmuBinary", "binary_platform", "compiled_binary"]
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden", "-w")
 COMPILERS = ("cc", "gcc", "clang")
 SUFFIXES = {"linux": ".so", "darwin": ".dylib", "win": ".dll"}
 
 
-class Binary(NamedTuple):
+class FmuBinary(NamedTuple):
     """A compiled binary: its path in the FMU, its bytes, and the compiler."""
 
     path: str
@@ -36,7 +36,7 @@ def binary_platform() -> str:
     return f"{system}{'64' if sys.maxsize > 2**32 else '32'}"
 
 
-def compiled_binary(name: str, sources: Mapping[str, str]) -> Binary:
+def compiled_binary(name: str, sources: Mapping[str, str]) -> FmuBinary:
     """Return the binary of an FMU's sources, by the compiler of the environment variable CC, or cc, gcc or clang.
 
     Raises CallerError if there is no compiler or no platform of FMI 2.0 here, and NumericsError with the compiler's
@@ -53,7 +53,7 @@ def compiled_binary(name: str, sources: Mapping[str, str]) -> Binary:
             (folder / file).write_text(text, encoding="utf-8")
         files = sorted(file for file in sources if file.endswith(".c"))
         compile_in(folder, [*compiler, *FLAGS, *files, "-o", out])
-        return Binary(f"binaries/{place}/{out}", (folder / out).read_bytes(), " ".join(compiler))
+        return FmuBinary(f"binaries/{place}/{out}", (folder / out).read_bytes(), " ".join(compiler))
 
 
 def compile_in(folder: Path, command: list[str]) -> None:

@@ -8,12 +8,12 @@ from importlib.resources import files
 from typing import NamedTuple
 
 from musclewire.extras.board.c import library_license
-from musclewire.extras.interfaces.fmu.description import Description, description_text
+from musclewire.extras.interfaces.fmu.description import ModelDescription, description_text
 from musclewire.extras.interfaces.fmu.documentation import documentation_page
 from musclewire.extras.interfaces.fmu.header import variables_header
-from musclewire.extras.interfaces.fmu.variables import Variables
+from musclewire.extras.interfaces.fmu.variables import FmuVariables
 
-__all__ = ["LOG_OWNERS", "Contents", "fmu_sources", "fmu_texts", "c_files"]
+__all__ = ["LOG_OWNERS", "FmuContents", "fmu_sources", "fmu_texts", "c_files"]
 
 # Exports of the same content have the same GUID, those of other content another.
 NAMESPACE = uuid.UUID("6d1e5c1e-6f0b-5b0c-9a53-8f7f2b6a3c10")
@@ -24,7 +24,7 @@ LOG_OWNERS = {
 }
 
 
-class Contents(NamedTuple):
+class FmuContents(NamedTuple):
     """A model to export.
 
     ``sources`` are all its C files but those that every FMU has; ``step_s`` is the communication step that tools
@@ -32,7 +32,7 @@ class Contents(NamedTuple):
     """
 
     title: str
-    variables: Variables
+    variables: FmuVariables
     sources: Mapping[str, str]
     step_s: float
     owners: tuple[str, ...]
@@ -48,7 +48,7 @@ def c_files(folder: str, *, without: tuple[str, ...] = ()) -> dict[str, str]:
     }
 
 
-def fmu_sources(contents: Contents, guid: str) -> dict[str, str]:
+def fmu_sources(contents: FmuContents, guid: str) -> dict[str, str]:
     """Return all C files of an FMU by name."""
     models = tuple(name for name in c_files("c_fmu") if name.endswith("_model.c"))
     return {
@@ -58,7 +58,7 @@ def fmu_sources(contents: Contents, guid: str) -> dict[str, str]:
     }
 
 
-def fmu_texts(name: str, contents: Contents) -> dict[str, str]:
+def fmu_texts(name: str, contents: FmuContents) -> dict[str, str]:
     """Return every text of an FMU by its path in the archive."""
     nameless = fmu_sources(contents, "")
     text_of_all = "\n".join(f"{file}\n{nameless[file]}" for file in sorted(nameless))
@@ -66,7 +66,7 @@ def fmu_texts(name: str, contents: Contents) -> dict[str, str]:
     sources = fmu_sources(contents, guid)
     compiled = sorted(file for file in sources if file.endswith(".c"))
     owners = [(owner, LOG_OWNERS[owner]) for owner in contents.owners]
-    about = Description(name, contents.title, guid, contents.step_s, compiled, owners)
+    about = ModelDescription(name, contents.title, guid, contents.step_s, compiled, owners)
     license_text = library_license()
     return {
         "modelDescription.xml": description_text(about, contents.variables),

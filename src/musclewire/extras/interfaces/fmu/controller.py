@@ -7,8 +7,8 @@ from musclewire.controllers.protection import Event, ProtectionLimits, protectio
 from musclewire.extras.board.c.constants import collect
 from musclewire.extras.board.c.header import constants_header
 from musclewire.extras.board.c.library import library_sources
-from musclewire.extras.interfaces.fmu.contents import Contents, c_files
-from musclewire.extras.interfaces.fmu.variables import Variables
+from musclewire.extras.interfaces.fmu.contents import FmuContents, c_files
+from musclewire.extras.interfaces.fmu.variables import FmuVariables
 from musclewire.sensing.model import SensingModel
 
 __all__ = ["controller_contents"]
@@ -24,7 +24,7 @@ LEFT_OUT = (
 
 def controller_contents(
     name: str, model: SensingModel, settings: FuzzyPidSettings, limits: ProtectionLimits, sample_period_s: float
-) -> Contents:
+) -> FmuContents:
     """Return what is in the FMU of a model with its controller, which ticks every ``sample_period_s``.
 
     Raises CallerError for limits that contradict each other.
@@ -40,7 +40,7 @@ def controller_contents(
         quantity=model.quantity,
         double=True,
     )
-    return Contents(
+    return FmuContents(
         title=f"{model.quantity} of a shape-memory-alloy wire from its resistance, with fuzzy-tuned PID and protection",
         variables=controller_variables(model, limits, sample_period_s),
         sources={**library_sources(), "mw_constants.h": header, MODEL_FILE: c_files("c_fmu")[MODEL_FILE]},
@@ -50,13 +50,13 @@ def controller_contents(
     )
 
 
-def controller_variables(model: SensingModel, limits: ProtectionLimits, sample_period_s: float) -> Variables:
+def controller_variables(model: SensingModel, limits: ProtectionLimits, sample_period_s: float) -> FmuVariables:
     """Return the variables of a controller."""
     unit, full = QUANTITY_UNITS[model.quantity], model.quantity_max
     quantity = {"unit": unit, "nominal": full}
     said = f"{model.quantity} of {model.quantity_min:.4g} to {full:.4g} {unit}".rstrip()
     highest_v = limits.maximum_voltage_v
-    return Variables.from_files("controller").changed(
+    return FmuVariables.from_files("controller").changed(
         {
             "wire_voltage_v": {"nominal": highest_v},
             "shunt_voltage_v": {"nominal": highest_v},

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from musclewire.extras.interfaces.fmu.variables import Variable, Variables
+from musclewire.extras.interfaces.fmu.variables import FmuVariable, FmuVariables
 
-__all__ = ["Description", "Unit", "description_text", "known_units"]
+__all__ = ["ModelDescription", "FmuUnit", "description_text", "known_units"]
 
 
-class Unit(NamedTuple):
+class FmuUnit(NamedTuple):
     """A unit by its exponents of SI base units, and units to show it in: name, factor and offset from SI."""
 
     exponents: dict[str, int]
@@ -20,25 +20,25 @@ class Unit(NamedTuple):
 
 
 UNITS = {
-    "V": Unit({"kg": 1, "m": 2, "s": -3, "A": -1}),
-    "A": Unit({"A": 1}),
-    "ohm": Unit({"kg": 1, "m": 2, "s": -3, "A": -2}),
-    "1/ohm": Unit({"kg": -1, "m": -2, "s": 3, "A": 2}),
-    "ohm m": Unit({"kg": 1, "m": 3, "s": -3, "A": -2}),
-    "K": Unit({"K": 1}, (("degC", 1.0, -273.15),)),
-    "1/K": Unit({"K": -1}),
-    "K/Pa": Unit({"K": 1, "kg": -1, "m": 1, "s": 2}),
-    "Pa/K": Unit({"kg": 1, "m": -1, "s": -2, "K": -1}),
-    "Pa": Unit({"kg": 1, "m": -1, "s": -2}, (("MPa", 1e-6, 0.0),)),
-    "N": Unit({"kg": 1, "m": 1, "s": -2}),
-    "N/m": Unit({"kg": 1, "s": -2}),
-    "m": Unit({"m": 1}, (("mm", 1e3, 0.0),)),
-    "m2": Unit({"m": 2}),
-    "s": Unit({"s": 1}),
-    "1/s": Unit({"s": -1}),
-    "J": Unit({"kg": 1, "m": 2, "s": -2}),
-    "J/K": Unit({"kg": 1, "m": 2, "s": -2, "K": -1}),
-    "W/(m2 K)": Unit({"kg": 1, "s": -3, "K": -1}),
+    "V": FmuUnit({"kg": 1, "m": 2, "s": -3, "A": -1}),
+    "A": FmuUnit({"A": 1}),
+    "ohm": FmuUnit({"kg": 1, "m": 2, "s": -3, "A": -2}),
+    "1/ohm": FmuUnit({"kg": -1, "m": -2, "s": 3, "A": 2}),
+    "ohm m": FmuUnit({"kg": 1, "m": 3, "s": -3, "A": -2}),
+    "K": FmuUnit({"K": 1}, (("degC", 1.0, -273.15),)),
+    "1/K": FmuUnit({"K": -1}),
+    "K/Pa": FmuUnit({"K": 1, "kg": -1, "m": 1, "s": 2}),
+    "Pa/K": FmuUnit({"kg": 1, "m": -1, "s": -2, "K": -1}),
+    "Pa": FmuUnit({"kg": 1, "m": -1, "s": -2}, (("MPa", 1e-6, 0.0),)),
+    "N": FmuUnit({"kg": 1, "m": 1, "s": -2}),
+    "N/m": FmuUnit({"kg": 1, "s": -2}),
+    "m": FmuUnit({"m": 1}, (("mm", 1e3, 0.0),)),
+    "m2": FmuUnit({"m": 2}),
+    "s": FmuUnit({"s": 1}),
+    "1/s": FmuUnit({"s": -1}),
+    "J": FmuUnit({"kg": 1, "m": 2, "s": -2}),
+    "J/K": FmuUnit({"kg": 1, "m": 2, "s": -2, "K": -1}),
+    "W/(m2 K)": FmuUnit({"kg": 1, "s": -3, "K": -1}),
 }
 CAUSALITY = {
     "input": ("input", "continuous", None),
@@ -50,7 +50,7 @@ CAUSALITY = {
 TAGS = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 
 
-class Description(NamedTuple):
+class ModelDescription(NamedTuple):
     """What the first lines of a model description say, with the step that a tool should take by default [s]."""
 
     name: str
@@ -66,7 +66,7 @@ def known_units() -> list[str]:
     return list(UNITS)
 
 
-def description_text(about: Description, variables: Variables) -> str:
+def description_text(about: ModelDescription, variables: FmuVariables) -> str:
     """Return the text of ``modelDescription.xml``."""
     root = model_element(about)
     add_simulation(root, about)
@@ -82,7 +82,7 @@ def description_text(about: Description, variables: Variables) -> str:
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
 
 
-def model_element(about: Description) -> ElementTree.Element:
+def model_element(about: ModelDescription) -> ElementTree.Element:
     """Return the root of a model description."""
     from importlib.metadata import version
 
@@ -102,7 +102,7 @@ def model_element(about: Description) -> ElementTree.Element:
     )
 
 
-def add_simulation(root: ElementTree.Element, about: Description) -> None:
+def add_simulation(root: ElementTree.Element, about: ModelDescription) -> None:
     """Add what the FMU can do, and its C files."""
     simulation = ElementTree.SubElement(
         root,
@@ -120,7 +120,7 @@ def add_simulation(root: ElementTree.Element, about: Description) -> None:
         ElementTree.SubElement(files, "File", {"name": source})
 
 
-def add_units(root: ElementTree.Element, variables: Iterable[Variable]) -> None:
+def add_units(root: ElementTree.Element, variables: Iterable[FmuVariable]) -> None:
     """Add the units that the variables have."""
     used = sorted({variable.unit for variable in variables if variable.unit})
     if not used:
@@ -136,7 +136,7 @@ def add_units(root: ElementTree.Element, variables: Iterable[Variable]) -> None:
             )
 
 
-def add_types(root: ElementTree.Element, variables: Iterable[Variable]) -> None:
+def add_types(root: ElementTree.Element, variables: Iterable[FmuVariable]) -> None:
     """Add the enumerations."""
     enumerations = [variable for variable in variables if variable.names]
     if not enumerations:
@@ -150,7 +150,7 @@ def add_types(root: ElementTree.Element, variables: Iterable[Variable]) -> None:
             ElementTree.SubElement(items, "Item", {"name": name, "value": str(number), **described})
 
 
-def add_variables(root: ElementTree.Element, variables: Variables) -> None:
+def add_variables(root: ElementTree.Element, variables: FmuVariables) -> None:
     """Add all variables in the order of their value references."""
     listed = ElementTree.SubElement(root, "ModelVariables")
     for reference, variable in enumerate(variables.ordered):
@@ -171,7 +171,7 @@ def add_variables(root: ElementTree.Element, variables: Variables) -> None:
         ElementTree.SubElement(element, tag, numbers_of(variable, started=initial != "calculated"))
 
 
-def numbers_of(variable: Variable, *, started: bool) -> dict[str, str]:
+def numbers_of(variable: FmuVariable, *, started: bool) -> dict[str, str]:
     """Return unit, bounds and start value as a variable's element has them."""
     found = {}
     if variable.names:
@@ -190,7 +190,7 @@ def numbers_of(variable: Variable, *, started: bool) -> dict[str, str]:
     return found
 
 
-def start_text(variable: Variable) -> str:
+def start_text(variable: FmuVariable) -> str:
     """Return a start value as the schema of its type requires it."""
     if variable.kind == "real":
         return repr(float(variable.start))
@@ -199,7 +199,7 @@ def start_text(variable: Variable) -> str:
     return str(int(variable.start))
 
 
-def add_structure(root: ElementTree.Element, variables: Variables) -> None:
+def add_structure(root: ElementTree.Element, variables: FmuVariables) -> None:
     """Add the outputs: none depends on an input of its own communication point, at rest only on those named."""
     structure = ElementTree.SubElement(root, "ModelStructure")
     outputs = [variable for variable in variables.ordered if variable.role == "output"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-from musclewire.extras.interfaces.fmu.description import Description
-from musclewire.extras.interfaces.fmu.variables import Variable, Variables
+from musclewire.extras.interfaces.fmu.description import ModelDescription
+from musclewire.extras.interfaces.fmu.variables import FmuVariable, FmuVariables
 
 __all__ = ["documentation_page"]
 
@@ -41,7 +41,7 @@ differ in the last digits from those tested.</p>
 """
 
 
-def documentation_page(about: Description, variables: Variables, left_out: Sequence[str]) -> str:
+def documentation_page(about: ModelDescription, variables: FmuVariables, left_out: Sequence[str]) -> str:
     """Return the page of an FMU."""
     return PAGE.format(
         name=escape(about.name),
@@ -54,7 +54,7 @@ def documentation_page(about: Description, variables: Variables, left_out: Seque
     )
 
 
-def row(variable: Variable) -> str:
+def row(variable: FmuVariable) -> str:
     """Return the row of a variable."""
     start = "" if variable.role == "output" else f"{variable.start:g}"
     cells = (variable.name, variable.role, variable.unit, start, variable.meaning)

@@ -12,9 +12,9 @@ from musclewire.errors import CallerError
 from musclewire.extras.board.rig_limits import limits_of_rig
 from musclewire.extras.interfaces.fmu.archive import archive_bytes, write_archive
 from musclewire.extras.interfaces.fmu.binary import compiled_binary
-from musclewire.extras.interfaces.fmu.contents import Contents, fmu_texts
+from musclewire.extras.interfaces.fmu.contents import FmuContents, fmu_texts
 from musclewire.extras.interfaces.fmu.controller import controller_contents
-from musclewire.extras.interfaces.fmu.variables import Role, Variables
+from musclewire.extras.interfaces.fmu.variables import FmuVariables, Role
 from musclewire.extras.interfaces.fmu.wire import wire_contents
 from musclewire.identify.use_of_model import check_made_for, settings_for
 from musclewire.rigs.configuration import rig_configuration
@@ -54,7 +54,7 @@ class Fmu(NamedTuple):
     path: Path
     kind: str
     step_s: float
-    variables: Variables
+    variables: FmuVariables
     files: tuple[str, ...]
     platform: str
     compiler: str
@@ -174,7 +174,7 @@ def contents_of(
     name: str,
     rig: str | Path,
     settings: FuzzyPidSettings | None,
-) -> Contents:
+) -> FmuContents:
     """Return what is in the FMU of a source."""
     from musclewire.sensing import load_model
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from musclewire.extras.board.c.numbers import literal, rows
-from musclewire.rigs.mechanism import Tendon
+from musclewire.rigs.mechanism import FingerTendon
 
 __all__ = ["finger_header"]
 
@@ -13,7 +13,7 @@ NO_FINGER = "/* Written by musclewire (musclewire export fmu): no finger at the 
 START = "/* Written by musclewire (musclewire export fmu): the finger at the connector. */"
 
 
-def finger_header(tendon: Tendon | None) -> str:
+def finger_header(tendon: FingerTendon | None) -> str:
     """Return the text of ``mw_finger_numbers.h``."""
     if tendon is None:
         return NO_FINGER

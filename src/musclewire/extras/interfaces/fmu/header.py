@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 
 from musclewire.extras.board.c.numbers import literal
-from musclewire.extras.interfaces.fmu.variables import KINDS, Kind, Variable, Variables
+from musclewire.extras.interfaces.fmu.variables import KINDS, FmuVariable, FmuVariables, Kind
 
 __all__ = ["c_text", "table", "variables_header"]
 
@@ -22,7 +22,7 @@ START = """/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identi
 LARGEST = "DBL_MAX"
 
 
-def variables_header(variables: Variables, guid: str) -> str:
+def variables_header(variables: FmuVariables, guid: str) -> str:
     """Return the text of ``mw_variables.h``."""
     from importlib.metadata import version
 
@@ -35,7 +35,7 @@ def variables_header(variables: Variables, guid: str) -> str:
     return "\n".join([*lines, "#endif", ""])
 
 
-def kind_lines(variables: Variables, kind: Kind) -> list[str]:
+def kind_lines(variables: FmuVariables, kind: Kind) -> list[str]:
     """Return the places and the table of all variables of one kind."""
     upper, members = kind.upper(), variables.of_kind(kind)
     return [
@@ -47,13 +47,13 @@ def kind_lines(variables: Variables, kind: Kind) -> list[str]:
     ]
 
 
-def row(variable: Variable) -> str:
+def row(variable: FmuVariable) -> str:
     """Return the initialiser of one variable."""
     numbers = ", ".join(bounded(value) for value in (variable.start, variable.minimum, variable.maximum))
     return f"{{{c_text(variable.name)}, MW_{variable.role.upper()}, {numbers}}}"
 
 
-def names_lines(variable: Variable) -> list[str]:
+def names_lines(variable: FmuVariable) -> list[str]:
     """Return the names of an enumeration's values, by value."""
     named = {number: name for number, name, _ in variable.names}
     texts = [c_text(named.get(number, "reserved")) for number in range(max(named) + 1)]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from typing import Any, Literal
 
-__all__ = ["Kind", "Role", "Variable", "Variables"]
+__all__ = ["Kind", "Role", "FmuVariable", "FmuVariables"]
 
 Kind = Literal["real", "integer", "boolean"]
 Role = Literal["input", "output", "fixed", "tunable", "constant"]
@@ -17,7 +17,7 @@ KINDS: tuple[Kind, ...] = ("real", "integer", "boolean")
 
 
 @dataclass(frozen=True)
-class Variable:
+class FmuVariable:
     """One variable of an FMU.
 
     ``role`` is an input, an output, a parameter that is set before the end of initialization (fixed) or at any time
@@ -50,31 +50,31 @@ def rows_of(name: str) -> list[dict[str, Any]]:
 
 
 @dataclass(frozen=True)
-class Variables:
+class FmuVariables:
     """All variables of an FMU, those of one kind together: a value reference is a variable's place in this order."""
 
-    ordered: tuple[Variable, ...] = field(default=())
+    ordered: tuple[FmuVariable, ...] = field(default=())
 
     @classmethod
-    def of(cls, variables: Iterable[Variable]) -> Variables:
+    def in_order(cls, variables: Iterable[FmuVariable]) -> FmuVariables:
         """Return the variables in the order of their value references."""
         given = tuple(variables)
         return cls(tuple(variable for kind in KINDS for variable in given if variable.kind == kind))
 
     @classmethod
-    def from_files(cls, *names: str) -> Variables:
+    def from_files(cls, *names: str) -> FmuVariables:
         """Return the variables of files of ``export/fmu/data``, those of a kind together."""
-        return cls.of(Variable(**row) for name in names for row in rows_of(name))
+        return cls.in_order(FmuVariable(**row) for name in names for row in rows_of(name))
 
-    def changed(self, changes: Mapping[str, Mapping[str, Any]]) -> Variables:
+    def changed(self, changes: Mapping[str, Mapping[str, Any]]) -> FmuVariables:
         """Return the variables with what differs from FMU to FMU filled in: by name, then by attribute."""
-        return Variables(tuple(replace(variable, **changes.get(variable.name, {})) for variable in self.ordered))
+        return FmuVariables(tuple(replace(variable, **changes.get(variable.name, {})) for variable in self.ordered))
 
-    def and_also(self, others: Iterable[Variable]) -> Variables:
+    def and_also(self, others: Iterable[FmuVariable]) -> FmuVariables:
         """Return these variables and others."""
-        return Variables.of((*self.ordered, *others))
+        return FmuVariables.in_order((*self.ordered, *others))
 
-    def of_kind(self, kind: Kind) -> Sequence[Variable]:
+    def of_kind(self, kind: Kind) -> Sequence[FmuVariable]:
         """Return the variables of one kind, in order."""
         return [variable for variable in self.ordered if variable.kind == kind]
 
@@ -86,6 +86,6 @@ class Variables:
         """Return the value reference of a variable."""
         return next(place for place, variable in enumerate(self.ordered) if variable.name == name)
 
-    def named(self, name: str) -> Variable:
+    def named(self, name: str) -> FmuVariable:
         """Return a variable by its name."""
         return self.ordered[self.reference(name)]

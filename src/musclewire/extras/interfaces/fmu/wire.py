@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from musclewire.errors import CallerError
-from musclewire.extras.interfaces.fmu.contents import Contents, c_files
+from musclewire.extras.interfaces.fmu.contents import FmuContents, c_files
 from musclewire.extras.interfaces.fmu.finger_header import finger_header
-from musclewire.extras.interfaces.fmu.variables import Variables
+from musclewire.extras.interfaces.fmu.variables import FmuVariables
 from musclewire.extras.interfaces.fmu.wire_header import wire_header, wire_tables
 from musclewire.extras.interfaces.fmu.wire_variables import wire_variables
 from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
@@ -22,7 +22,7 @@ PARAMETERS_START = (
 )
 
 
-def wire_contents(configuration: RigConfiguration, where: str) -> Contents:
+def wire_contents(configuration: RigConfiguration, where: str) -> FmuContents:
     """Return what is in the FMU of a simulated rig's wire. Raises CallerError for a rig with two wires."""
     device = open_simulated(configuration, where, None, None, None, False, {})
     inside = device.inside()
@@ -40,7 +40,7 @@ def wire_contents(configuration: RigConfiguration, where: str) -> Contents:
         "mw_wire_tables.c": wire_tables(constants),
         "mw_wire_parameters.h": parameters_header(variables),
     }
-    return Contents(
+    return FmuContents(
         title=f"shape-memory-alloy wire {configuration.wire} on its load, simulated",
         variables=variables,
         sources=sources,
@@ -50,7 +50,7 @@ def wire_contents(configuration: RigConfiguration, where: str) -> Contents:
     )
 
 
-def parameters_header(variables: Variables) -> str:
+def parameters_header(variables: FmuVariables) -> str:
     """Return the text of ``mw_wire_parameters.h``: which variable changes which of a wire's constants."""
     known = {item.name for item in WireConstants.fields}
     rows = [

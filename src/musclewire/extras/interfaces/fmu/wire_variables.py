@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from musclewire.extras.interfaces.fmu.variables import Variable, Variables
+from musclewire.extras.interfaces.fmu.variables import FmuVariable, FmuVariables
 from musclewire.wire.constants import WireConstants
 from musclewire.wire.row import Field
-from musclewire.wire.stepping import Stepping
+from musclewire.wire.stepping import StepControl
 
 __all__ = ["wire_variables"]
 
@@ -70,10 +70,10 @@ LARGE = 1e12
 
 
 def wire_variables(
-    constants: WireConstants, stepping: Stepping, maximum_voltage_v: float, *, finger: bool
-) -> Variables:
+    constants: WireConstants, stepping: StepControl, maximum_voltage_v: float, *, finger: bool
+) -> FmuVariables:
     """Return the variables of a wire, stepped like its rig, whose drive may reach a voltage [V]."""
-    of_all = Variables.from_files("wire", *(("finger",) if finger else ()))
+    of_all = FmuVariables.from_files("wire", *(("finger",) if finger else ()))
     whole = of_all.changed(
         {
             "drive_voltage_v": {"maximum": maximum_voltage_v},
@@ -89,7 +89,7 @@ def wire_variables(
     return whole.changed(at_rest)
 
 
-def parameters(constants: WireConstants) -> Iterator[Variable]:
+def parameters(constants: WireConstants) -> Iterator[FmuVariable]:
     """Yield the parameters of wire, load and circuit."""
     for item in WireConstants.fields:
         value = getattr(constants, item.name)
@@ -102,16 +102,16 @@ def parameters(constants: WireConstants) -> Iterator[Variable]:
             yield parameter(item, value, -LARGE, LARGE)
 
 
-def parameter(item: Field, value: float, minimum: float, maximum: float) -> Variable:
+def parameter(item: Field, value: float, minimum: float, maximum: float) -> FmuVariable:
     """Return the parameter of a field."""
-    return Variable(item.name, "fixed", item.meaning, unit_of(item), start=value, minimum=minimum, maximum=maximum)
+    return FmuVariable(item.name, "fixed", item.meaning, unit_of(item), start=value, minimum=minimum, maximum=maximum)
 
 
-def shown(constants: WireConstants) -> Iterator[Variable]:
+def shown(constants: WireConstants) -> Iterator[FmuVariable]:
     """Yield the numbers of the wire that follow from its geometry: they are shown and cannot be changed."""
     for item in WireConstants.fields:
         if item.name in SHOWN:
-            yield Variable(item.name, "constant", item.meaning, unit_of(item), start=getattr(constants, item.name))
+            yield FmuVariable(item.name, "constant", item.meaning, unit_of(item), start=getattr(constants, item.name))
 
 
 def unit_of(item: Field) -> str:

@@ -77,16 +77,16 @@ def wiring(
 
 def described_protection(rig: GuardedRig) -> dict[str, Any]:
     """Return the protection in words, with its estimated temperature and how far that is from the limit."""
-    now, limits = rig.protection, rig.protection_limits
-    row = protection_table().row(now.event) if now.event is not Event.NONE else None
+    protection, limits = rig.protection, rig.protection_limits
+    row = protection_table().row(protection.event) if protection.event is not Event.NONE else None
     return {
-        "state": State(now.state).name.lower(),
+        "state": State(protection.state).name.lower(),
         "event": "" if row is None else row.name,
         "cause": "" if row is None else row.cause,
         "remedy": "" if row is None else row.remedy,
-        "temperature_k": number(now.temperature_k),
+        "temperature_k": number(protection.temperature_k),
         "maximum_temperature_k": number(limits.maximum_temperature_k),
-        "margin_k": number(limits.maximum_temperature_k - now.temperature_k),
+        "margin_k": number(limits.maximum_temperature_k - protection.temperature_k),
     }
 
 

@@ -8,10 +8,10 @@ import threading
 from collections.abc import Iterator
 from typing import IO, Any
 
-__all__ = ["Outbox", "lines_of"]
+__all__ = ["MessageWriter", "lines_of"]
 
 
-class Outbox:
+class MessageWriter:
     """Writes messages whole, from any thread; a server that has ended is no error here: the reading end notices it."""
 
     def __init__(self, descriptor: int) -> None:

@@ -10,9 +10,9 @@ from typing import Any
 from musclewire.errors import CallerError, MusclewireError, NumericsError, RecordingNotWrittenError, RigError
 from musclewire.extras.live import messages
 from musclewire.extras.live.bench.opening import switch_on
-from musclewire.extras.live.bench.orders import Order, Orders
-from musclewire.extras.live.bench.recipes import RECIPES, Recipe, rig_of
-from musclewire.extras.live.bench.session import RunEndedError, Session
+from musclewire.extras.live.bench.orders import NumberedOrder, OrderQueue
+from musclewire.extras.live.bench.recipes import RECIPES, CommandRecipe, rig_of
+from musclewire.extras.live.bench.session import BenchSession, RunEndedError
 
 __all__ = ["run_session"]
 
@@ -20,7 +20,7 @@ __all__ = ["run_session"]
 WAIT_S = 0.2
 
 
-def run_session(session: Session, orders: Orders) -> None:
+def run_session(session: BenchSession, orders: OrderQueue) -> None:
     """Serve a session until its server ends; the rig is off then."""
     try:
         while not session.quitting:
@@ -35,7 +35,7 @@ def run_session(session: Session, orders: Orders) -> None:
             session.rig.close()
 
 
-def rest(session: Session) -> None:
+def rest(session: BenchSession) -> None:
     """Take one sample at the sense voltage, so that the page lives while nothing is being done."""
     assert session.rig is not None
     try:
@@ -44,7 +44,7 @@ def rest(session: Session) -> None:
         failed(session, problem)
 
 
-def perform(session: Session, order: Order) -> None:
+def perform(session: BenchSession, order: NumberedOrder) -> None:
     """Carry out a command and answer it: as begun with its first sample, as refused if it raises an error before."""
     command, refused = order.command, ""
     try:
@@ -63,13 +63,13 @@ def perform(session: Session, order: Order) -> None:
     order.answer(not refused, refused)
 
 
-def make_room(session: Session, order: Order) -> None:
+def make_room(session: BenchSession, order: NumberedOrder) -> None:
     """Let the next command in: before an answer or "ready" is sent, since whoever sees either may send it at once."""
     if not order.is_over:
         order.is_over, session.queued = True, ""
 
 
-def carry_out(session: Session, order: Order, recipe: Recipe) -> None:
+def carry_out(session: BenchSession, order: NumberedOrder, recipe: CommandRecipe) -> None:
     """Do what a command asks for; afterwards the bench is ready again, if the rig still is."""
     require_ready(session)
     doing = {
@@ -88,14 +88,14 @@ def carry_out(session: Session, order: Order, recipe: Recipe) -> None:
             session.shown.say("info" if session.end_asked() else "warning", f"the run ended before its time: {ended}")
 
 
-def require_ready(session: Session) -> None:
+def require_ready(session: BenchSession) -> None:
     """Raise CallerError if the rig is not switched on, or is not any more."""
     if session.shown.state.phase != "ready":
         raise CallerError("the rig is not switched on: switch on first")
 
 
 @contextmanager
-def busy(session: Session, order: Order, doing: dict[str, Any], *, heats: bool) -> Iterator[None]:
+def busy(session: BenchSession, order: NumberedOrder, doing: dict[str, Any], *, heats: bool) -> Iterator[None]:
     """Mark the session as busy inside; a stop before or meanwhile stays what it is."""
     with session.deciding:
         require_ready(session)
@@ -116,7 +116,7 @@ def busy(session: Session, order: Order, doing: dict[str, Any], *, heats: bool) 
                 session.shown.change(phase="ready", doing=None)
 
 
-def failed(session: Session, problem: MusclewireError) -> None:
+def failed(session: BenchSession, problem: MusclewireError) -> None:
     """Show that the rig is off because of an error; after a stop, that stays the reason."""
     rig = session.rig
     if isinstance(problem, RecordingNotWrittenError) and not session.stopped.by:

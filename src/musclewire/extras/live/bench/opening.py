@@ -5,16 +5,16 @@ from __future__ import annotations
 from musclewire.controllers import CONTROLLERS, FuzzyPidSettings
 from musclewire.errors import CallerError, MusclewireError
 from musclewire.extras.live.bench.descriptions import described_protection, described_rig, wiring
-from musclewire.extras.live.bench.session import Session, Stopped
+from musclewire.extras.live.bench.session import BenchSession, BenchStop
 from musclewire.rigs.configuration import open_rig, rig_configuration
-from musclewire.rigs.pacing import Pacer
+from musclewire.rigs.pacing import SamplePacer
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.sensing.estimator import ESTIMATORS
 
 __all__ = ["show_wiring", "switch_on"]
 
 
-def show_wiring(session: Session) -> None:
+def show_wiring(session: BenchSession) -> None:
     """Show what to wire before anything is switched on; a rig file that cannot be read is an error only then."""
     try:
         configuration, _where = rig_configuration(session.name, may_import=True)
@@ -25,7 +25,7 @@ def show_wiring(session: Session) -> None:
         session.shown.change(wiring=wiring(simulated=session.simulated))
 
 
-def switch_on(session: Session, stops_before: int) -> None:
+def switch_on(session: BenchSession, stops_before: int) -> None:
     """Open the session's rig and sense, unless there was a stop after the order to do so.
 
     Raises MusclewireError as ``open_rig`` does, and CallerError after a stop; the rig stays off then.
@@ -41,7 +41,7 @@ def switch_on(session: Session, stops_before: int) -> None:
         session.rig.close()
     with session.deciding:
         refuse_after_stop(session, stops_before)
-        session.rig, session.stopped = None, Stopped()
+        session.rig, session.stopped = None, BenchStop()
         session.shown.change(phase="starting", why="", clock_speed=1.0)
     try:
         configuration, _where = rig_configuration(session.name, may_import=True)
@@ -53,7 +53,7 @@ def switch_on(session: Session, stops_before: int) -> None:
                 session.shown.change(phase="failed", why=str(problem))
         raise
     # A rig without a clock is paced here; hardware and the simulated rig pace themselves.
-    session.pacer = None if rig.paced else Pacer(rig.sample_period_s)
+    session.pacer = None if rig.paced else SamplePacer(rig.sample_period_s)
     # Before the last look at the stops: one that comes after it finds this rig and switches it off. What another rig's
     # protection does is shown again.
     session.rig, session.protection_seen = rig, (-1, -1)
@@ -73,7 +73,7 @@ def switch_on(session: Session, stops_before: int) -> None:
         )
 
 
-def refuse_after_stop(session: Session, stops_before: int) -> None:
+def refuse_after_stop(session: BenchSession, stops_before: int) -> None:
     """Raise CallerError if there was a stop since there had been so many."""
     if session.stops != stops_before:
         raise CallerError(

@@ -13,11 +13,11 @@ from math import isnan
 from typing import IO, Any
 
 from musclewire.errors import CallerError
-from musclewire.extras.live.bench.lines import Outbox, lines_of
-from musclewire.extras.live.bench.session import AS_ASKED, Session
+from musclewire.extras.live.bench.lines import MessageWriter, lines_of
+from musclewire.extras.live.bench.session import AS_ASKED, BenchSession
 from musclewire.extras.live.messages import ClockSpeed, Command, End, SetTarget, SwitchOn, read_command
 
-__all__ = ["Order", "Orders"]
+__all__ = ["NumberedOrder", "OrderQueue"]
 
 # A run that was to end and has not got to its next sample by then is switched off.
 MAX_ENDING_S = 0.25
@@ -26,10 +26,10 @@ NOBODY = "nobody in control gave a sign for {:g} s"
 SERVER_ENDED = "the end of the server"
 
 
-class Order:
+class NumberedOrder:
     """A command with the number by which it is answered, and how many stops there had been when it was read."""
 
-    def __init__(self, number: int, command: Command, outbox: Outbox, stops_before: int = 0) -> None:
+    def __init__(self, number: int, command: Command, outbox: MessageWriter, stops_before: int = 0) -> None:
         """Wait to be answered."""
         self.stops_before = stops_before
         # is_over: whether the next command may come, which is before the answer and the phase that say so.
@@ -43,7 +43,7 @@ class Order:
             self._outbox.send({"answer": self._number, "accepted": accepted, "message": message})
 
 
-class Orders:
+class OrderQueue:
     """The queue of a session, and the threads that fill it and watch.
 
     Parameters
@@ -56,16 +56,16 @@ class Orders:
         Messages to the server.
     """
 
-    def __init__(self, session: Session, source: IO[bytes], outbox: Outbox) -> None:
+    def __init__(self, session: BenchSession, source: IO[bytes], outbox: MessageWriter) -> None:
         """Start both threads."""
         self._session, self._source, self._outbox = session, source, outbox
-        self._waiting: queue.SimpleQueue[Order | None] = queue.SimpleQueue()
+        self._waiting: queue.SimpleQueue[NumberedOrder | None] = queue.SimpleQueue()
         self._alive_s = time.monotonic()
         self._ending_since_s: float | None = None
         for target, name in ((self._read, "musclewire orders"), (self._watch, "musclewire watch")):
             threading.Thread(target=target, name=name, daemon=True).start()
 
-    def next(self, wait_s: float) -> Order | None:
+    def next(self, wait_s: float) -> NumberedOrder | None:
         """Return the next order; None if there is none within a time [s], or if the session is to end."""
         try:
             return self._waiting.get(block=wait_s > 0.0, timeout=wait_s or None)
@@ -102,7 +102,7 @@ class Orders:
         waits makes it out of date.
         """
         try:
-            order = Order(number, read_command(data), self._outbox, self._session.stops)
+            order = NumberedOrder(number, read_command(data), self._outbox, self._session.stops)
         except CallerError as problem:
             self._outbox.send({"answer": number, "accepted": False, "message": str(problem)})
             return

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from musclewire.errors import CallerError, MusclewireError
-from musclewire.extras.live.bench.lines import Outbox
+from musclewire.extras.live.bench.lines import MessageWriter
 from musclewire.extras.live.bench.loop import run_session
 from musclewire.extras.live.bench.opening import show_wiring
-from musclewire.extras.live.bench.orders import Orders
-from musclewire.extras.live.bench.session import Session
-from musclewire.extras.live.bench.state import Shown
-from musclewire.extras.live.ring import Ring
+from musclewire.extras.live.bench.orders import OrderQueue
+from musclewire.extras.live.bench.session import BenchSession
+from musclewire.extras.live.bench.state import PublishedState
+from musclewire.extras.live.ring import RowRing
 from musclewire.rigs.real_time import pin_to_cpu, take_priority
 from musclewire.signals.journal import JOURNAL_SUFFIX, recording_of
 from musclewire.signals.runs_on_disk import recover_recording
@@ -26,21 +26,21 @@ __all__ = ["main"]
 
 def main() -> int:
     """Read how to begin from the first line, then serve until the server ends."""
-    outbox = Outbox(os.dup(1))
+    outbox = MessageWriter(os.dup(1))
     os.dup2(2, 1)  # whatever prints belongs to the log, not between the messages
     # Ctrl-C on the server's terminal is for the server, which then ends this process in its own time.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # Not sys.stdin: Python aborts at its end if another thread still reads from that.
     source = os.fdopen(os.dup(0), "rb")
     setup: dict[str, Any] = json.loads(source.readline())
-    shown = Shown(setup["bench"], lambda state: outbox.send({"state": state}))
-    session = Session(
-        setup["rig"], Path(setup["folder"]), shown, Ring(Path(setup["ring"])), setup["seed"], setup["max_silence_s"]
+    shown = PublishedState(setup["bench"], lambda state: outbox.send({"state": state}))
+    session = BenchSession(
+        setup["rig"], Path(setup["folder"]), shown, RowRing(Path(setup["ring"])), setup["seed"], setup["max_silence_s"]
     )
     signal.signal(signal.SIGTERM, lambda _number, _frame: ended_by_signal(session))
     # Before the threads: they inherit core and priority, and a busy loop cannot keep a stop waiting.
     refused = scheduled(setup)
-    orders = Orders(session, source, outbox)
+    orders = OrderQueue(session, source, outbox)
     show_wiring(session)
     finish_journals(session)
     session.note_recordings()
@@ -52,7 +52,7 @@ def main() -> int:
     return 0
 
 
-def finish_journals(session: Session) -> None:
+def finish_journals(session: BenchSession) -> None:
     """Finish recordings of runs that were cut off by a power cut or a kill; one that still runs is left alone."""
     for journal in sorted(session.folder.glob(f"*.h5{JOURNAL_SUFFIX}")):
         try:
@@ -74,7 +74,7 @@ def scheduled(setup: dict[str, Any]) -> list[str]:
         return [str(problem)]
 
 
-def ended_by_signal(session: Session) -> None:
+def ended_by_signal(session: BenchSession) -> None:
     """Switch off and end."""
     session.quitting = True
     session.stop("SIGTERM")

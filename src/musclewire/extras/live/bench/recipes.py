@@ -25,59 +25,59 @@ from musclewire.extras.live.bench.descriptions import (
     described_rig,
     described_sweep,
 )
-from musclewire.extras.live.bench.references import Followed, reference_of
-from musclewire.extras.live.bench.session import Session
+from musclewire.extras.live.bench.references import FollowedReference, reference_of
+from musclewire.extras.live.bench.session import BenchSession
 from musclewire.identify.sensing_model import fit
 from musclewire.rigs.abilities import stage_of
 from musclewire.rigs.guarded import GuardedRig
 from musclewire.sensing.model import SensingModel, load_model
 from musclewire.signals.recording import Recording
 
-__all__ = ["RECIPES", "Recipe"]
+__all__ = ["RECIPES", "CommandRecipe"]
 
 # A first pulse at this part of the amplitude that completes the transformation: warm enough to be seen, far from harm.
 PULSE_FRACTION = 0.6
 PULSE_REST_S = 2.0
 
 
-class Recipe(NamedTuple):
+class CommandRecipe(NamedTuple):
     """How a command is carried out, its name in words, and whether the wire may be heated, which needs a person."""
 
     title: str
-    run: Callable[[Session, Any], None]
+    run: Callable[[BenchSession, Any], None]
     heats: bool = True
-    duration_s: Callable[[Session, Any], float | None] = lambda session, command: None  # noqa: ARG005
+    duration_s: Callable[[BenchSession, Any], float | None] = lambda session, command: None  # noqa: ARG005
 
 
-def rig_of(session: Session) -> GuardedRig:
+def rig_of(session: BenchSession) -> GuardedRig:
     """Return the open rig. Raises CallerError if it is not switched on."""
     if session.rig is None or session.shown.state.phase in ("off", "stopped", "failed"):
         raise CallerError("the rig is not switched on: switch on first")
     return session.rig
 
 
-def model_of(session: Session) -> SensingModel:
+def model_of(session: BenchSession) -> SensingModel:
     """Return the session's model. Raises CallerError if there is none."""
     if session.work.model is None:
         raise CallerError("there is no model yet: characterise the wire and fit one, or load one")
     return session.work.model
 
 
-def new_file(session: Session, what: str, suffix: str = "h5") -> Path:
+def new_file(session: BenchSession, what: str, suffix: str = "h5") -> Path:
     """Return a file of the session's folder that does not exist yet."""
     stem = f"{what}-{datetime.now():%Y%m%d-%H%M%S}"
     names = (f"{stem}{'' if number == 1 else f'-{number}'}.{suffix}" for number in range(1, 10_000))
     return next(path for path in (session.folder / name for name in names) if not path.exists())
 
 
-def take_model(session: Session, model: SensingModel, file: str) -> None:
+def take_model(session: BenchSession, model: SensingModel, file: str) -> None:
     """Make a model the session's."""
     session.work.model, session.work.model_file = model, file
     session.shown.done("model", model=described_model(model, file))
     session.shown.say("warning", *model.warnings)
 
 
-def examine_rig(session: Session, _command: messages.Doctor) -> None:
+def examine_rig(session: BenchSession, _command: messages.Doctor) -> None:
     """Check the rig at its sense voltage and below."""
     found = examine(rig_of(session), on_sample=session.on_probe)
     session.shown.change(doctor=described_examination(found))
@@ -90,7 +90,7 @@ def examine_rig(session: Session, _command: messages.Doctor) -> None:
         session.shown.say("error", f"doctor: {len(found.findings.failed)} checks are not as they should be")
 
 
-def pulse(session: Session, command: messages.Pulse) -> None:
+def pulse(session: BenchSession, command: messages.Pulse) -> None:
     """Warm the wire for a moment and say whether its resistance has moved."""
     rig = rig_of(session)
     voltage_v = command.drive_voltage_v or PULSE_FRACTION * rig.drive_amplitude_v
@@ -118,7 +118,7 @@ def said_of_pulse(recording: Recording, shunt_resistance_ohm: float, voltage_v: 
     return f"pulse of {voltage_v:.2f} V: from {cold:.3f} ohm to {warm:.3f} ohm while warm"
 
 
-def characterise(session: Session, command: messages.Characterize) -> None:
+def characterise(session: BenchSession, command: messages.Characterize) -> None:
     """Heat and cool the wire slowly; the recording is what a model is fitted to."""
     rig, path = rig_of(session), new_file(session, "characterise")
     loop = characterize(
@@ -134,7 +134,7 @@ def characterise(session: Session, command: messages.Characterize) -> None:
     session.shown.say("warning", *run_warnings(loop))
 
 
-def fit_model(session: Session, command: messages.Fit) -> None:
+def fit_model(session: BenchSession, command: messages.Fit) -> None:
     """Fit a model to the last slow loop, and keep it as a file."""
     if session.work.loop is None:
         raise CallerError("there is no slow loop in this session yet: characterise the wire first")
@@ -143,7 +143,7 @@ def fit_model(session: Session, command: messages.Fit) -> None:
     take_model(session, model, path.name)
 
 
-def home_move(session: Session, _command: messages.Home) -> None:
+def home_move(session: BenchSession, _command: messages.Home) -> None:
     """Bring the model up to the wire of today."""
     rig, model = rig_of(session), model_of(session)
     homing = home(rig, model, path=new_file(session, "home"), on_sample=session.on_sample)
@@ -153,14 +153,14 @@ def home_move(session: Session, _command: messages.Home) -> None:
     session.shown.say("info", "home move: the model is that of today's wire", *homing.notes)
 
 
-def sweep_pretension(session: Session, command: messages.SweepPretension) -> None:
+def sweep_pretension(session: BenchSession, command: messages.SweepPretension) -> None:
     """Characterise the wire at several pretensions and show their gaps."""
     folder = new_file(session, "pretensions", "sweep").with_suffix("")
     sweep = pretension_sweep(rig_of(session), command.pretensions_n, folder=folder, on_sample=session.on_sample)
     session.shown.change(pretensions=described_sweep(sweep))
 
 
-def choose_pretension(session: Session, command: messages.ChoosePretension) -> None:
+def choose_pretension(session: BenchSession, command: messages.ChoosePretension) -> None:
     """Move the stage; the model and the loop of another pretension no longer hold."""
     rig = rig_of(session)
     stage = stage_of(rig)
@@ -173,7 +173,7 @@ def choose_pretension(session: Session, command: messages.ChoosePretension) -> N
     session.shown.say("info", f"pretension {command.pretension_n:g} N: characterise the wire again")
 
 
-def control_wire(session: Session, command: messages.Control) -> None:
+def control_wire(session: BenchSession, command: messages.Control) -> None:
     """Close the loop; a steered target moves until the run is ended."""
     rig, model = rig_of(session), model_of(session)
     followed = reference_of(command.reference, model, rig.sample_period_s)
@@ -210,7 +210,7 @@ def settings_of(command: messages.Control) -> FuzzyPidSettings | None:
     return FuzzyPidSettings(**given)
 
 
-def load_from_folder(session: Session, command: messages.LoadModel) -> None:
+def load_from_folder(session: BenchSession, command: messages.LoadModel) -> None:
     """Take a model from the session's folder, by its name alone."""
     path = session.folder / command.name
     if (
@@ -222,28 +222,30 @@ def load_from_folder(session: Session, command: messages.LoadModel) -> None:
     take_model(session, load_model(path), command.name)
 
 
-def control_s(session: Session, command: messages.Control) -> float | None:
+def control_s(session: BenchSession, command: messages.Control) -> float | None:
     """Return how long a closed loop will take; None if it is steered."""
     if session.work.model is None or session.rig is None:
         return None
-    followed: Followed = reference_of(command.reference, session.work.model, session.rig.sample_period_s)
+    followed: FollowedReference = reference_of(command.reference, session.work.model, session.rig.sample_period_s)
     return None if followed.steered else 12.0 + followed.reference.duration_s
 
 
-RECIPES: dict[type, Recipe] = {
-    messages.Doctor: Recipe("Doctor", examine_rig, heats=False, duration_s=lambda _session, _command: examination_s()),
-    messages.Pulse: Recipe("First pulse", pulse, duration_s=lambda _session, one: one.duration_s + PULSE_REST_S),
-    messages.Characterize: Recipe(
+RECIPES: dict[type, CommandRecipe] = {
+    messages.Doctor: CommandRecipe(
+        "Doctor", examine_rig, heats=False, duration_s=lambda _session, _command: examination_s()
+    ),
+    messages.Pulse: CommandRecipe("First pulse", pulse, duration_s=lambda _session, one: one.duration_s + PULSE_REST_S),
+    messages.Characterize: CommandRecipe(
         "Characterisation", characterise, duration_s=lambda _session, one: one.cycles * one.period_s
     ),
-    messages.Fit: Recipe("Fit", fit_model, heats=False),
-    messages.Home: Recipe(
+    messages.Fit: CommandRecipe("Fit", fit_model, heats=False),
+    messages.Home: CommandRecipe(
         "Home move",
         home_move,
         duration_s=lambda session, _command: home_duration_s(rig_of(session), model_of(session)),
     ),
-    messages.SweepPretension: Recipe("Pretension sweep", sweep_pretension),
-    messages.ChoosePretension: Recipe("Pretension", choose_pretension, heats=False),
-    messages.Control: Recipe("Closed loop", control_wire, duration_s=control_s),
-    messages.LoadModel: Recipe("Model", load_from_folder, heats=False),
+    messages.SweepPretension: CommandRecipe("Pretension sweep", sweep_pretension),
+    messages.ChoosePretension: CommandRecipe("Pretension", choose_pretension, heats=False),
+    messages.Control: CommandRecipe("Closed loop", control_wire, duration_s=control_s),
+    messages.LoadModel: CommandRecipe("Model", load_from_folder, heats=False),
 }

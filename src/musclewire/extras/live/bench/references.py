@@ -13,31 +13,31 @@ from musclewire.experiment.staircases import staircase_within
 from musclewire.extras.live import messages
 from musclewire.sensing.model import SensingModel
 
-__all__ = ["Followed", "reference_of"]
+__all__ = ["FollowedReference", "reference_of"]
 
 # A drawn path may last this long [s].
 MAX_DURATION_S = 3600.0
 
 
-class Followed(NamedTuple):
+class FollowedReference(NamedTuple):
     """A reference, and the same one if it is steered."""
 
     reference: Reference
     steered: SteeredReference | None = None
 
 
-def reference_of(asked: object, model: SensingModel, sample_period_s: float) -> Followed:
+def reference_of(asked: object, model: SensingModel, sample_period_s: float) -> FollowedReference:
     """Return the reference of a command, in the model's quantity. Raises CallerError for an impossible one."""
     if isinstance(asked, messages.Steer):
         low, high = model.quantity_min, model.quantity_max
         steered = SteeredReference(0.5 * (low + high) if asked.start is None else asked.start, lowest=low, highest=high)
-        return Followed(steered, steered)
+        return FollowedReference(steered, steered)
     if isinstance(asked, messages.Steps):
-        return Followed(staircase_of(asked, model))
+        return FollowedReference(staircase_of(asked, model))
     if isinstance(asked, messages.Sine):
-        return Followed(sine_of(asked, sample_period_s))
+        return FollowedReference(sine_of(asked, sample_period_s))
     assert isinstance(asked, messages.DrawnPath)
-    return Followed(path_of(asked, sample_period_s))
+    return FollowedReference(path_of(asked, sample_period_s))
 
 
 def staircase_of(asked: messages.Steps, model: SensingModel) -> Reference:

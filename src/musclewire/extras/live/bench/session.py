@@ -19,16 +19,16 @@ from threading import RLock
 from musclewire.controllers.steered_reference import SteeredReference
 from musclewire.errors import CallerError
 from musclewire.extras.live.bench.descriptions import described_protection
-from musclewire.extras.live.bench.state import Shown
-from musclewire.extras.live.ring import Ring
+from musclewire.extras.live.bench.state import PublishedState
+from musclewire.extras.live.ring import RowRing
 from musclewire.rigs.abilities import adjustable_clock_of
 from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.pacing import Pacer
+from musclewire.rigs.pacing import SamplePacer
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.exchange import RawSample
 from musclewire.signals.recording import Recording
 
-__all__ = ["AS_ASKED", "RunEndedError", "Session", "Stopped"]
+__all__ = ["AS_ASKED", "RunEndedError", "BenchSession", "BenchStop"]
 
 PROTECTION_COLUMN = "protection_temperature_k"
 FIRST_COLUMNS = ("time_s", "run_s")
@@ -41,7 +41,7 @@ class RunEndedError(Exception):
 
 
 @dataclass
-class Stopped:
+class BenchStop:
     """Whether the bench was stopped: by whom, and how long it took from the receipt to 0 V [s]."""
 
     by: str = ""
@@ -50,7 +50,7 @@ class Stopped:
 
 
 @dataclass
-class Work:
+class SessionFindings:
     """What this session has found out."""
 
     loop: Recording | None = None
@@ -60,7 +60,7 @@ class Work:
 
 
 @dataclass
-class Session:
+class BenchSession:
     """A bench in operation.
 
     Parameters
@@ -77,16 +77,16 @@ class Session:
 
     name: str
     folder: Path
-    shown: Shown
-    ring: Ring
+    shown: PublishedState
+    ring: RowRing
     seed: int | None = None
     # A run that heats ends when whoever has control gives no sign for so long.
     max_silence_s: float = 0.6
     simulated: bool = False
     rig: GuardedRig | None = None
-    pacer: Pacer | None = None
-    work: Work = field(default_factory=Work)
-    stopped: Stopped = field(default_factory=Stopped)
+    pacer: SamplePacer | None = None
+    work: SessionFindings = field(default_factory=SessionFindings)
+    stopped: BenchStop = field(default_factory=BenchStop)
     # How many stops there have been, whoever asked.
     stops: int = 0
     # Held while the phase becomes "starting", "ready" or "busy" and while a stop makes it "stopped": neither may come
@@ -107,19 +107,19 @@ class Session:
     protection_seen: tuple[int, int] = (-1, -1)
     _counting: AbstractContextManager[bool] = field(default_factory=RLock)
 
-    def stop(self, by: str) -> None:
+    def stop(self, requested_by: str) -> None:
         """Switch the drive off now, whichever thread asks, and for good: a later ``switch_on`` opens the rig again."""
         received_s = time.perf_counter()
         with self._counting:
             self.stops += 1
-        rig, by = self.rig, self.stopped.by or by  # the first who stopped stays the reason
-        done = self.stopped = Stopped(by)
+        rig, requested_by = self.rig, self.stopped.by or requested_by  # the first who stopped stays the reason
+        done = self.stopped = BenchStop(requested_by)
         if rig is not None:
             rig.close()  # before the lock: the drive waits for nobody who sends a state to the server
-            done = Stopped(by, time.perf_counter() - received_s, rig.off_confirmed)
+            done = BenchStop(requested_by, time.perf_counter() - received_s, rig.off_confirmed)
         with self.deciding:
             self.stopped = done
-            why = f"stopped by {by}: the drive is off; switch on again when it is safe"
+            why = f"stopped by {requested_by}: the drive is off; switch on again when it is safe"
             self.shown.change(phase="stopped", why=why, doing=None)
 
     def steer(self, target: float) -> None:

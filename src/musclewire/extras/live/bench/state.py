@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime
 from typing import Any, Literal
 
-__all__ = ["BenchState", "Phase", "Shown"]
+__all__ = ["BenchState", "Phase", "PublishedState"]
 
 Phase = Literal["starting", "off", "ready", "busy", "stopped", "failed"]
 MAX_MESSAGES = 20
@@ -44,7 +44,7 @@ class BenchState:
     layouts: dict[str, list[str]] = field(default_factory=dict)
 
 
-class Shown:
+class PublishedState:
     """The state, changed from any thread; each change is sent.
 
     Parameters

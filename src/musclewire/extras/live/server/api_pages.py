@@ -15,10 +15,10 @@ from musclewire.extras.live.messages import Command, Reference
 from musclewire.extras.live.server.documents import LIVE, records_of
 from musclewire.extras.live.server.socket_messages import FromPage, ToPage
 
-__all__ = ["Section", "html_page", "markdown_page", "sections"]
+__all__ = ["PageSection", "html_page", "markdown_page", "sections"]
 
 
-class Section(NamedTuple):
+class PageSection(NamedTuple):
     """A heading, a paragraph in Markdown without links, and a table."""
 
     heading: str
@@ -27,36 +27,36 @@ class Section(NamedTuple):
     rows: list[tuple[str, ...]]
 
 
-def sections(openapi: Mapping[str, Any]) -> list[Section]:
+def sections(openapi: Mapping[str, Any]) -> list[PageSection]:
     """Return the whole API as sections."""
     return [
-        Section(
+        PageSection(
             "Routes",
             'Answers are JSON. One that is not 2xx is `{"problem": "one line"}`. `/api/v1/openapi.json` has all of it '
             "for programs.",
             ("Route", "Does"),
             [(f"`{method.upper()} {path}`", one_line(what)) for path, method, what in operations(openapi)],
         ),
-        Section(
+        PageSection(
             "Commands",
             "To `POST .../commands`, or in a `command` message. A field after which nothing is said is required.",
             ("Command", "Fields", "Does"),
             [(f"`{name_of(one)}`", fields(one, {"do"}), summary(one)) for one in records_of(Command)],
         ),
-        Section(
+        PageSection(
             "References",
             "The field `reference` of `control`, in the unit of the model's quantity: strain as a fraction, m, N.",
             ("Kind", "Fields", "Means"),
             [(f"`{name_of(one)}`", fields(one, {"kind"}), summary(one)) for one in get_args(get_args(Reference)[0])],
         ),
-        Section(
+        PageSection(
             "Messages to the server",
             f"Over the WebSocket `{LIVE}`, each a JSON text with a field `type`; `/api/v1/asyncapi.json` has all of it "
             "for programs.",
             ("Message", "Fields", "Means"),
             [(f"`{name_of(one)}`", fields(one, {"type"}), summary(one)) for one in records_of(FromPage)],
         ),
-        Section(
+        PageSection(
             "Messages from the server",
             "On the same WebSocket. A connection that takes too little in loses rows first and is then closed.",
             ("Message", "Fields", "Means"),
@@ -103,7 +103,7 @@ def markdown_page(openapi: Mapping[str, Any]) -> str:
     return "\n".join(line for one in sections(openapi) for line in markdown_section(one))
 
 
-def markdown_section(section: Section) -> list[str]:
+def markdown_section(section: PageSection) -> list[str]:
     """Return a section as lines of Markdown."""
     table = [section.headers, tuple("---" for _ in section.headers), *section.rows]
     return [f"## {section.heading}", "", section.text, "", *(f"| {' | '.join(row)} |" for row in table), ""]
@@ -119,7 +119,7 @@ def html_page(openapi: Mapping[str, Any]) -> str:
     )
 
 
-def html_section(section: Section) -> str:
+def html_section(section: PageSection) -> str:
     """Return a section as HTML."""
     head = "".join(f"<th>{html.escape(one)}</th>" for one in section.headers)
     rows = "".join("<tr>" + "".join(f"<td>{marked(cell)}</td>" for cell in row) + "</tr>" for row in section.rows)

@@ -17,7 +17,7 @@ from musclewire.extras.live.server.api_pages import html_page
 from musclewire.extras.live.server.documents import LIVE, asyncapi_document, openapi_document
 from musclewire.extras.live.server.gate import Gate
 from musclewire.extras.live.server.live_socket import live
-from musclewire.extras.live.server.rate_limits import Buckets
+from musclewire.extras.live.server.rate_limits import ClientBuckets
 from musclewire.extras.live.server.requests import add_error_handlers, json_answer
 from musclewire.extras.live.server.session import Session
 
@@ -85,4 +85,4 @@ def serving(make: Callable[[], Response]) -> Callable[[Any], Awaitable[Response]
 
 def gated(app: FastAPI, access: Access, limits: Limits, cookie: str) -> ASGIApp:
     """Return an application behind its gate."""
-    return Gate(app, access, cookie, Buckets(limits.requests_per_s, limits.request_burst))
+    return Gate(app, access, cookie, ClientBuckets(limits.requests_per_s, limits.request_burst))

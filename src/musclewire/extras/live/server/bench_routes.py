@@ -23,7 +23,7 @@ from musclewire.extras.live.server.http_messages import (
     read_as,
 )
 from musclewire.extras.live.server.json_texts import compact_finite
-from musclewire.extras.live.server.leases import Outcome
+from musclewire.extras.live.server.leases import RequestOutcome
 from musclewire.extras.live.server.requests import PROBLEMS, BenchOf, BodyOf, LeaseOf, SessionOf, json_answer
 from musclewire.extras.live.server.session import SAFE_PHASES, OnlineBench, name_of
 
@@ -111,7 +111,7 @@ async def take_control(bench: BenchOf, session: SessionOf, body: BodyOf) -> Resp
     """Take control of a bench, or ask its holder for it; its lease ends without PUT for 0.6 s (at rest 5 s)."""
     request = read_as(CONTROL_REQUEST, body)
     lease = secrets.token_urlsafe(24)
-    if session.ask(bench, lease, request.name) is Outcome.BUSY:
+    if session.ask(bench, lease, request.name) is RequestOutcome.BUSY:
         raise HTTPException(409, "somebody else has already asked for control: try again")
     return json_answer({**control_state(bench, session, lease), "lease": lease})
 

@@ -119,9 +119,9 @@ class FiredRules:
         gains = [names[name] for name in GAIN_COLUMNS]
         for row in rows:
             # Gains of zero: the controller held the drive, because there was no current to sense with.
-            self.take(float(row[target]), float(row[estimate]), held=not np.any(row[gains]))
+            self.add_sample(float(row[target]), float(row[estimate]), held=not np.any(row[gains]))
 
-    def take(self, target: float, estimate: float, *, held: bool) -> None:
+    def add_sample(self, target: float, estimate: float, *, held: bool) -> None:
         """Take one row in: its target completes the inputs of the row before."""
         if self._estimate is not None and math.isfinite(target):
             self._complete(target - self._estimate)

@@ -10,7 +10,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.extras.live.server.fired_rules import FiredRule, FiredRules, settings_of
 
-__all__ = ["COMPUTED", "Frame", "FrameMaker", "json_rows", "thinned", "with_computed"]
+__all__ = ["COMPUTED", "RowFrame", "FrameMaker", "json_rows", "thinned", "with_computed"]
 
 # At most so many rows a second of the clock on the wall; at the paper's 20 Hz every row.
 ROWS_PER_S = 100.0
@@ -19,7 +19,7 @@ COMPUTED = ("current_a", "power_w", "resistance_ohm")
 MIN_CURRENT_A = 1e-4
 
 
-class Frame(NamedTuple):
+class RowFrame(NamedTuple):
     """Rows of one layout with its columns, thinned and completed, and the rules that fired last."""
 
     layout: int
@@ -37,7 +37,7 @@ class FrameMaker:
         self._rules: FiredRules | None = None
         self._period_s = 0.0
 
-    def frame(self, layout: int, columns: Sequence[str], rows: FloatArray, state: Mapping[str, Any]) -> Frame:
+    def frame(self, layout: int, columns: Sequence[str], rows: FloatArray, state: Mapping[str, Any]) -> RowFrame:
         """Return the frame of rows of one layout, (n_rows, n_columns); thinned it may have none."""
         spacing_s = float(state.get("clock_speed") or 1.0) / ROWS_PER_S
         rules = self._rules_after(columns, rows, state)
@@ -46,7 +46,7 @@ class FrameMaker:
         if len(rows):
             self._last_time_s = float(time_s[-1])
         names, complete = with_computed(columns, kept, shunt_of(state))
-        return Frame(layout, names, complete, rules)
+        return RowFrame(layout, names, complete, rules)
 
     def _rules_after(
         self, columns: Sequence[str], rows: FloatArray, state: Mapping[str, Any]

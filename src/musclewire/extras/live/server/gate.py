@@ -17,7 +17,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from musclewire.extras.live.server.access import Access
-from musclewire.extras.live.server.rate_limits import Buckets
+from musclewire.extras.live.server.rate_limits import ClientBuckets
 
 __all__ = ["SECURITY_HEADERS", "Gate", "Refusal"]
 
@@ -73,7 +73,7 @@ class Gate:
         How many requests a client may make.
     """
 
-    def __init__(self, app: ASGIApp, access: Access, cookie: str, buckets: Buckets) -> None:
+    def __init__(self, app: ASGIApp, access: Access, cookie: str, buckets: ClientBuckets) -> None:
         """Take the application and the rules."""
         self.app, self.access, self.cookie, self.buckets = app, access, cookie, buckets
 
@@ -146,7 +146,7 @@ class Gate:
 
     def rate_refusal(self, scope: Scope) -> Refusal | None:
         """Refuse what comes too fast; a stop never does."""
-        if is_stop(scope) or self.buckets.take(client_of(scope), time.monotonic()):
+        if is_stop(scope) or self.buckets.take_message(client_of(scope), time.monotonic()):
             return None
         return Refusal(HTTPStatus.TOO_MANY_REQUESTS, "too many requests: wait a second")
 

@@ -28,13 +28,13 @@ __all__ = [
 ]
 
 
-class Part(BaseModel):
+class StrictRecord(BaseModel):
     """A record without unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-class BenchSummary(Part):
+class BenchSummary(StrictRecord):
     """A bench in short."""
 
     bench: str = Field(description="The bench's name in addresses.")
@@ -43,13 +43,13 @@ class BenchSummary(Part):
     holder: str | None = Field(description="Who has control; null if nobody has.")
 
 
-class BenchList(Part):
+class BenchList(StrictRecord):
     """All benches of the session."""
 
     benches: list[BenchSummary]
 
 
-class LayoutRows(Part):
+class LayoutRows(StrictRecord):
     """Rows of the same columns, oldest first; null for NaN."""
 
     layout: int
@@ -57,39 +57,39 @@ class LayoutRows(Part):
     rows: list[list[float | None]]
 
 
-class RowsAnswer(Part):
+class RowsAnswer(StrictRecord):
     """Rows since a cursor, at most 100 a second, and the cursor for the next request."""
 
     cursor: int
     parts: list[LayoutRows]
 
 
-class CommandResult(Part):
+class CommandResult(StrictRecord):
     """Whether a command has begun, and if not, why."""
 
     accepted: bool
     message: str
 
 
-class PhaseAnswer(Part):
+class PhaseAnswer(StrictRecord):
     """The phase of a bench after a stop: stopped, off or failed once its drive is off."""
 
     phase: str
 
 
-class ControlRequest(Part):
+class ControlRequest(StrictRecord):
     """Take control, or ask its holder for it."""
 
     name: PersonName = "a program"
 
 
-class ControlAnswer(Part):
+class ControlAnswer(StrictRecord):
     """Keep control, and answer who asks for it; null answers nothing."""
 
     give: bool | None = None
 
 
-class ControlState(Part):
+class ControlState(StrictRecord):
     """Who has control of a bench."""
 
     yours: bool = Field(description="Whether the lease of the request has control.")
@@ -98,7 +98,7 @@ class ControlState(Part):
     lease: str | None = Field(default=None, description="In the answer to POST: the secret for Musclewire-Lease.")
 
 
-class RecordingSummary(Part):
+class RecordingSummary(StrictRecord):
     """A recording of the session."""
 
     name: str
@@ -106,13 +106,13 @@ class RecordingSummary(Part):
     modified_s: float = Field(description="When it was last written, in seconds since 1970.")
 
 
-class RecordingList(Part):
+class RecordingList(StrictRecord):
     """All recordings of the session, the newest first."""
 
     recordings: list[RecordingSummary]
 
 
-class ProblemAnswer(Part):
+class ProblemAnswer(StrictRecord):
     """Why a request was not answered, in one line."""
 
     problem: str

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-__all__ = ["LEASE_AT_REST_S", "LEASE_S", "Control", "Outcome", "Person"]
+__all__ = ["LEASE_AT_REST_S", "LEASE_S", "BenchControl", "RequestOutcome", "ControlClient"]
 
 # A holder who gave no sign for so long has lost control: the wire is then at its sense voltage within a second.
 LEASE_S = 0.6
@@ -13,7 +13,7 @@ LEASE_S = 0.6
 LEASE_AT_REST_S = 5.0
 
 
-class Outcome(Enum):
+class RequestOutcome(Enum):
     """What became of a request for control."""
 
     YOURS = "you have control"
@@ -22,7 +22,7 @@ class Outcome(Enum):
 
 
 @dataclass
-class Person:
+class ControlClient:
     """Somebody who has control or asks for it.
 
     Parameters
@@ -44,7 +44,7 @@ class Person:
         return now_s - self.seen_s <= lease_s
 
 
-class Control:
+class BenchControl:
     """Control of one bench. All times are of one clock that does not jump, given by the caller.
 
     ``lease_s`` is how long its holder may give no sign: ``LEASE_S`` while the wire may be heated.
@@ -53,25 +53,25 @@ class Control:
     def __init__(self) -> None:
         """Begin with no holder."""
         self.lease_s = LEASE_S
-        self.holder: Person | None = None
-        self.asking: Person | None = None
+        self.holder: ControlClient | None = None
+        self.asking: ControlClient | None = None
 
     def holds(self, key: str | None, now_s: float) -> bool:
         """Return whether a key has control now."""
         holder = self.holder
         return key is not None and holder is not None and holder.key == key and holder.is_there(now_s, self.lease_s)
 
-    def ask(self, key: str, name: str, now_s: float) -> Outcome:
+    def ask(self, key: str, name: str, now_s: float) -> RequestOutcome:
         """Take control if nobody has it, else ask the holder for it."""
         if self.holder is None:
-            self.holder = Person(key, name, now_s)
-            return Outcome.YOURS
+            self.holder = ControlClient(key, name, now_s)
+            return RequestOutcome.YOURS
         if self.holder.key == key:
-            return Outcome.YOURS
+            return RequestOutcome.YOURS
         if self.asking is not None and self.asking.key != key and self.asking.is_there(now_s, self.lease_s):
-            return Outcome.BUSY
-        self.asking = Person(key, name, now_s)
-        return Outcome.ASKED
+            return RequestOutcome.BUSY
+        self.asking = ControlClient(key, name, now_s)
+        return RequestOutcome.ASKED
 
     def answer(self, key: str, give: bool, now_s: float) -> bool:
         """Answer who is asking, as the holder; return whether control went over. What is running continues."""
@@ -99,7 +99,7 @@ class Control:
         self.holder, self.asking = self.asking, None
         return True
 
-    def end_lost(self, now_s: float) -> Person | None:
+    def end_lost(self, now_s: float) -> ControlClient | None:
         """Take control from a holder who is no longer there, and return them; also forget who asked and has left."""
         if self.asking is not None and not self.asking.is_there(now_s, self.lease_s):
             self.asking = None

@@ -12,7 +12,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 from musclewire.errors import CallerError
 from musclewire.extras.live.messages import NEEDS_NO_CONTROL
 from musclewire.extras.live.server.json_texts import compact, read_json
-from musclewire.extras.live.server.rate_limits import Bucket
+from musclewire.extras.live.server.rate_limits import TokenBucket
 from musclewire.extras.live.server.session import ORDERED, OnlineBench, Session
 from musclewire.extras.live.server.socket_messages import (
     AnswerControl,
@@ -24,7 +24,7 @@ from musclewire.extras.live.server.socket_messages import (
 )
 from musclewire.extras.live.server.viewers import Viewer, ViewerTooSlowError
 
-__all__ = ["Connection", "live"]
+__all__ = ["ViewerConnection", "live"]
 
 # A slider sends some dozens of targets a second.
 MESSAGES_PER_S, BURST = 200.0, 400.0
@@ -49,10 +49,10 @@ async def live(websocket: WebSocket) -> None:
     if viewer is None:
         await websocket.close(LATER, "too many viewers")
         return
-    await Connection(websocket, session, viewer).run()
+    await ViewerConnection(websocket, session, viewer).run()
 
 
-class Connection:
+class ViewerConnection:
     """A viewer's connection.
 
     Parameters
@@ -69,7 +69,7 @@ class Connection:
         """Take the parts."""
         self._websocket, self._session, self._viewer = websocket, session, viewer
         limits = websocket.app.state.limits
-        self._bucket = Bucket(limits.messages_per_s, limits.message_burst, time.monotonic())
+        self._bucket = TokenBucket(limits.messages_per_s, limits.message_burst, time.monotonic())
         self._unread = 0
         self._commands: set[asyncio.Task[None]] = set()
 
@@ -117,7 +117,7 @@ class Connection:
 
     def _take(self, text: str | None) -> None:
         """Take a message, if its sender keeps to the limits; a stop is always taken."""
-        allowed = self._bucket.take(time.monotonic(), 1.0 + len(text or "") / CHARACTERS_PER_PLACE)
+        allowed = self._bucket.take_message(time.monotonic(), 1.0 + len(text or "") / CHARACTERS_PER_PLACE)
         if not allowed:
             self._unread += 1
             if text is None or len(text) > SHORT or '"stop"' not in text:

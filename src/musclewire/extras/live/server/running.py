@@ -25,7 +25,7 @@ from musclewire.extras.live.server.fired_rules import FiredRules
 from musclewire.extras.live.server.json_texts import MAX_BYTES
 from musclewire.extras.live.server.session import Session
 
-__all__ = ["Address", "Ended", "Running", "ServerSettings", "listening_socket", "serve", "serve_until"]
+__all__ = ["ListenAddress", "ServerEnd", "RunningServer", "ServerSettings", "listening_socket", "serve", "serve_until"]
 
 # If the usual port is taken, these next to it are tried.
 PORTS_TRIED = 20
@@ -36,7 +36,7 @@ CLOSE_S = 2.0
 
 
 @dataclass(frozen=True)
-class Address:
+class ListenAddress:
     """Where a server listens.
 
     Parameters
@@ -81,7 +81,7 @@ class ServerSettings:
     """
 
     folder: Path
-    address: Address = field(default_factory=Address)
+    address: ListenAddress = field(default_factory=ListenAddress)
     token: str | None = None
     limits: Limits = field(default_factory=Limits)
     cpu: int | None = None
@@ -95,10 +95,10 @@ class ServerSettings:
 
 
 @dataclass(frozen=True)
-class Running:
+class RunningServer:
     """A server that is ready: its address, and the link that opens its page."""
 
-    address: Address
+    address: ListenAddress
     link: str
 
 
@@ -111,7 +111,7 @@ class Server(uvicorn.Server):
         yield
 
 
-class Ended:
+class ServerEnd:
     """Whether the server is to end, and by which signal."""
 
     def __init__(self) -> None:
@@ -121,7 +121,7 @@ class Ended:
 
 
 async def serve(
-    handles: list[BenchHandle], settings: ServerSettings, on_ready: Callable[[Running], None]
+    handles: list[BenchHandle], settings: ServerSettings, on_ready: Callable[[RunningServer], None]
 ) -> signal.Signals | None:
     """Serve a session until it is to end; then every rig is safe and its process has ended.
 
@@ -149,13 +149,13 @@ async def serve(
 
 
 async def serve_until(
-    ended: Ended, handles: list[BenchHandle], settings: ServerSettings, on_ready: Callable[[Running], None]
+    ended: ServerEnd, handles: list[BenchHandle], settings: ServerSettings, on_ready: Callable[[RunningServer], None]
 ) -> None:
     """Serve a session until it is to end, as ``serve`` does."""
     # Compiled, or loaded, before anybody has control: later it would take longer than a lease.
     FiredRules(default_settings(), 0.05).warm_up()
     with listening_socket(settings.address) as listening:
-        address = Address(settings.address.host, listening.getsockname()[1])
+        address = ListenAddress(settings.address.host, listening.getsockname()[1])
         session = Session(handles, settings.folder, token_needed=settings.token is not None)
         try:
             await session.start()
@@ -173,12 +173,12 @@ def default_settings() -> Any:
     return FuzzyPidSettings()
 
 
-def running(address: Address, token: str | None) -> Running:
+def running(address: ListenAddress, token: str | None) -> RunningServer:
     """Return address and link of a server."""
-    return Running(address, address.url if token is None else f"{address.url}?token={token}")
+    return RunningServer(address, address.url if token is None else f"{address.url}?token={token}")
 
 
-def listening_socket(address: Address) -> socket.socket:
+def listening_socket(address: ListenAddress) -> socket.socket:
     """Return a socket that listens at a port or, if it is taken, at one of the next. CallerError if there is none."""
     ports = range(address.port, min(address.port + PORTS_TRIED, 65536))
     for port in ports:
@@ -207,7 +207,7 @@ def bound(host: str, port: int) -> socket.socket:
     return listening
 
 
-def configuration(session: Session, settings: ServerSettings, address: Address) -> uvicorn.Config:
+def configuration(session: Session, settings: ServerSettings, address: ListenAddress) -> uvicorn.Config:
     """Return how uvicorn runs the application."""
     local = settings.address.is_local
     names = frozenset() if local else frozenset({address.host.lower(), *own_names()})
@@ -248,9 +248,9 @@ def leave_core(cpu: int | None) -> None:
 
 
 @contextmanager
-def noted_signals() -> Iterator[Ended]:
+def noted_signals() -> Iterator[ServerEnd]:
     """Let Ctrl-C and SIGTERM end the server in order inside this block."""
-    ended, loop = Ended(), asyncio.get_running_loop()
+    ended, loop = ServerEnd(), asyncio.get_running_loop()
 
     def on_signal(number: int, _frame: object) -> None:
         ended.by = ended.by or signal.Signals(number)
@@ -265,7 +265,7 @@ def noted_signals() -> Iterator[Ended]:
 
 
 async def until_ended(
-    server: Server, session: Session, listening: socket.socket, ended: Ended, on_ready: Callable[[], None]
+    server: Server, session: Session, listening: socket.socket, ended: ServerEnd, on_ready: Callable[[], None]
 ) -> None:
     """Serve until it is to end or something fails; then the rigs are made safe first, and connections closed after."""
     tasks = [

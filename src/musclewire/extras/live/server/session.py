@@ -15,9 +15,9 @@ from musclewire.controllers.rules import rule_base_names
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.extras.live.messages import Answer, Command, Stop
 from musclewire.extras.live.messages import Control as ClosedLoop
-from musclewire.extras.live.server.frames import Frame, FrameMaker, json_rows
+from musclewire.extras.live.server.frames import FrameMaker, RowFrame, json_rows
 from musclewire.extras.live.server.json_texts import compact, compact_finite
-from musclewire.extras.live.server.leases import LEASE_AT_REST_S, LEASE_S, Control, Outcome, Person
+from musclewire.extras.live.server.leases import LEASE_AT_REST_S, LEASE_S, BenchControl, ControlClient, RequestOutcome
 from musclewire.extras.live.server.viewers import Viewer
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class OnlineBench:
 
     def __init__(self, handle: BenchHandle) -> None:
         """Begin without holder, viewers and rows."""
-        self.handle, self.control = handle, Control()
+        self.handle, self.control = handle, BenchControl()
         self.state_changed = True
         self._frames, self._cursor = FrameMaker(), -1
         self._changed = asyncio.Event()
@@ -78,7 +78,7 @@ class OnlineBench:
                 break
         return self.phase
 
-    def new_frames(self) -> list[Frame]:
+    def new_frames(self) -> list[RowFrame]:
         """Return the frames of the rows that have come since the last time."""
         cursor, parts, _ = self.handle.rows(self._cursor)
         state, layouts = self.handle.state, self.handle.layouts
@@ -193,7 +193,7 @@ class Session:
 
     # Control
 
-    def ask(self, bench: OnlineBench, key: str, name: str) -> Outcome:
+    def ask(self, bench: OnlineBench, key: str, name: str) -> RequestOutcome:
         """Take control of a bench, or ask its holder for it."""
         outcome = bench.control.ask(key, name, time.monotonic())
         self.tell_control(bench)
@@ -269,7 +269,7 @@ class Session:
         for viewer in self.viewers.values():
             viewer.show_state(bench.name, text)
 
-    def _show(self, bench: str, frame: Frame) -> None:
+    def _show(self, bench: str, frame: RowFrame) -> None:
         message: dict[str, Any] = {
             "type": "rows",
             "bench": bench,
@@ -304,7 +304,7 @@ class Session:
         viewer.say(compact(message))
 
 
-def name_of(person: Person | None) -> str | None:
+def name_of(person: ControlClient | None) -> str | None:
     """Return the name that others see."""
     return None if person is None else person.name
 

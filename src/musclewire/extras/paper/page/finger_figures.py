@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from musclewire.extras.design.serpentine.analysis import PretensionerDesign
-    from musclewire.extras.paper.reproduce import Loop, Runs
+    from musclewire.extras.paper.reproduce import RunCache, SlowSineLoop
 
 __all__ = ["FINGER_FIGURES"]
 
@@ -43,7 +43,7 @@ SHOWN_N = (0.15, 0.37, 0.71, 1.15, 1.7)
 ARC_POINTS = 12
 
 
-def fig13a(_runs: Runs) -> Figure:
+def fig13a(_runs: RunCache) -> Figure:
     """Draw one finger pulled in several ways, each to the end of its range.
 
     Parameters
@@ -72,7 +72,7 @@ def fig13a(_runs: Runs) -> Figure:
     return figure
 
 
-def fig14(_runs: Runs) -> Figure:
+def fig14(_runs: RunCache) -> Figure:
     """Draw the designed pretensioner in its envelope, and both forces over the connector's travel.
 
     Parameters
@@ -140,7 +140,7 @@ def box(left: float, bottom: float, width: float, height: float) -> Any:
     return Rectangle((left, bottom), width, height, fill=False, edgecolor=PAPER, linestyle=":", linewidth=1.4)
 
 
-def fig15(runs: Runs) -> Figure:
+def fig15(runs: RunCache) -> Figure:
     """Draw how the tendon's zero is found: force of the cold wire over the position of Linear Stage 2.
 
     Parameters
@@ -170,14 +170,14 @@ def fig15(runs: Runs) -> Figure:
     return figure
 
 
-def loop_lines(axes: Axes, loop: Loop, shade: str, label: str, width: float) -> None:
+def loop_lines(axes: Axes, loop: SlowSineLoop, shade: str, label: str, width: float) -> None:
     """Draw heating solid and cooling dashed, endpoint over resistance."""
     for part, dash, text in zip(loop.halves(), ("-", "--"), (label, None), strict=True):
         axes.plot(loop.resistance_ohm[part], 1e3 * loop.quantity("displacement")[part], dash, color=shade, label=text,
                   linewidth=width)  # fmt: skip
 
 
-def fig16(runs: Runs) -> Figure:
+def fig16(runs: RunCache) -> Figure:
     """Draw endpoint displacement over resistance for several pretensions.
 
     Parameters
@@ -205,7 +205,7 @@ def fig16(runs: Runs) -> Figure:
     return figure
 
 
-def fig17(runs: Runs) -> Figure:
+def fig17(runs: RunCache) -> Figure:
     """Draw displacement and force gap over pretension, for the finger's own spool and the common one.
 
     Parameters
@@ -236,7 +236,7 @@ def fig17(runs: Runs) -> Figure:
     return figure
 
 
-def fig18(runs: Runs) -> Figure:
+def fig18(runs: RunCache) -> Figure:
     """Draw the finger's staircase: desired, from resistance, laser.
 
     Parameters
@@ -262,7 +262,7 @@ def fig18(runs: Runs) -> Figure:
     return figure
 
 
-def table3(runs: Runs) -> Figure:
+def table3(runs: RunCache) -> Figure:
     """Draw the MAE of each step of the finger's staircase next to the paper's.
 
     Parameters
@@ -295,7 +295,7 @@ def table3(runs: Runs) -> Figure:
     return figure
 
 
-FINGER_FIGURES: dict[str, Callable[[Runs], Figure]] = {
+FINGER_FIGURES: dict[str, Callable[[RunCache], Figure]] = {
     "fig13a": fig13a,
     "fig14": fig14,
     "fig15": fig15,

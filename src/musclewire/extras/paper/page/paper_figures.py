@@ -42,7 +42,7 @@ from musclewire.parameters.library import read_published
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from musclewire.extras.paper.reproduce import Loop, Runs
+    from musclewire.extras.paper.reproduce import RunCache, SlowSineLoop
 
 __all__ = ["FIGURES", "drawn"]
 
@@ -50,7 +50,7 @@ ZERO_CELSIUS_K = 273.15
 HELD_OUT = "#3f8f4f"
 
 
-def drawn(subject: str, runs: Runs) -> str:
+def drawn(subject: str, runs: RunCache) -> str:
     """Return a subject's figure as SVG; empty without one, the reason if its loops cannot be used."""
     if subject not in FIGURES:
         return ""
@@ -61,7 +61,7 @@ def drawn(subject: str, runs: Runs) -> str:
             return f'<p class="note">Cannot be drawn: {escape(str(error))}</p>'
 
 
-def fig3a(runs: Runs) -> Figure:
+def fig3a(runs: RunCache) -> Figure:
     """Draw strain against voltage for the three amplitudes.
 
     Parameters
@@ -85,7 +85,7 @@ def fig3a(runs: Runs) -> Figure:
     return figure
 
 
-def fig3b(runs: Runs) -> Figure:
+def fig3b(runs: RunCache) -> Figure:
     """Draw strain against resistance with A, B, C and the printed fraction of B to C.
 
     Parameters
@@ -120,7 +120,7 @@ def fig3b(runs: Runs) -> Figure:
 
 def draw_loop(
     axes: Axes,
-    loop: Loop,
+    loop: SlowSineLoop,
     quantity: str,
     factor: float,
     colours: tuple[str, str],
@@ -134,7 +134,7 @@ def draw_loop(
         axes.plot(loop.resistance_ohm[part], values[part], color=colour, label=label, linestyle=dash, **style)
 
 
-def pretension_figure(runs: Runs, quantity: str, factor: float, printed: dict[float, float], ylabel: str) -> Figure:
+def pretension_figure(runs: RunCache, quantity: str, factor: float, printed: dict[float, float], ylabel: str) -> Figure:
     """Draw loops of the 125 um wire over pretension; ``printed`` are the paper's gaps by pretension."""
     figure, axes = one_panel()
     settings = sorted({*sweep_settings_n()[::3], *printed})
@@ -154,7 +154,7 @@ def pretension_figure(runs: Runs, quantity: str, factor: float, printed: dict[fl
     return figure
 
 
-def fig4(runs: Runs) -> Figure:
+def fig4(runs: RunCache) -> Figure:
     """Draw strain against resistance over pretension.
 
     Parameters
@@ -171,7 +171,7 @@ def fig4(runs: Runs) -> Figure:
     return pretension_figure(runs, "strain", 100.0, printed, "strain [%]")
 
 
-def fig5(runs: Runs) -> Figure:
+def fig5(runs: RunCache) -> Figure:
     """Draw contraction force against resistance over pretension.
 
     Parameters
@@ -189,7 +189,7 @@ def fig5(runs: Runs) -> Figure:
     )
 
 
-def gap_figure(runs: Runs, quantity: str, printed: Sequence[tuple[str, float, float]]) -> Figure:
+def gap_figure(runs: RunCache, quantity: str, printed: Sequence[tuple[str, float, float]]) -> Figure:
     """Draw gaps over force ratio for three wires; ``printed`` are (wire, pretension [N], gap [%])."""
     from musclewire.parameters.library import load_wire
 
@@ -215,7 +215,7 @@ def gap_figure(runs: Runs, quantity: str, printed: Sequence[tuple[str, float, fl
     return figure
 
 
-def fig6a(runs: Runs) -> Figure:
+def fig6a(runs: RunCache) -> Figure:
     """Draw strain gap against force ratio.
 
     Parameters
@@ -239,7 +239,7 @@ def fig6a(runs: Runs) -> Figure:
     return figure
 
 
-def fig6b(runs: Runs) -> Figure:
+def fig6b(runs: RunCache) -> Figure:
     """Draw force gap against force ratio.
 
     Parameters
@@ -255,7 +255,7 @@ def fig6b(runs: Runs) -> Figure:
     return gap_figure(runs, "force", [("paper-125um", paper["pretension_n"], paper["force_gap_pct"])])
 
 
-def stiffness_figure(runs: Runs, quantity: str, factor: float, ylabel: str) -> Figure:
+def stiffness_figure(runs: RunCache, quantity: str, factor: float, ylabel: str) -> Figure:
     """Draw loops with three springs."""
     figure, axes = one_panel()
     nominal = read_published("lan_fan_2010")["setup"]["spring_stiffness_n_per_m"]
@@ -267,7 +267,7 @@ def stiffness_figure(runs: Runs, quantity: str, factor: float, ylabel: str) -> F
     return figure
 
 
-def fig7(runs: Runs) -> Figure:
+def fig7(runs: RunCache) -> Figure:
     """Draw strain against resistance with three springs.
 
     Parameters
@@ -282,7 +282,7 @@ def fig7(runs: Runs) -> Figure:
     return stiffness_figure(runs, "strain", 100.0, "strain [%]")
 
 
-def fig8(runs: Runs) -> Figure:
+def fig8(runs: RunCache) -> Figure:
     """Draw contraction force against resistance with three springs.
 
     Parameters
@@ -297,7 +297,7 @@ def fig8(runs: Runs) -> Figure:
     return stiffness_figure(runs, "force", 1.0, "contraction force [N]")
 
 
-def fig9(runs: Runs) -> Figure:
+def fig9(runs: RunCache) -> Figure:
     """Draw the loop from B to C with its polynomials, R_min, R_max and Table 2's twelve strains.
 
     Parameters
@@ -330,7 +330,7 @@ def fig9(runs: Runs) -> Figure:
     return figure
 
 
-def table2(runs: Runs) -> Figure:
+def table2(runs: RunCache) -> Figure:
     """Draw how far our branches are from the twelve printed strains, and the MAE of each step next to the paper's.
 
     Parameters
@@ -374,7 +374,7 @@ def table2(runs: Runs) -> Figure:
     return figure
 
 
-def fig11(runs: Runs) -> Figure:
+def fig11(runs: RunCache) -> Figure:
     """Draw the staircase: the desired strains that the paper prints, estimate, and displacement sensor.
 
     Parameters
@@ -398,7 +398,7 @@ def fig11(runs: Runs) -> Figure:
     return figure
 
 
-def fig12(runs: Runs) -> Figure:
+def fig12(runs: RunCache) -> Figure:
     """Draw the trace of the staircase over the loop it was fitted to.
 
     Parameters
@@ -424,7 +424,7 @@ def fig12(runs: Runs) -> Figure:
     return figure
 
 
-def isobars(runs: Runs) -> Figure:
+def isobars(runs: RunCache) -> Figure:
     """Draw the simulated isobars with the published 10, 50 and 90 % points, those that no search has used dashed."""
     figure, axes = one_panel()
     published = read_published("flexinol_isobars")
@@ -448,7 +448,7 @@ def isobar_points(published: dict[str, Any]) -> list[tuple[list[float], list[flo
 
 
 def draw_isobar(
-    axes: Axes, runs: Runs, stress_mpa: float, points: tuple[list[float], list[float]], style: dict[str, Any]
+    axes: Axes, runs: RunCache, stress_mpa: float, points: tuple[list[float], list[float]], style: dict[str, Any]
 ) -> None:
     """Draw one simulated isobar and the published points on it."""
     loop = runs.isobar(stress_mpa)
@@ -458,7 +458,7 @@ def draw_isobar(
     axes.plot(*points, "D", color=style["color"], markeredgecolor=PAPER, markersize=6, markeredgewidth=1.5)
 
 
-FIGURES: dict[str, Callable[[Runs], Figure]] = {
+FIGURES: dict[str, Callable[[RunCache], Figure]] = {
     "fig3a": fig3a,
     "fig3b": fig3b,
     "fig4": fig4,

@@ -13,7 +13,7 @@ from musclewire.extras.paper.page.row_names import row_name
 from musclewire.extras.paper.page.row_table import VERDICT_CLASS, numbers, reasons, rows_table
 from musclewire.extras.paper.page.row_text import reason_text, seeds_text, verdict_text
 from musclewire.extras.paper.reproduce.verdicts import counts_by_origin
-from musclewire.pages import Card, cards, page
+from musclewire.pages import NumberCard, cards, page
 from musclewire.signals.whole_files import write_text_whole
 
 if TYPE_CHECKING:
@@ -156,19 +156,21 @@ def seeds_part(result: Reproduction) -> str:
     )
 
 
-def counts(result: Reproduction) -> list[Card]:
+def counts(result: Reproduction) -> list[NumberCard]:
     """Return how many rows hold, fail or were repaired."""
     holding = len(result.judged_rows) - len(result.failing)
     reported = len(result.rows) - len(result.judged_rows)
     known = len(result.failing) - len(result.new_failures)
     at_the_bar = sum(row.verdict == "at the bar" for row in result.rows)
     return [
-        Card("Rows that hold", f"{holding} of {len(result.judged_rows)}", f"{at_the_bar} at the bar count as failing"),
-        Card("Failing, known", str(known), "on the committed list"),
-        Card("Failing, new", str(len(result.new_failures)), "not on the list"),
-        Card("Repaired", str(len(result.repaired)), "on the list, and hold"),
-        *([Card("Reported, not judged", str(reported), "count for no bar")] if reported else []),
-        Card("Computed in", f"{result.wall_s:.1f} s", "before drawing"),
+        NumberCard(
+            "Rows that hold", f"{holding} of {len(result.judged_rows)}", f"{at_the_bar} at the bar count as failing"
+        ),
+        NumberCard("Failing, known", str(known), "on the committed list"),
+        NumberCard("Failing, new", str(len(result.new_failures)), "not on the list"),
+        NumberCard("Repaired", str(len(result.repaired)), "on the list, and hold"),
+        *([NumberCard("Reported, not judged", str(reported), "count for no bar")] if reported else []),
+        NumberCard("Computed in", f"{result.wall_s:.1f} s", "before drawing"),
     ]
 
 

@@ -1,21 +1,21 @@
 """Every printed number of the paper compared with ours: checks, the runs they need, and the verdict over seeds."""
 
 from musclewire.extras.paper.reproduce.all_checks import all_checks
-from musclewire.extras.paper.reproduce.loops import Loop
-from musclewire.extras.paper.reproduce.paper_checks import Measured, PaperCheck, measured, selected
+from musclewire.extras.paper.reproduce.loops import SlowSineLoop
+from musclewire.extras.paper.reproduce.paper_checks import PaperCheck, SeedResult, measured, selected
 from musclewire.extras.paper.reproduce.reproduction import DEFAULT_SEEDS, Reproduction, reproduce
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.runs import RunCache
 from musclewire.extras.paper.reproduce.verdicts import OriginCount, ReproductionRow, counts_by_origin, judged
 
 __all__ = [
     "DEFAULT_SEEDS",
-    "Loop",
-    "Measured",
+    "SlowSineLoop",
+    "SeedResult",
     "OriginCount",
     "PaperCheck",
     "Reproduction",
     "ReproductionRow",
-    "Runs",
+    "RunCache",
     "all_checks",
     "counts_by_origin",
     "judged",

@@ -7,7 +7,7 @@ from typing import Any
 from musclewire.experiment.metrics import ControlMetrics, determined
 from musclewire.extras.paper.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
 from musclewire.extras.paper.reproduce.readings import AFTER_APPROACH
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.runs import RunCache
 from musclewire.parameters.library import read_published
 
 __all__ = ["checks"]
@@ -48,7 +48,7 @@ def error_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def largest_stroke_pct(runs: Runs) -> float:
+def largest_stroke_pct(runs: RunCache) -> float:
     """Return the largest stroke of the isobars [% strain]."""
     stresses = read_published("flexinol_isobars")["stress_mpa"]
     return 100.0 * max(runs.isobar_summary(stress).stroke for stress in stresses)

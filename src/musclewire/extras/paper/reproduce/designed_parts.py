@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 
-from musclewire.extras.design.finger.comparison import Scheme, compare_schemes
+from musclewire.extras.design.finger.comparison import PullingScheme, compare_schemes
 from musclewire.extras.design.finger.finger_file_text import finger_geometry
-from musclewire.extras.design.serpentine.analysis import Duty, PretensionerDesign
-from musclewire.extras.design.serpentine.geometry import Envelope
+from musclewire.extras.design.serpentine.analysis import PretensionerDesign, PretensionerDuty
+from musclewire.extras.design.serpentine.geometry import AvailableRoom
 from musclewire.extras.design.serpentine.sizing import PretensionerRequest, design_pretensioner
 from musclewire.parameters.finger_file import load_finger
 from musclewire.parameters.library import load_bench, read_published
@@ -30,10 +30,10 @@ class SizedPretensioner:
 
 
 @dataclass(frozen=True)
-class Schemes:
+class FingerSchemes:
     """Fig. 13(a): ways to pull one finger; ``ratio`` is range over length, distributed over one chord."""
 
-    schemes: tuple[Scheme, ...]
+    schemes: tuple[PullingScheme, ...]
 
     @property
     def ratio(self) -> float:
@@ -47,12 +47,12 @@ def paper_pretensioner() -> PretensionerDesign:
     paper = read_published("lan_fan_2010")
     printed = paper["pretensioner"]
     bench = load_bench("finger").values()
-    duty = Duty(
+    duty = PretensionerDuty(
         pretension_n=paper["displacement_gap"]["pretension_n"],
         stroke_m=STROKE * bench["wire_length_m"] / bench["legs"],
         finger_stiffness_n_per_m=paper["finger"]["stiffness_n_per_m"],
     )
-    envelope = Envelope(*(size / 1000.0 for size in printed["envelope_mm"]))
+    envelope = AvailableRoom(*(size / 1000.0 for size in printed["envelope_mm"]))
     return design_pretensioner(
         PretensionerRequest(printed["stiffness_n_per_m"], duty, load_material(MATERIAL), envelope)
     )
@@ -67,9 +67,9 @@ def designed_pretensioner() -> SizedPretensioner:
 
 
 @cache
-def schemes_of_fig13() -> Schemes:
+def schemes_of_fig13() -> FingerSchemes:
     """Return the schemes of Fig. 13(a) on the shipped finger, to the material's allowable stress."""
     geometry = finger_geometry(load_finger("lan-fan-2010"))
     longest = 2.0 * load_finger("lan-fan-2010").curve.tendon_travel_m[-1]
     allowed = load_material(MATERIAL).yield_stress_pa.value
-    return Schemes(tuple(compare_schemes(geometry, longest, allowed)))
+    return FingerSchemes(tuple(compare_schemes(geometry, longest, allowed)))

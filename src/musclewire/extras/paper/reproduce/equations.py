@@ -13,7 +13,7 @@ from musclewire.controllers.rules import DEFAULT_RULE_BASE, load_rule_base
 from musclewire.experiment.metrics import determined
 from musclewire.extras.paper.reproduce.measures import plain_gap_pct
 from musclewire.extras.paper.reproduce.paper_checks import Compare, PaperCheck
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.runs import RunCache
 from musclewire.parameters.library import read_published
 
 __all__ = ["checks"]
@@ -59,12 +59,12 @@ def polyfit_checks() -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def deviation(name: str, unit: str, tolerance: float, measure: Callable[[Runs], float], why: str) -> PaperCheck:
+def deviation(name: str, unit: str, tolerance: float, measure: Callable[[RunCache], float], why: str) -> PaperCheck:
     """Return a check that a deviation is at most ``tolerance``."""
     return PaperCheck(name, 0.0, unit, tolerance, why, "equation", measure, "at most", origin="definition")
 
 
-def resistance_error_ohm(runs: Runs) -> float:
+def resistance_error_ohm(runs: RunCache) -> float:
     """Return the rms difference of Eq. 1 from the simulated truth from B to C, both branches."""
     loop = runs.main_loop()
     found = loop.gaps.segments
@@ -73,13 +73,13 @@ def resistance_error_ohm(runs: Runs) -> float:
     return float(np.sqrt(np.mean(difference**2)))
 
 
-def gap_difference_pct(runs: Runs) -> float:
+def gap_difference_pct(runs: RunCache) -> float:
     """Return the difference of the gap by plain means from ours."""
     loop = runs.main_loop()
     return abs(plain_gap_pct(loop) - loop.strain_gap_pct)
 
 
-def normalised_at(runs: Runs, *, end: str) -> float:
+def normalised_at(runs: RunCache, *, end: str) -> float:
     """Return Eq. 3 at one end of segment B-C."""
     from musclewire.sensing.branch_equations import normalised_resistance
 
@@ -87,7 +87,7 @@ def normalised_at(runs: Runs, *, end: str) -> float:
     return float(normalised_resistance(getattr(model, end), model.resistance_min_ohm, model.resistance_max_ohm))
 
 
-def polyfit_difference_pct(runs: Runs, *, branch: str) -> float:
+def polyfit_difference_pct(runs: RunCache, *, branch: str) -> float:
     """Return the rms difference of our polynomial of a branch from numpy.polyfit's over the model's range."""
     model = runs.model
     samples = getattr(runs.main_loop().gaps.segments, branch)
@@ -99,7 +99,7 @@ def polyfit_difference_pct(runs: Runs, *, branch: str) -> float:
     return float(100.0 * np.sqrt(np.mean((ours - theirs) ** 2)))
 
 
-def average_difference_pct(runs: Runs) -> float:
+def average_difference_pct(runs: RunCache) -> float:
     """Return the largest difference of g_a from the mean of both branches."""
     model = runs.model
     grid = np.linspace(*model.valid_resistance_ohm, 400)
@@ -107,7 +107,7 @@ def average_difference_pct(runs: Runs) -> float:
     return float(100.0 * np.abs(np.asarray(model.strain(grid)) - mean).max())
 
 
-def inverse_difference_pct(runs: Runs) -> float:
+def inverse_difference_pct(runs: RunCache) -> float:
     """Return the largest difference of Table 2's six strains after conversion to resistance and back."""
     model = runs.model
     desired = np.array(read_published("lan_fan_2010")["table2"]["desired_strain_pct"]) / 100.0
@@ -137,14 +137,14 @@ def gain_checks() -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def gain_end(runs: Runs, *, gain: str, end: str) -> float:
+def gain_end(runs: RunCache, *, gain: str, end: str) -> float:
     """Return the minimum or maximum of a gain while the loop was closed."""
     values = runs.control_run[gain]
     used = values[values > 0.0]
     return float(used.min() if end == "least" else used.max())
 
 
-def gain_reach(_runs: Runs, *, gain: str, end: str, low: float, high: float) -> float:
+def gain_reach(_runs: RunCache, *, gain: str, end: str, low: float, high: float) -> float:
     """Return the minimum or maximum of a gain over the plane of error and change of error."""
     places = np.linspace(-1.0, 1.0, 41)
     surface = infer_surface(load_rule_base(DEFAULT_RULE_BASE), places[:, None], places[None, :])
@@ -152,7 +152,7 @@ def gain_reach(_runs: Runs, *, gain: str, end: str, low: float, high: float) -> 
     return float(gain_from_ratio(float(ratios.min() if end == "least" else ratios.max()), low, high))
 
 
-def mae_difference_pct(runs: Runs) -> float:
+def mae_difference_pct(runs: RunCache) -> float:
     """Return the largest difference between our MAE and Eq. 7 taken plainly from the recording."""
     run, settle_s = runs.control_run, read_published("lan_fan_2010")["staircase"]["settle_s"]
     strain = run["displacement_m"] / run.facts.leg_length_m

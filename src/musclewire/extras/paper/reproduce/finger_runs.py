@@ -12,7 +12,7 @@ from musclewire.experiment.many_loops import control_compiled
 from musclewire.experiment.metrics import ControlRun
 from musclewire.experiment.open_loop import characterize
 from musclewire.experiment.zero_tendon import TendonZero, zero_tendon
-from musclewire.extras.paper.reproduce.loops import CYCLES, Loop, loop_on
+from musclewire.extras.paper.reproduce.loops import CYCLES, SlowSineLoop, loop_on
 from musclewire.identify.sensing_model import fit
 from musclewire.parameters.library import load_wire, read_published
 from musclewire.rigs.configuration import open_rig, simulated_configuration
@@ -51,7 +51,7 @@ class FingerRuns:
         """Make nothing yet; ``on_run`` is called after every run."""
         self._seed = seed
         self._on_run = on_run
-        self._loops: dict[tuple[str, float], Loop] = {}
+        self._loops: dict[tuple[str, float], SlowSineLoop] = {}
 
     def open(self, wire: str = FINGER_WIRE, force_n: float | None = None) -> GuardedRig:
         """Open the rig with a wire at a pretension; another wire gets the voltages of this length."""
@@ -65,7 +65,7 @@ class FingerRuns:
             maximum_voltage_v=own["maximum_voltage_v"],
         )
 
-    def loop(self, force_n: float, wire: str = FINGER_WIRE) -> Loop:
+    def loop(self, force_n: float, wire: str = FINGER_WIRE) -> SlowSineLoop:
         """Return the slow sine at a pretension. Raises RecordingError if the recording shows no loop."""
         key = (wire, round(force_n, 6))
         if key not in self._loops:

@@ -8,7 +8,7 @@ from typing import Any
 from musclewire.extras.paper.reproduce.finger_runs import COMMON_WIRE, FINGER_WIRE, pretension_n
 from musclewire.extras.paper.reproduce.measures import falling_steps, lowest_place, one_sided_fraction
 from musclewire.extras.paper.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.runs import RunCache
 
 __all__ = ["SWEEP_N", "gaps_over_pretension", "sweep_checks"]
 
@@ -42,7 +42,7 @@ def sweep_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     ]
 
 
-def gaps_over_pretension(runs: Runs, wire: str, quantity: str = "displacement") -> list[float]:
+def gaps_over_pretension(runs: RunCache, wire: str, quantity: str = "displacement") -> list[float]:
     """Return the gap of displacement or force at each pretension of the sweep [%]."""
     return [float(getattr(runs.finger.loop(force, wire), f"{quantity}_gap_pct")) for force in SWEEP_N]
 
@@ -115,27 +115,27 @@ def gap_checks(printed: dict[str, Any], wire: str, whose: str) -> list[PaperChec
     ]  # fmt: skip
 
 
-def falling_count(runs: Runs, *, wire: str) -> float:
+def falling_count(runs: RunCache, *, wire: str) -> float:
     """Return at how many steps up to the chosen pretension the displacement gap falls."""
     before = SWEEP_N.index(pretension_n())
     return falling_steps(gaps_over_pretension(runs, wire)[: before + 1])
 
 
-def smallest_gap_at_n(runs: Runs, *, wire: str) -> float:
+def smallest_gap_at_n(runs: RunCache, *, wire: str) -> float:
     """Return the pretension of the smallest displacement gap [N]."""
     return lowest_place(SWEEP_N, gaps_over_pretension(runs, wire))
 
 
-def gap_at_choice_pct(runs: Runs, *, wire: str) -> float:
+def gap_at_choice_pct(runs: RunCache, *, wire: str) -> float:
     """Return the displacement gap at the chosen pretension [%]."""
     return runs.finger.loop(pretension_n(), wire).displacement_gap_pct
 
 
-def grows_again_pct(runs: Runs, *, wire: str) -> float:
+def grows_again_pct(runs: RunCache, *, wire: str) -> float:
     """Return how much the gap has grown from the chosen pretension to the largest setting [%]."""
     return gaps_over_pretension(runs, wire)[-1] - gap_at_choice_pct(runs, wire=wire)
 
 
-def one_sided_at_largest(runs: Runs, *, wire: str) -> float:
+def one_sided_at_largest(runs: RunCache, *, wire: str) -> float:
     """Return how far the branches are apart without an intersection at the largest pretension, 1 for wholly."""
     return one_sided_fraction(*runs.finger.loop(SWEEP_N[-1], wire).sensing_branches("displacement"))

@@ -6,10 +6,10 @@ from functools import partial
 
 import numpy as np
 
-from musclewire.extras.paper.reproduce.loops import Loop
+from musclewire.extras.paper.reproduce.loops import SlowSineLoop
 from musclewire.extras.paper.reproduce.measures import lowest_place, rank_correlation
 from musclewire.extras.paper.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.runs import RunCache
 from musclewire.extras.paper.reproduce.table1 import WIRES, diameter_label
 from musclewire.parameters.library import load_wire
 
@@ -20,7 +20,7 @@ FORCE_RATIOS = (0.25, 0.35, 0.45, 0.55, 0.65)
 FALLING, MIDDLE_RATIO = -0.7, 0.45
 
 
-def loops_at_ratio(runs: Runs, wire: str) -> list[Loop]:
+def loops_at_ratio(runs: RunCache, wire: str) -> list[SlowSineLoop]:
     """Return the loops of a wire at every force ratio of Fig. 6."""
     largest = load_wire(wire).maximum_force_n.value
     return [runs.loop(wire, round(ratio * largest, 3)) for ratio in FORCE_RATIOS]
@@ -68,28 +68,28 @@ def falling_gap_checks(wire: str) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def strain_gaps_pct(runs: Runs, wire: str) -> list[float]:
+def strain_gaps_pct(runs: RunCache, wire: str) -> list[float]:
     """Return a wire's strain gap at every force ratio [%]."""
     return [loop.strain_gap_pct for loop in loops_at_ratio(runs, wire)]
 
 
-def ratios_in_order(runs: Runs) -> float:
+def ratios_in_order(runs: RunCache) -> float:
     """Return the number of force ratios at which the smaller of all three wires has the smaller strain gap."""
     gaps = np.array([strain_gaps_pct(runs, wire) for wire in WIRES])
     return float((np.diff(gaps, axis=0) > 0.0).all(axis=0).sum())
 
 
-def gap_rank_correlation(runs: Runs, *, wire: str) -> float:
+def gap_rank_correlation(runs: RunCache, *, wire: str) -> float:
     """Return the rank correlation of a wire's strain gap with the force ratio."""
     return rank_correlation(FORCE_RATIOS, strain_gaps_pct(runs, wire))
 
 
-def smallest_gap_at_ratio(runs: Runs, *, wire: str) -> float:
+def smallest_gap_at_ratio(runs: RunCache, *, wire: str) -> float:
     """Return the force ratio of a wire's smallest strain gap."""
     return lowest_place(FORCE_RATIOS, strain_gaps_pct(runs, wire))
 
 
-def force_less_strain_pct(runs: Runs, *, wire: str) -> float:
+def force_less_strain_pct(runs: RunCache, *, wire: str) -> float:
     """Return the smallest force gap less the smallest strain gap of a wire [%]."""
     smallest_force_gap_pct = min(loop.force_gap_pct for loop in loops_at_ratio(runs, wire))
     return smallest_force_gap_pct - min(strain_gaps_pct(runs, wire))

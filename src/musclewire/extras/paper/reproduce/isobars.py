@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from musclewire.extras.paper.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.runs import RunCache
 from musclewire.identify.isobaric_loops import half_transformation_slope_pa_per_k
 from musclewire.parameters.library import read_published
 
@@ -95,17 +95,17 @@ def slope_checks(published: dict[str, Any]) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def stroke_pct(runs: Runs, *, stress_mpa: float) -> float:
+def stroke_pct(runs: RunCache, *, stress_mpa: float) -> float:
     """Return the stroke of an isobar [% strain]."""
     return 100.0 * runs.isobar_summary(stress_mpa).stroke
 
 
-def branch_degc(runs: Runs, *, branch: str, stress_mpa: float, place: int) -> float:
+def branch_degc(runs: RunCache, *, branch: str, stress_mpa: float, place: int) -> float:
     """Return the temperature at which 10, 50 or 90 % (``place`` 0, 1, 2) of a branch are done [C]."""
     return float(getattr(runs.isobar_summary(stress_mpa), f"{branch}_k")[place]) - ZERO_CELSIUS_K
 
 
-def slope_mpa_per_k(runs: Runs, *, branch: str) -> float:
+def slope_mpa_per_k(runs: RunCache, *, branch: str) -> float:
     """Return the Clausius-Clapeyron slope of a branch [MPa/K]."""
     stresses = read_published("flexinol_isobars")["stress_mpa"]
     return 1e-6 * half_transformation_slope_pa_per_k([runs.isobar_summary(stress) for stress in stresses], branch)

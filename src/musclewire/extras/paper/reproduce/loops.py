@@ -17,7 +17,7 @@ from musclewire.rigs.protocol import Rig
 from musclewire.sensing.branches import Branch, single_valued
 from musclewire.signals.recording import Recording
 
-__all__ = ["CYCLES", "Loop", "loop_on"]
+__all__ = ["CYCLES", "SlowSineLoop", "loop_on"]
 
 CYCLES = 2
 # Recorded with the voltages, and taken out of the recording: what is to be found must not be in it.
@@ -25,7 +25,7 @@ TRUE_RESISTANCE = "wire_resistance_ohm"
 
 
 @dataclass(frozen=True, eq=False)
-class Loop:
+class SlowSineLoop:
     """A slow sine with its gaps, and the simulated wire's own resistance at the end of each sample, (n_times,)."""
 
     recording: Recording
@@ -78,11 +78,11 @@ class Loop:
         return up, down
 
 
-def loop_on(rig: Rig, amplitude_v: float | None = None) -> Loop:
+def loop_on(rig: Rig, amplitude_v: float | None = None) -> SlowSineLoop:
     """Return the slow sine of an open rig, with the true resistance of the simulated wire."""
     sine = slow_sine_run(rig, amplitude_v, cycles=CYCLES)
     policy = WithTruth(sine.policy, required_true_state(rig), {TRUE_RESISTANCE: "resistance_ohm"})
     whole = run_on_rig(rig, policy, sine.duration_s, metadata=sine.metadata)
     columns = {name: column for name, column in whole.columns.items() if name != TRUE_RESISTANCE}
     recording = Recording(columns, whole.metadata)
-    return Loop(recording, loop_gaps(recording), whole[TRUE_RESISTANCE])
+    return SlowSineLoop(recording, loop_gaps(recording), whole[TRUE_RESISTANCE])

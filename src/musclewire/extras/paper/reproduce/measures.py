@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.extras.paper.reproduce.loops import Loop
+from musclewire.extras.paper.reproduce.loops import SlowSineLoop
 from musclewire.sensing.branches import Branch
 from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
 
@@ -30,13 +30,13 @@ __all__ = [
 POINTS = 400
 
 
-def last_cycle(loop: Loop) -> NDArray[np.bool_]:
+def last_cycle(loop: SlowSineLoop) -> NDArray[np.bool_]:
     """Return which samples belong to the last cycle, (n_times,)."""
     cycle = loop.recording["cycle"]
     return np.asarray(cycle == cycle.max())
 
 
-def drive_branches(loop: Loop) -> tuple[Branch, Branch]:
+def drive_branches(loop: SlowSineLoop) -> tuple[Branch, Branch]:
     """Return the last cycle's strain over rising drive voltage [V], heating and cooling."""
     part = last_cycle(loop)
     drive, strain = loop.recording["drive_voltage_v"][part], loop.quantity("strain")[part]
@@ -44,7 +44,7 @@ def drive_branches(loop: Loop) -> tuple[Branch, Branch]:
     return Branch(drive[: top + 1], strain[: top + 1]), Branch(drive[top:][::-1], strain[top:][::-1])
 
 
-def drive_gap_pct(loop: Loop) -> float:
+def drive_gap_pct(loop: SlowSineLoop) -> float:
     """Return Eq. 2 over equal drive voltage in place of equal resistance, over the whole cycle [%]."""
     heating, cooling = drive_branches(loop)
     low, high = max(heating[0][0], cooling[0][0]), min(heating[0][-1], cooling[0][-1])
@@ -63,7 +63,7 @@ def outside_band(place: FloatArray, value: FloatArray, lower: Branch, upper: Bra
     return float(np.maximum(np.maximum(bottom - value, value - top), 0.0).max())
 
 
-def outside_loop_pct(minor: Loop, major: Loop) -> float:
+def outside_loop_pct(minor: SlowSineLoop, major: SlowSineLoop) -> float:
     """Return the largest excursion of a minor loop out of a major one, strain over drive voltage [% strain]."""
     heating, cooling = drive_branches(major)
     part = last_cycle(minor)
@@ -72,7 +72,7 @@ def outside_loop_pct(minor: Loop, major: Loop) -> float:
     )
 
 
-def plain_gap_pct(loop: Loop) -> float:
+def plain_gap_pct(loop: SlowSineLoop) -> float:
     """Return Eq. 2 between B and C with NumPy alone [%]: samples sorted by resistance, no smoothing, no pooling."""
     found = loop.gaps.segments
     curves = []
@@ -106,7 +106,7 @@ def shared_places(one: Branch, other: Branch) -> FloatArray:
     return np.linspace(low, high, POINTS)
 
 
-def force_ratio_of(soft: Loop, stiff: Loop) -> float:
+def force_ratio_of(soft: SlowSineLoop, stiff: SlowSineLoop) -> float:
     """Return the mean contraction force of ``stiff`` over that of ``soft`` at equal resistance, both branches."""
     sums = np.zeros(2)
     for one, other in zip(soft.sensing_branches("force"), stiff.sensing_branches("force"), strict=True):

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
 
 if TYPE_CHECKING:
-    from musclewire.extras.paper.reproduce.runs import Runs
+    from musclewire.extras.paper.reproduce.runs import RunCache
 
 __all__ = [
     "PREDICTED_OR_LISTED",
     "Compare",
     "Kind",
-    "Measured",
+    "SeedResult",
     "Origin",
     "PaperCheck",
     "bars",
@@ -57,13 +57,13 @@ class PaperCheck:
     tolerance: float
     why: str
     kind: Kind
-    measure: Callable[[Runs], float]
+    measure: Callable[[RunCache], float]
     compare: Compare = "within"
     _: KW_ONLY
     origin: Origin
 
 
-class Measured(NamedTuple):
+class SeedResult(NamedTuple):
     """What one seed gave for a check: a finite number, or why there is none."""
 
     number: float | None
@@ -90,13 +90,13 @@ def holds(check: PaperCheck, ours: float) -> bool:
     return (check.compare == "at most" or ours >= limits[0]) and (check.compare == "at least" or ours <= limits[-1])
 
 
-def measured(check: PaperCheck, runs: Runs) -> Measured:
+def measured(check: PaperCheck, runs: RunCache) -> SeedResult:
     """Return the number of a check on the runs of one seed, or why there is none: an unusable loop, or not finite."""
     try:
         ours = float(check.measure(runs))
     except MusclewireError as error:
-        return Measured(None, " ".join(str(error).split()))
-    return Measured(ours) if math.isfinite(ours) else Measured(None, "the result is not a finite number")
+        return SeedResult(None, " ".join(str(error).split()))
+    return SeedResult(ours) if math.isfinite(ours) else SeedResult(None, "the result is not a finite number")
 
 
 def selected(checks: Sequence[PaperCheck], only: str | None) -> list[PaperCheck]:

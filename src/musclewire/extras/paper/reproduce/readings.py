@@ -10,7 +10,7 @@ import numpy as np
 from musclewire.experiment.closed_loop import APPROACH_S
 from musclewire.experiment.metrics import ControlMetrics, determined
 from musclewire.extras.paper.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.runs import RunCache
 from musclewire.parameters.library import read_published
 
 __all__ = ["AFTER_APPROACH", "from_first_target_checks"]
@@ -45,21 +45,21 @@ def from_first_target_checks(table: Table) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def metrics_of(runs: Runs, table: Table) -> ControlMetrics:
+def metrics_of(runs: RunCache, table: Table) -> ControlMetrics:
     """Return the errors of a table's staircase."""
     return runs.control_run.metrics if table == "table2" else runs.finger.control_run.metrics
 
 
-def first_mae_pct(runs: Runs, *, table: Table) -> float:
+def first_mae_pct(runs: RunCache, *, table: Table) -> float:
     """Return the MAE of the first step from the first target on [% of target]."""
     return determined(metrics_of(runs, table).steps[0].mae_pct, "the error of the first step")
 
 
-def largest_mae_pct(runs: Runs, *, table: Table) -> float:
+def largest_mae_pct(runs: RunCache, *, table: Table) -> float:
     """Return the largest MAE from the first target on [% of target]."""
     return determined(metrics_of(runs, table).mae_max_pct, "the largest error")
 
 
-def mean_mae_pct(runs: Runs, *, table: Table) -> float:
+def mean_mae_pct(runs: RunCache, *, table: Table) -> float:
     """Return the mean of the MAE from the first target on [% of target]."""
     return determined(metrics_of(runs, table).mae_mean_pct, "the mean error")

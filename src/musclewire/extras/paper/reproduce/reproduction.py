@@ -11,8 +11,8 @@ from musclewire.experiment.worker_process import cores
 from musclewire.extras.paper.known_failures import known_failures
 from musclewire.extras.paper.reproduce.all_checks import all_checks
 from musclewire.extras.paper.reproduce.paper_checks import selected
-from musclewire.extras.paper.reproduce.runs import Runs
-from musclewire.extras.paper.reproduce.seed_numbers import OnSeed, Watching, numbers_of_seeds
+from musclewire.extras.paper.reproduce.runs import RunCache
+from musclewire.extras.paper.reproduce.seed_numbers import OnSeed, SeedCallbacks, numbers_of_seeds
 from musclewire.extras.paper.reproduce.verdicts import ReproductionRow, judged
 from musclewire.parameters.seeds import require_seed
 
@@ -39,7 +39,7 @@ class Reproduction:
     """
 
     rows: tuple[ReproductionRow, ...]
-    runs: Runs
+    runs: RunCache
     seeds: tuple[int, ...]
     wall_s: float
 
@@ -123,10 +123,10 @@ def reproduce(
     if workers is not None and workers < 1:
         raise CallerError(f"{workers} workers: at least one process measures, give 1 or more")
     found = numbers_of_seeds(
-        chosen, wanted, workers=cores() if workers is None else workers, watching=Watching(on_seed, on_run)
+        chosen, wanted, workers=cores() if workers is None else workers, watching=SeedCallbacks(on_seed, on_run)
     )
     known = known_failures()
-    rows = tuple(judged(check, found.of(check.name), known) for check in chosen)
+    rows = tuple(judged(check, found.for_check(check.name), known) for check in chosen)
     return Reproduction(rows, found.first_runs, wanted, time.perf_counter() - started)
 
 

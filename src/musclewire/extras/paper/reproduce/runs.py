@@ -12,22 +12,22 @@ from musclewire.experiment.many_loops import control_compiled
 from musclewire.experiment.metrics import ControlRun
 from musclewire.experiment.open_loop import characterize
 from musclewire.extras.paper.reproduce.finger_runs import FingerRuns
-from musclewire.extras.paper.reproduce.loops import CYCLES, Loop, loop_on
+from musclewire.extras.paper.reproduce.loops import CYCLES, SlowSineLoop, loop_on
 from musclewire.extras.paper.reproduce.seedless_runs import ISOBAR_WIRE, SeedlessRuns
-from musclewire.identify.isobaric_loops import Isobar, IsobarSummary
+from musclewire.identify.isobaric_loops import IsobaricLoop, IsobarSummary
 from musclewire.identify.sensing_model import fit
 from musclewire.parameters.library import load_bench, load_wire, read_published
 from musclewire.rigs.configuration import RigConfiguration, open_rig
 from musclewire.sensing.estimator import PAPER_ESTIMATOR
 from musclewire.sensing.model import SensingModel
 
-__all__ = ["ISOBAR_WIRE", "Runs"]
+__all__ = ["ISOBAR_WIRE", "RunCache"]
 
 MAIN_WIRE = "paper-100um"
 COLD_SAMPLES = 40
 
 
-class Runs:
+class RunCache:
     """Makes recordings on the simulated rig and keeps them; every rig is opened with the same seed."""
 
     def __init__(
@@ -37,7 +37,7 @@ class Runs:
         self._seed = seed
         self._seedless = seedless or SeedlessRuns()
         self._on_run = on_run or (lambda: None)
-        self._loops: dict[tuple[str, float, float | None, float | None], Loop] = {}
+        self._loops: dict[tuple[str, float, float | None, float | None], SlowSineLoop] = {}
         self._cold: dict[str, float] = {}
         self.finger = FingerRuns(seed, self._on_run)
 
@@ -46,9 +46,9 @@ class Runs:
         """The seed of every rig."""
         return self._seed
 
-    def for_seed(self, seed: int) -> Runs:
+    def for_seed(self, seed: int) -> RunCache:
         """Return runs of another seed; what no seed changes is the same object."""
-        return Runs(seed, self._on_run, self._seedless)
+        return RunCache(seed, self._on_run, self._seedless)
 
     def loop(
         self,
@@ -57,7 +57,7 @@ class Runs:
         *,
         amplitude_v: float | None = None,
         stiffness_n_per_m: float | None = None,
-    ) -> Loop:
+    ) -> SlowSineLoop:
         """Return the slow sine of a wire at a pretension, from a rig opened for it alone.
 
         Without ``amplitude_v`` it is the wire's own, without ``stiffness_n_per_m`` the bench's spring. Raises
@@ -73,7 +73,7 @@ class Runs:
             self._on_run()
         return self._loops[key]
 
-    def main_loop(self) -> Loop:
+    def main_loop(self) -> SlowSineLoop:
         """Return the loop of Fig. 9: 100 um at 1.9 N, 3.2 V."""
         paper = read_published("lan_fan_2010")
         return self.loop(
@@ -113,7 +113,7 @@ class Runs:
             self._cold[wire] = resistance_ohm / bench["wire_length_m"]
         return self._cold[wire]
 
-    def isobar(self, stress_mpa: float) -> Isobar:
+    def isobar(self, stress_mpa: float) -> IsobaricLoop:
         """Return the simulated loop at constant stress of the sample behind the published isobars."""
         return self._seedless.isobar(stress_mpa)
 

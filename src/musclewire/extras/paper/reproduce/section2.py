@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.extras.paper.reproduce.force_ratios import FALLING, diameter_checks
-from musclewire.extras.paper.reproduce.loops import Loop
+from musclewire.extras.paper.reproduce.loops import SlowSineLoop
 from musclewire.extras.paper.reproduce.measures import (
     drive_gap_pct,
     falling_steps,
@@ -19,7 +19,7 @@ from musclewire.extras.paper.reproduce.measures import (
     rank_correlation,
 )
 from musclewire.extras.paper.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.runs import RunCache
 from musclewire.parameters.library import read_published
 
 __all__ = [
@@ -55,7 +55,7 @@ def checks() -> list[PaperCheck]:
     ]
 
 
-def loop_of_amplitude(runs: Runs, volts: float) -> Loop:
+def loop_of_amplitude(runs: RunCache, volts: float) -> SlowSineLoop:
     """Return the 100 um loop of Fig. 3 with one amplitude, at the pretension of Fig. 9 (Fig. 3 prints none)."""
     pretension = read_published("lan_fan_2010")["loop_100um"]["pretension_n"]
     return runs.loop(MAIN_WIRE, pretension, amplitude_v=float(volts))
@@ -100,17 +100,17 @@ def minor_loop_checks(setup: dict[str, Any]) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def amplitude_of(runs: Runs, *, volts: float) -> float:
+def amplitude_of(runs: RunCache, *, volts: float) -> float:
     """Return the amplitude that a loop's recording states."""
     return loop_of_amplitude(runs, volts).recording.facts.amplitude_v
 
 
-def stroke_ratio(runs: Runs, *, small: float, large: float) -> float:
+def stroke_ratio(runs: RunCache, *, small: float, large: float) -> float:
     """Return the stroke at one amplitude over that at a larger one."""
     return loop_of_amplitude(runs, small).stroke_pct / loop_of_amplitude(runs, large).stroke_pct
 
 
-def outside_pct(runs: Runs, *, small: float, large: float) -> float:
+def outside_pct(runs: RunCache, *, small: float, large: float) -> float:
     """Return the largest excursion of the loop of one amplitude out of that of a larger one [% strain]."""
     return outside_loop_pct(loop_of_amplitude(runs, small), loop_of_amplitude(runs, large))
 
@@ -149,17 +149,17 @@ def segment_checks(setup: dict[str, Any]) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def segment_ab_pct(runs: Runs) -> float:
+def segment_ab_pct(runs: RunCache) -> float:
     """Return the fraction of the strain before B on heating [%]."""
     return 100.0 * (1.0 - runs.main_loop().gaps.segments.transformation_fraction)
 
 
-def segment_bc_cooling_pct(runs: Runs) -> float:
+def segment_bc_cooling_pct(runs: RunCache) -> float:
     """Return the fraction of the strain from C to B on cooling [%]."""
     return 100.0 * runs.main_loop().gaps.segments.cooling_transformation_fraction
 
 
-def gap_ratio(runs: Runs) -> float:
+def gap_ratio(runs: RunCache) -> float:
     """Return the gap over voltage as a multiple of the gap over resistance."""
     loop = runs.main_loop()
     return drive_gap_pct(loop) / loop.strain_gap_pct
@@ -212,23 +212,23 @@ def strain_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     return found
 
 
-def distance_of_branches_pct(runs: Runs, *, force: float) -> float:
+def distance_of_branches_pct(runs: RunCache, *, force: float) -> float:
     """Return the largest distance of the 125 um wire's heating branch from its cooling branch [% of S_max]."""
     loop = runs.loop(SWEEP_WIRE, force)
     return 100.0 * largest_distance(*loop.sensing_branches("strain")) / loop.gaps.segments.strain_max
 
 
-def strain_gap_pct(runs: Runs, *, wire: str, force: float) -> float:
+def strain_gap_pct(runs: RunCache, *, wire: str, force: float) -> float:
     """Return the strain gap at a pretension."""
     return runs.loop(wire, force).strain_gap_pct
 
 
-def force_gap_pct(runs: Runs, *, wire: str, force: float) -> float:
+def force_gap_pct(runs: RunCache, *, wire: str, force: float) -> float:
     """Return the force gap at a pretension."""
     return runs.loop(wire, force).force_gap_pct
 
 
-def falling_count(runs: Runs) -> float:
+def falling_count(runs: RunCache) -> float:
     """Return the number of steps of the sweep at which the strain gap falls."""
     return falling_steps([strain_gap_pct(runs, wire=SWEEP_WIRE, force=force) for force in sweep_settings_n()])
 
@@ -274,36 +274,36 @@ def force_gap_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def sweep_force_gaps_pct(runs: Runs) -> list[float]:
+def sweep_force_gaps_pct(runs: RunCache) -> list[float]:
     """Return the force gap at each setting of the sweep."""
     return [force_gap_pct(runs, wire=SWEEP_WIRE, force=force) for force in sweep_settings_n()]
 
 
-def smallest_force_gap_at_n(runs: Runs) -> float:
+def smallest_force_gap_at_n(runs: RunCache) -> float:
     """Return the pretension of the smallest force gap."""
     return lowest_place(sweep_settings_n(), sweep_force_gaps_pct(runs))
 
 
-def force_gap_rise_pct(runs: Runs) -> float:
+def force_gap_rise_pct(runs: RunCache) -> float:
     """Return the rise of the force gap at the end of the sweep above its minimum; below 0 if it still falls."""
     gaps = sweep_force_gaps_pct(runs)
     return gaps[-1] - min(gaps[:-1])
 
 
-def force_gap_fall(runs: Runs, *, until_n: float) -> float:
+def force_gap_fall(runs: RunCache, *, until_n: float) -> float:
     """Return the rank correlation of force gap and pretension over the settings up to ``until_n`` [N]."""
     pairs = zip(sweep_settings_n(), sweep_force_gaps_pct(runs), strict=True)
     forces, gaps = zip(*((force, gap) for force, gap in pairs if force <= until_n), strict=True)
     return rank_correlation(forces, gaps)
 
 
-def force_less_strain_at_largest_pct(runs: Runs) -> float:
+def force_less_strain_at_largest_pct(runs: RunCache) -> float:
     """Return force gap less strain gap of the 125 um wire at the largest pretension of the sweep [%]."""
     loop = runs.loop(SWEEP_WIRE, sweep_settings_n()[-1])
     return loop.force_gap_pct - loop.strain_gap_pct
 
 
-def loop_of_stiffness(runs: Runs, factor: float) -> Loop:
+def loop_of_stiffness(runs: RunCache, factor: float) -> SlowSineLoop:
     """Return the loop of Figs. 7 and 8 with a multiple of the printed stiffness."""
     paper = read_published("lan_fan_2010")
     stiffness = factor * paper["setup"]["spring_stiffness_n_per_m"]
@@ -334,7 +334,7 @@ def stiffness_checks() -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def strain_distance_pct(runs: Runs, *, soft: float, stiff: float) -> float:
+def strain_distance_pct(runs: RunCache, *, soft: float, stiff: float) -> float:
     """Return the largest distance of two strain curves at equal resistance [% of S_max]."""
     one, other = (loop_of_stiffness(runs, factor) for factor in (soft, stiff))
     largest = max(loop.gaps.segments.strain_max for loop in (one, other))
@@ -343,6 +343,6 @@ def strain_distance_pct(runs: Runs, *, soft: float, stiff: float) -> float:
     return 100.0 * max(distances) / largest
 
 
-def stiffness_force_ratio(runs: Runs, *, soft: float, stiff: float) -> float:
+def stiffness_force_ratio(runs: RunCache, *, soft: float, stiff: float) -> float:
     """Return the force with the stiffer spring over that with the softer one, at equal resistance."""
     return force_ratio_of(loop_of_stiffness(runs, soft), loop_of_stiffness(runs, stiff))

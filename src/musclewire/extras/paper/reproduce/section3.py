@@ -11,7 +11,7 @@ from musclewire.experiment.metrics import determined, elapsed
 from musclewire.extras.paper.reproduce.measures import outside_band, plain_gap_pct
 from musclewire.extras.paper.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
 from musclewire.extras.paper.reproduce.readings import AFTER_APPROACH, from_first_target_checks
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.runs import RunCache
 from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.library import read_published
 
@@ -81,7 +81,7 @@ def loop_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def fit_rms_pct(runs: Runs, *, branch: str) -> float:
+def fit_rms_pct(runs: RunCache, *, branch: str) -> float:
     """Return the rms of a branch's samples about its polynomial [% strain]."""
     return float(100.0 * getattr(runs.model, f"rmse_{branch}"))
 
@@ -136,22 +136,22 @@ def branch_checks(table: dict[str, Any]) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def staircase_level_pct(runs: Runs, *, index: int) -> float:
+def staircase_level_pct(runs: RunCache, *, index: int) -> float:
     """Return a level of the staircase that ran [% strain]."""
     return 100.0 * runs.control_run.metrics.steps[index].target
 
 
-def required_ohm(runs: Runs, *, target_pct: float) -> float:
+def required_ohm(runs: RunCache, *, target_pct: float) -> float:
     """Return the resistance our model requires for a strain."""
     return runs.model.resistance_ohm(target_pct / 100.0)
 
 
-def strain_at_pct(runs: Runs, *, branch: str, ohm: float) -> float:
+def strain_at_pct(runs: RunCache, *, branch: str, ohm: float) -> float:
     """Return a branch's polynomial at a resistance [% strain]."""
     return float(100.0 * getattr(runs.model, f"strain_{branch}")(ohm))
 
 
-def strain_rms_pct(runs: Runs) -> float:
+def strain_rms_pct(runs: RunCache) -> float:
     """Return the rms difference of both branches from the twelve printed strains [% strain]."""
     table = read_published("lan_fan_2010")["table2"]
     differences = [
@@ -208,7 +208,7 @@ def error_checks(table: dict[str, Any], text: dict[str, Any]) -> list[PaperCheck
     ]  # fmt: skip
 
 
-def step_mae_pct(runs: Runs, *, target_pct: float, direction: str) -> float:
+def step_mae_pct(runs: RunCache, *, target_pct: float, direction: str) -> float:
     """Return the MAE of one step after the approach [% of target]."""
     found = [
         step.mae_approached_pct
@@ -218,7 +218,7 @@ def step_mae_pct(runs: Runs, *, target_pct: float, direction: str) -> float:
     return determined(found[0], f"the error of the step to {target_pct:g} %")
 
 
-def largest_other_mae_pct(runs: Runs) -> float:
+def largest_other_mae_pct(runs: RunCache) -> float:
     """Return the largest MAE after the approach but that of the last step, 1.5 % on the way back."""
     return max(determined(step.mae_approached_pct, "a step's error") for step in runs.control_run.metrics.steps[:-1])
 
@@ -259,13 +259,13 @@ def staircase_checks(paper: dict[str, Any]) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def step_size_pct(runs: Runs) -> float:
+def step_size_pct(runs: RunCache) -> float:
     """Return the size of the staircase's steps, the one that differs most from the first."""
     sizes = np.abs(np.diff([step.target for step in runs.control_run.metrics.steps]))
     return float(100.0 * sizes[np.argmax(np.abs(sizes - sizes[0]))])
 
 
-def estimate_rms_pct(runs: Runs) -> float:
+def estimate_rms_pct(runs: RunCache) -> float:
     """Return the rms difference of estimate and displacement sensor over the staircase [% strain]."""
     run = runs.control_run
     counted = elapsed(run) > 0.0
@@ -273,7 +273,7 @@ def estimate_rms_pct(runs: Runs) -> float:
     return float(100.0 * np.sqrt(np.mean(difference**2)))
 
 
-def outside_band_pct(runs: Runs) -> float:
+def outside_band_pct(runs: RunCache) -> float:
     """Return the largest distance of the staircase's trace from the band between the branches [% strain]."""
     run = runs.control_run
     heating, cooling = runs.main_loop().sensing_branches("strain")

@@ -13,7 +13,7 @@ from musclewire.extras.paper.reproduce.finger_runs import pretension_n, staircas
 from musclewire.extras.paper.reproduce.finger_sweep import sweep_checks
 from musclewire.extras.paper.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
 from musclewire.extras.paper.reproduce.readings import AFTER_APPROACH, from_first_target_checks
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.runs import RunCache
 from musclewire.identify.recordings import required_quantity
 from musclewire.parameters.library import read_published
 from musclewire.rigs.configuration import simulated_configuration
@@ -52,7 +52,7 @@ def shipped_finger() -> Any:
     return next(finger for part in configuration.load if (finger := part.finger_file()) is not None)
 
 
-def geometry_mm(_runs: Runs, *, name: str) -> float:
+def geometry_mm(_runs: RunCache, *, name: str) -> float:
     """Return a length of the shipped finger [mm]."""
     return float(1e3 * shipped_finger().geometry[name].value)
 
@@ -129,7 +129,7 @@ def pretensioner_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def designed_size_mm(_runs: Runs, *, index: int) -> float:
+def designed_size_mm(_runs: RunCache, *, index: int) -> float:
     """Return a size of the designed pretensioner [mm]."""
     return 1e3 * designed_pretensioner().size_m[index]
 
@@ -177,7 +177,7 @@ def stage_checks(printed: dict[str, Any]) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def eq8_error_n(runs: Runs) -> float:
+def eq8_error_n(runs: RunCache) -> float:
     """Return the rms difference of the load cell from Eq. 8 with the finger's own curve [N].
 
     Parameters
@@ -207,7 +207,7 @@ def eq8_error_n(runs: Runs) -> float:
     return float(np.sqrt(np.mean((measured - wanted) ** 2)))
 
 
-def deflection_mm(runs: Runs, *, kept: bool) -> float:
+def deflection_mm(runs: RunCache, *, kept: bool) -> float:
     """Return the endpoint's displacement before heating [mm]."""
     return 1e3 * abs(runs.finger.initial_deflection_m[kept])
 
@@ -306,7 +306,7 @@ def larger_steps_check(table: dict[str, Any]) -> PaperCheck:
         origin=PREDICTED_OR_LISTED)  # fmt: skip
 
 
-def largest_mae_beyond_pct(runs: Runs, *, beyond_mm: float) -> float:
+def largest_mae_beyond_pct(runs: RunCache, *, beyond_mm: float) -> float:
     """Return the largest MAE after the approach of the steps to levels beyond ``beyond_mm`` [% of target]."""
     return max(
         determined(step.mae_approached_pct, "a step's error")
@@ -315,22 +315,22 @@ def largest_mae_beyond_pct(runs: Runs, *, beyond_mm: float) -> float:
     )
 
 
-def level_mm(runs: Runs, *, index: int) -> float:
+def level_mm(runs: RunCache, *, index: int) -> float:
     """Return a level of the finger's staircase that ran [mm]."""
     return float(round(1e3 * runs.finger.control_run.metrics.steps[index].target, 9))
 
 
-def largest_mae_pct(runs: Runs) -> float:
+def largest_mae_pct(runs: RunCache) -> float:
     """Return the largest MAE of all steps after the approach [% of target]."""
     return determined(runs.finger.control_run.metrics.mae_max_approached_pct, "the largest error")
 
 
-def mean_mae_pct(runs: Runs) -> float:
+def mean_mae_pct(runs: RunCache) -> float:
     """Return the mean of the MAE of all steps after the approach [% of target]."""
     return determined(runs.finger.control_run.metrics.mae_mean_approached_pct, "the mean error")
 
 
-def step_mae_pct(runs: Runs, *, target_mm: float, direction: str) -> float:
+def step_mae_pct(runs: RunCache, *, target_mm: float, direction: str) -> float:
     """Return the MAE of one step after the approach [% of target]."""
     found = [
         step.mae_approached_pct
@@ -340,13 +340,13 @@ def step_mae_pct(runs: Runs, *, target_mm: float, direction: str) -> float:
     return determined(found[0], f"the error of the step to {target_mm:g} mm")
 
 
-def step_size_mm(runs: Runs) -> float:
+def step_size_mm(runs: RunCache) -> float:
     """Return the size of the staircase's steps, the one that differs most from the first [mm]."""
     sizes = np.abs(np.diff([step.target for step in runs.finger.control_run.metrics.steps]))
     return float(np.round(1e3 * sizes[np.argmax(np.abs(sizes - sizes[0]))], 9))
 
 
-def estimate_rms_mm(runs: Runs) -> float:
+def estimate_rms_mm(runs: RunCache) -> float:
     """Return the rms difference of estimate and laser over the staircase [mm]."""
     run = runs.finger.control_run
     counted = elapsed(run) > 0.0

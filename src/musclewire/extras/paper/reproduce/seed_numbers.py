@@ -15,11 +15,11 @@ from typing import cast
 
 from musclewire.errors import NumericsError
 from musclewire.experiment.worker_process import end_worker, start_worker
-from musclewire.extras.paper.reproduce.paper_checks import Measured, PaperCheck, measured
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.paper_checks import PaperCheck, SeedResult, measured
+from musclewire.extras.paper.reproduce.runs import RunCache
 from musclewire.extras.paper.reproduce.seedless_runs import NeedsSeedError, SeedlessRuns
 
-__all__ = ["OnSeed", "SeedNumbers", "Watching", "numbers_of_seeds"]
+__all__ = ["OnSeed", "SeedNumbers", "SeedCallbacks", "numbers_of_seeds"]
 
 OnSeed = Callable[[int, int], None]
 # How often this process looks whether it has been asked to stop, while others measure.
@@ -27,7 +27,7 @@ LOOK_S = 0.2
 
 
 @dataclass(frozen=True)
-class Watching:
+class SeedCallbacks:
     """Callbacks: ``on_seed`` after each seed, with how many are done and of how many.
 
     ``on_run`` is called between runs, and at least five times a second while this process waits; it may raise to stop.
@@ -42,11 +42,11 @@ class SeedNumbers:
     """What each seed gave for each check, and the runs of the first seed."""
 
     seeds: tuple[int, ...]
-    fixed: Mapping[str, Measured]
-    by_seed: Mapping[int, Mapping[str, Measured]]
-    first_runs: Runs
+    fixed: Mapping[str, SeedResult]
+    by_seed: Mapping[int, Mapping[str, SeedResult]]
+    first_runs: RunCache
 
-    def of(self, name: str, seeds: Sequence[int] | None = None) -> list[Measured]:
+    def for_check(self, name: str, seeds: Sequence[int] | None = None) -> list[SeedResult]:
         """Return what each seed gave for a check, all of them or some."""
         wanted = self.seeds if seeds is None else seeds
         if name in self.fixed:
@@ -55,7 +55,7 @@ class SeedNumbers:
 
 
 def numbers_of_seeds(
-    checks: Sequence[PaperCheck], seeds: tuple[int, ...], *, workers: int, watching: Watching
+    checks: Sequence[PaperCheck], seeds: tuple[int, ...], *, workers: int, watching: SeedCallbacks
 ) -> SeedNumbers:
     """Measure checks on several seeds, those that no seed changes once.
 
@@ -87,17 +87,17 @@ def numbers_of_seeds(
         if found is not None:
             fixed[check.name] = found
     varying = [check for check in checks if check.name not in fixed]
-    first_runs = Runs(seeds[0], watching.on_run, seedless)
+    first_runs = RunCache(seeds[0], watching.on_run, seedless)
     if not varying:
         return SeedNumbers(seeds, fixed, {seed: {} for seed in seeds}, first_runs)
     pool = SeedPool(varying, seeds, first_runs, watching)
     return SeedNumbers(seeds, fixed, pool.measure(min(workers, len(seeds)) - 1), first_runs)
 
 
-def measured_without_seed(check: PaperCheck, seedless: SeedlessRuns) -> Measured | None:
+def measured_without_seed(check: PaperCheck, seedless: SeedlessRuns) -> SeedResult | None:
     """Return what a check gives for every seed; None if it depends on the seed."""
     try:
-        return measured(check, cast(Runs, seedless))
+        return measured(check, cast(RunCache, seedless))
     except NeedsSeedError:
         return None
 
@@ -106,19 +106,19 @@ class SeedPool:
     """Seeds that wait, processes that take them, and what they have given."""
 
     def __init__(
-        self, checks: Sequence[PaperCheck], seeds: tuple[int, ...], first_runs: Runs, watching: Watching
+        self, checks: Sequence[PaperCheck], seeds: tuple[int, ...], first_runs: RunCache, watching: SeedCallbacks
     ) -> None:
         """Queue the seeds but the first, which this process measures."""
         self._checks, self._seeds, self._watching = checks, seeds, watching
         self._first_runs = first_runs
         self._todo: queue.SimpleQueue[int] = queue.SimpleQueue()
-        self._done: queue.SimpleQueue[tuple[int, list[Measured]] | BaseException] = queue.SimpleQueue()
-        self._found: dict[int, dict[str, Measured]] = {}
+        self._done: queue.SimpleQueue[tuple[int, list[SeedResult]] | BaseException] = queue.SimpleQueue()
+        self._found: dict[int, dict[str, SeedResult]] = {}
         self._processes: list[subprocess.Popen[bytes]] = []
         for seed in seeds[1:]:
             self._todo.put(seed)
 
-    def measure(self, helpers: int) -> dict[int, dict[str, Measured]]:
+    def measure(self, helpers: int) -> dict[int, dict[str, SeedResult]]:
         """Return what each seed gives; so many other processes help, and are ended whatever happens."""
         threads = []
         try:
@@ -161,7 +161,7 @@ class SeedPool:
         self._keep(*answer)
         return True
 
-    def _keep(self, seed: int, numbers: Sequence[Measured]) -> None:
+    def _keep(self, seed: int, numbers: Sequence[SeedResult]) -> None:
         self._found[seed] = {check.name: one for check, one in zip(self._checks, numbers, strict=True)}
         self._watching.on_seed(len(self._found), len(self._seeds))
 
@@ -198,7 +198,7 @@ def asked(process: subprocess.Popen[bytes], line: str) -> None:
     process.stdin.flush()
 
 
-def answered(process: subprocess.Popen[bytes], seed: int) -> list[Measured]:
+def answered(process: subprocess.Popen[bytes], seed: int) -> list[SeedResult]:
     """Return a worker's answer. Raises OSError if it has died, NumericsError for an error in the code."""
     assert process.stdout is not None
     line = process.stdout.readline()
@@ -207,4 +207,4 @@ def answered(process: subprocess.Popen[bytes], seed: int) -> list[Measured]:
     answer = json.loads(line)
     if isinstance(answer, str):
         raise NumericsError(f"seed {seed}: {answer}")
-    return [Measured(*one) for one in answer]
+    return [SeedResult(*one) for one in answer]

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from typing import TextIO
 
 from musclewire.extras.paper.reproduce.all_checks import all_checks
-from musclewire.extras.paper.reproduce.paper_checks import Measured, PaperCheck, measured
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.paper_checks import PaperCheck, SeedResult, measured
+from musclewire.extras.paper.reproduce.runs import RunCache
 
 __all__ = ["main"]
 
@@ -39,10 +39,10 @@ def answer_all(requests: TextIO, answers: TextIO) -> None:
         answers.flush()
 
 
-def answer_to(chosen: Sequence[PaperCheck], seed: int) -> list[Measured] | str:
+def answer_to(chosen: Sequence[PaperCheck], seed: int) -> list[SeedResult] | str:
     """Return what a seed gives for each row, or the error in the code that the parent is to raise."""
     try:
-        runs = Runs(seed)
+        runs = RunCache(seed)
         return [measured(check, runs) for check in chosen]
     except Exception as problem:
         return f"{type(problem).__name__}: {problem}"

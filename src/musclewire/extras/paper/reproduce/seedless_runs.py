@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import NoReturn
 
 from musclewire.controllers.references import Staircase, staircase
-from musclewire.identify.isobaric_loops import Isobar, IsobarSummary, simulated_isobar, summarize_isobar
+from musclewire.identify.isobaric_loops import IsobaricLoop, IsobarSummary, simulated_isobar, summarize_isobar
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 
 __all__ = ["ISOBAR_WIRE", "NeedsSeedError", "SeedlessRuns"]
@@ -19,14 +19,14 @@ class NeedsSeedError(Exception):
 
 
 class SeedlessRuns:
-    """The part of ``Runs`` that is the same for every seed; all else that is asked of it raises NeedsSeedError.
+    """The part of ``RunCache`` that is the same for every seed; all else that is asked of it raises NeedsSeedError.
 
     A check that can be measured on it is measured once and not for each seed.
     """
 
     def __init__(self) -> None:
         """Make nothing yet."""
-        self._isobars: dict[float, Isobar] = {}
+        self._isobars: dict[float, IsobaricLoop] = {}
 
     def __getattr__(self, name: str) -> NoReturn:
         """Refuse what a seed is needed for."""
@@ -37,7 +37,7 @@ class SeedlessRuns:
         """The paper's steps."""
         return staircase()
 
-    def isobar(self, stress_mpa: float) -> Isobar:
+    def isobar(self, stress_mpa: float) -> IsobaricLoop:
         """Return the simulated loop at constant stress of the sample behind the published isobars."""
         if stress_mpa not in self._isobars:
             wire = load_wire(ISOBAR_WIRE)

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from musclewire.extras.paper.reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
-from musclewire.extras.paper.reproduce.runs import Runs
+from musclewire.extras.paper.reproduce.runs import RunCache
 from musclewire.parameters.library import load_wire, read_published
 
 __all__ = ["WIRES", "checks", "diameter_label", "wire_name"]
@@ -59,12 +59,12 @@ def table_checks(table: dict[str, Any]) -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def wire_number(_runs: Runs, *, name: str, wire: str, factor: float = 1.0) -> float:
+def wire_number(_runs: RunCache, *, name: str, wire: str, factor: float = 1.0) -> float:
     """Return a number of a wire file."""
     return factor * load_wire(wire).values()[name]
 
 
-def cold_resistance(runs: Runs, *, wire: str) -> float:
+def cold_resistance(runs: RunCache, *, wire: str) -> float:
     """Return ohm per metre of the cold simulated wire."""
     return runs.cold_resistance_per_metre(wire)
 
@@ -85,7 +85,7 @@ def stress_checks() -> list[PaperCheck]:
     ]  # fmt: skip
 
 
-def stress_spread_pct(_runs: Runs, *, name: str) -> float:
+def stress_spread_pct(_runs: RunCache, *, name: str) -> float:
     """Return largest less smallest stress over their mean, a force over one section [%]."""
     stress = [load_wire(wire).values()[name] / load_wire(wire).values()["diameter_m"] ** 2 for wire in WIRES]
     return 100.0 * (max(stress) - min(stress)) * len(stress) / sum(stress)
@@ -120,7 +120,7 @@ def ratio_checks(paper: dict[str, Any]) -> list[PaperCheck]:
     return found
 
 
-def force_ratio(runs: Runs, *, wire: str, pretension_n: float) -> float:
+def force_ratio(runs: RunCache, *, wire: str, pretension_n: float) -> float:
     """Return the mean force of the first second over the wire's maximal force."""
     recording = runs.loop(wire, pretension_n).recording
     first = recording["time_s"] <= recording["time_s"][0] + 1.0
@@ -149,11 +149,11 @@ def setup_checks(paper: dict[str, Any]) -> list[PaperCheck]:
     return found
 
 
-def noted(runs: Runs, *, key: str, factor: float) -> float:
+def noted(runs: RunCache, *, key: str, factor: float) -> float:
     """Return a number that the main loop's recording states."""
     return factor * runs.main_loop().recording.facts.number(key, "setting of the paper that Table 1 compares")
 
 
-def main_frequency_hz(runs: Runs) -> float:
+def main_frequency_hz(runs: RunCache) -> float:
     """Return the frequency of the slow sine."""
     return 1.0 / runs.main_loop().recording.facts.period_s

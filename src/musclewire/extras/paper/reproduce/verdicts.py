@@ -13,9 +13,9 @@ import numpy as np
 from musclewire.extras.paper.reproduce.paper_checks import (
     Compare,
     Kind,
-    Measured,
     Origin,
     PaperCheck,
+    SeedResult,
     bars,
     holds,
     subject_of,
@@ -92,7 +92,7 @@ class OriginCount(NamedTuple):
         return self.holds + self.at_the_bar + self.fails
 
 
-class Spread(NamedTuple):
+class MedianSpread(NamedTuple):
     """Median of numbers with their 5 and 95 % points, and the 95 % interval of the median."""
 
     ours: float
@@ -102,7 +102,7 @@ class Spread(NamedTuple):
     median_high: float
 
 
-def judged(check: PaperCheck, found: Sequence[Measured], known: Mapping[str, str]) -> ReproductionRow:
+def judged(check: PaperCheck, found: Sequence[SeedResult], known: Mapping[str, str]) -> ReproductionRow:
     """Return the row of a check from what each seed gave.
 
     Parameters
@@ -124,7 +124,7 @@ def judged(check: PaperCheck, found: Sequence[Measured], known: Mapping[str, str
     return ReproductionRow(
         name=check.name,
         paper=float(check.paper),
-        **(spread._asdict() if spread else dict.fromkeys(Spread._fields)),
+        **(spread._asdict() if spread else dict.fromkeys(MedianSpread._fields)),
         seeds=len(values),
         unit=check.unit,
         tolerance=check.tolerance,
@@ -146,10 +146,10 @@ def counts_by_origin(rows: Sequence[ReproductionRow]) -> list[OriginCount]:
     return [one for one in found if one.rows]
 
 
-def spread_of(values: Sequence[float]) -> Spread:
+def spread_of(values: Sequence[float]) -> MedianSpread:
     """Return the median of numbers with their spread."""
     low, high = np.quantile(values, SPREAD)
-    return Spread(float(np.median(values)), float(low), float(high), *median_interval(values))
+    return MedianSpread(float(np.median(values)), float(low), float(high), *median_interval(values))
 
 
 def median_interval(values: Sequence[float]) -> tuple[float, float]:
@@ -181,7 +181,7 @@ def median_interval(values: Sequence[float]) -> tuple[float, float]:
     return ordered[place], ordered[count - 1 - place]
 
 
-def verdict_on(check: PaperCheck, spread: Spread) -> Verdict:
+def verdict_on(check: PaperCheck, spread: MedianSpread) -> Verdict:
     """Return whether the median holds, or a limit of the tolerance is inside the interval of the median."""
     if check.compare == "reported":
         return "reported"
@@ -191,7 +191,7 @@ def verdict_on(check: PaperCheck, spread: Spread) -> Verdict:
     return "holds" if holds(check, spread.ours) else "fails"
 
 
-def problem_of(found: Sequence[Measured]) -> str | None:
+def problem_of(found: Sequence[SeedResult]) -> str | None:
     """Return why seeds have no number, with their count unless it is all of them; None if each has one."""
     problems = [one.problem for one in found if one.problem is not None]
     if not problems:

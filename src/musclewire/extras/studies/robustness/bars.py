@@ -8,15 +8,15 @@ from importlib.resources import files
 
 from pydantic import Field
 
-from musclewire.extras.studies.robustness.settings import Strict
+from musclewire.extras.studies.robustness.settings import StrictTable
 from musclewire.parameters.validation import validated
 
-__all__ = ["Bars", "RowBar", "bars"]
+__all__ = ["RobustnessBars", "RowBar", "bars"]
 
 FILE = "bars.toml"
 
 
-class RowBar(Strict):
+class RowBar(StrictTable):
     """The bar of one kind of condition.
 
     Parameters
@@ -40,7 +40,7 @@ class RowBar(Strict):
     honest: bool = True
 
 
-class HonestBars(Strict):
+class HonestBars(StrictTable):
     """Bars of intervals and validity, as fractions."""
 
     coverage_low: float
@@ -51,14 +51,14 @@ class HonestBars(Strict):
     valid_before_b: float
 
 
-class FlagBars(Strict):
+class FlagBars(StrictTable):
     """Bars of flags."""
 
     in_time_fraction: float
     false_per_hour: float
 
 
-class StaircaseBars(Strict):
+class StaircaseBars(StrictTable):
     """Bars of the closed loop on the paper's staircase [%]."""
 
     first_pct: float
@@ -69,14 +69,14 @@ class StaircaseBars(Strict):
     after_home_mean_pct: float
 
 
-class TemperatureBars(Strict):
+class TemperatureBars(StrictTable):
     """Limits of the true temperature: mean over the length [K], and the hottest segment above it [K]."""
 
     limit_k: float
     hottest_above_k: float
 
 
-class Bars(Strict):
+class RobustnessBars(StrictTable):
     """The whole file."""
 
     default_estimator: str
@@ -92,7 +92,7 @@ class Bars(Strict):
     staircase: StaircaseBars
     temperature: TemperatureBars
 
-    def of(self, name: str) -> RowBar:
+    def bar_named(self, name: str) -> RowBar:
         """Return the bar of a kind of condition; one without a table is only reported."""
         return next((item for item in self.row if item.bar == name), RowBar(bar=name))
 
@@ -102,7 +102,7 @@ class Bars(Strict):
 
 
 @cache
-def bars() -> Bars:
+def bars() -> RobustnessBars:
     """Return the bars that ship with musclewire."""
     text = (files("musclewire.extras.studies.robustness") / "data" / FILE).read_text("utf-8")
-    return validated(Bars, tomllib.loads(text), f"robustness: {FILE}")
+    return validated(RobustnessBars, tomllib.loads(text), f"robustness: {FILE}")

@@ -11,15 +11,15 @@ from typing import NamedTuple
 from musclewire.controllers.controller import CONTROLLERS
 from musclewire.errors import CallerError
 from musclewire.experiment.worker_process import cores
-from musclewire.extras.studies.robustness.bars import Bars, bars
+from musclewire.extras.studies.robustness.bars import RobustnessBars, bars
 from musclewire.extras.studies.robustness.grips import GripRow, grip_rows
-from musclewire.extras.studies.robustness.jobs import Answer, Job
+from musclewire.extras.studies.robustness.jobs import JobAnswer, RobustnessJob
 from musclewire.extras.studies.robustness.population import held_out_seeds, tuning_seeds
 from musclewire.extras.studies.robustness.references import REFERENCES, require_reference
 from musclewire.extras.studies.robustness.rows import EstimatorRow, LoopRow, estimator_rows, loop_rows
 from musclewire.extras.studies.robustness.settings import Condition, settings
 from musclewire.extras.studies.robustness.store import FOLDER
-from musclewire.extras.studies.robustness.verdicts import Verdict, verdicts_of
+from musclewire.extras.studies.robustness.verdicts import BarVerdict, verdicts_of
 from musclewire.extras.studies.robustness.workers import answers_of
 from musclewire.sensing.estimator import ESTIMATORS
 
@@ -56,7 +56,7 @@ class Selection:
     quick: bool = False
 
 
-class Chosen(NamedTuple):
+class ChosenRuns(NamedTuple):
     """What a selection comes to: seeds, conditions, references, estimators and closed loops."""
 
     seeds: tuple[int, ...]
@@ -66,7 +66,7 @@ class Chosen(NamedTuple):
     loops: tuple[tuple[str, str], ...]
 
 
-def chosen_by(selection: Selection, known: Bars) -> Chosen:
+def chosen_by(selection: Selection, known: RobustnessBars) -> ChosenRuns:
     """Return what a selection comes to. Raises CallerError for an unknown name, suggesting the nearest."""
     of, quick = selection, settings().quick
     seeds = settings().population.quick_seeds if of.quick else held_out_seeds()
@@ -79,7 +79,7 @@ def chosen_by(selection: Selection, known: Bars) -> Chosen:
     for name in of.controllers or ():
         CONTROLLERS.find(name)
     estimators = tuple(ESTIMATORS.names()) if of.estimators is None else of.estimators
-    return Chosen(
+    return ChosenRuns(
         seeds if of.seeds is None else of.seeds,
         conditions,
         tuple(REFERENCES) if references is None else references,
@@ -88,7 +88,7 @@ def chosen_by(selection: Selection, known: Bars) -> Chosen:
     )
 
 
-def loops_of(selection: Selection, estimators: Sequence[str], known: Bars) -> tuple[tuple[str, str], ...]:
+def loops_of(selection: Selection, estimators: Sequence[str], known: RobustnessBars) -> tuple[tuple[str, str], ...]:
     """Return the closed loops: the default estimator with each controller, and what is taken without a wire file."""
     controllers = tuple(CONTROLLERS.names()) if selection.controllers is None else selection.controllers
     if not controllers or not estimators:
@@ -135,14 +135,14 @@ class Robustness:
     references: tuple[str, ...]
     estimators: tuple[EstimatorRow, ...]
     loops: tuple[LoopRow, ...]
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[BarVerdict, ...]
     grips: tuple[GripRow, ...]
-    answers: tuple[Answer, ...]
+    answers: tuple[JobAnswer, ...]
     quick: bool
     wall_s: float
 
     @property
-    def missed(self) -> tuple[Verdict, ...]:
+    def missed(self) -> tuple[BarVerdict, ...]:
         """The bars that were missed."""
         return tuple(verdict for verdict in self.verdicts if not verdict.holds)
 
@@ -221,9 +221,9 @@ def robustness(
     seeds, conditions, references, estimators, loops = chosen_by(asked, known)
     if not seeds or not estimators:
         raise CallerError("the benchmark needs a seed and an estimator or more")
-    jobs = [Job(seed, item.name, references, estimators, loops) for seed in seeds for item in conditions]
+    jobs = [RobustnessJob(seed, item.name, references, estimators, loops) for seed in seeds for item in conditions]
     places = {(job.seed, job.condition): place for place, job in enumerate(jobs)}
-    found: list[Answer | None] = [None] * len(jobs)
+    found: list[JobAnswer | None] = [None] * len(jobs)
     run = answers_of(jobs, Path(folder), workers=cores() if workers is None else workers, look=look)
     for done, answer in enumerate(run, 1):
         found[places[answer.job.seed, answer.job.condition]] = answer

@@ -17,7 +17,7 @@ from musclewire.identify import fit
 from musclewire.identify.loop_gaps import loop_gaps
 from musclewire.identify.physical.calibrate import calibrate
 from musclewire.identify.physical.calibrated_wire import save_wire
-from musclewire.identify.physical.search import Settings
+from musclewire.identify.physical.search import SearchSettings
 from musclewire.sensing import load_model
 from musclewire.sensing.model import SensingModel
 from musclewire.signals.reading import read_recording
@@ -102,7 +102,7 @@ def characterise(wire: PopulationWire, folder: Path) -> None:
         drive = random_drive(rig.sense_voltage_v, amplitude_v, known.random_steps_s, wire.seed)
         policy = WaveformPolicy(drive, known.random_steps_s)
         steps = run_on_rig(rig, policy, known.random_steps_s, metadata={"experiment": "random steps"})
-    effort = Settings(
+    effort = SearchSettings(
         seed=wire.seed,
         starts=known.starts,
         jumps=known.jumps,

@@ -13,7 +13,7 @@ from musclewire.experiment.closed_loop import APPROACH_S, control
 from musclewire.experiment.metrics import ControlRun, StepMetrics
 from musclewire.experiment.staircases import staircase_within
 from musclewire.extras.studies.robustness.homing import homed
-from musclewire.extras.studies.robustness.plant import Plant, open_plant
+from musclewire.extras.studies.robustness.plant import DisturbedPlant, open_plant
 from musclewire.extras.studies.robustness.population import PopulationWire
 from musclewire.extras.studies.robustness.scoring import judged_from_s
 from musclewire.extras.studies.robustness.settings import Condition, settings
@@ -22,13 +22,13 @@ from musclewire.sensing.estimator import ESTIMATORS, EstimatorFactory, Estimator
 from musclewire.sensing.model import SensingModel
 from musclewire.wire.constants import WireConstants
 
-__all__ = ["LoopOutcome", "Watched", "run_loop"]
+__all__ = ["ScoredLoop", "TrueExtremes", "run_loop"]
 
 # Number of the run of a wire, for its noise: after those that are recorded for estimators.
 RUN_NUMBER = 50
 
 
-class LoopOutcome(NamedTuple):
+class ScoredLoop(NamedTuple):
     """What one closed loop came to; errors by Eq. 7 in percent of the target.
 
     Parameters
@@ -63,10 +63,10 @@ class LoopOutcome(NamedTuple):
     hottest_k: float
 
 
-class Watched:
+class TrueExtremes:
     """The extremes of a run that no instrument shows: true temperatures, and power at the wire's terminals."""
 
-    def __init__(self, plant: Plant) -> None:
+    def __init__(self, plant: DisturbedPlant) -> None:
         """Watch a simulated rig."""
         self._plant = plant
         self._truth, self._shunt_ohm = required_true_state(plant.rig), plant.rig.shunt_resistance_ohm
@@ -88,7 +88,7 @@ def run_loop(
     estimator: str,
     controller: str,
     users_wire: WireConstants | None,
-) -> LoopOutcome:
+) -> ScoredLoop:
     """Return what a closed loop on the paper's staircase came to, from cold, with the change during the run.
 
     Parameters
@@ -119,7 +119,7 @@ def run_loop(
             return not_begun(outcome)
         began_s = required_true_state(rig).wire_state.time_s
         plant.disturbance.change_at(began_s + APPROACH_S + run.change_at_s)
-        watched = Watched(plant)
+        watched = TrueExtremes(plant)
         limit_w = rig.protection_limits.maximum_power_w
         made_by = factory_with(estimator, users_wire)
         found: ControlRun | None = None
@@ -131,7 +131,7 @@ def run_loop(
             ended = " ".join(str(error).split())
     first, others, mean = (None, None, None) if found is None else step_errors(found, judged_from_s(condition, run))
     metrics = None if found is None else found.metrics
-    return LoopOutcome(
+    return ScoredLoop(
         first,
         others,
         mean,
@@ -154,9 +154,9 @@ def factory_with(name: str, wire: WireConstants | None) -> EstimatorFactory:
     return lambda setup: factory(replace(setup, **known))
 
 
-def not_begun(why: str) -> LoopOutcome:
+def not_begun(why: str) -> ScoredLoop:
     """Return the outcome of a loop that did not begin, because its home move was refused or ended."""
-    return LoopOutcome(None, None, None, None, None, why, 0.0, 1.0, 0.0, 0.0)
+    return ScoredLoop(None, None, None, None, None, why, 0.0, 1.0, 0.0, 0.0)
 
 
 def step_errors(run: ControlRun, from_s: float) -> tuple[float | None, float | None, float | None]:

@@ -62,17 +62,17 @@ class Disturbance:
 
     def __call__(self, time_s: float) -> Conditions:
         """Return what is around the wire at a time on the rig's clock [s]."""
-        of, level, drifted = self._condition, self.level(time_s), self.drift_level(time_s)
-        convection = of.convection_factor**drifted
+        condition, level, drifted = self._condition, self.level(time_s), self.drift_level(time_s)
+        convection = condition.convection_factor**drifted
         along = np.asarray(convection)
         if self._draughts is not None:
             along = convection * (1.0 + level * (np.asarray(self._draughts(time_s).convection_factor) - 1.0))
         return Conditions(
             ambient_k=self.ambient_k(time_s),
             convection_factor=along,
-            load_force_n=level * of.load_fraction * self._pretension_n,
-            stiffness_factor=of.stiffness_factor**level,
-            pretension_force_n=level * of.pretension_fraction * self._pretension_n,
-            resistance_factor=1.0 + drifted * (of.resistance_factor - 1.0),
-            transformation_shift_k=drifted * of.transformation_shift_k,
+            load_force_n=level * condition.load_fraction * self._pretension_n,
+            stiffness_factor=condition.stiffness_factor**level,
+            pretension_force_n=level * condition.pretension_fraction * self._pretension_n,
+            resistance_factor=1.0 + drifted * (condition.resistance_factor - 1.0),
+            transformation_shift_k=drifted * condition.transformation_shift_k,
         )

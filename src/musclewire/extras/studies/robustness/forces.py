@@ -8,7 +8,7 @@ from musclewire.errors import MusclewireError
 from musclewire.extras.studies.robustness.characterising import UsersKnowledge
 from musclewire.extras.studies.robustness.estimating import estimated
 from musclewire.extras.studies.robustness.recorded_run import RecordedRun
-from musclewire.extras.studies.robustness.scoring import Score, judged_from_s, usable
+from musclewire.extras.studies.robustness.scoring import ErrorSums, judged_from_s, usable
 from musclewire.extras.studies.robustness.settings import Condition, RunSettings
 from musclewire.sensing.known_load import KnownSpring, force_model
 from musclewire.wire.constants import WireConstants
@@ -26,7 +26,7 @@ def force_score(
     knowledge: UsersKnowledge,
     times: RunSettings,
     wire: WireConstants | None,
-) -> Score:
+) -> ErrorSums:
     """Return the score of an estimator's force against the load cell, in forces of the spring at the full stroke.
 
     Parameters
@@ -56,12 +56,12 @@ def force_score(
         model = force_model(knowledge.model, stiffness, leg_m)
         found = estimated(run, model, estimator, wire, KnownSpring(stiffness, friction_n))
     except MusclewireError:
-        return Score()
+        return ErrorSums()
     judged = usable(run.strain, knowledge, times) & (run.time_s >= judged_from_s(condition, times))
     measured = run.force_n - run.force_n[:ZERO_SAMPLES].mean()
     error = (found.value - measured)[judged] / full_n
     valid = found.valid[judged]
-    return Score(
+    return ErrorSums(
         samples=int(judged.sum()),
         squares=float(error @ error),
         valid=int(valid.sum()),

@@ -8,18 +8,18 @@ import numpy as np
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment.home import home
-from musclewire.extras.studies.robustness.plant import Plant
+from musclewire.extras.studies.robustness.plant import DisturbedPlant
 from musclewire.extras.studies.robustness.settings import Condition
 from musclewire.sensing.model import SensingModel
 
-__all__ = ["Homed", "homed"]
+__all__ = ["HomedModel", "homed"]
 
 # Error of a thermometer in the air [K].
 THERMOMETER_STD_K = 0.3
 STREAM = 17
 
 
-class Homed(NamedTuple):
+class HomedModel(NamedTuple):
     """The model after a home move.
 
     Parameters
@@ -34,7 +34,7 @@ class Homed(NamedTuple):
     outcome: str
 
 
-def homed(plant: Plant, condition: Condition, model: SensingModel) -> Homed:
+def homed(plant: DisturbedPlant, condition: Condition, model: SensingModel) -> HomedModel:
     """Return the model after the home move that a condition has, made on the rig as it is now.
 
     Parameters
@@ -56,7 +56,7 @@ def homed(plant: Plant, condition: Condition, model: SensingModel) -> Homed:
         If the protection ended the move.
     """
     if not condition.home:
-        return Homed(model, "")
+        return HomedModel(model, "")
     ambient_k = None
     if condition.thermometer:
         noise_k = THERMOMETER_STD_K * float(np.random.default_rng([STREAM, plant.seed]).standard_normal())
@@ -64,5 +64,5 @@ def homed(plant: Plant, condition: Condition, model: SensingModel) -> Homed:
     try:
         found = home(plant.rig, model, ambient_k=ambient_k)
     except (CallerError, RecordingError) as error:
-        return Homed(model, f"refused: {' '.join(str(error).split())}")
-    return Homed(found.model, "corrected" if found.home.corrected else "not corrected")
+        return HomedModel(model, f"refused: {' '.join(str(error).split())}")
+    return HomedModel(found.model, "corrected" if found.home.corrected else "not corrected")

@@ -6,18 +6,18 @@ from dataclasses import asdict
 from typing import Any, NamedTuple
 
 from musclewire.errors import MusclewireError
-from musclewire.extras.studies.robustness.closed_loops import LoopOutcome, run_loop
+from musclewire.extras.studies.robustness.closed_loops import ScoredLoop, run_loop
 from musclewire.extras.studies.robustness.estimating import estimated
 from musclewire.extras.studies.robustness.forces import force_score
 from musclewire.extras.studies.robustness.population import drawn_wire
-from musclewire.extras.studies.robustness.scoring import Score, pooled, score_of
+from musclewire.extras.studies.robustness.scoring import ErrorSums, pooled, score_of
 from musclewire.extras.studies.robustness.settings import settings
-from musclewire.extras.studies.robustness.store import Store, digest, known_wire, sources
+from musclewire.extras.studies.robustness.store import ResultStore, digest, known_wire, sources
 
-__all__ = ["Answer", "Job", "answer_of", "job_of_plain"]
+__all__ = ["JobAnswer", "RobustnessJob", "answer_of", "job_of_plain"]
 
 
-class Job(NamedTuple):
+class RobustnessJob(NamedTuple):
     """A wire under a condition.
 
     Parameters
@@ -41,13 +41,13 @@ class Job(NamedTuple):
     loops: tuple[tuple[str, str], ...]
 
 
-def job_of_plain(data: Any) -> Job:
+def job_of_plain(data: Any) -> RobustnessJob:
     """Return the job in a list of plain data."""
     seed, condition, references, estimators, loops = data
-    return Job(seed, condition, tuple(references), tuple(estimators), tuple((one, two) for one, two in loops))
+    return RobustnessJob(seed, condition, tuple(references), tuple(estimators), tuple((one, two) for one, two in loops))
 
 
-class Answer(NamedTuple):
+class JobAnswer(NamedTuple):
     """What a job found.
 
     Parameters
@@ -73,14 +73,14 @@ class Answer(NamedTuple):
         What became of each home move, by the reference.
     """
 
-    job: Job
+    job: RobustnessJob
     gap_pct: float
     segments: int
-    scores: dict[str, Score]
+    scores: dict[str, ErrorSums]
     problems: dict[str, str]
-    loops: tuple[LoopOutcome, ...]
+    loops: tuple[ScoredLoop, ...]
     ended: dict[str, str]
-    force: dict[str, Score]
+    force: dict[str, ErrorSums]
     home_moves: dict[str, str]
 
     def plain(self) -> dict[str, Any]:
@@ -94,20 +94,20 @@ class Answer(NamedTuple):
         }
 
     @staticmethod
-    def of_plain(data: dict[str, Any]) -> Answer:
+    def of_plain(data: dict[str, Any]) -> JobAnswer:
         """Return the answer in plain data."""
-        return Answer(
+        return JobAnswer(
             **{
                 **data,
                 "job": job_of_plain(data["job"]),
-                "scores": {name: Score(**score) for name, score in data["scores"].items()},
-                "loops": tuple(LoopOutcome(*loop) for loop in data["loops"]),
-                "force": {name: Score(**score) for name, score in data["force"].items()},
+                "scores": {name: ErrorSums(**score) for name, score in data["scores"].items()},
+                "loops": tuple(ScoredLoop(*loop) for loop in data["loops"]),
+                "force": {name: ErrorSums(**score) for name, score in data["force"].items()},
             }
         )
 
 
-def answer_of(job: Job, store: Store) -> Answer:
+def answer_of(job: RobustnessJob, store: ResultStore) -> JobAnswer:
     """Return what a job finds, computed now or before with the same sources.
 
     Parameters
@@ -124,13 +124,13 @@ def answer_of(job: Job, store: Store) -> Answer:
     name = digest(sources("sensing", "controllers", "experiment", "studies/robustness"), repr(job))
     kept = store.kept_answer(drawn_wire(job.seed), name)
     if kept is not None:
-        return Answer.of_plain(kept)
+        return JobAnswer.of_plain(kept)
     found = computed(job, store)
     store.keep_answer(drawn_wire(job.seed), name, found.plain())
     return found
 
 
-def computed(job: Job, store: Store) -> Answer:
+def computed(job: RobustnessJob, store: ResultStore) -> JobAnswer:
     """Return what a job finds."""
     (condition,) = settings().conditions((job.condition,))
     wire, times = drawn_wire(job.seed), settings().run
@@ -138,9 +138,9 @@ def computed(job: Job, store: Store) -> Answer:
     own = known_wire(knowledge)
     recorded = [store.run(wire, condition, reference) for reference in job.references]
     runs = [(run, knowledge._replace(model=model)) for run, model in recorded if run.counts]
-    scores: dict[str, Score] = {}
+    scores: dict[str, ErrorSums] = {}
     problems: dict[str, str] = {}
-    force: dict[str, Score] = {}
+    force: dict[str, ErrorSums] = {}
     for name in job.estimators:
         try:
             found = [estimated(run, users.model, name, own) for run, users in runs]
@@ -155,4 +155,4 @@ def computed(job: Job, store: Store) -> Answer:
     loops = tuple(run_loop(wire, condition, knowledge.model, *pair, own) for pair in job.loops)
     ended = {run.reference: run.ended for run, _ in recorded if run.ended}
     moves = {run.reference: run.home for run, _ in recorded if run.home}
-    return Answer(job, knowledge.gap_pct, wire.segments, scores, problems, loops, ended, force, moves)
+    return JobAnswer(job, knowledge.gap_pct, wire.segments, scores, problems, loops, ended, force, moves)

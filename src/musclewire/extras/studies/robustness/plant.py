@@ -11,7 +11,7 @@ from musclewire.parameters.library import load_alloy, load_wire
 from musclewire.parameters.parameter_groups import Wire
 from musclewire.rigs.guarded import GuardedRig
 
-__all__ = ["Plant", "open_plant"]
+__all__ = ["DisturbedPlant", "open_plant"]
 
 # A lead that drifts is another lead once a second.
 LEAD_EVERY_S = 1.0
@@ -21,7 +21,7 @@ RUNS_PER_WIRE, LEADS_PER_RUN = 100, 10_000
 CONTRACTED = 0.85
 
 
-class Plant:
+class DisturbedPlant:
     """An open rig, with the disturbance that changes what is around its wire.
 
     Parameters
@@ -62,7 +62,7 @@ class Plant:
             self._device.exchange_instruments(changed, self.seed * LEADS_PER_RUN + self._leads)
 
 
-def open_plant(wire: PopulationWire, condition: Condition = AS_CHARACTERISED, *, run: int = 0) -> Plant:
+def open_plant(wire: PopulationWire, condition: Condition = AS_CHARACTERISED, *, run: int = 0) -> DisturbedPlant:
     """Return a wire on its rig, cold, before anything changes.
 
     Parameters
@@ -88,7 +88,7 @@ def open_plant(wire: PopulationWire, condition: Condition = AS_CHARACTERISED, *,
     seed = RUNS_PER_WIRE * wire.seed + run
     limits = limits_of_user(wire, instruments, condition)
     device = SegmentedDevice(spool, conditions=disturbance, instruments=instruments, seed=seed, limits=limits)
-    return Plant(device, disturbance, condition.lead_ohm > 0.0 and not condition.home, seed)
+    return DisturbedPlant(device, disturbance, condition.lead_ohm > 0.0 and not condition.home, seed)
 
 
 def allowing(wire: Wire, maximum_v: float) -> Wire:

@@ -15,7 +15,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.extras.studies.robustness.settings import BaseWire, StructureSpread, settings
-from musclewire.extras.studies.segmented.structure import Ageing, NormalMixture, WireStructure, mixture_distribution
+from musclewire.extras.studies.segmented.structure import NormalMixture, WireAgeing, WireStructure, mixture_distribution
 from musclewire.parameters.library import load_alloy, load_bench, load_wire
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters.seeds import require_seed
@@ -130,7 +130,7 @@ def drawn_structure(generator: np.random.Generator, spread: StructureSpread, seg
         grains=mixture_distribution(
             [NormalMixture(float(w), float(m), float(d)) for w, (_, m, d) in zip(weights, grains, strict=True)]
         ),
-        ageing=Ageing(**spread.ageing),
+        ageing=WireAgeing(**spread.ageing),
     )
 
 

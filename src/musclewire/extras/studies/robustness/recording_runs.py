@@ -15,7 +15,7 @@ from musclewire.errors import NumericsError, RigError
 from musclewire.extras.studies.robustness.characterising import UsersKnowledge
 from musclewire.extras.studies.robustness.disturbances import AS_CHARACTERISED
 from musclewire.extras.studies.robustness.homing import homed
-from musclewire.extras.studies.robustness.plant import Plant, open_plant
+from musclewire.extras.studies.robustness.plant import DisturbedPlant, open_plant
 from musclewire.extras.studies.robustness.population import PopulationWire
 from musclewire.extras.studies.robustness.recorded_run import RecordedRun
 from musclewire.extras.studies.robustness.references import REFERENCES, reference_targets, start_up
@@ -68,10 +68,10 @@ def record_run(
     return replace(run, home=outcome), model
 
 
-class Rows:
+class RunRows:
     """What is recorded of a run, a row for each sample."""
 
-    def __init__(self, plant: Plant) -> None:
+    def __init__(self, plant: DisturbedPlant) -> None:
         """Begin without a row."""
         self._plant, self._truth = plant, required_true_state(plant.rig)
         self._rows: list[tuple[float, ...]] = []
@@ -89,12 +89,12 @@ class Rows:
 
 
 def followed(
-    plant: Plant, wire: PopulationWire, condition: Condition, reference: str, knowledge: UsersKnowledge
+    plant: DisturbedPlant, wire: PopulationWire, condition: Condition, reference: str, knowledge: UsersKnowledge
 ) -> RecordedRun:
     """Return what was recorded while a wire followed the start-up loop and a reference."""
     rig, run = plant.rig, settings().run
     targets = run_targets(wire, reference, knowledge.stroke, run, rig.sample_period_s)
-    servo, rows = StrainServo(rig, knowledge), Rows(plant)
+    servo, rows = StrainServo(rig, knowledge), RunRows(plant)
     began_s = required_true_state(rig).wire_state.time_s + run.start_up_s
     plant.disturbance.change_at(began_s + run.change_at_s)
     drive_v, ended = rig.sense_voltage_v, ""

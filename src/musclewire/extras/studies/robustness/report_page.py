@@ -16,7 +16,7 @@ from musclewire.extras.studies.robustness.benchmark import Robustness
 from musclewire.extras.studies.robustness.table_text import COLUMNS, number, rows_data
 from musclewire.figures import figure_style
 from musclewire.figures.styled_figure import StyledFigure
-from musclewire.pages import STYLE, Card, cards, page, svg_in_frame, table, table_rows
+from musclewire.pages import STYLE, NumberCard, cards, page, svg_in_frame, table, table_rows
 from musclewire.signals.whole_files import write_text_whole
 
 __all__ = ["error_figure", "write_report"]
@@ -65,11 +65,11 @@ def head(names: Sequence[str]) -> str:
     return HEAD.format("".join(f"<th>{escape(name)}</th>" for name in names))
 
 
-def key_numbers(result: Robustness) -> list[Card]:
+def key_numbers(result: Robustness) -> list[NumberCard]:
     """Return the key numbers of a benchmark."""
     held = len(result.verdicts) - len(result.missed)
     found = [
-        Card(
+        NumberCard(
             "bars that hold",
             f"{held} of {len(result.verdicts)}",
             "of the default estimator and loop",
@@ -78,10 +78,10 @@ def key_numbers(result: Robustness) -> list[Card]:
     ]
     undisturbed = [row for row in result.estimators if row.condition.bar == "none"]
     found += [
-        Card(escape(row.estimator), f"{number(row.score.rms_pct)} %", "undisturbed, of the full stroke")
+        NumberCard(escape(row.estimator), f"{number(row.score.rms_pct)} %", "undisturbed, of the full stroke")
         for row in undisturbed
     ]
-    return [*found, Card("wires", str(len(result.seeds)), result.seeds_text)]
+    return [*found, NumberCard("wires", str(len(result.seeds)), result.seeds_text)]
 
 
 def error_matrix(result: Robustness) -> tuple[list[str], list[str], Any]:

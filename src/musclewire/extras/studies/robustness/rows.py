@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from musclewire.extras.studies.robustness.bars import Bars
-from musclewire.extras.studies.robustness.closed_loops import LoopOutcome
-from musclewire.extras.studies.robustness.jobs import Answer
-from musclewire.extras.studies.robustness.scoring import Score, pooled
+from musclewire.extras.studies.robustness.bars import RobustnessBars
+from musclewire.extras.studies.robustness.closed_loops import ScoredLoop
+from musclewire.extras.studies.robustness.jobs import JobAnswer
+from musclewire.extras.studies.robustness.scoring import ErrorSums, pooled
 from musclewire.extras.studies.robustness.settings import Condition
 
 __all__ = ["EstimatorRow", "LoopRow", "WireError", "estimator_rows", "loop_rows"]
@@ -69,8 +69,8 @@ class EstimatorRow:
 
     condition: Condition
     estimator: str
-    score: Score
-    force: Score
+    score: ErrorSums
+    force: ErrorSums
     wires: tuple[WireError, ...]
     problem: str
     ended: int
@@ -124,7 +124,7 @@ class LoopRow:
     condition: Condition
     estimator: str
     controller: str
-    outcomes: tuple[LoopOutcome, ...]
+    outcomes: tuple[ScoredLoop, ...]
     allowances: tuple[float, ...]
     seeds: tuple[int, ...]
 
@@ -161,7 +161,9 @@ def mean_of(values: Sequence[float | None]) -> float | None:
     return float(np.mean(numbers)) if numbers else None
 
 
-def estimator_rows(answers: Sequence[Answer], conditions: Sequence[Condition], bars: Bars) -> tuple[EstimatorRow, ...]:
+def estimator_rows(
+    answers: Sequence[JobAnswer], conditions: Sequence[Condition], bars: RobustnessBars
+) -> tuple[EstimatorRow, ...]:
     """Return a row for each condition and estimator, in their order."""
     names = tuple(dict.fromkeys(name for answer in answers for name in answer.job.estimators))
     return tuple(
@@ -171,7 +173,7 @@ def estimator_rows(answers: Sequence[Answer], conditions: Sequence[Condition], b
     )
 
 
-def estimator_row(condition: Condition, name: str, answers: Sequence[Answer], bars: Bars) -> EstimatorRow:
+def estimator_row(condition: Condition, name: str, answers: Sequence[JobAnswer], bars: RobustnessBars) -> EstimatorRow:
     """Return the row of an estimator under a condition."""
     scored = [one for one in answers if name in one.scores and one.scores[name].samples]
     wires = tuple(
@@ -189,7 +191,9 @@ def estimator_row(condition: Condition, name: str, answers: Sequence[Answer], ba
     )
 
 
-def loop_rows(answers: Sequence[Answer], conditions: Sequence[Condition], bars: Bars) -> tuple[LoopRow, ...]:
+def loop_rows(
+    answers: Sequence[JobAnswer], conditions: Sequence[Condition], bars: RobustnessBars
+) -> tuple[LoopRow, ...]:
     """Return a row for each condition and closed loop, in their order."""
     pairs = tuple(dict.fromkeys(pair for answer in answers for pair in answer.job.loops))
     found: list[LoopRow] = []

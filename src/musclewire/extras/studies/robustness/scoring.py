@@ -14,7 +14,7 @@ from musclewire.extras.studies.robustness.estimating import EstimatedRun
 from musclewire.extras.studies.robustness.recorded_run import RecordedRun
 from musclewire.extras.studies.robustness.settings import Condition, RunSettings
 
-__all__ = ["Score", "judged_from_s", "pooled", "score_of", "usable"]
+__all__ = ["ErrorSums", "judged_from_s", "pooled", "score_of", "usable"]
 
 # A sample counts as wrong beyond this fraction of the full stroke; an interval is this many standard deviations wide.
 WRONG, DEVIATIONS = 0.05, 1.96
@@ -27,7 +27,7 @@ HEALTH_COLUMN = "health"
 
 
 @dataclass(frozen=True)
-class Score:
+class ErrorSums:
     """Sums over judged samples; they add up.
 
     Parameters
@@ -74,9 +74,9 @@ class Score:
     false_flags: int = 0
     quiet_s: float = 0.0
 
-    def __add__(self, other: Score) -> Score:
+    def __add__(self, other: ErrorSums) -> ErrorSums:
         """Return the sums of both."""
-        return Score(*(getattr(self, item.name) + getattr(other, item.name) for item in fields(self)))
+        return ErrorSums(*(getattr(self, item.name) + getattr(other, item.name) for item in fields(self)))
 
     @property
     def rms_pct(self) -> float | None:
@@ -124,9 +124,9 @@ class Score:
         return 3600.0 * self.false_flags / self.quiet_s if self.quiet_s else None
 
 
-def pooled(scores: Iterable[Score]) -> Score:
+def pooled(scores: Iterable[ErrorSums]) -> ErrorSums:
     """Return the sums of many scores."""
-    total = Score()
+    total = ErrorSums()
     for score in scores:
         total = total + score
     return total
@@ -154,7 +154,7 @@ def usable(strain: FloatArray, knowledge: UsersKnowledge, run: RunSettings) -> n
 
 def score_of(
     run: RecordedRun, found: EstimatedRun, condition: Condition, knowledge: UsersKnowledge, times: RunSettings
-) -> Score:
+) -> ErrorSums:
     """Return the score of an estimator on a run.
 
     Parameters
@@ -180,7 +180,7 @@ def score_of(
     new_zero = error + run.zero_shift[judged] / stroke
     valid, std = found.valid[judged], found.std[judged] / stroke
     cold = before_b(run)
-    return Score(
+    return ErrorSums(
         samples=int(judged.sum()),
         squares=float(error @ error),
         squares_new_zero=float(new_zero @ new_zero),
@@ -205,21 +205,21 @@ def before_b(run: RecordedRun) -> npt.NDArray[np.bool_]:
     return found
 
 
-def flags_of(run: RecordedRun, found: EstimatedRun, condition: Condition, times: RunSettings) -> Score:
+def flags_of(run: RecordedRun, found: EstimatedRun, condition: Condition, times: RunSettings) -> ErrorSums:
     """Return what there is to say of flags, if the estimator or what watches it records its health."""
     health = found.columns.get(HEALTH_COLUMN)
     if health is None:
-        return Score()
+        return ErrorSums()
     flagged = health != 0.0
     begins = flagged & ~np.concatenate([[False], flagged[:-1]])
     if condition.bar == "none":
         quiet = run.time_s >= 0.0
         period_s = run.facts["sample_period_s"]
-        return Score(false_flags=int(begins[quiet].sum()), quiet_s=float(quiet.sum()) * period_s)
+        return ErrorSums(false_flags=int(begins[quiet].sum()), quiet_s=float(quiet.sum()) * period_s)
     if condition.flag_s is None:
-        return Score()
+        return ErrorSums()
     after = np.flatnonzero(flagged & (run.time_s >= times.change_at_s))
     if not after.size:
-        return Score(flag_runs=1)
+        return ErrorSums(flag_runs=1)
     needed_s = float(run.time_s[after[0]]) - times.change_at_s
-    return Score(flag_runs=1, flags_in_time=int(needed_s <= condition.flag_s), flag_times_s=needed_s, flagged=1)
+    return ErrorSums(flag_runs=1, flags_in_time=int(needed_s <= condition.flag_s), flag_times_s=needed_s, flagged=1)

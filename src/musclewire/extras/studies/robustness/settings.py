@@ -18,7 +18,7 @@ __all__ = [
     "Population",
     "RigSettings",
     "RunSettings",
-    "Settings",
+    "RobustnessSettings",
     "StructureSpread",
     "settings",
 ]
@@ -26,20 +26,20 @@ __all__ = [
 FILE = "settings.toml"
 
 
-class Strict(BaseModel):
+class StrictTable(BaseModel):
     """A table of the file: an unknown key is an error."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class BaseWire(Strict):
+class BaseWire(StrictTable):
     """A wire as it is sold, and the pretension that the command recommends for it."""
 
     wire: str
     pretension_n: float = Field(gt=0.0)
 
 
-class StructureSpread(Strict):
+class StructureSpread(StrictTable):
     """What a wire of the population is made of, which no model of its user has.
 
     Parameters
@@ -72,7 +72,7 @@ class StructureSpread(Strict):
     ageing: dict[str, float]
 
 
-class Population(Strict):
+class Population(StrictTable):
     """Seeds, and how far their wires spread around what is sold."""
 
     held_out_seeds: tuple[int, ...] = Field(min_length=20)
@@ -94,7 +94,7 @@ class Population(Strict):
         return self
 
 
-class RigSettings(Strict):
+class RigSettings(StrictTable):
     """What a rig of the population allows."""
 
     maximum_voltage_ratio: float = Field(ge=1.0)
@@ -103,7 +103,7 @@ class RigSettings(Strict):
     moving_air_limit_k: float = Field(gt=0.0)
 
 
-class RunSettings(Strict):
+class RunSettings(StrictTable):
     """Times of a run, and the range in which it is judged."""
 
     start_up_s: float = Field(gt=0.0)
@@ -116,7 +116,7 @@ class RunSettings(Strict):
     usable_high: float = Field(gt=0.0, le=1.0)
 
 
-class Characterisation(Strict):
+class Characterisation(StrictTable):
     """What a user records and how long his calibration searches."""
 
     random_steps_s: float = Field(gt=0.0)
@@ -126,14 +126,14 @@ class Characterisation(Strict):
     evaluations_last: int = Field(ge=1)
 
 
-class Quick(Strict):
+class QuickRun(StrictTable):
     """What a quick run has."""
 
     conditions: tuple[str, ...] = Field(min_length=1)
     references: tuple[str, ...] = Field(min_length=1)
 
 
-class Condition(Strict):
+class Condition(StrictTable):
     """What is changed in a run, and which bar its rows are held to.
 
     Parameters
@@ -234,7 +234,7 @@ class Condition(Strict):
         return bool(self.ambient_k or self.draughts) or self.convection_factor != 1.0
 
 
-class GripCondition(Strict):
+class GripCondition(StrictTable):
     """What is other in a grip than at the gripper's training.
 
     Parameters
@@ -267,22 +267,22 @@ class GripCondition(Strict):
     noise_factor: float = Field(default=1.0, gt=0.0)
 
 
-class Grips(Strict):
+class GripRuns(StrictTable):
     """Grips under disturbance: their seeds, and what is other than at the training."""
 
     seeds: tuple[int, ...] = Field(min_length=1)
     condition: tuple[GripCondition, ...] = Field(min_length=1)
 
 
-class Settings(Strict):
+class RobustnessSettings(StrictTable):
     """The whole file."""
 
     population: Population
     rig: RigSettings
     run: RunSettings
     characterisation: Characterisation
-    quick: Quick
-    grips: Grips
+    quick: QuickRun
+    grips: GripRuns
     condition: tuple[Condition, ...] = Field(min_length=1)
 
     def conditions(self, names: tuple[str, ...] | None = None) -> tuple[Condition, ...]:
@@ -295,7 +295,7 @@ class Settings(Strict):
 
 
 @cache
-def settings() -> Settings:
+def settings() -> RobustnessSettings:
     """Return the settings that ship with musclewire."""
     text = (files("musclewire.extras.studies.robustness") / "data" / FILE).read_text("utf-8")
-    return validated(Settings, tomllib.loads(text), f"robustness: {FILE}")
+    return validated(RobustnessSettings, tomllib.loads(text), f"robustness: {FILE}")

@@ -20,7 +20,7 @@ from musclewire.sensing.model import SensingModel
 from musclewire.signals.whole_files import write_text_whole
 from musclewire.wire.constants import WireConstants
 
-__all__ = ["FOLDER", "BenchmarkRun", "Store", "digest", "known_wire", "runs_of", "sources"]
+__all__ = ["FOLDER", "BenchmarkRun", "ResultStore", "digest", "known_wire", "runs_of", "sources"]
 
 # Where runs are kept by default.
 FOLDER = Path("robustness")
@@ -54,7 +54,7 @@ class BenchmarkRun(NamedTuple):
     condition: Condition
 
 
-class Store:
+class ResultStore:
     """A folder of characterised wires, recorded runs and what was found with them."""
 
     def __init__(self, folder: Path) -> None:
@@ -148,7 +148,7 @@ def runs_of(seed: int, condition: str, reference: str, folder: str | Path = FOLD
         For an unknown condition or reference.
     """
     (found,) = settings().conditions((condition,))
-    wire, store = drawn_wire(seed), Store(Path(folder))
+    wire, store = drawn_wire(seed), ResultStore(Path(folder))
     run, model = store.run(wire, found, reference)
     knowledge = store.knowledge(wire)
     return BenchmarkRun(run, knowledge._replace(model=model), known_wire(knowledge), found)

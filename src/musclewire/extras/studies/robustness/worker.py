@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from musclewire.extras.studies.robustness.jobs import answer_of, job_of_plain
-from musclewire.extras.studies.robustness.store import Store
+from musclewire.extras.studies.robustness.store import ResultStore
 
 __all__ = ["main"]
 
@@ -30,13 +30,13 @@ def main() -> None:
 
 def answer_all(requests: TextIO, answers: TextIO) -> None:
     """Answer each job until there are no more."""
-    store = Store(Path(json.loads(requests.readline() or '"."')))
+    store = ResultStore(Path(json.loads(requests.readline() or '"."')))
     for line in requests:
         answers.write(json.dumps(plain_answer(json.loads(line), store)) + "\n")
         answers.flush()
 
 
-def plain_answer(data: Any, store: Store) -> dict[str, Any] | str:
+def plain_answer(data: Any, store: ResultStore) -> dict[str, Any] | str:
     """Return what a job found as plain data, or the error in the code that the parent is to raise."""
     job = job_of_plain(data)
     try:

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from musclewire.errors import NumericsError
 from musclewire.experiment.worker_process import end_worker, start_worker
-from musclewire.extras.studies.robustness.jobs import Answer, Job, answer_of
-from musclewire.extras.studies.robustness.store import Store
+from musclewire.extras.studies.robustness.jobs import JobAnswer, RobustnessJob, answer_of
+from musclewire.extras.studies.robustness.store import ResultStore
 
 __all__ = ["answers_of"]
 
@@ -22,8 +22,8 @@ LOOK_S = 0.2
 
 
 def answers_of(
-    jobs: Sequence[Job], folder: Path, *, workers: int, look: Callable[[], None] = lambda: None
-) -> Iterator[Answer]:
+    jobs: Sequence[RobustnessJob], folder: Path, *, workers: int, look: Callable[[], None] = lambda: None
+) -> Iterator[JobAnswer]:
     """Yield the answers of jobs in the order in which they are found.
 
     Parameters
@@ -47,7 +47,7 @@ def answers_of(
         If a worker has died, or its code has failed.
     """
     if workers == 1:
-        store = Store(folder)
+        store = ResultStore(folder)
         for job in jobs:
             look()
             yield answer_of(job, store)
@@ -61,9 +61,9 @@ def answers_of(
         pool.end()
 
 
-def grouped(jobs: Sequence[Job]) -> list[list[Job]]:
+def grouped(jobs: Sequence[RobustnessJob]) -> list[list[RobustnessJob]]:
     """Return the jobs by wires, in their order."""
-    found: dict[int, list[Job]] = {}
+    found: dict[int, list[RobustnessJob]] = {}
     for job in jobs:
         found.setdefault(job.seed, []).append(job)
     return list(found.values())
@@ -72,11 +72,11 @@ def grouped(jobs: Sequence[Job]) -> list[list[Job]]:
 class WorkerPool:
     """Processes, each with a thread that hands it the jobs of one wire after another."""
 
-    def __init__(self, groups: Sequence[Sequence[Job]], folder: Path) -> None:
+    def __init__(self, groups: Sequence[Sequence[RobustnessJob]], folder: Path) -> None:
         """Queue the groups."""
         self._folder = folder
-        self._todo: queue.SimpleQueue[Sequence[Job]] = queue.SimpleQueue()
-        self._done: queue.SimpleQueue[Answer | BaseException] = queue.SimpleQueue()
+        self._todo: queue.SimpleQueue[Sequence[RobustnessJob]] = queue.SimpleQueue()
+        self._done: queue.SimpleQueue[JobAnswer | BaseException] = queue.SimpleQueue()
         self._processes: list[subprocess.Popen[bytes]] = []
         self._threads: list[threading.Thread] = []
         self._stopping = threading.Event()
@@ -108,7 +108,7 @@ class WorkerPool:
         except BaseException as problem:
             self._done.put(problem)
 
-    def next_answer(self, look: Callable[[], None]) -> Answer:
+    def next_answer(self, look: Callable[[], None]) -> JobAnswer:
         """Return the next answer; raise what has ended a worker."""
         while True:
             look()
@@ -141,7 +141,7 @@ def ask(process: subprocess.Popen[bytes], line: str) -> None:
         raise NumericsError("a worker of the benchmark has died: run it again, what was finished is kept") from None
 
 
-def answered(process: subprocess.Popen[bytes]) -> Answer:
+def answered(process: subprocess.Popen[bytes]) -> JobAnswer:
     """Return a process's next answer. Raises NumericsError if it has died, or its code has failed."""
     assert process.stdout is not None
     line = process.stdout.readline()
@@ -152,4 +152,4 @@ def answered(process: subprocess.Popen[bytes]) -> Answer:
     data = json.loads(line)
     if isinstance(data, str):
         raise NumericsError(f"a worker of the benchmark has failed: {data}")
-    return Answer.of_plain(data)
+    return JobAnswer.of_plain(data)

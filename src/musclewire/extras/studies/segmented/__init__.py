@@ -3,11 +3,11 @@
 from musclewire.extras.studies.segmented.conditions import Conditions, ConditionsInTime, LocalDraughts, steady
 from musclewire.extras.studies.segmented.device import SegmentedDevice, SegmentedSpool
 from musclewire.extras.studies.segmented.instruments import InstrumentSettings
-from musclewire.extras.studies.segmented.structure import Ageing, NormalMixture, WireStructure, mixture_distribution
+from musclewire.extras.studies.segmented.structure import NormalMixture, WireAgeing, WireStructure, mixture_distribution
 from musclewire.extras.studies.segmented.wire import SegmentedState, SegmentedWire
 
 __all__ = [
-    "Ageing",
+    "WireAgeing",
     "Conditions",
     "ConditionsInTime",
     "InstrumentSettings",

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from musclewire.extras.studies.segmented.conditions import Conditions, ConditionsInTime, LocalDraughts, steady
 from musclewire.extras.studies.segmented.device import SegmentedDevice, SegmentedSpool
 from musclewire.extras.studies.segmented.instruments import InstrumentSettings
-from musclewire.extras.studies.segmented.structure import Ageing, NormalMixture, WireStructure, mixture_distribution
+from musclewire.extras.studies.segmented.structure import NormalMixture, WireAgeing, WireStructure, mixture_distribution
 from musclewire.extras.studies.segmented.wire import DEFAULT_STEP_S
 from musclewire.parameters.library import bench_known_with, load_alloy, load_bench, load_wire
 from musclewire.rigs.kinds import DeviceConfiguration, DeviceKind
@@ -36,13 +36,13 @@ Conductivity = Annotated[float, measured_in("W/(m K)"), Field(gt=0.0, allow_inf_
 STREAM = 7937
 
 
-class Table(BaseModel):
+class RigFileTable(BaseModel):
     """A table of a rig file."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class GrainsTable(Table):
+class GrainsTable(RigFileTable):
     """A normal population of grains.
 
     Parameters
@@ -60,7 +60,7 @@ class GrainsTable(Table):
     deviation: Positive
 
 
-class BarrierTable(Table):
+class BarrierTable(RigFileTable):
     """A class of grains.
 
     Parameters
@@ -75,7 +75,7 @@ class BarrierTable(Table):
     barrier: Kelvins
 
 
-class AgeingTable(Table):
+class AgeingTable(RigFileTable):
     """What the wire changes by use.
 
     Parameters
@@ -99,7 +99,7 @@ class AgeingTable(Table):
     cycles_before: NotNegative = 0.0
 
 
-class ConditionsTable(Table):
+class ConditionsTable(RigFileTable):
     """Constant conditions; programs may give a function of time instead (``SegmentedDevice.conditions``).
 
     Parameters
@@ -156,7 +156,7 @@ class ConditionsTable(Table):
         return LocalDraughts(still, n_segments, seed=seed, **draughts)
 
 
-class InstrumentsTable(Table):
+class InstrumentsTable(RigFileTable):
     """Instruments where they differ from the bench's.
 
     Parameters
@@ -273,7 +273,7 @@ class SegmentedConfiguration(WireKeys, DeviceConfiguration):
         """Return what the file says of segments, grains, barriers and ageing."""
         random = np.random.default_rng([self.seed, STREAM])
         strengths = np.clip(random.standard_normal((2, self.segments)), -3.0, 3.0)
-        of = self.ageing
+        ageing = self.ageing
         return WireStructure(
             n_segments=self.segments,
             clamped=self.clamped,
@@ -284,7 +284,9 @@ class SegmentedConfiguration(WireKeys, DeviceConfiguration):
             grains=mixture_distribution([NormalMixture(one.weight, one.mean, one.deviation) for one in self.grains])
             if self.grains
             else None,
-            ageing=Ageing(of.cycles_scale, of.residual_strain, of.resistance, of.temperature, of.cycles_before),
+            ageing=WireAgeing(
+                ageing.cycles_scale, ageing.residual_strain, ageing.resistance, ageing.temperature, ageing.cycles_before
+            ),
         )
 
 

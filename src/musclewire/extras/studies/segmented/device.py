@@ -41,7 +41,7 @@ class SegmentedSpool(NamedTuple):
     structure: WireStructure = WireStructure()
     step_s: float = DEFAULT_STEP_S
 
-    def at(self, pretension_n: float) -> SegmentedWire:
+    def wire_at(self, pretension_n: float) -> SegmentedWire:
         """Return the wire, cold and at rest.
 
         Parameters
@@ -127,7 +127,7 @@ class SegmentedDevice:
         self._spool, self._bench = spool, spool.bench.values()
         self._seed = require_seed(seed)
         self._pretension_n = self._bench["pretension_n"]
-        self._wire = spool.at(self._pretension_n)
+        self._wire = spool.wire_at(self._pretension_n)
         settings = instruments or InstrumentSettings.of_bench(self._bench)
         period_s = self._bench["sample_period_s"]
         self._instruments = RunningInstruments(settings, self._seed, period_s)
@@ -230,7 +230,7 @@ class SegmentedDevice:
             For a force that the wire does not allow.
         """
         self._drive_voltage_v = 0.0
-        wire = self._spool.at(pretension_n)
+        wire = self._spool.wire_at(pretension_n)
         wire.age_like(self._wire)
         self._wire, self._pretension_n, self._zero_m = wire, pretension_n, 0.0
 

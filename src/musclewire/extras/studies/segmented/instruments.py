@@ -160,19 +160,19 @@ class RunningInstruments:
 
     def lead_ohm(self) -> float:
         """Return the resistance within the measured voltage of the wire during the next sample [ohm]."""
-        of = self.settings
-        if of.contact_jump_ohm > 0.0:
-            changes = self._events.random() < -math.expm1(-self._period_s / of.contact_interval_s)
+        settings = self.settings
+        if settings.contact_jump_ohm > 0.0:
+            changes = self._events.random() < -math.expm1(-self._period_s / settings.contact_interval_s)
             self._bad_contact = self._bad_contact != changes
-        return of.lead_resistance_ohm + (of.contact_jump_ohm if self._bad_contact else 0.0)
+        return settings.lead_resistance_ohm + (settings.contact_jump_ohm if self._bad_contact else 0.0)
 
     def sample(self, true: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
         """Return the readings of both voltages [V], displacement [m] and force [N]."""
         self._draw(out=self._noise)
         wire_v, shunt_v, displacement_m, force_n = true
-        of, readings = self.settings, self.settings.readings
-        seen = (of.wire_gain * wire_v, 0.0, displacement_m, force_n)
+        settings, readings = self.settings, self.settings.readings
+        seen = (settings.wire_gain * wire_v, 0.0, displacement_m, force_n)
         read_v, _, read_m, read_n = read_sample(self._noise[: 2 * readings + 2], readings, seen, self._wire)
-        other = (of.shunt_gain * shunt_v, 0.0, 0.0, 0.0)
+        other = (settings.shunt_gain * shunt_v, 0.0, 0.0, 0.0)
         shunt_read_v, _, _, _ = read_sample(self._noise[2 * readings :], readings, other, self._shunt)
         return read_v, shunt_read_v, read_m, read_n

@@ -7,7 +7,7 @@ its own convection and conducts to its neighbours, the two at the ends to the cl
 from __future__ import annotations
 
 from musclewire.compiled import compiled, compiled_inline
-from musclewire.extras.studies.segmented.solution import Segments, equilibrium, load_after, no_shakedown, settle
+from musclewire.extras.studies.segmented.solution import CompiledSegments, equilibrium, load_after, no_shakedown, settle
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
 from musclewire.wire.balance import contraction_of, convection_w_per_m2_k, loss_w, resistance_at, strain_at
 from musclewire.wire.prescribed import cool_from_hot
@@ -18,7 +18,7 @@ __all__ = ["advance_segments", "rest_segments"]
 
 
 @compiled_inline
-def loss_of(run: Segments, number: int, temperature_k: float) -> float:
+def loss_of(run: CompiledSegments, number: int, temperature_k: float) -> float:
     """Return what a segment at a temperature loses to the air [W]."""
     k = run.constants
     coefficient = convection_w_per_m2_k(k, k, temperature_k)
@@ -27,7 +27,7 @@ def loss_of(run: Segments, number: int, temperature_k: float) -> float:
 
 
 @compiled_inline
-def conducted_w(run: Segments, number: int) -> float:
+def conducted_w(run: CompiledSegments, number: int) -> float:
     """Return the heat that neighbours and clamps conduct into a segment [W], by the trial temperatures."""
     states, place = run.states, run.places[number]
     last = states.shape[0] - 1
@@ -39,23 +39,23 @@ def conducted_w(run: Segments, number: int) -> float:
 
 
 @compiled_inline
-def current_at(run: Segments, resistance_ohm: float) -> float:
+def current_at(run: CompiledSegments, resistance_ohm: float) -> float:
     """Return the current [A] through segments of a resistance, leads and shunt in series."""
     return run.now.drive_voltage_v / (resistance_ohm + run.now.inside_ohm + run.now.outside_ohm)
 
 
 @compiled_inline
-def look(run: Segments) -> None:
+def look(run: CompiledSegments) -> None:
     """Write down current, power, losses and each segment's net power of this moment."""
-    whole, now = run.whole, run.now
+    whole, setting = run.whole, run.now
     total_ohm = 0.0
     for number in range(run.states.shape[0]):
         state = run.states[number]
         state.trial_k = state.temperature_k
         total_ohm += run.places[number].weight * state.resistance_ohm
-    whole.resistance_ohm = total_ohm * now.resistance_factor
+    whole.resistance_ohm = total_ohm * setting.resistance_factor
     whole.current_a = current_at(run, whole.resistance_ohm)
-    heating = whole.current_a * whole.current_a * now.resistance_factor
+    heating = whole.current_a * whole.current_a * setting.resistance_factor
     power_w = air_w = clamps_w = 0.0
     for number in range(run.states.shape[0]):
         state, weight = run.states[number], run.places[number].weight
@@ -69,13 +69,13 @@ def look(run: Segments) -> None:
 
 
 @compiled_inline
-def heat_of_step(run: Segments, step_s: float) -> float:
+def heat_of_step(run: CompiledSegments, step_s: float) -> float:
     """Write down the heat of a step by the power in its middle, and trial temperatures; return the mean heat [J].
 
     The middle is predicted by the slopes over heat of the last step. After a turn from heating to cooling or back no
     phase changes at first: then the slope is that of the capacity without latent heat.
     """
-    k, now = run.constants, run.now
+    k, setting = run.constants, run.now
     middle_ohm = 0.0
     for number in range(run.states.shape[0]):
         state = run.states[number]
@@ -84,8 +84,8 @@ def heat_of_step(run: Segments, step_s: float) -> float:
             state.temperature_slope_k_per_j, state.resistance_slope_ohm_per_j = k.per_capacity_k_per_j, 0.0
         state.trial_k = state.temperature_k + state.temperature_slope_k_per_j * half_j
         middle_ohm += run.places[number].weight * (state.resistance_ohm + state.resistance_slope_ohm_per_j * half_j)
-    current_a = current_at(run, middle_ohm * now.resistance_factor)
-    heating = current_a * current_a * now.resistance_factor
+    current_a = current_at(run, middle_ohm * setting.resistance_factor)
+    heating = current_a * current_a * setting.resistance_factor
     mean_j = 0.0
     for number in range(run.states.shape[0]):
         state = run.states[number]
@@ -100,7 +100,7 @@ def heat_of_step(run: Segments, step_s: float) -> float:
 
 
 @compiled_inline
-def accept(run: Segments, stress_pa: float, rise_pa: float, heat_j: float) -> None:
+def accept(run: CompiledSegments, stress_pa: float, rise_pa: float, heat_j: float) -> None:
     """Move all segments and the connector to the solution."""
     whole = run.whole
     contraction = -run.now.zero_contraction
@@ -125,15 +125,15 @@ def accept(run: Segments, stress_pa: float, rise_pa: float, heat_j: float) -> No
 
 
 @compiled_inline
-def held_connector(run: Segments, contraction: float) -> float:
+def held_connector(run: CompiledSegments, contraction: float) -> float:
     """Return where the connector of a slack wire stays: the load pushes it back as far as it overcomes the friction."""
-    now, friction_n = run.now, run.constants.friction_n
-    balanced = (friction_n - now.force_n) / now.spring_n if now.spring_n > 0.0 else contraction
+    setting, friction_n = run.now, run.constants.friction_n
+    balanced = (friction_n - setting.force_n) / setting.spring_n if setting.spring_n > 0.0 else contraction
     return min(max(balanced, contraction), run.whole.connector_contraction)
 
 
 @compiled_inline
-def step_segments(run: Segments, step_s: float) -> None:
+def step_segments(run: CompiledSegments, step_s: float) -> None:
     """Advance all segments by a step, in place."""
     whole = run.whole
     power_w, air_w, clamps_w = whole.power_w, whole.air_w, whole.clamps_w
@@ -176,29 +176,29 @@ def advance_segments(
     Means over the sample, by the trapezoidal rule: voltage of the wire with the leads inside [V], current [A],
     contraction of the connector, stress [Pa].
     """
-    run = Segments(states, places, wholes[0], settings[0], constants[0], cells[0], load[0])
-    whole, now = run.whole, run.now
+    run = CompiledSegments(states, places, wholes[0], settings[0], constants[0], cells[0], load[0])
+    whole, setting = run.whole, run.now
     look(run)
-    steps = int(now.steps)
-    step_s = now.duration_s / steps
+    steps = int(setting.steps)
+    step_s = setting.duration_s / steps
     voltage = current = moved = stress = 0.0
     for _ in range(steps):
-        voltage += whole.current_a * (whole.resistance_ohm + now.inside_ohm)
+        voltage += whole.current_a * (whole.resistance_ohm + setting.inside_ohm)
         current += whole.current_a
         moved += whole.connector_contraction
         stress += whole.stress_pa
         step_segments(run, step_s)
-        voltage += whole.current_a * (whole.resistance_ohm + now.inside_ohm)
+        voltage += whole.current_a * (whole.resistance_ohm + setting.inside_ohm)
         current += whole.current_a
         moved += whole.connector_contraction
         stress += whole.stress_pa
-    whole.time_s += now.duration_s
+    whole.time_s += setting.duration_s
     mean = 0.5 / steps
     return mean * voltage, mean * current, mean * moved, mean * stress
 
 
 @compiled_inline
-def rest_segment(run: Segments, number: int, stress_pa: float) -> None:
+def rest_segment(run: CompiledSegments, number: int, stress_pa: float) -> None:
     """Set a segment to rest: cooled from hot at a stress, at the temperature of the air."""
     state = run.states[number]  # with the names of fronts and phases that a WireState has
     k, temperature_k = run.constants, run.now.ambient_k
@@ -221,7 +221,7 @@ def rest_segments(
     states: Rows, places: Rows, wholes: Rows, settings: Rows, constants: Rows, cells: Rows, load: Rows
 ) -> float:
     """Set a wire in segments to rest under the load at its zero, in place; return its contraction there."""
-    run = Segments(states, places, wholes[0], settings[0], constants[0], cells[0], load[0])
+    run = CompiledSegments(states, places, wholes[0], settings[0], constants[0], cells[0], load[0])
     stress_pa = run.now.force_n * run.constants.per_section_m2
     contraction = 0.0
     for number in range(states.shape[0]):

@@ -12,15 +12,15 @@ import math
 from typing import NamedTuple
 
 from musclewire.compiled import compiled, compiled_inline
-from musclewire.extras.studies.segmented.state import Setting, WholeWire
+from musclewire.extras.studies.segmented.state import SampleSetting, WholeWire
 from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
-from musclewire.wire.balance import Strain, contraction_of, resistance_at, strain_at
+from musclewire.wire.balance import StrainSlopes, contraction_of, resistance_at, strain_at
 from musclewire.wire.constants import StepConstants
-from musclewire.wire.fronts import Shakedown
+from musclewire.wire.fronts import ShakedownEffects
 from musclewire.wire.row import Rows
 from musclewire.wire.step import SOLVED_K, RunningWire, friction_at, phases_at
 
-__all__ = ["Moving", "Segments", "equilibrium", "no_shakedown", "settle"]
+__all__ = ["LoadAtContraction", "CompiledSegments", "equilibrium", "no_shakedown", "settle"]
 
 PLAIN_STEPS = 12
 MAX_EVALUATIONS = 200
@@ -31,19 +31,19 @@ SMALL_BRACKET_PA = 1.0
 STEEPEST, TEN_K = 0.5, 10.0
 
 
-class Segments(NamedTuple):
+class CompiledSegments(NamedTuple):
     """A wire in segments in compiled code: arrays of records, and records."""
 
     states: Rows
     places: Rows
     whole: WholeWire
-    now: Setting
+    now: SampleSetting
     constants: StepConstants
     cells: Rows
     load: Rows
 
 
-class Moving(NamedTuple):
+class LoadAtContraction(NamedTuple):
     """Load at a contraction: force and its slope over contraction [N], friction [N], and the connector's place."""
 
     force_n: float
@@ -51,7 +51,7 @@ class Moving(NamedTuple):
     friction_n: float
 
 
-class Newton(NamedTuple):
+class SegmentsNewtonStep(NamedTuple):
     """A Newton step of all segments together.
 
     ``moved`` is the contraction it adds, ``wide_k`` the largest step of any temperature [K].
@@ -66,13 +66,13 @@ class Newton(NamedTuple):
 
 
 @compiled_inline
-def no_shakedown(now: Setting) -> Shakedown:
+def no_shakedown(setting: SampleSetting) -> ShakedownEffects:
     """Return the effects of age on strain; barriers and resistivity keep those of a trained wire."""
-    return Shakedown(1.0, now.residual_strain, 1.0)
+    return ShakedownEffects(1.0, setting.residual_strain, 1.0)
 
 
 @compiled_inline
-def try_segment(run: Segments, number: int, stress_pa: float) -> None:
+def try_segment(run: CompiledSegments, number: int, stress_pa: float) -> None:
     """Evaluate a segment at its trial temperature and a stress: phases, contraction, missing heat, all with slopes."""
     state, k = run.states[number], run.constants
     shakedown = no_shakedown(run.now)
@@ -101,16 +101,18 @@ def try_segment(run: Segments, number: int, stress_pa: float) -> None:
 
 
 @compiled_inline
-def load_after(run: Segments, contraction: float) -> Moving:
+def load_after(run: CompiledSegments, contraction: float) -> LoadAtContraction:
     """Return spring and guide at a contraction, after the motion from where the connector is."""
-    k, now, whole = run.constants, run.now, run.whole
+    k, setting, whole = run.constants, run.now, run.whole
     moved = contraction - whole.connector_contraction
     friction_n, slope_n = friction_at(k.friction_n, 0.0, k.per_presliding, whole.friction_n, moved)
-    return Moving(now.force_n + now.spring_n * contraction + friction_n, now.spring_n + slope_n, friction_n)
+    return LoadAtContraction(
+        setting.force_n + setting.spring_n * contraction + friction_n, setting.spring_n + slope_n, friction_n
+    )
 
 
 @compiled_inline
-def newton_at(run: Segments, stress_pa: float) -> Newton:
+def newton_at(run: CompiledSegments, stress_pa: float) -> SegmentsNewtonStep:
     """Evaluate all segments at their trial temperatures and a stress; return the Newton step from there."""
     contraction = -run.now.zero_contraction
     moved = moved_per_pa = 0.0
@@ -131,11 +133,11 @@ def newton_at(run: Segments, stress_pa: float) -> Newton:
     for number in range(run.states.shape[0]):
         state = run.states[number]
         wide_k = max(wide_k, abs(state.missing_j + state.missing_per_pa * rise_pa) / state.missing_per_k)
-    return Newton(contraction, moved, moved_per_pa, excess_pa, rise_pa, wide_k)
+    return SegmentsNewtonStep(contraction, moved, moved_per_pa, excess_pa, rise_pa, wide_k)
 
 
 @compiled_inline
-def bend_n(run: Segments, found: Newton) -> float:
+def bend_n(run: CompiledSegments, found: SegmentsNewtonStep) -> float:
     """Return how far the load after a Newton step is from its straight continuation [N]."""
     if run.constants.friction_n == 0.0:
         return 0.0
@@ -145,7 +147,7 @@ def bend_n(run: Segments, found: Newton) -> float:
 
 
 @compiled_inline
-def equilibrium(run: Segments, guess_pa: float) -> tuple[float, float, int]:
+def equilibrium(run: CompiledSegments, guess_pa: float) -> tuple[float, float, int]:
     """Find stress and all temperatures at the enthalpies after the step's heat.
 
     Parameters
@@ -173,7 +175,7 @@ def equilibrium(run: Segments, guess_pa: float) -> tuple[float, float, int]:
 
 
 @compiled
-def bracketed(run: Segments, guess_pa: float) -> tuple[float, float, int]:
+def bracketed(run: CompiledSegments, guess_pa: float) -> tuple[float, float, int]:
     """Find the stress in a bracket, each temperature balanced at it; returns as ``equilibrium`` does."""
     low_pa, high_pa, stress_pa = 0.0, math.inf, guess_pa
     for evaluation in range(MAX_EVALUATIONS):
@@ -197,7 +199,7 @@ def bracketed(run: Segments, guess_pa: float) -> tuple[float, float, int]:
 
 
 @compiled
-def warm_at(run: Segments, stress_pa: float) -> None:
+def warm_at(run: CompiledSegments, stress_pa: float) -> None:
     """Find the temperature of each segment at a stress; the missing heat rises with it at least as the capacity."""
     per_capacity = run.constants.per_capacity_k_per_j
     for number in range(run.states.shape[0]):
@@ -229,7 +231,7 @@ def limited(rise: float, heat_j: float, low: float, high: float) -> float:
 
 
 @compiled_inline
-def settle(run: Segments, number: int, stress_pa: float, rise_pa: float) -> None:
+def settle(run: CompiledSegments, number: int, stress_pa: float, rise_pa: float) -> None:
     """Move a segment to the solution: the last Newton step applied linearly, its temperature from its enthalpy.
 
     So energy is kept to rounding.
@@ -248,7 +250,7 @@ def settle(run: Segments, number: int, stress_pa: float, rise_pa: float) -> None
     warm_k = (state.enthalpy_j + transformed_j) * k.per_capacity_k_per_j
     temperature_k = REFERENCE_TEMPERATURE_K + warm_k
     stress_pa = max(stress_pa + rise_pa, 0.0)
-    strain: Strain = strain_at(k, temperature_k, stress_pa, martensite, r_phase)
+    strain: StrainSlopes = strain_at(k, temperature_k, stress_pa, martensite, r_phase)
     shakedown = no_shakedown(run.now)
     resistance_ohm = resistance_at(k, shakedown, strain, temperature_k, martensite, r_phase)
     heat_j = state.heat_j

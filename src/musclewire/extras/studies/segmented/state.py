@@ -9,7 +9,7 @@ from __future__ import annotations
 from musclewire.arrays import FloatArray
 from musclewire.wire.row import CLASS_SLOPES, CLASSES, Row, field
 
-__all__ = ["SegmentPlace", "SegmentState", "Setting", "WholeWire"]
+__all__ = ["SegmentPlace", "SegmentState", "SampleSetting", "WholeWire"]
 
 
 class SegmentState(Row):
@@ -56,7 +56,7 @@ class SegmentPlace(Row):
     after_w_per_k: float = field("W/K", "conductance to the segment after, or to the clamp")
 
 
-class Setting(Row):
+class SampleSetting(Row):
     """Circuit, air, load and age of the wire during a sample."""
 
     drive_voltage_v: float = field("V", "drive voltage")

@@ -12,10 +12,10 @@ from scipy.special import ndtr
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.wire.distribution import ONE_CLASS, BarrierClass, Distribution, tabulated_distribution
+from musclewire.wire.distribution import ONE_CLASS, BarrierClass, OffsetDistribution, tabulated_distribution
 
 __all__ = [
-    "Ageing",
+    "WireAgeing",
     "NormalMixture",
     "WireStructure",
     "fin_length_m",
@@ -47,7 +47,7 @@ class NormalMixture(NamedTuple):
     deviation: float
 
 
-class Ageing(NamedTuple):
+class WireAgeing(NamedTuple):
     """What a wire changes by use: each effect grows with ln(1 + cycles / scale).
 
     Parameters
@@ -116,8 +116,8 @@ class WireStructure:
     temperature_shifts_k: Sequence[float] = ()
     convection_factors: Sequence[float] = ()
     classes: Sequence[BarrierClass] = ONE_CLASS
-    grains: Distribution | None = None
-    ageing: Ageing = field(default_factory=Ageing)
+    grains: OffsetDistribution | None = None
+    ageing: WireAgeing = field(default_factory=WireAgeing)
 
     def along(self, name: str, absent: float) -> FloatArray:
         """Return a number of each segment.
@@ -216,7 +216,7 @@ def graded_fractions(n_segments: int, end_fraction: float) -> FloatArray:
     return np.asarray(lengths / lengths.sum())
 
 
-def mixture_distribution(parts: Sequence[NormalMixture]) -> Distribution:
+def mixture_distribution(parts: Sequence[NormalMixture]) -> OffsetDistribution:
     """Return the distribution of a mixture of normal populations of grains.
 
     Parameters

@@ -12,7 +12,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
 from musclewire.extras.studies.segmented.conditions import Conditions
 from musclewire.extras.studies.segmented.kernel import advance_segments, rest_segments
-from musclewire.extras.studies.segmented.state import SegmentPlace, SegmentState, Setting, WholeWire
+from musclewire.extras.studies.segmented.state import SampleSetting, SegmentPlace, SegmentState, WholeWire
 from musclewire.extras.studies.segmented.structure import WireStructure, fin_length_m
 from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
 from musclewire.physics.heat import convection_coefficient_w_per_m2_k
@@ -129,7 +129,7 @@ class SegmentedWire:
         classes = len(structure.classes)
         self._states: Any = np.zeros(structure.n_segments, SegmentState.layout(classes))
         self._whole: Any = np.zeros(1, WholeWire.layout())
-        self._now: Any = np.zeros(1, Setting.layout())
+        self._now: Any = np.zeros(1, SampleSetting.layout())
         self.surround(Conditions())
         self._now["zero_contraction"] = rest_segments(*self._rows())
 
@@ -165,13 +165,13 @@ class SegmentedWire:
 
     def surround(self, conditions: Conditions) -> None:
         """Take other conditions from now on."""
-        now, bench = self._now, self._bench
+        setting, bench = self._now, self._bench
         ambient_k = bench["ambient_temperature_k"] if conditions.ambient_k is None else conditions.ambient_k
-        now["ambient_k"] = ambient_k
+        setting["ambient_k"] = ambient_k
         self._around = conditions
         self._age()
-        now["force_n"] = bench["pretension_n"] + conditions.load_force_n + conditions.pretension_force_n
-        now["spring_n"] = self._derived["spring_n"] * conditions.stiffness_factor
+        setting["force_n"] = bench["pretension_n"] + conditions.load_force_n + conditions.pretension_force_n
+        setting["spring_n"] = self._derived["spring_n"] * conditions.stiffness_factor
         self._places["convection_factor"] = self._own_convection * conditions.convection_factor
         self._derived["ambient_temperature_k"] = ambient_k
         if abs(ambient_k - self._air_k) > SAME_AIR_K:
@@ -180,11 +180,11 @@ class SegmentedWire:
 
     def _age(self) -> None:
         """Take over what the cycles until now have changed."""
-        now, around = self._now, self._around
+        setting, around = self._now, self._around
         residual, factor, shift_k = self.structure.ageing.effects(float(self._whole["cycles"][0]))
-        now["resistance_factor"] = around.resistance_factor * factor
-        now["temperature_shift_k"] = around.transformation_shift_k + shift_k
-        now["residual_strain"] = residual
+        setting["resistance_factor"] = around.resistance_factor * factor
+        setting["temperature_shift_k"] = around.transformation_shift_k + shift_k
+        setting["residual_strain"] = residual
 
     def advance(self, drive_voltage_v: float, duration_s: float, lead_ohm: float = 0.0) -> SegmentMeans:
         """Advance by a sample at one drive voltage.
@@ -207,11 +207,11 @@ class SegmentedWire:
         NumericsError
             If the balances of a step were not met, or a step was too long for what happened in it.
         """
-        now = self._now
+        setting = self._now
         self._age()
-        now["drive_voltage_v"], now["inside_ohm"] = drive_voltage_v, lead_ohm
-        now["outside_ohm"] = self._bench["shunt_resistance_ohm"] + self._bench["lead_resistance_ohm"]
-        now["duration_s"], now["steps"] = duration_s, math.ceil(duration_s / self.step_s * (1.0 - 1e-9))
+        setting["drive_voltage_v"], setting["inside_ohm"] = drive_voltage_v, lead_ohm
+        setting["outside_ohm"] = self._bench["shunt_resistance_ohm"] + self._bench["lead_resistance_ohm"]
+        setting["duration_s"], setting["steps"] = duration_s, math.ceil(duration_s / self.step_s * (1.0 - 1e-9))
         voltage_v, current_a, contraction, stress_pa = advance_segments(*self._rows())
         self._require_resolved(voltage_v + contraction)
         self._mean_strain = contraction
