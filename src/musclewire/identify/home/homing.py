@@ -197,8 +197,9 @@ class WireChange(NamedTuple):
     ) -> WireChange:
         """Return it from a registration; the power that the middle of the fall takes shows the warming."""
         middle_k = 0.5 * (power_at(before, 0.25) + power_at(before, 0.75)) / heat.loss_w_per_k
-        ratio = exp(float(found.values[4]))
-        moved_k = (ratio - 1.0) * middle_k + float(found.values[2] - ratio * found.values[3]) + (air.change_k or 0.0)
+        unknowns = found.values
+        ratio = exp(unknowns.log_ratio)
+        moved_k = (ratio - 1.0) * middle_k + (unknowns.shift_k - ratio * unknowns.air_k) + (air.change_k or 0.0)
         std_k = hypot(SHAPE_STD_K, LOSS_FRACTION * middle_k, air.std_k)
         air_k = AIR_STD_K if air.change_k is None else abs(air.change_k)
         std_ohm = hypot(found.moved_stds_ohm[1], SAME_AIR_FRACTION * at_b_ohm, AIR_FRACTION_PER_K * air_k * at_b_ohm)
@@ -320,8 +321,8 @@ def home_move(model: SensingModel, recording: Recording, found: Registration, mo
         resistance_offset_std_ohm=hypot(moved.std_at_b_ohm, high_ohm * scale_std),
         transformation_shift_k=moved.warming_k,
         transformation_shift_std_k=moved.warming_std_k,
-        convection_ratio=exp(float(found.values[4])),
-        convection_ratio_std=exp(float(found.values[4])) * float(found.stds[4]),
+        convection_ratio=exp(found.values.log_ratio),
+        convection_ratio_std=exp(found.values.log_ratio) * found.stds.log_ratio,
         drift_resistance_ohm=hypot(DRIFT_FRACTION * span_ohm, moved.std_at_b_ohm),
     )
 

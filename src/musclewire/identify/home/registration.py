@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 from musclewire.arrays import FloatArray
 from musclewire.identify.home.warming import STEPS_PER_LAG, HeatCourse, WarmingBranches, WireHeat, branches_of
 
-__all__ = ["NAMES", "AnchorPoint", "Registration", "register"]
+__all__ = ["NAMES", "AnchorPoint", "Registration", "RegistrationUnknowns", "register"]
 
-NAMES = ("scale", "offset_ohm", "shift_k", "air_k", "log_ratio", "log_lag", "log_latent")
 # What is known beforehand, as standard deviations: ageing of a trained wire within a percent, joints and leads within
 # half an ohm; the transformation moves by some kelvins, or by 12 where the load has changed by half, which must show;
 # air of a room; a factor of the loss by ten percent, or by much more in a draught (so the tails are heavy); heat
@@ -40,6 +39,33 @@ TOGETHER = 20.0
 MIN_CURRENT_A = 1e-3
 
 
+class RegistrationUnknowns(NamedTuple):
+    """What lays a sweep over a loop, or a standard deviation of each.
+
+    Parameters
+    ----------
+    scale, offset_ohm
+        Today's resistance is the loop's times ``scale``, and ``offset_ohm`` more [ohm].
+    shift_k
+        Shift of the transformation [K].
+    air_k
+        Change of the air's temperature [K].
+    log_ratio, log_lag, log_latent
+        Logarithms of loss, lag and latent heat over their prior means.
+    """
+
+    scale: float
+    offset_ohm: float
+    shift_k: float
+    air_k: float
+    log_ratio: float
+    log_lag: float
+    log_latent: float
+
+
+NAMES = RegistrationUnknowns._fields
+
+
 class AnchorPoint(NamedTuple):
     """A point of the curve that both loop and sweep show, as B: resistances [ohm], and the error between them [ohm]."""
 
@@ -54,10 +80,9 @@ class Registration(NamedTuple):
     Parameters
     ----------
     values
-        The unknowns of ``NAMES``: scale, offset [ohm], shift of the transformation [K], change of the air [K],
-        logarithms of loss, lag and latent heat over their prior means.
+        The unknowns as found.
     stds
-        Their standard deviations, (7,).
+        Their standard deviations.
     covariance
         Their covariance, (7, 7).
     misfit_ohm
@@ -68,8 +93,8 @@ class Registration(NamedTuple):
         Standard deviations of these changes [ohm].
     """
 
-    values: FloatArray
-    stds: FloatArray
+    values: RegistrationUnknowns
+    stds: RegistrationUnknowns
     covariance: FloatArray
     misfit_ohm: float
     moved_ohm: tuple[float, float]
@@ -100,9 +125,10 @@ class RegistrationProblem:
 
     def mapped(self, values: FloatArray, resistance_ohm: FloatArray | float) -> FloatArray | float:
         """Return today's resistance [ohm] for one of the loop's."""
-        scale, offset_ohm, shift_k = (float(value) for value in values[:3])
+        unknowns = unknowns_of(values)
         colder = (resistance_ohm - self.low_ohm) / self.span_ohm  # 1 at B, all martensite, and 0 at C
-        return scale * (resistance_ohm + MARTENSITE_PER_K * self.high_ohm * shift_k * colder) + offset_ohm
+        drifted_ohm = resistance_ohm + MARTENSITE_PER_K * self.high_ohm * unknowns.shift_k * colder
+        return unknowns.scale * drifted_ohm + unknowns.offset_ohm
 
     def change_ohm(self, values: FloatArray, at_ohm: float) -> float:
         """Return by how much a resistance of the loop has changed [ohm]."""
@@ -110,18 +136,20 @@ class RegistrationProblem:
 
     def branches(self, values: FloatArray) -> WarmingBranches:
         """Return the loop's branches for a lag and a latent heat."""
-        lag_s, latent = self.heat.lag_s * float(np.exp(values[5])), self.latent(values)
+        lag_s, latent = self.heat.lag_s * float(np.exp(unknowns_of(values).log_lag)), self.latent(values)
         return branches_of(self.loop, self.loop.warming_k(self.heat, lag_s, latent))
 
     def latent(self, values: FloatArray) -> float:
         """Return the latent heat as kelvins of warming per ohm."""
-        return LATENT_K / self.span_ohm * float(np.exp(values[6]))
+        return LATENT_K / self.span_ohm * float(np.exp(unknowns_of(values).log_latent))
 
     def difference(self, values: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
         """Return what the sweep reads over the curve [ohm], its standard deviation [ohm], and where both exist."""
         branches = self.branches(values)
-        lag_s, ratio = self.heat.lag_s * float(np.exp(values[5])), float(np.exp(values[4]))
-        warming = self.sweep.warming_k(self.heat, lag_s, self.latent(values), ratio) + float(values[3] - values[2])
+        unknowns = unknowns_of(values)
+        lag_s, ratio = self.heat.lag_s * float(np.exp(unknowns.log_lag)), float(np.exp(unknowns.log_ratio))
+        warming = self.sweep.warming_k(self.heat, lag_s, self.latent(values), ratio)
+        warming = warming + (unknowns.air_k - unknowns.shift_k)
         expected, inside = branches.along_course(warming, int(np.argmax(warming)))
         steps = np.maximum(np.abs(np.gradient(warming)), 1e-3)
         slope = np.minimum(np.abs(np.gradient(expected)) / steps, self.span_ohm / 5.0)
@@ -134,17 +162,23 @@ class RegistrationProblem:
         left, std, inside = self.difference(values)
         samples = np.where(inside, left / std, 0.0) / np.sqrt(TOGETHER)
         points = [(one.sweep_ohm - float(self.mapped(values, one.loop_ohm))) / one.std_ohm for one in self.anchors]
-        heavy = np.sign(values[4]) * np.sqrt(np.log1p((values[4] / LOG_RATIO_STD) ** 2))
+        unknowns = unknowns_of(values)
+        heavy = np.sign(unknowns.log_ratio) * np.sqrt(np.log1p((unknowns.log_ratio / LOG_RATIO_STD) ** 2))
         prior = [
-            (values[0] - 1.0) / SCALE_STD,
-            values[1] / OFFSET_STD_OHM,
-            values[2] / SHIFT_STD_K,
-            (values[3] - self.air_k) / self.air_std_k,
+            (unknowns.scale - 1.0) / SCALE_STD,
+            unknowns.offset_ohm / OFFSET_STD_OHM,
+            unknowns.shift_k / SHIFT_STD_K,
+            (unknowns.air_k - self.air_k) / self.air_std_k,
             heavy,
-            values[5] / LOG_LAG_STD,
-            values[6] / LOG_LATENT_STD,
+            unknowns.log_lag / LOG_LAG_STD,
+            unknowns.log_latent / LOG_LATENT_STD,
         ]
         return np.concatenate([samples, points, prior])
+
+
+def unknowns_of(values: FloatArray) -> RegistrationUnknowns:
+    """Return the numbers of a search by their names."""
+    return RegistrationUnknowns(*values.tolist())
 
 
 def reading_noise_ohm(measured: HeatCourse, grid: HeatCourse) -> FloatArray:
@@ -196,8 +230,8 @@ def register(
     covariance = covariance_of(np.asarray(found.jac, dtype=np.float64), np.array(scales))
     low_ohm, high_ohm = ends_ohm
     return Registration(
-        values=found.x,
-        stds=np.sqrt(np.diag(covariance)),
+        values=unknowns_of(found.x),
+        stds=unknowns_of(np.sqrt(np.diag(covariance))),
         covariance=covariance,
         misfit_ohm=float(np.sqrt(np.mean(left[inside] ** 2))) if inside.any() else float("inf"),
         moved_ohm=(problem.change_ohm(found.x, low_ohm), problem.change_ohm(found.x, high_ohm)),
@@ -212,7 +246,7 @@ def starts(problem: RegistrationProblem) -> list[FloatArray]:
     """Return where to begin the search: as characterised, and with the loss by which the hottest samples agree."""
     ratio = float(problem.sweep.power_w.max() / problem.loop.power_w.max())
     other = problem.start.copy()
-    other[4] = np.log(min(max(ratio, 0.2), 5.0))
+    other[NAMES.index("log_ratio")] = np.log(min(max(ratio, 0.2), 5.0))
     return [problem.start, other]
 
 
