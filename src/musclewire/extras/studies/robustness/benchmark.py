@@ -68,23 +68,25 @@ class ChosenRuns(NamedTuple):
 
 def chosen_by(selection: Selection, known: RobustnessBars) -> ChosenRuns:
     """Return what a selection comes to. Raises CallerError for an unknown name, suggesting the nearest."""
-    of, quick = selection, settings().quick
-    seeds = settings().population.quick_seeds if of.quick else held_out_seeds()
-    conditions = settings().conditions(quick.conditions if of.quick and of.conditions is None else of.conditions)
-    references = quick.references if of.quick and of.references is None else of.references
+    quick = settings().quick
+    seeds = settings().population.quick_seeds if selection.quick else held_out_seeds()
+    conditions = settings().conditions(
+        quick.conditions if selection.quick and selection.conditions is None else selection.conditions
+    )
+    references = quick.references if selection.quick and selection.references is None else selection.references
     for name in references or ():
         require_reference(name)
-    for name in of.estimators or ():
+    for name in selection.estimators or ():
         ESTIMATORS.find(name)
-    for name in of.controllers or ():
+    for name in selection.controllers or ():
         CONTROLLERS.find(name)
-    estimators = tuple(ESTIMATORS.names()) if of.estimators is None else of.estimators
+    estimators = tuple(ESTIMATORS.names()) if selection.estimators is None else selection.estimators
     return ChosenRuns(
-        seeds if of.seeds is None else of.seeds,
+        seeds if selection.seeds is None else selection.seeds,
         conditions,
         tuple(REFERENCES) if references is None else references,
         estimators,
-        loops_of(of, estimators, known),
+        loops_of(selection, estimators, known),
     )
 
 

@@ -292,18 +292,19 @@ class SegmentedConfiguration(WireKeys, DeviceConfiguration):
 
 def opened(configuration: SegmentedConfiguration) -> SegmentedDevice:
     """Return the device of a rig file, cold and at 0 V. Raises CallerError for numbers that cannot be."""
-    of = configuration
-    around = load_bench(of.bench)
-    if "bench" not in of.model_fields_set:
-        around = changed_group(around, bench_known_with(of.wire), f"wire file {of.wire}")
-    wire, bench = with_numbers(load_wire(of.wire), around, of.numbers_set(), of.number, "rig file")
-    structure = of.structure()
+    around = load_bench(configuration.bench)
+    if "bench" not in configuration.model_fields_set:
+        around = changed_group(around, bench_known_with(configuration.wire), f"wire file {configuration.wire}")
+    wire, bench = with_numbers(
+        load_wire(configuration.wire), around, configuration.numbers_set(), configuration.number, "rig file"
+    )
+    structure = configuration.structure()
     return SegmentedDevice(
-        SegmentedSpool(wire, load_alloy(wire.alloy), bench, structure, of.time_step),
-        conditions=of.conditions.in_time(structure.n_segments, of.seed),
-        instruments=of.instruments.over(InstrumentSettings.of_bench(bench.values())),
-        seed=of.seed,
-        limits=of.limits.changed(),
+        SegmentedSpool(wire, load_alloy(wire.alloy), bench, structure, configuration.time_step),
+        conditions=configuration.conditions.in_time(structure.n_segments, configuration.seed),
+        instruments=configuration.instruments.over(InstrumentSettings.of_bench(bench.values())),
+        seed=configuration.seed,
+        limits=configuration.limits.changed(),
     )
 
 
