@@ -59,12 +59,8 @@ def type_in_words(field: FieldInfo) -> str:
 
 
 def meanings(model: type[BaseModel]) -> dict[str, str]:
-    """Return what the fields of a model, its docstring and those of what it is made of say of their keys."""
-    found: dict[str, str] = {
-        name: within_a_sentence(field.description).rstrip(".")
-        for name, field in model.model_fields.items()
-        if field.description
-    }
+    """Return what the docstrings of a model and what it is made of say of their keys."""
+    found: dict[str, str] = {}
     for kind in reversed(model.__mro__):
         text = (kind.__doc__ or "").partition("Attributes:")[2]
         listed = re.findall(r"^\s{8}(\w+): (.*?)(?=^\s{8}\w+: |\Z)", text, re.M | re.S)
@@ -73,6 +69,12 @@ def meanings(model: type[BaseModel]) -> dict[str, str]:
             found[name] = " ".join(said.split()).rstrip(".").replace("``", "`")
     found.pop("kind", None)  # the word itself is shown
     return found
+
+
+def described(model: type[BaseModel]) -> dict[str, str]:
+    """Return what the types of a model's keys say of them."""
+    fields = model.model_fields.items()
+    return {name: within_a_sentence(field.description).rstrip(".") for name, field in fields if field.description}
 
 
 def numpydoc_parameters(kind: type) -> list[tuple[str, str]]:

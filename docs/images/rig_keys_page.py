@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import get_args
 
-from key_tables import default_of, first_line, meanings, section, type_in_words, unit_in
+from key_tables import default_of, described, first_line, meanings, section, type_in_words, unit_in
 from pydantic import BaseModel
 
 from musclewire.extras.board.nidaq.configuration import (
@@ -98,7 +98,7 @@ def keys_section(title: str, model: type[BaseModel], text: str) -> str:
         set() if model is MountedWire else set(MountedWire.model_fields) - set(vars(model).get("__annotations__", {}))
     )
     # A replay may leave out what a rig must say, but its keys mean the same.
-    said = {**meanings(MountedWire), **meanings(model)}
+    said = {**described(MountedWire), **meanings(MountedWire), **meanings(model)}
     rows = [
         (f"`{name}`", unit_in(field), default_of(field), said.get(name) or type_in_words(field))
         for name, field in model.model_fields.items()
