@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 __all__ = ["cores", "end_worker", "start_worker"]
 
@@ -21,12 +22,18 @@ def cores() -> int:
 
 
 def start_worker(module: str) -> subprocess.Popen[bytes]:
-    """Return a new process that runs a module with this process's import path, with pipes to and from it."""
+    """Return a new process that runs a module with this process's import path, with pipes to and from it.
+
+    The current folder is not on that path, unless this process has it by name: no file of the folder where the user
+    works takes the place of a module. A study's own kind of run is found by the folder of its file, which
+    ``studies.plan`` adds.
+    """
+    import_path = [str(Path(entry).absolute()) for entry in sys.path if entry not in ("", os.curdir)]
     return subprocess.Popen(
-        [sys.executable, "-m", module],
+        [sys.executable, "-P", "-m", module],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
-        env={**os.environ, **ONE_THREAD, "PYTHONPATH": os.pathsep.join(path or "." for path in sys.path)},
+        env={**os.environ, **ONE_THREAD, "PYTHONPATH": os.pathsep.join(import_path)},
         start_new_session=True,  # Ctrl-C is for the parent, which ends its workers itself
     )
 

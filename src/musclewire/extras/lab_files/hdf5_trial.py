@@ -28,8 +28,10 @@ def check_by_trial(path: Path, module: str) -> None:
 
     What the other process refuses as we do is left to the caller, who will refuse it with the same words.
     """
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(entry for entry in sys.path if entry)}
-    command = [sys.executable, "-c", _CHILD, module, str(path)]
+    # -P, and no entry that means the current folder: no other file that lies there takes the place of a module.
+    import_path = [str(Path(entry).absolute()) for entry in sys.path if entry not in ("", os.curdir)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(import_path)}
+    command = [sys.executable, "-P", "-c", _CHILD, module, str(path)]
     quiet = subprocess.DEVNULL
     try:
         done = subprocess.run(
