@@ -13,7 +13,7 @@ from benchmarks.speed.easier_wire import START
 from benchmarks.speed.numpy_wires import numpy_batch
 from benchmarks.speed.our_wire import different_wires
 
-from musclewire.app.bench_measure import Case, TimedProgram, usable_cores
+from musclewire.app.bench_measure import PreparedComparison, TimedProgram, usable_cores
 from musclewire.arrays import FloatArray
 
 __all__ = ["batch_cases"]
@@ -24,19 +24,21 @@ EXPLICIT_STEPS = round(STEP_S / EXPLICIT_STEP_S)
 Explicit = Callable[[FloatArray, FloatArray, FloatArray, int], None]
 
 
-def batch_cases() -> Iterator[Case]:
+def batch_cases() -> Iterator[PreparedComparison]:
     """Yield the comparisons of a step of 10 ms of one of many wires."""
     cores = usable_cores()
     differ = f"ours is one step of wires that all differ, theirs {EXPLICIT_STEPS} of an easier one"
     work = f"10 ms of one of {WIRES:,} wires (--quick: {QUICK_WIRES:,}), one thread; {differ}"
     loop = f"a Numba loop of explicit steps of {1e3 * EXPLICIT_STEP_S:g} ms"
-    yield Case("batch[numba]", work, loop, partial(batch_sides, numba_batch, 1))
+    yield PreparedComparison("batch[numba]", work, loop, partial(batch_sides, numba_batch, 1))
     arrays = f"NumPy arrays of all wires, explicit steps of {1e3 * EXPLICIT_STEP_S:g} ms"
-    yield Case("batch[numpy]", work, arrays, partial(batch_sides, numpy_batch, 1))
+    yield PreparedComparison("batch[numpy]", work, arrays, partial(batch_sides, numpy_batch, 1))
     if cores > 1:
         work = f"10 ms of one of {WIRES:,} wires (--quick: {QUICK_WIRES:,}), {cores} threads; {differ}"
         sides = partial(batch_sides, numba_batch, cores)
-        yield Case(f"batch[numba,{cores} threads]", work, f"{loop}, in threads", sides, clock=perf_counter)
+        yield PreparedComparison(
+            f"batch[numba,{cores} threads]", work, f"{loop}, in threads", sides, clock=perf_counter
+        )
 
 
 def batch_sides(explicit: Explicit, threads: int, quick: bool) -> tuple[TimedProgram, TimedProgram]:

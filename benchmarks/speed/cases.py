@@ -14,7 +14,7 @@ from benchmarks.speed.loop_cases import loop_cases
 from benchmarks.speed.plain_grains import GRAINS, GrainWire
 from benchmarks.speed.processes import first_period_of_ours, first_period_of_scipy
 
-from musclewire.app.bench_measure import Case, TimedProgram
+from musclewire.app.bench_measure import PreparedComparison, TimedProgram
 from musclewire.app.bench_rows import (
     CONTROL_PERIOD_S,
     CYCLES,
@@ -35,7 +35,7 @@ __all__ = ["cases"]
 EASIER = "theirs is an easier wire: two phases, no minor loops, no friction"
 
 
-def cases() -> list[Case]:
+def cases() -> list[PreparedComparison]:
     """Return every case in the order in which it is printed."""
     return [
         *steps(), slow_loop(), closed_loop_period(), exchange(), *batch_cases(), *loop_cases(), *fuzzy_pid_ticks(),
@@ -43,17 +43,17 @@ def cases() -> list[Case]:
     ]  # fmt: skip
 
 
-def steps() -> Iterator[Case]:
+def steps() -> Iterator[PreparedComparison]:
     """Yield the comparisons of a fixed step, along a cycle of the slow sine in one call."""
     lsoda = "SciPy LSODA, which chooses its own steps"
     for step_s in (1e-3, 1e-2):
         named = f"{1e3 * step_s:g}ms"
         work = f"{1e3 * step_s:g} ms of wire time along the slow sine; ours is one step; {EASIER}"
-        yield Case(f"step[{named}]", work, lsoda, partial(step_and_scipy, step_s))
+        yield PreparedComparison(f"step[{named}]", work, lsoda, partial(step_and_scipy, step_s))
     work = f"10 ms of wire time along the slow sine; ours is one step, theirs {10e-3 / EXPLICIT_STEP_S:g}; {EASIER}"
-    yield Case("step[10ms,numba]", work, "a Numba loop of explicit steps of 1 ms", step_and_numba)
+    yield PreparedComparison("step[10ms,numba]", work, "a Numba loop of explicit steps of 1 ms", step_and_numba)
     work = f"1 ms of wire time, one step each; theirs is an easier wire with minor loops: {GRAINS} relays, two phases"
-    yield Case("step[1ms,python]", work, "the grains as a list in plain Python", step_and_python)
+    yield PreparedComparison("step[1ms,python]", work, "the grains as a list in plain Python", step_and_python)
 
 
 def step_and_scipy(step_s: float, _quick: bool) -> tuple[TimedProgram, TimedProgram]:
@@ -81,10 +81,10 @@ def step_and_python(quick: bool) -> tuple[TimedProgram, TimedProgram]:
     return step_side(1e-3), TimedProgram(run, steps)
 
 
-def slow_loop() -> Case:
+def slow_loop() -> PreparedComparison:
     """Return the comparison of a whole loop at the rig's sample period."""
     work = f"one cycle of the slow sine, 90 s in samples of 50 ms, from cold; {EASIER}"
-    return Case("slow_loop", work, "SciPy LSODA in one call", slow_loop_sides)
+    return PreparedComparison("slow_loop", work, "SciPy LSODA in one call", slow_loop_sides)
 
 
 def slow_loop_sides(_quick: bool) -> tuple[TimedProgram, TimedProgram]:
@@ -96,10 +96,12 @@ def slow_loop_sides(_quick: bool) -> tuple[TimedProgram, TimedProgram]:
     )
 
 
-def closed_loop_period() -> Case:
+def closed_loop_period() -> PreparedComparison:
     """Return the comparison of a period whose drive a program in Python chooses."""
     work = f"10 ms of wire time at a drive that Python gives each period; {EASIER}"
-    return Case("closed_loop_period", work, "SciPy solve_ivp (LSODA), a call for each period", period_sides)
+    return PreparedComparison(
+        "closed_loop_period", work, "SciPy solve_ivp (LSODA), a call for each period", period_sides
+    )
 
 
 def period_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
@@ -117,13 +119,13 @@ def loop_side(voltages: list[float], period_s: float) -> TimedProgram:
     return TimedProgram(run, len(voltages), partial(ScipyLoop, period_s))
 
 
-def exchange() -> Case:
+def exchange() -> PreparedComparison:
     """Return the comparison of a whole sample of the default rig."""
     work = (
         "50 ms of wire time by one call; ours is a sample of the default rig with protection, noise and instruments; "
         "theirs is the wire alone, and an easier one"
     )
-    return Case("exchange", work, "SciPy solve_ivp (LSODA), a call for each sample", exchange_sides)
+    return PreparedComparison("exchange", work, "SciPy solve_ivp (LSODA), a call for each sample", exchange_sides)
 
 
 def exchange_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
@@ -131,14 +133,14 @@ def exchange_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
     return exchange_side(quick), loop_side(sample_voltages(quick), SAMPLE_S)
 
 
-def fuzzy_pid_ticks() -> Iterator[Case]:
+def fuzzy_pid_ticks() -> Iterator[PreparedComparison]:
     """Yield the comparisons of a controller's tick, one for each kind of rule base."""
     work = (
         "one tick at a fresh measurement; ours is the whole tick (inference, PID, limits, checks), theirs the "
         "inference of liu-7x7 alone"
     )
     for rule_base in fuzzy_tick.RULE_BASES:
-        yield Case(
+        yield PreparedComparison(
             f"fuzzy_pid_tick[{rule_base}]", work, "scikit-fuzzy's ControlSystemSimulation",
             partial(fuzzy_pid_tick_sides, rule_base), "" if fuzzy_tick.scikit_fuzzy_is_there() else "test",
         )  # fmt: skip
@@ -150,11 +152,11 @@ def fuzzy_pid_tick_sides(rule_base: str, quick: bool) -> tuple[TimedProgram, Tim
     return tick_side(quick, rule_base), TimedProgram(fuzzy_tick.scikit_fuzzy_inferences(inferences), inferences)
 
 
-def first_step() -> Case:
+def first_step() -> PreparedComparison:
     """Return the comparison of a new process until its first step is done."""
     work = f"a new process of Python, 10 ms of one wire, and its end; kernels from the cache; {EASIER}"
     other = "a process that imports SciPy and solves the same"
-    return Case("first_step", work, other, first_step_sides, clock=perf_counter)
+    return PreparedComparison("first_step", work, other, first_step_sides, clock=perf_counter)
 
 
 def first_step_sides(_quick: bool) -> tuple[TimedProgram, TimedProgram]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from benchmarks.speed.easier_wire import SENSE_V, ScipyLoop
 
-from musclewire.app.bench_measure import Case, TimedProgram
+from musclewire.app.bench_measure import PreparedComparison, TimedProgram
 from musclewire.controllers.references import staircase
 from musclewire.experiment.closed_loop import APPROACH_S
 from musclewire.experiment.many_loops import control_many
@@ -48,21 +48,21 @@ class PlainLoop:
         return reached
 
 
-def loop_cases() -> Iterator[Case]:
+def loop_cases() -> Iterator[PreparedComparison]:
     """Yield the comparison of closed loops, and that of a vector of environments."""
     work = (
         f"50 ms of one of {LOOPS} closed loops (--quick: {QUICK_LOOPS}), all cores; ours has noise, protection, "
         "estimator and fuzzy PID, theirs a PID on the true state of an easier wire"
     )
     other = "a loop in Python: solve_ivp and a PID for each sample"
-    yield Case("closed_loops", work, other, closed_loop_sides, clock=perf_counter)
+    yield PreparedComparison("closed_loops", work, other, closed_loop_sides, clock=perf_counter)
     work = (
         f"50 ms of one of {WIRES:,} environments (--quick: {QUICK_WIRES}), one thread; ours has noise, protection, "
         "reward and restarts; theirs is an easier wire"
     )
     needs = "" if find_spec("gymnasium") is not None else "gym"
     other = "an environment of one's own around solve_ivp"
-    yield Case("vector_environment", work, other, environment_sides, needs, perf_counter)
+    yield PreparedComparison("vector_environment", work, other, environment_sides, needs, perf_counter)
 
 
 def closed_loop_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:

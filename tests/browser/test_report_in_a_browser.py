@@ -11,27 +11,10 @@ from typing import Any
 
 import pytest
 from tests.browser.chromium import SIZES
+from tests.browser.report_subject import ReportSubject
+from tests.subjects import subjects_of
 
-from musclewire.extras.paper.page.paper_figures import FIGURES
-
-STUDY = """
-format = "musclewire-study"
-version = 1
-name = "pretension"
-run = { kind = "simulate", supply = "3.2 V", duration = "1 s", keep = ["stroke", "energy_j", "strain"] }
-sampling = { method = "sobol", samples = 8 }
-parameters.pretension.values = ["1.5 N", "1.9 N"]
-parameters.convection_factor = { low = 0.85, high = 0.95 }
-"""
-COMMANDS = {
-    "demo": [("demo", "--json", "--out", ".")],
-    "reproduce": [("reproduce", "--seeds", "3", "--json", "--out", ".")],
-    "calibrate": [
-        ("characterize", "simulated", "--seed", "5", "--cycles", "1", "--period", "12", "-o", "loop.h5", "--json"),
-        ("calibrate", "loop.h5", "-o", "mine.toml", "--effort", "quick", "--report", "report.html", "--json"),
-    ],
-    "sweep": [("sweep", "study.toml", "-o", "out", "--workers", "1", "--json")],
-}
+SUBJECTS: list[ReportSubject] = subjects_of("browser", "*_reports.py", "SUBJECTS")
 # Sizes of the figures that are shown, and what sticks out sideways of the page without being in a frame that scrolls.
 SHOWN = """() => [...document.querySelectorAll("svg")].map(s => s.getBoundingClientRect())
   .filter(b => b.width > 250 && b.height > 150).length"""
@@ -59,19 +42,23 @@ WORST_CONTRAST = """() => {
 }"""
 
 
-@pytest.fixture(scope="module", params=COMMANDS)
-def report(request: pytest.FixtureRequest, browser: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
+@pytest.fixture(scope="module", params=[pytest.param(subject, id=subject.name) for subject in SUBJECTS])
+def report(
+    request: pytest.FixtureRequest, browser: Any, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[ReportSubject, Path]:
     """A report, as its command writes it."""
     assert browser.is_connected()  # asked for first: without a browser nothing is computed
-    folder = tmp_path_factory.mktemp(request.param)
-    (folder / "study.toml").write_text(STUDY, "utf-8")
-    for command in COMMANDS[request.param]:
+    subject: ReportSubject = request.param
+    folder = tmp_path_factory.mktemp(subject.name)
+    for name, text in subject.files.items():
+        (folder / name).write_text(text, "utf-8")
+    for command in subject.commands:
         done = subprocess.run(
             [sys.executable, "-m", "musclewire", *command],
             check=False, capture_output=True, text=True, timeout=600, cwd=folder,
         )  # fmt: skip
         assert done.returncode in {0, 1}, done.stderr  # 1 where a row of the paper fails; the page is there
-    return request.param, next(folder.rglob("re*.html"))
+    return subject, next(folder.rglob("re*.html"))
 
 
 @contextmanager
@@ -90,7 +77,7 @@ def opened(browser: Any, path: Path, size: str, scheme: str) -> Iterator[Any]:
 
 @pytest.mark.browser
 @pytest.mark.parametrize("size", ["phone", "screen"])
-def test_no_report_scrolls_sideways(report: tuple[str, Path], size: str, browser: Any) -> None:
+def test_no_report_scrolls_sideways(report: tuple[ReportSubject, Path], size: str, browser: Any) -> None:
     with opened(browser, report[1], size, "light") as page:
         assert page.evaluate("document.documentElement.scrollWidth") <= SIZES[size][0]
         assert page.evaluate(STICKING_OUT) == []
@@ -98,16 +85,15 @@ def test_no_report_scrolls_sideways(report: tuple[str, Path], size: str, browser
 
 @pytest.mark.browser
 @pytest.mark.parametrize("size", ["phone", "screen"])
-def test_every_figure_is_there_and_has_size(report: tuple[str, Path], size: str, browser: Any) -> None:
-    name, path = report
-    figures = {"demo": 5, "reproduce": len(FIGURES), "calibrate": 2, "sweep": 3}[name]
+def test_every_figure_is_there_and_has_size(report: tuple[ReportSubject, Path], size: str, browser: Any) -> None:
+    subject, path = report
     with opened(browser, path, size, "light") as page:
-        assert page.evaluate(SHOWN) >= figures
+        assert page.evaluate(SHOWN) >= subject.figures
 
 
 @pytest.mark.browser
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_text_is_told_from_its_ground(report: tuple[str, Path], scheme: str, browser: Any) -> None:
+def test_text_is_told_from_its_ground(report: tuple[ReportSubject, Path], scheme: str, browser: Any) -> None:
     with opened(browser, report[1], "phone", scheme) as page:
         ratio, where = page.evaluate(WORST_CONTRAST)
         assert ratio >= 4.5, where  # WCAG 2.2, success criterion 1.4.3

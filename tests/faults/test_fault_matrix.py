@@ -19,8 +19,7 @@ from tests.faults.table import FaultRow, fault_matrix
 from musclewire.errors import RigError
 from musclewire.extras.board.serial import board as board_module
 from musclewire.extras.board.serial import frames
-from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.guarded import ProtectionTripError
+from musclewire.rigs.configuration import open_rig
 from musclewire.signals import read_recording
 
 MATRIX = fault_matrix()
@@ -178,19 +177,3 @@ def test_another_version_of_the_protocol_is_refused_before_anything_is_driven(
         with pytest.raises(RigError, match=r"version|no answer"):
             open_rig(mounted(board.port_url, row, CLOCK_PATIENCE_S))
     assert judged_s(board, since, row) == 0.0
-
-
-@pytest.mark.parametrize("row", rows("simulated"))
-def test_a_fault_of_a_simulated_rig(row: FaultRow) -> None:
-    began_s = 1.0
-    rig = open_rig(RigConfiguration(fault=[{**row.arguments, "at": began_s}]))
-    event, last_s = "", 0.0
-    with rig:
-        try:
-            for _ in range(60):
-                last_s = rig.exchange(row.drive_v).time_s
-        except ProtectionTripError as tripped:
-            event = tripped.event.name.lower()
-        assert rig.drive_voltage_v == 0.0
-    assert event in row.event
-    assert last_s + rig.sample_period_s <= began_s + row.within_s + 1e-6

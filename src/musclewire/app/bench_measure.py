@@ -21,7 +21,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 
 __all__ = [
-    "Case",
+    "PreparedComparison",
     "Comparison",
     "MachinePeaks",
     "TimedProgram",
@@ -65,7 +65,7 @@ class TimedProgram:
 
 
 @dataclass(frozen=True)
-class Case:
+class PreparedComparison:
     """One comparison before it is measured.
 
     ``sides`` makes ours and theirs, quick or not; ``needs`` is the extra without which theirs cannot run, "" if it can.

@@ -20,9 +20,9 @@ import numpy as np
 
 import musclewire
 from musclewire.app.bench_measure import (
-    Case,
     Comparison,
     MachinePeaks,
+    PreparedComparison,
     TimedProgram,
     arithmetic_side,
     comparison,
@@ -146,7 +146,7 @@ def bench(
     return Benchmark(machine_of(folder), tuple(rows), (*missing, *left_out), quick)
 
 
-def measured(case: Case, quick: bool) -> Comparison:
+def measured(case: PreparedComparison, quick: bool) -> Comparison:
     """Return the row of a case."""
     pairs = paired_us(*case.sides(quick), QUICK_TURNS if quick else TURNS, case.clock)
     return comparison(case.name, case.work, case.theirs, pairs)
@@ -178,18 +178,24 @@ def machine_of(folder: Path | None) -> MachinePeaks:
     return found
 
 
-def cases_with_fixed_work() -> Iterator[Case]:
+def cases_with_fixed_work() -> Iterator[PreparedComparison]:
     """Yield the comparisons with fixed work, which need nothing but the package."""
     arithmetic = f"fixed work in compiled code, {ROUNDS} rounds"
     python = f"fixed work in Python, {ROUNDS} rounds"
     work = "10 ms of wire time along the slow sine, one step"
-    yield Case("step[fixed work]", work, arithmetic, lambda _: (step_side(1e-2), arithmetic_side(ROUNDS)))
+    yield PreparedComparison("step[fixed work]", work, arithmetic, lambda _: (step_side(1e-2), arithmetic_side(ROUNDS)))
     work = "10 ms of wire time at a drive that Python gives each period"
-    yield Case("closed_loop_period[fixed work]", work, python, lambda quick: (period_side(quick), python_side(ROUNDS)))
+    yield PreparedComparison(
+        "closed_loop_period[fixed work]", work, python, lambda quick: (period_side(quick), python_side(ROUNDS))
+    )
     work = "50 ms of wire time: a sample of the default rig with protection, noise and instruments"
-    yield Case("exchange[fixed work]", work, python, lambda quick: (exchange_side(quick), python_side(ROUNDS)))
+    yield PreparedComparison(
+        "exchange[fixed work]", work, python, lambda quick: (exchange_side(quick), python_side(ROUNDS))
+    )
     work = "one tick at a fresh measurement: inference, PID, limits, checks"
-    yield Case("fuzzy_pid_tick[fixed work]", work, python, lambda quick: (tick_side(quick), python_side(ROUNDS)))
+    yield PreparedComparison(
+        "fuzzy_pid_tick[fixed work]", work, python, lambda quick: (tick_side(quick), python_side(ROUNDS))
+    )
 
 
 def step_side(step_s: float, load: ConnectorLoad | None = None) -> TimedProgram:

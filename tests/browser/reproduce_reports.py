@@ -1,0 +1,11 @@
+"""The report of the paper's numbers, for the tests in a browser."""
+
+from __future__ import annotations
+
+from tests.browser.report_subject import ReportSubject
+
+from musclewire.extras.paper.page.paper_figures import FIGURES
+
+__all__ = ["SUBJECTS"]
+
+SUBJECTS = (ReportSubject("reproduce", (("reproduce", "--seeds", "3", "--json", "--out", "."),), len(FIGURES)),)
