@@ -1,6 +1,7 @@
 """Every file of the corpus is read as its manifest says, or refused in one line with exit code 2 that names the cure.
 
-The manifests are the .toml files next to this test; ``text_files.toml`` explains their keys.
+The manifests are the .toml files next to this test and in the folders of extras; ``text_files.toml`` explains their
+keys.
 """
 
 from __future__ import annotations
@@ -10,27 +11,25 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.places import TESTS
 
 from musclewire.app.main import run
 from musclewire.errors import CallerError, RecordingError
 from musclewire.signals import ImportMapping, import_recording, read_recording
 from musclewire.signals.units import parse_quantity
 
-HERE = Path(__file__).resolve().parent
-MIN_FILES = {"read": 60, "damaged": 40}
+# Those beside this test, and those of the extras.
+MANIFESTS = sorted([*TESTS.glob("corpus/*.toml"), *TESTS.glob("extras/*/corpus/*.toml")], key=lambda path: path.name)
 
 
-def entries() -> list[dict[str, Any]]:
-    """Return the entries of all manifests, with what is usual in each."""
-    found: list[dict[str, Any]] = []
-    for manifest in sorted(HERE.glob("*.toml")):
-        document = tomllib.loads(manifest.read_text("utf-8"))
-        usual = document.get("usual", {})
-        found += [{**({} if "refused" in one else usual), **one} for one in document["file"]]
-    return found
+def entries(manifest: Path) -> list[dict[str, Any]]:
+    """Return the entries of a manifest, with what is usual in it and where its files are."""
+    document = tomllib.loads(manifest.read_text("utf-8"))
+    usual = document.get("usual", {})
+    return [{**({} if "refused" in one else usual), **one, "beside": manifest.parent} for one in document["file"]]
 
 
-ENTRIES = entries()
+ENTRIES = [entry for manifest in MANIFESTS for entry in entries(manifest)]
 READ = [entry for entry in ENTRIES if "refused" not in entry]
 REFUSED = [entry for entry in ENTRIES if "refused" in entry]
 
@@ -49,7 +48,8 @@ def cases(chosen: list[dict[str, Any]]) -> list[Any]:
 
 
 def path_of(entry: dict[str, Any]) -> Path:
-    return HERE / entry["folder"] / entry["name"]
+    path: Path = entry["beside"] / entry["folder"] / entry["name"]
+    return path
 
 
 def mapping_of(entry: dict[str, Any]) -> ImportMapping:
@@ -107,8 +107,11 @@ def test_the_command_ends_with_2_and_that_line(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_corpus_is_as_large_as_it_has_to_be_and_nothing_in_it_is_forgotten() -> None:
-    for folder, least in MIN_FILES.items():
-        listed = {entry["name"] for entry in ENTRIES if entry["folder"] == folder}
-        assert listed == {path.name for path in (HERE / folder).iterdir()}
+@pytest.mark.parametrize("manifest", MANIFESTS, ids=lambda path: path.stem)
+def test_the_corpus_is_as_large_as_it_has_to_be_and_nothing_in_it_is_forgotten(manifest: Path) -> None:
+    for folder, least in tomllib.loads(manifest.read_text("utf-8"))["least"].items():
+        listed = {(one["folder"], one["name"]) for one in entries(manifest) if one["folder"] == folder}
         assert len(listed) >= least
+        known = {(one["folder"], one["name"]) for one in ENTRIES if one["beside"] == manifest.parent}
+        assert {(folder, path.name) for path in (manifest.parent / folder).iterdir()} <= known
+        assert listed <= {(folder, path.name) for path in (manifest.parent / folder).iterdir()}

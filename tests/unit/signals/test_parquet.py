@@ -1,10 +1,12 @@
 import datetime
+import sys
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet
 import pytest
 
-from musclewire.errors import RecordingError
+from musclewire.errors import MissingExtraError, RecordingError
 from musclewire.signals import Recording, read_recording, understand
 
 
@@ -63,3 +65,17 @@ def test_what_is_no_parquet_is_refused(tmp_path):
 def test_damaged_metadata_are_the_files_fault(tmp_path, document):
     path = write(tmp_path / "a.parquet", {"time_s": [0.0, 1.0]}, {b"musclewire-recording": document})
     assert "metadata" in refusal(path)
+
+
+def test_where_an_estimator_had_no_answer_nan_is_one(tmp_path):
+    run = Recording({"time_s": [0.0, 1.0], "estimated_strain": [np.nan, 0.01], "valid": [0.0, 1.0]})
+    run.save(tmp_path / "run.parquet")
+    assert read_recording(tmp_path / "run.parquet") == run
+
+
+def test_without_pyarrow_the_extra_is_named(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    loop = Recording({"time_s": [0.0, 1.0]})
+    with pytest.raises(MissingExtraError, match=r"musclewire\[parquet\]"):
+        loop.save(tmp_path / "loop.parquet")
+    assert list(tmp_path.iterdir()) == []

@@ -112,7 +112,7 @@ def test_our_own_hdf5_is_judged_like_every_other_file(tmp_path):
 
 def test_where_an_estimator_had_no_answer_nan_is_one(tmp_path):
     run = Recording({"time_s": [0.0, 1.0], "estimated_strain": [np.nan, 0.01], "valid": [0.0, 1.0]})
-    for name in ("run.h5", "run.csv", "run.parquet"):
+    for name in ("run.h5", "run.csv"):
         run.save(tmp_path / name)
         assert read_recording(tmp_path / name) == run
 

@@ -155,10 +155,3 @@ def test_without_pandas_the_extra_is_named(loop, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(MissingExtraError, match=r"musclewire\[pandas\]"):
         loop.to_pandas()
-
-
-def test_without_pyarrow_the_extra_is_named(loop, monkeypatch, tmp_path):
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(MissingExtraError, match=r"musclewire\[parquet\]"):
-        loop.save(tmp_path / "loop.parquet")
-    assert list(tmp_path.iterdir()) == []

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.subjects import subjects_of
 
 from musclewire.errors import CallerError
 from musclewire.signals import COLUMNS, Recording, RecordingWriter, read_recording
@@ -40,7 +41,7 @@ def recordings(draw):
     return Recording({"time_s": time_s, **columns}, {**draw(metadata), **draw(text_metadata)})
 
 
-@pytest.mark.parametrize("suffix", [".h5", ".hdf5", ".csv", ".parquet", ".mat"])
+@pytest.mark.parametrize("suffix", subjects_of("unit/signals", "*_formats.py", "SAVED"))
 @settings(max_examples=60, deadline=None)
 @given(recording=recordings())
 def test_a_saved_recording_reads_back_the_same(suffix, recording):
@@ -114,7 +115,7 @@ def test_importing_the_room_loads_no_heavy_library():
     assert answer.stdout.strip() == "set()"
 
 
-@pytest.mark.parametrize("suffix", [".h5", ".csv", ".parquet", ".mat", ".xlsx"])
+@pytest.mark.parametrize("suffix", subjects_of("unit/signals", "*_formats.py", "SAVED_WITHOUT_A_CLOCK"))
 def test_isobars_without_a_clock_read_back_the_same(suffix, tmp_path):
     isobars = Recording(
         {"wire_temperature_k": [300.0, 350.1, 301.0], "reference_strain": [0.0, 0.03, 1e-4], "stress_pa": [1e8] * 3}
