@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from tests.subjects import subjects_of
 
 from musclewire.app import completion
 from musclewire.controllers import CONTROLLERS
@@ -19,6 +20,9 @@ from musclewire.parameters.library import names
 from musclewire.rigs.configuration import rig_names
 from musclewire.sensing import ESTIMATORS
 
+# What is typed, and the one answer: all in bash, and some in every shell.
+QUESTIONS: list[tuple[str, str]] = subjects_of("app", "*_completions.py", "QUESTIONS")
+IN_EVERY_SHELL: list[tuple[str, str]] = subjects_of("app", "*_completions.py", "IN_EVERY_SHELL")
 # Long enough for a machine that is busy with something else; a test ends as soon as the answer is there.
 PATIENCE_S = 60.0
 
@@ -56,16 +60,6 @@ def script_of(shell: str, environment: dict[str, str]) -> str:
     return subprocess.run(["musclewire"], env=asked, capture_output=True, text=True, check=True).stdout
 
 
-QUESTIONS = [
-    ("contr", "control"),
-    ("design fin", "finger"),
-    ("control ser", "serial-board"),
-    ("simulate --wire flexinol-0.10-l", "flexinol-0.10-lt"),
-    ("control simulated model.json --estim", "--estimator"),
-    ("control simulated model.json --rules zh", "zhao-1993"),
-]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("typed", "answer"), QUESTIONS)
 def test_bash_completes(typed: str, answer: str, environment: dict[str, str]) -> None:
@@ -81,7 +75,7 @@ def test_bash_completes(typed: str, answer: str, environment: dict[str, str]) ->
 
 @pytest.mark.slow
 @pytest.mark.parametrize("shell", ["zsh", "fish"])
-@pytest.mark.parametrize(("typed", "answer"), QUESTIONS[1:4])
+@pytest.mark.parametrize(("typed", "answer"), IN_EVERY_SHELL)
 def test_zsh_and_fish_are_answered_what_their_lines_ask(
     shell: str, typed: str, answer: str, environment: dict[str, str]
 ) -> None:

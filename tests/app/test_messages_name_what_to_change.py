@@ -19,9 +19,6 @@ from musclewire.signals import read_recording
         (("fit", "lan-fan-2010-table-2", "--order", "3", "--leg-length", "70"), "--leg-length"),
         (("simulate", "--supply", "7"), "--supply"),
         (("grip", "--known-stiffness", "200"), "--known-stiffness"),
-        (("design", "pretensioner", "--stiffness", "386.2 N/m", "--finger-stiffness", "1084"), "--finger-stiffness"),
-        (("design", "finger", "--stiffness", "1084.4 N/m", "--column-width", "0.3"), "--column-width"),
-        (("design", "finger", "--finger", "lan-fan-2010", "--wire", "x", "--wire-length", "7"), "--wire-length"),
     ],
 )
 def test_a_quantity_without_its_unit_names_the_option(

@@ -13,7 +13,6 @@ import pytest
 
 import musclewire as mw
 from musclewire.app.installation import REQUIREMENT, commit_of
-from musclewire.extras.board.serial.message_types import PROTOCOL_VERSION
 
 
 def test_the_first_line_is_the_version_alone(musclewire: Callable[..., Any]) -> None:
@@ -28,7 +27,6 @@ def test_the_document_says_what_is_there(musclewire: Callable[..., Any]) -> None
     assert found["packages"]["llvmlite"] == importlib.metadata.version("llvmlite")
     assert found["extras"]["pandas"] is True
     assert not {"test", "dev"} & set(found["extras"])
-    assert found["firmware_protocol"] == PROTOCOL_VERSION
 
 
 def test_the_version_is_an_attribute_as_everywhere() -> None:

@@ -155,11 +155,3 @@ def test_an_existing_recording_is_not_replaced_without_overwrite(
     assert musclewire(*command).code == 2
     assert path.read_bytes() == b"precious"
     assert musclewire(*command, "--overwrite").code == 0
-
-
-def test_a_page_is_not_opened_for_a_rig_that_does_not_exist(musclewire: Callable[..., Any], tmp_path: Path) -> None:
-    answer = musclewire("serve", "simulatd", "-o", tmp_path / "session")
-    assert answer.code == 2
-    assert "did you mean 'simulated'" in answer.err
-    assert len(answer.err.splitlines()) == 1
-    assert not (tmp_path / "session").exists()

@@ -1,4 +1,4 @@
-"""The example of a plant from outside in the contract suite: a module next to its rig file, a wire of another kind."""
+"""An example of a plant from outside in the contract suite: a module next to its rig file, another family of wire."""
 
 from __future__ import annotations
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 
 import pytest
-from tests.places import CHECKOUT
 
 from musclewire.errors import CallerError
 from musclewire.extras.board.parts import load_parts, parts_names
@@ -71,15 +69,6 @@ def test_the_low_passes_of_the_board_leave_a_ten_thousandth_of_the_pulses() -> N
     assert values["R3"] == values["R2"]
     assert values["C2"] == values["C1"]
     assert (corner_hz / 15.6e3) ** 2 == pytest.approx(1e-4, rel=0.1)
-
-
-def test_the_board_is_wired_as_its_firmware_reads_it() -> None:
-    file = CHECKOUT / "firmware/boards/arduino-uno/board.toml"
-    board, values = tomllib.loads(file.read_text("utf-8")), load_parts("board").values()
-    assert board["shunt_resistance_ohm"] == float(values["RS"].split()[0])
-    assert values["U2"] == "INA180A1"
-    assert (board["shunt_gain"], board["divider_share"]) == (20.0, 1.0)
-    assert 1e3 * board["converter_range_v"] / board["shunt_gain"] == 250.0
 
 
 def test_a_pin_that_is_not_there_is_named() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -100,7 +99,7 @@ def test_an_unknown_setting_is_answered_with_the_nearest() -> None:
         ("legs = 0.4", "legs: must be a whole number, as 1, not 0.4"),
         ("[settings]\nlegs = 2.5", "legs is 2.5, it must be a whole number of 1 or more, as 2 or 3"),
         ("[settings]\nacquisition_readings = 0.5", "it must be a whole number of 1 or more, as 1"),
-        ('kind = "real"', "there is no kind of rig 'real'; did you mean 'serial'?"),
+        ('kind = "replya"', "there is no kind of rig 'replya'; did you mean 'replay'?"),
         ('new_wire = "perhaps"', "new_wire: must be true or false, not 'perhaps'"),
         (
             "[settings]\npretension_n = [1]",
@@ -247,16 +246,6 @@ def test_whatever_a_rig_file_holds_it_is_read_or_refused_in_plain_words(data: di
         message = str(error)
     assert "\n" not in message
     assert "Input should" not in message
-
-
-SHIPPED_BOARD = Path(str(files("musclewire.parameters"))) / "data" / "rigs" / "serial-board.toml"
-
-
-def test_air_in_degrees_without_a_unit_is_refused_because_it_would_let_the_wire_grow_too_hot(rig_file) -> None:
-    board = SHIPPED_BOARD.read_text("utf-8")
-    with pytest.raises(CallerError, match=r"ambient_temperature: must be 223.15 K or more, not 22"):
-        read_rig_file(rig_file("ambient_temperature = 22\n" + board))
-    assert read_rig_file(rig_file('ambient_temperature = "22 degC"\n' + board)).ambient_temperature == 295.15
 
 
 def test_a_kind_that_is_no_word_is_a_callers_error(rig_file) -> None:

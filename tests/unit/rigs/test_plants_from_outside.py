@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import ast
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.places import CHECKOUT
 
 import musclewire as mw
 from musclewire.errors import CallerError
@@ -97,21 +95,6 @@ class WrongSchema(Resistor):
 
 
 number = 3
-"""
-STUDY = """
-format = "musclewire-study"
-version = 1
-name = "hostile"
-rig = "plant.toml"
-seed = 1
-[run]
-kind = "characterize"
-[sampling]
-method = "sobol"
-samples = 4
-[parameters.pretension]
-low = "1.3 N"
-high = "2.5 N"
 """
 KEYS = """
 resistance = 17.0
@@ -273,30 +256,3 @@ def test_a_replay_that_names_a_plant_in_place_of_a_recording_imports_nothing(tmp
     with pytest.raises(mw.MusclewireError):
         open_rig(tmp_path / "replay.toml")
     assert not was_imported(tmp_path)
-
-
-def test_no_study_imports_a_plant(tmp_path: Path) -> None:
-    from musclewire.extras.studies import read_study
-
-    rig_file(tmp_path, "python:my_plant:Resistor")
-    study = tmp_path / "study.toml"
-    study.write_text(STUDY, encoding="utf-8")
-    with pytest.raises(CallerError, match="only a rig that is opened by its path"):
-        read_study(study)
-    assert not was_imported(tmp_path)
-
-
-def test_only_opening_a_rig_and_many_loops_may_import() -> None:
-    """By the sources: nothing else passes ``may_import=True`` or calls what imports.
-
-    The process of a bench opens the rig that ``musclewire serve`` was given on the command line, and no other.
-    """
-    found = set()
-    for path in (CHECKOUT / "src" / "musclewire").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            named = isinstance(node, ast.keyword) and node.arg == "may_import"
-            allowed = named and isinstance(node.value, ast.Constant) and node.value.value is True
-            called = isinstance(node, ast.Call) and getattr(node.func, "id", "") == "imported_kind"
-            if allowed or called:
-                found.add(path.relative_to(CHECKOUT / "src" / "musclewire").as_posix())
-    assert found == {"rigs/configuration.py", "experiment/many_loops.py", "live/bench/opening.py"}

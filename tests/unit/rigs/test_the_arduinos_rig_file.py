@@ -8,7 +8,7 @@ import tomllib
 import pytest
 from tests.places import CHECKOUT
 
-from musclewire.extras.board.serial.configuration import SerialConfiguration
+from musclewire.extras.board.parts import load_parts
 from musclewire.rigs.configuration import rig_configuration
 
 FOLDER = CHECKOUT / "firmware" / "boards" / "arduino-uno"
@@ -51,3 +51,12 @@ def test_its_baud_rate_is_what_the_firmware_divides_the_clock_to(rig: SerialConf
     assert found is not None
     doubled = "U2X0" in source
     assert rig.baud == CLOCK_HZ / ((8 if doubled else 16) * (int(found[1]) + 1))
+
+
+def test_the_board_is_wired_as_its_firmware_reads_it() -> None:
+    file = CHECKOUT / "firmware/boards/arduino-uno/board.toml"
+    board, values = tomllib.loads(file.read_text("utf-8")), load_parts("board").values()
+    assert board["shunt_resistance_ohm"] == float(values["RS"].split()[0])
+    assert values["U2"] == "INA180A1"
+    assert (board["shunt_gain"], board["divider_share"]) == (20.0, 1.0)
+    assert 1e3 * board["converter_range_v"] / board["shunt_gain"] == 250.0

@@ -1,0 +1,27 @@
+"""A command as a process of its own, and the signals that interrupt it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+__all__ = ["PATIENCE_S", "SIGNALS", "start"]
+
+PATIENCE_S = 120.0  # a cold machine compiles first
+SIGNALS = [(signal.SIGINT, 130), pytest.param(signal.SIGTERM, 143, marks=pytest.mark.slow)]
+
+
+def start(*arguments: object) -> subprocess.Popen[str]:
+    """Start a command; what it prints is read by its caller."""
+    command = [sys.executable, "-m", "musclewire", *map(str, arguments)]
+    return subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "NO_COLOR": "1"},
+    )

@@ -1,0 +1,60 @@
+"""The options of designs: of the one list, by their old names, with a hint for typos, and from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from musclewire.errors import CallerError
+
+
+def test_a_length_reads_by_its_old_name(musclewire: Callable[..., Any]) -> None:
+    finger = ("design", "finger", "--finger", "lan-fan-2010")
+    answers = [musclewire(*finger, option, "9 mm") for option in ("--length", "--overall-length")]
+    assert answers[0] == answers[1]
+    assert answers[0].code == 2
+    assert "No such option" not in answers[0].err
+
+
+def test_a_typo_gets_the_nearest_name(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("design", "fingr")
+    assert answer.code == CallerError("").exit_code
+    assert "Did you mean 'finger'?" in answer.err
+    assert len(answer.err.strip().splitlines()) == 1
+
+
+@pytest.mark.slow
+def test_a_design_reads_its_options_from_a_file_and_the_command_line_takes_precedence(
+    musclewire: Callable[..., Any], tmp_path: Path
+) -> None:
+    file = tmp_path / "options.toml"
+    file.write_text('stiffness = "386.2 N/m"\npretension = "0.71 N"\n', "utf-8")
+    by_file = musclewire("design", "pretensioner", file, "--json")
+    by_options = musclewire("design", "pretensioner", "--stiffness", "386.2 N/m", "--pretension", "0.71 N", "--json")
+    assert by_file == by_options
+    assert by_file.code == 0
+    softer = musclewire("design", "pretensioner", file, "--stiffness", "300 N/m", "--json").json
+    assert softer["stiffness_n_per_m"] == pytest.approx(300.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('stifness = "1 N/m"', "unknown key 'stifness'; did you mean 'stiffness'?"),
+        ('output = "finger.toml"', "unknown key 'output'"),
+        ('stiffness = ["1 N/m"]', "'stiffness' must be one value"),
+        ('finger = "lan-fan-2010"\ndepth = "5 mm"', "--depth and --finger exclude each other"),
+        ('finger = "lan-fan-2010"\nclearance = "5 mm"', "--clearance has an effect only with --object-stiffness"),
+        ('stiffness = "5"', "--stiffness: '5' has no unit"),
+    ],
+)
+def test_a_wrong_options_file_is_one_line(text: str, said: str, musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    file = tmp_path / "options.toml"
+    file.write_text(text + "\n", "utf-8")
+    answer = musclewire("design", "finger", file)
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert len(answer.err.strip().splitlines()) == 1

@@ -1,0 +1,31 @@
+"""Ctrl-C and SIGTERM while the paper's numbers are computed: the documented exit code, and nothing left behind."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+from tests.app.interrupting import PATIENCE_S, SIGNALS, start
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), SIGNALS)
+def test_verdicts_over_seeds_stopped_by_a_signal_leave_no_process_and_no_page(
+    number: signal.Signals, code: int, tmp_path: Path
+) -> None:
+    arguments = ("--only", "table1.resistance", "--seeds", 20000, "--workers", 3, "--out", tmp_path)
+    process = start("reproduce", *arguments)
+    assert process.stderr is not None
+    assert "of 20000 seeds" in process.stderr.readline()
+    workers = subprocess.run(
+        ["ps", "-o", "pid=", "--ppid", str(process.pid)], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert len(workers) == 2
+    process.send_signal(number)
+    out, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == code, err
+    assert (out, "no page was written" in err, "Traceback" in err) == ("", True, False)
+    assert [pid for pid in workers if Path(f"/proc/{pid}").exists()] == []
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,12 @@
+"""What --version says of the firmware is what the host speaks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from musclewire.extras.board.serial.message_types import PROTOCOL_VERSION
+
+
+def test_the_document_says_which_protocol_the_host_speaks(musclewire: Callable[..., Any]) -> None:
+    assert musclewire("--version", "--json").json["firmware_protocol"] == PROTOCOL_VERSION
