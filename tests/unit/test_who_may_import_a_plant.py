@@ -19,5 +19,5 @@ def test_only_opening_a_rig_and_many_loops_may_import() -> None:
             allowed = named and isinstance(node.value, ast.Constant) and node.value.value is True
             called = isinstance(node, ast.Call) and getattr(node.func, "id", "") == "imported_kind"
             if allowed or called:
-                found.add(path.relative_toPACKAGE.as_posix())
+                found.add(path.relative_to(PACKAGE).as_posix())
     assert found == {"rigs/configuration.py", "experiment/many_loops.py", "live/bench/opening.py"}
