@@ -23,7 +23,7 @@ from musclewire.extras.live.bench import loop, opening
 from musclewire.extras.live.bench.descriptions import described_rig
 from musclewire.extras.live.bench.lines import MessageWriter
 from musclewire.extras.live.bench.loop import perform
-from musclewire.extras.live.bench.orders import NumberedOrder, OrderQueue
+from musclewire.extras.live.bench.orders import NumberedOrder
 from musclewire.extras.live.bench.recipes import RECIPES
 from musclewire.extras.live.bench.session import BenchSession
 from musclewire.extras.live.bench.state import PublishedState
@@ -62,7 +62,7 @@ class Bench:
         self._source, self._to_session = os.fdopen(source, "rb"), MessageWriter(self._orders_end)
         self._answers, self._number = Kept(), 0
         self.orders = OrderQueue(self.session, self._source, self._answers)
-        shown.change(phase="off")
+        opening.show_off(self.session)
 
     def close(self) -> None:
         """End the session, as a server does that ends."""
@@ -137,6 +137,13 @@ def test_a_stop_read_after_the_order_keeps_the_rig_from_being_opened(
     assert bench.phase == "stopped"
     assert bench.session.shown.state.why.startswith("stopped by a test")
     assert bench.session.queued == ""
+
+
+def test_a_stop_before_a_bench_has_begun_is_not_covered_by_its_beginning(bench: Bench) -> None:
+    assert bench.phase == "off"
+    bench.stop()
+    opening.show_off(bench.session)
+    assert bench.phase == "stopped"
 
 
 def test_of_stop_switch_on_stop_the_last_counts(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -71,6 +71,7 @@ def test_a_stop_switches_off_in_the_middle_of_a_run_and_stays(tmp_path: Path) ->
 def test_a_stop_right_behind_an_order_to_switch_on_counts_and_a_later_order_switches_on(tmp_path: Path) -> None:
     async def run() -> None:
         async with bench(tmp_path) as handle, in_control(handle):
+            await until_phase(handle, "off")
             for _ in range(3):
                 switching_on = asyncio.create_task(ask(handle, do="switch_on"))
                 await asyncio.sleep(0.0)  # it is sent

@@ -13,13 +13,14 @@ from hypothesis import strategies as st
 import musclewire as mw
 from musclewire.errors import CallerError
 from musclewire.experiment.supply_sizing import SupplyRequest, plan_supply
+from musclewire.identify.physical.search import SearchSettings
 from musclewire.parameters.seeds import require_seed
 from musclewire.rigs.configuration import RigConfiguration
 
 TAKERS: dict[str, Callable[[Any], Any]] = {
     "open_rig": lambda seed: mw.open_rig("simulated", seed=seed),
     "a rig's configuration": lambda seed: RigConfiguration(seed=seed),
-    "a search": lambda seed: Settings(seed=seed),
+    "a search": lambda seed: SearchSettings(seed=seed),
     "simulate": lambda seed: plan_supply(SupplyRequest("flexinol-0.10-ht", seed=seed)),
 }
 

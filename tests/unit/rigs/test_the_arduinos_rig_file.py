@@ -9,6 +9,7 @@ import pytest
 from tests.places import CHECKOUT
 
 from musclewire.extras.board.parts import load_parts
+from musclewire.extras.board.serial.configuration import SerialConfiguration
 from musclewire.rigs.configuration import rig_configuration
 
 FOLDER = CHECKOUT / "firmware" / "boards" / "arduino-uno"

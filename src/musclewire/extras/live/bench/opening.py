@@ -11,7 +11,7 @@ from musclewire.rigs.pacing import SamplePacer
 from musclewire.rigs.simulated_configuration import RigConfiguration
 from musclewire.sensing.estimator import ESTIMATORS
 
-__all__ = ["show_wiring", "switch_on"]
+__all__ = ["show_off", "show_wiring", "switch_on"]
 
 
 def show_wiring(session: BenchSession) -> None:
@@ -23,6 +23,13 @@ def show_wiring(session: BenchSession) -> None:
     else:
         session.simulated = isinstance(configuration, RigConfiguration)
         session.shown.change(wiring=wiring(simulated=session.simulated))
+
+
+def show_off(session: BenchSession) -> None:
+    """Show that the bench waits for an order to switch on; a stop that was read before stays what it is."""
+    with session.deciding:
+        if not session.stopped.by:
+            session.shown.change(phase="off")
 
 
 def switch_on(session: BenchSession, stops_before: int) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 from musclewire.errors import CallerError, MusclewireError
 from musclewire.extras.live.bench.lines import MessageWriter
 from musclewire.extras.live.bench.loop import run_session
-from musclewire.extras.live.bench.opening import show_wiring
+from musclewire.extras.live.bench.opening import show_off, show_wiring
 from musclewire.extras.live.bench.orders import OrderQueue
 from musclewire.extras.live.bench.session import BenchSession
 from musclewire.extras.live.bench.state import PublishedState
@@ -44,9 +44,7 @@ def main() -> int:
     show_wiring(session)
     finish_journals(session)
     session.note_recordings()
-    with session.deciding:
-        if not session.stopped.by:  # orders are read already
-            shown.change(phase="off")
+    show_off(session)
     shown.say("warning", *refused)
     run_session(session, orders)
     return 0
