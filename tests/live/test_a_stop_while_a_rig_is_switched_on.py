@@ -23,7 +23,7 @@ from musclewire.extras.live.bench import loop, opening
 from musclewire.extras.live.bench.descriptions import described_rig
 from musclewire.extras.live.bench.lines import MessageWriter
 from musclewire.extras.live.bench.loop import perform
-from musclewire.extras.live.bench.orders import NumberedOrder
+from musclewire.extras.live.bench.orders import NumberedOrder, OrderQueue
 from musclewire.extras.live.bench.recipes import RECIPES
 from musclewire.extras.live.bench.session import BenchSession
 from musclewire.extras.live.bench.state import PublishedState
