@@ -35,7 +35,8 @@ anything from the internet.
 ## Who may do what
 
 - **Anybody who may see the page may stop.** `POST .../stop` and the command `stop` need no control; a stop is
-  answered once the drive is off, and is never turned away for coming too fast.
+  answered once the drive is off, and is never turned away for coming too fast. An order to switch on that came before
+  it and has not been carried out is refused, even if the rig is just being opened; one that comes afterwards counts.
 - **Everything else needs control**, which one person or program has at a time. `POST .../control` takes it if it is
   free, and otherwise asks the holder, who answers. A lease ends 0.6 s after the last sign of life, at rest
   5 s after it: over HTTP a `PUT
