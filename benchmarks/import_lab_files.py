@@ -21,7 +21,7 @@ import numpy as np
 import pyarrow as pa
 from nptdms import ChannelObject, TdmsWriter
 from pyarrow import parquet
-from tests.corpus.generate_matlab import mat73
+from tests.extras.lab_files.corpus.generate_matlab import mat73
 
 NAMES = {"time_s": "s", "wire_voltage_v": "V", "shunt_voltage_v": "V", "displacement_m": "m"}
 BLOCK = 65_536

@@ -30,8 +30,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from tests.browser.chromium import launched
-from tests.browser.live.opened import follow_slider, opened, switch_on, wait_for_phase
-from tests.browser.live.served import Served, serving
+from tests.extras.live.browser.opened import follow_slider, opened, switch_on, wait_for_phase
+from tests.extras.live.browser.served import Served, serving
 
 import musclewire as mw
 

@@ -4,7 +4,8 @@
 
 A run is one cycle of the slow sine of 90 s on a wire of its own; the gap and the extremes of its resistance are kept.
 Prints the seconds of each way (the whole command, with the data set, its indices and its page, for local cores), and
-whether the numbers are the same to the bit. The cluster is tests/studies/dask_cluster.py: a scheduler and two workers.
+whether the numbers are the same to the bit. The cluster is dask_cluster.py of tests/extras/studies: a scheduler and
+two workers.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "studies"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "extras" / "studies"))
 
 from dask_cluster import DaskCluster
 

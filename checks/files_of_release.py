@@ -1,10 +1,10 @@
 """Small files of every kind that musclewire writes, kept for good: what a released version wrote, later ones must read.
 
-    python -m checks.files_of_release              writes tests/data/files_of/VERSION with the musclewire that is here
+    python -m checks.files_of_release              writes tests/house/data/files_of/VERSION, with this musclewire
     python -m checks.files_of_release --overwrite  replaces them, before the version is released
 
 Beside the files is ``manifest.json``: of each its kind, its SHA-256, and numbers that this version reads out of it.
-``tests/unit/test_files_of_releases.py`` holds today's code to the manifests of all versions. A folder is never changed
+``tests/house/test_files_of_releases.py`` holds today's code to the manifests of all versions. A folder is never changed
 once its version is released (docs/reference/versions.md).
 """
 
@@ -27,7 +27,7 @@ import numpy as np
 
 __all__ = ["FOLDER", "KINDS", "manifest_of", "read_as"]
 
-FOLDER = Path(__file__).resolve().parents[1] / "tests/data/files_of"
+FOLDER = Path(__file__).resolve().parents[1] / "tests/house/data/files_of"
 Numbers = dict[str, Any]
 
 RIG = """# The finger's bench, cooler and longer than the one that ships.

@@ -3,7 +3,7 @@
     python -m checks.output_schemas              runs every command of CALLS and MORE, and writes the schemas
     python -m checks.output_schemas --only fit   of one command
 
-The calls are those of ``tests/docs/test_command_line.py``, which holds the answers to the keys of
+The calls are those of ``tests/house/docs/test_command_line.py``, which holds the answers to the keys of
 ``docs/reference/command_line.md`` and to these schemas, and some more, whose answers differ in kind. A key may be null
 if an answer had null, or if the reference says so in a sentence with its name. Keys of a document are exact; the
 objects in it may have others, as results of another quantity have.
@@ -96,7 +96,7 @@ def main() -> None:
     parser.add_argument("--only", action="append", default=[], help="a command, as 'export c'; repeatable")
     only = parser.parse_args().only
     sys.path.insert(0, str(ROOT))
-    from tests.docs import test_command_line as calls
+    from tests.house.docs import test_command_line as calls
 
     FOLDER.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="musclewire-outputs-") as name:

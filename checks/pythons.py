@@ -31,7 +31,7 @@ from checks.fresh_environments import ROOT, built, outside
 GROUPS = "not slow and not emulated and not documented and not browser"
 SUITE = (
     *("tests/unit/signals", "tests/unit/sensing", "tests/unit/controllers", "tests/unit/parameters", "tests/unit/wire"),
-    *("tests/unit/interfaces", "tests/unit/test_json_schemas.py", "tests/unit/test_files_of_releases.py"),
+    *("tests/extras/interfaces/unit", "tests/house/test_json_schemas.py", "tests/house/test_files_of_releases.py"),
     *("tests/app/test_version.py", "tests/app/test_completion.py", "tests/app/test_import.py"),
 )
 

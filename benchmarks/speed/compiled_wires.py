@@ -15,7 +15,7 @@ from musclewire.arrays import FloatArray
 
 __all__ = ["EXPLICIT_STEP_S", "numba_batch", "numba_cycle"]
 
-# First order: 4 mK here, 40 mK in steps of 5 ms (tests/speed/test_easier_wires.py).
+# First order: 4 mK here, 40 mK in steps of 5 ms (tests/house/speed/test_easier_wires.py).
 EXPLICIT_STEP_S = 1e-3
 
 # The very lines that SciPy calls.

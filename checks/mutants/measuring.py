@@ -19,9 +19,9 @@ __all__ = ["measured_tests"]
 TESTS = {
     "compiled": (
         "tests/unit/wire", "tests/unit/simulate", "tests/unit/sensing", "tests/unit/controllers", "tests/unit/rigs",
-        "tests/unit/identify", "tests/unit/experiment", "tests/unit/studies/test_wires_of_a_study.py",
+        "tests/unit/identify", "tests/unit/experiment", "tests/extras/studies/unit/test_wires_of_a_study.py",
         "tests/contract", "tests/faults",
-        "tests/export/test_c_equals_python.py", "tests/export/test_protection_in_c.py",
+        "tests/extras/board/export/test_c_equals_python.py", "tests/extras/board/export/test_protection_in_c.py",
     ),
     # Of the rooms with the wire's kernels those of few steps: the others would take minutes only to be left out.
     "plain": (

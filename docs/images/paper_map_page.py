@@ -1,7 +1,7 @@
 """The column "Compared" of docs/reference/paper_map.md: what the rows of ``musclewire reproduce`` say of each entry.
 
 The page is written by hand but for that column. Column "Rows" names beginnings of rows, as ``--only`` takes them; which
-rows fail is the committed list of known failures, which tests/published/test_reproduce.py holds to a whole run.
+rows fail is the committed list of known failures, which test_reproduce.py of tests/extras/paper holds to a whole run.
 """
 
 from __future__ import annotations

@@ -60,7 +60,12 @@ def part_source_hash(part: str) -> str:
 
 
 def part_of(module: str) -> str | None:
-    """Return the part outside the core whose kernels a module holds, None for any other module."""
+    """Return the part outside the core whose kernels a module holds, None for any other module.
+
+    A kernel of the core asks no manifest: it is compiled while rooms are imported, which a manifest may import, too.
+    """
+    if module.startswith("musclewire.") and not module.startswith("musclewire.extras."):
+        return None
     return next((manifest.name for manifest in manifests() if module in manifest.kernels), None)
 
 

@@ -20,7 +20,7 @@ from musclewire.wire.building import constants_of, convection_table, measured_gr
 
 __all__ = ["DEFAULT_STEP_S", "SegmentMeans", "SegmentedState", "SegmentedWire"]
 
-# Half of it changes resistance and strain by less than the instruments show; tests/unit/rigs/segmented hold it to that.
+# Half of it changes resistance and strain by less than the instruments show (tests/extras/studies/unit/segmented).
 DEFAULT_STEP_S = 2.5e-3
 # The ends of a clamped wire are resolved at the convection of a wire this much above the air.
 WARM_K = 70.0

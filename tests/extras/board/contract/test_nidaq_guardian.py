@@ -1,0 +1,274 @@
+"""A host that is killed or stalls while it heats: the guardian switches off. Real processes, real time."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from emulation.daq_bench import card_of
+from emulation.daq_server import DaqServer
+from tests.extras.board.contract.nidaq_rigs import at_seam, wiring_of
+
+from musclewire.controllers.protection import Event
+from musclewire.errors import RigError
+from musclewire.extras.board.nidaq.output import GuardedOutput
+from musclewire.rigs.configuration import open_rig
+from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="not run: signals as POSIX has them")
+
+NAMES = ("ni-pci-6229", "ni-usb-6001")
+DRIVE_V = 2.0
+# Until a host heats: a busy machine takes long to start Python, and makes some hosts late.
+PATIENCE_S = 180.0
+# A host that heats until somebody stops it, by the public door.
+HOST = f"""
+import sys
+import musclewire
+with musclewire.open_rig(sys.argv[1]) as rig:
+    rig.exchange(rig.sense_voltage_v)
+    while True:
+        rig.exchange({DRIVE_V})
+"""
+
+
+def interruptible() -> None:
+    """Let a process be interrupted, also where this run was started as a shell's background job.
+
+    Such a job ignores SIGINT, and so does all that it starts: a host of Python's would never notice.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def kept_waiting_s(process_id: int) -> float:
+    """Return how long a process was ready to run and the processors were busy with others, 0 where nobody counts it."""
+    try:
+        return 1e-9 * int(Path(f"/proc/{process_id}/schedstat").read_text().split()[1])
+    except (OSError, IndexError):  # it has ended, or the system has no such file
+        return 0.0
+
+
+def children_of(process_id: int) -> list[int]:
+    """Return the processes that a process has started; none where the system does not say."""
+    try:
+        return [int(text) for text in Path(f"/proc/{process_id}/task/{process_id}/children").read_text().split()]
+    except OSError:
+        return []
+
+
+class Bench:
+    """A card that runs by the clock, and a host process that heats the wire on it."""
+
+    def __init__(self, server: DaqServer, host: subprocess.Popen[str]) -> None:
+        self.server, self.host = server, host
+        self._waited_s: dict[int, float] = {}
+
+    def output_v(self) -> float:
+        return self.server.card.outputs_v["ao0"]
+
+    def seconds_until(self, reached: Callable[[float], bool], within_s: float) -> float:
+        """Return how long it takes until the output is as wanted, without what a busy machine took.
+
+        Who is woken a tenth of a second late is not asked to have seen others be on time, and neither host nor guardian
+        can act while the processors are busy with other programs.
+        """
+        began, overslept_s, waited_s = time.monotonic(), 0.0, self._kept_waiting_s()
+        while not reached(self.output_v()):
+            looked = time.monotonic()
+            taken_s = overslept_s + self._kept_waiting_s() - waited_s
+            assert looked - began - taken_s < within_s, f"{self.output_v()} V after {looked - began:.3f} s"
+            time.sleep(0.001)
+            late_s = time.monotonic() - looked - 0.001
+            overslept_s += late_s if late_s > 0.01 else 0.0
+        return time.monotonic() - began - overslept_s - (self._kept_waiting_s() - waited_s)
+
+    def _kept_waiting_s(self) -> float:
+        """Return how long host and guardian were kept waiting in all; of one that has ended, as far as was seen."""
+        for process_id in (self.host.pid, *children_of(self.host.pid)):
+            self._waited_s.setdefault(process_id, 0.0)
+        for process_id, before_s in self._waited_s.items():
+            self._waited_s[process_id] = max(before_s, kept_waiting_s(process_id))
+        return sum(self._waited_s.values())
+
+
+@pytest.fixture(params=[NAMES[0], pytest.param(NAMES[1], marks=pytest.mark.emulated)])
+def name(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture
+def bench(name: str, tmp_path: Path) -> Iterator[Bench]:
+    with DaqServer(card_of(name, paced=True)) as server:
+        found = heating(server, rig_file(tmp_path, name, server.address))
+        try:
+            yield found
+        finally:
+            ended(found.host)
+
+
+def heating(server: DaqServer, rig: Path) -> Bench:
+    """Return a bench on which a host heats.
+
+    A host that a busy machine makes late before it heats has rightly switched off and ended: another one is started.
+    """
+    until_s = time.monotonic() + PATIENCE_S
+    while time.monotonic() < until_s:
+        command = [sys.executable, "-c", HOST, str(rig)]
+        host = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=interruptible)
+        found = Bench(server, host)
+        while host.poll() is None and time.monotonic() < until_s:
+            if found.output_v() == DRIVE_V:
+                return found
+            time.sleep(0.001)
+        said = ended(host)
+    raise AssertionError(f"no host heated within {PATIENCE_S} s; the last one said: {said}")
+
+
+def ended(host: subprocess.Popen[str]) -> str:
+    """End a host, also a stopped one, and return what it said on its standard error."""
+    with contextlib.suppress(ProcessLookupError):
+        host.send_signal(signal.SIGCONT)
+    host.kill()
+    return host.communicate()[1]
+
+
+def exchange_often(rig: GuardedRig) -> None:
+    """The kill may reach the guardian in the middle of an answer; the exchange after that must notice."""
+    for _ in range(3):
+        rig.exchange(DRIVE_V)
+
+
+def leave(rig: GuardedRig) -> None:
+    with rig:
+        pass
+
+
+def rig_file(folder: Path, name: str, address: str) -> Path:
+    """Return a user's rig file: the one that comes along, with the address."""
+    import musclewire.parameters
+
+    shipped = Path(musclewire.parameters.__path__[0]) / "data" / "rigs" / f"{name}.toml"
+    file = folder / "rig.toml"
+    file.write_text(shipped.read_text().replace('kind = "nidaq"', f'kind = "nidaq"\ngrpc = "{address}"'))
+    return file
+
+
+def test_a_killed_host_leaves_no_voltage_on_the_card(bench: Bench) -> None:
+    bench.host.kill()
+    assert bench.seconds_until(lambda volts: volts == 0.0, 0.3) < 0.3
+    time.sleep(0.5)
+    assert bench.output_v() == 0.0
+
+
+@pytest.mark.emulated
+def test_after_a_killed_host_the_card_is_free_again(bench: Bench, name: str) -> None:
+    bench.host.kill()
+    bench.seconds_until(lambda volts: volts == 0.0, 0.3)
+    time.sleep(0.5)  # the guardian frees what the host left behind
+    with open_rig(wiring_of(name).model_copy(update={"grpc": bench.server.address})) as rig:
+        rig.exchange(rig.sense_voltage_v)
+
+
+@pytest.mark.emulated
+def test_a_stalled_host_leads_to_the_sense_voltage_and_then_off(bench: Bench, name: str) -> None:
+    """0.1 s and 0.25 s by the protection table, and a tenth for the machine."""
+    bench.host.send_signal(signal.SIGSTOP)
+    first_s = bench.seconds_until(lambda volts: volts < DRIVE_V, 0.2)
+    assert bench.output_v() in (0.0, pytest.approx(wiring_of(name).sense_voltage))
+    assert first_s + bench.seconds_until(lambda volts: volts == 0.0, 0.35) < 0.35
+    bench.host.send_signal(signal.SIGCONT)
+    _, said = bench.host.communicate(timeout=PATIENCE_S)
+    assert bench.output_v() == 0.0
+    assert "the guardian has switched off" in said.splitlines()[-1]
+
+
+def test_a_host_that_is_interrupted_switches_off_by_itself(bench: Bench) -> None:
+    bench.host.send_signal(signal.SIGINT)
+    assert bench.seconds_until(lambda volts: volts == 0.0, 0.5) < 0.5
+
+
+def test_a_host_that_closes_after_its_guardian_was_killed_switches_off_by_itself(name: str) -> None:
+    with at_seam(name) as rig:
+        rig.exchange(DRIVE_V)
+        rig.device.at_card._output._process.kill()
+        rig.device.at_card._output._process.wait()
+        assert rig.device.server.card.outputs_v["ao0"] == DRIVE_V  # a card holds its last voltage
+    assert rig.device.server.card.outputs_v["ao0"] == 0.0
+
+
+@pytest.mark.emulated
+def test_a_card_that_cannot_be_reached_at_the_end_is_an_error_and_not_called_off(name: str) -> None:
+    rig = at_seam(name, paced=True)
+    rig.exchange(rig.sense_voltage_v)
+    rig.device.server.close()
+    with pytest.raises(RigError, match="did not answer at the end: 0 V was ordered and nothing confirms it"):
+        leave(rig)
+
+
+def test_an_answer_left_unread_by_ctrl_c_is_not_taken_for_that_of_the_next_command(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(_output: GuardedOutput) -> float:
+        raise KeyboardInterrupt
+
+    with at_seam(name) as rig:
+        rig.exchange(rig.sense_voltage_v)
+        with monkeypatch.context() as patched:
+            patched.setattr(GuardedOutput, "_answer", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                rig.device.at_card._output.put_now(DRIVE_V)
+        rig.device.at_card._output.put_now(rig.sense_voltage_v)
+        assert rig.device.at_card._output._answers_due == 0
+        assert rig.device.at_card._output._received == b""
+        assert rig.device.server.card.outputs_v["ao0"] == pytest.approx(rig.sense_voltage_v)
+
+
+def test_a_killed_guardian_is_noticed_and_the_host_switches_off(name: str) -> None:
+    with at_seam(name) as rig:
+        rig.exchange(DRIVE_V)
+        rig.device.at_card._output._process.kill()
+        began = time.monotonic()
+        with pytest.raises(ProtectionTripError, match="this one has switched off") as caught:
+            exchange_often(rig)
+        assert rig.device.server.card.outputs_v["ao0"] == 0.0
+        assert time.monotonic() - began < 2.0  # it opens the output anew, in Python, on a machine that may be busy
+    assert caught.value.event is Event.DEVICE_LOST
+
+
+def test_a_forgotten_rig_is_switched_off() -> None:
+    rig = at_seam("ni-usb-6001")
+    card = rig.device.server.card
+    rig.exchange(DRIVE_V)
+    assert card.outputs_v["ao0"] == DRIVE_V
+    del rig
+    assert card.outputs_v["ao0"] == 0.0
+
+
+@pytest.mark.emulated
+def test_a_server_that_is_cut_off_is_a_lost_device_and_does_not_hang_the_program(name: str) -> None:
+    """A stopped server answers as a cut network does: not at all."""
+    command = [sys.executable, "-m", "emulation.daq_server", "--card", name]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        try:
+            rig = open_rig(wiring_of(name).model_copy(update={"grpc": address_of(server)}))
+            rig.exchange(rig.sense_voltage_v)
+            server.send_signal(signal.SIGSTOP)
+            began = time.monotonic()
+            with pytest.raises(ProtectionTripError, match="nothing confirms it") as caught:
+                rig.exchange(rig.sense_voltage_v)
+            assert caught.value.event is Event.DEVICE_LOST
+            assert time.monotonic() - began < 15.0
+        finally:
+            server.kill()
+
+
+def address_of(server: subprocess.Popen[str]) -> str:
+    assert server.stdout is not None
+    return next(line for line in server.stdout if line.startswith("grpc")).split('"')[1]

@@ -1,0 +1,265 @@
+"""What a card's driver may say and do, through NI's unmodified client: each fault ends off, in one clear line."""
+
+from __future__ import annotations
+
+import statistics
+import subprocess
+import sys
+import threading
+import time
+import tomllib
+from itertools import pairwise
+
+import grpc
+import nidaqmx
+import pytest
+from emulation.daq_bench import card_of
+from emulation.daq_server import DaqServer
+from tests.extras.board.contract.nidaq_rigs import at_seam, wiring_of
+from tests.places import CHECKOUT
+
+from musclewire.controllers.protection import Event
+from musclewire.errors import MissingExtraError, RigError
+from musclewire.extras.board.nidaq import device as device_module
+from musclewire.rigs.configuration import open_rig
+from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
+
+NAMES = ("ni-pci-6229", "ni-usb-6001")
+ATTEMPTS = 5
+
+
+def output_v(rig: GuardedRig) -> float:
+    return rig.device.server.card.outputs_v["ao0"]
+
+
+def refusal(name: str, **changed: object) -> str:
+    """Return in one line why a rig cannot be opened."""
+    with pytest.raises(RigError) as caught:
+        at_seam(name, **changed)
+    assert "\n" not in str(caught.value)
+    assert caught.value.exit_code == 3
+    return str(caught.value)
+
+
+@pytest.mark.emulated
+@pytest.mark.parametrize("name", NAMES)
+def test_a_sample_is_the_mean_of_the_readings_of_its_period(name: str) -> None:
+    """Of the noise and the steps of one reading, 40 readings leave a sixth."""
+    with at_seam(name) as rig:
+        found = [rig.exchange(rig.sense_voltage_v).shunt_voltage_v for _ in range(100)]
+        model = rig.device.server.card.model
+    step_v = 2.0 * model.range_v / 2**model.bits
+    one_reading_v = (model.noise_v**2 + step_v**2 / 12.0) ** 0.5
+    assert statistics.stdev(found[10:]) == pytest.approx(one_reading_v / 40**0.5, rel=0.3)
+
+
+@pytest.mark.emulated
+@pytest.mark.parametrize("name", NAMES)
+def test_no_reading_of_a_sample_was_taken_under_another_drive(name: str) -> None:
+    """Wire and shunt add up to the drive in the first sample after a step, to a millivolt.
+
+    The card keeps real time: on a machine that is busy with other programs samples may come so late that the protection
+    switches off, as it must, which says nothing about the samples. Then the steps are taken again.
+    """
+    for _ in range(ATTEMPTS):
+        try:
+            with at_seam(name, paced=True) as rig:
+                for drive_v in (0.3, 2.0, 0.5, 3.0, 0.3):
+                    sample = rig.exchange(drive_v)
+                    assert sample.wire_voltage_v + sample.shunt_voltage_v == pytest.approx(drive_v, abs=1e-3)
+        except ProtectionTripError as trip:
+            if trip.event not in (Event.SAMPLE_LATE, Event.COMMAND_MISSING):
+                raise
+        else:
+            return
+    pytest.fail(f"the samples came too late in each of {ATTEMPTS} attempts")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gain_and_offset_of_the_output_reach_the_card(name: str) -> None:
+    output = {"channel": "ao0", "gain": 2.0, "offset": 0.1}
+    with at_seam(name, output=output) as rig:
+        sample = rig.exchange(2.1)
+        assert output_v(rig) == pytest.approx(1.0)
+        assert sample.wire_voltage_v + sample.shunt_voltage_v == pytest.approx(2.1, abs=1e-3)
+
+
+@pytest.mark.emulated
+@pytest.mark.parametrize("name", NAMES)
+def test_a_host_that_is_late_skips_whole_periods_and_the_times_say_so(name: str) -> None:
+    with at_seam(name, paced=True) as rig:
+        times = []
+        for index in range(6):
+            if index == 3:
+                time.sleep(0.12)  # at the sense voltage a late host harms nothing
+            times.append(rig.exchange(rig.sense_voltage_v).time_s)
+        late = rig.metadata()["late_samples"]
+    steps = [(after - before) / rig.sample_period_s for before, after in pairwise(times)]
+    assert steps == pytest.approx([round(step) for step in steps], abs=1e-9)
+    assert max(steps) >= 3.0 - 1e-9
+    assert late >= 1
+
+
+@pytest.mark.emulated
+def test_a_driven_wire_goes_off_when_the_samples_come_too_late() -> None:
+    with at_seam("ni-usb-6001", paced=True) as rig:
+        rig.exchange(2.0)
+        time.sleep(0.4)
+        with pytest.raises(ProtectionTripError) as caught:
+            rig.exchange(2.0)
+        assert output_v(rig) == 0.0
+    assert caught.value.event in (Event.COMMAND_MISSING, Event.SAMPLE_LATE)
+
+
+@pytest.mark.emulated
+def test_readings_that_were_overwritten_are_a_stalled_host(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(device_module, "BUFFER_S", 0.2)
+    with at_seam("ni-usb-6001", paced=True) as rig:
+        rig.exchange(rig.sense_voltage_v)
+        time.sleep(0.5)
+        with pytest.raises(ProtectionTripError, match="overwritten before they were fetched") as caught:
+            rig.exchange(rig.sense_voltage_v)
+        assert output_v(rig) == 0.0
+    assert caught.value.event is Event.COMMAND_MISSING
+
+
+@pytest.mark.emulated
+@pytest.mark.parametrize("name", NAMES)
+def test_a_card_that_is_pulled_out_is_lost_and_says_so(name: str) -> None:
+    with at_seam(name, paced=True) as rig:
+        rig.exchange(1.0)
+        rig.device.server.card.remove()
+        began = time.monotonic()
+        with pytest.raises(ProtectionTripError, match="no longer in the system") as caught:
+            rig.exchange(1.0)
+        assert output_v(rig) == 0.0
+    assert caught.value.event is Event.DEVICE_LOST
+    assert time.monotonic() - began < 5.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_reset_by_another_program_ends_the_run_off(name: str) -> None:
+    with at_seam(name) as rig:
+        rig.exchange(1.0)
+        rig.device.server.card.reset("Dev1")
+        with pytest.raises(ProtectionTripError, match="reset by another program"):
+            rig.exchange(1.0)
+        assert output_v(rig) == 0.0
+
+
+@pytest.mark.emulated
+@pytest.mark.parametrize("name", NAMES)
+def test_another_thread_may_switch_off_while_readings_are_awaited(name: str) -> None:
+    """The card's clock is the real one: of the 50 ms of a sample nearly all is waiting."""
+    rig = at_seam(name, paced=True)
+    rig.exchange(1.0)
+    ended = []
+
+    def exchange_until_it_fails() -> None:
+        try:
+            while True:
+                rig.exchange(1.0)
+        except RigError as error:
+            ended.append(str(error))
+
+    thread = threading.Thread(target=exchange_until_it_fails)
+    thread.start()
+    time.sleep(0.12)
+    began = time.monotonic()
+    card = rig.device.server.card
+    rig.close()
+    assert card.outputs_v["ao0"] == 0.0
+    thread.join(5.0)
+    assert not thread.is_alive()
+    assert time.monotonic() - began < 5.0
+    assert "the drive is off" in ended[0] or "stays off" in ended[0]
+
+
+def test_a_server_that_ends_is_a_lost_device() -> None:
+    rig = at_seam("ni-usb-6001")
+    rig.exchange(1.0)
+    rig.device.server.close()
+    with pytest.raises(ProtectionTripError, match="does not answer"):
+        rig.exchange(1.0)
+
+
+def test_a_card_that_another_rig_uses_is_reserved() -> None:
+    with at_seam("ni-usb-6001") as rig:
+        rig.exchange(rig.sense_voltage_v)
+        with pytest.raises(RigError, match="reserved by another program"):
+            open_rig(wiring_of("ni-usb-6001").model_copy(update={"grpc": rig.device.server.address}))
+        assert rig.exchange(rig.sense_voltage_v).drive_voltage_v == rig.sense_voltage_v
+
+
+def test_a_wrong_device_channel_or_setting_is_named() -> None:
+    wiring = wiring_of("ni-usb-6001")
+    with DaqServer(card_of(wiring, paced=False)) as server:
+        for changed, expected in (
+            ({"device": "Dev7"}, "Dev7 is not known to the driver"),
+            ({"output": {"channel": "ao3"}}, "has no such channel"),
+            ({"output_timing": "hardware"}, "does not support a setting"),
+        ):
+            data = {**wiring.model_dump(), **changed, "grpc": server.address}
+            with pytest.raises(RigError, match=expected) as caught:
+                open_rig(type(wiring).model_validate(data))
+            assert "\n" not in str(caught.value)
+    inputs = wiring.inputs.model_dump()
+    inputs["wire_voltage"]["channel"] = "ai30"
+    assert "has no such channel" in refusal("ni-usb-6001", inputs=inputs)
+    inputs["wire_voltage"].update(channel="ai0", terminal="NRSE")
+    assert "does not support a setting" in refusal("ni-usb-6001", inputs=inputs)
+
+
+def test_no_server_at_the_address_is_said() -> None:
+    with pytest.raises(RigError, match="gRPC device server does not answer") as caught:
+        open_rig(wiring_of("ni-usb-6001").model_copy(update={"grpc": "127.0.0.1:9"}))
+    assert "\n" not in str(caught.value)
+
+
+def test_without_the_driver_it_says_what_to_install() -> None:
+    """Where NI's driver is installed, the card is asked for instead, and is not there."""
+    with pytest.raises(RigError, match=r"is not installed on this machine|is not known to the driver") as caught:
+        open_rig(wiring_of("ni-usb-6001").model_copy(update={"device": "NoSuchCard"}))
+    assert "\n" not in str(caught.value)
+
+
+def test_without_the_package_it_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "nidaqmx", None)
+    with pytest.raises(MissingExtraError, match=r"musclewire\[nidaq\]"):
+        open_rig(wiring_of("ni-usb-6001"))
+
+
+def test_the_card_holds_its_last_voltage_when_its_program_ends() -> None:
+    """As cards do: without it, switching off after a killed host would prove nothing."""
+    with DaqServer(card_of("ni-usb-6001", paced=True)) as server:
+        with grpc.insecure_channel(server.address) as channel:
+            task = nidaqmx.Task(grpc_options=nidaqmx.GrpcSessionOptions(channel, ""))
+            task.ao_channels.add_ao_voltage_chan("Dev1/ao0", min_val=-10.0, max_val=10.0)
+            task.write(2.0)
+            task.close()
+        assert server.card.outputs_v["ao0"] == 2.0
+
+
+def test_errors_of_a_channel_are_there_for_the_doctor_to_find() -> None:
+    wiring = wiring_of("ni-pci-6229")
+    errors = {"ai0": (1.01, 0.004)}
+    with (
+        DaqServer(card_of(wiring, paced=False, errors=errors)) as server,
+        open_rig(wiring.model_copy(update={"grpc": server.address})) as rig,
+    ):
+        sample = rig.exchange(2.0)
+    assert sample.wire_voltage_v == pytest.approx(1.01 * (2.0 - sample.shunt_voltage_v) + 0.004, abs=2e-3)
+
+
+@pytest.mark.emulated
+def test_the_server_prints_the_line_that_a_rig_file_needs() -> None:
+    command = [sys.executable, "-m", "emulation.daq_server", "--pace", "free", "--port", "0"]
+    with subprocess.Popen(command, cwd=CHECKOUT, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        try:
+            line = next(line for line in server.stdout if line.startswith("grpc = "))
+            with open_rig(wiring_of("ni-pci-6229").model_copy(update=tomllib.loads(line))) as rig:
+                assert rig.exchange(rig.sense_voltage_v).shunt_voltage_v > 0.01
+        finally:
+            server.terminate()  # or the block would wait for ever for a server that nobody ends
+    assert server.returncode == 0

@@ -1,0 +1,36 @@
+"""The gated branches of the exported library are those of Python."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from emulation.exported_library.on_this_machine import MAX_DIFFERENCE, HostLibrary, built, largest_differences
+from tests.extras.board.export.export_parts import drive_limits, limits_for, usual_model
+from tests.tools import require_tool
+
+from musclewire.controllers import FuzzyPidSettings
+from musclewire.errors import CallerError
+from musclewire.extras.board.c import loop_checksum, write_library
+from musclewire.extras.board.c.exercise import exercise
+from musclewire.extras.board.c.golden import golden_ticks
+
+LIMITS = limits_for(usual_model())
+
+
+@pytest.mark.parametrize("double", [True, False], ids=["double", "single"])
+def test_gated_branches_in_c_are_those_of_python(tmp_path: Path, double: bool) -> None:
+    require_tool("gcc", "gcc libc6-dev")
+    numbers = (usual_model(), FuzzyPidSettings(), drive_limits(LIMITS), LIMITS)
+    library = write_library(*numbers, tmp_path / "c", double=double, estimator="gated")
+    loaded = HostLibrary(built(tmp_path / "c", tmp_path, double=double), double=double)
+    for ticks in (golden_ticks(library.reference), exercise(library.reference, 11, 2_000)):
+        found = largest_differences(loaded, library.reference, ticks, relative=double)
+        assert max(found.values()) <= MAX_DIFFERENCE[double], found
+
+
+def test_the_estimator_is_part_of_the_checksum_and_only_two_have_a_c_form(tmp_path: Path) -> None:
+    model, settings = usual_model(), FuzzyPidSettings()
+    assert loop_checksum(model, settings) != loop_checksum(model, settings, estimator="gated")
+    with pytest.raises(CallerError, match="no C form"):
+        write_library(model, settings, drive_limits(LIMITS), LIMITS, tmp_path, estimator="gatted")

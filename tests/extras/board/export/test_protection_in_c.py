@@ -1,0 +1,314 @@
+"""The protection in C is the table and the arithmetic of Python: driven with the same faults, in the same state."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from emulation.exported_library.on_this_machine import HostLibrary
+from tests.extras.board.export.export_parts import Exported, compiled, export
+
+from musclewire.controllers.protection import (
+    Event,
+    ProtectionState,
+    ProtectionTable,
+    Signal,
+    State,
+    allowed_drive_v,
+    armed,
+    closed,
+    protect_command,
+    protect_missing,
+    protect_reading,
+    protection_table,
+    rested,
+    tripped_by,
+)
+from musclewire.controllers.protection.protect import state_after
+from musclewire.controllers.protection.table import Effect
+from musclewire.extras.board.c.constants import ACTIONS
+
+Loaded = Callable[[str, bool], HostLibrary]
+PERIODS_S = (0.01, 0.02, 0.05)
+
+
+def readings(limits: Any, random: np.random.Generator, drive_v: float, resistance_ohm: float) -> tuple[float, float]:
+    """Voltages of a drive, sound or wrong in a random way."""
+    current = drive_v / (resistance_ohm + limits.shunt_resistance_ohm)
+    wire, shunt = current * resistance_ohm, current * limits.shunt_resistance_ohm
+    wire, shunt = wire + random.normal(0, 1e-4), shunt + random.normal(0, 1e-4)
+    wrong = random.choice(12, p=[0.78, *[0.02] * 11])
+    return [
+        (wire, shunt),
+        (math.nan, shunt),
+        (wire, -math.inf),
+        (0.0, 0.0),
+        (wire, 0.0),
+        (shunt, wire),
+        (-wire, shunt),
+        (1.3 * wire, shunt),
+        (0.2 * wire, 0.8 * wire + shunt),
+        (limits.wire_range_v, shunt),
+        (wire, 8.0 * shunt),
+        (3.0 * wire + 1.0, shunt),
+    ][wrong]
+
+
+@pytest.mark.parametrize("double", [True, False], ids=["double", "single"])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_same_random_faults_give_the_same_states_events_and_drives(
+    exported: Callable[[str], Exported], loaded: Loaded, seed: int, double: bool
+) -> None:
+    limits = exported("fixed").limits
+    library, random = loaded("fixed", double), np.random.default_rng(seed)
+    python = start(library, limits)
+    resistance, wrong_for, wrong = 16.0, 0, (0.0, 0.0)
+    seen = set()
+    for _ in range(4000):
+        dt_s = float(random.choice(PERIODS_S))
+        drive_v = allowed_drive_v(python, limits)
+        if wrong_for == 0:
+            wrong, wrong_for = readings(limits, random, drive_v, resistance), int(random.integers(1, 12))
+        wrong_for -= 1
+        again = random.random() < 0.4
+        wire, shunt = wrong if again else readings(limits, random, drive_v, resistance)
+        wire, shunt, drive_v = (float(np.float32(value)) for value in (wire, shunt, drive_v))
+        python = protect_reading(python, limits, drive_v, wire, shunt, dt_s)
+        library.reading(drive_v, wire, shunt, dt_s)
+        python = other_things(library, python, limits, random)
+        seen.add(int(python.event))
+        agree(library, python, limits)
+        resistance = float(np.clip(resistance + random.normal(0, 0.1), 15.0, 17.6))
+        if python.state in (State.TRIPPED, State.OFF) and random.random() < 0.3:
+            python = start(library, limits)
+    assert len(seen) >= 10
+
+
+def start(library: HostLibrary, limits: Any) -> ProtectionState:
+    library.start()
+    return armed(limits)
+
+
+def other_things(
+    library: HostLibrary, python: ProtectionState, limits: Any, random: np.random.Generator
+) -> ProtectionState:
+    """Commands, sound and not; silences; trips and switching off: the same to both."""
+    what = random.random()
+    if what < 0.7:
+        drive_v = float(np.float32(random.uniform(0.3, 1.0) * limits.maximum_voltage_v))
+        library.command(drive_v)
+        return protect_command(python, limits, drive_v)
+    if what < 0.72:
+        drive_v = float(random.choice([math.nan, math.inf, -0.1, 1.01 * limits.maximum_voltage_v]))
+        library.command(drive_v)
+        return protect_command(python, limits, drive_v)
+    if what < 0.78:
+        missing_s = float(random.choice([0.02, 0.05, 0.09, 0.1, 0.15, 0.2, 0.249, 0.25, 0.4]))
+        library.missing(Event.COMMAND_MISSING, missing_s)
+        return protect_missing(python, Event.COMMAND_MISSING, missing_s)
+    if what < 0.782:
+        library.trip(Event.LINK_CORRUPTED)
+        return tripped_by(python, Event.LINK_CORRUPTED)
+    if what < 0.8:
+        library.rest()
+        return rested(python, limits)
+    return python
+
+
+@pytest.mark.parametrize("double", [True, False], ids=["double", "single"])
+@pytest.mark.parametrize("seed", range(3))
+def test_host_and_c_follow_the_same_random_signals_through_every_pair_of_the_table(
+    exported: Callable[[str], Exported], loaded: Loaded, seed: int, double: bool
+) -> None:
+    limits, table = exported("fixed").limits, protection_table()
+    library, random = loaded("fixed", double), np.random.default_rng(seed)
+    both = Both(library, limits, random, start(library, limits))
+    seen = set()
+    # How often each comes: a latched state is left only by arming, and a long silence ends there.
+    often = {"arm": 4, "command": 6, "present": 6, "missing": 8, "missing_long": 4, "rest": 3}
+    weights = np.array([often.get(signal.name.lower(), 1) for signal in Signal], float)
+    for _ in range(6000):
+        signal = Signal(random.choice(len(Signal), p=weights / weights.sum()))
+        before = both.python.state
+        assert library.follows() is (table.transitions[before][Signal.COMMAND].effect is Effect.FOLLOW)
+        getattr(both, signal.name.lower())()
+        assert both.python.state is table.transitions[before][signal].state
+        agree(library, both.python, limits)
+        seen.add((before, signal))
+    assert len(seen) == len(State) * len(Signal)
+
+
+@dataclass
+class Both:
+    """The C library and Python's state beside it: every signal goes to both."""
+
+    library: HostLibrary
+    limits: Any
+    random: np.random.Generator
+    python: ProtectionState
+
+    def arm(self) -> None:
+        self.python = start(self.library, self.limits)
+
+    def command(self) -> None:
+        drive_v = float(np.float32(self.random.uniform(0.0, self.limits.maximum_voltage_v)))
+        self.library.command(drive_v)
+        self.python = protect_command(self.python, self.limits, drive_v)
+
+    def present(self) -> None:
+        """Say that what was missing is back."""
+        assert self.library.recover(self.python.event) is (self.python.state in (State.HOLD, State.DEGRADED))
+        self.python = state_after(self.python, Signal.PRESENT, protection_table())
+
+    def missing(self, from_s: float = 0.0, to_s: float = 0.099) -> None:
+        event = Event(self.random.choice([Event.COMMAND_MISSING, Event.SAMPLE_LATE]))
+        missing_s = self.random.uniform(from_s, to_s)
+        self.library.missing(event, missing_s)
+        self.python = protect_missing(self.python, event, missing_s)
+
+    def missing_long(self) -> None:
+        self.missing(0.101, 0.249)
+
+    def missing_too_long(self) -> None:
+        self.missing(0.251, 1.0)
+
+    def fault(self) -> None:
+        if self.random.random() < 0.5:
+            self.library.command(math.nan)
+            self.python = protect_command(self.python, self.limits, math.nan)
+        else:
+            self.library.trip(Event.LINK_CORRUPTED)
+            self.python = tripped_by(self.python, Event.LINK_CORRUPTED)
+
+    def rest(self) -> None:
+        self.library.rest()
+        self.python = rested(self.python, self.limits)
+
+    def close(self) -> None:
+        self.library.off()
+        self.python = closed(self.python)
+
+
+def agree(library: HostLibrary, python: ProtectionState, limits: Any) -> None:
+    state, event, drive_v, above_k = library.protection()
+    assert (State(state), Event(event)) == (python.state, python.event)
+    assert drive_v == pytest.approx(allowed_drive_v(python, limits), rel=2e-7)
+    assert above_k == pytest.approx(python.temperature_k - limits.ambient_temperature_k, rel=1e-4, abs=1e-3)
+
+
+@pytest.mark.parametrize("event", [event for event in Event if event is not Event.NONE])
+def test_an_event_seen_outside_does_what_the_table_says(loaded: Loaded, event: Event) -> None:
+    library = loaded("fixed", False)
+    library.start()
+    library.command(1.0)
+    library.event(event, 0.15)
+    expected = {"trip": State.TRIPPED, "degrade": State.DEGRADED}
+    assert State(library.protection()[0]) is expected[protection_table().row(event).action]
+
+
+@pytest.mark.parametrize("double", [True, False], ids=["double", "single"])
+def test_a_silence_is_held_then_sensed_then_off_at_the_table_s_times_by_ticks_of_a_millisecond(
+    loaded: Loaded, double: bool
+) -> None:
+    library, table = loaded("fixed", double), protection_table()
+    library.start()
+    library.command(1.0)
+    states = []
+    for tick in range(1, 300):
+        library.missing(Event.COMMAND_MISSING, tick * 1e-3)
+        states.append(State(library.protection()[0]))
+    assert states.index(State.DEGRADED) + 1 == round(table.sense_after_s * 1e3)
+    assert states.index(State.TRIPPED) + 1 == round(table.trip_after_s * 1e3)
+
+
+@pytest.mark.parametrize(
+    ("event", "action"), [("wire_open", "trip"), ("output_stuck", "degrade"), ("command_refused", "degrade")]
+)
+def test_host_and_c_follow_another_table_alike(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, event: str, action: str
+) -> None:
+    document = protection_table().model_dump()
+    next(row for row in document["event"] if row["name"] == event)["action"] = action
+    table = ProtectionTable.model_validate(document)
+    monkeypatch.setattr("musclewire.extras.board.c.constants.protection_table", lambda: table)
+    written = export(tmp_path)
+    library, limits = compiled(written.library, tmp_path, double=True), written.limits
+    python = start(library, limits)
+    library.command(1.5)
+    python, seen = protect_command(python, limits, 1.5, table), set()
+    voltages = {"wire_open": (1.5, 0.0), "output_stuck": (1.5, 1.5 / 16.0 * limits.shunt_resistance_ohm)}
+    for step in range(40):
+        if event in voltages:
+            wire_v, shunt_v = (value * (1.0 + 1e-9 * step) for value in voltages[event])
+            library.reading(1.0, wire_v, shunt_v, 0.01)
+            python = protect_reading(python, limits, 1.0, wire_v, shunt_v, 0.01, table)
+        else:
+            library.command(math.nan)
+            python = protect_command(python, limits, math.nan, table)
+        assert library.protection()[:2] == (python.state, python.event)
+        seen.add(python.state)
+    assert python.event is Event[event.upper()]
+    between = {"wire_open": set(), "output_stuck": {State.DEGRADED}, "command_refused": {State.HOLD}}
+    assert seen - {State.RUN, State.TRIPPED} == between[event]
+
+
+def test_what_is_off_stays_off_until_it_is_started_again(loaded: Loaded) -> None:
+    library = loaded("fixed", False)
+    library.start()
+    library.off()
+    library.command(1.0)
+    library.reading(1.0, 0.9, 0.1, 0.05)
+    assert library.protection()[:3] == (State.OFF, Event.NONE, 0.0)
+    library.start()
+    assert State(library.protection()[0]) is State.ARMED
+
+
+def test_the_table_in_the_header_is_python_s(exported: Callable[[str], Exported]) -> None:
+    header = (exported("fixed").library.folder / "src/mw_constants.h").read_text("utf-8")
+    defined = dict(re.findall(r"#define MW_(\w+) \(?(-?\d+)\)?(?: /\*.*)?$", header, re.M))
+    table = protection_table()
+    reserved = {f"{row.kind.upper()}_{row.name.upper()}": row.number for row in table.reserved}
+    for kind, items in (("STATE", State), ("EVENT", Event), ("SIGNAL", Signal), ("EFFECT", Effect)):
+        named = {f"{kind}_{item.name}": item.value for item in items}
+        named |= {name: number for name, number in reserved.items() if name.startswith(f"{kind}_")}
+        found = {name: int(number) for name, number in defined.items() if name.startswith(f"{kind}_")}
+        found.pop("EFFECT_WEIGHT", None)
+        assert found == named
+    weight = int(defined["EFFECT_WEIGHT"])
+    pairs = [then for row in table.transitions for then in row]
+    assert [divmod(number, weight) for number in array(header, "TRANSITIONS")] == [(e, s) for s, e in pairs]
+    assert array(header, "OUT") == list(table.output_drives)
+    assert defined["SENSE_AFTER_US"] == str(round(1e6 * table.sense_after_s))
+    assert defined["TRIP_AFTER_US"] == str(round(1e6 * table.trip_after_s))
+    rows = {row.number: row for row in table.event}
+    actions = [ACTIONS[rows[number].action] if number in rows else 0 for number in range(max(Event) + 1)]
+    assert array(header, "ACTIONS") == actions
+    lasting = [Event(number) for number in array(header, "LASTING_EVENTS")]
+    assert array(header, "LASTING_US") == [round(1e6 * table.row(event).lasts_s) for event in lasting]
+
+
+def array(header: str, name: str) -> list[int]:
+    found = re.search(rf"#define MW_{name} \{{(.*?)\}}", header, re.S)
+    assert found
+    return [int(number) for number in re.findall(r"\d+", found[1])]
+
+
+@pytest.mark.parametrize("double", [True, False], ids=["double", "single"])
+@pytest.mark.parametrize("tick_s", [0.0, -0.001, math.nan, math.inf])
+def test_a_sample_that_no_time_stands_behind_trips_instead_of_blinding_the_protection(
+    exported: Callable[[str], Exported], loaded: Loaded, tick_s: float, double: bool
+) -> None:
+    library, python = loaded("fixed", double), exported("fixed").library.reference
+    library.start()
+    python.start()
+    for one in (library, python):
+        assert State(one.sample(0.28, 0.017, 0.01).state) is not State.TRIPPED
+        outcome = one.sample(0.28, 0.017, tick_s)
+        assert (State(outcome.state), Event(outcome.event)) == (State.TRIPPED, Event.CLOCK_BACKWARDS)
+        assert outcome.drive_voltage_v == 0.0

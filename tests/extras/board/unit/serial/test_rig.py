@@ -1,0 +1,401 @@
+"""The serial rig on a line that loses, delays and lies; the healthy line is the contract suite's."""
+
+from __future__ import annotations
+
+import struct
+import threading
+import time
+
+import pytest
+from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, rig_on
+
+from musclewire.controllers.protection import Event
+from musclewire.errors import CallerError, RigError
+from musclewire.extras.board.serial.board import Board, BoardOffMeanwhileError, LinkStormError
+from musclewire.extras.board.serial.frames import SerialFrame, encode_frame, stuff
+from musclewire.extras.board.serial.messages import MessageKind
+from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
+from musclewire.signals.exchange import Target
+
+
+def trip_of(rig: GuardedRig, drive_v: float = 1.0) -> Event:
+    with pytest.raises(ProtectionTripError) as caught:
+        rig.exchange(drive_v)
+    assert "\n" not in str(caught.value)
+    assert rig.drive_voltage_v == 0.0
+    return caught.value.event
+
+
+def test_an_exchange_is_one_command_and_the_mean_of_its_samples() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        sample = rig.exchange(1.6)
+    assert sample.time_s == pytest.approx(0.05)
+    assert sample.drive_voltage_v == pytest.approx(1.6)
+    assert sample.shunt_voltage_v == pytest.approx(0.1, abs=1e-4)
+    assert sample.wire_voltage_v == pytest.approx(1.5, abs=1e-4)
+
+
+def test_opening_puts_nothing_out_and_leaving_switches_off() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        assert board.state == 0
+        rig.exchange(1.0)
+        assert board.state == 1
+    assert (board.state, board.drive_v) == (0, 0.0)
+
+
+def test_time_is_the_boards_ticks_also_when_its_counter_comes_round() -> None:
+    board = BoardInMemory(tick=2**32 - 120)
+    with rig_on(board) as rig:
+        times = [rig.exchange(1.0).time_s for _ in range(6)]
+    assert times == pytest.approx([0.05 * count for count in range(1, 7)])
+
+
+def test_a_lost_sample_is_counted_and_the_others_speak_for_the_period() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        rig.exchange(1.0)
+        board.drop = {MessageKind.SAMPLE}
+        assert rig.exchange(1.6).shunt_voltage_v == pytest.approx(0.1, abs=1e-4)
+        assert rig.metadata()["lost_frames"] == 1
+
+
+def test_a_lost_acknowledgement_costs_nothing_because_samples_carry_the_commands_number() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        rig.exchange(1.0)
+        board.drop = {MessageKind.ACKNOWLEDGEMENT}
+        rig.exchange(1.1)
+        assert rig.metadata()["repeated_commands"] == 0
+
+
+def test_a_board_that_goes_silent_is_lost_and_the_rig_stays_off() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    began_s = board.now_s
+    board.deaf = True
+    assert trip_of(rig) is Event.DEVICE_LOST
+    assert board.now_s - began_s < 0.5
+    with pytest.raises(RigError, match="stays off"):
+        rig.exchange(1.0)
+
+
+def test_an_unplugged_line_is_a_lost_device() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.unplugged = True
+    assert trip_of(rig) is Event.DEVICE_LOST
+
+
+@pytest.mark.parametrize("how", ["deaf", "unplugged"])
+def test_nobody_says_that_a_board_which_does_not_answer_is_off(how: str) -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    setattr(board, how, True)
+    with pytest.raises(RigError, match="a board's drive expires by itself"):
+        rig.exchange(1.0)
+    rig.close()
+
+
+def test_ctrl_c_while_the_board_follows_a_target_asks_it_for_the_sense_voltage(monkeypatch: pytest.MonkeyPatch) -> None:
+    board = BoardInMemory()
+
+    def interrupted(_timeout_s: float) -> bytes:
+        raise KeyboardInterrupt
+
+    with rig_on(board) as rig:
+        rig.exchange(Target(0.02))
+        with monkeypatch.context() as patched:
+            patched.setattr(board, "read", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                rig.exchange(Target(0.03))
+        assert board.commands[-1][0] == MessageKind.DRIVE
+        assert struct.unpack("<f", board.commands[-1][1])[0] == pytest.approx(rig.sense_voltage_v)
+
+
+def test_a_board_that_is_gone_when_a_run_ends_is_an_error() -> None:
+    board = BoardInMemory()
+
+    def run() -> None:
+        with rig_on(board) as rig:
+            rig.exchange(1.0)
+            board.unplugged = True
+
+    with pytest.raises(RigError, match="did not answer at the end"):
+        run()
+
+
+@pytest.mark.parametrize("event", [Event.WIRE_OPEN, Event.OVER_CURRENT, Event.LINK_CORRUPTED])
+def test_what_trips_on_the_board_is_raised_with_its_cause(event: Event) -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, event.value, 0.0))
+    assert trip_of(rig) is event
+
+
+def test_a_lost_event_is_still_seen_in_the_samples() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.state, board.event = 4, Event.OVER_TEMPERATURE.value
+    board.run(10)
+    assert trip_of(rig) is Event.OVER_TEMPERATURE
+
+
+@pytest.mark.parametrize(("at_reset", "event"), [(20, Event.WATCHDOG), (21, Event.POWER_LOST), (0, Event.POWER_LOST)])
+def test_a_board_that_starts_anew_in_a_run_ends_it_with_the_reason(at_reset: int, event: Event) -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.state, board.event_at_reset, board.tick = 0, at_reset, 0
+    board.identify()
+    assert trip_of(rig) is event
+
+
+def test_a_restart_whose_message_was_lost_is_found_by_the_refused_command() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.state, board.event_at_reset, board.tick = 0, 20, 0
+    assert trip_of(rig) is Event.WATCHDOG
+
+
+def test_a_pause_lets_the_heater_expire_and_the_next_exchange_arms_again() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        rig.exchange(2.0)
+        rig.make_safe()
+        assert board.drive_v == pytest.approx(0.3)
+        assert rig.drive_voltage_v == 0.3
+        board.state, board.event = 4, Event.COMMAND_MISSING.value
+        board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, board.event, 0.0))
+        assert rig.exchange(1.0).drive_voltage_v == pytest.approx(1.0)
+
+
+def test_a_trip_of_an_earlier_session_does_not_keep_a_new_one_from_running() -> None:
+    board = BoardInMemory(state=4, event=Event.LINK_CORRUPTED.value, stream_every=10)
+    with rig_on(board) as rig:
+        board.run(10)
+        assert rig.exchange(1.0).drive_voltage_v == pytest.approx(1.0)
+
+
+def test_what_the_board_sees_in_a_pause_ends_the_next_exchange() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    rig.make_safe()
+    board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, Event.WIRE_SHORT.value, 0.0))
+    assert trip_of(rig) is Event.WIRE_SHORT
+
+
+def test_a_trip_told_behind_the_end_of_a_period_is_the_cause_of_the_refused_command() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.state, board.event = 4, Event.OVER_POWER.value
+    assert board.waiting == b""
+    board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, Event.OVER_POWER.value, 0.0))
+    rig.device._unread.extend(rig.device._board.receive(0.0))
+    assert trip_of(rig) is Event.OVER_POWER
+
+
+def test_a_host_that_stalls_in_a_run_is_told_that_its_heater_has_expired() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(2.0)
+    board.state, board.event = 4, Event.COMMAND_MISSING.value
+    board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, board.event, 0.0))
+    assert trip_of(rig) is Event.COMMAND_MISSING
+
+
+def test_a_storm_of_broken_frames_trips() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.waiting += b"\x05ab\0" * 16
+    assert trip_of(rig) is Event.LINK_CORRUPTED
+
+
+def test_a_few_broken_frames_do_not() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        rig.exchange(1.0)
+        board.waiting += b"\x05ab\0" * 15
+        rig.exchange(1.0)
+        assert rig.metadata()["broken_frames"] == 15
+
+
+def test_broken_frames_far_apart_are_no_storm() -> None:
+    line = BoardInMemory()
+    board = Board(line, line.clock_s)
+    for _ in range(40):
+        line.waiting += b"\x05ab\0"
+        board.receive(0.0)
+        line.now_s += 0.02
+    line.now_s += 1.0
+    for _ in range(15):
+        line.waiting += b"\x05ab\0"
+        board.receive(0.0)
+        line.now_s += 0.005
+    line.waiting += b"\x05ab\0"
+    with pytest.raises(LinkStormError):
+        board.receive(0.0)
+
+
+def test_no_board_is_one_line_that_says_what_to_check() -> None:
+    with pytest.raises(RigError, match="check port, baud rate and that the board runs the firmware"):
+        rig_on(BoardInMemory(deaf=True))
+
+
+@pytest.mark.parametrize(("version", "advice"), [(2, "update musclewire"), (0, "update the firmware")])
+def test_another_protocol_version_says_which_side_to_update(version: int, advice: str) -> None:
+    import zlib
+
+    line = BoardInMemory(deaf=True)
+    body = bytes([version, MessageKind.IDENTITY, 0, 0]) + bytes(59)
+    line.waiting += stuff(body + struct.pack("<I", zlib.crc32(body))) + b"\0"
+    with pytest.raises(RigError, match=advice):
+        rig_on(line)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"shunt": 2.0}, "shunt is 2 ohm in the rig file and 1 ohm"),
+        ({"maximum_voltage": 6.0}, "maximum_voltage is 6 V in the rig file"),
+        ({"sample_period": 0.0405}, "whole number of the board's ticks"),
+    ],
+)
+def test_a_rig_file_that_contradicts_the_board_is_refused(changed: dict[str, float], said: str) -> None:
+    with pytest.raises(CallerError, match=said):
+        rig_on(BoardInMemory(), **changed)
+
+
+def test_targets_go_to_the_board_and_its_drive_comes_back() -> None:
+    board = BoardInMemory()
+    with rig_on(board) as rig:
+        sample = rig.exchange(Target(0.02))
+        assert sample.drive_voltage_v == pytest.approx(1.0)
+        assert board.target == pytest.approx(0.02)
+        assert rig.device.board_estimate == pytest.approx(0.01)
+
+
+def test_a_drive_out_of_range_never_reaches_the_board() -> None:
+    board = BoardInMemory()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    sent = len([kind for kind, _ in board.commands if kind == MessageKind.DRIVE])
+    assert trip_of(rig, 4.5) is Event.COMMAND_REFUSED
+    assert len([kind for kind, _ in board.commands if kind == MessageKind.DRIVE]) == sent
+
+
+def test_every_command_starts_with_a_zero_that_ends_what_a_disturbance_left() -> None:
+    line = BoardInMemory()
+    line.parser.feed(b"\x55\x55")
+    Board(line, line.clock_s).send(MessageKind.HELLO)
+    assert [kind for kind, _ in line.commands] == [MessageKind.HELLO]
+    assert encode_frame(SerialFrame(MessageKind.HELLO, 1, b"")).endswith(b"\0")
+
+
+def test_a_period_too_long_for_every_fault_to_end_off_within_half_a_second_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"must be 0\.05 s or less"):
+        rig_on(BoardInMemory(), sample_period=0.1)
+
+
+def test_a_stop_is_sent_while_a_sample_is_awaited_and_its_answer_ends_the_wait() -> None:
+    """By a line that gives nothing until OFF has been written, whatever the patience."""
+    waits = threading.Event()
+
+    class Blocking(BoardInMemory):
+        """A board whose line waits for real, without any samples."""
+
+        blocked = False
+
+        def read(self, timeout_s: float) -> bytes:
+            if self.blocked:
+                waits.set()
+                assert stopped.wait(60.0)
+            return super().read(timeout_s)
+
+        def obey(self, frame: SerialFrame) -> None:
+            super().obey(frame)
+            if frame.kind == MessageKind.OFF and self.blocked:
+                stopped.set()
+
+    stopped = threading.Event()
+    board = Blocking()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.blocked = True
+    ended: list[RigError] = []
+
+    def exchange() -> None:
+        with pytest.raises(RigError) as caught:
+            rig.exchange(2.0)
+        ended.append(caught.value)
+
+    thread = threading.Thread(target=exchange)
+    thread.start()
+    assert waits.wait(60.0)
+    rig.close()
+    thread.join(60.0)
+    assert "was closed while a sample was awaited; the drive is off" in str(ended[0])
+    assert board.drive_v == 0.0
+
+
+def test_once_0_v_is_ordered_no_other_command_goes_out() -> None:
+    line = BoardInMemory()
+    board = Board(line, line.clock_s)
+    board.order_off()
+    for kind in (MessageKind.ARM, MessageKind.HELLO):
+        with pytest.raises(BoardOffMeanwhileError):
+            board.send(kind)
+    with pytest.raises(BoardOffMeanwhileError):
+        board.send_drive(1.0)
+    board.send(MessageKind.OFF)
+    assert {kind for kind, _ in line.commands} == {MessageKind.OFF}
+
+
+def test_another_thread_may_switch_off_while_a_sample_is_awaited() -> None:
+    waits = threading.Event()
+
+    class Silent(BoardInMemory):
+        """A board that gives no samples any more, and a clock that goes on."""
+
+        silent = False
+
+        def run(self, ticks: int) -> None:
+            if self.silent:
+                waits.set()
+            else:
+                super().run(ticks)
+
+        def read(self, timeout_s: float) -> bytes:
+            time.sleep(0.001)
+            return super().read(1e-6 if self.silent and not self.waiting else timeout_s)
+
+    board = Silent()
+    rig = rig_on(board)
+    rig.exchange(1.0)
+    board.silent = True
+    ended = []
+
+    def exchange() -> None:
+        with pytest.raises(RigError) as caught:
+            rig.exchange(2.0)
+        ended.append(str(caught.value))
+
+    thread = threading.Thread(target=exchange)
+    thread.start()
+    assert waits.wait(10.0)
+    rig.close()
+    thread.join(5.0)
+    assert not thread.is_alive()
+    assert "was closed while a sample was awaited; the drive is off" in ended[0]
+    assert board.drive_v == 0.0
+    assert board.commands[-1][0] == MessageKind.OFF

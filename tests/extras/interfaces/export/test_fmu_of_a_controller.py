@@ -1,0 +1,232 @@
+"""The FMU of a controller: FMPy's check, Python's tick, its messages, saved states, its own sources."""
+
+from __future__ import annotations
+
+import math
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import fmpy
+import pytest
+from emulation.exported_library.on_this_machine import full_scales
+from fmpy.build import build_platform_binary
+from fmpy.simulation import simulate_fmu
+from fmpy.validation import validate_fmu
+from tests.extras.board.export.export_parts import drive_limits, usual_model
+from tests.extras.interfaces.export.fmu_parts import ERROR, WARNING, Slave
+from tests.tools import require_tool
+
+from musclewire.controllers import FuzzyPidSettings
+from musclewire.controllers.protection import Event, State
+from musclewire.errors import CallerError
+from musclewire.extras.board.c.exercise import exercise
+from musclewire.extras.board.c.reference import ReferenceTick, TickOutcome
+from musclewire.extras.board.rig_limits import limits_of_rig
+from musclewire.extras.interfaces.fmu import Fmu, export_fmu
+from musclewire.identify.use_of_model import settings_for
+
+PERIOD_S = 0.05
+NAMES = {"valid": "estimate_valid", "state": "protection_state", "event": "protection_event"}
+
+
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory: pytest.TempPathFactory) -> Fmu:
+    require_tool("gcc", "gcc libc6-dev")
+    return export_fmu(usual_model(), tmp_path_factory.mktemp("fmu"))
+
+
+@pytest.fixture
+def slave(exported: Fmu) -> Iterator[Slave]:
+    with Slave(exported.path) as opened:
+        yield opened
+
+
+def reference(settings: FuzzyPidSettings | None = None) -> ReferenceTick:
+    model = usual_model()
+    limits = limits_of_rig("simulated")[0]
+    return ReferenceTick(model, settings_for(model, settings), drive_limits(limits), limits)
+
+
+def differences(slave: Slave, outcome: TickOutcome, scales: dict[str, float]) -> dict[str, float]:
+    """Return how far the FMU is from an outcome, relative to each value or a thousandth of its full scale."""
+    found = {}
+    for name, wanted in outcome._asdict().items():
+        got = slave.get(NAMES.get(name, name))
+        found[name] = abs(got - float(wanted)) / max(abs(float(wanted)), 1e-3 * scales[name])
+    return found
+
+
+def test_fmpy_finds_nothing_to_complain_of(exported: Fmu) -> None:
+    assert validate_fmu(str(exported.path)) == []
+
+
+@pytest.mark.parametrize("faults", [0.0, 0.02], ids=["calm", "with faults"])
+def test_every_tick_is_python_s(slave: Slave, faults: float) -> None:
+    python = reference()
+    scales = full_scales(python)
+    worst = dict.fromkeys(TickOutcome._fields, 0.0)
+    for tick in exercise(python, 31, 2000, fault_probability=faults):
+        if tick.start:
+            slave.fmu.reset()
+            slave.start()
+        slave.set(wire_voltage_v=tick.wire_voltage_v, shunt_voltage_v=tick.shunt_voltage_v, target=tick.target)
+        slave.step(tick.tick_s)
+        found = differences(slave, tick.outcome, scales)
+        worst = {name: max(most, found[name]) for name, most in worst.items()}
+    assert [worst[name] for name in ("resistance_ohm", "estimate", "valid", "state", "event")] == [0.0] * 5
+    assert max(worst.values()) <= 1e-12, worst
+
+
+def test_with_shorter_communication_steps_it_samples_each_and_controls_at_its_period(slave: Slave) -> None:
+    python = reference()
+    scales = full_scales(python)
+    slave.start()
+    model, step_s, elapsed_s = usual_model(), 0.01, 0.0
+    for index in range(1000):
+        share = 0.5 + 0.4 * math.sin(0.01 * index)
+        ohm = model.resistance_min_ohm + share * (model.resistance_max_ohm - model.resistance_min_ohm)
+        current = python.drive_voltage_v / (ohm + 1.0)
+        slave.set(wire_voltage_v=current * ohm, shunt_voltage_v=current, target=0.02)
+        slave.step(step_s)
+        outcome = python.sample(current * ohm, current, step_s)
+        elapsed_s += step_s
+        if elapsed_s > PERIOD_S - 1e-9:
+            outcome, elapsed_s = python.control(0.02, elapsed_s), 0.0
+        assert max(differences(slave, outcome, scales).values()) <= 1e-12
+
+
+def test_at_rest_the_sense_voltage_is_out_and_nothing_is_known(slave: Slave) -> None:
+    slave.start()
+    limits = limits_of_rig("simulated")[0]
+    assert slave.get("drive_voltage_v") == limits.sense_voltage_v
+    assert slave.get("protection_state") == State.ARMED
+    assert not slave.get("estimate_valid")
+
+
+def test_a_trip_is_a_warning_that_names_its_cause_once(slave: Slave) -> None:
+    slave.start()
+    slave.set(wire_voltage_v=math.nan, shunt_voltage_v=0.05, target=0.02)
+    for _ in range(10):
+        slave.step(PERIOD_S)
+    assert slave.get("drive_voltage_v") == 0.0
+    assert slave.get("protection_event") == Event.READING_NOT_FINITE
+    assert [status for status, _ in slave.messages] == [WARNING]
+    assert slave.messages[0][1].startswith("protection: at 0.05 s reading_not_finite: the state is now ")
+
+
+def test_a_saved_state_continues_to_the_bit_also_as_bytes_in_another_instance(exported: Fmu, slave: Slave) -> None:
+    ticks = list(exercise(reference(), 5, 60, fault_probability=0.0))
+
+    def run(one: Slave, some: slice) -> list[dict[str, float]]:
+        rows = []
+        for tick in ticks[some]:
+            one.set(wire_voltage_v=tick.wire_voltage_v, shunt_voltage_v=tick.shunt_voltage_v, target=tick.target)
+            one.step(tick.tick_s)
+            rows.append(one.outputs())
+        return rows
+
+    slave.start()
+    run(slave, slice(0, 30))
+    state = slave.fmu.getFMUState()
+    at_s = slave.time_s
+    straight = run(slave, slice(30, 60))
+    assert straight[-1]["drive_voltage_v"] > 0.5
+    slave.fmu.setFMUState(state)
+    slave.time_s = at_s
+    assert run(slave, slice(30, 60)) == straight
+    with Slave(exported.path) as other:
+        other.start()
+        other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(slave.fmu.serializeFMUState(state)))
+        other.time_s = at_s
+        assert run(other, slice(30, 60)) == straight
+
+
+@pytest.mark.parametrize(
+    ("act", "said"),
+    [
+        (lambda slave: slave.step(PERIOD_S), "caller: fmi2DoStep can only be called between"),
+        (
+            lambda slave: (slave.start(), slave.step(0.0)),
+            "caller: the communication step at 0 s is 0 s: give",
+        ),
+        (lambda slave: (slave.start(), slave.step(math.nan)), "caller: the communication step at 0 s is nan s"),
+        (lambda slave: (slave.start(), slave.fmu.doStep(3.0, 0.05)), "caller: the communication point is 3 s, and the"),
+        (lambda slave: (slave.start(), slave.set(control_period_s=0.1)), "caller: control_period_s is fixed: set it"),
+        (lambda slave: slave.set(control_period_s=-1.0), "caller: control_period_s is -1 at 0 s: give 0 to 3600"),
+        (lambda slave: slave.set(estimate=0.1), "caller: estimate cannot be set: it is computed"),
+        (lambda slave: slave.fmu.setReal([99], [0.0]), "caller: there is no Real variable with value reference 99"),
+        (lambda slave: slave.fmu.getInteger([0]), "caller: there is no Integer variable with value reference 0"),
+        (lambda slave: slave.start() or slave.start(), "caller: fmi2SetupExperiment can only be called before"),
+    ],
+)
+def test_a_wrong_call_is_an_error_of_the_caller_with_its_remedy(slave: Slave, act: object, said: str) -> None:
+    with pytest.raises(Exception, match="fmi2"):
+        act(slave)  # type: ignore[operator]
+    assert slave.messages[-1][0] == ERROR
+    assert slave.messages[-1][1].startswith(said)
+    slave.fmu.reset()
+    slave.start()
+    slave.step(PERIOD_S)
+
+
+def test_a_binary_of_another_export_is_refused_by_its_guid(exported: Fmu) -> None:
+    folder = Path(fmpy.extract(str(exported.path)))
+    description = folder / "modelDescription.xml"
+    guid = fmpy.read_model_description(str(folder)).guid
+    description.write_text(description.read_text().replace(guid, "{0}"))
+    with pytest.raises(Exception, match="instantiate"):
+        Slave(exported.path, folder)
+
+
+def test_its_own_sources_compile_without_a_warning_and_give_the_same_numbers(exported: Fmu, tmp_path: Path) -> None:
+    require_tool("cmake", "cmake make")
+    folder = tmp_path / "unpacked"
+    with zipfile.ZipFile(exported.path) as archive:
+        archive.extractall(folder)
+    binary = folder / "binaries" / exported.platform / "controller.so"
+    shipped = binary.read_bytes()
+    binary.unlink()
+    options = {"CMAKE_C_FLAGS:STRING": "-std=c99 -pedantic -Wall -Wextra -Werror"}
+    (tmp_path / "build").mkdir()
+    build_platform_binary(folder, tmp_path / "build", cmake_options=options)
+    assert binary.exists()
+    values = {"wire_voltage_v": 0.28, "shunt_voltage_v": 0.0175, "target": 0.02}
+    ours = simulate_fmu(str(exported.path), stop_time=0.5, output_interval=PERIOD_S, start_values=values)
+    theirs = simulate_fmu(str(folder), stop_time=0.5, output_interval=PERIOD_S, start_values=values)
+    assert ours.tolist() == theirs.tolist()
+    assert shipped != b""
+
+
+@pytest.mark.slow
+def test_the_same_model_gives_the_same_bytes_and_another_is_not_replaced_unasked(exported: Fmu, tmp_path: Path) -> None:
+    again = export_fmu(usual_model(), tmp_path)
+    assert again.path.read_bytes() == exported.path.read_bytes()
+    other = usual_model(normalised_max=0.9)
+    with pytest.raises(CallerError, match="is another FMU"):
+        export_fmu(other, tmp_path)
+    assert again.path.read_bytes() == exported.path.read_bytes()
+    assert export_fmu(other, tmp_path, overwrite=True).path.read_bytes() != exported.path.read_bytes()
+
+
+def test_without_a_compiler_it_says_so_and_sources_alone_are_to_be_had(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    with pytest.raises(CallerError, match=r"no C compiler .* --sources-only"):
+        export_fmu(usual_model(), tmp_path)
+    assert not list(tmp_path.glob("*.fmu"))
+    written = export_fmu(usual_model(), tmp_path, sources_only=True)
+    assert (written.platform, written.compiler) == ("", "")
+    assert fmpy.supported_platforms(str(written.path)) == ["c-code"]
+    assert validate_fmu(str(written.path)) == []
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(CallerError, match="CC names 'no-such-compiler'"):
+        export_fmu(usual_model(), tmp_path)
+
+
+@pytest.mark.parametrize("name", ["", "1st", "two words", "a" * 64])
+def test_a_name_that_is_no_c_identifier_is_refused(name: str, tmp_path: Path) -> None:
+    with pytest.raises(CallerError, match="C identifier"):
+        export_fmu(usual_model(), tmp_path, name=name, sources_only=True)

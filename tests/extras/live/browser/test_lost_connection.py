@@ -1,0 +1,108 @@
+"""Whoever has control is lost, in every way we could think of: the run ends and the wire is at its sense voltage."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from tests.browser.chromium import started
+from tests.extras.live.browser.cable import cable_to
+from tests.extras.live.browser.opened import follow_slider, opened, switch_on
+from tests.extras.live.browser.served import Served, until
+
+# The bar, 1 s, is that of benchmarks/live_page.py --stop.
+MAX_SAFE_S = 3.0
+FREEZE = "setTimeout(() => { const end = performance.now() + 6000; while (performance.now() < end); }, 0)"
+
+
+def close_tab(page: Any) -> None:
+    page.close()
+
+
+def leave_page(page: Any) -> None:
+    page.goto("about:blank")
+
+
+def freeze(page: Any) -> None:
+    page.evaluate(FREEZE)
+
+
+LOSSES = [close_tab, leave_page, freeze]
+
+
+def ends_safely(served: Served, lose: Callable[[], None]) -> dict[str, Any]:
+    """Lose whoever has control; the run must end, and its rows be kept."""
+    recorded = {one["name"] for one in served.state["recordings"]}
+    began_s = time.monotonic()
+    lose()
+    took_s = served.until_safe(began_s, MAX_SAFE_S)
+    print(f"safe {took_s:.2f} s after the loss")
+    until(lambda: served.holder is None, "nobody in control", max_wait_s=MAX_SAFE_S)
+    state = served.until_phase("ready", "stopped", max_wait_s=MAX_SAFE_S)
+    assert {one["name"] for one in state["recordings"]} - recorded
+    return state
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("loss", LOSSES)
+def test_a_page_that_is_gone_ends_its_run(loss: Any, served: Served, browser: Any) -> None:
+    with opened(browser, served.url) as page:
+        switch_on(page, served)
+        follow_slider(page, served)
+        ends_safely(served, lambda: loss(page))
+    served.stop()
+
+
+@pytest.mark.browser
+def test_a_cable_that_is_pulled_ends_the_run(served: Served, browser: Any) -> None:
+    with cable_to(served.url) as cable, opened(browser, cable.url) as page:
+        switch_on(page, served)
+        follow_slider(page, served)
+        ends_safely(served, cable.pull)
+        page.wait_for_selector('#connection[data-state="lost"]')  # and the page says so: what it shows is old
+        assert "CONNECTION LOST" in page.locator("#lost").inner_text()
+    served.stop()
+
+
+@pytest.mark.browser
+def test_the_browsers_offline_switch_ends_the_run_or_nothing(served: Served, page: Any) -> None:
+    """Chromium's switch may leave an open WebSocket alone: then whoever has control is still there."""
+    follow_slider(page, served)
+    page.context.set_offline(True)
+    time.sleep(1.5)
+    is_lost = page.locator("#connection").get_attribute("data-state") == "lost"
+    until(lambda: (served.phase == "busy") != is_lost, "a run while there is a connection", max_wait_s=MAX_SAFE_S)
+    page.context.set_offline(False)
+
+
+@pytest.fixture
+def renderers(playwright: Any) -> Iterator[tuple[Any, Callable[[int], None]]]:
+    """A browser of its own, and a way to send a signal to all processes that draw its pages."""
+    with started(playwright) as browser:
+        session = browser.new_browser_cdp_session()
+
+        def send(number: int) -> None:
+            for one in session.send("SystemInfo.getProcessInfo")["processInfo"]:
+                if one["type"] == "renderer":
+                    os.kill(int(one["id"]), number)
+
+        yield browser, send
+
+
+@pytest.mark.browser
+def test_a_browser_that_is_held_ends_the_run(served: Served, renderers: Any) -> None:
+    browser, send = renderers
+    with opened(browser, served.url) as page:
+        switch_on(page, served)
+        follow_slider(page, served)
+        try:
+            ends_safely(served, lambda: send(signal.SIGSTOP))
+        finally:
+            send(signal.SIGCONT)
+        page.wait_for_selector('#connection[data-state="open"]')  # it wakes, and has no control any more
+        until(lambda: page.locator('[data-part="slider"]').is_disabled(), "a slider that nobody can move")
+    served.stop()

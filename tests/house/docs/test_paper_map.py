@@ -1,0 +1,109 @@
+"""docs/reference/paper_map.md names everything the paper has, and nothing that does not exist."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.house.docs.doc_pages import code_words, resolve, tables_of
+from tests.places import CHECKOUT
+
+from musclewire.extras.paper.reproduce import all_checks, selected
+
+ROWS = [
+    row
+    for table in tables_of((CHECKOUT / "docs/reference/paper_map.md").read_text("utf-8"))
+    for row in table
+    if "Paper" in row
+]
+IDS = [row["Paper"] for row in ROWS]
+ISSUES = {"robustness"}
+
+SECTIONS = [f"Section {name}" for name in ("I", "2.1", "2.2", "2.3", "III", "4.1", "4.2", "4.3", "V")]
+EQUATIONS = [f"Eq. {number}" for number in range(1, 10)]
+FIGURES = [f"Fig. {number}" for number in range(1, 19)]
+TABLES = [f"Table {number}" for number in range(1, 4)]
+DEVICES = [
+    *("Load cell (Futek LSB 200)", "LVDT", "NI PCI-6229", "Buffer amplifier", "External resistor R"),
+    *("Helical bias spring (588.60 N/m)", "Linear stage", "Laser (LK-081)", "Pretensioner", "Flexural finger"),
+    *("Linear stage 1", "Linear stage 2"),
+]
+
+
+@pytest.mark.parametrize("wanted", [*SECTIONS, *EQUATIONS, *FIGURES, *TABLES, *DEVICES])
+def test_nothing_of_the_paper_is_missing(wanted: str) -> None:
+    assert [name for name in IDS if re.sub(r"(?<=\d)\([a-d]\)$", "", name) == wanted]
+
+
+def test_nothing_is_listed_twice_and_nothing_that_the_paper_has_not() -> None:
+    known = {*SECTIONS, *EQUATIONS, *FIGURES, *TABLES, *DEVICES}
+    assert len(IDS) == len(set(IDS))
+    assert {re.sub(r"(?<=\d)\([a-d]\)$", "", name) for name in IDS} <= known
+
+
+@pytest.mark.parametrize("row", ROWS, ids=IDS)
+def test_every_code_object_named_imports(row: dict[str, str]) -> None:
+    for name in code_words(row["Code"]):
+        assert resolve(name) is not None
+
+
+@pytest.mark.parametrize("row", ROWS, ids=IDS)
+def test_every_command_named_exists(row: dict[str, str], commands: dict[str, Any]) -> None:
+    for words in code_words(row["Command"]):
+        program, command = words.split(maxsplit=1)
+        assert program == "musclewire"
+        assert command in commands
+
+
+@pytest.mark.parametrize("row", ROWS, ids=IDS)
+def test_every_test_named_exists(row: dict[str, str]) -> None:
+    for name in code_words(row["Test"]):
+        file, _, function = name.partition("::")
+        path: Path = CHECKOUT / file
+        assert path.is_file()
+        assert not function or f"def {function}(" in path.read_text("utf-8")
+
+
+@pytest.mark.parametrize("row", ROWS, ids=IDS)
+def test_the_rows_named_exist_and_are_compared_by_the_test_named(row: dict[str, str]) -> None:
+    """An entry without rows says so, whatever its test is called; one with rows has them in a whole run."""
+    beginnings = code_words(row["Rows"])
+    assert all(selected(all_checks(), beginning) for beginning in beginnings)
+    assert (row["Compared"] == "not compared") == (not beginnings)
+    assert ("tests/extras/paper/published/test_reproduce.py" in code_words(row["Test"])) == bool(beginnings)
+
+
+def test_every_row_of_the_paper_belongs_to_an_entry() -> None:
+    """Isobars are in another publication."""
+    checks = all_checks()
+    listed = {
+        check.name for row in ROWS for beginning in code_words(row["Rows"]) for check in selected(checks, beginning)
+    }
+    assert [check.name for check in checks if check.name not in listed and not check.name.startswith("isobars.")] == []
+
+
+@pytest.mark.parametrize("row", ROWS, ids=IDS)
+def test_what_has_no_code_yet_says_which_issue_brings_it(row: dict[str, str]) -> None:
+    for part in row["State"].split(";"):
+        word = part.strip()
+        assert word.startswith(("done", "simulated", "driver untried", "by hand", "to come: "))
+        if word.startswith("to come: "):
+            assert word.removeprefix("to come: ") in ISSUES
+    assert code_words(row["Code"]) or "to come: " in row["State"]
+
+
+def test_the_other_numbers_of_the_text_are_explained() -> None:
+    text = " ".join((CHECKOUT / "docs/reference/paper_map.md").read_text("utf-8").split())
+    assert 'its "Table 3" (values of `S_h` and `S_c`) is the printed Table 2' in text
+    assert 'its "Table 5" (the finger\'s results) is the printed Table 3' in text
+
+
+@pytest.mark.parametrize("name", ["fig1_rig", "fig2_circuit", "fig10_loop"])
+def test_our_drawings_are_there_and_well_formed(name: str) -> None:
+    from xml.etree import ElementTree
+
+    tree = ElementTree.parse(CHECKOUT / f"docs/reference/figures/{name}.svg")
+    assert tree.getroot().tag.endswith("svg")
+    assert f"figures/{name}.svg" in (CHECKOUT / "docs/reference/paper_map.md").read_text("utf-8")

@@ -1,0 +1,182 @@
+"""docs/explanation/physics.md and docs/reference/parameters.md say what the code and the parameter files say."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import sys
+from collections.abc import Iterator
+from types import ModuleType
+
+import pytest
+from tests.house.docs.doc_pages import code_words, resolve, tables_of
+from tests.places import CHECKOUT
+
+import musclewire
+from musclewire.parameters import load_alloy, load_bench, load_wire
+
+FOLDER = CHECKOUT / "docs" / "images"
+PHYSICS = CHECKOUT / "docs" / "explanation" / "physics.md"
+FOUND = CHECKOUT / "docs" / "explanation" / "parameters.md"
+TURNS = CHECKOUT / "docs" / "explanation" / "turns_and_minor_loops.md"
+PARAMETERS = CHECKOUT / "docs" / "reference" / "parameters.md"
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
+AGAIN = "run python docs/images/draw.py and commit what it changes"
+
+
+@pytest.fixture(scope="module")
+def draw() -> Iterator[ModuleType]:
+    sys.path.insert(0, str(FOLDER))
+    try:
+        yield importlib.import_module("draw")
+    finally:
+        sys.path.remove(str(FOLDER))
+
+
+def last_digit(number: str) -> float:
+    return 10.0 ** -len(number.partition(".")[2])
+
+
+def test_the_page_of_parameters_is_what_its_script_writes(draw: ModuleType) -> None:
+    assert PARAMETERS.read_text("utf-8") == draw.parameter_page.page(), AGAIN
+
+
+def test_the_page_on_protection_is_the_table_the_code_runs_by(draw: ModuleType) -> None:
+    assert draw.PROTECTION_PAGE.read_text("utf-8") == draw.protection_page.page(), AGAIN
+
+
+def test_the_page_on_the_row_of_a_wire_is_what_its_list_of_fields_says(draw: ModuleType) -> None:
+    assert draw.WIRE_ROW_PAGE.read_text("utf-8") == draw.wire_row_page.page(), AGAIN
+
+
+def test_the_map_of_the_paper_says_which_rows_hold_and_which_fail(draw: ModuleType) -> None:
+    page = draw.PAPER_MAP_PAGE.read_text("utf-8")
+    assert page == draw.paper_map_page.page(page), AGAIN
+
+
+def test_the_page_on_rig_files_of_hardware_is_what_the_schemas_say(draw: ModuleType) -> None:
+    page = draw.rig_keys_page.page()
+    assert draw.RIG_KEYS_PAGE.read_text("utf-8") == page, AGAIN
+    unexplained = [line for line in page.splitlines() if line.startswith("| `") and line.rstrip(" |").count("|") < 4]
+    assert [line for line in unexplained if line.split("|")[-2].strip() == ""] == []
+
+
+def test_the_page_on_toml_files_is_what_the_schemas_say_and_explains_every_key(draw: ModuleType) -> None:
+    page = draw.toml_keys_page.page()
+    assert draw.TOML_KEYS_PAGE.read_text("utf-8") == page, AGAIN
+    rows = [line for line in page.splitlines() if line.startswith("| `")]
+    assert [line for line in rows if line.split(" | ")[-1].strip(" |") == ""] == []
+
+
+def test_the_page_on_python_has_every_public_name_with_its_docstrings_first_line(draw: ModuleType) -> None:
+    page = draw.python_page.page()
+    assert draw.PYTHON_PAGE.read_text("utf-8") == page, AGAIN
+    cells = [line.split(" | ") for line in page.splitlines() if line.startswith("| `")]
+    assert {f"mw.{name}" for name in musclewire.__all__} <= {re.split(r"[`(]", name)[1] for name, _ in cells}
+    assert [name for name, meaning in cells if len(meaning) < 10] == []
+
+
+def test_the_page_of_the_live_api_is_the_one_the_script_writes(draw: ModuleType) -> None:
+    assert draw.LIVE_API_PAGE.read_text("utf-8") == draw.live_api_page.page(), AGAIN
+
+
+def test_every_parameter_of_the_alloy_the_wires_and_the_bench_is_on_the_page() -> None:
+    listed = {word for table in tables_of(PARAMETERS.read_text("utf-8")) for row in table
+              for word in code_words(row.get("parameter", ""))}  # fmt: skip
+    groups = (load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
+    assert {name for group in groups for name, _ in group.items()} <= listed
+
+
+def test_the_check_of_published_ranges_counts_what_the_page_counts(capsys: pytest.CaptureFixture[str]) -> None:
+    from checks.published_ranges import main
+
+    code = main()
+    found = re.search(r"parameters outside their published range: (\d+)", capsys.readouterr().out)
+    assert found is not None
+    assert code == (1 if int(found[1]) else 0)
+    assert f"counts: **{found[1]}** outside" in PARAMETERS.read_text("utf-8")
+
+
+@pytest.mark.documented
+def test_the_simulated_numbers_on_the_page_are_those_of_the_shipped_wire(draw: ModuleType) -> None:
+    text = PHYSICS.read_text("utf-8")
+    require_same_numbers(text, draw.with_blocks(text, draw.physics_blocks(draw.physics_runs.loops_of_the_sweep())))
+
+
+@pytest.mark.documented
+def test_the_numbers_of_isobars_and_turns_are_those_of_the_measured_and_the_shipped_wire(draw: ModuleType) -> None:
+    text = TURNS.read_text("utf-8")
+    require_same_numbers(text, draw.with_blocks(text, draw.turns_numbers.blocks()))
+
+
+@pytest.mark.documented
+def test_the_tables_of_alternative_fits_are_what_their_vectors_give(draw: ModuleType) -> None:
+    text = FOUND.read_text("utf-8")
+    require_same_numbers(text, draw.with_blocks(text, {"alternatives": draw.alternatives_page.block()}))
+
+
+def require_same_numbers(text: str, fresh: str) -> None:
+    text, fresh = " ".join(text.split()), " ".join(fresh.split())
+    assert NUMBER.sub("#", fresh) == NUMBER.sub("#", text), AGAIN
+    # Another machine may round the last bit otherwise: a unit of the last digit printed is no other result.
+    for ours, printed in zip(NUMBER.findall(fresh), NUMBER.findall(text), strict=True):
+        assert float(ours) == pytest.approx(float(printed), abs=1.01 * last_digit(printed)), AGAIN
+
+
+def test_the_parts_of_a_difference_add_up_to_it(draw: ModuleType) -> None:
+    runs = draw.physics_runs
+    loop = runs.slow_loop(runs.constants_of_wire("paper-125um"), "paper-125um")
+    parts = runs.parts_of_the_difference(loop)
+    assert parts.hotter + parts.r_phase + parts.rest == pytest.approx(parts.whole, abs=1e-12)
+    # Without R-phase there is no part of it, and shape and martensite leave little in addition to the temperature.
+    parts = runs.parts_of_the_difference(runs.without_r_phase(loop))
+    assert abs(parts.r_phase).max() == 0.0
+    assert abs(parts.rest).max() < 0.5 * abs(parts.hotter).max()
+
+
+@pytest.mark.parametrize("wire", ["paper-100um", "paper-125um"])
+def test_the_balance_adds_up_to_the_difference_of_the_branches(draw: ModuleType, wire: str) -> None:
+    runs = importlib.import_module("balance_runs")
+    row = runs.balance_of(runs.loop_at_ratio(wire, 0.45), 0.45)
+    parts = draw.physics_runs.parts_of_the_difference(row.loop)
+    assert row.whole == pytest.approx(parts.whole.mean(), abs=1e-12)
+    assert row.hotter + row.r_phase + row.small == pytest.approx(row.whole, abs=1e-12)
+    assert (row.hotter, row.r_phase) == pytest.approx((parts.hotter.mean(), parts.r_phase.mean()), abs=1e-12)
+
+
+def test_without_temperature_coefficients_only_phases_and_geometry_part_the_branches(draw: ModuleType) -> None:
+    runs = importlib.import_module("balance_runs")
+    none = {f"{phase}_resistivity_per_k": 0.0 for phase in draw.physics_runs.PHASES}
+    row = runs.balance_of(runs.loop_at_ratio("paper-125um", 0.45, **none), 0.45)
+    assert row.hotter == pytest.approx(0.0, abs=1e-15)
+    assert row.hotter_k > 5.0
+
+
+def test_every_equation_of_the_page_leads_to_code() -> None:
+    text = PHYSICS.read_text("utf-8")
+    names = re.findall(r"`([\w.]+:[\w.]+)`", text)
+    assert len(names) > 20
+    for name in names:
+        assert resolve(name) is not None
+    rows = [row for table in tables_of(text) for row in table if "Equation" in row]
+    assert all(code_words(row["Code"]) and row["Source"] for row in rows)
+
+
+def test_every_source_of_an_equation_stands_at_its_function_too() -> None:
+    source = "".join(path.read_text("utf-8") for path in sorted((CHECKOUT / "src/musclewire").rglob("*.py")))
+    elsewhere = (CHECKOUT / "docs/explanation/numerics.md").read_text("utf-8") + "".join(
+        path.read_text("utf-8") for path in sorted((CHECKOUT / "src/musclewire/parameters/data").rglob("*.toml"))
+    )
+    for doi in re.findall(r"doi (10\.\S+?)(?=[\s,|)]*(?:\s|$))", PHYSICS.read_text("utf-8")):
+        assert doi in source + elsewhere, doi
+
+
+@pytest.mark.parametrize("name", ["phases_over_strain", "gap_balance", "phase_diagram", "grains", "isobars"])
+def test_every_picture_is_on_the_page(name: str) -> None:
+    assert f"](../images/{name}.png)" in PHYSICS.read_text("utf-8")
+    assert (FOLDER / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_picture_of_the_branches_is_on_the_page_on_turns() -> None:
+    assert "](../images/isobar_branches.png)" in TURNS.read_text("utf-8")
+    assert (FOLDER / "isobar_branches.png").read_bytes().startswith(b"\x89PNG")

@@ -1,0 +1,88 @@
+"""ARCHITECTURE.md, CITATION.cff and CHANGELOG.md say what pyproject.toml and the package say."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Any
+
+from tests.house.docs.doc_pages import code_words, tables_of
+from tests.places import CHECKOUT
+
+PROJECT = tomllib.loads((CHECKOUT / "pyproject.toml").read_text("utf-8"))
+ARCHITECTURE = (CHECKOUT / "ARCHITECTURE.md").read_text("utf-8")
+LAYERS = next(contract for contract in PROJECT["tool"]["importlinter"]["contracts"] if contract["type"] == "layers")[
+    "layers"
+]
+
+
+def test_every_room_is_described_and_no_other() -> None:
+    listed = {
+        code_words(row["room"])[0].rstrip("/").removesuffix(".py")
+        for table in tables_of(ARCHITECTURE)
+        for row in table
+        if "room" in row
+    }
+    folder = CHECKOUT / "src/musclewire"
+    there = {
+        path.name.removesuffix(".py")
+        for path in folder.iterdir()
+        if path.suffix == ".py" or (path / "__init__.py").exists()
+    }
+    assert listed == there - {"__init__", "__main__"}
+    assert listed == {room.strip() for layer in LAYERS for room in layer.split("|")}
+
+
+def test_the_layers_are_printed_as_the_contract_has_them() -> None:
+    printed = ARCHITECTURE[ARCHITECTURE.index("1. Layers") :]
+    lines = [line.strip() for line in printed.splitlines()]
+    start = lines.index(LAYERS[0])
+    assert lines[start : start + len(LAYERS)] == LAYERS
+
+
+def test_every_core_dependency_has_its_reason() -> None:
+    listed = [row["package"] for table in tables_of(ARCHITECTURE) for row in table if "package" in row]
+    assert listed == [re.split(r"[<>=\[]", text)[0] for text in PROJECT["project"]["dependencies"]]
+
+
+def test_the_files_of_the_journey_exist_and_hold_what_is_named() -> None:
+    journey = ARCHITECTURE[ARCHITECTURE.index("## One sample's journey") : ARCHITECTURE.index("## The one loop")]
+    steps = re.findall(r"([\w.]+)\([^)]*\).*?((?:\w+/)+\w+\.py)", journey)
+    assert len(steps) >= 8
+    for name, file in steps:
+        assert name.split(".")[-1] in (CHECKOUT / "src/musclewire" / file).read_text("utf-8")
+
+
+def test_the_citation_has_the_version_and_the_paper() -> None:
+    text = (CHECKOUT / "CITATION.cff").read_text("utf-8")
+    assert f"version: {PROJECT['project']['version']}\n" in text
+    assert "cff-version: 1.2.0\n" in text
+    assert "family-names: Lan" in text
+    assert "family-names: Fan" in text
+    assert f"license: {PROJECT['project']['license']}\n" in text
+
+
+def test_the_changelog_has_this_version_and_every_command(commands: dict[str, Any]) -> None:
+    text = (CHECKOUT / "CHANGELOG.md").read_text("utf-8")
+    assert f"## [{PROJECT['project']['version']}]" in text
+    assert set(commands) <= set(code_words(text))
+
+
+def linked_from(page: str, folders: str) -> list[str]:
+    """Return the pages in some folders beside a page that its links lead to."""
+    text = (CHECKOUT / page).read_text("utf-8")
+    return re.findall(rf"\]\(((?:{folders})[\w/.-]+\.(?:md|ipynb))\)", text)
+
+
+def test_every_page_of_the_documentation_is_linked_from_its_first_once_and_each_link_leads_to_one() -> None:
+    docs = CHECKOUT / "docs"
+    pages = {page.relative_to(docs).as_posix() for page in [*docs.rglob("*.md"), *docs.rglob("*.ipynb")]} - {
+        "README.md"
+    }
+    decisions = {page for page in pages if page.startswith("explanation/decisions/0")}
+    folders = sorted({page.partition("/")[0] for page in pages})
+    assert sorted(linked_from("docs/README.md", "|".join(f"{folder}/" for folder in folders))) == sorted(
+        pages - decisions
+    )
+    in_order = linked_from("docs/explanation/decisions/README.md", "0")
+    assert [f"explanation/decisions/{name}" for name in in_order] == sorted(decisions)

@@ -1,0 +1,163 @@
+"""The reference pages list what the code has: columns, settings, keys, symbols, rule bases, error messages."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from pydantic_core import PydanticUndefined
+from tests.house.docs.doc_pages import code_words, resolve, tables_of
+from tests.places import CHECKOUT
+
+from musclewire.controllers import load_rule_base, rule_base_names
+from musclewire.parameters import load_bench, load_wire, names
+from musclewire.parameters.finger_file import finger_names
+from musclewire.rigs.air import Surroundings
+from musclewire.rigs.configuration import RigConfiguration, rig_names
+from musclewire.rigs.load_kinds import LOAD_PARTS
+from musclewire.sensing.model_file import ModelFile
+from musclewire.signals.columns import COLUMNS
+
+DOCS = CHECKOUT / "docs"
+
+
+def column_of(page: str, header: str) -> list[str]:
+    tables = tables_of((DOCS / page).read_text("utf-8"))
+    return [word for table in tables for row in table if header in row for word in code_words(row[header])]
+
+
+def test_every_column_is_listed_and_no_other() -> None:
+    assert sorted(column_of("reference/files.md", "Column")) == sorted(COLUMNS)
+
+
+def test_the_units_of_the_columns_are_theirs() -> None:
+    for row in (row for table in tables_of((DOCS / "reference/files.md").read_text("utf-8")) for row in table):
+        for name, unit in zip(code_words(row.get("Column", "")), row.get("Unit", "").split(", "), strict=False):
+            if not name.endswith("_gain"):
+                assert (COLUMNS[name].unit or "1") == unit
+
+
+def test_every_setting_of_a_rig_is_listed_with_its_unit() -> None:
+    rows = [
+        row
+        for table in tables_of((DOCS / "reference/files.md").read_text("utf-8"))
+        for row in table
+        if "Setting" in row
+    ]
+    listed = {code_words(row["Setting"])[0]: row["Unit"] for row in rows}
+    settable = dict(load_bench("paper").items()) | dict(load_wire("paper-100um").items())
+    assert listed == {name: parameter.unit for name, parameter in settable.items()}
+
+
+def test_every_key_of_rig_and_model_files_is_listed() -> None:
+    assert set(column_of("reference/files.md", "Key")) == set(RigConfiguration.model_fields) | set(
+        ModelFile.model_fields
+    )
+
+
+def rows_with(header: str) -> list[dict[str, str]]:
+    """Return the rows of files.md that have a header."""
+    tables = tables_of((DOCS / "reference/files.md").read_text("utf-8"))
+    return [row for table in tables for row in table if header in row]
+
+
+def test_every_key_of_every_part_of_a_load_is_listed_with_its_default() -> None:
+    shown = {None: "none", 0.0: "0", 1e6: "1e6", PydanticUndefined: "needed"}
+    listed = {
+        (code_words(row["Part"])[0], code_words(row["Part key"])[0]): row["Default"] for row in rows_with("Part key")
+    }
+    assert listed == {
+        (name, key): shown[field.default]
+        for name in LOAD_PARTS.names()
+        for key, field in LOAD_PARTS.find(name).model_fields.items()
+        if key != "part"
+    }
+
+
+def test_the_units_of_the_parts_are_those_they_are_read_in() -> None:
+    """One of the printed unit is one in SI; a key without a unit is a name."""
+    kinds = {name: LOAD_PARTS.find(name) for name in LOAD_PARTS.names()}
+    for row in rows_with("Part key"):
+        key, kind = code_words(row["Part key"])[0], kinds[code_words(row["Part"])[0]]
+        given = {name: 1.0 for name, field in kind.model_fields.items() if field.is_required()}
+        given |= {"part": code_words(row["Part"])[0], key: f"1 {row['Unit']}".strip()}
+        if key == "file":
+            given[key] = "p.toml"
+        if "finger" in given:
+            given["finger"] = "lan-fan-2010"
+        found = getattr(kind.model_validate(given), key)
+        assert found == 1.0 if row["Unit"] else isinstance(found, str)
+
+
+def test_every_key_of_the_air_is_listed_with_its_default_and_unit() -> None:
+    listed = {code_words(row["Air key"])[0]: row for row in rows_with("Air key")}
+    assert {key: float(row["Default"]) for key, row in listed.items()} == Surroundings().model_dump()
+    for key, row in listed.items():
+        if row["Unit"] != "1":
+            assert getattr(Surroundings.model_validate({key: f"2 {row['Unit']}"}), key) == 2.0
+
+
+def test_the_wires_benches_rigs_and_fingers_that_ship_are_named() -> None:
+    page = (DOCS / "reference/files.md").read_text("utf-8")
+    shipped = [*(name for kind in ("wire", "bench") for name in names(kind)), *rig_names(), *finger_names()]
+    assert [name for name in shipped if f"`{name}`" not in page] == []
+
+
+def test_every_rule_base_is_listed_with_its_source() -> None:
+    assert sorted(column_of("reference/rules.md", "Rule base")) == sorted(rule_base_names())
+    text = (DOCS / "reference/rules.md").read_text("utf-8")
+    assert "10.1109/21.260670" in text
+    assert "10.1109/21.260670" in load_rule_base("zhao-1993").source
+
+
+@pytest.mark.parametrize("name", ["zhao-1993", "liu-7x7"])
+def test_the_printed_tables_are_those_of_the_rule_base(name: str) -> None:
+    text = (DOCS / "reference/rules.md").read_text("utf-8")
+    block = text.split(f"`{name}`, ", 1)[1].split("\n\n", 2)[1].splitlines()[1:]
+    rules = load_rule_base(name).rules
+    tables = [rules.kp, rules.kd, rules.alpha] if name == "zhao-1993" else [rules.kp, rules.ki, rules.kd]  # type: ignore[union-attr]
+    assert len(block) == 7
+    for index, line in enumerate(block):
+        cells = [group.split() for group in re.split(r"\s{3,}", line.strip())]
+        for printed, table in zip(cells, tables, strict=True):
+            row = [f"{cell:g}" if isinstance(cell, float) else cell for cell in table[index]]
+            assert printed == row
+
+
+@pytest.mark.parametrize(
+    "row", [row for table in tables_of((DOCS / "reference/symbols.md").read_text("utf-8")) for row in table]
+)
+def test_every_symbol_leads_to_code(row: dict[str, str]) -> None:
+    assert row["Where"] == "to come" or code_words(row["Where"])
+    for name in code_words(row["Where"]):
+        assert resolve(name) is not None
+
+
+def test_every_error_message_explained_is_one_that_the_code_says() -> None:
+    source = "".join(path.read_text("utf-8") for path in sorted((CHECKOUT / "src/musclewire").rglob("*.py")))
+    joined = re.sub(r'"\s*\n\s*f?"', "", source)
+    explained = column_of("how-to/read_my_recordings.md", "Message")
+    assert len(explained) > 20
+    assert [text for text in explained if text not in joined] == []
+
+
+def test_table_1_is_in_the_wire_files_as_printed() -> None:
+    printed = {
+        "paper-100um": (126, 4.601, 0.275),
+        "paper-125um": (75, 7.220, 0.422),
+        "paper-200um": (29, 18.247, 1.079),
+    }
+    for name, numbers in printed.items():
+        values = load_wire(name).values()
+        assert (
+            values["resistance_per_metre_ohm_per_m"],
+            values["maximum_force_n"],
+            values["nominal_force_n"],
+        ) == numbers
+        assert f"{1e6 * values['diameter_m']:.0f}um" in name
+
+
+def test_the_bench_has_the_spring_and_the_length_of_the_paper() -> None:
+    bench = load_bench("paper").values()
+    assert (bench["spring_stiffness_n_per_m"], bench["wire_length_m"], bench["legs"]) == (588.60, 0.14, 2)
+    assert bench["sample_period_s"] == 0.05
