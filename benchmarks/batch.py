@@ -5,7 +5,7 @@
 Wires on springs whose every number differs by up to 2 %, one tabulated distribution, fixed steps of 10 ms, each under
 its own staircase of the drive. Times are medians of several calls; with two threads the clock of the wall counts, so
 run it on a quiet machine. The same digits alone, in any batch and with any number of threads are held by
-tests/unit/simulate/test_batch.py.
+tests/unit/wire/in_time/test_batch.py.
 """
 
 from __future__ import annotations

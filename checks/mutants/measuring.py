@@ -18,7 +18,7 @@ __all__ = ["measured_tests"]
 # Files and folders whose tests judge; of the rooms above, those that run much of the rooms below in little time.
 TESTS = {
     "compiled": (
-        "tests/unit/wire", "tests/unit/simulate", "tests/unit/sensing", "tests/unit/controllers", "tests/unit/rigs",
+        "tests/unit/wire", "tests/unit/wire/in_time", "tests/unit/sensing", "tests/unit/controllers", "tests/unit/rigs",
         "tests/unit/identify", "tests/unit/experiment", "tests/extras/studies/unit/test_wires_of_a_study.py",
         "tests/contract", "tests/faults",
         "tests/extras/board/export/test_c_equals_python.py", "tests/extras/board/export/test_protection_in_c.py",
@@ -27,10 +27,10 @@ TESTS = {
     "plain": (
         "tests/unit/wire/test_slopes.py", "tests/unit/wire/test_distribution.py", "tests/unit/wire/test_building.py",
         "tests/unit/wire/test_fronts_along_temperature_walks.py", "tests/unit/wire/test_hysteresis_memory.py",
-        "tests/unit/simulate/test_single_steps.py", "tests/unit/simulate/test_single_steps_of_pairs.py",
-        "tests/unit/simulate/test_cycles.py", "tests/unit/simulate/test_advance.py",
-        "tests/unit/simulate/test_warming.py", "tests/unit/simulate/test_paths.py",
-        "tests/unit/simulate/test_loads.py", "tests/unit/sensing", "tests/unit/controllers",
+        "tests/unit/wire/in_time/test_single_steps.py", "tests/unit/wire/in_time/test_single_steps_of_pairs.py",
+        "tests/unit/wire/in_time/test_cycles.py", "tests/unit/wire/in_time/test_advance.py",
+        "tests/unit/wire/in_time/test_warming.py", "tests/unit/wire/in_time/test_paths.py",
+        "tests/unit/wire/in_time/test_loads.py", "tests/unit/sensing", "tests/unit/controllers",
         "tests/unit/rigs/test_instruments.py", "tests/unit/rigs/test_compiled_loop.py",
         "tests/unit/rigs/test_faults.py", "tests/unit/rigs/test_simulated.py",
         "tests/contract/test_estimator_contract.py", "tests/contract/test_controller_contract.py",

@@ -13,7 +13,13 @@ from pathlib import Path
 import pytest
 from tests.subjects import subjects_of
 
-from musclewire.app import completion
+from musclewire.app.completion import (
+    complete_controllers,
+    complete_estimators,
+    complete_rigs,
+    complete_rule_bases,
+    complete_wires,
+)
 from musclewire.controllers import CONTROLLERS
 from musclewire.controllers.rules import rule_base_names
 from musclewire.parameters.library import names
@@ -29,19 +35,19 @@ PATIENCE_S = 60.0
 
 def test_all_names_are_offered_and_no_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert completion.rigs("") == rig_names()
-    assert completion.wires("") == names("wire")
-    assert completion.rule_bases("") == list(rule_base_names())
-    assert completion.estimators("") == list(ESTIMATORS.names())
-    assert completion.controllers("") == list(CONTROLLERS.names())
+    assert complete_rigs("") == rig_names()
+    assert complete_wires("") == names("wire")
+    assert complete_rule_bases("") == list(rule_base_names())
+    assert complete_estimators("") == list(ESTIMATORS.names())
+    assert complete_controllers("") == list(CONTROLLERS.names())
 
 
 def test_own_files_are_offered_next_to_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("finger_of_mine.toml", "finger_of_mine.h5", "bench.toml"):
         (tmp_path / name).touch()
     monkeypatch.chdir(tmp_path)
-    assert completion.rigs("fin") == ["finger", "finger_of_mine.toml"]
-    assert completion.rigs("./fin") == []  # a path is the shell's own business
+    assert complete_rigs("fin") == ["finger", "finger_of_mine.toml"]
+    assert complete_rigs("./fin") == []  # a path is the shell's own business
 
 
 @pytest.fixture

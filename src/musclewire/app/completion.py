@@ -9,59 +9,68 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-__all__ = ["controllers", "estimators", "fingers", "materials", "rigs", "rule_bases", "schemas", "wires"]
+__all__ = [
+    "complete_controllers",
+    "complete_estimators",
+    "complete_fingers",
+    "complete_materials",
+    "complete_rigs",
+    "complete_rule_bases",
+    "complete_schemas",
+    "complete_wires",
+]
 
 
-def rigs(incomplete: str) -> list[str]:
+def complete_rigs(incomplete: str) -> list[str]:
     """Return the included rigs and the TOML files that begin so."""
     from musclewire.rigs.configuration import rig_names
 
     return beginning(rig_names(), incomplete) + toml_files(incomplete)
 
 
-def wires(incomplete: str) -> list[str]:
+def complete_wires(incomplete: str) -> list[str]:
     """Return the wires of the library and the catalogue, and the TOML files that begin so."""
     from musclewire.parameters.library import names
 
     return beginning(names("wire"), incomplete) + toml_files(incomplete)
 
 
-def materials(incomplete: str) -> list[str]:
+def complete_materials(incomplete: str) -> list[str]:
     """Return the materials of the library, and the TOML files that begin so."""
     from musclewire.parameters.materials import material_names
 
     return beginning(material_names(), incomplete) + toml_files(incomplete)
 
 
-def fingers(incomplete: str) -> list[str]:
+def complete_fingers(incomplete: str) -> list[str]:
     """Return the fingers of the library, and the TOML files that begin so."""
     from musclewire.parameters.finger_file import finger_names
 
     return beginning(finger_names(), incomplete) + toml_files(incomplete)
 
 
-def rule_bases(incomplete: str) -> list[str]:
+def complete_rule_bases(incomplete: str) -> list[str]:
     """Return the rule bases that begin so."""
     from musclewire.controllers.rules import rule_base_names
 
     return beginning(rule_base_names(), incomplete)
 
 
-def estimators(incomplete: str) -> list[str]:
+def complete_estimators(incomplete: str) -> list[str]:
     """Return the estimators that begin so, those of other packages included."""
     from musclewire.sensing import ESTIMATORS
 
     return beginning(ESTIMATORS.names(), incomplete)
 
 
-def controllers(incomplete: str) -> list[str]:
+def complete_controllers(incomplete: str) -> list[str]:
     """Return the controllers that begin so, those of other packages included."""
     from musclewire.controllers import CONTROLLERS
 
     return beginning(CONTROLLERS.names(), incomplete)
 
 
-def schemas(incomplete: str) -> list[str]:
+def complete_schemas(incomplete: str) -> list[str]:
     """Return the names of JSON Schemas that begin so."""
     from musclewire.app.json_schemas import schema_names
 

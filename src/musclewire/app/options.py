@@ -12,7 +12,13 @@ from typing import Annotated, Any, NamedTuple, overload
 
 import typer
 
-from musclewire.app import completion
+from musclewire.app.completion import (
+    complete_controllers,
+    complete_estimators,
+    complete_rigs,
+    complete_rule_bases,
+    complete_wires,
+)
 from musclewire.errors import CallerError
 
 __all__ = ["OLD_NAMES", "OPTIONS", "Json", "RigName", "in_si", "mapping", "renamed"]
@@ -86,7 +92,7 @@ WRITE = option("--write", help="Write offsets, and gains by the meter, into the 
 RIG = option(
     "--rig",
     help="Rig whose circuit and limits are taken: 'simulated', or a rig file of kind simulated or serial.",
-    autocompletion=completion.rigs,
+    autocompletion=complete_rigs,
 )
 
 # The slow sine and what is compared by it.
@@ -113,17 +119,17 @@ ESTIMATOR = option(
     "--estimator",
     help="Estimator by name: computes strain, displacement or force from voltages. Default: particle-filter with a "
     "wire file; without one gated in a closed loop, polynomial (the paper's) for a recording.",
-    autocompletion=completion.estimators,
+    autocompletion=complete_estimators,
 )
 CONTROLLER = option(
     "--controller",
     help="Controller by name: computes the drive voltage. Default: that of --gains, else fuzzy-pid.",
-    autocompletion=completion.controllers,
+    autocompletion=complete_controllers,
 )
 RULES = option(
     "--rules",
     help="Rule base of the fuzzy tuning; see 'musclewire rules'. Default: zhao-1993.",
-    autocompletion=completion.rule_bases,
+    autocompletion=complete_rule_bases,
 )
 GAINS = option("--gains", help="Gains file from 'musclewire tune': controller and settings.")
 CLOSED_LOOP_TIME = quantity("--closed-loop-time", "s", "tau_c of the tuning rule; by default the dead time.")
@@ -208,7 +214,7 @@ LENGTH_ERROR = quantity("--length-error", "m", "Standard deviation of the leg's 
 WIRE = option(
     "--wire",
     help="Wire by name ('musclewire simulate --list' shows all), or wire file (.toml).",
-    autocompletion=completion.wires,
+    autocompletion=complete_wires,
 )
 WIRE_LENGTH = quantity("--wire-length", "m", "Length of the wire between its terminals, both legs of a V together.")
 SUPPLY = quantity("--supply", "V", "Supply voltage, as '5 V'.")
@@ -248,7 +254,7 @@ RigName = Annotated[
         metavar="RIG",
         help="'simulated', 'finger', 'gripper', or the path of a TOML rig file. Templates to copy: 'arduino-uno', "
         "'serial-board', 'ni-pci-6229', 'ni-usb-6001'.",
-        autocompletion=completion.rigs,
+        autocompletion=complete_rigs,
     ),
 ]
 

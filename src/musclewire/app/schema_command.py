@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from musclewire.app import completion
+from musclewire.app.completion import complete_schemas
 from musclewire.app.options import Json
 from musclewire.app.output import emit_json, show
 
@@ -18,7 +18,7 @@ SchemaName = Annotated[
         metavar="NAME",
         help="Kind of file or output, as 'model', 'rig-serial' or 'output-control'; without it all names are listed.",
         show_default=False,
-        autocompletion=completion.schemas,
+        autocompletion=complete_schemas,
     ),
 ]
 

@@ -31,8 +31,8 @@ from musclewire.controllers.protection.protect import (
 from musclewire.controllers.protection.table import ProtectionLimits
 
 __all__ = [
-    "LIMITS",
-    "MEMORY",
+    "SOUND_LIMITS",
+    "SOUND_MEMORY",
     "REMEMBERED",
     "Rows",
     "fills_block",
@@ -43,13 +43,13 @@ __all__ = [
     "sound_sample",
 ]
 
-LIMITS = np.dtype([(name, np.float64) for name in ProtectionLimits._fields])
+SOUND_LIMITS = np.dtype([(name, np.float64) for name in ProtectionLimits._fields])
 # What the protection remembers of readings, by the names of its state.
 REMEMBERED = (
     "temperature_k", "settled_ohm", "wire_voltage_v", "shunt_voltage_v", "wire_repeats", "shunt_repeats",
     "repeats_drive_v",
 )  # fmt: skip
-MEMORY = np.dtype([(name, np.float64) for name in REMEMBERED])
+SOUND_MEMORY = np.dtype([(name, np.float64) for name in REMEMBERED])
 # A block of samples counts as full from this much less than the period of readings [s]: its duration is a sum.
 PERIOD_ROUNDING_S = 1e-9
 # A structured array, and a row of one; mypy knows no fields of either.
@@ -59,12 +59,12 @@ Row = Any
 
 def packed_limits(limits: ProtectionLimits) -> Rows:
     """Return the limits as a structured array of length 1."""
-    return np.array([tuple(limits)], LIMITS)
+    return np.array([tuple(limits)], SOUND_LIMITS)
 
 
 def packed_memory(state: ProtectionState) -> Rows:
     """Return what a state remembers of readings as a structured array of length 1."""
-    return np.array([tuple(getattr(state, name) for name in REMEMBERED)], MEMORY)
+    return np.array([tuple(getattr(state, name) for name in REMEMBERED)], SOUND_MEMORY)
 
 
 @compiled

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import inf
 
-from musclewire.app import completion
+from musclewire.app.completion import complete_fingers, complete_materials
 from musclewire.app.options import option, quantity
 
 __all__ = [
@@ -52,7 +52,7 @@ FINGER_STIFFNESS = quantity(
 MATERIAL = option(
     "--material",
     help="Material by name ('design pretensioner --list' shows all), or its .toml file.",
-    autocompletion=completion.materials,
+    autocompletion=complete_materials,
 )
 PROCESS = option("--process", help="Manufacturing process, which limits how thin a beam can be; 'fdm' is 'print'.")
 ENVELOPE = option("--envelope", help="Room across the wire, along it, out of plane, as '24.6x27.6x10 mm'.")
@@ -67,7 +67,7 @@ CORNER_RADIUS = quantity("--corner-radius", "m", "Inner radius of corners; by de
 FINGER = option(
     "--finger",
     help="Take all dimensions from a finger, by name or .toml file.",
-    autocompletion=completion.fingers,
+    autocompletion=complete_fingers,
 )
 OFFSET = quantity("--offset", "m", "With --thickness: distance of the tendon from the beam's centre line.")
 OVERALL_LENGTH = quantity("--overall-length", "m", "Length along the beam, extension plate included.")

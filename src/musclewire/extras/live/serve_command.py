@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app import completion
+from musclewire.app.completion import complete_rigs
 from musclewire.app.options import CPU, OUTPUT, REAL_TIME_PRIORITY, SEED
 from musclewire.app.output import say, show
 from musclewire.app.stopping import StoppedCommand
@@ -31,7 +31,7 @@ Rigs = Annotated[
         metavar="RIG",
         help="Rigs to show next to each other: names or rig files, as for other commands.",
         show_default="simulated",
-        autocompletion=completion.rigs,
+        autocompletion=complete_rigs,
     ),
 ]
 

@@ -13,10 +13,22 @@ from typing import Literal
 
 import numpy as np
 
-from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase, kernels
+from musclewire.controllers import DriveLimits, FuzzyPidSettings, RuleBase
 from musclewire.controllers.fuzzy import packed_rules
+from musclewire.controllers.kernels import FALLING, RISING, TRIANGLE, UNIVERSE_POINTS
 from musclewire.controllers.protection import Event, ProtectionLimits, protection_table
-from musclewire.controllers.protection import protect as protection_rules
+from musclewire.controllers.protection.protect import (
+    CONDITION_EVENTS,
+    DRIVEN_FRACTION,
+    FROZEN_READINGS,
+    FROZEN_S,
+    MAXIMUM_ROUNDING,
+    MOVED_FRACTION,
+    SATURATED_FRACTION,
+    SHORT_FRACTION,
+    STUCK_FRACTION,
+    SUPPLY_FRACTION,
+)
 from musclewire.controllers.protection.table import AllowedDrive
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.physics.resistance import wire_resistance
@@ -186,11 +198,11 @@ def _rules(rule_base: RuleBase) -> list[CConstant]:
     if inference == "constant":
         return [*found, *(_real(f"{name}_RATIO", table[0]) for name, table in tables.items())]
     sets = np.column_stack([row["set_shapes"], row["set_points"]])
-    smooth = bool((row["set_shapes"] != kernels.TRIANGLE).any())
+    smooth = bool((row["set_shapes"] != TRIANGLE).any())
     found += [
-        _integer("TRIANGLE", kernels.TRIANGLE),
-        _integer("FALLING", kernels.FALLING),
-        _integer("RISING", kernels.RISING),
+        _integer("TRIANGLE", TRIANGLE),
+        _integer("FALLING", FALLING),
+        _integer("RISING", RISING),
         _integer("HAS_SMOOTH_SETS", int(smooth)),
         _integer("MIRRORED", int(row["mirrored"]), "which half of the tables serves both directions"),
         CConstant("INPUT_SETS", tuple(sets.ravel().tolist()), table=True, columns=4, meaning="shape and three points"),
@@ -200,12 +212,12 @@ def _rules(rule_base: RuleBase) -> list[CConstant]:
         found.append(CConstant(f"{name}_TABLE", table, "real" if real else "integer", table=True))
     if inference == "min-max-centroid":
         points = tuple(row["output_sets"].ravel().tolist())
-        found.append(CConstant("OUTPUT_SETS", points, table=True, columns=kernels.UNIVERSE_POINTS))
+        found.append(CConstant("OUTPUT_SETS", points, table=True, columns=UNIVERSE_POINTS))
     return found
 
 
 def _protection(limits: ProtectionLimits) -> list[CConstant]:
-    saturated = protection_rules.SATURATED_FRACTION
+    saturated = SATURATED_FRACTION
     above_k = limits.maximum_temperature_k - limits.ambient_temperature_k
     return [
         _real(
@@ -263,7 +275,7 @@ def _events() -> list[CConstant]:
 def _conditions() -> list[CConstant]:
     """Return the events that must last, in the order in which they are judged."""
     lasts_s = protection_table().lasts_s
-    events = protection_rules.CONDITION_EVENTS
+    events = CONDITION_EVENTS
     return [
         _integer("LASTING", len(events), "events that must last, in the order in which they are judged"),
         *(_integer(f"LASTING_{event.name}", index) for index, event in enumerate(events)),
@@ -274,16 +286,22 @@ def _conditions() -> list[CConstant]:
 
 def _times() -> list[CConstant]:
     table = protection_table()
-    fractions = {name: f"{name}_FRACTION" for name in ("DRIVEN", "STUCK", "SUPPLY", "SHORT", "MOVED")}
+    fractions = {
+        "DRIVEN": DRIVEN_FRACTION,
+        "STUCK": STUCK_FRACTION,
+        "SUPPLY": SUPPLY_FRACTION,
+        "SHORT": SHORT_FRACTION,
+        "MOVED": MOVED_FRACTION,
+    }
     return [
         _integer("READING_PERIOD_US", _microseconds(table.reading_period_s), "samples are averaged over this time"),
         _integer("SENSE_AFTER_US", _microseconds(table.sense_after_s)),
         _integer("TRIP_AFTER_US", _microseconds(table.trip_after_s)),
-        _integer("FROZEN_US", _microseconds(protection_rules.FROZEN_S)),
-        _integer("FROZEN_READINGS", int(protection_rules.FROZEN_READINGS)),
+        _integer("FROZEN_US", _microseconds(FROZEN_S)),
+        _integer("FROZEN_READINGS", int(FROZEN_READINGS)),
         # The C names are those of the first version of the library.
-        *(_real(f"{name}_SHARE", getattr(protection_rules, fraction)) for name, fraction in fractions.items()),
-        _real("MAXIMUM_ROUNDING", protection_rules.MAXIMUM_ROUNDING),
+        *(_real(f"{name}_SHARE", fraction) for name, fraction in fractions.items()),
+        _real("MAXIMUM_ROUNDING", MAXIMUM_ROUNDING),
     ]
 
 

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.controllers.protection import sound
-from musclewire.controllers.protection.sound import sound_reading
+from musclewire.controllers.protection.sound import SOUND_LIMITS, SOUND_MEMORY, sound_reading
 from musclewire.extras.interfaces.environments.episodes import MAX_RESISTANCE_FACTOR, PERCENT
 from musclewire.random_numbers import normal_pair, philox, uniform
 
@@ -49,7 +48,7 @@ FACTS = np.dtype(
             "acquisition_step_v", "acquisition_readings", "displacement_noise_m",
         )
     ]
-    + sound.LIMITS.descr
+    + SOUND_LIMITS.descr
 )  # fmt: skip
 # What a lane remembers beyond its wire: the drive that is out, episode and sample by number, whether the episode has
 # ended, and the protection's memory under its own names.
@@ -59,7 +58,7 @@ MEMORY = np.dtype(
         ("episode", np.int64),
         ("sample", np.int64),
         ("ended", np.int64),
-        *sound.MEMORY.descr,
+        *SOUND_MEMORY.descr,
     ]
 )
 

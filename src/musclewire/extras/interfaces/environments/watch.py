@@ -20,12 +20,12 @@ from musclewire.controllers.protection import (
     protect_reading,
 )
 from musclewire.controllers.protection.protect import NOTHING_LASTS
-from musclewire.controllers.protection.sound import MEMORY as REMEMBERED
+from musclewire.controllers.protection.sound import SOUND_MEMORY
 from musclewire.extras.interfaces.environments.kernels import LaneEnds
 
 __all__ = ["ProtectionWatch"]
 
-NAMES = REMEMBERED.names or ()
+NAMES = SOUND_MEMORY.names or ()
 
 
 class ProtectionWatch:

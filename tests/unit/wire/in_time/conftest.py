@@ -1,4 +1,4 @@
-"""What tests here import stands beside them, in ../wire and in benchmarks/; importlib mode puts none on the path."""
+"""What tests here import stands beside them, above and in benchmarks/; importlib mode puts none on the path."""
 
 from __future__ import annotations
 
