@@ -17,11 +17,8 @@ from time import perf_counter
 
 import numpy as np
 
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.wire.batch import WireBatch
-from musclewire.wire.building import constants_of
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.stepping import fixed_steps
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.wire import WireBatch, WireConstants, constants_of, fixed_steps
 
 STEP_S, SAMPLE_S = 0.01, 0.05
 SPREAD = 0.02

@@ -18,9 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-from musclewire.identify.physical.calibrate import calibrate
-from musclewire.identify.physical.search import SearchSettings
-from musclewire.signals.recording import Recording
+from musclewire.identify import SearchSettings, calibrate
+from musclewire.signals import Recording
 
 DATA = Path(__file__).parent / "data" / "sma_react"
 STRESSES_MPA = (7, 50, 100, 200, 300, 400)

@@ -17,16 +17,10 @@ import sys
 import numpy as np
 
 import musclewire as mw
-from musclewire.identify.physical.calibrate import calibrate
-from musclewire.identify.physical.calibration import Calibration
-from musclewire.identify.physical.candidates import CandidateParameters, WireValues
-from musclewire.identify.physical.search import SearchSettings
-from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
-from musclewire.parameters.priors import load_priors
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.simulated import SimulatedDevice, SimulatedSpool
-from musclewire.signals.recording import Recording
+from musclewire.identify import Calibration, CandidateParameters, SearchSettings, WireValues, calibrate
+from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_priors, load_wire
+from musclewire.rigs import GuardedRig, SimulatedDevice, SimulatedSpool
+from musclewire.signals import Recording
 
 WIRES, QUICK_WIRES = 10, 1
 # Hot enough for most wires that the priors hold; one that does not transform fully is harder, and stays in.

@@ -18,14 +18,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from musclewire.experiment.grip import grip
-from musclewire.experiment.gripper_training import GripperKnowledge, close_fingers, train_gripper, with_object
-from musclewire.rigs.air import Surroundings
-from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
-from musclewire.sensing.branch_equations import evaluate
-from musclewire.sensing.contact_detection import THRESHOLD, ContactDetector
-from musclewire.signals.recording import Recording
-from musclewire.wire.loads import ElasticObject
+from musclewire.experiment import GripperKnowledge, close_fingers, grip, train_gripper, with_object
+from musclewire.rigs import RigConfiguration, Surroundings, open_rig, rig_configuration
+from musclewire.sensing import THRESHOLD, ContactDetector, evaluate
+from musclewire.signals import Recording
+from musclewire.wire import ElasticObject
 
 BAR_N, BAR_FREE = 0.15, 20
 WEATHER = Surroundings(ambient_swing=3.0, ambient_period=300.0, draught=0.08, draught_time=3.0)

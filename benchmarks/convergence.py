@@ -21,11 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.sensing import find_segments
-from musclewire.sensing.gaps import hysteresis_gap
-from musclewire.wire.building import constants_from
-from musclewire.wire.paths import drive_path
-from musclewire.wire.stepping import StepControl, fixed_steps
+from musclewire.sensing import find_segments, hysteresis_gap
+from musclewire.wire import StepControl, constants_from, drive_path, fixed_steps
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))

@@ -26,8 +26,8 @@ from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
 
 import musclewire
-from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
-from musclewire.rigs.configuration import FOLDER, rig_configuration
+from musclewire.extras.board import NiDaqConfiguration
+from musclewire.rigs import FOLDER, rig_configuration
 
 ROOT = Path(__file__).parents[1]
 # Period, readings per second, readings averaged.

@@ -18,16 +18,12 @@ from pathlib import Path
 import numpy as np
 from emulation.board import EmulatedBoard
 
-from musclewire.controllers import FuzzyPidSettings
-from musclewire.controllers.references import Staircase, staircase
-from musclewire.experiment.closed_loop import control
-from musclewire.experiment.metrics import ControlRun, control_metrics, determined
-from musclewire.experiment.on_board import control_on_board
-from musclewire.extras.board.c import loop_checksum
-from musclewire.extras.board.serial.configuration import SerialConfiguration
-from musclewire.rigs.configuration import open_rig, rig_configuration
-from musclewire.sensing.model import SensingModel, load_model
-from musclewire.signals.recording import Recording
+from musclewire.controllers import FuzzyPidSettings, Staircase, staircase
+from musclewire.experiment import ControlRun, control, control_metrics, control_on_board, determined
+from musclewire.extras.board import SerialConfiguration, loop_checksum
+from musclewire.rigs import open_rig, rig_configuration
+from musclewire.sensing import SensingModel, load_model
+from musclewire.signals import Recording
 
 ROOT = Path(__file__).resolve().parent.parent
 BAR_PCT = 0.3

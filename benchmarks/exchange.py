@@ -19,9 +19,9 @@ import numpy as np
 from fixed_work import fixed_work_us
 
 import musclewire as mw
-from musclewire.experiment.open_loop import slow_sine
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.signals.exchange import Drive
+from musclewire.experiment import slow_sine
+from musclewire.rigs import GuardedRig
+from musclewire.signals import Drive
 
 BAR_US = 25.0
 PERIOD_S = 90.0

@@ -38,11 +38,7 @@ from emulation.exported_library.targets import TARGETS, missing_tool
 
 import musclewire as mw
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
-from musclewire.extras.board.c import write_library
-from musclewire.extras.board.c.exercise import exercise
-from musclewire.extras.board.c.golden import golden_ticks
-from musclewire.extras.board.c.library import CLibrary
-from musclewire.extras.board.c.reference import ReferenceTick
+from musclewire.extras.board import CLibrary, ReferenceTick, exercise, golden_ticks, write_library
 
 FULL_SAMPLES, QUICK_SAMPLES = 1_000_000, 20_000
 FULL_RANDOM, QUICK_RANDOM = 200_000, 10_000

@@ -19,9 +19,7 @@ from pathlib import Path
 from emulation.board import EmulatedBoard, firmware_for
 from firmware.build import size_of
 
-from musclewire.extras.board.serial.board import Board
-from musclewire.extras.board.serial.line import open_line
-from musclewire.extras.board.serial.messages import MessageKind
+from musclewire.extras.board import Board, MessageKind, open_line
 
 BAUD = 250_000
 EVERY_S = 0.05

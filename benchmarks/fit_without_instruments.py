@@ -39,19 +39,13 @@ import numpy as np
 
 import musclewire as mw
 from musclewire.errors import MusclewireError
-from musclewire.extras.studies.robustness.plant import open_plant
-from musclewire.extras.studies.robustness.population import drawn_wire as population_wire
-from musclewire.extras.studies.robustness.population import tuning_seeds
-from musclewire.identify.physical.candidates import CandidateParameters, WireValues
-from musclewire.identify.recordings import resistance_reading
-from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
-from musclewire.parameters.spreads import load_spreads, priors_around
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.load_parts import Contact, Spring
-from musclewire.rigs.simulated import SimulatedDevice, SimulatedSpool
-from musclewire.sensing.segments import find_loops
-from musclewire.signals.recording import Recording
+from musclewire.extras.studies import drawn_wire as population_wire
+from musclewire.extras.studies import open_plant, tuning_seeds
+from musclewire.identify import CandidateParameters, WireValues, resistance_reading
+from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_spreads, load_wire, priors_around
+from musclewire.rigs import Contact, GuardedRig, SimulatedDevice, SimulatedSpool, Spring
+from musclewire.sensing import find_loops
+from musclewire.signals import Recording
 
 WIRE, FIRST_SEED, WIRES, QUICK_WIRES = "paper-100um", 1001, 30, 4
 BARS_PCT = {"name alone": 6.0, "marks of 1 %": 2.5}

@@ -23,12 +23,8 @@ import fmpy
 import numpy as np
 
 import musclewire as mw
-from musclewire.rigs.configuration import rig_configuration
-from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
-from musclewire.wire.building import resting_state
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.stepping import StepControl
-from musclewire.wire.wires import OneWire, advance
+from musclewire.rigs import RigConfiguration, open_simulated, rig_configuration
+from musclewire.wire import OneWire, StepControl, WireConstants, advance, resting_state
 
 SAMPLE_S = 0.05
 BAR = 1e-9

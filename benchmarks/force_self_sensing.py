@@ -16,11 +16,8 @@ from __future__ import annotations
 import sys
 
 import musclewire as mw
-from musclewire.experiment.closed_loop import control
-from musclewire.experiment.metrics import ControlMetrics, determined
-from musclewire.experiment.staircases import staircase_within
-from musclewire.sensing import SensingModel
-from musclewire.sensing.known_load import KnownSpring, force_model
+from musclewire.experiment import ControlMetrics, control, determined, staircase_within
+from musclewire.sensing import KnownSpring, SensingModel, force_model
 
 SPRING_N_PER_M = 588.6
 RATIOS = (0.5, 1.0, 2.0)

@@ -25,8 +25,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from musclewire.extras.board.serial.frames import MAXIMUM_BODY_BYTES, FrameParser, SerialFrame, encode_frame
-from musclewire.extras.board.serial.messages import MessageKind, read_message
+from musclewire.extras.board import (
+    MAXIMUM_BODY_BYTES,
+    FrameParser,
+    MessageKind,
+    SerialFrame,
+    encode_frame,
+    read_message,
+)
 
 ROOT = Path(__file__).resolve().parent.parent
 BOARD = "mps2-an386"

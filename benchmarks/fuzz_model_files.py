@@ -23,8 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from musclewire.errors import CallerError
-from musclewire.sensing.model import SensingModel, load_model
-from musclewire.sensing.model_file import save_model
+from musclewire.sensing import SensingModel, load_model, save_model
 
 DOCUMENTS, QUICK_DOCUMENTS = 100_000, 5_000
 ODD_VALUES: list[Any] = [

@@ -24,14 +24,9 @@ import numpy as np
 
 import musclewire as mw
 from musclewire.arrays import FloatArray
-from musclewire.rigs.air import AirModel, AirState
-from musclewire.rigs.configuration import rig_configuration
-from musclewire.rigs.simulated import SimulatedDevice
-from musclewire.rigs.simulated_configuration import parameters_of
-from musclewire.rigs.varied_rig import VariedRig
-from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel
-from musclewire.sensing.slow_corrections import estimates
-from musclewire.signals.exchange import Drive, RawSample, WireSample
+from musclewire.rigs import AirModel, AirState, SimulatedDevice, VariedRig, parameters_of, rig_configuration
+from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel, estimates
+from musclewire.signals import Drive, RawSample, WireSample
 
 TUNING_SEEDS, HELD_OUT_SEEDS = range(1, 11), range(101, 107)
 # Standard deviations: of the value itself, or as a fraction of it.

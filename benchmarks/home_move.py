@@ -28,16 +28,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import musclewire as mw
-from musclewire.controllers.protection import ProtectionLimits
+from musclewire.controllers import ProtectionLimits
 from musclewire.errors import MusclewireError
-from musclewire.experiment.open_loop import WaveformPolicy
-from musclewire.experiment.run import run_on_rig
-from musclewire.identify.recordings import resistance_reading
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.simulated import SimulatedDevice
-from musclewire.sensing.model import SensingModel
-from musclewire.signals.exchange import RawSample
-from musclewire.signals.recording import Recording
+from musclewire.experiment import WaveformPolicy, run_on_rig
+from musclewire.identify import resistance_reading
+from musclewire.rigs import GuardedRig, SimulatedDevice
+from musclewire.sensing import SensingModel
+from musclewire.signals import RawSample, Recording
 
 PRETENSION_N, STIFFNESS_N_PER_M, AIR_K, CONVECTION = 1.9, 588.6, 295.15, 0.817678
 SHIFT_K = 4.99717

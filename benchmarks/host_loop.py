@@ -32,11 +32,9 @@ from fixed_work import fixed_work_us
 
 import musclewire as mw
 from musclewire.controllers import staircase
-from musclewire.experiment.metrics import ControlRun
-from musclewire.experiment.timing_facts import timing_json
-from musclewire.rigs.device import Answer, Device
-from musclewire.rigs.real_time import pin_to_cpu, take_priority
-from musclewire.signals.exchange import Command
+from musclewire.experiment import ControlRun, timing_json
+from musclewire.rigs import Answer, Device, pin_to_cpu, take_priority
+from musclewire.signals import Command
 
 PERIOD_S = 1e-3
 BARS_US = {"p50": 25.0, "p99": 45.0}

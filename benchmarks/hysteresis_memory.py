@@ -19,8 +19,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.paths import isobaric_path
+from musclewire.wire import WireConstants, isobaric_path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))
 

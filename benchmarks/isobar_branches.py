@@ -40,16 +40,21 @@ from benchmarks.measured_isobars import (
     steepest_rates_per_k,
 )
 
-from musclewire.experiment.open_loop import PAPER_PERIOD_S, slow_sine
-from musclewire.extras.paper.reproduce.measures import outside_band
-from musclewire.identify.isobaric_loops import IsobaricLoop, simulated_isobar
-from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.library import read_published
-from musclewire.sensing.branches import Branch
-from musclewire.wire.building import constants_from, constants_of, with_pretension
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.distribution import ONE_CLASS, BarrierClass
-from musclewire.wire.paths import drive_path, isobaric_path
+from musclewire.experiment import PAPER_PERIOD_S, slow_sine
+from musclewire.extras.paper import outside_band
+from musclewire.identify import IsobaricLoop, simulated_isobar
+from musclewire.parameters import load_alloy, load_bench, load_wire, read_published
+from musclewire.sensing import Branch
+from musclewire.wire import (
+    ONE_CLASS,
+    BarrierClass,
+    WireConstants,
+    constants_from,
+    constants_of,
+    drive_path,
+    isobaric_path,
+    with_pretension,
+)
 
 ISOBAR_WIRE, PAPER_WIRE, BENCH = "isobar-sample", "paper-100um", "paper"
 # Two classes of as many grains, this far from the alloy's barrier: what an isobar shows of them, and what a turn shows.

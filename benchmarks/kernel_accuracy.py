@@ -34,7 +34,7 @@ from kernel_friction import FRICTIONS_N, PRESLIDINGS_M, STEPS_S, case_of, shown
 from kernel_random_wires import outcomes
 from kernel_walks import walk_departures
 
-from musclewire.wire.stepping import StepControl
+from musclewire.wire import StepControl
 
 UNITS = {"temperature_k": ("mK", 1e3), "resistance_ohm": ("mohm", 1e3), "contraction": ("points", 100.0)}
 # What one sample of a slow loop may be off at one step a sample: temperature [K], resistance [ohm], gap [points].

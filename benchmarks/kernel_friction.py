@@ -14,11 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from kernel_courses import Array, Numbers, shipped
 
-from musclewire.wire.building import constants_of
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.loads import spring_load
-from musclewire.wire.paths import drive_path
-from musclewire.wire.stepping import fixed_steps
+from musclewire.wire import WireConstants, constants_of, drive_path, fixed_steps, spring_load
 
 FRICTIONS_N = (0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 5.0)
 PRESLIDINGS_M = (1e-6, 5e-6, 20e-6, 100e-6)

@@ -16,13 +16,17 @@ import numpy as np
 from kernel_courses import SAMPLE_S, SENSE_V, Array, Numbers, shipped
 
 from musclewire.errors import CallerError
-from musclewire.parameters import load_wire
-from musclewire.parameters.priors import load_priors
-from musclewire.wire.building import constants_of, resting_state
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.loads import ConnectorLoad, spring_load, with_table
-from musclewire.wire.stepping import fixed_steps
-from musclewire.wire.wires import advance
+from musclewire.parameters import load_priors, load_wire
+from musclewire.wire import (
+    ConnectorLoad,
+    WireConstants,
+    advance,
+    constants_of,
+    fixed_steps,
+    resting_state,
+    spring_load,
+    with_table,
+)
 
 SPOOLS = ("paper-100um", "paper-125um", "paper-200um")
 REACH_M = 7e-3

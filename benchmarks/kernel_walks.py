@@ -13,9 +13,7 @@ from pathlib import Path
 import numpy as np
 from kernel_courses import Array, Numbers, shipped
 
-from musclewire.wire.building import constants_of
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.distribution import OffsetDistribution
+from musclewire.wire import OffsetDistribution, WireConstants, constants_of
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))

@@ -35,11 +35,8 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.errors import MusclewireError, RecordingNotWrittenError
-from musclewire.experiment.run import Recorder
-from musclewire.signals.background_writer import AppendingProcess
-from musclewire.signals.reading import read_hdf5
-from musclewire.signals.recording import Recording
-from musclewire.signals.runs_on_disk import recover_recording
+from musclewire.experiment import Recorder
+from musclewire.signals import AppendingProcess, Recording, read_hdf5, recover_recording
 
 PERIOD_S = 1e-3
 MISSING_BAR_S = 0.1

@@ -24,7 +24,7 @@ from benchmarks.live_server import running_server
 from websockets.sync.client import ClientConnection, connect
 
 from musclewire.errors import CallerError
-from musclewire.extras.live.client import LiveClient
+from musclewire.extras.live import LiveClient
 
 BAR_MS, STOPS, QUICK_STOPS = 20.0, 40, 6
 SAMPLE_S = 0.05

@@ -36,7 +36,7 @@ from benchmarks.live_server import running_server
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 
-from musclewire.extras.live.client import LiveClient
+from musclewire.extras.live import LiveClient
 
 COUNT, QUICK_COUNT, CLIENTS = 10_000, 1_000, 8
 BENCH = "/api/v1/benches/simulated"

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.identify.isobaric_loops import IsobaricLoop
+from musclewire.identify import IsobaricLoop
 
 FloatArray = NDArray[np.float64]
 

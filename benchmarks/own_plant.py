@@ -25,12 +25,10 @@ import numpy as np
 import musclewire as mw
 from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError
-from musclewire.extras.studies.segmented import Conditions
-from musclewire.rigs.abilities import true_state_of
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel
-from musclewire.sensing.slow_corrections import estimates
-from musclewire.signals.exchange import RawSample, wire_sample
+from musclewire.extras.studies import Conditions
+from musclewire.rigs import GuardedRig, true_state_of
+from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel, estimates
+from musclewire.signals import RawSample, wire_sample
 
 LIANG_ROGERS = Path(__file__).resolve().parents[1] / "examples" / "plants" / "liang_rogers.toml"
 NAMES = ("polynomial", "gated")

@@ -24,10 +24,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_smoothing_spline
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.sensing import LoopSegments, find_segments
-from musclewire.sensing.smoothing import noise_level, smooth, smoothing_window
-from musclewire.wire.building import constants_of
-from musclewire.wire.paths import drive_path
+from musclewire.sensing import LoopSegments, find_segments, noise_level, smooth, smoothing_window
+from musclewire.wire import constants_of, drive_path
 
 Array = NDArray[np.float64]
 

@@ -24,12 +24,9 @@ from collections.abc import Iterable
 import numpy as np
 
 import musclewire as mw
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.rigs.pulse_width import PulseWidth, unsettled_error
-from musclewire.rigs.simulated import SimulatedSpool
-from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.simulated_pwm import PulsedDevice
-from musclewire.signals.exchange import Drive, RawSample
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.rigs import PulsedDevice, PulseWidth, RigConfiguration, SimulatedSpool, unsettled_error
+from musclewire.signals import Drive, RawSample
 
 READINGS = 8
 CONVERTER = {"acquisition_bits": 12.0, "acquisition_range_v": 5.0, "acquisition_noise_v": 1.2e-3}

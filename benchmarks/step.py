@@ -20,13 +20,8 @@ from time import thread_time
 from benchmarks.speed.easier_wire import PERIOD_S, ScipyLoop, drive_v, scipy_cycle
 from benchmarks.speed.our_wire import one_period
 
-from musclewire.app.bench_measure import TimedProgram, comparison, paired_us
-from musclewire.app.bench_rows import cycle, paper_wire
-from musclewire.wire.building import resting_state
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.state import WireState
-from musclewire.wire.stepping import CHOSEN, StepControl, fixed_steps
-from musclewire.wire.wires import OneWire
+from musclewire.app import TimedProgram, comparison, cycle, paired_us, paper_wire
+from musclewire.wire import CHOSEN, OneWire, StepControl, WireConstants, WireState, fixed_steps, resting_state
 
 __all__ = ["our_cycle", "our_wire", "resting_state"]
 

@@ -126,12 +126,17 @@ class CountedRecord:
 
 def counted_step() -> tuple[Counter[str], int]:
     """Return the operations of one step of a wire on a spring in the middle of its transformation, and its chain."""
-    from musclewire.parameters.library import load_alloy, load_bench, load_wire
-    from musclewire.wire.building import constants_from
-    from musclewire.wire.paths import drive_path
-    from musclewire.wire.step import RunningWire
-    from musclewire.wire.stepping import SourceOutput, fixed_steps, instant_of
-    from musclewire.wire.wires import accept_step, attempt
+    from musclewire.parameters import load_alloy, load_bench, load_wire
+    from musclewire.wire import (
+        RunningWire,
+        SourceOutput,
+        accept_step,
+        attempt,
+        constants_from,
+        drive_path,
+        fixed_steps,
+        instant_of,
+    )
 
     wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
     _, state = drive_path(wire, np.full(40, 2.4), sample_s=0.05, stepping=fixed_steps(0.05))
@@ -151,8 +156,7 @@ def counted_step() -> tuple[Counter[str], int]:
 
 def bytes_of_a_step() -> tuple[int, int]:
     """Return the bytes that a step reads and writes: single numbers of both records, and cells of two tables."""
-    from musclewire.wire.constants import StepConstants
-    from musclewire.wire.state import WireState
+    from musclewire.wire import StepConstants, WireState
 
     constants = sum(item.length is None for item in StepConstants.fields)
     state = sum(item.length is None for item in WireState.fields) + 2
@@ -175,11 +179,8 @@ def counted_elsewhere() -> tuple[dict[str, int], int]:
 
 def measured_s() -> tuple[float, float]:
     """Return the time of a step of one wire alone, and of a step and wire of a batch on one thread [s], medians."""
-    from musclewire.parameters.library import load_alloy, load_bench, load_wire
-    from musclewire.wire.batch import WireBatch
-    from musclewire.wire.building import constants_from
-    from musclewire.wire.paths import drive_path
-    from musclewire.wire.stepping import fixed_steps
+    from musclewire.parameters import load_alloy, load_bench, load_wire
+    from musclewire.wire import WireBatch, constants_from, drive_path, fixed_steps
 
     wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
     drive = 0.3 + 1.45 * (1.0 - np.cos(2.0 * np.pi * (np.arange(1800) + 0.5) / 1800))

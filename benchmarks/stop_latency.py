@@ -34,12 +34,8 @@ from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
 
 from musclewire.errors import CallerError, RigError
-from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
-from musclewire.extras.board.serial.configuration import SerialConfiguration
-from musclewire.extras.board.serial.device import SerialDevice
-from musclewire.extras.board.serial.messages import MessageKind
-from musclewire.rigs.configuration import open_rig, rig_configuration
-from musclewire.rigs.guarded import GuardedRig
+from musclewire.extras.board import MessageKind, NiDaqConfiguration, SerialConfiguration, SerialDevice
+from musclewire.rigs import GuardedRig, open_rig, rig_configuration
 
 BAR_MS = 20.0
 # A stop comes at a random moment of a sample period, after a few samples.

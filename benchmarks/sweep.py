@@ -24,9 +24,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "extras" 
 
 from dask_cluster import DaskCluster
 
-from musclewire.experiment.worker_process import cores
-from musclewire.extras.studies import StudyResult, Workers, read_study, sweep
-from musclewire.extras.studies.study_page import write_study
+from musclewire.experiment import cores
+from musclewire.extras.studies import StudyResult, Workers, read_study, sweep, write_study
 
 
 def study_of(runs: int) -> dict[str, Any]:

@@ -20,12 +20,9 @@ from statistics import median
 from typing import NamedTuple
 
 import musclewire as mw
-from musclewire.experiment.metrics import ControlRun
-from musclewire.identify.tuning import Tuning
-from musclewire.rigs.abilities import required_true_state
-from musclewire.rigs.air import Surroundings
-from musclewire.rigs.kinds import DeviceConfiguration
-from musclewire.rigs.simulated_configuration import RigConfiguration
+from musclewire.experiment import ControlRun
+from musclewire.identify import Tuning
+from musclewire.rigs import DeviceConfiguration, RigConfiguration, Surroundings, required_true_state
 
 FIRST_SEED = 11
 COUNTED_FROM_S = 10.0

@@ -23,14 +23,11 @@ import gymnasium
 import numba
 import numpy as np
 
-from musclewire.experiment.open_loop import characterize
-from musclewire.extras.interfaces.environments import ENVIRONMENT, WireVectorEnv
-from musclewire.extras.interfaces.environments.lanes import MAX_STEP_S
-from musclewire.extras.interfaces.simulated_wire import simulated_wire
+from musclewire.experiment import characterize
+from musclewire.extras.interfaces import ENVIRONMENT, MAX_STEP_S, WireVectorEnv, simulated_wire
 from musclewire.identify import fit
-from musclewire.rigs.configuration import open_rig
-from musclewire.wire.paths import drive_path
-from musclewire.wire.stepping import fixed_steps
+from musclewire.rigs import open_rig
+from musclewire.wire import drive_path, fixed_steps
 
 WIRES, SINGLE = 1024, 8
 BAR_PER_S = 2e6

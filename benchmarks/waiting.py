@@ -14,7 +14,7 @@ import time
 
 import numpy as np
 
-from musclewire.rigs.real_time import take_priority, wake_on_time
+from musclewire.rigs import take_priority, wake_on_time
 
 PERIOD_S = 1e-3
 WAYS = {"sleep": (False, 0.0), "sharp timer": (True, 0.0), "spin 0.1 ms": (True, 1e-4), "spin 0.2 ms": (True, 2e-4)}

@@ -20,13 +20,9 @@ from time import thread_time
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.extras.studies.segmented import NormalMixture, SegmentedWire, WireStructure, mixture_distribution
-from musclewire.extras.studies.segmented.structure import fin_length_m
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.wire.building import constants_from
-from musclewire.wire.distribution import BarrierClass
-from musclewire.wire.stepping import StepControl
-from musclewire.wire.wires import OneWire
+from musclewire.extras.studies import NormalMixture, SegmentedWire, WireStructure, fin_length_m, mixture_distribution
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.wire import BarrierClass, OneWire, StepControl, constants_from
 
 SAMPLE_S, SAMPLES, STROKE, LENGTH_M = 0.05, 600, 0.038, 0.14
 CLASSES = (BarrierClass(0.3, -2.0), BarrierClass(0.4, 0.0), BarrierClass(0.3, 2.5))

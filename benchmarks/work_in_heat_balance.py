@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.sensing import find_segments
-from musclewire.sensing.gaps import hysteresis_gap
+from musclewire.sensing import find_segments, hysteresis_gap
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 

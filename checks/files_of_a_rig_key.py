@@ -33,8 +33,7 @@ import numpy as np
 from pydantic import BaseModel
 
 import musclewire as mw
-from musclewire.wire.constants import StepConstants, WireConstants
-from musclewire.wire.row import Row
+from musclewire.wire import Row, StepConstants, WireConstants
 
 PACKAGE = Path(mw.__file__).parent
 # Numbers that each key allows and that stand nowhere else.

@@ -104,21 +104,21 @@ def numbers_of_gains(path: Path) -> Numbers:
 
 def numbers_of_wire(path: Path) -> Numbers:
     """Return every number of the wire and its alloy."""
-    from musclewire.parameters.wire_file import read_wire_file
+    from musclewire.parameters import read_wire_file
 
     return plain(read_wire_file(path).model_dump())
 
 
 def numbers_of_rig(path: Path) -> Numbers:
     """Return every key of a rig file, with its default where the file has none."""
-    from musclewire.rigs.configuration import read_rig_file
+    from musclewire.rigs import read_rig_file
 
     return {key: value for key, value in plain(read_rig_file(path).model_dump()).items() if value is not None}
 
 
 def numbers_of_study(path: Path) -> Numbers:
     """Return every key of a study."""
-    from musclewire.extras.studies.study_file import read_study_file
+    from musclewire.extras.studies import read_study_file
 
     return plain(read_study_file(path).model_dump())
 
@@ -135,21 +135,21 @@ def numbers_of_gripper(path: Path) -> Numbers:
     """Return all that a gripper has learned."""
     from dataclasses import asdict
 
-    from musclewire.experiment.gripper_training import load_knowledge
+    from musclewire.experiment import load_knowledge
 
     return plain(asdict(load_knowledge(path)))
 
 
 def numbers_of_finger(path: Path) -> Numbers:
     """Return every number of a finger."""
-    from musclewire.parameters.finger_file import read_finger_file
+    from musclewire.parameters import read_finger_file
 
     return plain(read_finger_file(path).model_dump())
 
 
 def numbers_of_pretensioner(path: Path) -> Numbers:
     """Return every number of a pretensioner."""
-    from musclewire.parameters.pretensioner_file import read_pretensioner
+    from musclewire.parameters import read_pretensioner
 
     return plain(read_pretensioner(path).model_dump())
 

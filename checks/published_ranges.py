@@ -16,8 +16,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "docs" / "images"))
 
 from parameter_page import ALLOY, BENCH, WIRES, derived, outside_rows, shown, shown_range, verdict
 
-from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.published_ranges import published_ranges
+from musclewire.parameters import load_alloy, load_bench, load_wire, published_ranges
 
 
 def main() -> int:

@@ -23,10 +23,8 @@ try:
 except ImportError:
     sys.exit("simcoon is not installed: `pip install simcoon` beside musclewire, in an environment of its own")
 
-from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.paths import isobaric_path
-from musclewire.wire.prescribed import total_strain
+from musclewire.physics import REFERENCE_TEMPERATURE_K
+from musclewire.wire import WireConstants, isobaric_path, total_strain
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/wire"))
 

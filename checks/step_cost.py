@@ -27,15 +27,20 @@ from typing import Any
 
 import numpy as np
 
-from musclewire.app.bench_measure import TimedProgram, arithmetic_side, paired_us, processor_name, python_side
-from musclewire.app.bench_rows import PERIOD_S, cycle, drive_v, paper_wire
-from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.signals.exchange import Drive
-from musclewire.wire.building import resting_state
-from musclewire.wire.loads import ConnectorLoad
-from musclewire.wire.stepping import CHOSEN, fixed_steps
-from musclewire.wire.wires import OneWire
+from musclewire.app import (
+    PERIOD_S,
+    TimedProgram,
+    arithmetic_side,
+    cycle,
+    drive_v,
+    paired_us,
+    paper_wire,
+    processor_name,
+    python_side,
+)
+from musclewire.rigs import GuardedRig, open_rig
+from musclewire.signals import Drive
+from musclewire.wire import CHOSEN, ConnectorLoad, OneWire, fixed_steps, resting_state
 
 RECORDS = Path(__file__).with_name("step_cost.toml")
 # A step that has become dearer by this is seen by whoever reads the run, and by the larger one the run ends. Repeated

@@ -22,11 +22,20 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from musclewire.experiment.worker_process import cores
-from musclewire.extras.paper.reproduce import DEFAULT_SEEDS, PaperCheck, ReproductionRow, all_checks, judged, selected
-from musclewire.extras.paper.reproduce.paper_checks import SeedResult, bars
-from musclewire.extras.paper.reproduce.seed_numbers import SeedCallbacks, numbers_of_seeds
-from musclewire.signals.whole_files import write_text_whole
+from musclewire.experiment import cores
+from musclewire.extras.paper import (
+    DEFAULT_SEEDS,
+    PaperCheck,
+    ReproductionRow,
+    SeedCallbacks,
+    SeedResult,
+    all_checks,
+    bars,
+    judged,
+    numbers_of_seeds,
+    selected,
+)
+from musclewire.signals import write_text_whole
 
 AGREEING = 0.99
 SMALLER = (5, 11, 21, 31, 41, 61, 81, 101, 151, 201)

@@ -7,11 +7,9 @@ from pathlib import Path
 
 from emulation.daq_card import Card, Model
 from musclewire.errors import CallerError
-from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
-from musclewire.extras.board.nidaq.device import COLUMNS
-from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_configuration
-from musclewire.rigs.simulated import SimulatedDevice
-from musclewire.signals.exchange import Drive, RawSample
+from musclewire.extras.board import COLUMNS, NiDaqConfiguration
+from musclewire.rigs import RigConfiguration, SimulatedDevice, open_rig, rig_configuration
+from musclewire.signals import Drive, RawSample
 
 __all__ = ["PCI_6229", "USB_6001", "WiredRig", "card_of"]
 

@@ -28,8 +28,7 @@ from emulation.machines import start_machine
 from emulation.plant_line import Direction, LineFaults
 from emulation.plant_wire import BenchWire, Truth
 from musclewire.errors import MusclewireError
-from musclewire.extras.board.serial.frames import FrameParser
-from musclewire.extras.board.serial.messages import Acknowledgement, AcknowledgementResult, MessageKind, read_message
+from musclewire.extras.board import Acknowledgement, AcknowledgementResult, FrameParser, MessageKind, read_message
 
 __all__ = ["COLUMNS", "Plant"]
 

@@ -9,13 +9,9 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from musclewire.errors import CallerError
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.rigs.mechanism import SimulatedLoad
-from musclewire.rigs.simulated import wires_of
-from musclewire.rigs.simulated_configuration import with_settings
-from musclewire.rigs.simulated_faults import SimulatedFault, SimulatedFaults
-from musclewire.wire.loads import spring_load
-from musclewire.wire.stepping import CHOSEN
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.rigs import SimulatedFault, SimulatedFaults, SimulatedLoad, wires_of, with_settings
+from musclewire.wire import CHOSEN, spring_load
 
 __all__ = ["BenchWire", "Converted", "Truth"]
 

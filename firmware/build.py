@@ -19,16 +19,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from musclewire.controllers import DriveLimits
-from musclewire.controllers.protection import Event
+from musclewire.controllers import DriveLimits, Event
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
-from musclewire.extras.board.c import write_library
-from musclewire.extras.board.serial.boards import BOARD_NAMES
-from musclewire.identify.use_of_model import check_made_for, settings_for
-from musclewire.parameters.validation import validated
-from musclewire.rigs.mounted_wire import MountedWire
-from musclewire.sensing.estimator import PAPER_ESTIMATOR
-from musclewire.sensing.model import SensingModel, load_model
+from musclewire.extras.board import BOARD_NAMES, write_library
+from musclewire.identify import check_made_for, settings_for
+from musclewire.parameters import validated
+from musclewire.rigs import MountedWire
+from musclewire.sensing import PAPER_ESTIMATOR, SensingModel, load_model
 
 FIRMWARE = Path(__file__).resolve().parent
 MODEL = FIRMWARE / "models" / "paper-100um.json"

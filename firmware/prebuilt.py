@@ -13,7 +13,7 @@ from pathlib import Path
 
 from firmware.build import FIRMWARE, TOOLCHAINS, board_description, build, read_wire, run, tool
 
-from musclewire.extras.board.serial.images import FOLDER
+from musclewire.extras.board import FOLDER
 
 WIRES = ("paper-100um", "flexinol-0.10-lt")
 # File name's end and objcopy's format for each board.

@@ -27,7 +27,7 @@ class Answer(NamedTuple):
 @pytest.fixture
 def musclewire(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
     """Run the command line in this process: exit code, stdout, stderr."""
-    from musclewire.app.main import run  # not before a test asks for it: most need no command line
+    from musclewire.app import run  # not before a test asks for it: most need no command line
 
     def call(*arguments: object) -> Answer:
         code = run([str(argument) for argument in arguments])

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from musclewire.sensing.estimator import EstimatorSetup
-from musclewire.sensing.polynomial_estimator import PolynomialEstimator, PolynomialState
-from musclewire.signals.exchange import EstimatorStep, Reason, WireSample
+from musclewire.sensing import EstimatorSetup, PolynomialEstimator, PolynomialState
+from musclewire.signals import EstimatorStep, Reason, WireSample
 
 
 class DriftingState(NamedTuple):

@@ -13,7 +13,7 @@ from benchmarks.speed.easier_wire import START
 from benchmarks.speed.numpy_wires import numpy_batch
 from benchmarks.speed.our_wire import different_wires
 
-from musclewire.app.bench_measure import PreparedComparison, TimedProgram, usable_cores
+from musclewire.app import PreparedComparison, TimedProgram, usable_cores
 from musclewire.arrays import FloatArray
 
 __all__ = ["batch_cases"]

@@ -14,11 +14,12 @@ from benchmarks.speed.loop_cases import loop_cases
 from benchmarks.speed.plain_grains import GRAINS, GrainWire
 from benchmarks.speed.processes import first_period_of_ours, first_period_of_scipy
 
-from musclewire.app.bench_measure import PreparedComparison, TimedProgram
-from musclewire.app.bench_rows import (
+from musclewire.app import (
     CONTROL_PERIOD_S,
     CYCLES,
     SAMPLE_S,
+    PreparedComparison,
+    TimedProgram,
     cycle,
     exchange_side,
     paper_wire,
@@ -28,7 +29,7 @@ from musclewire.app.bench_rows import (
     step_side,
     tick_side,
 )
-from musclewire.wire.building import resting_state
+from musclewire.wire import resting_state
 
 __all__ = ["cases"]
 

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from musclewire.controllers import load_rule_base
-from musclewire.controllers.rules import SET_NAMES, MamdaniRules
+from musclewire.controllers import SET_NAMES, MamdaniRules, load_rule_base
 
 __all__ = ["RULE_BASES", "scikit_fuzzy_is_there", "scikit_fuzzy_inferences"]
 

@@ -11,13 +11,11 @@ from typing import Any
 import numpy as np
 from benchmarks.speed.easier_wire import SENSE_V, ScipyLoop
 
-from musclewire.app.bench_measure import PreparedComparison, TimedProgram
-from musclewire.controllers.references import staircase
-from musclewire.experiment.closed_loop import APPROACH_S
-from musclewire.experiment.many_loops import control_many
-from musclewire.experiment.open_loop import characterize
+from musclewire.app import PreparedComparison, TimedProgram
+from musclewire.controllers import staircase
+from musclewire.experiment import APPROACH_S, characterize, control_many
 from musclewire.identify import fit
-from musclewire.rigs.configuration import open_rig
+from musclewire.rigs import open_rig
 
 __all__ = ["PlainLoop", "loop_cases"]
 
@@ -86,7 +84,7 @@ def closed_loop_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
 
 def environment_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of environments; a unit is a step of one environment."""
-    from musclewire.extras.interfaces.environments import WireVectorEnv
+    from musclewire.extras.interfaces import WireVectorEnv
 
     wires, steps = (QUICK_WIRES, QUICK_STEPS) if quick else (WIRES, STEPS)
     actions = np.random.default_rng(1).uniform(-1.0, 1.0, (steps, wires, 1))

@@ -9,7 +9,7 @@ from time import perf_counter
 import numpy as np
 from benchmarks.speed.uncached import compiled
 
-from musclewire.app.bench_measure import MachinePeaks, processor_name, usable_cores
+from musclewire.app import MachinePeaks, processor_name, usable_cores
 from musclewire.arrays import FloatArray
 
 __all__ = ["measured_machine"]

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from musclewire.app.bench_rows import paper_wire
-from musclewire.wire.batch import WireBatch
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.state import WireState
-from musclewire.wire.stepping import CHOSEN, StepControl, fixed_steps
-from musclewire.wire.wires import advance
+from musclewire.app import paper_wire
+from musclewire.wire import CHOSEN, StepControl, WireBatch, WireConstants, WireState, advance, fixed_steps
 
 __all__ = ["different_wires", "one_period"]
 

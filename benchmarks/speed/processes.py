@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 OURS = """
 from benchmarks.speed.our_wire import one_period, paper_wire
-from musclewire.wire.building import resting_state
+from musclewire.wire._building import resting_state
 wire = paper_wire()
 one_period(resting_state(wire), wire, 1.0, 0.01)
 """

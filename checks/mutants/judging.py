@@ -32,8 +32,8 @@ BEFOREHAND = (
     "numpy", "scipy.integrate", "scipy.optimize", "scipy.interpolate", "scipy.special", "scipy.signal", "scipy.stats",
     "numba", "h5py", "pydantic", "pint", "matplotlib.figure", "hypothesis.strategies", "hypothesis.extra.numpy",
     "musclewire", "musclewire.errors", "musclewire.compiled", "musclewire.registry", "musclewire.signals",
-    "musclewire.signals.exchange", "musclewire.signals.hdf5", "musclewire.signals.units", "musclewire.parameters",
-    "musclewire.physics.heat", "musclewire.physics.material", "musclewire.physics.resistance",
+    "musclewire.signals._exchange", "musclewire.signals._hdf5", "musclewire.signals._units", "musclewire.parameters",
+    "musclewire.physics._heat", "musclewire.physics._material", "musclewire.physics._resistance",
 )  # fmt: skip
 MAX_MEMORY_BYTES = 6 << 30
 

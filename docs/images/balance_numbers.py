@@ -20,8 +20,7 @@ from balance_runs import (
 )
 from parameter_page import paragraphs, table
 
-from musclewire.parameters import load_alloy
-from musclewire.parameters.published_ranges import published_ranges
+from musclewire.parameters import load_alloy, published_ranges
 
 ZERO_DEGC_K = 273.15
 PHASES = ("austenite", "r_phase", "martensite")

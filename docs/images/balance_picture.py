@@ -11,9 +11,8 @@ from balance_runs import BALANCE_WIRES, FINE_RATIOS, Balance, balances, changed_
 from matplotlib.figure import Figure
 from physics_pictures import R_PHASE
 
-from musclewire.app.report.figures import AVERAGE, HEATING, PAPER, TARGET
-from musclewire.parameters import load_wire
-from musclewire.parameters.library import read_published
+from musclewire.pages import AVERAGE, HEATING, PAPER, TARGET
+from musclewire.parameters import load_wire, read_published
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,10 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from physics_runs import NEVER_K, PHASES, LoopTruth, at_strain, constants_of_wire, resistivities, slow_loop
 
-from musclewire.parameters import load_alloy, load_wire
-from musclewire.parameters.library import read_published
-from musclewire.parameters.published_ranges import published_ranges
-from musclewire.wire.building import with_pretension
+from musclewire.parameters import load_alloy, load_wire, published_ranges, read_published
+from musclewire.wire import with_pretension
 
 BALANCE_WIRES = ("paper-100um", "paper-125um")
 FORCE_RATIOS = (0.25, 0.35, 0.45, 0.55, 0.65)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import schemdraw.elements as elm
 from circuit_drawing import HOT, POWER, TAP, Circuit, Place
 
-from musclewire.extras.board.parts import load_parts
+from musclewire.extras.board import load_parts
 
 __all__ = ["monitor", "ni_card"]
 

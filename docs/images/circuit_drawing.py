@@ -15,7 +15,7 @@ import matplotlib as mpl
 import schemdraw
 import schemdraw.elements as elm
 
-from musclewire.extras.board.parts import PartsList
+from musclewire.extras.board import PartsList
 
 __all__ = ["HOT", "POWER", "TAP", "Circuit", "Place"]
 

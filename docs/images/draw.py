@@ -45,9 +45,10 @@ import turns_numbers
 import turns_pictures
 import wire_row_page
 
-from musclewire.app.report.figures import STYLE, loops_figure, staircase_figure
-from musclewire.experiment.demo import run_demo
-from musclewire.extras.interfaces.control_systems import bode_axes, linearise
+from musclewire.app import loops_figure, staircase_figure
+from musclewire.experiment import run_demo
+from musclewire.extras.interfaces import bode_axes, linearise
+from musclewire.pages import STYLE
 
 HERE = Path(__file__).parent
 PHYSICS_PAGE = HERE.parent / "explanation" / "physics.md"

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from musclewire.parameters.validation import unit_of
+from musclewire.parameters import unit_of
 
 
 def section(title: str, text: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

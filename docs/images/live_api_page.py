@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from musclewire.extras.live.server.api_pages import markdown_page
-from musclewire.extras.live.server.application import Limits, make_app
-from musclewire.extras.live.server.documents import openapi_document
-from musclewire.extras.live.server.session import Session
+from musclewire.extras.live import Limits, Session, make_app, markdown_page, openapi_document
 
 HEAD = """# The live API
 

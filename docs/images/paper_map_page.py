@@ -10,9 +10,7 @@ import re
 from collections import Counter
 from typing import get_args
 
-from musclewire.extras.paper.known_failures import known_failures
-from musclewire.extras.paper.reproduce import PaperCheck, all_checks, selected
-from musclewire.extras.paper.reproduce.paper_checks import Origin
+from musclewire.extras.paper import Origin, PaperCheck, all_checks, known_failures, selected
 
 ROWS, COMPARED = "Rows", "Compared"
 NOTHING = "not compared"

@@ -9,18 +9,23 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import ndtri
 
-from musclewire.parameters import Alloy, Bench, Parameter, Wire, load_alloy, load_bench, load_wire
-from musclewire.parameters.priors import load_priors
-from musclewire.parameters.published_ranges import (
+from musclewire.parameters import (
+    Alloy,
+    Bench,
+    Parameter,
     PublishedRange,
+    Wire,
+    load_alloy,
+    load_bench,
+    load_priors,
+    load_wire,
     outside,
     outside_as_a_spool,
     published_ranges,
     spool_ranges,
     spool_values,
 )
-from musclewire.wire.building import SHAPE
-from musclewire.wire.distribution import two_populations
+from musclewire.wire import SHAPE, two_populations
 
 ALLOY, BENCH = "flexinol", "paper"
 WIRES = ("paper-100um", "paper-125um", "paper-200um", "finger-100um", "isobar-sample")

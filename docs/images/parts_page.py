@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from musclewire.app.wire_table_text import table_text
-from musclewire.extras.board.parts import load_parts
-from musclewire.identify.catalogue_check import PULL_STRESS_PA
-from musclewire.identify.wire_table import wire_table
+from musclewire.app import table_text
+from musclewire.extras.board import load_parts
+from musclewire.identify import PULL_STRESS_PA, wire_table
 
 __all__ = ["WIRES", "block"]
 

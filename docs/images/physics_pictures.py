@@ -19,14 +19,10 @@ from physics_runs import (
 )
 from scipy.special import ndtri
 
-from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER, TARGET
-from musclewire.identify.isobaric_loops import IsobaricLoop, IsobarSummary, simulated_isobar, summarize_isobar
-from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.library import read_published
-from musclewire.wire.building import SHAPE, cooled_wire
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.distribution import two_populations
-from musclewire.wire.fronts import thresholds_at
+from musclewire.identify import IsobaricLoop, IsobarSummary, simulated_isobar, summarize_isobar
+from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, TARGET
+from musclewire.parameters import load_alloy, load_bench, load_wire, read_published
+from musclewire.wire import SHAPE, WireConstants, cooled_wire, thresholds_at, two_populations
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,15 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.experiment.open_loop import slow_sine
-from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.library import read_published
-from musclewire.physics.resistance import phase_resistivity_ohm_m
-from musclewire.sensing.gaps import hysteresis_gap, signed_hysteresis_gap
-from musclewire.sensing.segments import find_segments
-from musclewire.wire.building import constants_from, with_pretension
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.paths import DrivenPath, drive_path
+from musclewire.experiment import slow_sine
+from musclewire.parameters import load_alloy, load_bench, load_wire, read_published
+from musclewire.physics import phase_resistivity_ohm_m
+from musclewire.sensing import find_segments, hysteresis_gap, signed_hysteresis_gap
+from musclewire.wire import DrivenPath, WireConstants, constants_from, drive_path, with_pretension
 
 FloatArray = NDArray[np.float64]
 

@@ -6,16 +6,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from musclewire.app.report.figures import AVERAGE, COOLING, HEATING
 from musclewire.arrays import FloatArray
-from musclewire.experiment.open_loop import characterize
-from musclewire.identify.loop_figure import mark_points
-from musclewire.identify.loop_gaps import LoopGaps, loop_gaps
-from musclewire.identify.recordings import required_quantity, resistance_reading
-from musclewire.rigs.configuration import open_rig
-from musclewire.sensing.branches import MAX_WINDOW_FRACTION
-from musclewire.sensing.smoothing import noise_level, smooth, smoothing_window
-from musclewire.signals.recording import Recording
+from musclewire.experiment import characterize
+from musclewire.identify import LoopGaps, loop_gaps, mark_points, required_quantity, resistance_reading
+from musclewire.pages import AVERAGE, COOLING, HEATING
+from musclewire.rigs import open_rig
+from musclewire.sensing import MAX_WINDOW_FRACTION, noise_level, smooth, smoothing_window
+from musclewire.signals import Recording
 
 SEEDS = range(1, 51)
 # Samples to both sides of B in the right picture, and branches in a recording of two cycles.

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from musclewire.controllers.protection import ProtectionLimits, ProtectionTable, Signal, State, protection_table
-from musclewire.controllers.protection.table import AllowedDrive
-from musclewire.rigs.configuration import open_rig
+from musclewire.controllers import AllowedDrive, ProtectionLimits, ProtectionTable, Signal, State, protection_table
+from musclewire.rigs import open_rig
 
 HEAD = """# What keeps the wire safe
 

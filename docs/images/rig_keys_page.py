@@ -7,15 +7,15 @@ from typing import get_args
 from key_tables import default_of, described, first_line, meanings, section, type_in_words, unit_in
 from pydantic import BaseModel
 
-from musclewire.extras.board.nidaq.configuration import (
+from musclewire.extras.board import (
     DisplacementInput,
     ForceInput,
     NiDaqConfiguration,
     Output,
+    SerialConfiguration,
     VoltageInput,
 )
-from musclewire.extras.board.serial.configuration import SerialConfiguration
-from musclewire.extras.studies.segmented.configuration import (
+from musclewire.extras.studies import (
     AgeingTable,
     BarrierTable,
     ConditionsTable,
@@ -23,10 +23,7 @@ from musclewire.extras.studies.segmented.configuration import (
     InstrumentsTable,
     SegmentedConfiguration,
 )
-from musclewire.rigs.mounted_wire import LimitsTable, MountedWire
-from musclewire.rigs.pulse_width import PulseWidth
-from musclewire.rigs.replay import ReplayConfiguration
-from musclewire.rigs.simulated_faults import SimulatedFault
+from musclewire.rigs import LimitsTable, MountedWire, PulseWidth, ReplayConfiguration, SimulatedFault
 
 HEAD = """# Rig files of real hardware
 

@@ -5,17 +5,27 @@ from __future__ import annotations
 from key_tables import default_of, meanings, section, type_in_words
 from pydantic import BaseModel
 
-from musclewire.controllers.feedforward import FeedforwardSettings
-from musclewire.controllers.fuzzy_pid import FuzzyPidSettings
-from musclewire.controllers.rules import ConstantRules, MamdaniRules, MembershipSet, RuleBase, ZhaoRules
-from musclewire.extras.studies.study_file import Sampling, StudyFile
-from musclewire.extras.studies.varied_parameters import ParameterTable
-from musclewire.parameters.finger_file import FingerCurve, FingerFile
-from musclewire.parameters.materials import Material
-from musclewire.parameters.parameter_groups import Parameter
-from musclewire.parameters.pretensioner_file import FileGeometry, PretensionerFile
-from musclewire.parameters.priors import Prior, PriorSet
-from musclewire.parameters.wire_file import WireFile
+from musclewire.controllers import (
+    ConstantRules,
+    FeedforwardSettings,
+    FuzzyPidSettings,
+    MamdaniRules,
+    MembershipSet,
+    RuleBase,
+    ZhaoRules,
+)
+from musclewire.extras.studies import ParameterTable, Sampling, StudyFile
+from musclewire.parameters import (
+    FileGeometry,
+    FingerCurve,
+    FingerFile,
+    Material,
+    Parameter,
+    PretensionerFile,
+    Prior,
+    PriorSet,
+    WireFile,
+)
 
 HEAD = """# TOML files, key by key
 

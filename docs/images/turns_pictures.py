@@ -22,8 +22,8 @@ from benchmarks.measured_isobars import (
     measured_isobar,
 )
 
-from musclewire.app.report.figures import AVERAGE, COOLING, HEATING, PAPER
-from musclewire.parameters.library import read_published
+from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER
+from musclewire.parameters import read_published
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.row import Row
-from musclewire.wire.state import WireState
+from musclewire.wire import Row, WireConstants, WireState
 
 HEAD = """# The row of a wire
 

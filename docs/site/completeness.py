@@ -12,12 +12,9 @@ import toml_keys_page
 from api_pages import public_names
 from pydantic import BaseModel
 
-from musclewire.app.command_line import every_command
-from musclewire.rigs.air import Surroundings
-from musclewire.rigs.configuration import RigConfiguration
-from musclewire.rigs.kinds import DEVICES
-from musclewire.rigs.load_kinds import LOAD_PARTS
-from musclewire.sensing.model_file import ModelFile
+from musclewire.app import every_command
+from musclewire.rigs import DEVICES, LOAD_PARTS, RigConfiguration, Surroundings
+from musclewire.sensing import ModelFile
 from musclewire.signals import COLUMNS
 
 # Attributes by which a page asks for something.

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from musclewire.errors import NumericsError
-from musclewire.extras.board.c.exercise import ExerciseRow
-from musclewire.extras.board.c.reference import ReferenceTick, TickOutcome
+from musclewire.extras.board import ExerciseRow, ReferenceTick, TickOutcome
 
 __all__ = ["MAX_DIFFERENCE", "HostLibrary", "built", "host_hash", "largest_differences"]
 

@@ -18,18 +18,10 @@ from numba import njit
 from pydantic import Field
 
 from musclewire.errors import NumericsError
-from musclewire.extras.studies.segmented import Conditions, InstrumentSettings, steady
-from musclewire.extras.studies.segmented.instruments import RunningInstruments
-from musclewire.physics.heat import (
-    air_thermal_conductivity_w_per_m_k,
-    nusselt_morgan,
-    rayleigh_of_wire,
-)
-from musclewire.rigs.device import SWITCHED_OFF, DeviceFacts
-from musclewire.rigs.kinds import DeviceConfiguration
-from musclewire.rigs.mounted_wire import MountedWire
-from musclewire.signals.exchange import RawSample, drive_voltage_of
-from musclewire.signals.units import measured_in
+from musclewire.extras.studies import Conditions, InstrumentSettings, RunningInstruments, steady
+from musclewire.physics import air_thermal_conductivity_w_per_m_k, nusselt_morgan, rayleigh_of_wire
+from musclewire.rigs import SWITCHED_OFF, DeviceConfiguration, DeviceFacts, MountedWire
+from musclewire.signals import RawSample, drive_voltage_of, measured_in
 
 ZERO_C = 273.15
 STEP_S = 2.5e-3

@@ -26,25 +26,20 @@ if TYPE_CHECKING:
         staircase,
     )
     from musclewire.errors import MusclewireError
-    from musclewire.experiment.closed_loop import control
-    from musclewire.experiment.home import home
-    from musclewire.experiment.many_loops import control_many
-    from musclewire.experiment.open_loop import characterize
-    from musclewire.experiment.pretension import pretension_sweep
-    from musclewire.experiment.speed_limits import speed_limits
-    from musclewire.experiment.training import train
-    from musclewire.experiment.zero_tendon import zero_tendon
-    from musclewire.identify import estimate, fit
-    from musclewire.identify.physical.calibrate import calibrate
-    from musclewire.identify.resistance_alone.fitting import fit_resistance
-    from musclewire.identify.resistance_alone.marks import Marks
-    from musclewire.identify.tuning import tune
-    from musclewire.rigs.configuration import open_rig
-    from musclewire.rigs.kinds import DEVICES
-    from musclewire.rigs.load_kinds import LOAD_PARTS
+    from musclewire.experiment import (
+        characterize,
+        control,
+        control_many,
+        home,
+        pretension_sweep,
+        speed_limits,
+        train,
+        zero_tendon,
+    )
+    from musclewire.identify import Marks, calibrate, estimate, fit, fit_resistance, tune
+    from musclewire.rigs import DEVICES, LOAD_PARTS, open_rig
     from musclewire.sensing import ESTIMATORS, SensingModel, load_model
-    from musclewire.signals import Recording, read_recording
-    from musclewire.signals.runs_on_disk import recover_recording
+    from musclewire.signals import Recording, read_recording, recover_recording
 
 __all__ = [
     "open_rig",
@@ -88,35 +83,35 @@ __all__ = [
 ]
 
 _HOMES = {
-    "open_rig": "musclewire.rigs.configuration",
-    "characterize": "musclewire.experiment.open_loop",
+    "open_rig": "musclewire.rigs._configuration",
+    "characterize": "musclewire.experiment._open_loop",
     "fit": "musclewire.identify",
-    "fit_resistance": "musclewire.identify.resistance_alone.fitting",
-    "Marks": "musclewire.identify.resistance_alone.marks",
-    "control": "musclewire.experiment.closed_loop",
-    "control_many": "musclewire.experiment.many_loops",
+    "fit_resistance": "musclewire.identify._resistance_alone.fitting",
+    "Marks": "musclewire.identify._resistance_alone.marks",
+    "control": "musclewire.experiment._closed_loop",
+    "control_many": "musclewire.experiment._many_loops",
     "staircase": "musclewire.controllers",
     "sampled_reference": "musclewire.controllers",
     "SteeredReference": "musclewire.controllers",
     "estimate": "musclewire.identify",
-    "pretension_sweep": "musclewire.experiment.pretension",
-    "zero_tendon": "musclewire.experiment.zero_tendon",
-    "train": "musclewire.experiment.training",
-    "home": "musclewire.experiment.home",
-    "speed_limits": "musclewire.experiment.speed_limits",
-    "tune": "musclewire.identify.tuning",
-    "load_gains": "musclewire.controllers.gains",
-    "calibrate": "musclewire.identify.physical.calibrate",
+    "pretension_sweep": "musclewire.experiment._pretension",
+    "zero_tendon": "musclewire.experiment._zero_tendon",
+    "train": "musclewire.experiment._training",
+    "home": "musclewire.experiment._home",
+    "speed_limits": "musclewire.experiment._speed_limits",
+    "tune": "musclewire.identify._tuning",
+    "load_gains": "musclewire.controllers._gains",
+    "calibrate": "musclewire.identify._physical.calibrate",
     "read_recording": "musclewire.signals",
-    "recover_recording": "musclewire.signals.runs_on_disk",
+    "recover_recording": "musclewire.signals._runs_on_disk",
     "load_model": "musclewire.sensing",
     "Recording": "musclewire.signals",
     "SensingModel": "musclewire.sensing",
     "FuzzyPidSettings": "musclewire.controllers",
     "CONTROLLERS": "musclewire.controllers",
     "ESTIMATORS": "musclewire.sensing",
-    "DEVICES": "musclewire.rigs.kinds",
-    "LOAD_PARTS": "musclewire.rigs.load_kinds",
+    "DEVICES": "musclewire.rigs._kinds",
+    "LOAD_PARTS": "musclewire.rigs._load_kinds",
     "MusclewireError": "musclewire.errors",
 }
 

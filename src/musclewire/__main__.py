@@ -1,5 +1,5 @@
 """``python -m musclewire``."""
 
-from musclewire.app.main import main
+from musclewire.app import main
 
 main()

@@ -91,7 +91,7 @@ class Manifest:
     suffixes_read
         Suffixes of the files that it reads, for messages.
     writers
-        Places of :class:`musclewire.signals.writing.FileWriter` by the suffix that they write.
+        Places of :class:`musclewire.signals._writing.FileWriter` by the suffix that they write.
     schemas
         Kinds of files by name, each with the place of the model that checks it.
     outputs

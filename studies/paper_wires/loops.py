@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from musclewire.sensing.resistance_maximum import parabola_maximum
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.paths import DrivenPath
+from musclewire.sensing import parabola_maximum
+from musclewire.wire import DrivenPath, WireConstants
 from paper_wires.unknowns import FloatArray
 
 Curve = tuple[FloatArray, FloatArray]

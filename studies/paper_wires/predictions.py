@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.extras.paper.reproduce.measures import lowest_place
-from musclewire.identify.isobaric_loops import simulated_isobar, summarize_isobar
+from musclewire.extras.paper import lowest_place
+from musclewire.identify import simulated_isobar, summarize_isobar
 from paper_wires.slow_loops import finger_loop, slow_loop
 from paper_wires.targets import CHOSEN_FINGER, ISOBARS, PAPER, PRETENSIONS_FINGER_N
 from paper_wires.unknowns import FloatArray, PaperWires, paper_wires

@@ -7,14 +7,9 @@ from functools import cache
 
 import numpy as np
 
-from musclewire.parameters import load_bench
-from musclewire.parameters.parameter_groups import Bench, Wire
-from musclewire.rigs.configuration import FOLDER, read_rig_file
-from musclewire.rigs.mechanism import SimulatedLoad, mechanism_of
-from musclewire.wire.building import constants_from
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.paths import DrivenPath, drive_path
-from musclewire.wire.stepping import fixed_steps
+from musclewire.parameters import Bench, Wire, load_bench
+from musclewire.rigs import FOLDER, SimulatedLoad, mechanism_of, read_rig_file
+from musclewire.wire import DrivenPath, WireConstants, constants_from, drive_path, fixed_steps
 from paper_wires.loops import Loop, analysed
 from paper_wires.unknowns import PaperWires, changed
 

@@ -7,10 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from musclewire.extras.paper.reproduce.force_ratios import FORCE_RATIOS
-from musclewire.extras.paper.reproduce.measures import lowest_place
-from musclewire.identify.isobaric_loops import half_transformation_slope_pa_per_k, simulated_isobar, summarize_isobar
-from musclewire.parameters.library import read_published
+from musclewire.extras.paper import FORCE_RATIOS, lowest_place
+from musclewire.identify import half_transformation_slope_pa_per_k, simulated_isobar, summarize_isobar
+from musclewire.parameters import read_published
 from paper_wires.loops import Loop
 from paper_wires.slow_loops import finger_loop, slow_loop
 from paper_wires.unknowns import NAMES, PULL, FloatArray, PaperWires, paper_wires

@@ -9,8 +9,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.parameter_groups import Alloy, Bench, Wire
+from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
 
 FloatArray = NDArray[np.float64]
 Group = TypeVar("Group", Alloy, Wire, Bench)

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import musclewire as mw
-from musclewire.signals.recording import Recording
+from musclewire.signals import Recording
 
 PERIOD_S = 30.0
 INSTRUMENTS = ("force_n", "displacement_m", "endpoint_displacement_m", "endpoint_force_n")

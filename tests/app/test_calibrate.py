@@ -16,11 +16,9 @@ import numpy as np
 import pytest
 
 import musclewire as mw
-from musclewire.app.calibrate_command import read_one
-from musclewire.app.recording_options import ReadingOptions
-from musclewire.identify.isobaric_loops import simulated_isobar
-from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.wire_file import read_wire_file
+from musclewire.app import ReadingOptions, read_one
+from musclewire.identify import simulated_isobar
+from musclewire.parameters import load_alloy, load_bench, load_wire, read_wire_file
 
 PATIENCE_S = 120.0  # a cold machine compiles first
 

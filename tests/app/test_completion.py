@@ -13,17 +13,16 @@ from pathlib import Path
 import pytest
 from tests.subjects import subjects_of
 
-from musclewire.app.completion import (
+from musclewire.app import (
     complete_controllers,
     complete_estimators,
     complete_rigs,
     complete_rule_bases,
     complete_wires,
 )
-from musclewire.controllers import CONTROLLERS
-from musclewire.controllers.rules import rule_base_names
-from musclewire.parameters.library import names
-from musclewire.rigs.configuration import rig_names
+from musclewire.controllers import CONTROLLERS, rule_base_names
+from musclewire.parameters import names
+from musclewire.rigs import rig_names
 from musclewire.sensing import ESTIMATORS
 
 # What is typed, and the one answer: all in bash, and some in every shell.
@@ -55,7 +54,7 @@ def environment(tmp_path: Path) -> dict[str, str]:
     """Variables of a shell that finds this musclewire by its name."""
     program = tmp_path / "bin" / "musclewire"
     program.parent.mkdir()
-    program.write_text(f"#!{sys.executable}\nfrom musclewire.app.main import main\nmain()\n", "utf-8")
+    program.write_text(f"#!{sys.executable}\nfrom musclewire.app._main import main\nmain()\n", "utf-8")
     program.chmod(0o755)
     home = {"HOME": str(tmp_path), "PATH": f"{program.parent}:{os.environ['PATH']}", "TERM": "dumb", "PS1": "$ "}
     return {**os.environ, **home}

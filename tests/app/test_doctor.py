@@ -97,9 +97,9 @@ def test_the_reference_names_every_check_and_no_other(musclewire: Musclewire) ->
 
 def test_nothing_is_written_while_the_wiring_is_wrong(tmp_path: Path) -> None:
     import musclewire as mw
-    from musclewire.app.doctor_command import refuse_to_write
+    from musclewire.app import refuse_to_write
     from musclewire.errors import CallerError, RigError
-    from musclewire.experiment.doctor import examine
+    from musclewire.experiment import examine
 
     for fault, error in (
         ('kind = "channels_swapped"', CallerError),

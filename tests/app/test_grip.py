@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from musclewire.parameters.library import load_bench
+from musclewire.parameters import load_bench
 from musclewire.signals import read_recording
 
 
@@ -60,10 +60,9 @@ def test_target_and_error_are_said(musclewire: Callable[..., Any], learned: Path
     "the early grains take power where the closing has hardly begun, and closings of seconds leave it to a cubic",
 )
 def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name() -> None:
-    from musclewire.app.report.grip_figure import plot_grip
-    from musclewire.experiment.grip import grip
-    from musclewire.experiment.gripper_training import train_gripper
-    from musclewire.rigs.configuration import open_rig
+    from musclewire.app import plot_grip
+    from musclewire.experiment import grip, train_gripper
+    from musclewire.rigs import open_rig
 
     knowledge = train_gripper("gripper", seed=1000)
     with open_rig("gripper", seed=1) as rig:

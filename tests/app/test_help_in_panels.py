@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from musclewire.app.command_line import every_command, listed_commands
-from musclewire.app.core_commands import COMMANDS, PANELS
+from musclewire.app import COMMANDS, PANELS, every_command, listed_commands
 
 # As a reader meets the commands of the core; those of the parts stand among them.
 BASIC_LOOP = ("characterize", "fit", "tune", "control", "home", "grip")
@@ -65,6 +64,6 @@ def test_a_wrong_word_names_the_nearest_or_where_all_are_listed(
 
 def test_help_loads_no_compiler() -> None:
     """What is read before a first command, and at every Tab, is to be quick (benchmarks/start_up.py)."""
-    code = "import sys; from musclewire.app.main import run; run(['--help']); print('numba' in sys.modules)"
+    code = "import sys; from musclewire.app._main import run; run(['--help']); print('numba' in sys.modules)"
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert said.splitlines()[-1] == "False"

@@ -11,8 +11,7 @@ import pytest
 from tests.app.interrupting import PATIENCE_S, SIGNALS, start
 
 from musclewire.errors import RecordingError
-from musclewire.signals import read_recording
-from musclewire.signals.reading import read_hdf5
+from musclewire.signals import read_hdf5, read_recording
 
 
 def rows_on_disk(path: Path) -> int:

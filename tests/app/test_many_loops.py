@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from musclewire.experiment.open_loop import characterize
-from musclewire.identify.sensing_model import fit
-from musclewire.rigs.configuration import open_rig
+from musclewire.experiment import characterize
+from musclewire.identify import fit
+from musclewire.rigs import open_rig
 
 pytestmark = pytest.mark.slow
 

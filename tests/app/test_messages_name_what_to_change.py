@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from musclewire.rigs.configuration import rig_names
+from musclewire.rigs import rig_names
 from musclewire.signals import read_recording
 
 

@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 
-from musclewire.app.command_line import every_command
-from musclewire.app.options import OLD_NAMES, OPTIONS
+from musclewire.app import OLD_NAMES, OPTIONS, every_command
 from musclewire.errors import CallerError
 
 
@@ -122,7 +121,7 @@ def test_a_typo_gets_the_nearest_name(arguments: tuple[str, ...], hint: str, mus
 
 @pytest.mark.parametrize(("text", "seconds"), [("20 s", 20.0), ("0.5 min", 30.0), ("20", 20.0)])
 def test_a_period_is_a_time_with_a_unit_and_a_bare_number_means_seconds(text: str, seconds: float) -> None:
-    from musclewire.app.options import in_si
+    from musclewire.app import in_si
 
     assert in_si("--period", text) == seconds
 

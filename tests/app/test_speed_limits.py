@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 import musclewire as mw
-from musclewire.app.main import app
+from musclewire.app import app
 from musclewire.controllers import SampledReference
 from musclewire.sensing import SensingModel
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import musclewire as mw
-from musclewire.app.installation import REQUIREMENT, commit_of
+from musclewire.app import REQUIREMENT, commit_of
 
 
 def test_the_first_line_is_the_version_alone(musclewire: Callable[..., Any]) -> None:

@@ -9,11 +9,10 @@ import pytest
 from typer.testing import CliRunner
 
 import musclewire as mw
-from musclewire.app.main import app
+from musclewire.app import app
 from musclewire.errors import CallerError
-from musclewire.identify.users_wire import users_wire
-from musclewire.parameters.library import load_alloy, load_wire
-from musclewire.parameters.wire_file import wire_file_text
+from musclewire.identify import users_wire
+from musclewire.parameters import load_alloy, load_wire, wire_file_text
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from musclewire.rigs.device import Answer, Device
-from musclewire.signals.exchange import Command
+from musclewire.rigs import Answer, Device
+from musclewire.signals import Command
 
 __all__ = ["AlteredDevice"]
 

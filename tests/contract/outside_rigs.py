@@ -9,13 +9,19 @@ from typing import Literal
 import pytest
 from tests.contract.rig_subject import RigSubject
 
-from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.kinds import DEVICES, DeviceConfiguration, DeviceKind
-from musclewire.rigs.mounted_wire import MountedWire
-from musclewire.rigs.protocol import Metadata
-from musclewire.signals.exchange import Command, RawSample, drive_voltage_of
+from musclewire.rigs import (
+    DEVICES,
+    SWITCHED_OFF,
+    Answer,
+    DeviceConfiguration,
+    DeviceFacts,
+    DeviceKind,
+    GuardedRig,
+    Metadata,
+    MountedWire,
+    open_rig,
+)
+from musclewire.signals import Command, RawSample, drive_voltage_of
 
 __all__ = ["RIG_FILE", "SUBJECTS"]
 

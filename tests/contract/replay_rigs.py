@@ -17,12 +17,9 @@ from tests.contract.altered_device import AlteredDevice
 from tests.contract.rig_subject import PAPERS_WIRE_OHM, Opened, RigSubject
 from tests.contract.simulated_rigs import SHORT_OHM
 
-from musclewire.experiment.run import what_protects
-from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.device import Answer
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.signals.exchange import ELECTRICAL_COLUMNS, RawSample
-from musclewire.signals.recording import Recording
+from musclewire.experiment import what_protects
+from musclewire.rigs import Answer, GuardedRig, open_rig
+from musclewire.signals import ELECTRICAL_COLUMNS, RawSample, Recording
 
 __all__ = ["SUBJECTS"]
 

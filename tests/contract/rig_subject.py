@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from musclewire.rigs.protocol import Rig
+from musclewire.rigs import Rig
 
 __all__ = ["PAPERS_WIRE_OHM", "Opened", "RigSubject", "without_a_test"]
 

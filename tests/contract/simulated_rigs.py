@@ -6,8 +6,7 @@ from collections.abc import Callable
 
 from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_test
 
-from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.protocol import Rig
+from musclewire.rigs import Rig, RigConfiguration, open_rig
 
 __all__ = ["SHORT_OHM", "SUBJECTS"]
 

@@ -18,12 +18,10 @@ from musclewire.controllers import (
     DriveLimits,
     FeedforwardSettings,
     FuzzyPidSettings,
+    rule_base_names,
 )
-from musclewire.controllers.rules import rule_base_names
 from musclewire.errors import CallerError, NumericsError
-from musclewire.signals.columns import COLUMNS
-from musclewire.signals.compiled_tick import CONTROLLER_ANSWERS, declared_tick
-from musclewire.signals.exchange import Drive, QuantityEstimate, Reason
+from musclewire.signals import COLUMNS, CONTROLLER_ANSWERS, Drive, QuantityEstimate, Reason, declared_tick
 
 LIMITS = DriveLimits(0.4, 3.2)
 DT_S = 0.05

@@ -12,14 +12,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.slow_estimators import drifting
 
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.sensing import ESTIMATORS, Estimator, EstimatorSetup, KnownSpring, SensingModel
-from musclewire.sensing.estimator import MAX_DROPOUTS
-from musclewire.sensing.known_load import force_model
-from musclewire.sensing.slow_corrections import estimates
-from musclewire.signals.compiled_tick import ESTIMATOR_ANSWERS, declared_tick
-from musclewire.signals.exchange import QuantityEstimate, Reason, WireSample
-from musclewire.wire.building import constants_from
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.sensing import (
+    ESTIMATORS,
+    MAX_DROPOUTS,
+    Estimator,
+    EstimatorSetup,
+    KnownSpring,
+    SensingModel,
+    estimates,
+    force_model,
+)
+from musclewire.signals import ESTIMATOR_ANSWERS, QuantityEstimate, Reason, WireSample, declared_tick
+from musclewire.wire import constants_from
 
 # 4 % at 13.5 ohm, nothing at 17.5 ohm; the branches half a tenth of a percent apart.
 MODEL = SensingModel(

@@ -16,11 +16,8 @@ from tests.contract.rig_subject import RigSubject
 from tests.subjects import subjects_of
 
 from musclewire.errors import CallerError, RigError
-from musclewire.rigs.abilities import stage_of
-from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.protocol import Rig
-from musclewire.signals.exchange import REFERENCE_COLUMNS, RawSample
+from musclewire.rigs import GuardedRig, Rig, open_rig, stage_of
+from musclewire.signals import REFERENCE_COLUMNS, RawSample
 
 METADATA_KEYS = {
     "rig",

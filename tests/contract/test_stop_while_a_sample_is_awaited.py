@@ -11,11 +11,8 @@ from collections.abc import Mapping
 import pytest
 
 from musclewire.errors import RigError
-from musclewire.experiment.open_loop import WaveformPolicy
-from musclewire.experiment.run import run_on_rig
-from musclewire.rigs.abilities import adjustable_clock_of
-from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.guarded import GuardedRig
+from musclewire.experiment import WaveformPolicy, run_on_rig
+from musclewire.rigs import GuardedRig, adjustable_clock_of, open_rig
 
 
 def stopped_during_a_run(rig: GuardedRig, after_samples: int = 3) -> RigError:

@@ -13,10 +13,9 @@ from typing import Any
 import pytest
 from tests.places import TESTS
 
-from musclewire.app.main import run
+from musclewire.app import run
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals import ImportMapping, import_recording, read_recording
-from musclewire.signals.units import parse_quantity
+from musclewire.signals import ImportMapping, import_recording, parse_quantity, read_recording
 
 # Those beside this test, and those of the extras.
 MANIFESTS = sorted([*TESTS.glob("corpus/*.toml"), *TESTS.glob("extras/*/corpus/*.toml")], key=lambda path: path.name)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.faults.table import FaultRow, fault_matrix
 
-from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.guarded import ProtectionTripError
+from musclewire.rigs import ProtectionTripError, RigConfiguration, open_rig
 
 
 @pytest.mark.parametrize("row", [pytest.param(row, id=row.name) for row in fault_matrix() if row.run == "simulated"])

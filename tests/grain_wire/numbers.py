@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from grain_wire.switching import Array, Grains, offsets
-from musclewire.physics.heat import convection_coefficient_w_per_m2_k
+from musclewire.physics import convection_coefficient_w_per_m2_k
 
 # Units are in the names; without one a number is dimensionless.
 STATE = [

@@ -13,7 +13,7 @@ from checks.files_of_release import FOLDER, manifest_of
 from jsonschema import Draft202012Validator, ValidationError
 
 import musclewire.parameters
-from musclewire.app.json_schemas import file_models, json_schema, schema_names
+from musclewire.app import file_models, json_schema, schema_names
 from musclewire.errors import CallerError
 
 SHIPPED = Path(musclewire.parameters.__file__).parent / "data"

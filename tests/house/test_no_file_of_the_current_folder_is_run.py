@@ -13,8 +13,8 @@ import h5py
 import numpy as np
 import pytest
 
-from musclewire.experiment.worker_process import end_worker, start_worker
-from musclewire.extras.lab_files.hdf5_trial import check_by_trial
+from musclewire.experiment import end_worker, start_worker
+from musclewire.extras.lab_files import check_by_trial
 
 SOURCES = Path(__file__).parents[2] / "src" / "musclewire"
 # Modules that our processes import, from the standard library and from elsewhere.

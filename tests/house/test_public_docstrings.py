@@ -145,9 +145,9 @@ def test_a_name_after_its_file_is_found_and_a_field_leads_to_its_class() -> None
     assert resolved("identify.sensing_model:fit") is resolved("mw.fit")
     assert resolved("sensing.model:SensingModel.plot") is resolved("SensingModel.plot")
     assert resolved("parameters.parameter_groups:Alloy.r_phase_strain") is resolved(
-        "musclewire.parameters.parameter_groups.Alloy"
+        "musclewire.parameters._parameter_groups.Alloy"
     )
-    assert resolved("wire.state:WireState.grains") is resolved("musclewire.wire.state.WireState")
+    assert resolved("wire.state:WireState.grains") is resolved("musclewire.wire._state.WireState")
     assert resolved("parameters.parameter_groups:Alloy.r_phase_strain") is not None
     assert resolved("wire.state:WireState.grains") is not None
     assert resolved("sensing.model:Nothing") is None
@@ -155,8 +155,8 @@ def test_a_name_after_its_file_is_found_and_a_field_leads_to_its_class() -> None
 
 def test_methods_of_public_classes_and_of_protocols_are_public() -> None:
     names = public_objects()
-    assert {"musclewire.signals.recording.Recording.save", "musclewire.rigs.protocol.Rig.exchange"} <= set(names)
-    assert "musclewire.physics.heat.nusselt_churchill_chu" in names
+    assert {"musclewire.signals._recording.Recording.save", "musclewire.rigs._protocol.Rig.exchange"} <= set(names)
+    assert "musclewire.physics._heat.nusselt_churchill_chu" in names
 
 
 def test_every_public_docstring_is_complete() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from checks.step_cost import FAILED, MEASURED, WARNED, record_text, records, verdict
 
-from musclewire.app.bench_measure import fixed_arithmetic, fixed_python
+from musclewire.app import fixed_arithmetic, fixed_python
 
 
 def test_every_record_states_where_and_why_and_has_numbers_above_0() -> None:

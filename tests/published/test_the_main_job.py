@@ -9,13 +9,10 @@ import pytest
 from tests.published.page_parts import Outside
 
 from musclewire.controllers import FuzzyPidSettings, staircase
-from musclewire.experiment.closed_loop import control
-from musclewire.experiment.metrics import control_metrics, determined
-from musclewire.experiment.open_loop import characterize
+from musclewire.experiment import characterize, control, control_metrics, determined
 from musclewire.identify import fit
-from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.library import read_published
-from musclewire.rigs.configuration import open_rig
+from musclewire.parameters import load_alloy, load_bench, load_wire, read_published
+from musclewire.rigs import open_rig
 from musclewire.sensing import load_model
 from musclewire.signals import read_recording
 

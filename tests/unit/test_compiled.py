@@ -110,7 +110,7 @@ def test_the_kernels_of_a_part_have_a_folder_of_their_own(monkeypatch: pytest.Mo
     monkeypatch.setattr(module, "find_spec", lambda _: ModuleSpec("robots.kernel", None, origin=str(kernel)))
     monkeypatch.setattr(module, "cache_root", lambda: tmp_path / "cache")
     core, part = cache_folder(), cache_folder(part_of("robots.kernel"))
-    assert (part_of("robots.kernel"), part_of("musclewire.wire.step")) == ("robots", None)
+    assert (part_of("robots.kernel"), part_of("musclewire.wire._step")) == ("robots", None)
     assert core != part
     part_source_hash.cache_clear()
     cache_folder.cache_clear()

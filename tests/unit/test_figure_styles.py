@@ -9,8 +9,7 @@ import pytest
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.figures import SubstituteFontWarning, figure_style, figure_style_names
-from musclewire.signals import Recording
-from musclewire.signals.plots import PLOTS, usual_plot
+from musclewire.signals import PLOTS, Recording, usual_plot
 
 TIME_S = np.linspace(0.0, 10.0, 201)
 STRAIN = 0.02 + 0.01 * np.sin(TIME_S)
@@ -62,16 +61,16 @@ def test_a_run_of_control_needs_a_target() -> None:
 
 
 def test_a_font_that_stands_in_for_the_journals_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("musclewire.figures.style.installed", lambda fonts: [fonts[-1]])
+    monkeypatch.setattr("musclewire.figures._style.installed", lambda fonts: [fonts[-1]])
     assert "Arial" in figure_style("ieee-single").substitute
     assert "DejaVu Sans" in figure_style("ieee-single").substitute
     assert figure_style("screen").substitute == ""
-    monkeypatch.setattr("musclewire.figures.style.installed", list)
+    monkeypatch.setattr("musclewire.figures._style.installed", list)
     assert figure_style("ieee-single").substitute == ""
 
 
 def test_python_warns_at_the_callers_line_of_a_font_that_stands_in(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("musclewire.figures.style.installed", lambda fonts: [fonts[-1]])
+    monkeypatch.setattr("musclewire.figures._style.installed", lambda fonts: [fonts[-1]])
     with pytest.warns(SubstituteFontWarning, match="Arial") as said:
         RUN.plot("time", style="nature")
     assert said[0].filename == __file__

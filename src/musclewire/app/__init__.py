@@ -1,7 +1,5 @@
 """The command line: parse, call, show. No physics."""
 
-import os
+import lazy_loader
 
-# Matrices here have thirty columns. On several threads BLAS only waits for itself: a search on a busy machine took nine
-# times as long. It must be said before NumPy is loaded; a value that is already set is kept.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

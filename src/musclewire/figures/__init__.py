@@ -1,5 +1,5 @@
 """Figures of one look: styles by name, for a screen, slides and the columns of journals."""
 
-from musclewire.figures.style import FigureStyle, SubstituteFontWarning, figure_style, figure_style_names
+import lazy_loader
 
-__all__ = ["FigureStyle", "SubstituteFontWarning", "figure_style", "figure_style_names"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,5 +1,5 @@
 """From recordings to models: strain and resistance of a recorded wire, and the fit of one to the other."""
 
-from musclewire.identify.sensing_model import EstimateReport, estimate, fit
+import lazy_loader
 
-__all__ = ["EstimateReport", "estimate", "fit"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,33 +1,5 @@
 """What all pages share: style sheet, key numbers as cards, tables, the look of figures, figures as text in a page."""
 
-from musclewire.pages.page import (
-    AVERAGE,
-    COOLING,
-    HEATING,
-    PAPER,
-    STYLE,
-    TARGET,
-    NumberCard,
-    cards,
-    page,
-    svg,
-    svg_in_frame,
-    table,
-    table_rows,
-)
+import lazy_loader
 
-__all__ = [
-    "AVERAGE",
-    "COOLING",
-    "HEATING",
-    "PAPER",
-    "STYLE",
-    "TARGET",
-    "NumberCard",
-    "cards",
-    "page",
-    "svg",
-    "svg_in_frame",
-    "table",
-    "table_rows",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,6 +1,5 @@
 """Wires, alloys, rigs and published results as data files: each number with unit, source and kind."""
 
-from musclewire.parameters.library import load_alloy, load_bench, load_wire, names
-from musclewire.parameters.parameter_groups import Alloy, Bench, Parameter, Wire
+import lazy_loader
 
-__all__ = ["Alloy", "Parameter", "Bench", "Wire", "load_alloy", "load_bench", "load_wire", "names"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -8,8 +8,8 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-from musclewire.extras.live.bench_handle import BenchHandle, BenchSettings
-from musclewire.extras.live.messages import Answer, read_command
+from musclewire.extras.live._bench_handle import BenchHandle, BenchSettings
+from musclewire.extras.live._messages import Answer, read_command
 
 # Only so that a fault does not hang a test: no machine is judged by it.
 MAX_WAIT_S = 60.0

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from musclewire.extras.live.messages import Answer
-from musclewire.extras.live.ring import RingRows
+from musclewire.extras.live._messages import Answer
+from musclewire.extras.live._ring import RingRows
 
 COLUMNS = ("time_s", "run_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
 

@@ -17,8 +17,14 @@ sys.path.insert(0, str(Path(__file__).parent))  # for bench_stand_in
 
 from bench_stand_in import BenchStandIn
 
-from musclewire.extras.live.server.application import Limits
-from musclewire.extras.live.server.running import ListenAddress, RunningServer, ServerEnd, ServerSettings, serve_until
+from musclewire.extras.live._server.application import Limits
+from musclewire.extras.live._server.running import (
+    ListenAddress,
+    RunningServer,
+    ServerEnd,
+    ServerSettings,
+    serve_until,
+)
 
 READY_S = 60.0
 

@@ -18,17 +18,17 @@ from typing import Any
 import pytest
 
 from musclewire.errors import CallerError, RigError
-from musclewire.extras.live import messages
-from musclewire.extras.live.bench import loop, opening
-from musclewire.extras.live.bench.descriptions import described_rig
-from musclewire.extras.live.bench.lines import MessageWriter
-from musclewire.extras.live.bench.loop import perform
-from musclewire.extras.live.bench.orders import NumberedOrder, OrderQueue
-from musclewire.extras.live.bench.recipes import RECIPES
-from musclewire.extras.live.bench.session import BenchSession
-from musclewire.extras.live.bench.state import PublishedState
-from musclewire.extras.live.ring import RowRing, create_ring
-from musclewire.rigs.configuration import open_rig
+from musclewire.extras.live import _messages as messages
+from musclewire.extras.live._bench import loop, opening
+from musclewire.extras.live._bench.descriptions import described_rig
+from musclewire.extras.live._bench.lines import MessageWriter
+from musclewire.extras.live._bench.loop import perform
+from musclewire.extras.live._bench.orders import NumberedOrder, OrderQueue
+from musclewire.extras.live._bench.recipes import RECIPES
+from musclewire.extras.live._bench.session import BenchSession
+from musclewire.extras.live._bench.state import PublishedState
+from musclewire.extras.live._ring import RowRing, create_ring
+from musclewire.rigs import open_rig
 
 # Only so that a fault does not hang a test.
 MAX_WAIT_S = 60.0

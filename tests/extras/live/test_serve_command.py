@@ -13,8 +13,8 @@ import pytest
 from benchmarks import live_stop, malformed_messages
 from benchmarks.live_server import running_server
 
-from musclewire.extras.live.client import LiveClient
-from musclewire.extras.live.serve_command import identifiers
+from musclewire.extras.live._client import LiveClient
+from musclewire.extras.live._serve_command import identifiers
 
 
 def test_each_rig_has_a_name_of_its_own_that_fits_into_addresses() -> None:
@@ -47,7 +47,7 @@ def test_what_cannot_be_served_is_one_line(
 @pytest.fixture
 def run_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
     """Run the command line in a folder of its own; return its exit code."""
-    from musclewire.app.main import run
+    from musclewire.app import run
 
     monkeypatch.chdir(tmp_path)
     return lambda *arguments: run(list(arguments))

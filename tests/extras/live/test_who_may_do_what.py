@@ -14,10 +14,10 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from musclewire.errors import CallerError
-from musclewire.extras.live.server.access import read_token
-from musclewire.extras.live.server.application import Limits
-from musclewire.extras.live.server.json_texts import MAX_BYTES
-from musclewire.extras.live.server.running import ListenAddress, ServerSettings
+from musclewire.extras.live._server.access import read_token
+from musclewire.extras.live._server.application import Limits
+from musclewire.extras.live._server.json_texts import MAX_BYTES
+from musclewire.extras.live._server.running import ListenAddress, ServerSettings
 
 pytestmark = pytest.mark.slow
 

@@ -8,9 +8,9 @@ from collections import Counter
 import pytest
 from tests.places import CHECKOUT
 
-from musclewire.extras.paper.reproduce.all_checks import all_checks
-from musclewire.extras.paper.reproduce.origins import matching, rows_named
-from musclewire.parameters.library import read_published
+from musclewire.extras.paper._reproduce.all_checks import all_checks
+from musclewire.extras.paper._reproduce.origins import matching, rows_named
+from musclewire.parameters import read_published
 
 STUDIES = CHECKOUT / "studies"
 TABLE: dict[str, dict[str, list[str]]] = read_published("rows_of_targets")

@@ -14,10 +14,9 @@ import pytest
 from counted_study import Counted
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.studies import Workers, read_study, sweep
-from musclewire.extras.studies.folder import StudyFolder, unfinished
-from musclewire.parameters.library import load_alloy, load_wire
-from musclewire.parameters.wire_file import wire_file_text
+from musclewire.extras.studies._folder import StudyFolder, unfinished
+from musclewire.extras.studies._study import Workers, read_study, sweep
+from musclewire.parameters import load_alloy, load_wire, wire_file_text
 
 pytestmark = pytest.mark.slow
 

@@ -10,7 +10,7 @@ from counted_study import Counted
 from dask_cluster import DaskCluster
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.studies import StudyResult, Workers, sweep
+from musclewire.extras.studies._study import StudyResult, Workers, sweep
 
 pytestmark = pytest.mark.slow
 
@@ -95,7 +95,7 @@ def test_a_run_that_kills_every_worker_ends_the_study(counted: Counted, tmp_path
 
 
 def test_a_cluster_that_is_not_there_is_one_line(counted: Counted, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("musclewire.extras.studies.cluster.CONNECT_S", 0.5)
+    monkeypatch.setattr("musclewire.extras.studies._cluster.CONNECT_S", 0.5)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"

@@ -10,6 +10,6 @@ import pytest
 @pytest.fixture(scope="session")
 def commands() -> dict[str, Any]:
     """The commands of the command line by name; those of a group by both names, 'design finger'."""
-    from musclewire.app.command_line import every_command
+    from musclewire.app import every_command
 
     return every_command()

@@ -16,7 +16,7 @@ from jsonschema import Draft202012Validator
 from tests.house.docs.doc_pages import code_words, tables_of
 from tests.places import CHECKOUT
 
-from musclewire.app.json_schemas import json_schema
+from musclewire.app import json_schema
 
 PAGE = (CHECKOUT / "docs/reference/command_line.md").read_text("utf-8")
 SECTIONS = dict(re.findall(r"^## `musclewire (\w+(?: \w+)?)`\n(.*?)(?=^## |\Z)", PAGE, re.M | re.S))

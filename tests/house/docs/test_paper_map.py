@@ -10,7 +10,7 @@ import pytest
 from tests.house.docs.doc_pages import code_words, resolve, tables_of
 from tests.places import CHECKOUT
 
-from musclewire.extras.paper.reproduce import all_checks, selected
+from musclewire.extras.paper import all_checks, selected
 
 ROWS = [
     row

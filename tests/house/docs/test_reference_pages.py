@@ -10,13 +10,10 @@ from tests.house.docs.doc_pages import code_words, resolve, tables_of
 from tests.places import CHECKOUT
 
 from musclewire.controllers import load_rule_base, rule_base_names
-from musclewire.parameters import load_bench, load_wire, names
-from musclewire.parameters.finger_file import finger_names
-from musclewire.rigs.air import Surroundings
-from musclewire.rigs.configuration import RigConfiguration, rig_names
-from musclewire.rigs.load_kinds import LOAD_PARTS
-from musclewire.sensing.model_file import ModelFile
-from musclewire.signals.columns import COLUMNS
+from musclewire.parameters import finger_names, load_bench, load_wire, names
+from musclewire.rigs import LOAD_PARTS, RigConfiguration, Surroundings, rig_names
+from musclewire.sensing import ModelFile
+from musclewire.signals import COLUMNS
 
 DOCS = CHECKOUT / "docs"
 

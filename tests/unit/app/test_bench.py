@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from musclewire.app import bench_rows
+from musclewire.app import _bench_rows as bench_rows
 
 
 def test_a_row_has_the_keys_of_the_interface(musclewire: Callable[..., Any]) -> None:

@@ -8,8 +8,8 @@ from benchmarks.speed.machine import measured_machine
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.app.bench_measure import TimedProgram, comparison, paired_us
-from musclewire.app.bench_rows import bench, cases_with_fixed_work
+from musclewire.app._bench_measure import TimedProgram, comparison, paired_us
+from musclewire.app._bench_rows import bench, cases_with_fixed_work
 from musclewire.errors import CallerError
 
 

@@ -9,8 +9,8 @@ import pytest
 from rich.console import Console
 
 import musclewire as mw
-from musclewire.app import output
-from musclewire.app.live_numbers import numbers_text
+from musclewire.app import _output as output
+from musclewire.app._live_numbers import numbers_text
 
 ROW = {"time_s": 1.0, "drive_voltage_v": 1.5, "wire_voltage_v": 1.4, "shunt_voltage_v": 0.1}
 

@@ -8,9 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers import ControllerSetup, DriveLimits, FeedforwardController, FeedforwardSettings
+from musclewire.controllers._controller import ControllerSetup
+from musclewire.controllers._drive_limits import DriveLimits
+from musclewire.controllers._feedforward import FeedforwardController, FeedforwardSettings
 from musclewire.errors import CallerError
-from musclewire.signals.exchange import Drive, QuantityEstimate, Reason
+from musclewire.signals import Drive, QuantityEstimate, Reason
 
 LIMITS = DriveLimits(0.3, 3.6)
 DT_S = 0.05

@@ -14,9 +14,17 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from skfuzzy import control
 
-from musclewire.controllers import infer_ratios, infer_surface, kernels, load_rule_base, rule_base_names
-from musclewire.controllers.fuzzy import input_grades, packed_rules
-from musclewire.controllers.rules import SET_NAMES, MamdaniRules, MembershipSet, RuleBase, ZhaoRules
+from musclewire.controllers import _kernels as kernels
+from musclewire.controllers._fuzzy import infer_ratios, infer_surface, input_grades, packed_rules
+from musclewire.controllers._rules import (
+    SET_NAMES,
+    MamdaniRules,
+    MembershipSet,
+    RuleBase,
+    ZhaoRules,
+    load_rule_base,
+    rule_base_names,
+)
 from musclewire.errors import CallerError, NumericsError
 
 UNIVERSE = np.linspace(-3.0, 3.0, 101)

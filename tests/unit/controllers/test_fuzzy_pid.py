@@ -10,19 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers import (
-    ControllerState,
-    DriveLimits,
-    FuzzyPid,
-    FuzzyPidSettings,
-    infer_ratios,
-    kernels,
-    load_rule_base,
-    parse_rule_base,
-    rule_base_names,
-)
-from musclewire.controllers.fuzzy import packed_rules
-from musclewire.controllers.fuzzy_pid import packed_settings
+from musclewire.controllers import _kernels as kernels
+from musclewire.controllers._drive_limits import DriveLimits
+from musclewire.controllers._fuzzy import infer_ratios, packed_rules
+from musclewire.controllers._fuzzy_pid import ControllerState, FuzzyPid, FuzzyPidSettings, packed_settings
+from musclewire.controllers._rules import load_rule_base, parse_rule_base, rule_base_names
 from musclewire.errors import CallerError, NumericsError
 
 LIMITS = DriveLimits(sense_voltage_v=0.4, maximum_voltage_v=3.2)

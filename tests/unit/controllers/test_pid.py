@@ -6,18 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers import (
-    ControllerSetup,
-    DriveLimits,
-    FuzzyPid,
-    FuzzyPidController,
-    FuzzyPidSettings,
-    PidController,
-    PidSettings,
-)
-from musclewire.controllers.pid import pid_controller
+from musclewire.controllers._controller import ControllerSetup
+from musclewire.controllers._drive_limits import DriveLimits
+from musclewire.controllers._fuzzy_pid import FuzzyPid, FuzzyPidController, FuzzyPidSettings
+from musclewire.controllers._pid import PidController, PidSettings, pid_controller
 from musclewire.errors import CallerError
-from musclewire.signals.exchange import QuantityEstimate, Reason
+from musclewire.signals import QuantityEstimate, Reason
 
 LIMITS = DriveLimits(0.4, 3.2)
 PLAIN = PidController(PidSettings(), LIMITS)

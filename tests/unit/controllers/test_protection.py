@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers.protection import (
+from musclewire.controllers._protection import (
     Event,
     ProtectionLimits,
     ProtectionState,
@@ -21,7 +21,7 @@ from musclewire.controllers.protection import (
     protection_table,
     tripped_by,
 )
-from musclewire.controllers.protection.protect import CONDITION_EVENTS
+from musclewire.controllers._protection.protect import CONDITION_EVENTS
 from musclewire.errors import CallerError
 
 LIMITS = ProtectionLimits(

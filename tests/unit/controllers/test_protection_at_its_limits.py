@@ -9,7 +9,7 @@ import math
 
 import pytest
 
-from musclewire.controllers.protection import (
+from musclewire.controllers._protection import (
     Event,
     ProtectionLimits,
     State,
@@ -19,8 +19,8 @@ from musclewire.controllers.protection import (
     protect_reading,
     protection_table,
 )
-from musclewire.controllers.protection.protect import CONDITION_EVENTS, ProtectionState
-from musclewire.controllers.protection.sound import packed_limits, packed_memory, sound_reading
+from musclewire.controllers._protection.protect import CONDITION_EVENTS, ProtectionState
+from musclewire.controllers._protection.sound import packed_limits, packed_memory, sound_reading
 
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.5,

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from musclewire.controllers.protection import (
+from musclewire.controllers._protection import (
     Event,
     ProtectionLimits,
     ProtectionState,
@@ -25,8 +25,8 @@ from musclewire.controllers.protection import (
     rested,
     tripped_by,
 )
-from musclewire.controllers.protection.protect import CONDITION_EVENTS, LastingConditions, state_after
-from musclewire.controllers.protection.table import AllowedDrive, Effect
+from musclewire.controllers._protection.protect import CONDITION_EVENTS, LastingConditions, state_after
+from musclewire.controllers._protection.table import AllowedDrive, Effect
 
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.3,

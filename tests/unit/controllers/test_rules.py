@@ -5,8 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.controllers import load_rule_base, parse_rule_base, rule_base_names
-from musclewire.controllers.rules import SET_NAMES, ConstantRules, MamdaniRules, ZhaoRules
+from musclewire.controllers._rules import (
+    SET_NAMES,
+    ConstantRules,
+    MamdaniRules,
+    ZhaoRules,
+    load_rule_base,
+    parse_rule_base,
+    rule_base_names,
+)
 from musclewire.errors import CallerError
 
 CONSTANT = """

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers.protection import (
+from musclewire.controllers._protection import (
     Event,
     ProtectionLimits,
     ProtectionState,
@@ -25,8 +25,8 @@ from musclewire.controllers.protection import (
     rested,
     tripped_by,
 )
-from musclewire.controllers.protection.running import RunningProtection
-from musclewire.controllers.protection.sound import fills_block, sound_sample
+from musclewire.controllers._protection.running import RunningProtection
+from musclewire.controllers._protection.sound import fills_block, sound_sample
 
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.3,

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers.protection import (
+from musclewire.controllers._protection import (
     Event,
     ProtectionLimits,
     ProtectionState,
@@ -17,8 +17,8 @@ from musclewire.controllers.protection import (
     protect_command,
     protect_reading,
 )
-from musclewire.controllers.protection.protect import HEALTHY, conditions, missing_event
-from musclewire.controllers.protection.sound import (
+from musclewire.controllers._protection.protect import HEALTHY, conditions, missing_event
+from musclewire.controllers._protection.sound import (
     REMEMBERED,
     packed_limits,
     packed_memory,

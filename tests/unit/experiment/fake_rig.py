@@ -6,10 +6,9 @@ import math
 from types import TracebackType
 from typing import Self
 
-from musclewire.rigs.protocol import Metadata
+from musclewire.rigs import Metadata
 from musclewire.sensing import SensingModel
-from musclewire.signals import RawSample
-from musclewire.signals.exchange import Command, as_command, drive_voltage_of
+from musclewire.signals import Command, RawSample, as_command, drive_voltage_of
 
 LENGTH_M = 0.07
 

@@ -12,9 +12,9 @@ from fake_rig import FakeRig, straight_model
 
 from musclewire.controllers import FuzzyPidSettings, sampled_reference
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment.closed_loop import control, controller_for
-from musclewire.experiment.open_loop import WaveformPolicy, characterize, slow_sine
-from musclewire.experiment.run import run_on_rig
+from musclewire.experiment._closed_loop import control, controller_for
+from musclewire.experiment._open_loop import WaveformPolicy, characterize, slow_sine
+from musclewire.experiment._run import run_on_rig
 from musclewire.sensing import SensingModel
 
 
@@ -92,8 +92,8 @@ def test_without_any_other_place_the_journal_is_named_with_the_rows_it_has(
     def full(*_: object) -> None:
         raise OSError(ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("musclewire.signals.background_writer.SyncedFile.append", full)
-    monkeypatch.setattr("musclewire.experiment.run.rescued", lambda *_: None)
+    monkeypatch.setattr("musclewire.signals._background_writer.SyncedFile.append", full)
+    monkeypatch.setattr("musclewire.experiment._run.rescued", lambda *_: None)
     with pytest.raises(RigError) as caught:
         characterize(FakeRig(), period_s=5.0, path=tmp_path / "run.h5")
     assert caught.value.__notes__[0].endswith(r"run.h5.journal (the first 0)")
@@ -105,7 +105,7 @@ def test_a_disk_that_takes_no_more_ends_the_run_safe_with_the_samples_on_the_err
     def full(*_: object) -> None:
         raise OSError(ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("musclewire.signals.background_writer.SyncedFile.append", full)
+    monkeypatch.setattr("musclewire.signals._background_writer.SyncedFile.append", full)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     rig = FakeRig()
     with pytest.raises(RigError, match=r"cannot write .*run\.h5: No space left on device") as caught:

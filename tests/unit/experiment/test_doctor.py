@@ -11,12 +11,11 @@ import pytest
 from tests.contract.altered_device import AlteredDevice
 
 import musclewire as mw
-from musclewire.app.doctor_command import document, text
+from musclewire.app import document, text
 from musclewire.errors import CallerError
-from musclewire.experiment.doctor import Examination, examine
-from musclewire.rigs.abilities import true_state_of
-from musclewire.rigs.device import Answer
-from musclewire.signals.exchange import RawSample
+from musclewire.experiment._doctor import Examination, examine
+from musclewire.rigs import Answer, true_state_of
+from musclewire.signals import RawSample
 
 Altered = Callable[[RawSample, int], RawSample]
 SHUNT_OHM = 1.0

@@ -11,14 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment.drive import HeldCurrent, drive_wire
-from musclewire.experiment.supply_sizing import SupplyRequest, drive_numbers, plan_supply, size_supply
-from musclewire.identify.catalogue_check import run_catalogue_test
+from musclewire.experiment._drive import HeldCurrent, drive_wire
+from musclewire.experiment._supply_sizing import SupplyRequest, drive_numbers, plan_supply, size_supply
+from musclewire.identify import run_catalogue_test
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.rigs.configuration import open_rig
-from musclewire.signals import RawSample
-from musclewire.signals.exchange import Drive
-from musclewire.signals.recording import Recording
+from musclewire.rigs import open_rig
+from musclewire.signals import Drive, RawSample, Recording
 
 
 def test_a_held_current_is_held_on_a_rig_that_is_no_simulation() -> None:

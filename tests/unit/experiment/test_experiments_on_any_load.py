@@ -12,11 +12,10 @@ import numpy as np
 import pytest
 
 from musclewire.controllers import staircase
-from musclewire.experiment.closed_loop import control
-from musclewire.experiment.open_loop import characterize
+from musclewire.experiment._closed_loop import control
+from musclewire.experiment._open_loop import characterize
 from musclewire.identify import fit
-from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.guarded import GuardedRig
+from musclewire.rigs import GuardedRig, RigConfiguration, open_rig
 
 SPRING = {"part": "spring", "stiffness": "386.2 N/m"}
 LOADS = {

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from musclewire import characterize, open_rig, pretension_sweep
-from musclewire.experiment.extrapolation import extrapolation_metadata, extrapolation_warnings, reached_in
-from musclewire.experiment.pretension import default_pretensions_n
-from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.signals.recording import Recording
+from musclewire.experiment._extrapolation import extrapolation_metadata, extrapolation_warnings, reached_in
+from musclewire.experiment._pretension import default_pretensions_n
+from musclewire.rigs import RigConfiguration
+from musclewire.signals import Recording
 
 SECTION_M2 = pi / 4.0 * 1e-8
 

@@ -7,8 +7,8 @@ from fake_rig import FakeRig, straight_model
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.experiment.closed_loop import control
-from musclewire.sensing.known_load import KnownSpring
+from musclewire.experiment._closed_loop import control
+from musclewire.sensing import KnownSpring
 from musclewire.signals import Recording
 
 SPRING_N_PER_M = 588.6

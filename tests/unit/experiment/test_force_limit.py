@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.experiment.force_limit import force_warnings
-from musclewire.experiment.open_loop import characterize
-from musclewire.experiment.pretension import pretension_sweep
-from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.signals import Recording
-from musclewire.signals.recording import MetadataValue
+from musclewire.experiment._force_limit import force_warnings
+from musclewire.experiment._open_loop import characterize
+from musclewire.experiment._pretension import pretension_sweep
+from musclewire.rigs import RigConfiguration, open_rig
+from musclewire.signals import MetadataValue, Recording
 
 
 def pulled(force_n: np.ndarray, **metadata: MetadataValue) -> Recording:

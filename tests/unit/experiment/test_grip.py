@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.experiment.grip import GripRun, grip
-from musclewire.experiment.gripper_training import (
+from musclewire.experiment._grip import GripRun, grip
+from musclewire.experiment._gripper_training import (
     GripperKnowledge,
     close_fingers,
     load_knowledge,
@@ -18,12 +18,11 @@ from musclewire.experiment.gripper_training import (
     train_gripper,
     with_object,
 )
-from musclewire.identify.contact_fitting import KnownGrip, fit_free_closing, fit_grip_curve, thermal_time_s
-from musclewire.parameters.finger_file import load_finger
-from musclewire.parameters.library import load_alloy
-from musclewire.rigs.configuration import open_rig, rig_configuration
+from musclewire.identify import KnownGrip, fit_free_closing, fit_grip_curve, thermal_time_s
+from musclewire.parameters import load_alloy, load_finger
+from musclewire.rigs import open_rig, rig_configuration
 from musclewire.signals import Recording
-from musclewire.wire.loads import ElasticObject
+from musclewire.wire import ElasticObject
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +100,7 @@ def test_the_same_seed_grips_the_same_to_the_bit(knowledge: GripperKnowledge) ->
 
 
 def test_nothing_that_decides_reads_the_instruments(knowledge: GripperKnowledge) -> None:
-    from musclewire.signals.exchange import REFERENCE_COLUMNS, RawSample
+    from musclewire.signals import REFERENCE_COLUMNS, RawSample
 
     class WithoutInstruments:
         """The rig without its instruments."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from musclewire.experiment.health import findings, health_metadata, health_warnings, result_holds
-from musclewire.sensing.health import Cause
-from musclewire.signals.recording import Recording
+from musclewire.experiment._health import findings, health_metadata, health_warnings, result_holds
+from musclewire.sensing import Cause
+from musclewire.signals import Recording
 
 PERIOD_S = 0.05
 FACTS = {"limit_sense_voltage_v": 0.3, "limit_maximum_voltage_v": 3.6, "approach_s": 5.0}

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.experiment.home import home, home_duration_s
-from musclewire.experiment.open_loop import characterize
+from musclewire.experiment._home import home, home_duration_s
+from musclewire.experiment._open_loop import characterize
 from musclewire.identify import fit
-from musclewire.rigs.configuration import open_rig
-from musclewire.sensing.model import SensingModel
+from musclewire.rigs import open_rig
+from musclewire.sensing import SensingModel
 
 
 @pytest.fixture(scope="module")

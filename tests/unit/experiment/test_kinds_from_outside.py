@@ -13,12 +13,12 @@ from tests.slow_estimators import drifting
 from typer.testing import CliRunner
 
 import musclewire as mw
-from musclewire.app.main import app
+from musclewire.app import app
 from musclewire.controllers import CONTROLLERS, ControllerSetup, DriveLimits, staircase
 from musclewire.errors import CallerError
-from musclewire.experiment.metrics import ControlRun
+from musclewire.experiment._metrics import ControlRun
 from musclewire.sensing import ESTIMATORS
-from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate, Reason
+from musclewire.signals import ControlStep, Drive, QuantityEstimate, Reason
 
 
 class OnOff:

@@ -11,13 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import NumericsError, RigError
-from musclewire.experiment.drive import drive_wire
-from musclewire.experiment.open_loop import characterize
-from musclewire.experiment.training import train
-from musclewire.rigs.abilities import stage_of, true_state_of
-from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.signals.recording import Recording
+from musclewire.experiment._drive import drive_wire
+from musclewire.experiment._open_loop import characterize
+from musclewire.experiment._training import train
+from musclewire.rigs import GuardedRig, RigConfiguration, open_rig, stage_of, true_state_of
+from musclewire.signals import Recording
 
 DRAUGHTY = {"draught": 0.1, "ambient_swing": 2.0}
 # What only one of both ways to take samples states.

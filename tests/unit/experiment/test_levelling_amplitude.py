@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from musclewire.experiment.levelling_amplitude import levelling_amplitude
-from musclewire.experiment.open_loop import characterize
-from musclewire.identify.point_c import shows_c
-from musclewire.rigs.configuration import RigConfiguration, amplitude_is_given, open_rig
-from musclewire.signals import read_recording
-from musclewire.signals.recording import Recording
+from musclewire.experiment._levelling_amplitude import levelling_amplitude
+from musclewire.experiment._open_loop import characterize
+from musclewire.identify import shows_c
+from musclewire.rigs import RigConfiguration, amplitude_is_given, open_rig
+from musclewire.signals import Recording, read_recording
 
 
 def test_a_loop_that_still_falls_where_it_turned_says_so_in_its_file(tmp_path: Path) -> None:

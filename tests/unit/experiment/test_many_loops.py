@@ -21,23 +21,19 @@ from musclewire.controllers import (
     FuzzyPid,
     FuzzyPidController,
     FuzzyPidSettings,
+    PidSettings,
     staircase,
 )
-from musclewire.controllers.pid import PidSettings
 from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.experiment.closed_loop import control
-from musclewire.experiment.loop_outcomes import LoopOutcome, ManyControlRuns
-from musclewire.experiment.many_loops import control_compiled, control_many
-from musclewire.experiment.open_loop import characterize
-from musclewire.experiment.run_warnings import friction_warnings
-from musclewire.identify.sensing_model import fit
-from musclewire.rigs.air import Surroundings
-from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.sensing import KnownSpring, ResistanceCurve, SensingModel
-from musclewire.sensing.estimator import EstimatorSetup
-from musclewire.sensing.polynomial_estimator import PolynomialEstimator
-from musclewire.signals.compiled_tick import CompiledTick, declared_tick
-from musclewire.signals.exchange import ControlStep, Drive, QuantityEstimate
+from musclewire.experiment._closed_loop import control
+from musclewire.experiment._loop_outcomes import LoopOutcome, ManyControlRuns
+from musclewire.experiment._many_loops import control_compiled, control_many
+from musclewire.experiment._open_loop import characterize
+from musclewire.experiment._run_warnings import friction_warnings
+from musclewire.identify import fit
+from musclewire.rigs import RigConfiguration, Surroundings, open_rig
+from musclewire.sensing import EstimatorSetup, KnownSpring, PolynomialEstimator, ResistanceCurve, SensingModel
+from musclewire.signals import CompiledTick, ControlStep, Drive, QuantityEstimate, declared_tick
 
 pytestmark = pytest.mark.slow
 

@@ -6,8 +6,8 @@ import pytest
 from fake_rig import FakeRig
 
 from musclewire.errors import CallerError
-from musclewire.experiment.pretension import default_pretensions_n, pretension_sweep
-from musclewire.rigs.configuration import open_rig
+from musclewire.experiment._pretension import default_pretensions_n, pretension_sweep
+from musclewire.rigs import open_rig
 
 
 def test_pretension_first_closes_the_loop() -> None:

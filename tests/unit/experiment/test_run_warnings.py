@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from musclewire.errors import RecordingError
-from musclewire.experiment.run_warnings import friction_warnings, run_warnings
-from musclewire.signals import Recording
-from musclewire.signals.metadata import MetadataValue
+from musclewire.experiment._run_warnings import friction_warnings, run_warnings
+from musclewire.signals import MetadataValue, Recording
 
 
 def stated(**facts: MetadataValue) -> Recording:

@@ -15,11 +15,10 @@ from tests.slow_estimators import DriftingState, MeanPower, drifting
 
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment.closed_loop import control
-from musclewire.rigs.protocol import Rig
-from musclewire.sensing import PolynomialEstimator
-from musclewire.sensing.slow_corrections import InLine, InThread, SlowCorrections, SlowStatus
-from musclewire.signals.exchange import Command, RawSample, WireSample
+from musclewire.experiment._closed_loop import control
+from musclewire.rigs import Rig
+from musclewire.sensing import InLine, InThread, PolynomialEstimator, SlowCorrections, SlowStatus
+from musclewire.signals import Command, RawSample, WireSample
 
 SHORT = staircase(hold_s=0.3)
 SAMPLE = WireSample(0.0, 1.0, 0.9, 0.1)

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers.references import staircase
+from musclewire.controllers import staircase
 from musclewire.errors import CallerError
-from musclewire.experiment.staircases import staircase_within
+from musclewire.experiment._staircases import staircase_within
 from musclewire.sensing import SensingModel
 
 STRAIN = SensingModel(15.0, 17.0, (0.036, -0.036), (0.036, -0.036), 0.0, 1.0)

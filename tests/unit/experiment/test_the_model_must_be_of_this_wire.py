@@ -8,11 +8,11 @@ from functools import cache
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.experiment.closed_loop import control
-from musclewire.experiment.open_loop import characterize
-from musclewire.identify.sensing_model import fit
-from musclewire.rigs.configuration import open_rig
-from musclewire.sensing.model import SensingModel
+from musclewire.experiment._closed_loop import control
+from musclewire.experiment._open_loop import characterize
+from musclewire.identify import fit
+from musclewire.rigs import open_rig
+from musclewire.sensing import SensingModel
 
 
 @cache

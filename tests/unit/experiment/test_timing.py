@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import musclewire as mw
-from musclewire.experiment.open_loop import WaveformPolicy
-from musclewire.experiment.run import LoopTiming, run_on_rig
-from musclewire.experiment.timing_facts import timing_json
+from musclewire.experiment._open_loop import WaveformPolicy
+from musclewire.experiment._run import LoopTiming, run_on_rig
+from musclewire.experiment._timing_facts import timing_json
 
 PERIOD_NS = 1_000_000
 

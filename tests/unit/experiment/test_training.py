@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.experiment.training import train
-from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.experiment._training import train
+from musclewire.rigs import RigConfiguration, open_rig
 
 
 def test_a_new_wire_changes_from_cycle_to_cycle_until_it_has_settled() -> None:

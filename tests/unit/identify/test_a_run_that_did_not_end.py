@@ -6,7 +6,7 @@ import pytest
 
 import musclewire as mw
 from musclewire.errors import RecordingError
-from musclewire.signals.recording import Recording
+from musclewire.signals import Recording
 
 
 @pytest.fixture(scope="module")

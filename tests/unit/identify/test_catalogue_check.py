@@ -9,11 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import musclewire.identify.catalogue_check as check
-from musclewire.identify.catalogue_check import dead_weight_bench, run_catalogue_test, time_below
-from musclewire.identify.catalogue_table import compare_catalogue, judged_within
-from musclewire.parameters import Alloy, Wire, load_alloy, load_bench, load_wire
-from musclewire.parameters.catalogue import CatalogueCell
+import musclewire.identify._catalogue_check as check
+from musclewire.identify._catalogue_check import dead_weight_bench, run_catalogue_test, time_below
+from musclewire.identify._catalogue_table import compare_catalogue, judged_within
+from musclewire.parameters import Alloy, CatalogueCell, Wire, load_alloy, load_bench, load_wire
 
 ALLOY, BENCH = load_alloy("flexinol"), load_bench("dead-weight")
 WIRE = load_wire("flexinol-0.15-lt")

@@ -8,15 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.identify.catalogue_check import dead_weight_bench, run_catalogue_test
-from musclewire.identify.electrical_sizing import (
+from musclewire.identify._catalogue_check import dead_weight_bench, run_catalogue_test
+from musclewire.identify._electrical_sizing import (
     one_second_current,
     relaxation_time_s,
     steady_temperature_k,
     suggested_shunt,
 )
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.physics.heat import convection_coefficient_w_per_m2_k
+from musclewire.physics import convection_coefficient_w_per_m2_k
 
 ALLOY = load_alloy("flexinol")
 

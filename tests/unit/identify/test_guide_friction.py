@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.experiment.open_loop import characterize
-from musclewire.identify import fit
-from musclewire.identify.guide_friction import guide_friction_n
+from musclewire.experiment import characterize
+from musclewire.identify._guide_friction import guide_friction_n
+from musclewire.identify._sensing_model import fit
 from musclewire.parameters import load_bench
-from musclewire.rigs.configuration import open_rig
+from musclewire.rigs import open_rig
 from musclewire.signals import Recording
 
 

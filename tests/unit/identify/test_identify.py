@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.experiment.open_loop import characterize
-from musclewire.experiment.pretension import pretension_sweep
-from musclewire.identify import estimate, fit
-from musclewire.identify.loop_gaps import loop_gaps
-from musclewire.identify.recordings import COLUMN_SUFFIX, reference_quantity, resistance_reading
-from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.experiment import characterize, pretension_sweep
+from musclewire.identify._loop_gaps import loop_gaps
+from musclewire.identify._recordings import COLUMN_SUFFIX, reference_quantity, resistance_reading
+from musclewire.identify._sensing_model import estimate, fit
+from musclewire.rigs import RigConfiguration, open_rig
 from musclewire.signals import Recording
 
 

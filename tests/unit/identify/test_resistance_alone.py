@@ -8,16 +8,14 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, FitRejectedError, RecordingError
-from musclewire.experiment.open_loop import characterize
-from musclewire.identify import estimate, fit
-from musclewire.identify.resistance_alone.fitting import ResistanceFit, fit_resistance
-from musclewire.identify.resistance_alone.marks import Marks
-from musclewire.identify.resistance_alone.what_helps import combined_std
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.parameters.spreads import load_spreads, priors_around
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.simulated import SimulatedDevice, SimulatedSpool
-from musclewire.sensing.model import load_model
+from musclewire.experiment import characterize
+from musclewire.identify._resistance_alone.fitting import ResistanceFit, fit_resistance
+from musclewire.identify._resistance_alone.marks import Marks
+from musclewire.identify._resistance_alone.what_helps import combined_std
+from musclewire.identify._sensing_model import estimate, fit
+from musclewire.parameters import load_alloy, load_bench, load_spreads, load_wire, priors_around
+from musclewire.rigs import GuardedRig, SimulatedDevice, SimulatedSpool
+from musclewire.sensing import load_model
 from musclewire.signals import Recording
 
 pytestmark = pytest.mark.slow

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 
 from musclewire.controllers import FeedforwardSettings, sampled_reference, staircase
 from musclewire.errors import CallerError, RecordingError
-from musclewire.identify.speed_limits import speed_limits_of
-from musclewire.identify.speed_limits.help import diameter_for
-from musclewire.identify.speed_limits.plant import SpeedPlant
-from musclewire.identify.speed_limits.tracking import followed
-from musclewire.sensing.model import SensingModel
-from musclewire.signals.run_facts import RunFacts
+from musclewire.identify._speed_limits import speed_limits_of
+from musclewire.identify._speed_limits.help import diameter_for
+from musclewire.identify._speed_limits.plant import SpeedPlant
+from musclewire.identify._speed_limits.tracking import followed
+from musclewire.sensing import SensingModel
+from musclewire.signals import RunFacts
 
 TAU_S, COOLING_W, HEATING_W = 0.8, (0.25, 0.40), (0.35, 0.50)
 LEVELS = np.linspace(0.005, 0.035, 33)

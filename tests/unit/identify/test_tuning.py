@@ -12,9 +12,9 @@ import pytest
 import musclewire as mw
 from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, load_gains
 from musclewire.errors import CallerError, RecordingError
-from musclewire.identify.tuning import Tuning, feedback_gains, margins_of, tune, worst_margins
-from musclewire.sensing.model import SensingModel
-from musclewire.signals.recording import Recording
+from musclewire.identify._tuning import Tuning, feedback_gains, margins_of, tune, worst_margins
+from musclewire.sensing import SensingModel
+from musclewire.signals import Recording
 
 PERIOD_S, RESISTANCE_OHM = 0.05, 16.0
 LIMITS: dict[str, Any] = {

@@ -7,9 +7,9 @@ import math
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.parameters import load_alloy, load_wire, names
-from musclewire.parameters.catalogue import CatalogueRow, catalogue_names, catalogue_row, load_catalogue
-from musclewire.physics.heat import convection_coefficient_w_per_m2_k
+from musclewire.parameters._catalogue import CatalogueRow, catalogue_names, catalogue_row, load_catalogue
+from musclewire.parameters._library import load_alloy, load_wire, names
+from musclewire.physics import convection_coefficient_w_per_m2_k
 
 ROWS = load_catalogue().row
 SOUND = [row for row in ROWS if row.pull_force_g.status != "suspect"]

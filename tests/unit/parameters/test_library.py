@@ -8,8 +8,8 @@ import math
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.parameters import Alloy, Bench, Parameter, Wire, load_alloy, load_bench, load_wire, names
-from musclewire.parameters.library import published_text, read_published
+from musclewire.parameters._library import load_alloy, load_bench, load_wire, names, published_text, read_published
+from musclewire.parameters._parameter_groups import Alloy, Bench, Parameter, Wire
 
 # Lan and Fan 2010, Table 1: diameter [um], linear resistance [ohm/m], maximal allowable and nominal force [N].
 TABLE_1 = [(100, 126.0, 4.601, 0.275), (125, 75.0, 7.220, 0.422), (200, 29.0, 18.247, 1.079)]

@@ -8,9 +8,8 @@ import re
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.extras.board.parts import load_parts, parts_names
-from musclewire.identify.catalogue_check import PULL_STRESS_PA
-from musclewire.identify.wire_table import wire_row
+from musclewire.extras.board import load_parts, parts_names
+from musclewire.identify import PULL_STRESS_PA, wire_row
 
 SYMBOL = re.compile(r"^(?:[A-Z]\d|RCL|RS)$")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.parameters.priors import load_priors, prior_set_names
+from musclewire.parameters._priors import load_priors, prior_set_names
 
 MINE = """name = "mine"
 description = "a wire"

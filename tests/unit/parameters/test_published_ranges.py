@@ -8,10 +8,9 @@ from typing import Any
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.parameters import load_alloy, load_wire
-from musclewire.parameters.library import read_published
-from musclewire.parameters.parameter_groups import Wire
-from musclewire.parameters.published_ranges import (
+from musclewire.parameters._library import load_alloy, load_wire, read_published
+from musclewire.parameters._parameter_groups import Wire
+from musclewire.parameters._published_ranges import (
     PublishedRange,
     PublishedRanges,
     outside,
@@ -20,7 +19,7 @@ from musclewire.parameters.published_ranges import (
     spool_ranges,
     spool_values,
 )
-from musclewire.parameters.validation import validated
+from musclewire.parameters._validation import validated
 
 BRANCHES = ("heating", "cooling")
 DENSITY = {"low": 6450.0, "high": 6500.0, "unit": "kg/m^3", "standing": "looked up", "source": "two data sheets"}

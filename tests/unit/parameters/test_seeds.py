@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.experiment.supply_sizing import SupplyRequest, plan_supply
-from musclewire.identify.physical.search import SearchSettings
-from musclewire.parameters.seeds import require_seed
-from musclewire.rigs.configuration import RigConfiguration
+from musclewire.experiment import SupplyRequest, plan_supply
+from musclewire.identify import SearchSettings
+from musclewire.parameters._seeds import require_seed
+from musclewire.rigs import RigConfiguration
 
 TAKERS: dict[str, Callable[[Any], Any]] = {
     "open_rig": lambda seed: mw.open_rig("simulated", seed=seed),

@@ -10,11 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from musclewire.parameters.catalogue import catalogue_row
-from musclewire.parameters.library import load_alloy, load_wire
-from musclewire.parameters.parameter_groups import Alloy
-from musclewire.parameters.validity import ReachedConditions, ValidityLimits, beyond_validity, section_m2, validity_of
-from musclewire.parameters.wire_file import wire_file_text
+from musclewire.parameters._catalogue import catalogue_row
+from musclewire.parameters._library import load_alloy, load_wire
+from musclewire.parameters._parameter_groups import Alloy
+from musclewire.parameters._validity import (
+    ReachedConditions,
+    ValidityLimits,
+    beyond_validity,
+    section_m2,
+    validity_of,
+)
+from musclewire.parameters._wire_file import wire_file_text
 
 FLEXINOL = load_alloy("flexinol")
 LIMITS = validity_of(FLEXINOL)

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.parameters import Parameter, load_alloy, load_bench, load_wire
-from musclewire.parameters.library import bench_known_with
-from musclewire.parameters.wire_file import quoted, read_wire_file, wire_file_text
+from musclewire.parameters._library import bench_known_with, load_alloy, load_bench, load_wire
+from musclewire.parameters._parameter_groups import Parameter
+from musclewire.parameters._wire_file import quoted, read_wire_file, wire_file_text
 
 FRICTION = Parameter(value=0.0123, unit="N", kind="fitted", source="a loop", note="0.01 to 0.02")
 

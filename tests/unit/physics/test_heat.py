@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.physics.heat import (
+from musclewire.physics._heat import (
     air_dynamic_viscosity_pa_s,
     air_prandtl,
     air_thermal_conductivity_w_per_m_k,
@@ -17,7 +17,7 @@ from musclewire.physics.heat import (
     nusselt_morgan,
     rayleigh_of_wire,
 )
-from musclewire.rigs.configuration import open_rig
+from musclewire.rigs import open_rig
 
 # Incropera and DeWitt, Table A.4, air at one atmosphere: T [K], mu [1e-7 Pa s], k [1e-3 W/(m K)], Pr.
 AIR = [(300.0, 184.6, 26.3, 0.707), (350.0, 208.2, 30.0, 0.700), (400.0, 230.1, 33.8, 0.690)]

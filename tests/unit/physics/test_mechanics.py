@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.physics.material import (
+from musclewire.physics._material import (
     friction_force_n,
     maximum_transformation_strain,
     maximum_transformation_strain_slope_per_pa,

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.physics.resistance import phase_resistivity_ohm_m, wire_resistance_ohm
+from musclewire.physics._resistance import phase_resistivity_ohm_m, wire_resistance_ohm
 
 AREA_M2 = math.pi / 4 * 100e-6**2
 

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from musclewire.physics.material import advantage_k
+from musclewire.physics._material import advantage_k
 
 
 def test_balance_moves_with_stress_by_clausius_and_clapeyron() -> None:

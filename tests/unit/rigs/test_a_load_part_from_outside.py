@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 
 from musclewire import registry
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.parameters import load_wire
-from musclewire.rigs.configuration import open_rig, read_rig_file
-from musclewire.rigs.load_kinds import LOAD_PARTS
-from musclewire.rigs.load_part import FloatArray, Length, LoadPart, Stiffness
-from musclewire.rigs.protocol import Metadata
-from musclewire.signals.exchange import Drive
+from musclewire.rigs._configuration import open_rig, read_rig_file
+from musclewire.rigs._load_kinds import LOAD_PARTS
+from musclewire.rigs._load_part import Length, LoadPart, Stiffness
+from musclewire.rigs._protocol import Metadata
+from musclewire.signals import Drive
 
 HEAD = '[[load]]\npart = "pretensioner"\nstiffness = "386.2 N/m"\n'
 RUBBER = HEAD + '[[load]]\npart = "rubber band"\nstiffness = "800 N/m"\nreach = "3 mm"\n'

@@ -10,15 +10,14 @@ import pytest
 
 from musclewire.controllers import staircase
 from musclewire.errors import RigError
-from musclewire.experiment.drive import drive_wire
-from musclewire.experiment.many_loops import control_many
-from musclewire.parameters.library import load_bench
-from musclewire.rigs.compiled_loop.running import uncompiled
-from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.simulated import BenchInstruments, read_sample
+from musclewire.experiment import control_many, drive_wire
+from musclewire.parameters import load_bench
+from musclewire.rigs._compiled_loop.running import uncompiled
+from musclewire.rigs._configuration import RigConfiguration, open_rig
+from musclewire.rigs._guarded import GuardedRig
+from musclewire.rigs._simulated import BenchInstruments, read_sample
 from musclewire.sensing import SensingModel
-from musclewire.signals.recording import Recording
+from musclewire.signals import Recording
 
 
 @pytest.mark.parametrize("at_endpoint", [False, True])

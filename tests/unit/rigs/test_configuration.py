@@ -9,13 +9,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.parameters import Parameter, load_alloy, load_bench, load_wire
-from musclewire.parameters.finger_file import finger_file_text, load_finger
-from musclewire.parameters.parameter_groups import key_hint
-from musclewire.parameters.validation import validated
-from musclewire.parameters.wire_file import wire_file_text
-from musclewire.rigs.abilities import true_state_of
-from musclewire.rigs.configuration import RigConfiguration, open_rig, read_rig_file, rig_names
+from musclewire.parameters import (
+    Parameter,
+    finger_file_text,
+    key_hint,
+    load_alloy,
+    load_bench,
+    load_finger,
+    load_wire,
+    validated,
+    wire_file_text,
+)
+from musclewire.rigs._abilities import true_state_of
+from musclewire.rigs._configuration import RigConfiguration, open_rig, read_rig_file, rig_names
 
 
 @pytest.fixture

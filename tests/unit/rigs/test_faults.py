@@ -6,12 +6,12 @@ import math
 
 import pytest
 
-from musclewire.controllers.protection import Event
+from musclewire.controllers import Event
 from musclewire.errors import CallerError
-from musclewire.parameters.validation import validated
-from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.guarded import ProtectionTripError
-from musclewire.rigs.simulated_faults import OLD_KINDS, SimulatedFaults
+from musclewire.parameters import validated
+from musclewire.rigs._configuration import RigConfiguration, open_rig
+from musclewire.rigs._guarded import ProtectionTripError
+from musclewire.rigs._simulated_faults import OLD_KINDS, SimulatedFaults
 
 WIRE_OHM, SHUNT_OHM = 14.0, 1.0
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import musclewire as mw
-from musclewire.experiment.run_warnings import friction_warnings, run_warnings
+from musclewire.experiment import friction_warnings, run_warnings
 from musclewire.signals import Recording
 
 STIFFNESS_N_PER_M = 588.6

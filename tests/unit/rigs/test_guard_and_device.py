@@ -7,20 +7,14 @@ from collections.abc import Iterator
 
 import pytest
 
-from musclewire.controllers.protection import Event, State
+from musclewire.controllers import Event, State
 from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.rigs.abilities import (
-    on_board_loop_of,
-    required_true_state,
-    stage_of,
-    tendon_stage_of,
-    true_state_of,
-)
-from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
-from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs.protocol import Metadata
-from musclewire.signals.exchange import Command, Drive, RawSample, Target
+from musclewire.rigs._abilities import on_board_loop_of, required_true_state, stage_of, tendon_stage_of, true_state_of
+from musclewire.rigs._configuration import open_rig
+from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
+from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
+from musclewire.rigs._protocol import Metadata
+from musclewire.signals import Command, Drive, RawSample, Target
 
 LIMITS = open_rig("simulated").protection_limits
 SENSE_V = LIMITS.sense_voltage_v

@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 from tests.contract.altered_device import AlteredDevice
 
-from musclewire.controllers.protection import Event, State
+from musclewire.controllers import Event, State
 from musclewire.errors import RigError
-from musclewire.rigs.abilities import stage_of
-from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.rigs.device import Answer
-from musclewire.rigs.guarded import NOT_CONFIRMED, GuardedRig, ProtectionTripError
+from musclewire.rigs._abilities import stage_of
+from musclewire.rigs._configuration import RigConfiguration, open_rig
+from musclewire.rigs._device import Answer
+from musclewire.rigs._guarded import NOT_CONFIRMED, GuardedRig, ProtectionTripError
 
 
 def faulty(**fault: object) -> RigConfiguration:

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.parameters import load_bench
-from musclewire.rigs.simulated import BenchInstruments, read_sample
+from musclewire.rigs._simulated import BenchInstruments, read_sample
 
 BENCH = load_bench("paper").values()
 SAMPLES = 3

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.parameters.validation import validated
-from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.parameters import validated
+from musclewire.rigs._configuration import RigConfiguration, open_rig
 
 PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}
 FINGER = {"part": "finger", "finger": "lan-fan-2010"}

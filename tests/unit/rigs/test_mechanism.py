@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.parameters.finger_file import FingerCurve, load_finger
-from musclewire.rigs.load_kinds import Parts
-from musclewire.rigs.load_parts import Antagonist, Blocked, Contact, Finger, Pretensioner, Spring, Weight
-from musclewire.rigs.mechanism import FingerTendon, SimulatedLoad, mechanism_of
-from musclewire.wire.loads import ElasticObject
+from musclewire.parameters import FingerCurve, load_finger
+from musclewire.rigs._load_kinds import Parts
+from musclewire.rigs._load_parts import Antagonist, Blocked, Contact, Finger, Pretensioner, Spring, Weight
+from musclewire.rigs._mechanism import FingerTendon, SimulatedLoad, mechanism_of
+from musclewire.wire import ElasticObject
 
 LEG_M, BESIDE_N_PER_M = 0.035, 386.2
 CURVE = load_finger("lan-fan-2010").curve

@@ -7,13 +7,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from musclewire.controllers.protection import Event, State
+from musclewire.controllers import Event, State
 from musclewire.errors import CallerError
-from musclewire.rigs import pacing
-from musclewire.rigs.abilities import adjustable_clock_of
-from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs.pacing import SPIN_S, SamplePacer
+from musclewire.rigs import _pacing as pacing
+from musclewire.rigs._abilities import adjustable_clock_of
+from musclewire.rigs._configuration import open_rig
+from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
+from musclewire.rigs._pacing import SPIN_S, SamplePacer
 
 READING_TAKES_S = 1e-6
 

@@ -11,19 +11,19 @@ import pytest
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.rigs.configuration import open_rig, read_rig_file, rig_configuration, simulated_configuration
-from musclewire.rigs.kinds import DEVICES, DeviceConfiguration
-from musclewire.rigs.outside import imported
-from musclewire.signals.recording import Recording
+from musclewire.rigs._configuration import open_rig, read_rig_file, rig_configuration, simulated_configuration
+from musclewire.rigs._kinds import DEVICES, DeviceConfiguration
+from musclewire.rigs._outside import imported
+from musclewire.signals import Recording
 
 NAMES = ("my_plant", "my_failing_plant", "my_other_plant")
 PLANT = """
 import pathlib
 
-from musclewire.rigs.device import SWITCHED_OFF, DeviceFacts
-from musclewire.rigs.kinds import DeviceConfiguration
-from musclewire.rigs.mounted_wire import MountedWire
-from musclewire.signals.exchange import RawSample, drive_voltage_of
+from musclewire.rigs._device import SWITCHED_OFF, DeviceFacts
+from musclewire.rigs._kinds import DeviceConfiguration
+from musclewire.rigs._mounted_wire import MountedWire
+from musclewire.signals._exchange import RawSample, drive_voltage_of
 
 pathlib.Path(__file__).with_suffix(".imported").touch()
 

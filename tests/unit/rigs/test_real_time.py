@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.rigs import real_time
+from musclewire.rigs import _real_time as real_time
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="priority and pinning are Linux's")
 

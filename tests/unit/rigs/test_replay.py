@@ -9,15 +9,12 @@ import numpy as np
 import pytest
 
 import musclewire as mw
-from musclewire.controllers import staircase
-from musclewire.controllers.protection import Event
+from musclewire.controllers import Event, staircase
 from musclewire.errors import CallerError, RecordingError, RigError
-from musclewire.experiment.open_loop import WaveformPolicy
-from musclewire.experiment.run import run_on_rig
-from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs.replay import ReplayDevice
-from musclewire.signals.exchange import RawSample
-from musclewire.signals.recording import Recording
+from musclewire.experiment import WaveformPolicy, run_on_rig
+from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
+from musclewire.rigs._replay import ReplayDevice
+from musclewire.signals import RawSample, Recording
 
 Replay = Callable[..., GuardedRig]
 TARGETS = (0.010, 0.020, 0.005)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RigError
-from musclewire.rigs.abilities import stage_of, true_state_of
-from musclewire.rigs.configuration import RigConfiguration, open_rig, rig_names
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.signals.exchange import RawSample
+from musclewire.rigs._abilities import stage_of, true_state_of
+from musclewire.rigs._configuration import RigConfiguration, open_rig, rig_names
+from musclewire.rigs._guarded import GuardedRig
+from musclewire.signals import RawSample
 
 PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}
 FINGER = {"part": "finger", "finger": "lan-fan-2010"}

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.rigs.abilities import stage_of, true_state_of
-from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.signals.exchange import RawSample
+from musclewire.rigs._abilities import stage_of, true_state_of
+from musclewire.rigs._configuration import open_rig
+from musclewire.rigs._guarded import GuardedRig
+from musclewire.signals import RawSample
 
 DRIVE_V = [0.3, 1.0, 3.0, 3.2, 2.0, 0.3]
 
@@ -75,7 +75,7 @@ def test_the_stage_sets_the_pretension_and_zeroes_the_instruments() -> None:
 
 
 def test_a_new_wire_goes_on_settling_when_the_stage_moves() -> None:
-    from musclewire.rigs.configuration import RigConfiguration
+    from musclewire.rigs._configuration import RigConfiguration
 
     rig = open_rig(RigConfiguration(new_wire=True))
     with rig:

@@ -10,15 +10,14 @@ import pytest
 
 from musclewire import open_rig
 from musclewire.errors import CallerError
-from musclewire.experiment.run_warnings import run_warnings
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.rigs.abilities import true_state_of
-from musclewire.rigs.pulse_width import PulseWidth, duty_of, pulse_width_problems, unsettled_error
-from musclewire.rigs.simulated import SimulatedSpool
-from musclewire.rigs.simulated_configuration import RigConfiguration
-from musclewire.rigs.simulated_pwm import PulsedDevice
-from musclewire.signals.exchange import Drive, RawSample
-from musclewire.signals.recording import Recording
+from musclewire.experiment import run_warnings
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.rigs._abilities import true_state_of
+from musclewire.rigs._pulse_width import PulseWidth, duty_of, pulse_width_problems, unsettled_error
+from musclewire.rigs._simulated import SimulatedSpool
+from musclewire.rigs._simulated_configuration import RigConfiguration
+from musclewire.rigs._simulated_pwm import PulsedDevice
+from musclewire.signals import Drive, RawSample, Recording
 
 QUIET = {"acquisition_noise_v": 0.0, "acquisition_bits": 24.0}
 DRIVES_V = [0.3] * 5 + [2.0] * 20 + [2.8] * 30 + [1.0] * 20

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.parameters import load_wire
-from musclewire.rigs.abilities import true_state_of
-from musclewire.rigs.air import AirModel, AirState, Surroundings
-from musclewire.rigs.configuration import RigConfiguration, open_rig
-from musclewire.signals.exchange import RawSample
+from musclewire.rigs._abilities import true_state_of
+from musclewire.rigs._air import AirModel, AirState, Surroundings
+from musclewire.rigs._configuration import RigConfiguration, open_rig
+from musclewire.signals import RawSample
 
 DT_S = 0.05
 DRIVE_V = [0.3, 1.0, 3.0, 3.2, 2.0, 0.3]

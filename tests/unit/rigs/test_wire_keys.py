@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.rigs.configuration import open_rig, read_rig_file
-from musclewire.rigs.mounted_wire import SETTINGS, MountedWire
-from musclewire.rigs.simulated_configuration import RigConfiguration
+from musclewire.rigs._configuration import open_rig, read_rig_file
+from musclewire.rigs._mounted_wire import SETTINGS, MountedWire
+from musclewire.rigs._simulated_configuration import RigConfiguration
 
 BY_KEYS = """
 wire_length = "120 mm"

@@ -5,7 +5,9 @@ import pytest
 from loops import Loop, LoopMaker, noisy
 
 from musclewire.errors import CallerError, FitRejectedError, RecordingError
-from musclewire.sensing import SensingModel, find_segments, fit_branches, fit_loop, fit_segments
+from musclewire.sensing._fitting import fit_branches, fit_loop, fit_segments
+from musclewire.sensing._model import SensingModel
+from musclewire.sensing._segments import find_segments
 
 MAKER = LoopMaker()
 

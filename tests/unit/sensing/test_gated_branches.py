@@ -7,11 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.sensing import EstimatorSetup, SensingModel
-from musclewire.sensing.gated_branches import NUMBERS
-from musclewire.sensing.gated_estimator import gated_estimator
-from musclewire.sensing.slow_corrections import estimates
-from musclewire.signals.exchange import QuantityEstimate, Reason, WireSample
+from musclewire.sensing._estimator import EstimatorSetup
+from musclewire.sensing._gated_branches import NUMBERS
+from musclewire.sensing._gated_estimator import gated_estimator
+from musclewire.sensing._model import SensingModel
+from musclewire.sensing._slow_corrections import estimates
+from musclewire.signals import QuantityEstimate, Reason, WireSample
 
 # 4 % at 13.5 ohm, nothing at 17.5 ohm; the heating branch 0.2 % strain above the cooling one.
 GAP = 0.002

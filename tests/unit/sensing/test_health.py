@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from musclewire.sensing.health import CAUSE_TEXT, Cause, ChangeEvidence, ChangeState, after_evidence, change_of
-from musclewire.signals.exchange import Reason
+from musclewire.sensing._health import CAUSE_TEXT, Cause, ChangeEvidence, ChangeState, after_evidence, change_of
+from musclewire.signals import Reason
 
 NOTHING = ChangeEvidence(0.0, 0.0, 1.0, 0.0, 0.0, 1.0, Reason.OK)
 

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.sensing import SensingModel
-from musclewire.sensing.known_load import KnownSpring, force_model
+from musclewire.sensing._known_load import KnownSpring, force_model
+from musclewire.sensing._model import SensingModel
 
 STRAIN = SensingModel(15.0, 17.0, (0.0352, -0.03), (0.0348, -0.03), 0.0, 1.0, rmse_heating=1e-4)
 

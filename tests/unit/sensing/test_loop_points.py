@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from loops import LoopMaker, noisy
 
-from musclewire.sensing import find_resistance_extremes, find_segments
-from musclewire.sensing.loop_points import fall_from_b_to_c
+from musclewire.sensing._loop_points import fall_from_b_to_c
+from musclewire.sensing._resistance_extremes import find_resistance_extremes
+from musclewire.sensing._segments import find_segments
 
 MAKER = LoopMaker()
 

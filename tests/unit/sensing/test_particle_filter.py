@@ -9,18 +9,15 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.identify.sensing_model import fit
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.sensing import SensingModel
-from musclewire.sensing.estimator import EstimatorSetup
-from musclewire.sensing.home_move import HomeMove
-from musclewire.sensing.particles.estimator import PARTICLE_COLUMNS, particle_filter
-from musclewire.sensing.particles.settings import ParticleSettings
-from musclewire.signals.exchange import Reason, WireSample
-from musclewire.signals.recording import Recording
-from musclewire.wire.building import constants_from
-from musclewire.wire.paths import drive_path
-from musclewire.wire.wires import CHOSEN, OneWire
+from musclewire.identify import fit
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.sensing._estimator import EstimatorSetup
+from musclewire.sensing._home_move import HomeMove
+from musclewire.sensing._model import SensingModel
+from musclewire.sensing._particles.estimator import PARTICLE_COLUMNS, particle_filter
+from musclewire.sensing._particles.settings import ParticleSettings
+from musclewire.signals import Reason, Recording, WireSample
+from musclewire.wire import CHOSEN, OneWire, constants_from, drive_path
 
 PERIOD_S = 0.05
 WIRE = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.sensing import SensingModel
-from musclewire.sensing.estimator import EstimatorSetup
-from musclewire.sensing.particles.cloud import ParticleCloud, cloud_of
-from musclewire.sensing.particles.estimator import ParticleFilter, ParticleState, particle_filter
-from musclewire.sensing.particles.kernel import LOAD, MIN_LOAD
-from musclewire.sensing.particles.settings import EXPLANATIONS, UNKNOWNS, ParticleSettings
-from musclewire.signals.exchange import EstimatorStep, Reason, WireSample
-from musclewire.wire.building import constants_from
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.sensing._estimator import EstimatorSetup
+from musclewire.sensing._model import SensingModel
+from musclewire.sensing._particles.cloud import ParticleCloud, cloud_of
+from musclewire.sensing._particles.estimator import ParticleFilter, ParticleState, particle_filter
+from musclewire.sensing._particles.kernel import LOAD, MIN_LOAD
+from musclewire.sensing._particles.settings import EXPLANATIONS, UNKNOWNS, ParticleSettings
+from musclewire.signals import EstimatorStep, Reason, WireSample
+from musclewire.wire import constants_from
 
 PERIOD_S, SHUNT_OHM = 0.05, 1.0
 WIRE = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))

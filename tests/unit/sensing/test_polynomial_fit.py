@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.sensing.branch_equations import average, evaluate, normalised_resistance
-from musclewire.sensing.branches import Branch
-from musclewire.sensing.polynomial_fit import choose_order, fit_points, fit_polynomial
+from musclewire.sensing._branch_equations import average, evaluate, normalised_resistance
+from musclewire.sensing._branches import Branch
+from musclewire.sensing._polynomial_fit import choose_order, fit_points, fit_polynomial
 
 FRACTION = np.linspace(0.0, 1.0, 150)
 coefficient_lists = st.lists(st.floats(-1, 1), min_size=2, max_size=7)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.sensing import wire_resistance, wire_resistance_from_current
+from musclewire.physics import wire_resistance, wire_resistance_from_current
 
 anything = st.floats(allow_nan=True, allow_infinity=True)
 

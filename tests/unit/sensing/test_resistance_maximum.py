@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.sensing.resistance_maximum import ResistanceMaximum, parabola_maximum, resistance_maximum
-from musclewire.sensing.smoothing import noise_level, smooth, smoothed_noise, smoothing_window
+from musclewire.sensing._resistance_maximum import ResistanceMaximum, parabola_maximum, resistance_maximum
+from musclewire.sensing._smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
 FALL_OHM, TOP_OHM = 2.34, 17.5
 

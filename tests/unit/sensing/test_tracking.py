@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.sensing import SegmentTracker
-from musclewire.sensing.curve import ResistanceCurve
-from musclewire.sensing.polynomial_estimator import PolynomialEstimator
-from musclewire.signals.exchange import Reason, WireSample
+from musclewire.sensing._curve import ResistanceCurve
+from musclewire.sensing._polynomial_estimator import PolynomialEstimator, SegmentTracker
+from musclewire.signals import Reason, WireSample
 
 R_MIN, R_MAX = 15.0, 17.3
 SAMPLES = 1800

@@ -15,19 +15,18 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingNotWrittenError
-from musclewire.experiment.run import Recorder
-from musclewire.signals import read_recording
-from musclewire.signals.background_writer import AppendingProcess, BackgroundWriter
-from musclewire.signals.journal import journal_of
-from musclewire.signals.reading import read_hdf5
-from musclewire.signals.synced_file import SyncedFile
+from musclewire.experiment import Recorder
+from musclewire.signals._background_writer import AppendingProcess, BackgroundWriter
+from musclewire.signals._journal import journal_of
+from musclewire.signals._reading import read_hdf5, read_recording
+from musclewire.signals._synced_file import SyncedFile
 
 COLUMNS = ["time_s", "drive_voltage_v", "wire_voltage_v"]
 BOTH_WAYS = pytest.mark.parametrize("apart", [False, True], ids=["directly", "by another process"])
 # A host that is killed as soon as all of its rows have been taken from the loop.
 KILLED_HOST = """
 import os, signal, sys
-from musclewire.signals.background_writer import BackgroundWriter
+from musclewire.signals._background_writer import BackgroundWriter
 
 class Watched(BackgroundWriter):
     def _take(self):
@@ -128,7 +127,7 @@ def test_a_killed_writer_is_replaced_and_no_row_is_missing(tmp_path: Path) -> No
 
 def test_a_writer_that_cannot_start_is_replaced_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "broken.py").write_text("raise RuntimeError('not on this machine')")
-    monkeypatch.setattr("musclewire.signals.background_writer.APPENDING", tmp_path / "broken.py")
+    monkeypatch.setattr("musclewire.signals._background_writer.APPENDING", tmp_path / "broken.py")
     with Recorder(COLUMNS, {}, tmp_path / "run.h5", apart=True) as recorder:
         recorder.append([1.0, 2.0, 3.0])
     assert read_hdf5(tmp_path / "run.h5") == recorder.recording()
@@ -153,7 +152,7 @@ def test_a_full_disk_ends_the_run_and_keeps_what_it_took(
         raise OSError(ENOSPC, "No space left on device")
 
     target = "AppendingProcess" if apart else "SyncedFile"
-    monkeypatch.setattr(f"musclewire.signals.background_writer.{target}.append", full if not apart else full_process)
+    monkeypatch.setattr(f"musclewire.signals._background_writer.{target}.append", full if not apart else full_process)
     with pytest.raises(RecordingNotWrittenError, match=r"cannot write .*run\.h5: No space left") as caught:
         record_until_it_fails(tmp_path / "run.h5", apart)
     recording = caught.value.recording  # type: ignore[attr-defined]
@@ -187,7 +186,7 @@ def test_a_disk_that_is_full_only_for_the_hdf5_file_leaves_the_whole_journal(
         file.problem = OSError(ENOSPC, "No space left on device")
         return len(data)
 
-    monkeypatch.setattr("musclewire.signals.hdf5._QuietFile.write", full)
+    monkeypatch.setattr("musclewire.signals._hdf5._QuietFile.write", full)
     path = tmp_path / "run.h5"
     recorder = Recorder(COLUMNS, {}, path)
     recorder.append_all(np.arange(300.0).reshape(100, 3))
@@ -216,7 +215,7 @@ def test_a_disk_that_takes_nothing_is_an_error_with_the_samples(
     recorder = Recorder(COLUMNS, {}, tmp_path / "run.h5", apart=True)
     process = process_of(recorder)
     process.send_signal(signal.SIGSTOP)
-    monkeypatch.setattr("musclewire.signals.background_writer.MAX_CLOSING_S", 0.2)
+    monkeypatch.setattr("musclewire.signals._background_writer.MAX_CLOSING_S", 0.2)
     recorder.append([1.0] * len(COLUMNS))
     with pytest.raises(RecordingNotWrittenError, match="the disk has accepted nothing") as caught, recorder:
         pass

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from musclewire.errors import RecordingError
-from musclewire.signals import Recording
-from musclewire.signals.electrical import ElectricalSource, require_electrical
+from musclewire.signals._electrical import ElectricalSource, require_electrical
+from musclewire.signals._recording import Recording
 
 
 def recording_of(*names, **metadata):

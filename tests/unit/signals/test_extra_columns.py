@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.signals import Recording, read_recording
-from musclewire.signals.columns import COLUMNS, known_column
+from musclewire.signals._columns import COLUMNS, known_column
+from musclewire.signals._reading import read_recording
+from musclewire.signals._recording import Recording
 
 VALUES = {"time_s": [0.0, 0.1], "extra_hottest_k": [300.0, 301.0], "extra_mode": [1.0, 2.0]}
 

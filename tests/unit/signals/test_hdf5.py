@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals import Recording, RecordingWriter, read_recording
-from musclewire.signals.reading import read_hdf5
+from musclewire.signals._reading import read_hdf5, read_recording
+from musclewire.signals._recording import Recording
+from musclewire.signals._recording_writer import RecordingWriter
 
 NAMES = ("time_s", "wire_voltage_v", "shunt_voltage_v")
 
@@ -136,7 +137,7 @@ def test_a_run_killed_before_its_first_block_reads_as_no_rows_and_is_no_use(tmp_
 
 def test_a_file_that_another_program_writes_is_said_to_be(tmp_path):
     write_rows(tmp_path / "run.h5", 3)
-    reader = "import sys; from musclewire.signals.reading import read_hdf5; read_hdf5(sys.argv[1])"
+    reader = "import sys; from musclewire.signals._reading import read_hdf5; read_hdf5(sys.argv[1])"
     with h5py.File(tmp_path / "run.h5", "r+"):
         command = [sys.executable, "-c", reader, str(tmp_path / "run.h5")]
         answer = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -1,7 +1,7 @@
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals.headers import split_header, understand_headers
+from musclewire.signals._headers import split_header, understand_headers
 
 
 def taken_as(headers, mapping=None):

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
-from musclewire.signals.journal import encoded_end, encoded_rows, encoded_start, parsed_journal
+from musclewire.signals._journal import encoded_end, encoded_rows, encoded_start, parsed_journal
 
 COLUMNS = ("time_s", "wire_voltage_v", "displacement_m")
 NAME = Path("run.h5.journal")

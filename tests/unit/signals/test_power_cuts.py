@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from musclewire.signals import RecordingWriter, synced_file
-from musclewire.signals.synced_file import SyncedFile
+from musclewire.signals import _synced_file as synced_file
+from musclewire.signals._recording_writer import RecordingWriter
+from musclewire.signals._synced_file import SyncedFile
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc which file a descriptor is")
 ROW = {"time_s": 0.0, "force_n": 1.0}

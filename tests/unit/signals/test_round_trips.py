@@ -10,8 +10,11 @@ from hypothesis import strategies as st
 from tests.subjects import subjects_of
 
 from musclewire.errors import CallerError
-from musclewire.signals import COLUMNS, Recording, RecordingWriter, read_recording
-from musclewire.signals.metadata import checked_metadata, entry_from_text, value_to_text
+from musclewire.signals._columns import COLUMNS
+from musclewire.signals._metadata import checked_metadata, entry_from_text, value_to_text
+from musclewire.signals._reading import read_recording
+from musclewire.signals._recording import Recording
+from musclewire.signals._recording_writer import RecordingWriter
 
 TEXT_KEYS = ["wire", "rig", "software_version", "start_time", "ended", "note"]
 
@@ -94,7 +97,7 @@ def test_an_old_file_stays_when_the_new_one_cannot_be_written(tmp_path, monkeypa
     def full_disk(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("musclewire.signals.text_tables.fill_csv", full_disk)
+    monkeypatch.setattr("musclewire.signals._text_tables.fill_csv", full_disk)
     with pytest.raises(CallerError, match="cannot be written: No space left on device"):
         Recording({"time_s": [0.0, 2.0]}).save(path)
     assert read_recording(path)["time_s"][1] == 1.0

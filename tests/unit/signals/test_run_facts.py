@@ -9,15 +9,18 @@ import pytest
 
 from musclewire.controllers import staircase
 from musclewire.errors import RecordingError
-from musclewire.experiment.metrics import control_metrics, elapsed
-from musclewire.experiment.supply_sizing import drive_numbers
-from musclewire.identify import fit
-from musclewire.identify.contact_fitting import closing_of
-from musclewire.identify.physical.measured_channels import contraction_force_n
-from musclewire.identify.recordings import reference_quantity, required_quantity, resistance_reading
-from musclewire.signals import Recording
-from musclewire.signals.metadata import MetadataValue
-from musclewire.signals.run_facts import NumberFact, RunFacts
+from musclewire.experiment import control_metrics, drive_numbers, elapsed
+from musclewire.identify import (
+    closing_of,
+    contraction_force_n,
+    fit,
+    reference_quantity,
+    required_quantity,
+    resistance_reading,
+)
+from musclewire.signals._metadata import MetadataValue
+from musclewire.signals._recording import Recording
+from musclewire.signals._run_facts import NumberFact, RunFacts
 
 NUMBERS = [name for name, fact in vars(RunFacts).items() if isinstance(fact, NumberFact)]
 

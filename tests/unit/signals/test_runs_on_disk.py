@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals import Recording, RecordingWriter, read_recording
-from musclewire.signals.hdf5 import describe_recording
-from musclewire.signals.journal import encoded_rows, encoded_start, journal_of
-from musclewire.signals.reading import read_hdf5
-from musclewire.signals.runs_on_disk import recover_recording
+from musclewire.signals._hdf5 import describe_recording
+from musclewire.signals._journal import encoded_rows, encoded_start, journal_of
+from musclewire.signals._reading import read_hdf5, read_recording
+from musclewire.signals._recording import Recording
+from musclewire.signals._recording_writer import RecordingWriter
+from musclewire.signals._runs_on_disk import recover_recording
 
 COLUMNS = ("time_s", "force_n")
 TABLE = np.arange(20.0).reshape(10, 2)
@@ -111,7 +112,7 @@ def test_a_description_that_finds_the_disk_full_leaves_the_file_as_it_was(
         return len(data)
 
     with monkeypatch.context() as patched:
-        patched.setattr("musclewire.signals.hdf5._QuietFile.write", full)
+        patched.setattr("musclewire.signals._hdf5._QuietFile.write", full)
         with pytest.raises(CallerError, match="No space left"):
             describe_recording(tmp_path / "run.h5", {"shows_c": True})
     assert (tmp_path / "run.h5").read_bytes() == before

@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
-from musclewire.signals import read_recording, text_lines
-from musclewire.signals.text_lines import lines_of
+from musclewire.signals import _text_lines as text_lines
+from musclewire.signals._reading import read_recording
+from musclewire.signals._text_lines import lines_of
 
 PLAIN = "time_s,force_n\n0,1.5\n1,2.5\n"
 endings = st.sampled_from(["\n", "\r\n", "\r"])

@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
-from musclewire.signals import ImportMapping, read_recording
-from musclewire.signals.text_tables import read_text_table
+from musclewire.signals._import_mapping import ImportMapping
+from musclewire.signals._reading import read_recording
+from musclewire.signals._text_tables import read_text_table
 
 PLAIN = "time_s,force_n\n0,1.5\n1,2.5\n"
 

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals.units import measures, parse_quantity, quantity_with_suffix, to_si
+from musclewire.signals._units import measures, parse_quantity, quantity_with_suffix, to_si
 
 WHERE = "loop.csv: column 'Force'"
 

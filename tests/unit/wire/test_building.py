@@ -6,8 +6,8 @@ import pytest
 from wire_makers import alloy, bench, constants, wire_100um
 
 from musclewire.errors import CallerError
-from musclewire.wire.building import constants_from, resting_state, with_pretension
-from musclewire.wire.prescribed import total_strain
+from musclewire.wire._building import constants_from, resting_state, with_pretension
+from musclewire.wire._prescribed import total_strain
 
 
 def test_the_constants_are_the_geometry_of_the_wire() -> None:

@@ -10,7 +10,7 @@ from scipy.stats import norm
 
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy
-from musclewire.wire.distribution import (
+from musclewire.wire._distribution import (
     BarrierClass,
     OffsetDistribution,
     of_classes,

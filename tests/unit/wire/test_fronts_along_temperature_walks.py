@@ -20,7 +20,7 @@ from wire_makers import (
     walk,
 )
 
-from musclewire.wire.constants import WireConstants
+from musclewire.wire._constants import WireConstants
 
 WIRES = {kind: constants(kind) for kind in ALLOYS}
 KINDS = st.sampled_from(sorted(ALLOYS))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.wire.building import constants_from, resting_state
-from musclewire.wire.heated import advance_heated
-from musclewire.wire.paths import drive_path
-from musclewire.wire.step import RunningWire
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.wire._building import constants_from, resting_state
+from musclewire.wire._heated import advance_heated
+from musclewire.wire._paths import drive_path
+from musclewire.wire._step import RunningWire
 
 PERIOD_S = 0.05
 WIRE = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))

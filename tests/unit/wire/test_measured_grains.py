@@ -12,14 +12,11 @@ from hypothesis import strategies as st
 from wire_makers import alloy, bench, wire_100um
 
 from musclewire.errors import CallerError
-from musclewire.identify.physical.candidate import candidate_constants
-from musclewire.identify.physical.candidates import CandidateParameters
-from musclewire.parameters import Alloy
-from musclewire.parameters.parameter_groups import GrainQuantiles
-from musclewire.parameters.priors import load_priors
-from musclewire.wire.building import constants_from, constants_of
-from musclewire.wire.distribution import tabulated_distribution, two_population_distribution, two_populations
-from musclewire.wire.paths import isobaric_path
+from musclewire.identify import CandidateParameters, candidate_constants
+from musclewire.parameters import Alloy, GrainQuantiles, load_priors
+from musclewire.wire._building import constants_from, constants_of
+from musclewire.wire._distribution import tabulated_distribution, two_population_distribution, two_populations
+from musclewire.wire._paths import isobaric_path
 
 FRACTION = (0.0, 0.17, 0.5, 0.9, 1.0)
 OFFSET = (-4.7, -1.0, 0.0, 1.4, 4.0)
@@ -82,9 +79,8 @@ def test_an_alloy_with_quantiles_that_are_none_is_refused() -> None:
 
 
 def test_varying_what_they_replace_is_an_error(tmp_path: Path) -> None:
-    from musclewire.parameters.wire_file import wire_file_text
-    from musclewire.rigs.simulated_configuration import RigConfiguration
-    from musclewire.rigs.varied_rig import VariedRig
+    from musclewire.parameters import wire_file_text
+    from musclewire.rigs import RigConfiguration, VariedRig
 
     path = tmp_path / "mine.toml"
     path.write_text(wire_file_text("mine", "", wire_100um(), measured(), {}), "utf-8")

@@ -12,10 +12,10 @@ import pytest
 from wire_makers import constants, slow_sine_v, stepped
 
 from musclewire.errors import CallerError
-from musclewire.wire.building import resting_state
-from musclewire.wire.constants import StepConstants, WireConstants
-from musclewire.wire.row import CLASSES, field
-from musclewire.wire.state import WireState
+from musclewire.wire._building import resting_state
+from musclewire.wire._constants import StepConstants, WireConstants
+from musclewire.wire._row import CLASSES, field
+from musclewire.wire._state import WireState
 
 WIRE = constants()
 
@@ -102,9 +102,9 @@ import signal
 import time
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.wire.wires import advance
-from musclewire.wire.building import constants_from, resting_state
-from musclewire.wire.stepping import fixed_steps
+from musclewire.wire._wires import advance
+from musclewire.wire._building import constants_from, resting_state
+from musclewire.wire._stepping import fixed_steps
 
 wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
 state, stepping = resting_state(wire), fixed_steps(1e-3)
@@ -124,7 +124,7 @@ after, means = advance(state, wire, 2.0, 0.02, stepping)
 assert caught > 1000, caught
 assert state.row.tobytes() == before
 assert after.row.tobytes() == wanted[0].row.tobytes() and means == wanted[1]
-print(sum(__import__("musclewire.wire.wires").simulate.wires.advance_rows.stats.cache_misses.values()))
+print(sum(__import__("musclewire.wire._wires").simulate.wires.advance_rows.stats.cache_misses.values()))
 """
 
 
@@ -139,9 +139,9 @@ def test_signals_during_a_call_harm_neither_process_nor_state_and_another_proces
 
 WITHOUT_COMPILATION = """
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.wire.wires import advance
-from musclewire.wire.building import constants_from, resting_state
-from musclewire.wire.stepping import fixed_steps
+from musclewire.wire._wires import advance
+from musclewire.wire._building import constants_from, resting_state
+from musclewire.wire._stepping import fixed_steps
 
 wire = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
 state, means = advance(resting_state(wire), wire, 3.0, 1.5, fixed_steps(0.05))

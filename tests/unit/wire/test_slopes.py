@@ -16,13 +16,15 @@ from hypothesis import strategies as st
 from wire_makers import ALLOYS, Array, constants
 
 from musclewire.compiled import compiled
-from musclewire.physics.material import (
+from musclewire.physics import (
+    REFERENCE_TEMPERATURE_K,
     maximum_transformation_strain,
     maximum_transformation_strain_slope_per_pa,
+    phase_resistivity_ohm_m,
     reuss_modulus_pa,
+    wire_resistance_ohm,
 )
-from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K, phase_resistivity_ohm_m, wire_resistance_ohm
-from musclewire.wire.balance import (
+from musclewire.wire._balance import (
     ConnectorForce,
     LoadPoint,
     balance_at,
@@ -33,9 +35,9 @@ from musclewire.wire.balance import (
     resistance_at,
     strain_at,
 )
-from musclewire.wire.building import resting_state
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.fronts import (
+from musclewire.wire._building import resting_state
+from musclewire.wire._constants import WireConstants
+from musclewire.wire._fronts import (
     PhaseFractions,
     ShakedownEffects,
     cumulative_at,
@@ -44,8 +46,8 @@ from musclewire.wire.fronts import (
     shakedown_of,
     thresholds_at,
 )
-from musclewire.wire.loads import ConnectorLoad
-from musclewire.wire.step import RunningWire, load_at, solve
+from musclewire.wire._loads import ConnectorLoad
+from musclewire.wire._step import RunningWire, load_at, solve
 
 WIRES = {kind: constants(kind) for kind in ALLOYS}
 kinds = st.sampled_from(sorted(ALLOYS))

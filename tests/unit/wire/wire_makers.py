@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from musclewire.compiled import compiled
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
-from musclewire.wire.building import constants_from
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.fronts import cumulative_at, fronts_after, thresholds_at
-from musclewire.wire.loads import ConnectorLoad
-from musclewire.wire.paths import DrivenPath, drive_path
-from musclewire.wire.state import WireState
-from musclewire.wire.stepping import fixed_steps
-from musclewire.wire.wires import WireMeans, advance
+from musclewire.wire._building import constants_from
+from musclewire.wire._constants import WireConstants
+from musclewire.wire._fronts import cumulative_at, fronts_after, thresholds_at
+from musclewire.wire._loads import ConnectorLoad
+from musclewire.wire._paths import DrivenPath, drive_path
+from musclewire.wire._state import WireState
+from musclewire.wire._stepping import fixed_steps
+from musclewire.wire._wires import WireMeans, advance
 
 Array = NDArray[np.float64]
 

@@ -11,21 +11,21 @@ MANIFEST = Manifest(
     commands=(
         Command(
             "flash",
-            "musclewire.extras.board.flash_command:flash",
+            "musclewire.extras.board._flash_command:flash",
             "Put the built firmware for a wire on a board, and ask the board whether it runs.",
             panel="A wire on a bench",
             before="doctor",
         ),
         Command(
             "c",
-            "musclewire.extras.board.export_c_command:export_c",
+            "musclewire.extras.board._export_c_command:export_c",
             "Model, controller, limits and protection as a self-contained C99 library, with its own test vectors.",
             group="export",
         ),
     ),
     devices={
-        "nidaq": "musclewire.extras.board.nidaq.device:NIDAQ",
-        "serial": "musclewire.extras.board.serial.device:SERIAL",
+        "nidaq": "musclewire.extras.board._nidaq.device:NIDAQ",
+        "serial": "musclewire.extras.board._serial.device:SERIAL",
     },
     rig_files="musclewire.extras.board:rig_files",
     rig_names={
@@ -37,5 +37,5 @@ MANIFEST = Manifest(
         "blackpill": "stm32f411",
     },
     outputs="musclewire.extras.board:outputs",
-    versions={"firmware_protocol": "musclewire.extras.board.serial.message_types:PROTOCOL_VERSION"},
+    versions={"firmware_protocol": "musclewire.extras.board._serial.message_types:PROTOCOL_VERSION"},
 )

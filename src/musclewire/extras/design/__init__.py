@@ -1,1 +1,5 @@
 """Sizing the parts that a wire pulls: pretensioner and finger, by closed forms and finite elements."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -16,13 +16,13 @@ MANIFEST = Manifest(
     commands=(
         Command(
             "pretensioner",
-            "musclewire.extras.design.commands.pretensioner_command:pretensioner",
+            "musclewire.extras.design._commands.pretensioner_command:pretensioner",
             "Size a serpentine pretensioner, or compute what one of given dimensions does.",
             group="design",
         ),
         Command(
             "finger",
-            "musclewire.extras.design.commands.finger_command:finger",
+            "musclewire.extras.design._commands.finger_command:finger",
             "Size a tendon-driven flexible finger, or compute what one of given dimensions does.",
             group="design",
         ),

@@ -1,1 +1,5 @@
 """What programs of others already speak: Gymnasium environments and systems of python-control."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

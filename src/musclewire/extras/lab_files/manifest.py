@@ -8,11 +8,11 @@ __all__ = ["MANIFEST"]
 
 MANIFEST = Manifest(
     name="lab_files",
-    readers=("musclewire.extras.lab_files.formats:lab_file_reader",),
+    readers=("musclewire.extras.lab_files._formats:lab_file_reader",),
     suffixes_read=(".tdms", ".lvm", ".mat", ".xlsx", ".parquet"),
     writers={
-        ".mat": "musclewire.extras.lab_files.writers:MATLAB",
-        ".parquet": "musclewire.extras.lab_files.writers:PARQUET",
-        ".xlsx": "musclewire.extras.lab_files.writers:EXCEL",
+        ".mat": "musclewire.extras.lab_files._writers:MATLAB",
+        ".parquet": "musclewire.extras.lab_files._writers:PARQUET",
+        ".xlsx": "musclewire.extras.lab_files._writers:EXCEL",
     },
 )

@@ -11,10 +11,10 @@ MANIFEST = Manifest(
     commands=(
         Command(
             "serve",
-            "musclewire.extras.live.serve_command:serve",
+            "musclewire.extras.live._serve_command:serve",
             "Show a wire live on a page: measure, control, record and stop it there.",
             panel="Begin here, on the simulated wire",
         ),
     ),
-    names={"LiveClient": "musclewire.extras.live.client:LiveClient"},
+    names={"LiveClient": "musclewire.extras.live._client:LiveClient"},
 )

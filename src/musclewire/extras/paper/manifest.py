@@ -11,12 +11,12 @@ MANIFEST = Manifest(
     commands=(
         Command(
             "reproduce",
-            "musclewire.extras.paper.reproduce_command:reproduce",
+            "musclewire.extras.paper._reproduce_command:reproduce",
             "Compare every printed number and figure of the paper with ours, in a folder; exit code 1 if a row fails.",
             panel="Studies and the paper",
             before="rules",
         ),
     ),
-    names={"reproduce": "musclewire.extras.paper.reproduce:reproduce"},
+    names={"reproduce": "musclewire.extras.paper._reproduce:reproduce"},
     outputs="musclewire.extras.paper:outputs",
 )

@@ -11,14 +11,14 @@ MANIFEST = Manifest(
     commands=(
         Command(
             "sweep",
-            "musclewire.extras.studies.sweep_command:sweep",
+            "musclewire.extras.studies._sweep_command:sweep",
             "Run a study of many wires: on all cores, or on a Dask cluster.",
             panel="Studies and the paper",
             before="reproduce",
         ),
         Command(
             "robustness",
-            "musclewire.extras.studies.robustness_command:robustness",
+            "musclewire.extras.studies._robustness_command:robustness",
             "Compare estimators and controllers on a population of simulated wires under disturbance.",
             panel="Studies and the paper",
             before="reproduce",
@@ -29,14 +29,14 @@ MANIFEST = Manifest(
         "read_study": "musclewire.extras.studies:read_study",
         "read_study_data": "musclewire.extras.studies:read_study_data",
         "sweep": "musclewire.extras.studies:sweep",
-        "write_study": "musclewire.extras.studies.study_page:write_study",
+        "write_study": "musclewire.extras.studies._study_page:write_study",
     },
-    devices={"segmented": "musclewire.extras.studies.segmented.configuration:SEGMENTED"},
-    schemas={"study": "musclewire.extras.studies.study_file:StudyFile"},
+    devices={"segmented": "musclewire.extras.studies._segmented.configuration:SEGMENTED"},
+    schemas={"study": "musclewire.extras.studies._study_file:StudyFile"},
     outputs="musclewire.extras.studies:outputs",
     kernels=(
-        "musclewire.extras.studies.segmented.kernel",
-        "musclewire.extras.studies.segmented.solution",
-        "musclewire.extras.studies.segmented.state",
+        "musclewire.extras.studies._segmented.kernel",
+        "musclewire.extras.studies._segmented.solution",
+        "musclewire.extras.studies._segmented.state",
     ),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from musclewire.extras.board.serial.message_types import PROTOCOL_VERSION
+from musclewire.extras.board._serial.message_types import PROTOCOL_VERSION
 
 
 def test_the_document_says_which_protocol_the_host_speaks(musclewire: Callable[..., Any]) -> None:

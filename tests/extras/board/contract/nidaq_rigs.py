@@ -12,14 +12,11 @@ from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
 from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_test
 
-from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
-from musclewire.extras.board.nidaq.device import NiDaqDevice, SilenceTimes
-from musclewire.extras.board.nidaq.output import GuardedOutput
-from musclewire.rigs.configuration import rig_configuration
-from musclewire.rigs.device import Answer, DeviceFacts
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.rigs.protocol import Metadata
-from musclewire.signals.exchange import Command
+from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
+from musclewire.extras.board._nidaq.device import NiDaqDevice, SilenceTimes
+from musclewire.extras.board._nidaq.output import GuardedOutput
+from musclewire.rigs import Answer, DeviceFacts, GuardedRig, Metadata, rig_configuration
+from musclewire.signals import Command
 
 __all__ = ["NIDAQ_RIGS", "SUBJECTS", "DeviceAtSeam", "at_seam", "wiring_of"]
 

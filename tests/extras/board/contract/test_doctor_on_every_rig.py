@@ -11,11 +11,9 @@ from emulation.daq_server import DaqServer
 from tests.extras.board.contract.nidaq_rigs import NIDAQ_RIGS, DeviceAtSeam, wiring_of
 from tests.extras.board.contract.serial_rigs import SERIAL_RIGS
 
-from musclewire.experiment.doctor import Examination, examine
-from musclewire.experiment.doctor.rig_file import write_calibration
-from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
-from musclewire.rigs.configuration import FOLDER, read_rig_file
-from musclewire.rigs.guarded import GuardedRig
+from musclewire.experiment import Examination, examine, write_calibration
+from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
+from musclewire.rigs import FOLDER, GuardedRig, read_rig_file
 
 RIGS = {**NIDAQ_RIGS, **SERIAL_RIGS}
 # In these tests time passes by reading, or in lockstep with commands: no clock of the host stands beside it.

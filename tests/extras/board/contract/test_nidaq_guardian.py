@@ -16,11 +16,10 @@ from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
 from tests.extras.board.contract.nidaq_rigs import at_seam, wiring_of
 
-from musclewire.controllers.protection import Event
+from musclewire.controllers import Event
 from musclewire.errors import RigError
-from musclewire.extras.board.nidaq.output import GuardedOutput
-from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
+from musclewire.extras.board._nidaq.output import GuardedOutput
+from musclewire.rigs import GuardedRig, ProtectionTripError, open_rig
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="not run: signals as POSIX has them")
 

@@ -18,11 +18,10 @@ from emulation.daq_server import DaqServer
 from tests.extras.board.contract.nidaq_rigs import at_seam, wiring_of
 from tests.places import CHECKOUT
 
-from musclewire.controllers.protection import Event
+from musclewire.controllers import Event
 from musclewire.errors import MissingExtraError, RigError
-from musclewire.extras.board.nidaq import device as device_module
-from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
+from musclewire.extras.board._nidaq import device as device_module
+from musclewire.rigs import GuardedRig, ProtectionTripError, open_rig
 
 NAMES = ("ni-pci-6229", "ni-usb-6001")
 ATTEMPTS = 5

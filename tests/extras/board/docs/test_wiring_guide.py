@@ -7,7 +7,7 @@ import sys
 import pytest
 from tests.places import CHECKOUT
 
-from musclewire.extras.board.parts import parts_names
+from musclewire.extras.board._parts import parts_names
 
 sys.path.insert(0, str(CHECKOUT / "docs/images"))
 import parts_page

@@ -10,12 +10,11 @@ from hypothesis import assume
 from hypothesis import strategies as st
 from tests.tools import require_tool
 
-from musclewire.controllers import DriveLimits, FuzzyPidSettings
-from musclewire.controllers.protection import ProtectionLimits
+from musclewire.controllers import DriveLimits, FuzzyPidSettings, ProtectionLimits
 from musclewire.errors import CallerError
-from musclewire.extras.board.c import CLibrary, write_library
-from musclewire.extras.board.c.reference import ReferenceTick
-from musclewire.sensing.model import SensingModel
+from musclewire.extras.board._c import CLibrary, write_library
+from musclewire.extras.board._c.reference import ReferenceTick
+from musclewire.sensing import SensingModel
 
 RULE_BASES = ("zhao-1993", "liu-7x7", "liu-7x7-mirrored", "fixed")
 # Polynomials like those of a loop of the simulated wire: order 6, in strain.

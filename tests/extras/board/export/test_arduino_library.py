@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 from tests.extras.board.export.export_parts import export, usual_model
 
-from musclewire.app.main import run
-from musclewire.extras.board.c import write_arduino_zip
-from musclewire.sensing.model_file import save_model
+from musclewire.app import run
+from musclewire.extras.board._c import write_arduino_zip
+from musclewire.sensing import save_model
 
 FIELDS = ("name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url", "architectures")
 CATEGORIES = (

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from tests.extras.board.export.export_parts import RULE_BASES, Exported, compiled, export, models, settings_of
 
 from musclewire.controllers import infer_surface, load_rule_base
-from musclewire.extras.board.c.exercise import FAULTS, exercise
-from musclewire.extras.board.c.golden import golden_ticks
-from musclewire.physics.resistance import wire_resistance
+from musclewire.extras.board._c.exercise import FAULTS, exercise
+from musclewire.extras.board._c.golden import golden_ticks
+from musclewire.physics import wire_resistance
 
 Libraries = Callable[[str], Exported]
 Loaded = Callable[[str, bool], HostLibrary]

@@ -20,12 +20,11 @@ from tests.tools import require_tool
 
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.errors import CallerError
-from musclewire.extras.board.c import write_library
-from musclewire.extras.board.c.header import _comment
-from musclewire.extras.board.c.numbers import check_single, literal
-from musclewire.extras.board.c.precision import single_estimates
-from musclewire.sensing.model import load_model
-from musclewire.sensing.model_file import save_model
+from musclewire.extras.board._c import write_library
+from musclewire.extras.board._c.header import _comment
+from musclewire.extras.board._c.numbers import check_single, literal
+from musclewire.extras.board._c.precision import single_estimates
+from musclewire.sensing import load_model, save_model
 
 NUMBER = re.compile(r"MW_R\((-?[\d.]+(?:e[+-]?\d+)?)\)")
 # A double exactly half-way between two singles, whose shortest text lies to one side of it.

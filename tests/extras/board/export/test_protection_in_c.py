@@ -14,7 +14,8 @@ import pytest
 from emulation.exported_library.on_this_machine import HostLibrary
 from tests.extras.board.export.export_parts import Exported, compiled, export
 
-from musclewire.controllers.protection import (
+from musclewire.controllers import (
+    Effect,
     Event,
     ProtectionState,
     ProtectionTable,
@@ -28,11 +29,10 @@ from musclewire.controllers.protection import (
     protect_reading,
     protection_table,
     rested,
+    state_after,
     tripped_by,
 )
-from musclewire.controllers.protection.protect import state_after
-from musclewire.controllers.protection.table import Effect
-from musclewire.extras.board.c.constants import ACTIONS
+from musclewire.extras.board._c.constants import ACTIONS
 
 Loaded = Callable[[str, bool], HostLibrary]
 PERIODS_S = (0.01, 0.02, 0.05)
@@ -236,7 +236,7 @@ def test_host_and_c_follow_another_table_alike(
     document = protection_table().model_dump()
     next(row for row in document["event"] if row["name"] == event)["action"] = action
     table = ProtectionTable.model_validate(document)
-    monkeypatch.setattr("musclewire.extras.board.c.constants.protection_table", lambda: table)
+    monkeypatch.setattr("musclewire.extras.board._c.constants.protection_table", lambda: table)
     written = export(tmp_path)
     library, limits = compiled(written.library, tmp_path, double=True), written.limits
     python = start(library, limits)

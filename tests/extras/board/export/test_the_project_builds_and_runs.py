@@ -17,8 +17,8 @@ from tests.extras.board.export.export_parts import RULE_BASES, Exported, limits_
 from tests.places import CHECKOUT
 from tests.tools import require_tool
 
-from musclewire.app.main import run as command_line
-from musclewire.sensing.model_file import save_model
+from musclewire.app import run as command_line
+from musclewire.sensing import save_model
 
 Libraries = Callable[[str], Exported]
 CORTEX_M = [target for target in TARGETS if target.emulator != "simavr"]

@@ -10,7 +10,7 @@ import pytest
 from tests.extras.board.export.export_parts import Exported
 from tests.tools import require_tool
 
-from musclewire.controllers.protection import Event, State
+from musclewire.controllers import Event, State
 
 STAND_IN = Path(__file__).with_name("arduino_stand_in.h")
 # A wire of 16 ohm on a shunt of 1 ohm, seen through the sketch's own numbers; what is typed; for how long.

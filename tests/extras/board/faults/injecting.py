@@ -21,16 +21,13 @@ from tests.faults.table import FaultRow
 from tests.places import included_rig_file
 
 from musclewire.errors import MusclewireError, RecordingError
-from musclewire.experiment.run import Decision, run_on_rig
-from musclewire.extras.board.serial.configuration import SerialConfiguration
-from musclewire.extras.board.serial.device import SerialDevice
-from musclewire.extras.board.serial.frames import SerialFrame, encode_frame
-from musclewire.extras.board.serial.messages import MessageKind
-from musclewire.rigs.configuration import open_rig, rig_configuration
-from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.signals.exchange import Command, Drive, RawSample, Target
-from musclewire.signals.reading import read_hdf5
-from musclewire.signals.recording import Recording
+from musclewire.experiment import Decision, run_on_rig
+from musclewire.extras.board._serial.configuration import SerialConfiguration
+from musclewire.extras.board._serial.device import SerialDevice
+from musclewire.extras.board._serial.frames import SerialFrame, encode_frame
+from musclewire.extras.board._serial.messages import MessageKind
+from musclewire.rigs import GuardedRig, ProtectionTripError, open_rig, rig_configuration
+from musclewire.signals import Command, Drive, RawSample, Recording, Target, read_hdf5
 
 __all__ = ["Outcome", "command_run", "judged_s", "mounted", "scripted_run"]
 

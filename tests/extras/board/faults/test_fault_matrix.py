@@ -17,9 +17,9 @@ from tests.extras.board.faults.injecting import SOUND_SAMPLES, Outcome, command_
 from tests.faults.table import FaultRow, fault_matrix
 
 from musclewire.errors import RigError
-from musclewire.extras.board.serial import board as board_module
-from musclewire.extras.board.serial import frames
-from musclewire.rigs.configuration import open_rig
+from musclewire.extras.board._serial import board as board_module
+from musclewire.extras.board._serial import frames
+from musclewire.rigs import open_rig
 from musclewire.signals import read_recording
 
 MATRIX = fault_matrix()

@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from musclewire.app.main import main
+from musclewire.app import main
 from musclewire.errors import CallerError, RigError
-from musclewire.extras.board.serial import flash, images
-from musclewire.extras.board.serial.images import FOLDER, find_image, firmware_images, require_sound
-from musclewire.extras.board.serial.ports import SerialPort
+from musclewire.extras.board._serial import flash, images
+from musclewire.extras.board._serial.images import FOLDER, find_image, firmware_images, require_sound
+from musclewire.extras.board._serial.ports import SerialPort
 
 UNO = SerialPort("/dev/ttyACM0", "arduino-uno", "Arduino Uno")
 OTHER = SerialPort("/dev/ttyS0", "", "")

@@ -12,9 +12,9 @@ from emulation.board import EmulatedBoard
 from emulation.boot_loaders import FOLDER
 from tests.tools import require_tool
 
-from musclewire.app.main import run
-from musclewire.extras.board.serial.flash import greet
-from musclewire.extras.board.serial.images import find_image
+from musclewire.app import run
+from musclewire.extras.board._serial.flash import greet
+from musclewire.extras.board._serial.images import find_image
 
 pytestmark = pytest.mark.emulated
 

@@ -8,9 +8,9 @@ import pytest
 from serial.tools import list_ports, list_ports_common
 
 from musclewire.errors import RigError
-from musclewire.extras.board.serial.line import open_line
-from musclewire.extras.board.serial.ports import ports_text, serial_ports
-from musclewire.rigs.configuration import rig_configuration
+from musclewire.extras.board._serial.line import open_line
+from musclewire.extras.board._serial.ports import ports_text, serial_ports
+from musclewire.rigs import rig_configuration
 
 
 def port(name: str, vendor: int | None, product: int | None, description: str = "n/a") -> object:

@@ -13,11 +13,11 @@ from tests.extras.board.firmware.conftest import HELLO, IDENTITY
 from tests.extras.board.firmware.test_the_small_cortex import said
 from tests.tools import require_tool
 
-from musclewire.experiment.open_loop import characterize
-from musclewire.extras.board.serial import flash
-from musclewire.extras.board.serial.frames import SerialFrame
-from musclewire.extras.board.serial.images import FirmwareImage, find_image, firmware_images
-from musclewire.rigs.configuration import open_rig
+from musclewire.experiment import characterize
+from musclewire.extras.board._serial import flash
+from musclewire.extras.board._serial.frames import SerialFrame
+from musclewire.extras.board._serial.images import FirmwareImage, find_image, firmware_images
+from musclewire.rigs import open_rig
 
 pytestmark = pytest.mark.emulated
 

@@ -11,10 +11,10 @@ import pytest
 from firmware.protocol import DEFINITION, Protocol, page_text, protocol, written
 from pydantic import ValidationError
 
-from musclewire.controllers.protection import Event, State
-from musclewire.extras.board.serial.frames import SerialFrame
-from musclewire.extras.board.serial.message_types import LAYOUTS
-from musclewire.extras.board.serial.messages import BoardEvent, MessageKind, read_message
+from musclewire.controllers import Event, State
+from musclewire.extras.board._serial.frames import SerialFrame
+from musclewire.extras.board._serial.message_types import LAYOUTS
+from musclewire.extras.board._serial.messages import BoardEvent, MessageKind, read_message
 
 FILES = written()
 # Version 1 as boards in use speak it: these never change.

@@ -9,12 +9,11 @@ import pytest
 from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, rig_on
 
 from musclewire.errors import CallerError
-from musclewire.experiment.run import Decision, run_on_rig
-from musclewire.extras.board.serial.frames import SerialFrame
-from musclewire.extras.board.serial.messages import MessageKind
-from musclewire.rigs.configuration import open_rig
-from musclewire.signals.exchange import Command, RawSample, Target
-from musclewire.signals.journal import journal_of
+from musclewire.experiment import Decision, run_on_rig
+from musclewire.extras.board._serial.frames import SerialFrame
+from musclewire.extras.board._serial.messages import MessageKind
+from musclewire.rigs import open_rig
+from musclewire.signals import Command, RawSample, Target, journal_of
 
 
 class OneTarget:

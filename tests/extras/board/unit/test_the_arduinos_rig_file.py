@@ -8,9 +8,9 @@ import tomllib
 import pytest
 from tests.places import CHECKOUT
 
-from musclewire.extras.board.parts import load_parts
-from musclewire.extras.board.serial.configuration import SerialConfiguration
-from musclewire.rigs.configuration import rig_configuration
+from musclewire.extras.board._parts import load_parts
+from musclewire.extras.board._serial.configuration import SerialConfiguration
+from musclewire.rigs import rig_configuration
 
 FOLDER = CHECKOUT / "firmware" / "boards" / "arduino-uno"
 CLOCK_HZ = 16e6

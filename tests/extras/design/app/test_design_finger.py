@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import pytest
 from tests.places import DOCS
 
-from musclewire.parameters.finger_file import load_finger
+from musclewire.parameters import load_finger
 
 COMMAND = ("design", "finger")
 PAPER = ("--stiffness", "1084.4 N/m", "--endpoint", "6 mm", "--travel", "1.05 mm", "--wire", "paper-100um")

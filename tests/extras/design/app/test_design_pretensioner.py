@@ -117,7 +117,7 @@ def test_materials_are_listed(musclewire: Callable[..., Any]) -> None:
 
 @pytest.mark.slow
 def test_a_material_of_ones_own_is_read_from_its_file(musclewire: Callable[..., Any], tmp_path: Path) -> None:
-    from musclewire.parameters.materials import folder_of_materials
+    from musclewire.parameters import folder_of_materials
 
     own = tmp_path / "mine.toml"
     text = (folder_of_materials() / "pom.toml").read_text("utf-8")

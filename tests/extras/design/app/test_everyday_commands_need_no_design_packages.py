@@ -11,7 +11,7 @@ import pytest
 BLOCKED = """
 import sys
 sys.modules["skfem"] = sys.modules["ezdxf"] = None  # importing either raises ImportError
-from musclewire.app.main import run
+from musclewire.app._main import run
 sys.exit(run(sys.argv[1:]))
 """
 

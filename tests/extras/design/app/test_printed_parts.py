@@ -11,11 +11,11 @@ import pytest
 import trimesh
 from tests.places import CHECKOUT
 
-from musclewire.extras.design.finger.chain import finger_chain
-from musclewire.extras.design.finger.curve import beam_stress_pa
-from musclewire.extras.design.finger.geometry import FingerGeometry
-from musclewire.extras.design.finger.statics import equilibria
-from musclewire.parameters.materials import load_material
+from musclewire.extras.design._finger.chain import finger_chain
+from musclewire.extras.design._finger.curve import beam_stress_pa
+from musclewire.extras.design._finger.geometry import FingerGeometry
+from musclewire.extras.design._finger.statics import equilibria
+from musclewire.parameters import load_material
 
 FOLDER = CHECKOUT / "examples" / "printed"
 PAGE = (CHECKOUT / "docs/how-to/print_a_finger.md").read_text("utf-8")

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.design.elasticity import BodyLoad, PotentialChange, load_path, solve_large, solve_linear
-from musclewire.extras.design.plane_body import PlaneBody
+from musclewire.extras.design._elasticity import BodyLoad, PotentialChange, load_path, solve_large, solve_linear
+from musclewire.extras.design._plane_body import PlaneBody
 
 LENGTH, DEPTH, MODULUS = 0.1, 0.01, 2e9
 

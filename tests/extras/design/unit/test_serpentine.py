@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.extras.design.frame import chain_stiffness_n_per_m
-from musclewire.extras.design.serpentine.closed_form import (
+from musclewire.extras.design._frame import chain_stiffness_n_per_m
+from musclewire.extras.design._serpentine.closed_form import (
     corner_stress_factor,
     guided_factor,
     nominal_stress_pa,
@@ -20,9 +20,9 @@ from musclewire.extras.design.serpentine.closed_form import (
     stiffness_n_per_m,
     width_parameter,
 )
-from musclewire.extras.design.serpentine.geometry import CentreLineArc, CentreLineStraight, SerpentineGeometry
-from musclewire.extras.design.serpentine.strip import MESHES, ForceCurve, force_curve, linear_answer
-from musclewire.parameters.materials import load_material
+from musclewire.extras.design._serpentine.geometry import CentreLineArc, CentreLineStraight, SerpentineGeometry
+from musclewire.extras.design._serpentine.strip import MESHES, ForceCurve, force_curve, linear_answer
+from musclewire.parameters import load_material
 
 MODULUS = 2.6e9
 POM = load_material("pom")

@@ -7,10 +7,10 @@ from functools import cache
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.extras.design.serpentine.analysis import DesignCheck, PretensionerDesign, PretensionerDuty, analyse
-from musclewire.extras.design.serpentine.geometry import AvailableRoom, SerpentineGeometry
-from musclewire.extras.design.serpentine.sizing import PretensionerRequest, design_pretensioner
-from musclewire.parameters.materials import load_material
+from musclewire.extras.design._serpentine.analysis import DesignCheck, PretensionerDesign, PretensionerDuty, analyse
+from musclewire.extras.design._serpentine.geometry import AvailableRoom, SerpentineGeometry
+from musclewire.extras.design._serpentine.sizing import PretensionerRequest, design_pretensioner
+from musclewire.parameters import load_material
 
 PAPER = AvailableRoom(24.6e-3, 27.6e-3, 10e-3)
 # Lan and Fan 2010, sections 4.1 and 4.3: pretensioner and finger, pretension; a leg of 35 mm contracts by 3 %.

@@ -15,14 +15,14 @@ import pytest
 import trimesh
 
 from musclewire.errors import CallerError, MissingExtraError
-from musclewire.extras.design.drawing import polyline_m
-from musclewire.extras.design.finger.finger_file_text import finger_geometry
-from musclewire.extras.design.finger.geometry import FingerGeometry
-from musclewire.extras.design.finger.solid import finger_solid
-from musclewire.extras.design.serpentine.geometry import SerpentineGeometry
-from musclewire.extras.design.serpentine.outline import serpentine_drawing
-from musclewire.extras.design.solid import Solid, require_cad, write_solid
-from musclewire.parameters.finger_file import load_finger
+from musclewire.extras.design._drawing import polyline_m
+from musclewire.extras.design._finger.finger_file_text import finger_geometry
+from musclewire.extras.design._finger.geometry import FingerGeometry
+from musclewire.extras.design._finger.solid import finger_solid
+from musclewire.extras.design._serpentine.geometry import SerpentineGeometry
+from musclewire.extras.design._serpentine.outline import serpentine_drawing
+from musclewire.extras.design._solid import Solid, require_cad, write_solid
+from musclewire.parameters import load_finger
 
 # Loading two CAD kernels takes seconds.
 pytestmark = pytest.mark.slow

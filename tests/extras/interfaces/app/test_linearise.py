@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from musclewire.app.main import run
+from musclewire.app import run
 
 
 def test_it_prints_points_poles_and_margins(capsys: pytest.CaptureFixture[str]) -> None:

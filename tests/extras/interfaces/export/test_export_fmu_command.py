@@ -9,8 +9,8 @@ import pytest
 from fmpy.validation import validate_fmu
 from tests.extras.board.export.export_parts import usual_model
 
-from musclewire.app.main import run as command_line
-from musclewire.sensing.model_file import save_model
+from musclewire.app import run as command_line
+from musclewire.sensing import save_model
 
 
 def run(*arguments: object) -> int:

@@ -17,14 +17,11 @@ from tests.extras.board.export.export_parts import drive_limits, usual_model
 from tests.extras.interfaces.export.fmu_parts import ERROR, WARNING, Slave
 from tests.tools import require_tool
 
-from musclewire.controllers import FuzzyPidSettings
-from musclewire.controllers.protection import Event, State
+from musclewire.controllers import Event, FuzzyPidSettings, State
 from musclewire.errors import CallerError
-from musclewire.extras.board.c.exercise import exercise
-from musclewire.extras.board.c.reference import ReferenceTick, TickOutcome
-from musclewire.extras.board.rig_limits import limits_of_rig
-from musclewire.extras.interfaces.fmu import Fmu, export_fmu
-from musclewire.identify.use_of_model import settings_for
+from musclewire.extras.board import ReferenceTick, TickOutcome, exercise, limits_of_rig
+from musclewire.extras.interfaces._fmu import Fmu, export_fmu
+from musclewire.identify import settings_for
 
 PERIOD_S = 0.05
 NAMES = {"valid": "estimate_valid", "state": "protection_state", "event": "protection_event"}

@@ -24,17 +24,19 @@ from tests.tools import require_tool
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.interfaces.fmu import Fmu, export_fmu
+from musclewire.extras.interfaces._fmu import Fmu, export_fmu
 from musclewire.parameters import load_alloy
-from musclewire.rigs.configuration import rig_configuration
-from musclewire.rigs.mechanism import FingerTendon
-from musclewire.rigs.simulated import SimulatedDevice
-from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
-from musclewire.wire.building import resting_state, with_pretension
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.state import WireState
-from musclewire.wire.stepping import StepControl
-from musclewire.wire.wires import OneWire, WireMeans, advance
+from musclewire.rigs import FingerTendon, RigConfiguration, SimulatedDevice, open_simulated, rig_configuration
+from musclewire.wire import (
+    OneWire,
+    StepControl,
+    WireConstants,
+    WireMeans,
+    WireState,
+    advance,
+    resting_state,
+    with_pretension,
+)
 
 SAMPLE_S = 0.05
 AUSTENITE_MODULUS_PA = load_alloy("flexinol").austenite_modulus_pa.value

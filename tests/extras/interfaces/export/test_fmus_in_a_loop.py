@@ -10,14 +10,12 @@ from tests.extras.interfaces.export.fmu_parts import Slave
 from tests.tools import require_tool
 
 import musclewire as mw
-from musclewire.extras.board.c.reference import ReferenceTick
-from musclewire.extras.board.rig_limits import limits_of_rig
-from musclewire.extras.interfaces.fmu import export_fmu
-from musclewire.identify.use_of_model import settings_for
-from musclewire.rigs.simulated_configuration import RigConfiguration, open_simulated
+from musclewire.extras.board import ReferenceTick, limits_of_rig
+from musclewire.extras.interfaces._fmu import export_fmu
+from musclewire.identify import settings_for
+from musclewire.rigs import RigConfiguration, open_simulated
 from musclewire.sensing import SensingModel
-from musclewire.wire.building import resting_state
-from musclewire.wire.wires import OneWire, advance
+from musclewire.wire import OneWire, advance, resting_state
 
 SAMPLE_S, LEG_LENGTH_M = 0.05, 0.07
 TARGETS = [level for level in (0.01, 0.02, 0.025, 0.015) for _ in range(120)]

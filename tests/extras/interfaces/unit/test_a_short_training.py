@@ -34,10 +34,8 @@ def test_a_short_training_beats_the_plain_pid_for_every_seed() -> None:
 
 
 def test_with_all_numbers_zero_the_policy_is_the_plain_pid() -> None:
-    from musclewire.controllers.controller import ControllerSetup
-    from musclewire.controllers.drive_limits import DriveLimits
-    from musclewire.controllers.pid import pid_controller
-    from musclewire.signals.exchange import Drive, QuantityEstimate
+    from musclewire.controllers import ControllerSetup, DriveLimits, pid_controller
+    from musclewire.signals import Drive, QuantityEstimate
 
     random = np.random.default_rng(1)
     targets, estimates = np.repeat(random.uniform(0.015, 0.03, 10), 20), random.uniform(0.01, 0.03, 200)

@@ -9,11 +9,9 @@ import control
 import numpy as np
 import pytest
 
-from musclewire.controllers.controller import ControllerSetup
-from musclewire.controllers.drive_limits import DriveLimits
-from musclewire.controllers.pid import PidSettings, pid_controller
+from musclewire.controllers import ControllerSetup, DriveLimits, PidSettings, pid_controller
 from musclewire.errors import CallerError
-from musclewire.extras.interfaces.control_systems import (
+from musclewire.extras.interfaces._control_systems import (
     LinearWire,
     OperatingPoint,
     branch_system,
@@ -26,14 +24,12 @@ from musclewire.extras.interfaces.control_systems import (
     sampled_system,
     wire_system,
 )
-from musclewire.extras.interfaces.control_systems.linearisation import Motion
-from musclewire.extras.interfaces.control_systems.operating_points import Branch
-from musclewire.extras.interfaces.simulated_wire import simulated_wire
-from musclewire.rigs.configuration import open_rig
-from musclewire.signals.exchange import Drive, QuantityEstimate
-from musclewire.wire.building import resting_state
-from musclewire.wire.state import WireState
-from musclewire.wire.wires import advance
+from musclewire.extras.interfaces._control_systems.linearisation import Motion
+from musclewire.extras.interfaces._control_systems.operating_points import Branch
+from musclewire.extras.interfaces._simulated_wire import simulated_wire
+from musclewire.rigs import open_rig
+from musclewire.signals import Drive, QuantityEstimate
+from musclewire.wire import WireState, advance, resting_state
 
 BRANCHES: list[Branch] = ["heating", "cooling"]
 MOTIONS: list[Motion] = ["branch", "minor loop"]
@@ -211,7 +207,7 @@ def test_the_margin_is_that_of_the_nonlinear_loop_too(points: dict[tuple[float, 
 
 
 def test_a_loop_by_a_model_takes_the_slope_of_its_curve() -> None:
-    from musclewire.experiment.open_loop import characterize
+    from musclewire.experiment import characterize
     from musclewire.identify import fit
 
     with open_rig("simulated") as rig:

@@ -11,16 +11,16 @@ from gymnasium.utils.env_checker import check_env
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.controllers.protection import Event, State, allowed_drive_v, armed, protect_command, protect_reading
+from musclewire.controllers import Event, State, allowed_drive_v, armed, protect_command, protect_reading
 from musclewire.errors import CallerError, NumericsError
-from musclewire.experiment.open_loop import characterize
-from musclewire.extras.interfaces.environments import ENVIRONMENT, Episode, WireEnv, WireVectorEnv
-from musclewire.extras.interfaces.environments.kernels import MEMORY, empty_ends, read_lanes
-from musclewire.extras.interfaces.environments.vector import facts_of
-from musclewire.extras.interfaces.environments.watch import ProtectionWatch
-from musclewire.extras.interfaces.simulated_wire import simulated_wire
+from musclewire.experiment import characterize
+from musclewire.extras.interfaces._environments import ENVIRONMENT, Episode, WireEnv, WireVectorEnv
+from musclewire.extras.interfaces._environments.kernels import MEMORY, empty_ends, read_lanes
+from musclewire.extras.interfaces._environments.vector import facts_of
+from musclewire.extras.interfaces._environments.watch import ProtectionWatch
+from musclewire.extras.interfaces._simulated_wire import simulated_wire
 from musclewire.identify import fit
-from musclewire.rigs.configuration import RigConfiguration, open_rig
+from musclewire.rigs import RigConfiguration, open_rig
 from musclewire.sensing import SensingModel
 
 pytestmark = pytest.mark.slow

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.controllers.references import staircase
+from musclewire.controllers import staircase
 from musclewire.errors import CallerError
-from musclewire.extras.interfaces.environments.episodes import Episode, episode_from
+from musclewire.extras.interfaces._environments.episodes import Episode, episode_from
 
 
 def test_by_default_it_is_the_papers_staircase() -> None:

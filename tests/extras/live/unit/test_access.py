@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.extras.live.server.access import Access, is_loopback, name_in_host, new_token
+from musclewire.extras.live._server.access import Access, is_loopback, name_in_host, new_token
 
 LOCAL = Access()
 ABROAD = Access("a-token-of-the-test-0123", frozenset({"bench.lab"}), any_address=True)

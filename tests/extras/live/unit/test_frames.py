@@ -10,11 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import musclewire as mw
-from musclewire.controllers.fuzzy import infer_ratios
-from musclewire.controllers.rules import ConstantRules, ZhaoRules, load_rule_base, rule_base_names
-from musclewire.extras.live.server.fired_rules import FiredRules, InputRatios, fired
-from musclewire.extras.live.server.frames import COMPUTED, FrameMaker, json_rows, thinned, with_computed
-from musclewire.extras.live.server.json_texts import MAX_BYTES, compact, read_json
+from musclewire.controllers import ConstantRules, ZhaoRules, infer_ratios, load_rule_base, rule_base_names
+from musclewire.extras.live._server.fired_rules import FiredRules, InputRatios, fired
+from musclewire.extras.live._server.frames import COMPUTED, FrameMaker, json_rows, thinned, with_computed
+from musclewire.extras.live._server.json_texts import MAX_BYTES, compact, read_json
 
 COLUMNS = ("time_s", "wire_voltage_v", "shunt_voltage_v")
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.extras.live.messages import Control, Pulse, SetTarget, Steer, read_command
+from musclewire.extras.live._messages import Control, Pulse, SetTarget, Steer, read_command
 
 ANY_JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from musclewire.extras.live.ring import MAX_COLUMNS, SLOTS, RowRing, create_ring
+from musclewire.extras.live._ring import MAX_COLUMNS, SLOTS, RowRing, create_ring
 
 
 @pytest.fixture

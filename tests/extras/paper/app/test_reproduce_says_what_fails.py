@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from musclewire.app.main import run
+from musclewire.app import run
 from musclewire.errors import RecordingError
-from musclewire.extras.paper import reproduce as reproduce_room
-from musclewire.extras.paper.reproduce import PaperCheck, RunCache, reproduction
+from musclewire.extras.paper import _reproduce as reproduce_room
+from musclewire.extras.paper._reproduce import PaperCheck, RunCache, reproduction
 
 KEYS = {
     *("name", "paper", "ours", "low", "high", "median_low", "median_high", "seeds", "unit", "tolerance", "compare"),

@@ -7,10 +7,10 @@ import re
 import pytest
 
 from musclewire.errors import RecordingError
-from musclewire.extras.paper.page.paper_figures import FIGURES, drawn
-from musclewire.extras.paper.page.paper_page import PARTS, TITLES
-from musclewire.extras.paper.page.row_names import row_name, row_words
-from musclewire.extras.paper.page.row_text import (
+from musclewire.extras.paper._page.paper_figures import FIGURES, drawn
+from musclewire.extras.paper._page.paper_page import PARTS, TITLES
+from musclewire.extras.paper._page.row_names import row_name, row_words
+from musclewire.extras.paper._page.row_text import (
     limit_text,
     ours_text,
     paper_text,
@@ -19,8 +19,8 @@ from musclewire.extras.paper.page.row_text import (
     spread_text,
     verdict_text,
 )
-from musclewire.extras.paper.reproduce import PaperCheck, ReproductionRow, RunCache, SeedResult, all_checks, judged
-from musclewire.extras.paper.reproduce.paper_checks import Compare, Kind, subject_of
+from musclewire.extras.paper._reproduce import PaperCheck, ReproductionRow, RunCache, SeedResult, all_checks, judged
+from musclewire.extras.paper._reproduce.paper_checks import Compare, Kind, subject_of
 
 
 def row(

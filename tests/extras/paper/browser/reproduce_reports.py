@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tests.browser.report_subject import ReportSubject
 
-from musclewire.extras.paper.page.paper_figures import FIGURES
+from musclewire.extras.paper._page.paper_figures import FIGURES
 
 __all__ = ["SUBJECTS"]
 

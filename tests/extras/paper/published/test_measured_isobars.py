@@ -28,11 +28,9 @@ from benchmarks.measured_isobars import (
 )
 from scipy.special import ndtr
 
-from musclewire.identify.isobaric_loops import IsobaricLoop
-from musclewire.parameters.library import read_published
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.distribution import ONE_CLASS, BarrierClass
-from musclewire.wire.paths import isobaric_path
+from musclewire.identify import IsobaricLoop
+from musclewire.parameters import read_published
+from musclewire.wire import ONE_CLASS, BarrierClass, WireConstants, isobaric_path
 
 PUBLISHED = read_published("flexinol_isobars")
 # Three isobars were read off 500 points; where strain falls slowly a step of the extensometer is a kelvin.

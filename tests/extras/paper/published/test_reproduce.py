@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 from tests.published.page_parts import Outside
 
-from musclewire.extras.paper.known_failures import known_failures
-from musclewire.extras.paper.page.paper_figures import FIGURES
-from musclewire.extras.paper.reproduce import DEFAULT_SEEDS, all_checks
+from musclewire.extras.paper._known_failures import known_failures
+from musclewire.extras.paper._page.paper_figures import FIGURES
+from musclewire.extras.paper._reproduce import DEFAULT_SEEDS, all_checks
 
 pytestmark = pytest.mark.slow
 

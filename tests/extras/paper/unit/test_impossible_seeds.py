@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.extras.paper.reproduce.reproduction import reproduce
+from musclewire.extras.paper._reproduce.reproduction import reproduce
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, "one"])

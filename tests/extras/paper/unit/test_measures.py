@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.stats import spearmanr
 
 from musclewire.errors import RecordingError
-from musclewire.extras.paper.reproduce.measures import (
+from musclewire.extras.paper._reproduce.measures import (
     falling_steps,
     largest_distance,
     lowest_place,
@@ -17,7 +17,7 @@ from musclewire.extras.paper.reproduce.measures import (
     outside_band,
     rank_correlation,
 )
-from musclewire.sensing.branches import Branch
+from musclewire.sensing import Branch
 
 RISING = np.linspace(0.0, 10.0, 101)
 

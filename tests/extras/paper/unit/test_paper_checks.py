@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.experiment.metrics import ControlMetrics, StepMetrics
-from musclewire.extras.paper.known_failures import known_failures, parsed_known_failures
-from musclewire.extras.paper.reproduce import PaperCheck, RunCache, SeedResult, all_checks, measured, selected
-from musclewire.extras.paper.reproduce.paper_checks import Compare, holds, subject_of
-from musclewire.parameters.library import read_published
+from musclewire.experiment import ControlMetrics, StepMetrics
+from musclewire.extras.paper._known_failures import known_failures, parsed_known_failures
+from musclewire.extras.paper._reproduce import PaperCheck, RunCache, SeedResult, all_checks, measured, selected
+from musclewire.extras.paper._reproduce.paper_checks import Compare, holds, subject_of
+from musclewire.parameters import read_published
 
 RUNS = RunCache()
 CHECKS = all_checks()

@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 
 from musclewire.errors import CallerError, NumericsError, RecordingError
-from musclewire.experiment.worker_process import start_worker
-from musclewire.extras.paper.reproduce import PaperCheck, RunCache, reproduce, reproduction, seed_numbers, selected
-from musclewire.extras.paper.reproduce.all_checks import all_checks
-from musclewire.extras.paper.reproduce.paper_checks import SeedResult
-from musclewire.extras.paper.reproduce.seed_numbers import SeedCallbacks, numbers_of_seeds
+from musclewire.experiment import start_worker
+from musclewire.extras.paper._reproduce import PaperCheck, RunCache, reproduce, reproduction, seed_numbers, selected
+from musclewire.extras.paper._reproduce.all_checks import all_checks
+from musclewire.extras.paper._reproduce.paper_checks import SeedResult
+from musclewire.extras.paper._reproduce.seed_numbers import SeedCallbacks, numbers_of_seeds
 
 SEEDS = (3, 1, 4, 8)
 

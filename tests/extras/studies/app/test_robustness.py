@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from musclewire.app.main import run
+from musclewire.app import run
 
 ONE = ("--condition", "load +50 %", "--track", "sines", "--controllers", "none", "--workers", "1")
 
@@ -12,7 +12,7 @@ ONE = ("--condition", "load +50 %", "--track", "sines", "--controllers", "none",
 @pytest.fixture
 def one_wire(monkeypatch):
     """The benchmark with one wire, so that it takes seconds, and with the polynomial, which no load forgives."""
-    from musclewire.extras.studies.robustness import benchmark
+    from musclewire.extras.studies._robustness import benchmark
 
     known = benchmark.bars().model_copy(update={"default_estimator": "polynomial"})
     monkeypatch.setattr(benchmark, "held_out_seeds", lambda: (102,))

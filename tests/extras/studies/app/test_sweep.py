@@ -122,7 +122,7 @@ def without_extra(folder: Path, code: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_without_the_extra_the_command_says_so_before_it_computes_anything(study: Path) -> None:
-    code = "from musclewire.app.main import run; sys.exit(run(['sweep', 'study.toml']))"
+    code = "from musclewire.app._main import run; sys.exit(run(['sweep', 'study.toml']))"
     done = without_extra(study.parent, code)
     assert done.returncode == 2
     assert 'pip install "musclewire[sweep]"' in done.stderr

@@ -5,7 +5,7 @@ from __future__ import annotations
 from tests.contract.rig_subject import RigSubject, without_a_test
 from tests.places import EXAMPLES
 
-from musclewire.rigs.configuration import open_rig
+from musclewire.rigs import open_rig
 
 __all__ = ["SUBJECTS"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_test
 
-from musclewire.extras.studies.segmented.configuration import SegmentedConfiguration
-from musclewire.rigs.configuration import open_rig
+from musclewire.extras.studies._segmented.configuration import SegmentedConfiguration
+from musclewire.rigs import open_rig
 
 __all__ = ["SUBJECTS"]
 

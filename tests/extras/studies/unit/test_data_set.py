@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from study_parts import study_of
 
-from musclewire.extras.studies import StudyResult, on_grid, read_study
-from musclewire.extras.studies.folder import Chunks
-from musclewire.extras.studies.study import joined
+from musclewire.extras.studies._data_set import on_grid
+from musclewire.extras.studies._folder import Chunks
+from musclewire.extras.studies._study import StudyResult, joined, read_study
 
 
 def result_of(series: bool = False) -> StudyResult:

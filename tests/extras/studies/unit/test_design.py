@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.extras.studies.design import METHODS, StudyDesign, design_of, run_seed, saltelli_points, unit_cube
-from musclewire.extras.studies.varied_parameters import GridAxis, SampledParameter
+from musclewire.extras.studies._design import METHODS, StudyDesign, design_of, run_seed, saltelli_points, unit_cube
+from musclewire.extras.studies._varied_parameters import GridAxis, SampledParameter
 
 
 def plain(values: FloatArray) -> FloatArray:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.extras.studies.distributions import quantile_function
-from musclewire.extras.studies.varied_parameters import GridAxis, ParameterTable, SampledParameter, resolved
+from musclewire.extras.studies._distributions import quantile_function
+from musclewire.extras.studies._varied_parameters import GridAxis, ParameterTable, SampledParameter, resolved
 
 # Of the standard normal distribution, as every table prints it.
 NORMAL_975 = 1.959964
@@ -110,7 +110,7 @@ def test_a_prior_is_a_distribution_between_its_bounds() -> None:
     found = resolved("martensite_temperature_k", "K", ParameterTable(prior="niti-wire"))
     assert isinstance(found, SampledParameter)
     ends = found.quantile(np.array([1e-12, 1.0 - 1e-12]))
-    from musclewire.parameters.priors import load_priors
+    from musclewire.parameters import load_priors
 
     prior = load_priors("niti-wire").parameters["martensite_temperature_k"]
     assert prior.low <= ends[0] < ends[1] <= prior.high

@@ -14,11 +14,10 @@ from hypothesis import strategies as st
 from tests.places import EXAMPLES
 
 from musclewire.errors import NumericsError
-from musclewire.extras.studies.segmented import Conditions
-from musclewire.parameters.catalogue import load_catalogue
-from musclewire.rigs.abilities import required_true_state
-from musclewire.rigs.configuration import open_rig
-from musclewire.signals.exchange import Drive
+from musclewire.extras.studies._segmented import Conditions
+from musclewire.parameters import load_catalogue
+from musclewire.rigs import open_rig, required_true_state
+from musclewire.signals import Drive
 
 RIG_FILE = EXAMPLES / "plants" / "liang_rogers.toml"
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from musclewire.arrays import FloatArray
-from musclewire.extras.studies.design import StudyDesign, design_of
-from musclewire.extras.studies.sensitivity import Sensitivity, sensitivity_of, sensitivity_text
-from musclewire.extras.studies.varied_parameters import GridAxis, SampledParameter
+from musclewire.extras.studies._design import StudyDesign, design_of
+from musclewire.extras.studies._sensitivity import Sensitivity, sensitivity_of, sensitivity_text
+from musclewire.extras.studies._varied_parameters import GridAxis, SampledParameter
 
 A, B = 7.0, 0.1
 

@@ -11,12 +11,9 @@ from hypothesis import strategies as st
 from study_parts import study_of
 
 from musclewire.errors import CallerError
-from musclewire.extras.studies.study import Workers, sweep
-from musclewire.identify import fit
-from musclewire.identify.loop_gaps import loop_gaps
-from musclewire.rigs.configuration import simulated_configuration
-from musclewire.rigs.simulated_configuration import RigConfiguration, parameters_of
-from musclewire.rigs.varied_rig import VariedRig, keys_of
+from musclewire.extras.studies._study import Workers, sweep
+from musclewire.identify import fit, loop_gaps
+from musclewire.rigs import RigConfiguration, VariedRig, keys_of, parameters_of, simulated_configuration
 
 HERE = Workers(processes=1)
 NO_ERRORS = {
@@ -98,9 +95,9 @@ def test_ideal_readings_are_those_of_a_rig_without_errors(rig: str) -> None:
 
 
 def test_the_gaps_are_those_of_loop_gaps_and_the_fit_is_fits() -> None:
-    from musclewire.extras.studies.characterize_runs import CharacterizeOptions, drive_v, loop_numbers
-    from musclewire.extras.studies.ideal_runs import ideal_runs
-    from musclewire.extras.studies.run_kind import StudyRun, StudyRuns
+    from musclewire.extras.studies._characterize_runs import CharacterizeOptions, drive_v, loop_numbers
+    from musclewire.extras.studies._ideal_runs import ideal_runs
+    from musclewire.extras.studies._run_kind import StudyRun, StudyRuns
 
     options = CharacterizeOptions(cycles=1, period=60.0, fit=True)
     rig = VariedRig(RigConfiguration(), "test", [])

@@ -11,16 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.experiment.home import plan_for
-from musclewire.experiment.home_sweep import HomeSweep
-from musclewire.experiment.open_loop import characterize
-from musclewire.experiment.run import run_on_rig
-from musclewire.identify import fit
-from musclewire.identify.home import homed_model
-from musclewire.identify.home.seen_points import has_levelled
-from musclewire.rigs.configuration import open_rig
-from musclewire.sensing.model import SensingModel
-from musclewire.signals.recording import Recording
+from musclewire.experiment import HomeSweep, characterize, plan_for, run_on_rig
+from musclewire.identify._home import homed_model
+from musclewire.identify._home.seen_points import has_levelled
+from musclewire.identify._sensing_model import fit
+from musclewire.rigs import open_rig
+from musclewire.sensing import SensingModel
+from musclewire.signals import Recording
 
 AIR_K = 295.15
 

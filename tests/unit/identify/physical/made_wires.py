@@ -11,13 +11,11 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.identify.isobaric_loops import IsobaricLoop
-from musclewire.identify.physical.candidates import CandidateParameters, WireValues
-from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.priors import load_priors
+from musclewire.identify._isobaric_loops import IsobaricLoop
+from musclewire.identify._physical.candidates import CandidateParameters, WireValues
+from musclewire.parameters import load_alloy, load_bench, load_priors, load_wire
 from musclewire.signals import Recording
-from musclewire.wire.building import constants_of
-from musclewire.wire.paths import drive_path, isobaric_path
+from musclewire.wire import constants_of, drive_path, isobaric_path
 
 Array = NDArray[np.float64]
 

@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.identify.physical.advice import ExperimentAdvice, next_experiments, proposed
-from musclewire.identify.physical.calibrate import calibrate
-from musclewire.identify.physical.calibrated_wire import save_wire
-from musclewire.identify.physical.calibration import Calibration
-from musclewire.identify.physical.calibration_figures import channel_axes
-from musclewire.identify.physical.calibration_report import write_report
-from musclewire.identify.physical.posterior import PosteriorProblem
-from musclewire.identify.physical.recording_kinds import observations_of
-from musclewire.identify.physical.search import settings_of_effort
-from musclewire.parameters.library import bench_known_with, load_alloy, load_wire
+from musclewire.identify._physical.advice import ExperimentAdvice, next_experiments, proposed
+from musclewire.identify._physical.calibrate import calibrate
+from musclewire.identify._physical.calibrated_wire import save_wire
+from musclewire.identify._physical.calibration import Calibration
+from musclewire.identify._physical.calibration_figures import channel_axes
+from musclewire.identify._physical.calibration_report import write_report
+from musclewire.identify._physical.posterior import PosteriorProblem
+from musclewire.identify._physical.recording_kinds import observations_of
+from musclewire.identify._physical.search import settings_of_effort
+from musclewire.parameters import bench_known_with, load_alloy, load_wire
 from musclewire.signals import Recording
 
 Array = NDArray[np.float64]

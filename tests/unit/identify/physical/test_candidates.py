@@ -7,9 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_wires import candidates
 
-from musclewire.identify.physical.candidates import CandidateParameters
-from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.priors import load_priors
+from musclewire.identify._physical.candidates import CandidateParameters
+from musclewire.parameters import load_alloy, load_bench, load_priors, load_wire
 
 
 @given(st.integers(0, 2**32 - 1))

@@ -10,12 +10,12 @@ from made_wires import BENCH, candidates, cooling, driven, isobars, slow_sine, t
 from numpy.typing import NDArray
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.identify.physical.calibrate import calibrate
-from musclewire.identify.physical.driven import DrivenObservation
-from musclewire.identify.physical.measured_channels import even_clock
-from musclewire.identify.physical.observations import Observation, compare
-from musclewire.identify.physical.recording_kinds import observable_parameters, observations_of, start_of
-from musclewire.parameters.priors import load_priors
+from musclewire.identify._physical.calibrate import calibrate
+from musclewire.identify._physical.driven import DrivenObservation
+from musclewire.identify._physical.measured_channels import even_clock
+from musclewire.identify._physical.observations import Observation, compare
+from musclewire.identify._physical.recording_kinds import observable_parameters, observations_of, start_of
+from musclewire.parameters import load_priors
 from musclewire.signals import Recording
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
-from musclewire.identify.physical.isobaric import isobars_in
+from musclewire.identify._physical.isobaric import isobars_in
 from musclewire.signals import Recording
 
 ROWS = 200

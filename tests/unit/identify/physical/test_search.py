@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.identify.physical.journal import SearchJournal
-from musclewire.identify.physical.search import (
+from musclewire.identify._physical.journal import SearchJournal
+from musclewire.identify._physical.search import (
     EFFORTS,
     ParallelProblem,
     SearchResult,

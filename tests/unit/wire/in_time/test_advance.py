@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from wire_makers import ALLOYS, Fronts, constants, fractions, run, slow_sine_v, stepped
 
-from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
-from musclewire.wire.building import resting_state, with_pretension
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.paths import drive_path
-from musclewire.wire.state import WireState
-from musclewire.wire.wires import advance
+from musclewire.physics import REFERENCE_TEMPERATURE_K
+from musclewire.wire._building import resting_state, with_pretension
+from musclewire.wire._constants import WireConstants
+from musclewire.wire._paths import drive_path
+from musclewire.wire._state import WireState
+from musclewire.wire._wires import advance
 
 WIRES = {kind: constants(kind) for kind in ALLOYS} | {"new": constants(new_wire=True)}
 HISTORIES = st.lists(st.tuples(st.floats(0.0, 3.6), st.integers(1, 2500)), min_size=1, max_size=12)

@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 from wire_makers import Array, constants
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.wire.batch import COLUMNS, WireBatch, drive_many
-from musclewire.wire.building import resting_state
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.loads import with_table
-from musclewire.wire.paths import drive_path
-from musclewire.wire.stepping import StepControl, fixed_steps
-from musclewire.wire.wires import advance
+from musclewire.wire._batch import COLUMNS, WireBatch, drive_many
+from musclewire.wire._building import resting_state
+from musclewire.wire._constants import WireConstants
+from musclewire.wire._loads import with_table
+from musclewire.wire._paths import drive_path
+from musclewire.wire._stepping import StepControl, fixed_steps
+from musclewire.wire._wires import advance
 
 SAMPLE_S, SAMPLES = 0.05, 60
 TEN_MS, CHOSEN = fixed_steps(0.01), StepControl()

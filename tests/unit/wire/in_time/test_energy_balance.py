@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from wire_makers import ALLOYS, Array, alloy, bench, constants, driven, slow_sine_v, wire_100um
 
-from musclewire.physics.heat import convection_coefficient_w_per_m2_k
-from musclewire.wire.building import resting_state
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.paths import DrivenPath
-from musclewire.wire.state import WireState
+from musclewire.physics import convection_coefficient_w_per_m2_k
+from musclewire.wire._building import resting_state
+from musclewire.wire._constants import WireConstants
+from musclewire.wire._paths import DrivenPath
+from musclewire.wire._state import WireState
 
 DT_S = 1e-3
 CYCLE_V = np.array([slow_sine_v(t) for t in np.arange(0.05, 90.0, 0.1)])

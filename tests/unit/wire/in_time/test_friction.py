@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from kernel_friction import Case, case_of, shown
 from wire_makers import constants
 
-from musclewire.wire.building import resting_state
-from musclewire.wire.loads import spring_load, with_table
-from musclewire.wire.state import WireState
-from musclewire.wire.stepping import fixed_steps
-from musclewire.wire.wires import advance
+from musclewire.wire._building import resting_state
+from musclewire.wire._loads import spring_load, with_table
+from musclewire.wire._state import WireState
+from musclewire.wire._stepping import fixed_steps
+from musclewire.wire._wires import advance
 
 
 @pytest.mark.parametrize("step_s", [1e-3, 20e-3])

@@ -12,13 +12,12 @@ from scipy.optimize import brentq
 from wire_makers import Array, constants, run, slow_sine_v, stepped
 
 from musclewire.errors import CallerError
-from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.parameters.published_ranges import published_ranges
-from musclewire.wire.building import constants_from, resting_state
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.loads import ConnectorLoad, spring_load, with_table
-from musclewire.wire.state import WireState
-from musclewire.wire.step import NO_PUSH, load_at
+from musclewire.parameters import load_alloy, load_bench, load_wire, published_ranges
+from musclewire.wire._building import constants_from, resting_state
+from musclewire.wire._constants import WireConstants
+from musclewire.wire._loads import ConnectorLoad, spring_load, with_table
+from musclewire.wire._state import WireState
+from musclewire.wire._step import NO_PUSH, load_at
 
 REACH_M = 7e-3
 SMOOTH = {"guide_friction_n": 0.0}

@@ -15,10 +15,10 @@ from grain_wire import Grip as GrainGrip
 from grain_wire import Pair as GrainPair
 from grain_wire import drive_pair as grain_wire_pair
 from grain_wire import grain_wire
-from musclewire.wire.building import constants_from, resting_state, with_pretension
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.loads import ConnectorLoad, spring_load, with_table
-from musclewire.wire.pairs import (
+from musclewire.wire._building import constants_from, resting_state, with_pretension
+from musclewire.wire._constants import WireConstants
+from musclewire.wire._loads import ConnectorLoad, spring_load, with_table
+from musclewire.wire._pairs import (
     APART,
     OWN_SUPPLY,
     PARALLEL,
@@ -29,9 +29,9 @@ from musclewire.wire.pairs import (
     advance_pair,
     no_grip,
 )
-from musclewire.wire.state import WireState
-from musclewire.wire.stepping import StepControl, fixed_steps
-from musclewire.wire.wires import advance
+from musclewire.wire._state import WireState
+from musclewire.wire._stepping import StepControl, fixed_steps
+from musclewire.wire._wires import advance
 
 pytestmark = pytest.mark.slow
 

@@ -9,10 +9,10 @@ import pytest
 
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.wire.building import constants_from, resting_state
-from musclewire.wire.paths import drive_path, isobaric_path
-from musclewire.wire.stepping import StepControl, fixed_steps
-from musclewire.wire.wires import advance
+from musclewire.wire._building import constants_from, resting_state
+from musclewire.wire._paths import drive_path, isobaric_path
+from musclewire.wire._stepping import StepControl, fixed_steps
+from musclewire.wire._wires import advance
 
 CONSTANTS = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
 FIVE_MS = fixed_steps(5e-3)

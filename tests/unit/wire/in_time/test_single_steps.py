@@ -11,13 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from wire_makers import constants
 
-from musclewire.wire.batch import WireBatch
-from musclewire.wire.constants import WireConstants
-from musclewire.wire.paths import drive_path
-from musclewire.wire.state import WireState
-from musclewire.wire.stepping import StepControl, fixed_steps
-from musclewire.wire.warming import heated_state
-from musclewire.wire.wires import WireMeans, advance
+from musclewire.wire._batch import WireBatch
+from musclewire.wire._constants import WireConstants
+from musclewire.wire._paths import drive_path
+from musclewire.wire._state import WireState
+from musclewire.wire._stepping import StepControl, fixed_steps
+from musclewire.wire._warming import heated_state
+from musclewire.wire._wires import WireMeans, advance
 
 WIRE = constants()
 NEW = constants(new_wire=True)

@@ -26,12 +26,21 @@ from test_pairs import (
     wire,
 )
 
-from musclewire.wire.building import resting_state
-from musclewire.wire.loads import spring_load
-from musclewire.wire.pairs import APART, OWN_SUPPLY, PARALLEL, SERIES, PairConnection, PairMeans, advance_pair, no_grip
-from musclewire.wire.state import WireState
-from musclewire.wire.stepping import StepControl, fixed_steps
-from musclewire.wire.wires import advance
+from musclewire.wire._building import resting_state
+from musclewire.wire._loads import spring_load
+from musclewire.wire._pairs import (
+    APART,
+    OWN_SUPPLY,
+    PARALLEL,
+    SERIES,
+    PairConnection,
+    PairMeans,
+    advance_pair,
+    no_grip,
+)
+from musclewire.wire._state import WireState
+from musclewire.wire._stepping import StepControl, fixed_steps
+from musclewire.wire._wires import advance
 
 TEN_MS = fixed_steps(0.01)
 RUB_N = 0.2

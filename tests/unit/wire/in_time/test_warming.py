@@ -7,9 +7,9 @@ import pytest
 from wire_makers import constants, driven
 
 from musclewire.errors import CallerError
-from musclewire.physics.resistance import REFERENCE_TEMPERATURE_K
-from musclewire.wire.paths import isobaric_path
-from musclewire.wire.warming import heated_state
+from musclewire.physics import REFERENCE_TEMPERATURE_K
+from musclewire.wire._paths import isobaric_path
+from musclewire.wire._warming import heated_state
 
 AMBIENT_K = 295.15
 

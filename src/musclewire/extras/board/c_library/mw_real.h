@@ -40,7 +40,7 @@ typedef char mw_float_must_have_32_bits[sizeof(float) == 4 ? 1 : -1];
 #endif
 
 /* Resistance of the wire from two voltages (Lan and Fan 2010, Eq. 1), the only place with this equation; the division
- * comes first, as in musclewire.physics.resistance. */
+ * comes first, as in musclewire.physics._resistance. */
 #define MW_SERIES_RESISTANCE(wire_voltage_v, shunt_voltage_v) \
     ((wire_voltage_v) / (shunt_voltage_v) * MW_SHUNT_RESISTANCE_OHM)
 

@@ -1,5 +1,5 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
-/* The two balances of a wire, of enthalpy and of force, at a trial temperature and stress: musclewire.wire.balance. */
+/* The two balances of a wire, of enthalpy and of force, at a trial temperature and stress: musclewire.wire._balance. */
 #include "mw_wire.h"
 
 #define REFERENCE_TEMPERATURE_K MW_REFERENCE_TEMPERATURE_K

@@ -1,5 +1,5 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
-/* A flexible finger at the connector, by its curve over tendon travel: musclewire.rigs.mechanism.Tendon.
+/* A flexible finger at the connector, by its curve over tendon travel: musclewire.rigs._mechanism.Tendon.
  *
  * Its force on the connector is in the load's table; here is where its endpoint is, and what an object in the endpoint's
  * way pushes back with. */

@@ -1,5 +1,5 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
-/* Phases of a wire as two fronts in the distribution of its grains: musclewire.wire.fronts.
+/* Phases of a wire as two fronts in the distribution of its grains: musclewire.wire._fronts.
  *
  * Austenite lies below the front q_F, martensite above q_M >= q_F, R-phase between them, after any history. */
 #include "mw_wire.h"

@@ -1,5 +1,5 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
-/* Temperature and stress of a wire from its enthalpy and the load's force, solved together: musclewire.wire.step. */
+/* Temperature and stress of a wire from its enthalpy and the load's force, solved together: musclewire.wire._step. */
 #include "mw_wire.h"
 
 /* Newton's last step may be this long: it is applied linearly, and the error that remains is of second order in it. */

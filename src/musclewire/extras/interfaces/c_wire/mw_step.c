@@ -1,5 +1,5 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
-/* Steps of one wire in its driving circuit: musclewire.wire.step, musclewire.wire.wires and .stepping. */
+/* Steps of one wire in its driving circuit: musclewire.wire._step, musclewire.wire._wires and .stepping. */
 #include "mw_wire.h"
 
 /* A connector whose load is balanced by friction to within this stays where it is. */

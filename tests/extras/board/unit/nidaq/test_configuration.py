@@ -11,9 +11,9 @@ import pytest
 from tests.places import DOCS
 
 from musclewire.errors import CallerError
-from musclewire.extras.board.nidaq.configuration import NiDaqConfiguration
-from musclewire.parameters.validation import validated
-from musclewire.rigs.configuration import rig_configuration
+from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
+from musclewire.parameters import validated
+from musclewire.rigs import rig_configuration
 
 NAMES = ("ni-pci-6229", "ni-usb-6001")
 

@@ -12,10 +12,10 @@ import pytest
 from tests.extras.board.unit.nidaq.card_in_memory import OFF_V, ORDERS, CardInMemory
 
 from musclewire.errors import RigError
-from musclewire.extras.board.nidaq import output as module
-from musclewire.extras.board.nidaq.driver_errors import DaqFaultError
-from musclewire.extras.board.nidaq.guardian import COMMAND, END, KEEP, PUT, REPLY, GuardianOrders
-from musclewire.extras.board.nidaq.output import GuardedOutput, GuardianLostError, HostStalledError
+from musclewire.extras.board._nidaq import output as module
+from musclewire.extras.board._nidaq.driver_errors import DaqFaultError
+from musclewire.extras.board._nidaq.guardian import COMMAND, END, KEEP, PUT, REPLY, GuardianOrders
+from musclewire.extras.board._nidaq.output import GuardedOutput, GuardianLostError, HostStalledError
 
 DONE = REPLY.pack(b"A", 0.0, 0, 0)
 

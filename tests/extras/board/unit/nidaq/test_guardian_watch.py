@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from musclewire.extras.board.nidaq.driver import OutputSettings
-from musclewire.extras.board.nidaq.guardian import LOOK_S, GuardianOrders, SilenceWatch
+from musclewire.extras.board._nidaq.driver import OutputSettings
+from musclewire.extras.board._nidaq.guardian import LOOK_S, GuardianOrders, SilenceWatch
 
 OUTPUT = OutputSettings("Dev1", "127.0.0.1:1", "ao0", 10.0, None)
 ORDERS = GuardianOrders(OUTPUT, 1.0, 0.0, 0.3, sense_after_s=0.1, trip_after_s=0.25)

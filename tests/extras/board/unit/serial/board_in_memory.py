@@ -10,13 +10,13 @@ import struct
 from dataclasses import dataclass, field
 from math import nan
 
-from musclewire.extras.board.serial.board import Board
-from musclewire.extras.board.serial.configuration import SerialConfiguration
-from musclewire.extras.board.serial.device import SerialDevice
-from musclewire.extras.board.serial.frames import FrameParser, SerialFrame, encode_frame
-from musclewire.extras.board.serial.line import LineLostError
-from musclewire.extras.board.serial.messages import MessageKind
-from musclewire.rigs.guarded import GuardedRig
+from musclewire.extras.board._serial.board import Board
+from musclewire.extras.board._serial.configuration import SerialConfiguration
+from musclewire.extras.board._serial.device import SerialDevice
+from musclewire.extras.board._serial.frames import FrameParser, SerialFrame, encode_frame
+from musclewire.extras.board._serial.line import LineLostError
+from musclewire.extras.board._serial.messages import MessageKind
+from musclewire.rigs import GuardedRig
 
 WIRE_OHM, SHUNT_OHM = 15.0, 1.0
 TICK_S = 1e-3

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.extras.board.serial.frames import (
+from musclewire.extras.board._serial.frames import (
     MAXIMUM_BODY_BYTES,
     FrameParser,
     SerialFrame,
@@ -18,7 +18,7 @@ from musclewire.extras.board.serial.frames import (
     stuff,
     unstuff,
 )
-from musclewire.extras.board.serial.messages import BoardIdentity, BoardSample, MessageKind, read_message
+from musclewire.extras.board._serial.messages import BoardIdentity, BoardSample, MessageKind, read_message
 
 FRAMES = st.builds(SerialFrame, st.integers(0, 255), st.integers(0, 65535), st.binary(max_size=MAXIMUM_BODY_BYTES - 8))
 

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import pytest
 
 from musclewire.errors import MissingExtraError, RigError
-from musclewire.extras.board.serial.line import LineLostError, SerialLine, open_line
-from musclewire.extras.board.serial.ports import SerialPort, ports_text, serial_ports
+from musclewire.extras.board._serial.line import LineLostError, SerialLine, open_line
+from musclewire.extras.board._serial.ports import SerialPort, ports_text, serial_ports
 
 
 def test_what_is_written_to_a_loop_comes_back_and_nothing_else() -> None:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, configuration, rig_on
 
-from musclewire.controllers.protection import Event
+from musclewire.controllers import Event
 from musclewire.errors import CallerError, RigError
-from musclewire.extras.board.serial.board import Board
-from musclewire.extras.board.serial.device import SerialDevice
-from musclewire.extras.board.serial.frames import SerialFrame
-from musclewire.extras.board.serial.messages import MessageKind
-from musclewire.rigs.guarded import ProtectionTripError
+from musclewire.extras.board._serial.board import Board
+from musclewire.extras.board._serial.device import SerialDevice
+from musclewire.extras.board._serial.frames import SerialFrame
+from musclewire.extras.board._serial.messages import MessageKind
+from musclewire.rigs import ProtectionTripError
 
 NO_SUCH_COMMAND = 2
 

@@ -9,13 +9,13 @@ import time
 import pytest
 from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, rig_on
 
-from musclewire.controllers.protection import Event
+from musclewire.controllers import Event
 from musclewire.errors import CallerError, RigError
-from musclewire.extras.board.serial.board import Board, BoardOffMeanwhileError, LinkStormError
-from musclewire.extras.board.serial.frames import SerialFrame, encode_frame, stuff
-from musclewire.extras.board.serial.messages import MessageKind
-from musclewire.rigs.guarded import GuardedRig, ProtectionTripError
-from musclewire.signals.exchange import Target
+from musclewire.extras.board._serial.board import Board, BoardOffMeanwhileError, LinkStormError
+from musclewire.extras.board._serial.frames import SerialFrame, encode_frame, stuff
+from musclewire.extras.board._serial.messages import MessageKind
+from musclewire.rigs import GuardedRig, ProtectionTripError
+from musclewire.signals import Target
 
 
 def trip_of(rig: GuardedRig, drive_v: float = 1.0) -> Event:

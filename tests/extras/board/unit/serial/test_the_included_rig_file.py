@@ -8,7 +8,7 @@ import pytest
 from tests.places import included_rig_file
 
 from musclewire.errors import CallerError
-from musclewire.rigs.configuration import open_rig, read_rig_file
+from musclewire.rigs import open_rig, read_rig_file
 
 
 def test_air_in_degrees_without_a_unit_is_refused_because_it_would_let_the_wire_grow_too_hot(tmp_path: Path) -> None:

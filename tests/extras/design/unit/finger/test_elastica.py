@@ -10,14 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.extras.design.finger.chain import cantilever_chain
-from musclewire.extras.design.finger.closed_forms import (
+from musclewire.extras.design._finger.chain import cantilever_chain
+from musclewire.extras.design._finger.closed_forms import (
     bending_stiffness_n_m2,
     chord_travel_m,
     end_loaded_cantilever,
     pure_moment_tip_m,
 )
-from musclewire.extras.design.finger.statics import loaded_cantilever
+from musclewire.extras.design._finger.statics import loaded_cantilever
 
 # Mattiasson 1981, Int. J. Numer. Meth. Engng 17, 145, doi 10.1002/nme.1620170113: load, deflection, shortening, slope.
 MATTIASSON = [

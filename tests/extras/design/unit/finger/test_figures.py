@@ -7,10 +7,10 @@ import re
 from fingers import CURVED
 from matplotlib.figure import Figure
 
-from musclewire.extras.design.finger.figures import plot_finger
-from musclewire.extras.design.finger.finger_study import FingerStudy, FingerStudyResult, study_finger
-from musclewire.parameters.materials import load_material
-from musclewire.wire.loads import ElasticObject
+from musclewire.extras.design._finger.figures import plot_finger
+from musclewire.extras.design._finger.finger_study import FingerStudy, FingerStudyResult, study_finger
+from musclewire.parameters import load_material
+from musclewire.wire import ElasticObject
 
 
 def answered(obstacle: ElasticObject | None) -> FingerStudyResult:

@@ -9,13 +9,13 @@ import pytest
 from fingers import CURVED, PLAIN
 
 from musclewire.errors import CallerError
-from musclewire.extras.design.finger.chain import finger_chain, place
-from musclewire.extras.design.finger.curve import column_gap_m
-from musclewire.extras.design.finger.drawing import finger_drawing
-from musclewire.extras.design.finger.geometry import FingerGeometry
-from musclewire.extras.design.finger.shape import finger_shape
-from musclewire.extras.design.finger.statics import equilibria
-from musclewire.parameters.parameter_groups import Parameter
+from musclewire.extras.design._finger.chain import finger_chain, place
+from musclewire.extras.design._finger.curve import column_gap_m
+from musclewire.extras.design._finger.drawing import finger_drawing
+from musclewire.extras.design._finger.geometry import FingerGeometry
+from musclewire.extras.design._finger.shape import finger_shape
+from musclewire.extras.design._finger.statics import equilibria
+from musclewire.parameters import Parameter
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.extras.design.finger.chain import finger_chain
-from musclewire.extras.design.finger.curve import beam_stress_pa, column_gap_m, travel_for_endpoint_m
-from musclewire.extras.design.finger.sizing import FingerRequest, design_finger, finger_stiffness_n_per_m
-from musclewire.parameters.materials import load_material
+from musclewire.extras.design._finger.chain import finger_chain
+from musclewire.extras.design._finger.curve import beam_stress_pa, column_gap_m, travel_for_endpoint_m
+from musclewire.extras.design._finger.sizing import FingerRequest, design_finger, finger_stiffness_n_per_m
+from musclewire.parameters import load_material
 
 POM = load_material("pom")
 PAPER = FingerRequest(

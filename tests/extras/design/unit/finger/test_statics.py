@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.design.finger.chain import cantilever_chain, finger_chain, place
-from musclewire.extras.design.finger.closed_forms import pure_moment_stiffness_n_per_m
-from musclewire.extras.design.finger.curve import (
+from musclewire.extras.design._finger.chain import cantilever_chain, finger_chain, place
+from musclewire.extras.design._finger.closed_forms import pure_moment_stiffness_n_per_m
+from musclewire.extras.design._finger.curve import (
     beam_stress_pa,
     bent_per_m,
     finger_curve,
@@ -20,15 +20,15 @@ from musclewire.extras.design.finger.curve import (
     touch_curve,
     travel_for_endpoint_m,
 )
-from musclewire.extras.design.finger.geometry import FingerGeometry
-from musclewire.extras.design.finger.statics import (
+from musclewire.extras.design._finger.geometry import FingerGeometry
+from musclewire.extras.design._finger.statics import (
     FingerProblem,
     equilibria,
     equilibrium,
     loaded_cantilever,
     sensitivity,
 )
-from musclewire.wire.loads import ElasticObject
+from musclewire.wire import ElasticObject
 
 TRAVELS = np.linspace(0.0, 1.05e-3, 22)
 

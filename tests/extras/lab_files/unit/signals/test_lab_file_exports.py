@@ -7,8 +7,9 @@ import pytest
 from scipy.io import loadmat
 
 from musclewire.errors import CallerError
-from musclewire.extras.lab_files import excel_export, matlab_export
-from musclewire.extras.lab_files.matlab_export import fill_matlab, fill_matlab_73
+from musclewire.extras.lab_files import _excel_export as excel_export
+from musclewire.extras.lab_files import _matlab_export as matlab_export
+from musclewire.extras.lab_files._matlab_export import fill_matlab, fill_matlab_73
 from musclewire.signals import Recording, read_recording
 
 TIME_S = np.arange(5) * 0.1

@@ -15,9 +15,9 @@ from scipy.io import loadmat
 from tests.extras.lab_files.corpus.lab_signals import DISPLACEMENT_MM, FORCE_N, ROWS, TIME_S, WIRE_VOLTAGE_V
 
 from musclewire.errors import MusclewireError, RecordingError
-from musclewire.extras.lab_files import hdf5_trial
-from musclewire.extras.lab_files.foreign_hdf5 import read_hdf5_of_others
-from musclewire.extras.lab_files.formats import lab_file_reader
+from musclewire.extras.lab_files import _hdf5_trial as hdf5_trial
+from musclewire.extras.lab_files._foreign_hdf5 import read_hdf5_of_others
+from musclewire.extras.lab_files._formats import lab_file_reader
 from musclewire.signals import import_recording, load_mapping, read_recording, save_mapping
 
 
@@ -231,8 +231,8 @@ def test_nothing_outside_a_hostile_file_is_opened(lab_files):
 import sys, pathlib
 from musclewire.errors import MusclewireError
 from musclewire.extras.lab_files import foreign_hdf5, matlab73
-from musclewire.extras.lab_files.formats import lab_file_reader
-from musclewire.extras.lab_files.foreign_hdf5 import read_hdf5_of_others
+from musclewire.extras.lab_files._formats import lab_file_reader
+from musclewire.extras.lab_files._foreign_hdf5 import read_hdf5_of_others
 # Here, where files are what matters, no trial in another process.
 foreign_hdf5.check_by_trial = matlab73.check_by_trial = lambda path, module: None
 paths = [pathlib.Path(text) for text in sys.argv[1:]]

@@ -8,18 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.extras.studies.robustness import Selection, held_out_seeds, tuning_seeds
-from musclewire.extras.studies.robustness.bars import bars
-from musclewire.extras.studies.robustness.benchmark import chosen_by, ranges
-from musclewire.extras.studies.robustness.disturbances import Disturbance
-from musclewire.extras.studies.robustness.grips import changes
-from musclewire.extras.studies.robustness.jobs import JobAnswer, RobustnessJob, job_of_plain
-from musclewire.extras.studies.robustness.population import drawn_wire
-from musclewire.extras.studies.robustness.references import REFERENCES, reference_targets, start_up
-from musclewire.extras.studies.robustness.rows import estimator_rows
-from musclewire.extras.studies.robustness.scoring import ErrorSums, judged_from_s, pooled
-from musclewire.extras.studies.robustness.settings import settings
-from musclewire.extras.studies.robustness.verdicts import BarVerdict, effective_bar_pct, verdicts_of
+from musclewire.extras.studies._robustness import Selection, held_out_seeds, tuning_seeds
+from musclewire.extras.studies._robustness.bars import bars
+from musclewire.extras.studies._robustness.benchmark import chosen_by, ranges
+from musclewire.extras.studies._robustness.disturbances import Disturbance
+from musclewire.extras.studies._robustness.grips import changes
+from musclewire.extras.studies._robustness.jobs import JobAnswer, RobustnessJob, job_of_plain
+from musclewire.extras.studies._robustness.population import drawn_wire
+from musclewire.extras.studies._robustness.references import REFERENCES, reference_targets, start_up
+from musclewire.extras.studies._robustness.rows import estimator_rows
+from musclewire.extras.studies._robustness.scoring import ErrorSums, judged_from_s, pooled
+from musclewire.extras.studies._robustness.settings import settings
+from musclewire.extras.studies._robustness.verdicts import BarVerdict, effective_bar_pct, verdicts_of
 
 
 def condition(name):

@@ -8,15 +8,13 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.extras.studies.segmented.conditions import Conditions, LocalDraughts, steady
-from musclewire.extras.studies.segmented.configuration import SegmentedConfiguration
-from musclewire.extras.studies.segmented.device import SegmentedDevice, SegmentedSpool
-from musclewire.extras.studies.segmented.instruments import InstrumentSettings
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.rigs.abilities import required_true_state, stage_of
-from musclewire.rigs.configuration import open_rig
-from musclewire.rigs.guarded import GuardedRig
-from musclewire.signals.exchange import RawSample
+from musclewire.extras.studies._segmented.conditions import Conditions, LocalDraughts, steady
+from musclewire.extras.studies._segmented.configuration import SegmentedConfiguration
+from musclewire.extras.studies._segmented.device import SegmentedDevice, SegmentedSpool
+from musclewire.extras.studies._segmented.instruments import InstrumentSettings
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.rigs import GuardedRig, open_rig, required_true_state, stage_of
+from musclewire.signals import RawSample
 
 pytestmark = pytest.mark.slow
 

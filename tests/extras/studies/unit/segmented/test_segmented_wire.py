@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from scipy.special import ndtr
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.studies.segmented.conditions import Conditions
-from musclewire.extras.studies.segmented.structure import (
+from musclewire.extras.studies._segmented.conditions import Conditions
+from musclewire.extras.studies._segmented.structure import (
     NormalMixture,
     WireAgeing,
     WireStructure,
@@ -21,12 +21,9 @@ from musclewire.extras.studies.segmented.structure import (
     graded_fractions,
     mixture_distribution,
 )
-from musclewire.extras.studies.segmented.wire import SegmentedWire
-from musclewire.parameters.library import load_alloy, load_bench, load_wire
-from musclewire.wire.building import constants_from
-from musclewire.wire.distribution import BarrierClass
-from musclewire.wire.stepping import StepControl
-from musclewire.wire.wires import OneWire
+from musclewire.extras.studies._segmented.wire import SegmentedWire
+from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.wire import BarrierClass, OneWire, StepControl, constants_from
 
 pytestmark = pytest.mark.slow
 

@@ -1,0 +1,121 @@
+"""The commands of the core and of all parts that are there, listed without importing any of them.
+
+``musclewire --help`` and a shell's completion read plain data: a name, a line of help, a panel. A command's module is
+imported when the command is called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from musclewire.app._commands import add_command
+from musclewire.app._core_commands import COMMANDS, GROUPS, PANELS
+from musclewire.manifest import Command, CommandGroup, absent_part, loaded, manifests
+
+__all__ = ["CommandLine", "every_command", "listed_commands"]
+
+Listed = Command | CommandGroup
+
+
+class ListedCommand(TyperCommand):
+    """A command that is known by its name and its help alone until it is called."""
+
+    def __init__(self, command: Command) -> None:
+        """Take what the list says of it."""
+        super().__init__(name=command.name, help=command.help, rich_help_panel=command.panel or None)
+        self._command = command
+
+    def loaded(self) -> Any:
+        """Return the command with its options; its module is imported now."""
+        alone = typer.Typer(add_completion=False)
+        add_command(alone, loaded(self._command.function), self._command.name)
+        found = typer.main.get_command(alone)
+        found.rich_help_panel = self._command.panel or None  # type: ignore[attr-defined]
+        return found
+
+    def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
+        """Return the context of the command itself, whose options the list does not know."""
+        return self.loaded().make_context(info_name, args, parent=parent, **extra)
+
+
+class CommandLine(TyperGroup):
+    """The root of the command line: what it is given itself, and every listed command."""
+
+    def __init__(self, **attributes: Any) -> None:
+        """List the commands."""
+        super().__init__(**attributes)
+        self.commands = dict(listed_commands())
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return a command by its name. Raises CallerError for a command whose part is not there."""
+        absent = None if args[0] in self.commands else absent_part("commands", args[0])
+        if absent is not None:
+            raise absent
+        return super().resolve_command(ctx, args)
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names in the order in which a reader meets them."""
+        del ctx
+        return list(self.commands)
+
+
+def listed_commands() -> dict[str, Any]:
+    """Return every command and group as the list knows it, in the order of the panels.
+
+    Returns
+    -------
+    Commands by name: ``ListedCommand`` for each, and a group of them for each group that has any.
+    """
+    all_commands = [*COMMANDS, *(command for manifest in manifests() for command in manifest.commands)]
+    all_groups = [*GROUPS, *(group for manifest in manifests() for group in manifest.groups)]
+    members = {group.name: [each for each in all_commands if each.group == group.name] for group in all_groups}
+    top: list[Listed] = [command for command in all_commands if not command.group]
+    top += [group for group in all_groups if members[group.name]]
+    found: dict[str, Any] = {}
+    for one in in_order(top):
+        found.setdefault(
+            one.name, group_of(one, members[one.name]) if isinstance(one, CommandGroup) else ListedCommand(one)
+        )
+    return found
+
+
+def group_of(group: CommandGroup, members: Sequence[Command]) -> TyperGroup:
+    """Return a group with its commands."""
+    return TyperGroup(
+        name=group.name,
+        help=group.help,
+        no_args_is_help=True,
+        rich_help_panel=group.panel or None,
+        commands={member.name: ListedCommand(member) for member in members},
+    )
+
+
+def in_order(offers: Iterable[Listed]) -> list[Listed]:
+    """Return commands and groups panel by panel, each before the one that it names or last of its panel."""
+    ordered: list[Listed] = []
+    for offer in offers:
+        names = [one.name for one in ordered]
+        ordered.insert(names.index(offer.before) if offer.before in names else len(ordered), offer)
+    panels = [*PANELS, *(one.panel for one in ordered)]
+    return sorted(ordered, key=lambda one: panels.index(one.panel))
+
+
+def every_command() -> dict[str, Any]:
+    """Return every command with its options, each module imported: for documentation and tests.
+
+    Returns
+    -------
+    Commands by their words, "control" and "export c" for example, in the order of the list.
+    """
+    found: dict[str, Any] = {}
+    for name, listed in listed_commands().items():
+        if isinstance(listed, TyperGroup):
+            members: dict[str, Any] = dict(listed.commands)
+            found |= {f"{name} {member}": command.loaded() for member, command in members.items()}
+        else:
+            found[name] = listed.loaded()
+    return found

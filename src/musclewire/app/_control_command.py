@@ -1,0 +1,345 @@
+"""The command that closes the loop by the wire's own resistance: control."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from musclewire.app._figure_options import FigureOptions
+from musclewire.app._files import require_recording_file
+from musclewire.app._home_command import HomeOptions
+from musclewire.app._many_loops_command import (
+    MIN_VALID_FRACTION,
+    ManyLoopsChoice,
+    refuse_single_run_options,
+    run_many_loops,
+)
+from musclewire.app._options import (
+    CONTROLLER,
+    ESTIMATOR,
+    GAINS,
+    KNOWN_STIFFNESS,
+    ON_BOARD,
+    OUTPUT,
+    OVERWRITE,
+    QUANTITY,
+    REFERENCE,
+    RULES,
+    SEED,
+    WIRE_FILE,
+    Json,
+    RigName,
+    in_si,
+)
+from musclewire.app._output import emit_json, progress_bar, say, show, warn
+from musclewire.app._rig_options import TimingOptions
+from musclewire.app._stopping import stops_between_samples
+from musclewire.errors import CallerError, RecordingError, nearest_hint
+
+if TYPE_CHECKING:
+    from musclewire.controllers import Reference
+    from musclewire.experiment import ControlMetrics, ControlRun
+    from musclewire.rigs import Rig
+    from musclewire.sensing import KnownSpring, SensingModel
+
+__all__ = ["control", "metrics_json"]
+
+# Steps as a text: "2.5 mm to 6 mm by 0.5 mm".
+STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
+# The paper's controller, whose rule base --rules names.
+FUZZY_PID, DEFAULT_RULES = "fuzzy-pid", "zhao-1993"
+NO_RULES = "--rules belong to the controller fuzzy-pid, not to {}: leave one of them out"
+
+
+@dataclass(frozen=True)
+class ControlledLoopOptions:
+    """What is controlled, along which reference, by which estimator and controller, and where the loop is closed."""
+
+    quantity: Annotated[str, QUANTITY] = "strain"
+    known_stiffness: Annotated[str | None, KNOWN_STIFFNESS] = None
+    reference: Annotated[str, REFERENCE] = "staircase"
+    estimator: Annotated[str | None, ESTIMATOR] = None
+    wire_file: Annotated[Path | None, WIRE_FILE] = None
+    controller: Annotated[str | None, CONTROLLER] = None
+    rules: Annotated[str | None, RULES] = None
+    gains: Annotated[Path | None, GAINS] = None
+    on_board: Annotated[bool, ON_BOARD] = False
+
+
+def control(
+    rig: RigName,
+    model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
+    loop: ControlledLoopOptions,
+    timing: TimingOptions,
+    many: ManyLoopsChoice,
+    homing: HomeOptions,
+    figure: FigureOptions,
+    output: Annotated[Path | None, OUTPUT] = None,
+    seed: Annotated[int | None, SEED] = None,
+    overwrite: Annotated[bool, OVERWRITE] = False,
+    json: Json = False,
+) -> None:
+    """Closed loop: move the wire by its own resistance; MAE of each step, with --runs for many seeds."""
+    from musclewire.experiment import approach_of
+    from musclewire.rigs import open_rig
+    from musclewire.sensing import load_model
+
+    loaded = load_model(model)
+    load = known_spring(loaded, model, loop.quantity, in_si("--known-stiffness", loop.known_stiffness))
+    target = read_reference(loop.reference, loop.quantity)
+    controller, settings = settings_of(loop)
+    homing.check(on_board=loop.on_board)
+    refuse_single_run_options(many, single_run_options(loop, timing, figure, output, overwrite) | homing.given())
+    if many.runs is not None:
+        chosen = {"estimator": estimator_of(loop), "controller": controller, "settings": settings, "load": load}
+        with open_rig(rig, seed=seed) as opened:
+            follows = target or staircase_for(loaded, load, opened.leg_length_m)
+            said_of_speed(opened, loaded, follows, settings, load)
+        run_many_loops(rig, seed, many, {"model": loaded, **chosen}, follows, json)
+        return
+    check_files(figure, output, overwrite)
+    follow = loop_of(controller, settings, load, loop)
+    home_answer: dict[str, Any] | None = None
+    with stops_between_samples(), timing.open_rig(rig, seed) as opened:
+        refused = timing.apply(opened)
+        if homing.home == "start":
+            loaded, home_answer = homing.homed(opened, loaded, quiet=json)
+        if target is None:
+            target = staircase_for(loaded, load, opened.leg_length_m)
+        too_fast = said_of_speed(opened, loaded, target, settings, load)
+        with progress_bar("Closed loop", approach_of(controller) + target.duration_s, json, opened) as on_sample:
+            run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
+        if homing.home == "idle":
+            loaded, home_answer = homing.homed(opened, loaded, quiet=json)
+    figure.draw(run.plot)
+    answer = run_json(run, load, [*refused, *too_fast.pop("warnings")]) | too_fast | {"home": home_answer}
+    if json:
+        emit_json(answer)
+    else:
+        show(str(run.metrics))
+    end_by(run)
+
+
+def check_files(figure: FigureOptions, output: Path | None, overwrite: bool) -> None:
+    """Raise CallerError, before anything is heated, for a figure or a recording that cannot be written."""
+    figure.check()
+    if output is not None:
+        require_recording_file(output, overwrite)
+
+
+def said_of_speed(
+    opened: Rig, loaded: SensingModel, target: Reference, settings: Any, load: KnownSpring | None
+) -> dict[str, Any]:
+    """Print where a reference is faster than the wire, before it is heated; return the warnings and the numbers.
+
+    The numbers are None if model or rig do not state what they follow from.
+    """
+    from musclewire.experiment import speed_limits
+
+    try:
+        limits = speed_limits(opened, loaded, target, settings=settings, load=load)
+    except RecordingError:
+        return {"warnings": [], "speed_limits": None}
+    return {"warnings": warn(limits.warnings), "speed_limits": limits.report()}
+
+
+def end_by(run: ControlRun) -> None:
+    """End with 1 where the result of a run does not hold."""
+    from musclewire.experiment import result_holds
+
+    if run.metrics.valid_share < MIN_VALID_FRACTION:
+        sensed_pct = 100 * run.metrics.valid_share
+        say(f"musclewire: only {sensed_pct:.0f} % of the samples could be sensed; this does not hold")
+        raise typer.Exit(1)
+    if not result_holds(run):
+        say("musclewire: this does not hold: see the warnings above")
+        raise typer.Exit(1)
+
+
+def single_run_options(
+    loop: ControlledLoopOptions, timing: TimingOptions, figure: FigureOptions, output: Path | None, overwrite: bool
+) -> dict[str, bool]:
+    """Return which options that only a single run can have were given, by name."""
+    return {
+        "--output": output is not None,
+        "--overwrite": overwrite,
+        "--plot": figure.plot is not None,
+        "--on-board": loop.on_board,
+        "--wire-file": loop.wire_file is not None,
+        "--real-time": timing.real_time,
+        "--clock-speed": timing.clock_speed != 1.0,
+        "--real-time-priority": timing.real_time_priority,
+        "--cpu": timing.cpu is not None,
+    }
+
+
+def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> dict[str, Any]:
+    """Return a closed loop under the keys of the interface; its warnings are also printed."""
+    from musclewire.experiment import run_warnings, timing_json
+
+    return {
+        **metrics_json(run.metrics),
+        **timing_json(run.metadata),
+        "known_stiffness_n_per_m": None if load is None else load.stiffness_n_per_m,
+        "known_friction_n": None if load is None else load.friction_n,
+        "estimator": run.metadata.get("estimator"),
+        "controller": run.metadata.get("controller"),
+        "health": run.metadata.get("health", ""),
+        "ended": run.metadata["ended"],
+        "samples": len(run),
+        "warnings": [*refused, *warn(run_warnings(run))],
+    }
+
+
+def loop_of(
+    controller: str, settings: Any, load: KnownSpring | None, loop: ControlledLoopOptions
+) -> Callable[..., ControlRun]:
+    """Return what runs the closed loop: on the host, or on the board that was built for this model and controller.
+
+    Raises CallerError for options that change the host's numbers if the firmware's are to run.
+    """
+    if not loop.on_board:
+        from musclewire.experiment import control as control_on_host
+
+        return partial(
+            control_on_host,
+            estimator=estimator_of(loop),
+            controller=controller,
+            settings=settings,
+            load=load,
+            wire_file=loop.wire_file,
+        )
+    if loop.estimator not in (None, "polynomial", "gated") or controller != FUZZY_PID or loop.wire_file is not None:
+        raise CallerError(
+            "--on-board runs the firmware's own estimator and controller: leave both names and --wire-file out"
+        )
+    if load is not None:
+        raise CallerError("--on-board runs by the firmware's own numbers: leave out --known-stiffness")
+    from musclewire.experiment import control_on_board
+    from musclewire.sensing import PAPER_ESTIMATOR
+
+    return partial(control_on_board, settings=settings, estimator=loop.estimator or PAPER_ESTIMATOR)
+
+
+def estimator_of(loop: ControlledLoopOptions) -> str:
+    """Return the name of the estimator that the host runs."""
+    from musclewire.experiment import default_estimator
+
+    return loop.estimator or default_estimator(loop.wire_file)
+
+
+def settings_of(loop: ControlledLoopOptions) -> tuple[str, Any]:
+    """Return controller and settings: those of a gains file, or by name; None for settings that are its defaults.
+
+    Raises CallerError for an unknown estimator or controller, and for rules or a name that contradict the gains file.
+    """
+    from musclewire.controllers import CONTROLLERS, FuzzyPidSettings, load_gains
+    from musclewire.sensing import ESTIMATORS
+
+    ESTIMATORS.find(estimator_of(loop))
+    if loop.gains is not None:
+        if loop.rules is not None:
+            raise CallerError(f"gains file {loop.gains} names its own rule base: leave out --rules")
+        gains = load_gains(loop.gains)
+        if loop.controller not in (None, gains.controller):
+            raise CallerError(f"gains file {loop.gains} is for {gains.controller}: leave out --controller")
+        return gains.controller, gains.settings
+    controller = FUZZY_PID if loop.controller is None else loop.controller
+    CONTROLLERS.find(controller)
+    if controller == FUZZY_PID:
+        return controller, FuzzyPidSettings(rule_base=DEFAULT_RULES if loop.rules is None else loop.rules)
+    if loop.rules is not None:
+        raise CallerError(NO_RULES.format(controller))
+    return controller, None
+
+
+def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:
+    """Return the metrics of a closed loop under the keys of the interface."""
+    key, factor = {"strain": ("target_pct", 100.0), "displacement": ("target_m", 1.0), "force": ("target_n", 1.0)}[
+        metrics.quantity
+    ]
+    steps = [
+        {
+            key: round(factor * step.target, 10),
+            "direction": step.direction,
+            "mae_pct": step.mae_pct,
+            "mae_approached_pct": step.mae_approached_pct,
+            "estimate_mae_pct": step.estimate_mae_pct,
+            "estimate_mae_approached_pct": step.estimate_mae_approached_pct,
+            "tracking_mae_pct": step.tracking_mae_pct,
+            "tracking_mae_approached_pct": step.tracking_mae_approached_pct,
+        }
+        for step in metrics.steps
+    ]
+    return {
+        "steps": steps,
+        "mae_max_pct": metrics.mae_max_pct,
+        "mae_mean_pct": metrics.mae_mean_pct,
+        "mae_max_approached_pct": metrics.mae_max_approached_pct,
+        "mae_mean_approached_pct": metrics.mae_mean_approached_pct,
+        "approach_s": metrics.approach_s,
+        "approach": metrics.approach,
+        "valid_share": metrics.valid_share,
+        "rms_pct": metrics.rms_pct,
+        "estimate_rms_pct": metrics.estimate_rms_pct,
+        "tracking_rms_pct": metrics.tracking_rms_pct,
+    }
+
+
+def known_spring(loaded: SensingModel, path: Path, quantity: str, stiffness: float | None) -> KnownSpring | None:
+    """Return the load whose stiffness is known, None without one.
+
+    Raises CallerError if the model does not sense the quantity, directly or by a stiffness.
+    """
+    from musclewire.identify import QUANTITIES
+    from musclewire.sensing import KnownSpring
+
+    if quantity not in QUANTITIES:
+        raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
+    if stiffness is None:
+        if loaded.quantity == quantity:
+            return None
+        way = " or, for a known load, give --known-stiffness" if quantity == "force" else ""
+        raise CallerError(
+            f"model {path} senses {loaded.quantity}, not {quantity}: fit one with --quantity {quantity}{way}"
+        )
+    if quantity != "force":
+        raise CallerError(
+            f"--known-stiffness turns strain into force, but --quantity is {quantity}: give --quantity force"
+        )
+    friction = loaded.wire.get("guide_friction_n")
+    return KnownSpring(stiffness, float(friction) if isinstance(friction, (int, float)) else 0.0)
+
+
+def staircase_for(loaded: SensingModel, load: KnownSpring | None, leg_length_m: float) -> Reference:
+    """Return the built-in staircase for a model, in force if a load's stiffness is known."""
+    from musclewire.experiment import staircase_within
+    from musclewire.sensing import force_model
+
+    return staircase_within(loaded if load is None else force_model(loaded, load.stiffness_n_per_m, leg_length_m))
+
+
+def read_reference(reference: str, quantity: str) -> Reference | None:
+    """Return the steps that the text describes, or the targets in a recording file; None for the built-in staircase."""
+    from musclewire.controllers import sampled_reference, staircase
+    from musclewire.identify import COLUMN_SUFFIX
+    from musclewire.signals import parse_quantity, read_recording
+
+    if reference == "staircase":
+        return None
+    if steps := STEPS.fullmatch(reference.strip()):
+        unit = {"strain": "", "displacement": "m", "force": "N"}[quantity]
+        start, stop, by = (parse_quantity(text, unit) for text in steps.groups())
+        return staircase(start, stop, by)
+    if not Path(reference).exists():
+        raise CallerError(
+            f"there is no reference '{reference}'{nearest_hint(reference, ['staircase'])}, or give a file"
+        )
+    table = read_recording(reference)
+    return sampled_reference(table["time_s"] - table["time_s"][0], table[f"target_{COLUMN_SUFFIX[quantity]}"])

@@ -1,0 +1,30 @@
+"""Settings of the fuzzy PID as commands take them: from a TOML file, and the rule base by an option."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from musclewire.errors import CallerError
+
+if TYPE_CHECKING:
+    from musclewire.controllers import FuzzyPidSettings
+
+__all__ = ["read_settings"]
+
+
+def read_settings(path: Path | None, rules: str | None) -> FuzzyPidSettings:
+    """Return the controller's settings from a TOML file, and the rule base that an option names instead.
+
+    Raises CallerError naming file and key.
+    """
+    from musclewire.controllers import FuzzyPidSettings
+    from musclewire.parameters import read_toml
+
+    given: dict[str, Any] = {} if path is None else read_toml(path, "settings file")
+    if rules is not None:
+        given["rule_base"] = rules
+    try:
+        return FuzzyPidSettings(**given)
+    except CallerError as error:
+        raise CallerError(f"settings file {path}: {error}" if path else str(error)) from None

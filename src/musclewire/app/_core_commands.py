@@ -1,0 +1,142 @@
+"""The commands of the core, and the panels of ``musclewire --help``: as a reader meets them."""
+
+from __future__ import annotations
+
+from musclewire.manifest import Command, CommandGroup
+
+__all__ = ["COMMANDS", "GROUPS", "PANELS"]
+
+BEGIN = "Begin here, on the simulated wire"
+LOOP = "The basic loop: record, fit, move"
+BENCH = "A wire on a bench"
+RECORDINGS = "Recordings"
+CHOOSE = "Choose, simulate and design"
+STUDIES = "Studies and the paper"
+ELSEWHERE = "Take it elsewhere"
+# Titles of the panels, in their order; those of other packages come last.
+PANELS = (BEGIN, LOOP, BENCH, RECORDINGS, CHOOSE, STUDIES, ELSEWHERE)
+
+COMMANDS = (
+    Command(
+        "demo",
+        "musclewire.app._rig_commands:demo",
+        "The main job on the simulated rig: characterise, fit, control by resistance, report.",
+        panel=BEGIN,
+    ),
+    Command(
+        "characterize",
+        "musclewire.app._rig_commands:characterize",
+        "Heat and cool the wire slowly (the slow sine) and record it.",
+        panel=LOOP,
+    ),
+    Command(
+        "fit",
+        "musclewire.app._model_commands:fit",
+        "Fit the self-sensing model to a slow loop; with --wire from its resistance alone.",
+        panel=LOOP,
+    ),
+    Command(
+        "tune",
+        "musclewire.app._tune_command:tune",
+        "Find a controller's gains from the slow loop, by a published rule; prints plant, gains and margins.",
+        panel=LOOP,
+    ),
+    Command(
+        "control",
+        "musclewire.app._control_command:control",
+        "Closed loop: move the wire by its own resistance; MAE of each step, with --runs for many seeds.",
+        panel=LOOP,
+    ),
+    Command(
+        "home",
+        "musclewire.app._home_command:home",
+        "Sweep the wire once at its known load and write a model that holds for the wire of today.",
+        panel=LOOP,
+    ),
+    Command(
+        "grip",
+        "musclewire.app._grip_command:grip",
+        "Close fingers on an object, find contact and hold a force, all by the wires' resistance.",
+        panel=LOOP,
+    ),
+    Command(
+        "doctor",
+        "musclewire.app._doctor_command:doctor",
+        "Check wiring, noise, polarity, sense voltage and sample clock; nothing is heated.",
+        panel=BENCH,
+    ),
+    Command(
+        "pretension",
+        "musclewire.app._rig_commands:pretension",
+        "Sweep the pretension, compare the hysteresis gaps, name the best for the quantity.",
+        panel=BENCH,
+    ),
+    Command("train", "musclewire.app._rig_commands:train", "Cycle a new wire until its loop repeats.", panel=BENCH),
+    Command(
+        "protection",
+        "musclewire.app._protection_command:protection",
+        "Show the protection table: monitored conditions of a heated wire and the responses; with a rig, its limits.",
+        panel=BENCH,
+    ),
+    Command(
+        "import",
+        "musclewire.app._import_command:import_recordings",
+        "Read recordings of other programs and show how they were interpreted; with -o convert one, or join two.",
+        panel=RECORDINGS,
+    ),
+    Command(
+        "estimate",
+        "musclewire.app._model_commands:estimate",
+        "Estimate strain from a recording's resistance; errors where it has a reference.",
+        panel=RECORDINGS,
+    ),
+    Command(
+        "calibrate",
+        "musclewire.app._calibrate_command:calibrate",
+        "Identify the physical parameters of your wire from recordings of it, with uncertainty.",
+        panel=RECORDINGS,
+    ),
+    Command(
+        "recover",
+        "musclewire.app._recover_command:recover",
+        "Make plain HDF5 of the journal that a run left when it was cut off; with -o the journal stays.",
+        panel=RECORDINGS,
+    ),
+    Command(
+        "simulate",
+        "musclewire.app._wire_commands:simulate",
+        "Simulate a drive through a wire: which supply, shunt and current it needs.",
+        panel=CHOOSE,
+    ),
+    Command(
+        "catalogue",
+        "musclewire.app._wire_commands:catalogue",
+        "Compare the Flexinol catalogue with the simulation: contraction after one second, and cooling times.",
+        panel=CHOOSE,
+    ),
+    Command(
+        "rules",
+        "musclewire.app._model_commands:rules",
+        "Show a fuzzy rule base, and its surfaces with --plot.",
+        panel=STUDIES,
+    ),
+    Command(
+        "bench",
+        "musclewire.app._bench_command:bench",
+        "How fast it is on this machine, as ratios to what one would use instead.",
+        panel=STUDIES,
+    ),
+    Command("cite", "musclewire.app._model_commands:cite", "Print the references to cite.", panel=STUDIES),
+    Command(
+        "schema",
+        "musclewire.app._schema_command:schema",
+        "Print the JSON Schema of a kind of file, or of what a command prints with --json.",
+        panel=ELSEWHERE,
+    ),
+)
+# Groups that several parts share; one is listed if any command is in it.
+GROUPS = (
+    CommandGroup(
+        "export", "Export a model with its controller, or a simulated wire.", panel=ELSEWHERE, before="schema"
+    ),
+)

@@ -1,0 +1,157 @@
+"""The command that looks a rig over before anything is heated: doctor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from musclewire.app._options import HOLD, METER_SHUNT, METER_WIRE, REAL_TIME, SEED, WRITE, Json, RigName, in_si
+from musclewire.app._output import emit_json, progress_bar, show
+from musclewire.app._stopping import stops_between_samples
+from musclewire.errors import CallerError
+
+if TYPE_CHECKING:
+    from musclewire.experiment import ChannelCalibration, Examination, OnProbe, RigCheck
+    from musclewire.signals import RawSample
+
+__all__ = ["doctor"]
+
+
+@dataclass(frozen=True)
+class MeterOptions:
+    """How long the sense voltage is held, and what a meter reads meanwhile."""
+
+    hold: Annotated[str, HOLD] = "5 s"
+    meter_wire: Annotated[str | None, METER_WIRE] = None
+    meter_shunt: Annotated[str | None, METER_SHUNT] = None
+
+
+def doctor(
+    rig: RigName,
+    measurement: MeterOptions,
+    write: Annotated[bool, WRITE] = False,
+    seed: Annotated[int | None, SEED] = None,
+    real_time: Annotated[bool, REAL_TIME] = False,
+    json: Json = False,
+) -> None:
+    """Check wiring, noise, polarity, sense voltage and sample clock; nothing is heated."""
+    from musclewire.experiment import require_calibrated_kind, write_calibration
+
+    if write:
+        require_calibrated_kind(rig)
+    found = examined(rig, measurement, seed, real_time, quiet=json)
+    written: Path | None = None
+    if write:
+        refuse_to_write(found)
+        written = write_calibration(Path(rig), found.calibration)
+    if json:
+        emit_json(document(rig, found, written))
+    else:
+        show(text(found))
+        if written is not None:
+            show(f"offsets and gains are in {written}; run the doctor again")
+    if found.trouble is not None:
+        raise found.trouble
+    if not found.ok:
+        raise typer.Exit(1)
+
+
+def examined(rig: str, measurement: MeterOptions, seed: int | None, real_time: bool, *, quiet: bool) -> Examination:
+    """Return what the examination of a rig found."""
+    from musclewire.experiment import examination_s, examine
+    from musclewire.rigs import open_rig
+
+    hold_s = in_si("--hold", measurement.hold)
+    wire_v = in_si("--meter-wire", measurement.meter_wire)
+    shunt_v = in_si("--meter-shunt", measurement.meter_shunt)
+    task = "Below and at the sense voltage"
+    with (
+        stops_between_samples(),
+        open_rig(rig, seed=seed, real_time=real_time) as opened,
+        progress_bar(task, examination_s(hold_s), quiet=quiet) as on_sample,
+    ):
+        return examine(
+            opened,
+            hold_s=hold_s,
+            meter_wire_v=wire_v,
+            meter_shunt_v=shunt_v,
+            on_sample=since_start(on_sample),
+        )
+
+
+def since_start(on_row: Any) -> OnProbe:
+    """Return what moves a progress bar by samples of a rig whose clock began before."""
+    started_s: list[float] = []
+
+    def on_sample(sample: RawSample) -> None:
+        started_s[:] = started_s or [sample.time_s]
+        on_row({"time_s": sample.time_s - started_s[0]})
+
+    return on_sample
+
+
+def refuse_to_write(found: Examination) -> None:
+    """Raise CallerError if offsets mean nothing: the wiring is wrong in a way that no calibration corrects."""
+    from musclewire.experiment import STOPPING
+
+    blocking = sorted(found.findings.failed & (STOPPING - {"wire_resistance_ohm", "output_gain"}))
+    if found.trouble is not None:
+        raise found.trouble
+    if blocking or not found.calibration:
+        raise CallerError(f"nothing is written: {', '.join(blocking) or 'the readings'} must be corrected first")
+
+
+def document(rig: str, found: Examination, written: Path | None) -> dict[str, Any]:
+    """Return an examination under the keys of the interface."""
+    return {
+        "rig": rig,
+        "ok": found.ok,
+        "checks": [check._asdict() for check in found.findings.checks],
+        "unchecked": [one._asdict() for one in found.findings.unchecked],
+        "calibration": [one._asdict() for one in found.calibration],
+        "highest_drive_voltage_v": found.highest_v,
+        "trouble": None if found.trouble is None else str(found.trouble),
+        "written": None if written is None else str(written),
+    }
+
+
+def text(found: Examination) -> str:
+    """Return an examination as lines: verdict, name, value, what it means or what to do."""
+    checks, unchecked = found.findings
+    width = max(len(name) for name in (*(one.name for one in checks), *(one.name for one in unchecked)))
+    lines = [
+        f"{'ok' if check.ok else 'NO':<4} {check.name:<{width}}  {valued(check):>18}  {explained(check)}"
+        for check in checks
+    ]
+    lines += [f"-    {one.name:<{width}}  {'not checked':>18}  {one.reason}" for one in unchecked]
+    lines += ["", *(calibrated(one) for one in found.calibration)] if found.calibration else []
+    failed = sum(not check.ok for check in checks)
+    verdict = f"{len(checks)} checks, {failed} not as they should be, {len(unchecked)} not made"
+    return "\n".join([*lines, "", f"{verdict}; at most {found.highest_v:.3g} V was put out"])
+
+
+def calibrated(one: ChannelCalibration) -> str:
+    """Return what a channel reads wrong as a line."""
+    gain = "gain unknown without a meter" if one.gain is None else f"true = {one.gain:.5f} times what is left"
+    return f"{one.channel} channel: {1e3 * one.offset_v:.4f} mV too much at 0 V; {gain}"
+
+
+def explained(check: RigCheck) -> str:
+    """Return what a check means; a value that is a sentence comes first."""
+    long = isinstance(check.value, str) and not valued(check)
+    return f"{check.value}; {check.advice}" if long else check.advice
+
+
+def valued(check: RigCheck) -> str:
+    """Return a value with its unit, in steps of a thousand where that reads better."""
+    if isinstance(check.value, str):
+        # A sentence as value goes to the advice, which has room for it.
+        return "" if len(check.value) > 18 else check.value
+    if check.value is None:
+        return ""
+    small = check.unit in {"V", "A", "s"} and 0.0 < abs(check.value) < 0.1
+    number = f"{1e3 * check.value:.4g} m" if small else f"{check.value:.4g} "
+    return (number + ("" if check.unit == "1" else check.unit)).strip()

@@ -1,0 +1,171 @@
+"""The command that brings a model up to the wire of today, and the same move before or after a closed loop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from musclewire.app._figure_options import FigureOptions
+from musclewire.app._files import require_model_file, require_recording_file
+from musclewire.app._options import (
+    AMBIENT,
+    CYCLES_MADE,
+    HOME,
+    HOMED_MODEL,
+    LOAD,
+    OUTPUT,
+    OVERWRITE,
+    SEED,
+    SWEEP_FILE,
+    Json,
+    RigName,
+    in_si,
+)
+from musclewire.app._output import emit_json, progress_bar, say, show
+from musclewire.app._rig_options import TimingOptions
+from musclewire.app._stopping import stops_between_samples
+from musclewire.errors import CallerError, nearest_hint
+
+if TYPE_CHECKING:
+    from musclewire.identify import Homing
+    from musclewire.rigs import GuardedRig
+    from musclewire.sensing import SensingModel
+
+__all__ = ["HomeOptions", "home"]
+
+WHEN = ("start", "idle", "never")
+
+
+@dataclass(frozen=True)
+class HomeOptions:
+    """When a closed loop makes a home move, with which thermometer, and where its model is written.
+
+    Never, unless asked: a home move heats the wire for half a minute and is right at the load of the characterisation
+    only, which no program can see.
+    """
+
+    home: Annotated[str, HOME] = "never"
+    ambient: Annotated[str | None, AMBIENT] = None
+    homed_model: Annotated[Path | None, HOMED_MODEL] = None
+
+    def check(self, *, on_board: bool) -> None:
+        """Raise CallerError for an unknown time, and for options that would have no effect."""
+        if self.home not in WHEN:
+            raise CallerError(f"--home: there is no '{self.home}'{nearest_hint(self.home, WHEN)}")
+        if self.home == "never" and (self.ambient is not None or self.homed_model is not None):
+            name = "--ambient" if self.ambient is not None else "--homed-model"
+            raise CallerError(f"{name} belongs to a home move: give --home start or --home idle, or leave it out")
+        if self.home == "idle" and self.homed_model is None:
+            raise CallerError("--home idle finds a model for the next run: name its file by --homed-model")
+        if on_board and self.home != "never":
+            raise CallerError("--on-board runs by the firmware's own numbers: leave out --home")
+        if self.homed_model is not None:
+            require_model_file(self.homed_model)
+
+    def given(self) -> dict[str, bool]:
+        """Return which of these options were given, by name."""
+        return {"--home": self.home != "never"}
+
+    def homed(self, rig: GuardedRig, model: SensingModel, *, quiet: bool) -> tuple[SensingModel, dict[str, Any]]:
+        """Make the home move; return its model, and what it found for the answer."""
+        from musclewire.experiment import home as run_home
+        from musclewire.experiment import home_duration_s
+
+        with progress_bar("Home move", home_duration_s(rig, model), quiet, rig) as on_sample:
+            found = run_home(rig, model, ambient_k=in_si("--ambient", self.ambient), on_sample=on_sample)
+        if self.homed_model is not None:
+            found.model.save(self.homed_model)
+        if not quiet:
+            show(home_text(found))
+        return found.model, home_json(found)
+
+
+def home(
+    rig: RigName,
+    model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
+    output: Annotated[Path, OUTPUT],
+    timing: TimingOptions,
+    figure: FigureOptions,
+    load: Annotated[str | None, LOAD] = None,
+    ambient: Annotated[str | None, AMBIENT] = None,
+    cycles_made: Annotated[int | None, CYCLES_MADE] = None,
+    sweep: Annotated[Path | None, SWEEP_FILE] = None,
+    seed: Annotated[int | None, SEED] = None,
+    overwrite: Annotated[bool, OVERWRITE] = False,
+    json: Json = False,
+) -> None:
+    """Sweep the wire once at its known load and write a model that holds for the wire of today."""
+    from musclewire.experiment import home as run_home
+    from musclewire.experiment import home_duration_s
+    from musclewire.identify import homing_figure
+    from musclewire.sensing import load_model
+
+    figure.check()
+    loaded = load_model(model)
+    require_model_file(output)
+    if output.exists() and not overwrite:
+        raise CallerError(f"{output} exists: give another name or --overwrite")
+    if sweep is not None:
+        require_recording_file(sweep, overwrite)
+    load_n, ambient_k = in_si("--load", load), in_si("--ambient", ambient)
+    with stops_between_samples(), timing.open_rig(rig, seed) as opened:
+        refused = timing.apply(opened)
+        with progress_bar("Home move", home_duration_s(opened, loaded), json, opened) as on_sample:
+            found = run_home(
+                opened,
+                loaded,
+                load_n=load_n,
+                ambient_k=ambient_k,
+                cycles=None if cycles_made is None else float(cycles_made),
+                path=sweep,
+                overwrite=overwrite,
+                on_sample=on_sample,
+            )
+    found.model.save(output)
+    figure.draw(partial(homing_figure, loaded, found))
+    for text in refused:
+        say(f"warning: {text}")
+    if json:
+        emit_json({**home_json(found), "model": str(output), "warnings": refused})
+        return
+    show(home_text(found))
+    show(f"model written to {output}")
+
+
+def home_json(found: Homing) -> dict[str, Any]:
+    """Return a home move under the keys of the interface."""
+    return {
+        **vars(found.home),
+        "resistance_max_moved_ohm": found.resistance_max_moved_ohm,
+        "resistance_max_moved_std_ohm": found.resistance_max_moved_std_ohm,
+        "resistance_min_moved_ohm": found.resistance_min_moved_ohm,
+        "resistance_min_moved_std_ohm": found.resistance_min_moved_std_ohm,
+        "warming_moved_k": found.warming_moved_k,
+        "misfit_ohm": found.misfit_ohm,
+        "saw_b_cooling": found.seen.cooling_b_ohm is not None,
+        "saw_c": found.seen.c_ohm is not None,
+        "notes": list(found.notes),
+    }
+
+
+def home_text(found: Homing) -> str:
+    """Return a home move in a few lines: the load it assumes first, then what it found, then what it did not see."""
+    home = found.home
+    load = "the load of the characterisation" if home.load_n is None else f"a load of {home.load_n:g} N"
+    air = "air not measured" if home.ambient_k is None else f"air of {home.ambient_k - 273.15:.1f} degC"
+    return "\n".join(
+        [
+            f"assumed: {load}; {air}",
+            f"at B {found.resistance_max_moved_ohm:+.4f} +- {found.resistance_max_moved_std_ohm:.4f} ohm, "
+            f"at C {found.resistance_min_moved_ohm:+.4f} +- {found.resistance_min_moved_std_ohm:.4f} ohm",
+            f"scale {home.resistance_scale:.4f} +- {home.resistance_scale_std:.4f}, "
+            f"offset {home.resistance_offset_ohm:+.3f} +- {home.resistance_offset_std_ohm:.3f} ohm, "
+            f"transformation {home.transformation_shift_k:+.1f} +- {home.transformation_shift_std_k:.1f} K",
+            "the model is corrected" if home.corrected else "the model keeps its curve",
+            *found.notes,
+        ]
+    )

@@ -1,0 +1,179 @@
+"""The command import: recordings of other programs, shown as they are understood, converted, remembered."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from musclewire.app._figure_options import FigureOptions
+from musclewire.app._files import require_free
+from musclewire.app._options import (
+    DROP_MISSING,
+    IGNORE,
+    JOIN,
+    MATLAB_VERSION,
+    OUTPUT,
+    OVERWRITE,
+    SAMPLE_PERIOD,
+    SAVE_MAPPING,
+    Json,
+    in_si,
+)
+from musclewire.app._output import emit_json, show
+from musclewire.app._recording_options import ReadingOptions
+from musclewire.errors import CallerError, RecordingError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from musclewire.signals import FileInterpretation, ImportMapping, JoinedRecordings
+
+__all__ = ["import_recordings"]
+
+
+@dataclasses.dataclass(frozen=True)
+class TableOptions:
+    """What only import asks of a file, and a mapping file remembers, and what is written."""
+
+    sample_period: Annotated[str | None, SAMPLE_PERIOD] = None
+    ignore: Annotated[list[str] | None, IGNORE] = None
+    drop_missing: Annotated[bool, DROP_MISSING] = False
+    matlab_version: Annotated[str | None, MATLAB_VERSION] = None
+
+    def added_to(self, mapping: ImportMapping) -> ImportMapping:
+        """Return a mapping with these options."""
+        options = type(mapping)(
+            ignore=tuple(self.ignore or ()),
+            sample_period_s=in_si("--sample-period", self.sample_period),
+            drop_missing=self.drop_missing,
+        )
+        return mapping.joined(options)
+
+
+def import_recordings(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recordings of other programs.")],
+    reading: ReadingOptions,
+    table: TableOptions,
+    figure: FigureOptions,
+    join: Annotated[str | None, JOIN] = None,
+    output: Annotated[Path | None, OUTPUT] = None,
+    overwrite: Annotated[bool, OVERWRITE] = False,
+    save_mapping: Annotated[Path | None, SAVE_MAPPING] = None,
+    json: Json = False,
+) -> None:
+    """Read recordings of other programs and show how they were interpreted; with -o convert one, or join two."""
+    from musclewire.signals import mappings_of_files
+
+    require_possible(files, join, output, save_mapping, overwrite)
+    joining = join is not None or (output is not None and len(files) > 1)
+    require_one_figure(figure, files, joining)
+    mappings = mappings_of_files(files, table.added_to(reading.import_mapping()))
+    single, version = None if joining else output, table.matlab_version
+    understood = [imported(path, mapping, single, version) for path, mapping in zip(files, mappings, strict=True)]
+    problem = next((item.problem for item in understood if item.problem), "")
+    if not json or problem:
+        for item in understood:
+            show(str(item))
+    if problem:
+        raise RecordingError(problem)
+    joined = joined_files(files, mappings, join) if joining else None
+    if joined is not None and output is not None:
+        joined.recording.save(output, version)
+    if save_mapping is not None:
+        remember(understood[0], save_mapping)
+    figure.draw(partial(drawn, files[0], mappings[0], joined))
+    report(understood, joined, [path for path in (output, save_mapping) if path is not None], json)
+
+
+def require_possible(
+    files: list[Path], join: str | None, output: Path | None, save_mapping: Path | None, overwrite: bool
+) -> None:
+    """Raise CallerError for files that cannot be written, or too many or too few to join."""
+    if len(files) != 2 and join is not None:
+        raise CallerError(f"--join takes two files, {len(files)} were given: give two")
+    if len(files) > 2 and output is not None:
+        raise CallerError(f"-o takes one file, or two to join, {len(files)} were given: import them one by one")
+    if len(files) > 1 and save_mapping is not None:
+        raise CallerError(
+            f"--save-mapping takes one file, {len(files)} were given: a mapping belongs to one kind of file"
+        )
+    for path in (output, save_mapping):
+        if path is not None:
+            require_free(path, overwrite)
+
+
+def require_one_figure(figure: FigureOptions, files: list[Path], joining: bool) -> None:
+    """Raise CallerError for a figure that cannot be, or of several recordings that are not joined."""
+    figure.check()
+    if figure.plot is not None and len(files) > 1 and not joining:
+        raise CallerError(f"--plot draws one recording, {len(files)} were given: import them one by one, or --join two")
+
+
+def drawn(path: Path, mapping: ImportMapping, joined: JoinedRecordings | None, *, style: str) -> Figure:
+    """Return the figure of what was imported: the joined recording, or the only file."""
+    from musclewire.signals import read_recording
+
+    recording = read_recording(path, mapping=mapping) if joined is None else joined.recording
+    return recording.plot(style=style)
+
+
+def imported(path: Path, mapping: ImportMapping, output: Path | None, matlab_version: str | None) -> FileInterpretation:
+    """Return how a file was understood; if it can be used and there is an output, it has been converted."""
+    from musclewire.signals import import_recording
+
+    return import_recording(path, output, mapping=mapping, matlab_version=matlab_version)
+
+
+def joined_files(files: list[Path], mappings: list[ImportMapping], join: str | None) -> JoinedRecordings:
+    """Return two files as one recording on the first one's clock."""
+    from musclewire.signals import join_recordings, read_recording
+
+    first, second = (read_recording(path, mapping=mapping) for path, mapping in zip(files, mappings, strict=True))
+    one, equals, other = (join or "").partition("=")
+    return join_recordings(
+        first, second, None if join is None else (one.strip(), other.strip() if equals else one.strip())
+    )
+
+
+def remember(understood: FileInterpretation, path: Path) -> None:
+    """Write the mapping by which a file was read."""
+    from musclewire.signals import save_mapping
+
+    save_mapping(understood.mapping, path)
+
+
+def report(
+    understood: list[FileInterpretation], joined: JoinedRecordings | None, written: list[Path], json: bool
+) -> None:
+    """Print how the files were joined and what was written; as JSON all that was found."""
+    if json:
+        emit_json(
+            {
+                "files": [item.as_dict() for item in understood],
+                "join": None
+                if joined is None
+                else {
+                    "delay_s": joined.delay_s,
+                    "delay_std_s": joined.delay_std_s,
+                    "correlation": joined.correlation,
+                    "columns": list(joined.columns),
+                    "rows": len(joined.recording),
+                    "notes": list(joined.notes),
+                },
+            }
+        )
+        return
+    if joined is not None:
+        show(
+            f"{understood[1].path}: its clock is ahead by {joined.delay_s:.6g} s, standard deviation "
+            f"{joined.delay_std_s:.2g} s, by the correlation {joined.correlation:.3f} of "
+            f"{' and '.join(dict.fromkeys(joined.columns))}"
+        )
+        for note in joined.notes:
+            show(f"  {note}")
+    for path in written:
+        show(f"written to {path}")

@@ -1,0 +1,169 @@
+"""Commands that work on files: fit, estimate, rules, cite."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from musclewire.app._figure_options import FigureOptions
+from musclewire.app._files import require_free, require_model_file
+from musclewire.app._options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, QUANTITY, WIRE_FILE, Json
+from musclewire.app._output import emit_json, show, warn
+from musclewire.app._recording_options import ReadingOptions
+from musclewire.app._resistance_options import ResistanceOptions
+from musclewire.errors import CallerError
+
+if TYPE_CHECKING:
+    from musclewire.identify import EstimateReport
+
+__all__ = ["cite", "estimate", "fit", "rules"]
+
+RecordingPath = Annotated[
+    str,
+    typer.Argument(
+        metavar="RECORDING", help="Recording of ours or of another program, or 'lan-fan-2010-table-2', the paper's."
+    ),
+]
+
+
+def fit(
+    recording: RecordingPath,
+    reading: ReadingOptions,
+    known: ResistanceOptions,
+    figure: FigureOptions,
+    output: Annotated[Path | None, OUTPUT] = None,
+    order: Annotated[str, ORDER] = "6",
+    quantity: Annotated[str, QUANTITY] = "strain",
+    cycle: Annotated[str, CYCLE] = "last",
+    json: Json = False,
+) -> None:
+    """Fit the self-sensing model to a slow loop; with --wire from its resistance alone."""
+    from musclewire.identify import estimate as run_estimate
+    from musclewire.identify import fit as run_fit
+
+    figure.check()
+    if output is not None:
+        require_model_file(output)
+    known.require_wire()
+    data, chosen = reading.read(recording), whole_number_or(order, "auto")
+    alone = None if known.wire is None else known.fit(data, chosen, quantity)
+    model = alone.model if alone else run_fit(data, order=chosen, quantity=quantity, cycle=whole_number_or(cycle))
+    on_recording = None if data.is_branch_table else run_estimate(model, data)
+    if output is not None:
+        model.save(output)
+    figure.draw(model.plot)
+    if json:
+        more = {} if alone is None else alone.report()
+        written = None if output is None else str(output)
+        emit_json({**model.report(), **error_numbers(on_recording), **more, "model": written})
+        return
+    show(model.summary())
+    if alone is not None:
+        show(str(alone))
+    if on_recording is not None:
+        show(f"estimate of this recording: {error_text(on_recording)}")
+    show("the model is in no file yet: -o model.json keeps it" if output is None else f"model written to {output}")
+
+
+def estimate(
+    model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
+    recording: RecordingPath,
+    reading: ReadingOptions,
+    figure: FigureOptions,
+    estimator: Annotated[str | None, ESTIMATOR] = None,
+    wire_file: Annotated[Path | None, WIRE_FILE] = None,
+    output: Annotated[Path | None, OUTPUT] = None,
+    overwrite: Annotated[bool, OVERWRITE] = False,
+    json: Json = False,
+) -> None:
+    """Estimate strain from a recording's resistance; errors where it has a reference."""
+    from musclewire.identify import estimate as run_estimate
+    from musclewire.sensing import load_model
+
+    figure.check()
+    report = run_estimate(load_model(model), reading.read(recording), estimator=estimator, wire_file=wire_file)
+    if output is not None:
+        require_free(output, overwrite)
+        report.recording.save(output)
+    figure.draw(report.recording.plot)
+    if json:
+        emit_json({"samples": len(report.recording), **error_numbers(report), "warnings": list(report.warnings)})
+        return
+    show(error_text(report))
+    warn(report.warnings)
+
+
+def error_numbers(report: EstimateReport | None) -> dict[str, Any]:
+    """Return the errors of an estimate, as both ``fit`` and ``estimate`` print them with --json.
+
+    All are None without an estimate: a printed table of branches is no recording to estimate from.
+    """
+    return {name: getattr(report, name, None) for name in ("valid_share", "rms_pct", "max_pct", "no_reference")}
+
+
+def error_text(report: EstimateReport) -> str:
+    """Return the errors of an estimate in words, as both ``fit`` and ``estimate`` print them."""
+    errors = (
+        f"nothing to compare with: {report.no_reference}"
+        if report.rms_pct is None
+        else f"error {report.rms_pct:.3f} % rms, {report.max_pct:.3f} % largest, of stroke"
+    )
+    return f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in range and between B and C; {errors}"
+
+
+def rules(
+    figure: FigureOptions,
+    name: Annotated[str, typer.Argument(metavar="[RULES]", help="Name of a rule base, or a TOML file.")] = "zhao-1993",
+    json: Json = False,
+) -> None:
+    """Show a fuzzy rule base, and its surfaces with --plot."""
+    from musclewire.controllers import load_rule_base, plot_rule_surfaces, rule_base_names
+
+    figure.check()
+    rule_base = load_rule_base(name)
+    figure.draw(lambda style: plot_rule_surfaces(rule_base, style=style)[0])
+    if json:
+        emit_json({"known": list(rule_base_names()), **rule_base.model_dump(mode="json")})
+        return
+    show(str(rule_base))
+    for table, rows in rule_base.rules.model_dump().items():
+        if isinstance(rows, (list, tuple)):
+            show(f"\n{table}: rows error NB..PB, columns change of error NB..PB")
+            for row in rows:
+                show("  " + " ".join(f"{cell!s:>3}" for cell in row))
+    show(f"\nknown: {', '.join(rule_base_names())}")
+
+
+def cite(json: Json = False) -> None:
+    """Print the references to cite."""
+    from importlib.metadata import version
+
+    from musclewire.parameters import read_published
+
+    paper = read_published("lan_fan_2010")
+    items = [
+        f"musclewire {version('musclewire')}, 2026, BSD-3-Clause; see CITATION.cff",
+        f"{paper['authors']}, {paper['year']}: {paper['title']} (method: Eqs. 1 to 7)",
+        "Z.-Y. Zhao, M. Tomizuka, S. Isaka, 1993: Fuzzy gain scheduling of PID controllers, doi 10.1109/21.260670 "
+        "(rule base zhao-1993)",
+        "S. W. Churchill, H. H. S. Chu, 1975: Correlating equations for laminar and turbulent free convection from a "
+        "horizontal cylinder, doi 10.1016/0017-9310(75)90222-7 (simulated wires)",
+    ]
+    if json:
+        emit_json({"cite": items})
+    else:
+        show("\n".join(items))
+
+
+def whole_number_or(text: str, *words: str) -> Any:
+    """Return a whole number, or the text itself if it is one of the words (any text without words)."""
+    try:
+        return int(text)
+    except ValueError:
+        if words and text not in words:
+            raise CallerError(
+                f"'{text}' is neither a whole number nor {' or '.join(words)}: write one of these"
+            ) from None
+        return text

@@ -1,0 +1,328 @@
+"""Every option of the core's commands and of several parts, defined once: its name, its unit, and what it means.
+
+A command says which options it has, with which type and default; name and help come from here. The same name means the
+same in all commands (``tests/app/test_one_list_of_options.py``).
+"""
+
+from __future__ import annotations
+
+import re
+from math import inf
+from typing import Annotated, Any, NamedTuple, overload
+
+import typer
+
+from musclewire.app._completion import (
+    complete_controllers,
+    complete_estimators,
+    complete_rigs,
+    complete_rule_bases,
+    complete_wires,
+)
+from musclewire.errors import CallerError
+
+__all__ = ["OLD_NAMES", "OPTIONS", "Json", "RigName", "in_si", "mapping", "renamed"]
+
+# A number without a unit, which some options take in the unit they had before they took any.
+BARE = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*")
+EXAMPLES = {
+    "--column": "NAME=HEADER or NAME=HEADER:UNIT, as wire_voltage_v='Vw:V'",
+    "--set": "NAME=VALUE, as pretension_n='1.9 N'",
+    "--mark": "NAME=POSITION, as cold='0 mm', hot='2.6 mm' or stop='2 mm'",
+}
+
+
+class OptionQuantity(NamedTuple):
+    """What an option with a number and a unit becomes: the SI unit, and the smallest and largest value in it.
+
+    ``bare`` is the unit of a number that comes without one; "" if there must be one.
+    """
+
+    unit: str
+    low: float = -inf
+    high: float = inf
+    bare: str = ""
+
+
+class OptionDefinition(NamedTuple):
+    """What an option is called and means; ``quantity`` is None if its value is no number with a unit."""
+
+    names: tuple[str, ...]
+    help: str
+    quantity: OptionQuantity | None = None
+
+
+# All options by their first name.
+OPTIONS: dict[str, OptionDefinition] = {}
+
+
+def option(*names: str, help: str, **how: Any) -> Any:
+    """Define an option; ``how`` goes to typer: smallest and largest number, how its value is shown."""
+    OPTIONS[names[0]] = OptionDefinition(names, help)
+    return typer.Option(*names, help=help, **how)
+
+
+def quantity(name: str, unit: str, help: str, low: float = -inf, high: float = inf, bare: str = "") -> Any:
+    """Define an option whose value is a number with a unit."""
+    OPTIONS[name] = OptionDefinition((name,), help, OptionQuantity(unit, low, high, bare))
+    return typer.Option(name, help=help, metavar="QUANTITY")
+
+
+# What is written, and how it is shown.
+OUTPUT = option("--output", "-o", help="File or folder to write.")
+OVERWRITE = option("--overwrite", help="Replace what is already there.")
+PLOT = option("--plot", help="Figure to write (.svg, .png, .pdf).")
+PLOT_STYLE = option("--plot-style", help="Size and fonts of the figure: screen, slides, or a journal's column.")
+REPORT = option("--report", help="Page to write (.html); by default next to the output.")
+JSON = option("--json", help="Print one JSON document on stdout.")
+LIST = option("--list", help="List the names that can be given, and exit.")
+
+# Rigs and their clocks.
+SEED = option("--seed", help="Seed of everything random: the same seed, the same numbers.", min=0)
+REAL_TIME = option("--real-time", help="Pace a simulated rig by the clock.")
+CLOCK_SPEED = option("--clock-speed", help="With --real-time: run so many times as fast as the clock, 0.01 to 1000.")
+REAL_TIME_PRIORITY = option(
+    "--real-time-priority", help="On Linux: run before all ordinary programs, with memory locked."
+)
+CPU = option("--cpu", help="On Linux: keep the loop on this processor core.", min=0)
+HOLD = quantity("--hold", "s", "Time for which the sense voltage is held, as '5 s'.", 1.0, 3600.0, "s")
+METER_WIRE = quantity("--meter-wire", "V", "Reading of a meter across the wire at the sense voltage.")
+METER_SHUNT = quantity("--meter-shunt", "V", "Reading of a meter across the shunt at the sense voltage.")
+WRITE = option("--write", help="Write offsets, and gains by the meter, into the rig file.")
+RIG = option(
+    "--rig",
+    help="Rig whose circuit and limits are taken: 'simulated', or a rig file of kind simulated or serial.",
+    autocompletion=complete_rigs,
+)
+
+# The slow sine and what is compared by it.
+AMPLITUDE = quantity("--amplitude", "V", "Amplitude of the slow sine, as '3.2 V'.")
+PERIOD = quantity("--period", "s", "Period of the slow sine, as '90 s'.", 1.0, 86400.0, "s")
+CYCLES = option("--cycles", help="Cycles at each setting; the last is analysed.", min=1)
+MAX_CYCLES = option("--max-cycles", help="Stop after this many cycles at the latest.", min=2)
+AT = quantity("--at", "N", "A pretension to try, as '1.9 N'. Repeatable.")
+QUANTITY = option("--quantity", help="Quantity sensed from resistance: strain, displacement or force.")
+
+# The closed loop and the grip.
+REFERENCE = option(
+    "--reference", help="'staircase', steps as '2.5 mm to 6 mm by 0.5 mm', or a file with the targets over time."
+)
+KNOWN_STIFFNESS = quantity(
+    "--known-stiffness",
+    "N/m",
+    "Known stiffness of the load or of the object, as '588.6 N/m': gives force from a model of strain.",
+)
+TOLERANCE = quantity(
+    "--tolerance", "N", "Exit code 1 if the instrument shows a held force further from the target than this.", low=0.0
+)
+ESTIMATOR = option(
+    "--estimator",
+    help="Estimator by name: computes strain, displacement or force from voltages. Default: particle-filter with a "
+    "wire file; without one gated in a closed loop, polynomial (the paper's) for a recording.",
+    autocompletion=complete_estimators,
+)
+CONTROLLER = option(
+    "--controller",
+    help="Controller by name: computes the drive voltage. Default: that of --gains, else fuzzy-pid.",
+    autocompletion=complete_controllers,
+)
+RULES = option(
+    "--rules",
+    help="Rule base of the fuzzy tuning; see 'musclewire rules'. Default: zhao-1993.",
+    autocompletion=complete_rule_bases,
+)
+GAINS = option("--gains", help="Gains file from 'musclewire tune': controller and settings.")
+CLOSED_LOOP_TIME = quantity("--closed-loop-time", "s", "tau_c of the tuning rule; by default the dead time.")
+WIRE_FILE = option(
+    "--wire-file",
+    metavar="FILE",
+    help="The wire's own file, from 'musclewire calibrate': estimates by physics whatever load and air do.",
+)
+HOME = option(
+    "--home", help="When to make a home move: start (before the run), idle (after it, while the wire cools) or never."
+)
+HOMED_MODEL = option("--homed-model", help="Model file to write after a home move (.json).")
+CYCLES_MADE = option(
+    "--cycles-made",
+    help="Cycles that the wire has made since its characterisation, if counted; kept in the model.",
+    min=0,
+)
+SWEEP_FILE = option("--sweep", help="Recording of the home move's sweep to write (.h5).")
+ON_BOARD = option(
+    "--on-board", help="The board's firmware closes the loop; the host sends the targets and records the samples."
+)
+RUNS = option(
+    "--runs",
+    help="Run so many loops at once, each on a simulated rig with a seed of its own: from --seed, or 1, on.",
+    min=1,
+)
+IN_PYTHON = option("--in-python", help="With --runs: step every loop in Python, for what has no compiled form.")
+TARGET = quantity("--target", "N", "Grip force to reach and hold at one endpoint, as '0.3 N'.")
+OBJECT_STIFFNESS = quantity(
+    "--object-stiffness", "N/m", "Stiffness of the simulated object in the way of the endpoint, as '50 N/m'."
+)
+CLEARANCE = quantity(
+    "--clearance", "m", "How far the endpoint moves (two fingers: both together) before it touches, as '4 mm'."
+)
+NO_OBJECT = option("--no-object", help="Simulate the grip without any object.")
+LEARNED = option("--learned", help="File of the trained gripper (.json): read, or written after training.")
+
+# Recordings and models.
+COLUMN = option(
+    "--column", "-c", help="Assign a header of the file to a column. Repeatable.", metavar="NAME=HEADER[:UNIT]"
+)
+LEG_LENGTH = quantity(
+    "--leg-length", "m", "Length whose shortening is the strain, as '70 mm': one leg of a V-shaped wire."
+)
+SHUNT = quantity("--shunt", "ohm", "Shunt resistance of Eq. 1, as '1.0 ohm'.")
+MAPPING = option(
+    "--mapping", help="Mapping file from 'musclewire import --save-mapping' (.toml): how the file is read."
+)
+SAVE_MAPPING = option("--save-mapping", help="Mapping file to write (.toml), for the next file of this kind.")
+SAMPLE_PERIOD = quantity(
+    "--sample-period", "s", "Time between two rows of a file without a clock, as '10 ms'.", 1e-9, 86400.0
+)
+GROUP = option(
+    "--group", "--sheet", help="Group, sheet or struct of a file that holds several tables (TDMS, HDF5, MATLAB, Excel)."
+)
+MATLAB_VERSION = option(
+    "--matlab-version", help="Version of a .mat file to write: 5 or 7.3 (default: 5, unless it is too large)."
+)
+IGNORE = option("--ignore", help="Leave out a column, by its header or as #3. Repeatable.", metavar="COLUMN")
+DROP_MISSING = option("--drop-missing", help="Leave out rows in which a used column has no number.")
+JOIN = option(
+    "--join",
+    help="Join two files of loggers with different clocks by this column, or by one of each: FIRST=SECOND. "
+    "By default by the only column that both have.",
+    metavar="COLUMN",
+)
+ZERO = option("--zero", help="Count displacement, strain and force from the first row.")
+INVERT = option("--invert", help="The sensor reads backwards: negate displacement and strain.")
+ORDER = option("--order", help="Order of the polynomials, or 'auto' (cross-validation).")
+CYCLE = option("--cycle", help="Cycle that is fitted: first, last, largest, or a number from 0.")
+
+# A fit without an instrument.
+MARK = option(
+    "--mark",
+    help="A position read off a ruler: cold, hot (both), or stop, an end stop counted from cold. Repeatable.",
+    metavar="NAME=POSITION",
+)
+MARK_ERROR = quantity("--mark-error", "m", "Standard deviation of one mark, as '0.5 mm'.", 1e-9, 1.0)
+LENGTH_ERROR = quantity("--length-error", "m", "Standard deviation of the leg's stated length, as '0.5 mm'.", 1e-9, 1.0)
+
+# Wires, simulated and calibrated.
+WIRE = option(
+    "--wire",
+    help="Wire by name ('musclewire simulate --list' shows all), or wire file (.toml).",
+    autocompletion=complete_wires,
+)
+WIRE_LENGTH = quantity("--wire-length", "m", "Length of the wire between its terminals, both legs of a V together.")
+SUPPLY = quantity("--supply", "V", "Supply voltage, as '5 V'.")
+CURRENT = quantity("--current", "A", "Current that is held, as '200 mA'; --supply is then its limit.")
+OFF_AFTER = quantity("--off-after", "s", "Time until switching off, as '1 s'.", 0.01, inf, "s")
+DUTY = quantity("--duty", "", "Heat in pulses until --off-after: on for this part of each period, as '40 %'.", 0.0, 1.0)
+DUTY_PERIOD = quantity("--duty-period", "s", "Period of the pulses of --duty, as '1 s'.", 0.01, inf, "s")
+DURATION = quantity("--duration", "s", "Duration of the whole run; by default long enough to cool.", 0.0, 86400.0, "s")
+LOAD = quantity("--load", "N", "Weight, or pretension of the spring, as '1.4 N'.")
+STRESS = quantity("--stress", "Pa", "The load as a stress; without --load and --stress it is '172 MPa'.")
+SPRING = quantity("--spring", "N/m", "A spring to pull, as '588.6 N/m'.")
+AMBIENT = quantity("--ambient", "K", "Temperature of the air around the wire, as '22 degC'.")
+TABLE = option("--table", help="Show current, voltage and shunt of all wires at --wire-length, and exit.")
+PRIORS = option("--priors", help="Priors of the parameters, by name or TOML file.")
+SET = option("--set", help="A number of the bench that no recording states. Repeatable.", metavar="NAME=VALUE")
+EFFORT = option("--effort", help="How long to search: quick, normal or thorough.")
+STARTS = option("--starts", help="Descents from the prior; by default depends on --effort.", min=1)
+JUMPS = option("--jumps", help="Descents from near the best; by default depends on --effort.", min=0)
+THREADS = option("--threads", help="Threads; by default one on each core.", min=1)
+
+# Studies of many wires.
+WORKERS = option("--workers", help="Processes on this machine; by default one on each core.", min=1)
+
+# Parts to design.
+FILE = option("--file", help="Take all dimensions from a pretensioner's file.")
+
+# Everything else.
+ONLY = option("--only", help="Only rows whose names begin so: 'fig4', 'table2.mae'; 'step'.", metavar="NAME")
+QUICK = option("--quick", help="Fewer repetitions.")
+SETTINGS = option("--settings", help="TOML file with settings of the controller, as kp_range = [0.01, 0.1].")
+NAME = option("--name", help="Name of the library or FMU, a C identifier.")
+
+Json = Annotated[bool, JSON]
+RigName = Annotated[
+    str,
+    typer.Argument(
+        metavar="RIG",
+        help="'simulated', 'finger', 'gripper', or the path of a TOML rig file. Templates to copy: 'arduino-uno', "
+        "'serial-board', 'ni-pci-6229', 'ni-usb-6001'.",
+        autocompletion=complete_rigs,
+    ),
+]
+
+# Names that options had before. They still work: a command takes the first of the new names that it has.
+OLD_NAMES: dict[str, tuple[str, ...]] = {
+    "--out": ("--output",),
+    "--folder": ("--output",),
+    "--force": ("--overwrite",),
+    "--length": ("--leg-length", "--overall-length", "--wire-length"),
+    "--stiffness": ("--known-stiffness",),
+    "--most-cycles": ("--max-cycles",),
+    "--most-depth": ("--max-depth",),
+    "--away": ("--no-object",),
+    "--foam": ("--object-stiffness",),
+    "--inward": ("--inward-angle",),
+}
+# Options that are gone, and what does their work now.
+REMOVED: dict[str, str] = {
+    "--recalibrate": "make a home move instead, 'musclewire home RIG MODEL -o NEW_MODEL', or give --home start",
+}
+
+
+def renamed(argument: str, known: set[str]) -> str:
+    """Return an argument of a command line with an option's old name replaced by the one the command knows.
+
+    Raises CallerError for an option that is gone, naming what does its work.
+    """
+    name, separator, value = argument.partition("=")
+    if name in known:
+        return argument
+    if name in REMOVED:
+        raise CallerError(f"there is no option {name} any more: {REMOVED[name]}")
+    return next((new for new in OLD_NAMES.get(name, ()) if new in known), name) + separator + value
+
+
+def mapping(pairs: list[str] | None, option: str = "--column") -> dict[str, str]:
+    """Return repeated NAME=VALUE options as a mapping."""
+    found: dict[str, str] = {}
+    for pair in pairs or ():
+        name, separator, value = pair.partition("=")
+        if not (separator and name.strip() and value.strip()):
+            raise CallerError(f"{option} {pair}: write {EXAMPLES[option]}")
+        found[name.strip()] = value.strip()
+    return found
+
+
+@overload
+def in_si(name: str, text: str) -> float: ...
+@overload
+def in_si(name: str, text: None) -> None: ...
+@overload
+def in_si(name: str, text: str | None) -> float | None: ...
+def in_si(name: str, text: str | None) -> float | None:
+    """Return what was given for an option, such as '70 mm', in SI; None if it was not given.
+
+    Raises CallerError that names the option if the text is no such quantity, or outside of what is allowed.
+    """
+    kind = OPTIONS[name].quantity
+    if kind is None:
+        raise KeyError(f"{name} is no quantity")
+    if text is None:
+        return None
+    from musclewire.signals import parse_quantity
+
+    try:
+        value = parse_quantity(f"{text} {kind.bare}" if kind.bare and BARE.fullmatch(text) else text, kind.unit)
+    except CallerError as error:
+        raise CallerError(f"{name}: {error}") from None
+    if not kind.low <= value <= kind.high:
+        raise CallerError(f"{name}: {text} is outside {kind.low:g} to {kind.high:g} {kind.unit}")
+    return value

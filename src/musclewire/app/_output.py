@@ -1,0 +1,202 @@
+"""What the command line shows: results on stdout (or one JSON document), progress and problems on stderr."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from io import StringIO
+from typing import TYPE_CHECKING, Any
+
+from musclewire.app._live_numbers import LiveNumbers
+from musclewire.app._stopping import stop_if_asked
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from musclewire.rigs import GuardedRig
+
+__all__ = ["console", "emit_json", "progress_bar", "run_bar", "say", "show", "step_bar", "warn"]
+
+Advance = Callable[..., None]
+OnStage = Callable[[str, int, int, float], None]
+OnRuns = Callable[[int, int], None]
+
+
+def console() -> Console:
+    """Return the console for people: stderr, so that stdout stays for programs."""
+    from rich.console import Console
+
+    return Console(stderr=True, highlight=False)
+
+
+def say(text: str) -> None:
+    """Print progress, a warning or an error: stderr."""
+    print(text, file=sys.stderr)
+
+
+def warn(warnings: Iterable[str]) -> list[str]:
+    """Print warnings on stderr, a line each, and return them for a JSON document."""
+    listed = list(warnings)
+    for text in listed:
+        say(f"warning: {text}")
+    return listed
+
+
+def show(text: str) -> None:
+    """Print a result for people: stdout. With --json, :func:`emit_json` takes its place."""
+    print(text)
+
+
+def emit_json(document: Mapping[str, Any]) -> None:
+    """Print exactly one JSON document on stdout; numbers that are not finite are a bug and raise."""
+    sys.stdout.write(json.dumps(document, indent=2, allow_nan=False, default=plain) + "\n")
+
+
+def plain(value: Any) -> Any:
+    """Return a NumPy scalar or a path as what JSON knows."""
+    return value.item() if hasattr(value, "item") else str(value)
+
+
+@contextmanager
+def progress_bar(
+    task: str, total_s: float | None, quiet: bool = False, rig: GuardedRig | None = None
+) -> Iterator[Advance]:
+    """Show a bar over simulated or real seconds, and a rig's numbers below it; yields what to call after each sample.
+
+    Without a total only the numbers are shown. Nothing is shown before the first sample, so that wrong input stays one
+    line. On a pipe there is no bar, only the line that names the task.
+    """
+    if quiet:
+        yield stop_if_asked
+        return
+    bar = ProgressBar(task, total_s, rig)
+    try:
+        yield bar.advance
+    finally:
+        bar.stop()
+
+
+@contextmanager
+def step_bar(unit: str, quiet: bool = False) -> Iterator[OnStage]:
+    """Show a bar over the steps of a search; yields what takes stage, steps done, total steps and best cost so far.
+
+    On a pipe each step is a line. Nothing is shown where ``quiet``.
+    """
+    shown = console()
+    if quiet:
+        yield lambda *_: None
+    elif not shown.is_terminal:
+        yield lambda stage, done, total, cost: say(f"{stage}: {done} of {total} {unit}, sum of squares {cost:.4g}")
+    else:
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+        text = TextColumn("{task.description:<46}")
+        columns = (text, BarColumn(bar_width=32), MofNCompleteColumn(), TimeElapsedColumn())
+        with Progress(*columns, console=shown, refresh_per_second=4, transient=True) as progress:
+            task = progress.add_task(f"global search, {unit}", total=None)
+            yield lambda stage, done, total, cost: progress.update(
+                task, description=f"{stage}, sum of squares {cost:.4g}", completed=done, total=total
+            )
+
+
+@contextmanager
+def run_bar(unit: str, quiet: bool = False) -> Iterator[OnRuns]:
+    """Show a bar over the runs of a study; yields what takes the number of finished ones and of all.
+
+    On a pipe every tenth of the runs is a line. Nothing is shown where ``quiet``.
+    """
+    shown = console()
+    if quiet:
+        yield lambda _done, _total: None
+    elif not shown.is_terminal:
+        tenths: set[int] = set()
+
+        def line(done: int, total: int) -> None:
+            tenth = 10 * done // max(total, 1)
+            if tenth not in tenths:
+                tenths.add(tenth)
+                say(f"{done} of {total} {unit}")
+
+        yield line
+    else:
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            Progress,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
+
+        columns = (TextColumn(unit), BarColumn(bar_width=40), MofNCompleteColumn(), TimeElapsedColumn(),
+                   TextColumn("left"), TimeRemainingColumn())  # fmt: skip
+        with Progress(*columns, console=shown, refresh_per_second=4) as progress:
+            task = progress.add_task(unit, total=None)
+            yield lambda done, total: progress.update(task, completed=done, total=total)
+
+
+class ProgressBar:
+    """A progress bar that appears with its first sample."""
+
+    def __init__(self, task: str, total_s: float | None, rig: GuardedRig | None) -> None:
+        """Remember the task, how many seconds it has, and whose numbers are shown."""
+        self._task = task
+        self._numbers = None if rig is None else LiveNumbers(rig)
+        self._last_s: float | None = None
+        self._before_s = 0.0
+        # Built before the first sample: importing and drawing for the first time takes a good part of a second on a
+        # busy machine, and a board whose next command is so late switches the heater off.
+        self._progress = progress_for(task, total_s, self._numbers)
+
+    def advance(self, row: Mapping[str, float]) -> None:
+        """Move the bar to a sample's time; a signal that waited for the sample stops the run here."""
+        stop_if_asked()
+        if self._last_s is None:
+            self._open()
+        elif row["time_s"] < self._last_s:  # a new recording, whose clock begins again
+            self._before_s += self._last_s
+        self._last_s = row["time_s"]
+        if self._numbers is not None:
+            self._numbers.keep_row(row)
+        if self._progress is not None:
+            self._progress.update(self._progress.task_ids[0], completed=self._before_s + self._last_s)
+
+    def _open(self) -> None:
+        if self._progress is None:
+            say(self._task)
+        else:
+            self._progress.start()
+
+    def stop(self) -> None:
+        """Leave the bar as it stands."""
+        if self._progress is not None:
+            self._progress.stop()
+
+
+def progress_for(task: str, total_s: float | None, numbers: LiveNumbers | None) -> Progress | None:
+    """Return a bar that has been drawn once into nothing, so that its first sample need not wait; None on a pipe."""
+    shown = console()
+    if not shown.is_terminal:
+        return None
+    from rich.console import Console
+    from rich.progress import BarColumn, ProgressColumn, TextColumn, TimeElapsedColumn
+
+    from musclewire.app._numbers_below import ProgressWithNumbers
+
+    seconds = "{task.completed:>6.0f} s" if total_s is None else "{task.completed:>6.0f}/{task.total:.0f} s"
+    bar: list[ProgressColumn] = [] if total_s is None else [BarColumn(bar_width=32)]
+    progress = ProgressWithNumbers(
+        TextColumn("{task.description:<34}"),
+        *bar,
+        TextColumn(f"{seconds} of wire time"),
+        TimeElapsedColumn(),
+        numbers=numbers,
+        console=shown,
+        refresh_per_second=8,
+    )
+    progress.add_task(task, total=total_s)
+    Console(file=StringIO(), force_terminal=True).print(progress.get_renderable())
+    return progress

@@ -1,0 +1,37 @@
+"""The command that finishes the recording of a run that was cut off: recover."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from musclewire.app._figure_options import FigureOptions
+from musclewire.app._options import OUTPUT, OVERWRITE, Json
+from musclewire.app._output import emit_json, show
+
+__all__ = ["recover"]
+
+
+def recover(
+    recording: Annotated[
+        Path, typer.Argument(metavar="RECORDING", help="The recording as it was to be, or its journal (.h5.journal).")
+    ],
+    figure: FigureOptions,
+    output: Annotated[Path | None, OUTPUT] = None,
+    overwrite: Annotated[bool, OVERWRITE] = False,
+    json: Json = False,
+) -> None:
+    """Make plain HDF5 of the journal that a run left when it was cut off; with -o the journal stays."""
+    from musclewire.signals import recording_of, recover_recording
+
+    figure.check()
+    found = recover_recording(recording, output, overwrite=overwrite)
+    figure.draw(found.plot)
+    written, ended = output or recording_of(recording), found.metadata["ended"]
+    duration_s = found.duration_s if "time_s" in found else None
+    if json:
+        emit_json({"recording": str(written), "rows": len(found), "duration_s": duration_s, "ended": ended})
+        return
+    show(f"{written}: {len(found)} rows, {duration_s or 0.0:g} s, ended: {ended}")

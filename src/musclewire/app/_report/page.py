@@ -1,0 +1,165 @@
+"""The report as one HTML file that needs no other file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from html import escape
+from typing import TYPE_CHECKING
+
+from musclewire.app._report.figures import report_figures
+from musclewire.experiment import APPROACHED, FROM_FIRST_TARGET
+from musclewire.pages import NumberCard, cards, page, table_rows
+from musclewire.parameters import load_alloy, load_bench, load_wire, read_published
+from musclewire.signals import write_text_whole
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from musclewire.experiment import DemoResult, StepMetrics
+    from musclewire.parameters import Parameter
+
+__all__ = ["write_report"]
+
+
+def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
+    """Write the report of a demo, whole or not at all.
+
+    Parameters
+    ----------
+    result
+        All that the demo found.
+    path
+        File to write (.html).
+    wall_s
+        Time that the demo took [s], for the card "Computed in".
+    """
+    figures = report_figures(result)
+    metadata = result.run.metadata
+    parts = {
+        "cards": cards(key_numbers(result, wall_s)),
+        "steps": steps_table(result),
+        "approach": escape(result.run.metrics.approach),
+        "sweep_rows": sweep_table(result),
+        "assumed": parameters_table(result, "assumed"),
+        "fitted": parameters_table(result, "fitted"),
+        "warnings": warnings_list(result.model.warnings),
+        "gap": f"{100 * result.gaps.strain_gap:.2f}",
+        "share": f"{100 * result.gaps.segments.transformation_fraction:.0f}",
+        "best": f"{result.sweep.best.pretension_n:.2f}",
+        "wire": escape(str(metadata["wire"])),
+        "seed": escape(str(metadata["seed"])),
+        "time_step": steps_text(result.run.facts.time_step_s),
+        "started": escape(str(metadata["start_time"])),
+        "files": "".join(f"<li><code>{escape(file.name)}</code></li>" for file in result.files.values()),
+    }
+    write_text_whole(path, page("musclewire.app._report", "report.html", {**figures, **parts}))
+
+
+def steps_text(time_step_s: float) -> str:
+    """Return how the simulation's steps were chosen: 0 stands for chosen ones."""
+    return f"steps of {1e3 * time_step_s:g} ms" if time_step_s else "steps chosen by tolerance"
+
+
+def key_numbers(result: DemoResult, wall_s: float) -> list[NumberCard]:
+    """Return the key numbers next to the paper's."""
+    paper = read_published("lan_fan_2010")["loop_100um"]
+    table = read_published("lan_fan_2010")["table2"]
+    printed = [*table["mae_rise_pct"], *table["mae_return_pct"]]
+    model, metrics = result.model, result.run.metrics
+    return [
+        NumberCard("Strain gap", f"{100 * result.gaps.strain_gap:.3f} %", f"paper {paper['strain_gap_pct']} %"),
+        NumberCard("R<sub>min</sub>", f"{model.resistance_min_ohm:.3f} Ω", f"paper {paper['resistance_min_ohm']} Ω"),
+        NumberCard("R<sub>max</sub>", f"{model.resistance_max_ohm:.3f} Ω", f"paper {paper['resistance_max_ohm']} Ω"),
+        *error_cards(result, "Largest step MAE", metrics.mae_max_pct, metrics.mae_max_approached_pct, max(printed)),
+        *error_cards(
+            result, "Mean step MAE", metrics.mae_mean_pct, metrics.mae_mean_approached_pct, sum(printed) / len(printed)
+        ),
+        NumberCard("Computed in", f"{wall_s:.1f} s", f"{wire_seconds(result):.0f} s of wire time"),
+    ]
+
+
+def error_cards(
+    result: DemoResult, name: str, counted: float | None, approached: float | None, paper: float
+) -> list[NumberCard]:
+    """Return the cards of an error of the steps, one for each reading of Eq. 7."""
+    printed = f"paper {paper:.2f} %"
+    return [
+        NumberCard(f"{name} {FROM_FIRST_TARGET}", f"{counted:.2f} %", printed),
+        NumberCard(f"{name} {APPROACHED} of {result.run.metrics.approach_s:g} s", f"{approached:.2f} %", printed),
+    ]
+
+
+def wire_seconds(result: DemoResult) -> float:
+    """Return the simulated time of everything the demo ran."""
+    swept = sum(row.recording.duration_s for row in result.sweep.rows)
+    return sum(loop.duration_s for loop in result.loops.values()) + result.run.duration_s + swept
+
+
+def paper_mae_pct(step: StepMetrics) -> float | None:
+    """Return what the paper printed for this step, None if it printed none."""
+    table = read_published("lan_fan_2010")["table2"]
+    printed = dict(zip(table["desired_strain_pct"], table[f"mae_{step.direction}_pct"], strict=False))
+    return printed.get(round(100 * step.target, 6))
+
+
+def steps_table(result: DemoResult) -> str:
+    """Return the rows of the MAE table: each step next to the paper's (Table 2), the first in both readings."""
+    rows = []
+    for step in result.run.metrics.steps:
+        counted = step.mae_pct, step.estimate_mae_pct, step.tracking_mae_pct
+        approached = step.mae_approached_pct, step.estimate_mae_approached_pct, step.tracking_mae_approached_pct
+        readings = {"": counted} if counted == approached else {FROM_FIRST_TARGET: counted, APPROACHED: approached}
+        for reading, (mae, estimate, tracking) in readings.items():
+            rows.append((
+                f"{100 * step.target:.1f}",
+                f"{step.direction} {reading}",
+                number(mae),
+                number(paper_mae_pct(step)),
+                number(estimate),
+                number(tracking),
+            ))  # fmt: skip
+    return table_rows(rows)
+
+
+def number(value: float | None) -> str:
+    """Return a percentage for a table; a dash for None."""
+    return "–" if value is None else f"{value:.3f}"
+
+
+def sweep_table(result: DemoResult) -> str:
+    """Return the rows of the pretension table, the best marked."""
+    best = result.sweep.best
+    rows = [
+        (
+            f"{row.pretension_n:.2f}{' (best)' if row is best else ''}",
+            f"{row.strain_gap_pct:.2f}",
+            number(row.force_gap_pct),
+            f"{row.stroke_pct:.2f}",
+        )
+        for row in result.sweep.rows
+    ]
+    return table_rows(rows)
+
+
+def parameters_table(result: DemoResult, kind: str) -> str:
+    """Return the rows of all parameters of one kind, of alloy, wire and bench."""
+    wire = load_wire(result.run.facts.text("wire", "name of the wire"))
+    groups = {"alloy": load_alloy(wire.alloy), "wire": wire, "bench": load_bench("paper")}
+    rows = [
+        (group, name, parameter_value(item), item.source + (f". {item.note}" if item.note else ""))
+        for group, parameters in groups.items()
+        for name, item in parameters.items()
+        if item.kind == kind
+    ]
+    return table_rows(rows)
+
+
+def parameter_value(item: Parameter) -> str:
+    """Return value and unit for a table."""
+    return f"{item.value:.4g}" + ("" if item.unit == "1" else f" {item.unit}")
+
+
+def warnings_list(warnings: Iterable[str]) -> str:
+    """Return the model's warnings as a box, or nothing."""
+    items = "".join(f"<li>{escape(text)}</li>" for text in warnings)
+    return f'<div class="warning"><b>The fit says:</b><ul>{items}</ul></div>' if items else ""

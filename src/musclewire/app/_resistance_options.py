@@ -1,0 +1,67 @@
+"""Options of a fit without an instrument: the wire's name, what is stated of its bench, and marks off a ruler."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+from musclewire.app._options import LENGTH_ERROR, MARK, MARK_ERROR, SEED, SET, WIRE, in_si, mapping
+from musclewire.errors import CallerError, nearest_hint
+
+if TYPE_CHECKING:
+    from musclewire.identify import Marks, ResistanceFit
+    from musclewire.signals import Recording
+
+__all__ = ["ResistanceOptions"]
+
+MARKS = {"cold": "cold_m", "hot": "hot_m", "stop": "end_stop_m"}
+
+
+@dataclass(frozen=True)
+class ResistanceOptions:
+    """What a fit rests on if only the resistance was measured; without a wire's name there is no such fit."""
+
+    wire: Annotated[str | None, WIRE] = None
+    set: Annotated[list[str] | None, SET] = None
+    mark: Annotated[list[str] | None, MARK] = None
+    mark_error: Annotated[str, MARK_ERROR] = "0.5 mm"
+    length_error: Annotated[str, LENGTH_ERROR] = "0.5 mm"
+    seed: Annotated[int, SEED] = 1
+
+    def marks(self) -> Marks:
+        """Return the marks. Raises CallerError for an unknown mark, or one that is no length."""
+        from musclewire.identify import Marks
+        from musclewire.signals import parse_quantity
+
+        positions = {}
+        for name, text in mapping(self.mark, "--mark").items():
+            if name not in MARKS:
+                raise CallerError(f"--mark {name}: there is no such mark{nearest_hint(name, MARKS)}")
+            try:
+                positions[MARKS[name]] = parse_quantity(text, "m")
+            except CallerError as error:
+                raise CallerError(f"--mark {name}: {error}") from None
+        return Marks(
+            **positions,
+            reading_std_m=in_si("--mark-error", self.mark_error),
+            leg_length_std_m=in_si("--length-error", self.length_error),
+        )
+
+    def require_wire(self) -> None:
+        """Raise CallerError for marks or numbers of the bench that a fit with an instrument does not take."""
+        if self.wire is None and (self.mark or self.set):
+            raise CallerError("--mark and --set belong to a fit from resistance alone: name the wire with --wire")
+
+    def fit(self, recording: Recording, order: int | str, quantity: str) -> ResistanceFit:
+        """Return the fit to the resistance of a recording."""
+        from musclewire.identify import fit_resistance
+
+        return fit_resistance(
+            recording,
+            self.wire or "",
+            bench=mapping(self.set, "--set"),
+            marks=self.marks(),
+            order=order,
+            quantity=quantity,
+            seed=self.seed,
+        )

@@ -1,0 +1,194 @@
+"""Commands about wires one can buy: simulate a drive, and the catalogue compared with the simulation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from musclewire.app._figure_options import FigureOptions
+from musclewire.app._files import require_recording_file
+from musclewire.app._options import (
+    AMBIENT,
+    CURRENT,
+    DURATION,
+    DUTY,
+    DUTY_PERIOD,
+    LIST,
+    LOAD,
+    OFF_AFTER,
+    OUTPUT,
+    OVERWRITE,
+    SEED,
+    SHUNT,
+    SPRING,
+    STRESS,
+    SUPPLY,
+    TABLE,
+    WIRE,
+    WIRE_LENGTH,
+    Json,
+    in_si,
+)
+from musclewire.app._output import emit_json, progress_bar, show, warn
+from musclewire.app._stopping import stops_between_samples
+from musclewire.app._wire_text import (
+    answer_json,
+    answer_text,
+    comparison_json,
+    comparison_text,
+    wires_json,
+    wires_text,
+)
+from musclewire.errors import CallerError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from musclewire.experiment import SupplyRequest, SupplySizing
+
+__all__ = ["catalogue", "simulate"]
+
+
+@dataclass(frozen=True)
+class DriveOptions:
+    """How the wire is heated, and for how long."""
+
+    supply: Annotated[str | None, SUPPLY] = None
+    current: Annotated[str | None, CURRENT] = None
+    off_after: Annotated[str, OFF_AFTER] = "1 s"
+    duty: Annotated[str | None, DUTY] = None
+    duty_period: Annotated[str, DUTY_PERIOD] = "1 s"
+    duration: Annotated[str | None, DURATION] = None
+    shunt: Annotated[str | None, SHUNT] = None
+
+
+@dataclass(frozen=True)
+class MountingOptions:
+    """How long the wire is, what it pulls, and in which air."""
+
+    wire_length: Annotated[str, WIRE_LENGTH] = "140 mm"
+    load: Annotated[str | None, LOAD] = None
+    stress: Annotated[str | None, STRESS] = None
+    spring: Annotated[str | None, SPRING] = None
+    ambient: Annotated[str, AMBIENT] = "22 degC"
+
+
+def request_of(wire: str, drive: DriveOptions, mounting: MountingOptions, seed: int) -> SupplyRequest:
+    """Return the request that the options describe, in SI."""
+    from musclewire.experiment import SupplyRequest
+
+    return SupplyRequest(
+        wire=wire,
+        supply_v=in_si("--supply", drive.supply),
+        current_a=in_si("--current", drive.current),
+        on_s=in_si("--off-after", drive.off_after),
+        duty=in_si("--duty", drive.duty),
+        duty_period_s=in_si("--duty-period", drive.duty_period),
+        duration_s=in_si("--duration", drive.duration),
+        length_m=in_si("--wire-length", mounting.wire_length),
+        load_n=in_si("--load", mounting.load),
+        stress_pa=in_si("--stress", mounting.stress),
+        spring_n_per_m=in_si("--spring", mounting.spring) or 0.0,
+        shunt_ohm=in_si("--shunt", drive.shunt),
+        ambient_k=in_si("--ambient", mounting.ambient),
+        seed=seed,
+    )
+
+
+def simulate(
+    drive: DriveOptions,
+    mounting: MountingOptions,
+    figure: FigureOptions,
+    wire: Annotated[str, WIRE] = "flexinol-0.10-lt",
+    output: Annotated[Path | None, OUTPUT] = None,
+    seed: Annotated[int, SEED] = 1,
+    list_wires: Annotated[bool, LIST] = False,
+    table: Annotated[bool, TABLE] = False,
+    overwrite: Annotated[bool, OVERWRITE] = False,
+    json: Json = False,
+) -> None:
+    """Simulate a drive through a wire: which supply, shunt and current it needs."""
+    if list_wires:
+        emit_json(wires_json()) if json else show(wires_text())
+        return
+    if table:
+        refuse_with_table(drive, mounting, output, figure.plot)
+        show_table(mounting, json)
+        return
+    from musclewire.experiment import plan_supply, size_supply
+
+    request = request_of(wire, drive, mounting, seed)
+    if output is not None:
+        require_recording_file(output, overwrite)
+    figure.check()
+    with stops_between_samples(), progress_bar("Drive", plan_supply(request).duration_s, quiet=json) as on_sample:
+        answer = size_supply(request, path=output, overwrite=overwrite, on_sample=on_sample)
+    figure.draw(partial(drawn, answer))
+    if json:
+        emit_json(answer_json(answer, output))
+    else:
+        show(answer_text(answer))
+        warn(answer.warnings)
+    if answer.numbers.melted:
+        raise typer.Exit(1)
+
+
+def drawn(answer: SupplySizing, *, style: str) -> Axes:
+    """Return the drawn drive; loads what draws only now."""
+    from musclewire.experiment import drive_axes
+
+    return drive_axes(answer, style=style)
+
+
+def refuse_with_table(drive: DriveOptions, mounting: MountingOptions, output: Path | None, plot: Path | None) -> None:
+    """Raise CallerError for options that a table of all wires has no use for."""
+    given = {
+        "--supply": drive.supply,
+        "--current": drive.current,
+        "--load": mounting.load,
+        "--spring": mounting.spring,
+        "--shunt": drive.shunt,
+        "--duty": drive.duty,
+        "--output": output,
+        "--plot": plot,
+    }
+    for name, value in given.items():
+        if value is not None:
+            raise CallerError(f"{name} is for one wire: with --table give --wire-length, --stress and --ambient only")
+
+
+def show_table(mounting: MountingOptions, json: bool) -> None:
+    """Print what every wire of the catalogue needs at a length."""
+    from musclewire.app._wire_table_text import table_json, table_text
+    from musclewire.identify import PULL_STRESS_PA, wire_table
+
+    length_m = in_si("--wire-length", mounting.wire_length)
+    stress_pa = PULL_STRESS_PA if mounting.stress is None else in_si("--stress", mounting.stress)
+    ambient_k = in_si("--ambient", mounting.ambient)
+    if not (length_m > 0.0 and stress_pa > 0.0 and 200.0 < ambient_k < 330.0):
+        raise CallerError(
+            f"--wire-length {length_m:g} m, --stress {1e-6 * stress_pa:g} MPa, --ambient {ambient_k - 273.15:g} degC: "
+            "--table needs the first two above 0 and air of -73 to 57 degC"
+        )
+    rows = wire_table(length_m, stress_pa, ambient_k)
+    if json:
+        emit_json(table_json(rows, length_m, stress_pa, ambient_k))
+    else:
+        show(table_text(rows, length_m, stress_pa, ambient_k))
+
+
+def catalogue(json: Json = False) -> None:
+    """Compare the Flexinol catalogue with the simulation: contraction after one second, and cooling times."""
+    from musclewire.identify import compare_catalogue
+
+    compared = compare_catalogue()
+    if json:
+        emit_json(comparison_json(compared))
+    else:
+        show(comparison_text(compared))
+    if not all(one.ok for one in compared):
+        raise typer.Exit(1)

@@ -1,0 +1,154 @@
+"""The interface of controllers: target, estimate and state in; command, state and the numbers to record out.
+
+A controller has no clock, knows no rig and keeps nothing to itself: its only memory is its state, which the loop passes
+back. ``tests/contract/test_controller_contract.py`` tests every implementation for this.
+
+Another controller is one file with a factory, a ``ControllerFactory``, and a name for it: a line in ``CONTROLLERS``
+here, or from outside ``CONTROLLERS.register("name", factory)`` or an entry point of the group "musclewire.controllers".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from musclewire.controllers._drive_limits import DriveLimits
+from musclewire.errors import CallerError
+from musclewire.registry import Registry
+from musclewire.signals import CompiledTick, ControlStep, QuantityEstimate
+
+__all__ = [
+    "CONTROLLERS",
+    "PERCENT_STRAIN",
+    "CompiledController",
+    "Controller",
+    "ControllerFactory",
+    "ControllerSetup",
+    "settings_of_kind",
+]
+
+PERCENT_STRAIN = 0.01
+
+
+class Controller(Protocol):
+    """Chooses the command of the next sample period."""
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns that it records, one for each number in ``ControlStep.recorded``."""
+        ...
+
+    @property
+    def limits(self) -> DriveLimits:
+        """The range of the drive voltage [V]; every command is within it."""
+        ...
+
+    def start(self, drive_voltage_v: float) -> Any:
+        """Return the state that takes over from a drive that is already applied.
+
+        Parameters
+        ----------
+        drive_voltage_v
+            The drive [V] that was commanded last; one outside of the limits counts as the nearest one.
+
+        Returns
+        -------
+        The state before the first estimate: an immutable value that only this controller reads.
+        """
+        ...
+
+    def step(self, state: Any, target: float, estimate: QuantityEstimate, dt_s: float) -> ControlStep:
+        """Return the command of the next sample period.
+
+        Pure: the same arguments give the same answer, and the state is not changed. An estimate without current
+        (``Reason.NO_CURRENT``) is bridged: the command is the last one.
+
+        Parameters
+        ----------
+        state
+            The state that ``start`` or the last ``step`` returned.
+        target
+            Target of the quantity, in its SI unit.
+        estimate
+            Estimate of the same quantity.
+        dt_s
+            Time [s] since the last step, above 0.
+
+        Returns
+        -------
+        Command, next state, and the numbers to record.
+
+        Raises
+        ------
+        NumericsError
+            If target or estimate is not finite.
+        CallerError
+            If ``dt_s`` is not above 0.
+        """
+        ...
+
+
+class CompiledController(Controller, Protocol):
+    """A controller whose tick can also run in compiled code, in loops that run as a batch (``mw.control_many``)."""
+
+    def compiled_tick(self, drive_voltage_v: float) -> CompiledTick | None:
+        """Return ``step`` as a compiled function, with the state of ``start``: the same numbers, to the bit.
+
+        It counts only in the class that declares it: one that inherits another step declares its own tick.
+
+        Parameters
+        ----------
+        drive_voltage_v
+            The drive [V] that was commanded last, as for ``start``.
+
+        Returns
+        -------
+        The function, its constants and its first state; None if it is made of parts that have no compiled form.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class ControllerSetup:
+    """All that a factory may make a controller from.
+
+    Parameters
+    ----------
+    limits
+        Range of the drive voltage [V].
+    error_unit
+        Amount of the controlled quantity that corresponds to one percent strain, in its SI unit; so one set of gains
+        serves strain, displacement and force. The default is that of strain.
+    settings
+        The controller's own settings, as the caller gave them; None for its defaults.
+    """
+
+    limits: DriveLimits
+    error_unit: float = PERCENT_STRAIN
+    settings: Any = None
+
+
+ControllerFactory = Callable[[ControllerSetup], Controller]
+
+CONTROLLERS: Registry[ControllerFactory] = Registry(
+    "controller",
+    "musclewire.controllers",
+    {
+        "feedforward": "musclewire.controllers._feedforward:FeedforwardController",
+        "fuzzy-pid": "musclewire.controllers._fuzzy_pid:fuzzy_pid_controller",
+        "pid": "musclewire.controllers._pid:pid_controller",
+    },
+)
+
+
+def settings_of_kind(setup: ControllerSetup, kind: type[Any]) -> Any:
+    """Return the settings of a setup, or the defaults of their kind; CallerError for settings of another controller."""
+    if setup.settings is None:
+        return kind()
+    if not isinstance(setup.settings, kind):
+        raise CallerError(
+            f"the controller needs settings of the kind {kind.__name__}, not {type(setup.settings).__name__}: give "
+            "those, or name the controller they belong to"
+        )
+    return setup.settings

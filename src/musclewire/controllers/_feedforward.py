@@ -1,0 +1,239 @@
+"""Feedforward from the inverse model and the heat balance, and gain-scheduled feedback; state in, state out.
+
+A wire in air is a first-order heat balance with hysteresis behind it:
+
+    tau dw/dt = P - w - lambda dS/dt,   w = G (T - T_air)
+
+P is the electrical power, w the power that would hold the present temperature, S the quantity and lambda the heat that
+one unit of it takes. S rises only while w is on the heating branch w_h(S) and falls only on the cooling branch w_c(S);
+between them it stands still. Both branches are known from a slow loop. So a new target is answered with:
+
+- the steady power of its branch, w_h or w_c, which includes the gap between the branches if the direction turns;
+- a pulse of heat, tau times that change plus lambda times the step, delivered as fast as the limits permit. What a
+  limit holds back remains due: heating is fast, and cooling is as fast as still air lets it be;
+- a PI on the error from where the wire should be by then. Its gain follows direction and strain:
+  K_c = (tau dw/dS + lambda) / (tau_c + theta), T_i = min(tau_e, 4 (tau_c + theta)) (SIMC, Skogestad 2003).
+
+Heating from cold is the same: below B resistance does not determine strain, so the heat alone brings the wire there.
+A wire that stands still on the wrong side of its target jumps over most of the gap. No windup: the integral stops at a
+limit that it would press on. The heat balance of the commanded power never exceeds that of the highest temperature.
+
+References: Skogestad 2003, doi 10.1016/S0959-1524(02)00062-8, for the rule of K_c and T_i.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Annotated, Any, NamedTuple, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from musclewire.arrays import FloatArray
+from musclewire.controllers._controller import ControllerSetup
+from musclewire.controllers._schema import StrictModel
+from musclewire.errors import CallerError, NumericsError
+from musclewire.signals import CONTROLLER_ANSWERS, CompiledTick, ControlStep, Drive, QuantityEstimate
+
+__all__ = ["FeedforwardController", "FeedforwardSettings"]
+
+Positive = Annotated[float, Field(gt=0.0)]
+Table = Annotated[tuple[Positive, ...], Field(min_length=3)]
+# A branch is never taken as flatter or steeper than its median by more than these factors: near the ends of the loop
+# its slope is that of few samples.
+FLATTEST, STEEPEST = 0.5, 4.0
+SMOOTHED_LEVELS = 5
+
+
+class FeedforwardSettings(StrictModel):
+    """What the feedforward controller knows of a wire, and how fast it follows; ``musclewire.tune`` finds all of it.
+
+    Parameters
+    ----------
+    quantity
+        "strain", "displacement" or "force": the unit of ``lowest``, ``highest`` and ``tolerance``.
+    lowest
+        First level of the tables, in the quantity's SI unit.
+    highest
+        Last level of the tables; the levels between are evenly spaced.
+    heating_power_w
+        Electrical power [W] that holds each level on the heating branch.
+    cooling_power_w
+        The same [W] on the cooling branch, at no level above that of heating.
+    resistance_ohm
+        Resistance of the wire [ohm] at each level.
+    shunt_resistance_ohm
+        R of Eq. 1 [ohm], in series with the wire.
+    thermal_time_constant_s
+        Heat capacity over heat loss to the air [s].
+    heat_per_unit
+        Heat [J] that the transformation takes for one unit of the quantity.
+    closed_loop_time_s
+        tau_c [s]; SIMC recommends the dead time.
+    dead_time_s
+        theta [s]: from a command to its effect on the estimate.
+    integral_time_s
+        T_i [s].
+    pulse_time_s
+        Time constant [s] of the pulse of heat; three samples.
+    tolerance
+        Error, in the quantity's unit, from which a wire that stands still jumps over the gap.
+    gap_fraction
+        Fraction of the gap that it jumps over; the rest is the feedback's, as no gap is known exactly.
+    maximum_steady_power_w
+        Power [W] in the heat balance at the highest permitted temperature.
+
+    Raises
+    ------
+    CallerError
+        For an unknown key, tables of different length, branches that cross, or a number that is not positive.
+    """
+
+    quantity: str = "strain"
+    lowest: float
+    highest: float
+    heating_power_w: Table
+    cooling_power_w: Table
+    resistance_ohm: Table
+    shunt_resistance_ohm: Positive
+    thermal_time_constant_s: Positive
+    heat_per_unit: Annotated[float, Field(ge=0.0)]
+    closed_loop_time_s: Positive
+    dead_time_s: Positive
+    integral_time_s: Positive
+    pulse_time_s: Positive = 0.15
+    tolerance: Positive
+    gap_fraction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.8
+    maximum_steady_power_w: Positive
+
+    @model_validator(mode="after")
+    def _tables_fit_together(self) -> Self:
+        if self.highest <= self.lowest:
+            raise ValueError(f"highest ({self.highest:g}) must be above lowest ({self.lowest:g})")
+        lengths = {len(self.heating_power_w), len(self.cooling_power_w), len(self.resistance_ohm)}
+        if len(lengths) != 1:
+            raise ValueError(f"the three tables must have one length, not {sorted(lengths)}")
+        if any(c > h for h, c in zip(self.heating_power_w, self.cooling_power_w, strict=True)):
+            raise ValueError(
+                "cooling_power_w is above heating_power_w at a level: the branches are swapped, exchange the two rows"
+            )
+        for low, high in (pair for row in (self.heating_power_w, self.cooling_power_w) for pair in pairwise(row)):
+            if high < low:
+                raise ValueError(
+                    f"the power of a branch must not fall from level to level, as from {low:g} to {high:g} W"
+                )
+        return self
+
+    @property
+    def levels(self) -> FloatArray:
+        """Levels of the tables, in the quantity's unit, (n,)."""
+        return np.linspace(self.lowest, self.highest, len(self.heating_power_w))
+
+    def branch_slopes(self) -> tuple[FloatArray, FloatArray]:
+        """Return the slopes of both branches at each level, smoothed and limited.
+
+        Returns
+        -------
+        dw/dS of heating and of cooling branch [W per unit of the quantity], (n,) each.
+        """
+        return smoothed_slope(self.heating_power_w, self.levels), smoothed_slope(self.cooling_power_w, self.levels)
+
+
+def smoothed_slope(power_w: tuple[float, ...], levels: FloatArray) -> FloatArray:
+    """Return the slope of a branch over its levels, a mean of five, within bounds about its median."""
+    half = SMOOTHED_LEVELS // 2
+    padded = np.pad(np.gradient(np.asarray(power_w), levels), half, mode="edge")
+    slope = np.convolve(padded, np.full(SMOOTHED_LEVELS, 1.0 / SMOOTHED_LEVELS), "valid")
+    middle = float(np.median(slope))
+    return np.asarray(np.clip(slope, FLATTEST * middle, STEEPEST * middle))
+
+
+class FeedforwardState(NamedTuple):
+    """The numbers of ``feedforward_kernel.STATE``."""
+
+    numbers: tuple[float, ...]
+
+
+class FeedforwardController:
+    """Feedforward of steady power and heat, and a gain-scheduled PI; brings a cold wire to its first target at once.
+
+    Parameters
+    ----------
+    setup
+        Limits of the drive, and ``FeedforwardSettings``.
+
+    Raises
+    ------
+    CallerError
+        Without settings, or with those of another controller.
+    """
+
+    columns = ("steady_power_w", "pending_heat_j")
+    # The first target is reached from cold within its first second, so it needs no time before the first step.
+    approach_s = 0.0
+
+    def __init__(self, setup: ControllerSetup) -> None:
+        """Take limits and settings, and pack them for the tick."""
+        from musclewire.controllers import _feedforward_kernel as feedforward_kernel
+
+        if setup.settings is None:
+            raise CallerError(
+                "the controller feedforward needs the gains of its wire: find them by 'musclewire tune MODEL RECORDING "
+                "-o gains.toml' and give --gains gains.toml, or settings=tune(model, recording).settings"
+            )
+        if not isinstance(setup.settings, FeedforwardSettings):
+            raise CallerError(
+                f"the controller needs settings of the kind FeedforwardSettings, not {type(setup.settings).__name__}: "
+                "give those, or name the controller they belong to"
+            )
+        self.settings, self.limits = setup.settings, setup.limits
+        self._kernel: Any = feedforward_kernel
+        self._constants = self._packed()
+
+    def _packed(self) -> FloatArray:
+        """Return limits, settings and tables as the array that the tick reads."""
+        settings, kernel = self.settings, self._kernel
+        known = {
+            **settings.model_dump(),
+            "sense_voltage_v": self.limits.sense_voltage_v,
+            "maximum_voltage_v": self.limits.maximum_voltage_v,
+            "response_s": settings.closed_loop_time_s + settings.dead_time_s,
+            "spacing": (settings.highest - settings.lowest) / (len(settings.heating_power_w) - 1),
+            "n_levels": float(len(settings.heating_power_w)),
+        }
+        numbers = [known[name] for name in kernel.NUMBERS.names]
+        tables = (
+            settings.heating_power_w,
+            settings.cooling_power_w,
+            settings.resistance_ohm,
+            *settings.branch_slopes(),
+        )
+        return np.concatenate([numbers, *tables])
+
+    def start(self, drive_voltage_v: float) -> FeedforwardState:
+        """Return the state before the first estimate: the applied drive [V], within the limits."""
+        state = np.zeros(1, self._kernel.STATE)
+        state["drive_voltage_v"] = self.limits.clamp(float(drive_voltage_v))
+        return FeedforwardState(tuple(state.view(np.float64).tolist()))
+
+    def step(self, state: FeedforwardState, target: float, estimate: QuantityEstimate, dt_s: float) -> ControlStep:
+        """Return the drive for an estimate; without current the last one."""
+        numbers = np.array(state.numbers)
+        answer = np.zeros(len(CONTROLLER_ANSWERS) + len(self.columns))
+        given = [target, estimate.value, estimate.std, float(estimate.valid), float(estimate.reason), dt_s]
+        self._kernel.feedforward_tick(self._constants, numbers, np.array(given), answer)
+        if answer[1] != 0.0:
+            if not (dt_s > 0.0 and math.isfinite(dt_s)):
+                raise CallerError(f"controller step with dt_s {dt_s}: the time since the last step must be above zero")
+            raise NumericsError(f"controller step with target {target}, measured {estimate.value}: both must be finite")
+        return ControlStep(
+            Drive(float(answer[0])),
+            FeedforwardState(tuple(numbers.tolist())),
+            (float(answer[2]), float(answer[3])),
+        )
+
+    def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
+        """Return ``step`` as a compiled function."""
+        numbers = np.array(self.start(drive_voltage_v).numbers)
+        return CompiledTick(self._kernel.feedforward_tick, self._constants, numbers)

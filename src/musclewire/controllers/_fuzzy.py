@@ -1,0 +1,206 @@
+"""Fuzzy inference: from the error and its change to the three gain ratios of the paper's Eq. 6.
+
+Inputs are ratios in [-1, 1] (clipped), outputs ratios in [0, 1]. The rules and the ways to combine them are
+in ``rules``; the compiled arithmetic is in ``kernels`` and is loaded on first use, because Numba
+takes a moment to import.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from musclewire.arrays import FloatArray
+from musclewire.controllers._rules import (
+    SET_NAMES,
+    ConstantRules,
+    MamdaniRules,
+    MembershipSet,
+    RuleBase,
+    SetName,
+    ZhaoRules,
+)
+from musclewire.errors import CallerError, NumericsError
+
+__all__ = ["FuzzyRatios", "RatioSurface", "infer_ratios", "infer_surface", "input_grades", "packed_rules"]
+
+ALPHA_WEAKEST, ALPHA_STRONGEST = 5.0, 2.0  # the range of Zhao's alpha; a smaller alpha integrates more
+
+
+class FuzzyRatios(NamedTuple):
+    """K_p', K_I' and K_D' of Eq. 6: the place of each gain in its range.
+
+    Parameters
+    ----------
+    kp
+        Of the proportional gain, 0 (minimum) to 1 (maximum).
+    ki
+        Of the integral gain, 0 to 1.
+    kd
+        Of the derivative gain, 0 to 1.
+    """
+
+    kp: float
+    ki: float
+    kd: float
+
+
+class RatioSurface(NamedTuple):
+    """K_p', K_I' and K_D' over arrays of inputs.
+
+    Parameters
+    ----------
+    kp
+        Of the proportional gain, 0 to 1, of the inputs' common shape.
+    ki
+        Of the integral gain, alike.
+    kd
+        Of the derivative gain, alike.
+    """
+
+    kp: FloatArray
+    ki: FloatArray
+    kd: FloatArray
+
+
+def infer_ratios(rule_base: RuleBase, error_ratio: float, change_ratio: float) -> FuzzyRatios:
+    """Return the three gain ratios for one error and one change of error.
+
+    Parameters
+    ----------
+    rule_base
+        The rules.
+    error_ratio
+        Error over its range, clipped to [-1, 1].
+    change_ratio
+        Rate of the error over its range, clipped to [-1, 1].
+
+    Returns
+    -------
+    The ratios, each 0 to 1.
+
+    Raises
+    ------
+    NumericsError
+        If an input is NaN.
+    """
+    from musclewire.controllers import _kernels as kernels
+
+    if math.isnan(error_ratio) or math.isnan(change_ratio):
+        raise NumericsError(
+            f"fuzzy inputs are {error_ratio} and {change_ratio}; NaN is in no rule table, find what produced it"
+        )
+    return FuzzyRatios(*kernels.infer(packed_rules(rule_base), float(error_ratio), float(change_ratio)))
+
+
+def infer_surface(rule_base: RuleBase, error_ratio: ArrayLike, change_ratio: ArrayLike) -> RatioSurface:
+    """Return the three gain ratios over arrays of inputs, which are broadcast against each other.
+
+    Parameters
+    ----------
+    rule_base
+        The rules.
+    error_ratio
+        Errors over their range, clipped to [-1, 1], of any shape.
+    change_ratio
+        Rates of the error over their range, clipped to [-1, 1], of a shape that fits.
+
+    Returns
+    -------
+    The ratios, each 0 to 1 and of the inputs' common shape.
+
+    Raises
+    ------
+    CallerError
+        If the shapes do not fit each other.
+    NumericsError
+        If an input is NaN.
+    """
+    from musclewire.controllers import _kernels as kernels
+
+    try:
+        errors, changes = np.broadcast_arrays(
+            np.asarray(error_ratio, dtype=np.float64), np.asarray(change_ratio, dtype=np.float64)
+        )
+    except ValueError:
+        shapes = f"{np.shape(error_ratio)} and {np.shape(change_ratio)}"
+        raise CallerError(
+            f"error_ratio and change_ratio have shapes {shapes}, which do not broadcast: give both one shape"
+        ) from None
+    if np.isnan(errors).any() or np.isnan(changes).any():
+        raise NumericsError("fuzzy inputs hold NaN, which is in no rule table: find the measurement that produced it")
+    ratios = np.empty((3, errors.size))
+    kernels.infer_many(
+        packed_rules(rule_base),
+        np.ascontiguousarray(errors.ravel()),
+        np.ascontiguousarray(changes.ravel()),
+        ratios,
+    )
+    return RatioSurface(*(ratio.reshape(errors.shape) for ratio in ratios))
+
+
+def input_grades(rule_base: RuleBase, ratio: float) -> dict[str, float]:
+    """Return the grade of one input in [-1, 1] in each input set; a rule base without sets has none."""
+    from musclewire.controllers import _kernels as kernels
+
+    if not rule_base.input_sets:
+        return {}
+    grades = np.empty(len(SET_NAMES))
+    kernels.grade_inputs(packed_rules(rule_base)[0], float(ratio), grades)
+    return {name: float(grade) for name, grade in zip(SET_NAMES, grades, strict=True)}
+
+
+def packed_rules(rule_base: RuleBase) -> NDArray[np.void]:
+    """Return a rule base as the structured array of length 1 that the compiled kernels read (``kernels.RULES``)."""
+    from musclewire.controllers import _kernels as kernels
+
+    packed = np.zeros(1, kernels.RULES)
+    row, rules = packed[0], rule_base.rules
+    row["inference"] = {
+        "constant": kernels.CONSTANT,
+        "product-weighted-sum": kernels.PRODUCT_WEIGHTED_SUM,
+        "min-max-centroid": kernels.MIN_MAX_CENTROID,
+    }[rules.inference]
+    row["mirrored"] = {"no": 0.0, "positive-error": 1.0, "negative-error": -1.0}[rule_base.mirrored]
+    row["kp_table"], row["ki_table"], row["kd_table"] = _tables(rules)
+    if not isinstance(rules, ConstantRules):
+        sets = [_set_values(rule_base.input_sets[name]) for name in SET_NAMES]
+        row["set_shapes"] = [shape for shape, *_ in sets]
+        row["set_points"] = [points for _, *points in sets]
+    if isinstance(rules, MamdaniRules):
+        row["output_sets"] = _sampled_output_sets(rules)
+    return packed
+
+
+def _tables(rules: ZhaoRules | MamdaniRules | ConstantRules) -> list[FloatArray]:
+    if isinstance(rules, ConstantRules):
+        return [np.full((7, 7), ratio) for ratio in (rules.kp, rules.ki, rules.kd)]
+    if isinstance(rules, MamdaniRules):
+        return [_set_indices(table) for table in (rules.kp, rules.ki, rules.kd)]
+    alpha = np.array(rules.alpha)
+    integral = (1.0 / alpha - 1.0 / ALPHA_WEAKEST) / (1.0 / ALPHA_STRONGEST - 1.0 / ALPHA_WEAKEST)
+    kp, kd = (np.array([[float(cell == "B") for cell in row] for row in table]) for table in (rules.kp, rules.kd))
+    return [kp, np.clip(integral, 0.0, 1.0), kd]
+
+
+def _set_indices(table: tuple[tuple[SetName, ...], ...]) -> FloatArray:
+    return np.array([[float(SET_NAMES.index(cell)) for cell in row] for row in table])
+
+
+def _set_values(fuzzy_set: MembershipSet) -> tuple[int, float, float, float]:
+    from musclewire.controllers import _kernels as kernels
+
+    shape = {"triangle": kernels.TRIANGLE, "z": kernels.FALLING, "s": kernels.RISING}[fuzzy_set.shape]
+    first, second, third = (*fuzzy_set.points, 0.0)[:3]
+    return shape, first, second, third
+
+
+def _sampled_output_sets(rules: MamdaniRules) -> FloatArray:
+    from musclewire.controllers import _kernels as kernels
+
+    universe = np.linspace(-kernels.UNIVERSE_END, kernels.UNIVERSE_END, kernels.UNIVERSE_POINTS)
+    sets = [_set_values(rules.output_sets[name]) for name in SET_NAMES]
+    return np.array([[kernels.membership(*values, float(x)) for x in universe] for values in sets], dtype=np.float64)

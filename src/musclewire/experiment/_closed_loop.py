@@ -1,0 +1,355 @@
+"""The closed loop: the wire positioned by its own resistance.
+
+One sample's journey: voltages -> estimator (Eq. 1, normalised resistance Eq. 3, strain Eqs. 4, 5) -> error ->
+controller (fuzzy-tuned PID, Eq. 6) -> drive voltage. This file only joins them: what is estimated and how it is
+controlled belong to ``sensing.estimator`` and ``controllers.controller``. The reference instruments of the rig are
+recorded as well and compared afterwards; nothing here reads them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, NamedTuple, Unpack
+
+from musclewire.controllers import CONTROLLERS, Controller, ControllerFactory, ControllerSetup, DriveLimits, Reference
+from musclewire.errors import RigError
+from musclewire.experiment._metrics import ControlRun, control_metrics
+from musclewire.experiment._run import Decision, RunOptions, run_on_rig
+from musclewire.experiment._speed_limits import speed_metadata
+from musclewire.experiment._staircases import staircase_within
+from musclewire.experiment._target_range import check_targets
+from musclewire.identify import COLUMN_SUFFIX, check_made_for, error_unit_for, users_wire
+from musclewire.rigs import Rig
+from musclewire.sensing import (
+    CORRECTION_COLUMN,
+    DEFAULT_ESTIMATOR,
+    ESTIMATORS,
+    Estimator,
+    EstimatorFactory,
+    EstimatorSetup,
+    InLine,
+    InThread,
+    KnownSpring,
+    SensingModel,
+    SlowCorrections,
+    SlowStatus,
+    force_model,
+)
+from musclewire.signals import Command, Drive, EstimatorStep, MetadataValue, RawSample, WireSample, wire_sample
+
+__all__ = ["SelfSensingPolicy", "approach_of", "control", "controller_for", "default_estimator"]
+
+# A wire at rest is cold, where resistance does not determine strain; it gets this long to come to the first target
+# before the first step begins. Eq. 7 is given from the first target on, and after this approach.
+APPROACH_S = 12.0
+# What a loop takes if it has the wire's own file.
+DEFAULT_WITH_WIRE_FILE = "particle-filter"
+# Of an estimator without a slow part no status is recorded.
+NO_STATUS: tuple[float, ...] = ()
+
+
+def approach_of(controller: str | ControllerFactory, given_s: float | None = None) -> float:
+    """Return the time [s] a controller has to come to the first target: as given, its own, or that of any."""
+    if given_s is not None:
+        return given_s
+    factory = CONTROLLERS.find(controller) if isinstance(controller, str) else controller
+    return float(getattr(factory, "approach_s", APPROACH_S))
+
+
+def controller_for(
+    rig: Rig,
+    model: SensingModel,
+    settings: Any = None,
+    load: KnownSpring | None = None,
+    controller: str | ControllerFactory = "fuzzy-pid",
+) -> Controller:
+    """Return a controller within a rig's limits, its error unit fitted to the model's quantity."""
+    factory = CONTROLLERS.find(controller) if isinstance(controller, str) else controller
+    limits = DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v)
+    return factory(ControllerSetup(limits, error_unit_for(model, load), settings))
+
+
+def estimator_for(
+    rig: Rig,
+    model: SensingModel,
+    load: KnownSpring | None = None,
+    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR,
+    wire_file: str | Path | None = None,
+) -> Estimator:
+    """Return an estimator for a rig's circuit by a model; with a ``load`` the model is one of the force on it."""
+    factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
+    wire = None if wire_file is None else users_wire(wire_file, rig.metadata())
+    return factory(EstimatorSetup(model, rig.shunt_resistance_ohm, rig.sample_period_s, load, wire))
+
+
+class SelfSensingPolicy:
+    """Estimates from two voltages, compares with the target, and lets the controller choose the command.
+
+    Parameters
+    ----------
+    estimator
+        Computes a quantity from the wire's voltages.
+    controller
+        Computes a command from target and estimate.
+    reference
+        The targets; its time zero comes after the approach.
+    sample_period_s
+        Time [s] between two samples.
+    approach_s
+        Time [s] the wire gets to reach the first target.
+    first_drive_voltage_v
+        The drive voltage [V] that the rig already puts out.
+    slow
+        Runs the estimator's slow part; None if it has none.
+    """
+
+    def __init__(
+        self,
+        estimator: Estimator,
+        controller: Controller,
+        reference: Reference,
+        *,
+        sample_period_s: float,
+        approach_s: float,
+        first_drive_voltage_v: float,
+        slow: SlowCorrections | None = None,
+    ) -> None:
+        """Start estimator and controller from the present drive voltage."""
+        self._estimator, self._controller, self._reference, self._slow = estimator, controller, reference, slow
+        self._sample_period_s, self._approach_s = sample_period_s, approach_s
+        self._first = Drive(controller.limits.clamp(first_drive_voltage_v))
+        self._estimator_state, self._controller_state = estimator.start(), controller.start(self._first.voltage_v)
+        suffix = COLUMN_SUFFIX[estimator.quantity]
+        self._columns = (
+            *estimator.columns,
+            *(() if slow is None else (CORRECTION_COLUMN,)),
+            f"target_{suffix}",
+            f"estimated_{suffix}",
+            "valid",
+            *controller.columns,
+        )
+        self.metadata: dict[str, MetadataValue] = {}
+
+    @property
+    def columns(self) -> Sequence[str]:
+        """Names of the columns this policy adds: the estimator's, target, estimate and validity, the controller's."""
+        return self._columns
+
+    def first_command(self) -> Command:
+        """Return the drive the loop takes over from."""
+        return self._first
+
+    def after(self, sample: RawSample, elapsed_s: float) -> Decision:
+        """Return the controller's answer to one sample. Raises RigError if the estimator cannot continue."""
+        measured, status = wire_sample(sample), NO_STATUS
+        if self._slow is None:
+            estimate, self._estimator_state, sensed = self._estimator.step(self._estimator_state, measured)
+        else:
+            (estimate, self._estimator_state, sensed), status = self._corrected(self._slow, measured)
+        if estimate.failure:
+            raise RigError(estimate.failure)
+        # The sample that has just ended is judged by the target that held while it was taken.
+        judged = self._reference.target_at(max(elapsed_s - self._sample_period_s - self._approach_s, 0.0))
+        target = self._reference.target_at(max(elapsed_s - self._approach_s, 0.0))
+        command, self._controller_state, controlled = self._controller.step(
+            self._controller_state, target, estimate, self._sample_period_s
+        )
+        values = (*sensed, *status, judged, estimate.value, float(estimate.valid), *controlled)
+        return Decision(command, values)
+
+    def _corrected(self, slow: SlowCorrections, sample: WireSample) -> tuple[EstimatorStep, tuple[float, ...]]:
+        """Return the estimator's step, with a due correction of its slow part, and the status of that."""
+        state, status = slow.before(self._estimator_state)
+        step = self._estimator.step(state, sample)
+        slow.after(sample)
+        if status is not SlowStatus.NONE_DUE:
+            self.metadata.update(slow.metadata())
+        return step, (float(status),)
+
+
+class LoopRunOptions(RunOptions, total=False):
+    """What the caller of a closed loop chooses beyond estimator and controller."""
+
+    wire_file: str | Path | None
+
+
+def control(
+    rig: Rig,
+    model: SensingModel,
+    reference: Reference | None = None,
+    *,
+    estimator: str | EstimatorFactory | None = None,
+    controller: str | ControllerFactory = "fuzzy-pid",
+    settings: Any = None,
+    load: KnownSpring | None = None,
+    approach_s: float | None = None,
+    **run: Unpack[LoopRunOptions],
+) -> ControlRun:
+    """Move the wire along a target in a closed loop that senses by the wire's resistance alone.
+
+    Displacement sensor and load cell, if the rig has them, are recorded and used to judge the run, never to control it.
+
+    Parameters
+    ----------
+    rig
+        The rig, open; it is driven.
+    model
+        The model of its wire, as ``fit`` returns it.
+    reference
+        The target over time, in the model's quantity: ``staircase`` and ``sampled_reference`` make one, and a
+        :class:`~musclewire.controllers.SteeredReference` is moved while the loop runs. The paper's staircase if None.
+    estimator
+        Name of an estimator (``musclewire.sensing.ESTIMATORS``), or a factory of one. None for the default: the
+        particle filter with a ``wire_file``, without one the gated branches; "polynomial" is the paper's.
+    controller
+        Name of a controller (``musclewire.controllers.CONTROLLERS``), or a factory of one; the default is the paper's.
+    settings
+        The controller's settings, ``FuzzyPidSettings`` for "fuzzy-pid"; its defaults if None.
+    load
+        A known spring: then force is controlled, and a model of strain, or of the connector's displacement, yields it
+        through the spring's stiffness.
+    approach_s
+        Time [s] for which the reference's start is held before the reference begins. By default 12 s, enough for a wire
+        to warm up from cold, and 0 for a controller that brings it there by itself ("feedforward"). The metrics give
+        Eq. 7 from the first target on, which counts the first step without it, and after it; with 0 both are the same.
+    run
+        ``wire_file``, the wire's own file as ``calibrate`` writes it, for an estimator on physics; ``path`` of the
+        recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row, ``until`` asked after
+        each whether the run is to end now.
+
+    Returns
+    -------
+    The recording with its metrics (Eq. 7 for each step in both readings, if the rig has a reference instrument).
+
+    Raises
+    ------
+    CallerError
+        If a target is outside the model's range, a name is unknown, or the model is of another wire.
+    RigError
+        If the wire carries no current, or has a resistance that the model's wire never has.
+
+    References
+    ----------
+    Lan and Fan 2010, section III and Fig. 10.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated") as rig:
+    ...     model = mw.fit(mw.characterize(rig))
+    ...     run = mw.control(rig, model, mw.staircase(stop=0.018))
+    >>> [step.target for step in run.metrics.steps]
+    [0.015, 0.018, 0.015]
+    """
+    wire_file = run.get("wire_file")
+    kept = RunOptions(
+        path=run.get("path"),
+        overwrite=run.get("overwrite", False),
+        on_sample=run.get("on_sample"),
+        until=run.get("until"),
+    )
+    named = estimator or default_estimator(wire_file)
+    choice = LoopChoice(named, controller, settings, load, approach_of(controller, approach_s), wire_file)
+    loop = prepared_loop(rig, model, reference, choice)
+    made = loop.estimator
+    slow = None if made.slow_part is None else SlowCorrections(made.slow_part, InThread() if rig.paced else InLine())
+    policy = SelfSensingPolicy(
+        made,
+        loop.controller,
+        loop.reference,
+        sample_period_s=rig.sample_period_s,
+        approach_s=choice.approach_s,
+        first_drive_voltage_v=rig.drive_voltage_v,
+        slow=slow,
+    )
+    # The corrections of a slow part are known only at the end and are added to the policy's metadata.
+    policy.metadata |= {**loop.metadata, **({} if slow is None else slow.metadata())}
+    policy.metadata |= speed_metadata(rig, loop.model, loop.reference, settings)
+    try:
+        recording = run_on_rig(rig, policy, loop.duration_s, metadata=policy.metadata, **kept)
+    finally:
+        if slow is not None:
+            slow.close()
+    metrics = control_metrics(recording, loop.model.quantity, loop.reference)
+    return ControlRun(recording.columns, recording.metadata, metrics)
+
+
+@dataclass(frozen=True)
+class LoopChoice:
+    """Estimator and controller of a loop with their settings, a known spring, and the time of the approach."""
+
+    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR
+    controller: str | ControllerFactory = "fuzzy-pid"
+    settings: Any = None
+    load: KnownSpring | None = None
+    approach_s: float = APPROACH_S
+    wire_file: str | Path | None = None
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The keywords of ``control``."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
+
+    @property
+    def metadata(self) -> dict[str, MetadataValue]:
+        """What a recording says of it."""
+        known: dict[str, MetadataValue] = {
+            "approach_s": self.approach_s,
+            "estimator": name_of(self.estimator),
+            "controller": name_of(self.controller),
+        }
+        if self.wire_file is not None:
+            known["wire_file"] = Path(self.wire_file).name
+        if self.load is not None:
+            known |= {"known_stiffness_n_per_m": self.load.stiffness_n_per_m, "known_friction_n": self.load.friction_n}
+        return known
+
+
+def default_estimator(wire_file: str | Path | None) -> str:
+    """Return the name of the estimator that a loop takes if none is named."""
+    return DEFAULT_ESTIMATOR if wire_file is None else DEFAULT_WITH_WIRE_FILE
+
+
+class PreparedLoop(NamedTuple):
+    """A closed loop before it begins: all that follows from rig, model, reference and choice."""
+
+    model: SensingModel
+    reference: Reference
+    estimator: Estimator
+    controller: Controller
+    duration_s: float
+    metadata: dict[str, MetadataValue]
+
+
+def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, choice: LoopChoice) -> PreparedLoop:
+    """Return the loop on a rig, checked. Raises CallerError for what does not fit together, as ``control`` does."""
+    load = choice.load
+    if load is not None:
+        model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
+    chosen = staircase_within(model) if reference is None else reference
+    check_targets(model, chosen, rig.sample_period_s)
+    check_same_wire(model, rig)
+    return PreparedLoop(
+        model,
+        chosen,
+        estimator_for(rig, model, load, choice.estimator, choice.wire_file),
+        controller_for(rig, model, choice.settings, load, choice.controller),
+        choice.approach_s + chosen.duration_s,
+        {"experiment": "closed loop", "quantity": model.quantity, **choice.metadata},
+    )
+
+
+def name_of(kind: str | EstimatorFactory | ControllerFactory) -> str:
+    """Return the name of an estimator or a controller in a recording: as registered, or its factory's."""
+    return kind if isinstance(kind, str) else str(getattr(kind, "__name__", type(kind).__name__))
+
+
+def check_same_wire(model: SensingModel, rig: Rig) -> None:
+    """Raise CallerError if model and rig both state their wire, its length or what it moves, and differ.
+
+    Resistance is proportional to length, so a model of another length would read a cold wire as a contracted one; the
+    displacement of a finger's endpoint belongs to that finger.
+    """
+    check_made_for(model, rig.metadata())

@@ -1,0 +1,143 @@
+"""Health of a finished closed loop: each cause for which its result may not hold, with its time, from its recording."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from musclewire.identify import COLUMN_SUFFIX
+from musclewire.sensing import CAUSE_TEXT, Cause
+from musclewire.signals import Recording
+
+__all__ = ["TimedFinding", "findings", "health_metadata", "health_warnings", "result_holds"]
+
+NAMES = {
+    Cause.SATURATION: "saturation",
+    Cause.CHANGED_LOAD: "changed load",
+    Cause.CHANGED_AIR: "changed air",
+    Cause.OTHER_WIRE: "wrong or aged wire",
+    Cause.STALLED: "stalled or slack",
+}
+# The drive is at a limit within this fraction of it; a target is missed by more than this part of the range of targets.
+AT_LIMIT, NOT_REACHED = 0.01, 0.05
+# How long [s] heating and cooling may be at their limit: cooling takes its time, and no drive shortens it.
+HEATING_S, COOLING_S = 1.0, 4.0
+# The resistance of a wire that heats at the upper limit follows by more than this fraction within that time.
+FOLLOWS = 0.005
+# Saturation for more than this part of a run, and its result does not hold.
+MAX_SATURATED = 0.1
+# What alone makes a result doubtful; changed air does not, if the estimator that has found it takes it into account.
+GRAVE = (Cause.CHANGED_LOAD, Cause.OTHER_WIRE, Cause.STALLED)
+
+
+class TimedFinding(NamedTuple):
+    """A cause with the time [s] at which it was first found, and for how long [s] in total."""
+
+    cause: Cause
+    from_s: float
+    lasted_s: float
+
+
+def findings(recording: Recording) -> tuple[TimedFinding, ...]:
+    """Return what is wrong in a closed loop, in the order of time; nothing for a recording without a target.
+
+    Parameters
+    ----------
+    recording
+        A closed loop with drive, target and estimate; with the column ``health``, what its estimator has found counts,
+        too.
+
+    Returns
+    -------
+    One finding for each cause.
+    """
+    suffix = next((one for one in COLUMN_SUFFIX.values() if f"target_{one}" in recording), None)
+    if suffix is None or not len(recording) or f"estimated_{suffix}" not in recording:
+        return ()
+    marked = {Cause.SATURATION: saturated(recording, suffix), Cause.STALLED: stalled(recording, suffix)}
+    marked[Cause.SATURATION] &= ~marked[Cause.STALLED]
+    if "health" in recording:
+        for cause in (Cause.CHANGED_LOAD, Cause.CHANGED_AIR, Cause.OTHER_WIRE):
+            marked[cause] = recording["health"] == float(cause)
+    period_s = period_of(recording)
+    found = [
+        TimedFinding(cause, float(recording["time_s"][np.argmax(where)]), float(where.sum()) * period_s)
+        for cause, where in marked.items()
+        if where.any()
+    ]
+    return tuple(sorted(found, key=lambda finding: finding.from_s))
+
+
+def health_metadata(recording: Recording) -> dict[str, str]:
+    """Return the findings of a closed loop for its own metadata, under ``health``; nothing if all is well."""
+    found = findings(recording)
+    said = [f"{NAMES[one.cause]} at {one.from_s:.2f} s for {one.lasted_s:.2f} s" for one in found]
+    return {"health": "; ".join(said)} if said else {}
+
+
+def health_warnings(recording: Recording) -> tuple[str, ...]:
+    """Return a warning for each finding: cause, time and what to do."""
+    return tuple(
+        f"{NAMES[one.cause]} from {one.from_s:.1f} s on, {one.lasted_s:.1f} s in total: {CAUSE_TEXT[one.cause]}"
+        for one in findings(recording)
+    )
+
+
+def result_holds(recording: Recording) -> bool:
+    """Return whether the result of a closed loop holds: no grave cause, and the drive at its limit only briefly."""
+    length_s = len(recording) * period_of(recording)
+    return not any(
+        one.cause in GRAVE or (one.cause is Cause.SATURATION and one.lasted_s > MAX_SATURATED * length_s)
+        for one in findings(recording)
+    )
+
+
+def saturated(recording: Recording, suffix: str) -> npt.NDArray[np.bool_]:
+    """Return the samples from which on the drive has been at a limit for too long without reaching the target."""
+    above, below = beyond_target(recording, suffix)
+    low_v = recording.facts.number_or_none("limit_sense_voltage_v")
+    heating = at_upper_limit(recording) & below
+    cooling = above & (recording["drive_voltage_v"] <= (low_v or 0.0) * (1.0 + AT_LIMIT))
+    period_s = period_of(recording)
+    return lasting(heating, round(HEATING_S / period_s)) | lasting(cooling, round(COOLING_S / period_s))
+
+
+def stalled(recording: Recording, suffix: str) -> npt.NDArray[np.bool_]:
+    """Return the samples at which the drive is at its upper limit and the resistance has not followed for a while."""
+    _, below = beyond_target(recording, suffix)
+    length = max(round(HEATING_S / period_of(recording)), 1)
+    ohm = recording["wire_resistance_ohm"] if "wire_resistance_ohm" in recording else np.zeros(0)
+    if ohm.size <= 2 * length:
+        return np.zeros(len(recording), dtype=np.bool_)
+    moved = np.full(ohm.size, np.inf)
+    moved[length:] = np.abs(ohm[length:] - ohm[:-length]) / np.maximum(ohm[length:], 1e-9)
+    return lasting(at_upper_limit(recording) & below & (moved < FOLLOWS), 2 * length)
+
+
+def at_upper_limit(recording: Recording) -> npt.NDArray[np.bool_]:
+    """Return the samples at which the drive is at its upper limit."""
+    high_v = recording.facts.number_or_none("limit_maximum_voltage_v")
+    return recording["drive_voltage_v"] >= (high_v or np.inf) * (1.0 - AT_LIMIT)
+
+
+def beyond_target(recording: Recording, suffix: str) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    """Return the samples at which the estimate is well above and well below the target, after the approach."""
+    target, value = recording[f"target_{suffix}"], recording[f"estimated_{suffix}"]
+    enough = NOT_REACHED * max(float(np.ptp(target)), 0.1 * float(np.abs(target).max()))
+    after = recording["time_s"] - recording["time_s"][0] > (recording.facts.number_or_none("approach_s") or 0.0)
+    return after & (value - target > enough), after & (target - value > enough)
+
+
+def lasting(marked: npt.NDArray[np.bool_], length: int) -> npt.NDArray[np.bool_]:
+    """Return the marked samples before which at least ``length`` have been marked without a gap."""
+    place = np.arange(marked.size)
+    since = place - np.maximum.accumulate(np.where(marked, -1, place))
+    return np.asarray(marked & (since >= length))
+
+
+def period_of(recording: Recording) -> float:
+    """Return the time between two samples [s]."""
+    time_s = recording["time_s"]
+    return float(np.median(np.diff(time_s))) if time_s.size > 1 else 1.0

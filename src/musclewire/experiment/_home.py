@@ -1,0 +1,124 @@
+"""The home move: a sweep at a known load by which a model is brought up to the wire of today, without any sensor."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.experiment._home_sweep import HomeSweep, SweepPlan
+from musclewire.experiment._run import OnSample, run_on_rig
+from musclewire.identify import Homing, check_made_for, homed_model, loop_of, require_load, seen_points
+from musclewire.rigs import Rig
+from musclewire.sensing import SensingModel
+from musclewire.signals import MetadataValue
+
+__all__ = ["home", "home_duration_s"]
+
+# Springs that differ by less are one spring.
+SAME_SPRING = 0.02
+
+
+def home(
+    rig: Rig,
+    model: SensingModel,
+    *,
+    load_n: float | None = None,
+    ambient_k: float | None = None,
+    cycles: float | None = None,
+    path: str | Path | None = None,
+    overwrite: bool = False,
+    on_sample: OnSample | None = None,
+) -> Homing:
+    """Heat the wire once just beyond its transformation, at a known load, and bring its model up to date.
+
+    A sweep of about 20 s finds by how much the wire's resistance has been scaled or offset and its transformation
+    temperatures have shifted since the model was made, each as far as that sweep shows it. Where the evidence does not
+    support a correction the model keeps its curve, and where a changed load explains it as well, the move is refused.
+
+    Parameters
+    ----------
+    rig
+        The rig, open; it is driven.
+    model
+        The model, fitted to a recording with voltages.
+    load_n
+        Force of the cold wire now [N]; that which the rig states, or that of the characterisation, if None.
+    ambient_k
+        Measured temperature of the air [K]; that of the rig's own thermometer, if it has one, if None. With it the
+        shift of the transformation is known to 3 K instead of 9 K, and a changed load is noticed more surely.
+    cycles
+        Cycles that the wire has made since the characterisation, if they were counted; kept in the model.
+    path
+        File of the sweep that is written while it lasts; none if None.
+    overwrite
+        Whether an existing file is replaced; refused otherwise.
+    on_sample
+        Called with every recorded row, numbers by column name; it may raise to stop the run.
+
+    Returns
+    -------
+    The model of today, what was found with its uncertainty, and notes on what was not seen.
+
+    Raises
+    ------
+    CallerError
+        For a model of another wire or load, or one without the power of its loop.
+    RecordingError
+        If the sweep is incomplete, began warm, or shows what a changed load explains as well as a changed wire; the
+        model is as it was.
+    RigError
+        If the rig failed or was tripped; it carries the partial recording as ``.recording``.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated") as rig:
+    ...     model = mw.fit(mw.characterize(rig))
+    ...     found = mw.home(rig, model)
+    >>> found.home.corrected  # the wire has not changed
+    False
+    """
+    known = rig.metadata()
+    check_made_for(model, known)
+    stated_n = known.get("pretension_n") if load_n is None else load_n
+    assumed_n = require_load(model, float(stated_n) if isinstance(stated_n, int | float) else None)
+    require_spring(model, known.get("spring_stiffness_n_per_m"))
+    plan = plan_for(rig, model)
+    sweep = HomeSweep(rig, plan)
+    metadata: dict[str, MetadataValue] = {"experiment": "home move", "assumed_load_n": assumed_n}
+    if ambient_k is not None:
+        metadata["measured_ambient_k"] = ambient_k
+    recording = run_on_rig(
+        rig, sweep, plan.duration_s, metadata=metadata, path=path, overwrite=overwrite, on_sample=on_sample
+    )
+    try:
+        return homed_model(model, recording, load_n=assumed_n, ambient_k=ambient_k, cycles=cycles)
+    except RecordingError as error:
+        limit = f" ({sweep.stopped_by})" if sweep.stopped_by else ""
+        raise RecordingError(f"no home move, the model is as it was: {error}{limit}") from None
+
+
+def plan_for(rig: Rig, model: SensingModel) -> SweepPlan:
+    """Return the plan of a model's home move on a rig. Raises CallerError for a model without its loop's power."""
+    loop = loop_of(model)
+    span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
+    return SweepPlan.for_rig(rig, float(loop.power_w.max()), span_ohm, seen_points(loop).c_ohm is not None)
+
+
+def home_duration_s(rig: Rig, model: SensingModel) -> float:
+    """Return how long a home move takes [s]. Raises CallerError for a model without its loop's power."""
+    return plan_for(rig, model).duration_s
+
+
+def require_spring(model: SensingModel, stated_n_per_m: MetadataValue) -> None:
+    """Raise CallerError if the rig states another spring than the model was characterised on."""
+    before = model.wire.get("spring_stiffness_n_per_m")
+    if (
+        isinstance(before, int | float)
+        and isinstance(stated_n_per_m, int | float)
+        and abs(stated_n_per_m - before) > SAME_SPRING * before
+    ):
+        raise CallerError(
+            f"the wire pulls {stated_n_per_m:g} N/m and pulled {before:g} N/m at the characterisation: make the "
+            "home move on the same load, or characterise again on this one"
+        )

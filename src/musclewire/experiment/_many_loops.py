@@ -1,0 +1,386 @@
+"""Many closed loops at once: the loop that ``control`` runs, in compiled code, for many seeds over all cores.
+
+Every loop is a rig of its own, opened with its own seed, and one task of a pool of threads: its numbers depend neither
+on the other loops nor on how many run at a time. A loop to which something unusual happens (a reading that the
+protection does not find sound, a tick that fails) is run again by ``control``, which decides what follows.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, NamedTuple, TypedDict, Unpack
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.controllers import ControllerFactory, Reference
+from musclewire.errors import CallerError, NumericsError, RigError
+from musclewire.experiment._closed_loop import LoopChoice, PreparedLoop, approach_of, control, name_of, prepared_loop
+from musclewire.experiment._endings import cause_of, software_version
+from musclewire.experiment._extrapolation import extrapolation_metadata
+from musclewire.experiment._health import health_metadata
+from musclewire.experiment._loop_outcomes import LoopOutcome, ManyControlRuns
+from musclewire.experiment._metrics import ControlRun, control_metrics
+from musclewire.experiment._run import what_protects
+from musclewire.experiment._run_warnings import run_warnings
+from musclewire.experiment._timing_facts import NO_CLOCK
+from musclewire.identify import COLUMN_SUFFIX
+from musclewire.rigs import (
+    CompiledLoopEnd,
+    CompiledRun,
+    DeviceConfiguration,
+    GuardedRig,
+    LoopTargets,
+    LoopTicks,
+    open_rig,
+    rig_configuration,
+    run_compiled,
+    times_on_rig_s,
+)
+from musclewire.sensing import DEFAULT_ESTIMATOR, EstimatorFactory, KnownSpring, SensingModel
+from musclewire.signals import MetadataValue, Recording, declared_tick
+
+__all__ = ["ManyLoopsOptions", "control_compiled", "control_many"]
+
+# If a compiled loop ended like this, the loop in Python must end with an error. After a reading that is not sound the
+# protection may also hold the drive and go on.
+ENDS_A_RUN = (
+    CompiledLoopEnd.COMMAND_NOT_SOUND,
+    CompiledLoopEnd.WIRE_NOT_RESOLVED,
+    CompiledLoopEnd.ESTIMATOR_FAILED,
+    CompiledLoopEnd.CONTROLLER_FAILED,
+)
+
+
+class ManyLoopsOptions(TypedDict, total=False):
+    """Keywords of :func:`control_many`.
+
+    ``approach_s`` is the time for which the reference's start is held before it begins; ``threads`` how many loops run
+    at a time, by default one on each core; ``keep_recordings`` whether the outcomes have their recordings;
+    ``in_python`` whether every loop is run by ``control``, one after another; ``on_outcome`` is called with each
+    outcome.
+    """
+
+    approach_s: float
+    threads: int | None
+    keep_recordings: bool
+    in_python: bool
+    on_outcome: Callable[[LoopOutcome], None]
+
+
+class LoopCase(NamedTuple):
+    """One loop to run."""
+
+    rig: DeviceConfiguration
+    model: SensingModel
+    seed: int
+
+
+class CompiledLoop(NamedTuple):
+    """What the loops of one rig and one model share: ticks, targets, and where they start."""
+
+    model: SensingModel
+    choice: LoopChoice
+    prepared: PreparedLoop
+    ticks: LoopTicks
+    targets: LoopTargets
+    elapsed_s: FloatArray
+    first_drive_v: float
+
+
+def control_many(
+    rig: str | Path | DeviceConfiguration | Sequence[str | Path | DeviceConfiguration],
+    model: SensingModel | Sequence[SensingModel],
+    reference: Reference | None = None,
+    *,
+    seeds: Iterable[int],
+    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR,
+    controller: str | ControllerFactory = "fuzzy-pid",
+    settings: Any = None,
+    load: KnownSpring | None = None,
+    **options: Unpack[ManyLoopsOptions],
+) -> ManyControlRuns:
+    """Run many closed loops of simulated rigs as one call: for each seed what ``control`` runs on a rig of that seed.
+
+    Wire, instruments, protection, estimator and controller are stepped in compiled code, one loop on each core at a
+    time. All recorded numbers are those of ``control`` to the bit, whatever the number of threads and loops. A loop in
+    which the protection finds a reading that is not sound, or in which the estimator or the controller ends the run, is
+    run again by ``control``; its error, if it has one, is its outcome.
+
+    Parameters
+    ----------
+    rig
+        A simulated rig, as for ``open_rig``; or as many as seeds, one for each loop.
+    model
+        The model of its wire; or as many as seeds.
+    reference
+        The target over time, in the model's quantity; the paper's staircase if None.
+    seeds
+        The seeds of the rigs, each 0 or more, such as ``range(1, 1001)``.
+    estimator
+        Name of an estimator, or a factory of one. It needs a compiled tick.
+    controller
+        Name of a controller, or a factory of one. It needs a compiled tick.
+    settings
+        The controller's settings; its defaults if None.
+    load
+        A known spring, if force is controlled through its stiffness.
+    options
+        ``approach_s``, ``threads``, ``keep_recordings``, ``in_python`` and ``on_outcome``: see
+        :class:`ManyLoopsOptions`.
+
+    Returns
+    -------
+    The outcome of each loop, in the order of the seeds, with their medians and spreads.
+
+    Raises
+    ------
+    CallerError
+        If estimator, controller or rig has no compiled form and ``in_python`` is not set; and as ``control`` and
+        ``open_rig`` do.
+    NumericsError
+        If a compiled tick ends a run that its ``step`` in Python does not end.
+
+    References
+    ----------
+    Lan and Fan 2010, section III and Fig. 11.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated") as rig:
+    ...     model = mw.fit(mw.characterize(rig))
+    >>> runs = mw.control_many("simulated", model, mw.staircase(stop=0.018), seeds=range(1, 4))
+    >>> runs.mae_pct.shape  # loops, steps
+    (3, 3)
+    """
+    choice = LoopChoice(estimator, controller, settings, load, approach_of(controller, options.get("approach_s")))
+    cases = cases_of(rig, model, tuple(seeds))
+    if options.get("in_python", False):
+        found = outcomes_in_python(cases, reference, choice)
+    else:
+        found = compiled_outcomes(cases, reference, choice, options.get("threads"))
+    kept = options.get("keep_recordings", False)
+    outcomes: list[LoopOutcome] = []
+    for outcome in found:
+        outcomes.append(outcome if kept else outcome._replace(run=None))
+        if "on_outcome" in options:
+            options["on_outcome"](outcomes[-1])
+    return ManyControlRuns(tuple(outcomes))
+
+
+def control_compiled(
+    rig: GuardedRig,
+    model: SensingModel,
+    reference: Reference | None = None,
+    *,
+    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR,
+    controller: str | ControllerFactory = "fuzzy-pid",
+    settings: Any = None,
+    load: KnownSpring | None = None,
+    approach_s: float | None = None,
+) -> ControlRun:
+    """Run the loop of ``control`` from the present state of a simulated rig in compiled code, and close the rig.
+
+    For studies that open a rig, do something with it, and end with a closed loop. The recording is that of ``control``,
+    to the bit. Where something unusual happens, ``control`` runs the loop.
+
+    Parameters
+    ----------
+    rig
+        The rig, open, and not being driven: after an experiment it is at its sense voltage.
+    model
+        The model of its wire.
+    reference
+        The target over time, in the model's quantity; the paper's staircase if None.
+    estimator
+        Name of an estimator, or a factory of one. It needs a compiled tick.
+    controller
+        Name of a controller, or a factory of one. It needs a compiled tick.
+    settings
+        The controller's settings; its defaults if None.
+    load
+        A known spring, if force is controlled through its stiffness.
+    approach_s
+        Time [s] for which the reference's start is held before the reference begins; as of ``control`` if None.
+
+    Returns
+    -------
+    The recording with its metrics.
+
+    Raises
+    ------
+    CallerError
+        If estimator, controller or rig has no compiled form, and as ``control`` does.
+    RigError
+        As ``control`` does.
+    NumericsError
+        As ``control`` does, and if a compiled tick ends a run that its ``step`` in Python does not end.
+    """
+    choice = LoopChoice(estimator, controller, settings, load, approach_of(controller, approach_s))
+    with rig:
+        loop = compiled_loop_on(rig, model, reference, choice)
+        run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
+        if run.ended is CompiledLoopEnd.DONE:
+            return control_run(rig, loop, run)
+        in_python = control(rig, model, loop.prepared.reference, **choice.options)
+        if run.ended in ENDS_A_RUN:
+            raise NumericsError(unlike(run.ended))
+        return in_python
+
+
+def cases_of(rigs: Any, models: SensingModel | Sequence[SensingModel], seeds: tuple[int, ...]) -> list[LoopCase]:
+    """Return the loops to run.
+
+    Raises CallerError for no seeds, for lists that are not as long as the seeds, and for an open rig.
+    """
+    if not seeds:
+        raise CallerError("no seeds: give at least one, such as range(1, 1001)")
+    each_rig = list(rigs) if isinstance(rigs, Sequence) and not isinstance(rigs, str) else [rigs]
+    each_model = [models] if isinstance(models, SensingModel) else list(models)
+    for name, given in (("rigs", each_rig), ("models", each_model)):
+        if len(given) not in (1, len(seeds)):
+            raise CallerError(f"{len(given)} {name} for {len(seeds)} seeds: give one, or one for each seed")
+    if any(isinstance(one, GuardedRig) for one in each_rig):
+        raise CallerError(
+            "an open rig cannot run many loops: give its name, file or configuration, each loop opens its own"
+        )
+    known = {id(one): rig_configuration(one, may_import=True)[0] for one in each_rig}
+    configurations = [known[id(one)] for one in each_rig] * (len(seeds) // len(each_rig))
+    return list(map(LoopCase, configurations, each_model * (len(seeds) // len(each_model)), seeds))
+
+
+def outcomes_in_python(cases: list[LoopCase], reference: Reference | None, choice: LoopChoice) -> Iterator[LoopOutcome]:
+    """Yield the outcomes of loops in Python, one after another."""
+    for case in cases:
+        with open_rig(case.rig, seed=case.seed) as rig:
+            yield outcome_in_python(rig, case.model, reference, choice, case.seed)
+
+
+def compiled_outcomes(
+    cases: list[LoopCase], reference: Reference | None, choice: LoopChoice, threads: int | None
+) -> Iterator[LoopOutcome]:
+    """Yield the outcomes of compiled loops in the order of the cases."""
+    loops: dict[tuple[int, int], CompiledLoop] = {}
+    for case in cases:
+        key = (id(case.rig), id(case.model))
+        if key not in loops:
+            with open_rig(case.rig, seed=case.seed) as rig:
+                loops[key] = compiled_loop_on(rig, case.model, reference, choice)
+
+    def outcome(case: LoopCase) -> LoopOutcome:
+        with open_rig(case.rig, seed=case.seed) as rig:
+            return outcome_on(rig, loops[id(case.rig), id(case.model)], case.seed)
+
+    with ThreadPoolExecutor(min(threads or os.cpu_count() or 1, len(cases))) as pool:
+        try:
+            yield from pool.map(outcome, cases)
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def compiled_loop_on(
+    rig: GuardedRig, model: SensingModel, reference: Reference | None, choice: LoopChoice
+) -> CompiledLoop:
+    """Return what all loops on such a rig with one model share. Raises CallerError for what has no compiled form."""
+    prepared = prepared_loop(rig, model, reference, choice)
+    first_drive_v = prepared.controller.limits.clamp(rig.drive_voltage_v)
+    ticks = ticks_of(prepared, choice, first_drive_v)
+    times_s = times_on_rig_s(rig, round(prepared.duration_s / rig.sample_period_s))
+    start_s = times_s[0] - rig.sample_period_s
+    # As the loop in Python rounds them; NumPy would round the product and not the number.
+    elapsed_s = np.array([round(time_s - start_s, 9) for time_s in times_s.tolist()])
+    held = np.maximum(elapsed_s - rig.sample_period_s - choice.approach_s, 0.0)
+    following = np.maximum(elapsed_s - choice.approach_s, 0.0)
+    values = np.array([prepared.reference.targets_at(held), prepared.reference.targets_at(following)])
+    return CompiledLoop(model, choice, prepared, ticks, LoopTargets(times_s, values), elapsed_s, first_drive_v)
+
+
+def ticks_of(prepared: PreparedLoop, choice: LoopChoice, first_drive_v: float) -> LoopTicks:
+    """Return the compiled ticks of a loop. Raises CallerError naming what has none."""
+    estimator = declared_tick(prepared.estimator)
+    controller = declared_tick(prepared.controller, first_drive_v)
+    for kind, name, tick in (
+        ("estimator", name_of(choice.estimator), estimator),
+        ("controller", name_of(choice.controller), controller),
+    ):
+        if tick is None:
+            raise CallerError(
+                f"the {kind} {name} has no compiled tick: declare one by a method compiled_tick of its own class, or "
+                "run the loops in Python (in_python=True, --in-python)"
+            )
+    if prepared.estimator.slow_part is not None:
+        raise CallerError(
+            f"the estimator {name_of(choice.estimator)} has a slow part, which has no compiled form: run the loops in "
+            "Python (in_python=True, --in-python)"
+        )
+    assert estimator is not None
+    assert controller is not None
+    return LoopTicks(estimator, controller, prepared.estimator.columns, prepared.controller.columns)
+
+
+def outcome_on(rig: GuardedRig, loop: CompiledLoop, seed: int) -> LoopOutcome:
+    """Return the outcome of a compiled loop on a rig, or that of ``control`` where something unusual happened."""
+    run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
+    if run.ended is CompiledLoopEnd.DONE:
+        whole = control_run(rig, loop, run)
+        return LoopOutcome(seed, "done", True, whole.metrics, whole, run_warnings(whole))
+    outcome = outcome_in_python(rig, loop.model, loop.prepared.reference, loop.choice, seed)
+    if outcome.ended == "done" and run.ended in ENDS_A_RUN:
+        raise NumericsError(unlike(run.ended, f"of seed {seed} "))
+    return outcome
+
+
+def unlike(ended: CompiledLoopEnd, which: str = "") -> str:
+    """Return the message on a compiled loop that ended where the loop in Python goes on."""
+    return (
+        f"the compiled loop {which}ended by {ended.name.lower()}, the loop in Python did not: a compiled tick differs "
+        "from its step; run the loops in Python (in_python=True, --in-python)"
+    )
+
+
+def control_run(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> ControlRun:
+    """Return a compiled loop that reached its end as ``control`` returns it."""
+    recording = recording_of(rig, loop, run)
+    metrics = control_metrics(recording, loop.prepared.model.quantity, loop.prepared.reference)
+    return ControlRun(recording.columns, recording.metadata, metrics)
+
+
+def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Recording:
+    """Return a compiled loop as the recording that ``control`` would have made; it has no times of computing."""
+    suffix = COLUMN_SUFFIX[loop.prepared.model.quantity]
+    renamed = {"target": f"target_{suffix}", "estimated": f"estimated_{suffix}"}
+    columns = {renamed.get(name, name): column for name, column in run.columns.items()}
+    stated = rig.metadata()
+    held_m = stated["friction_held_m"]
+    assert isinstance(held_m, float)
+    metadata: dict[str, MetadataValue] = {
+        **what_protects(rig),
+        **stated,
+        # The rig itself has not run.
+        "friction_held_m": max(held_m, run.friction_held_m),
+        "step_error_k": run.step_error_k,
+        **loop.prepared.metadata,
+        "software_version": software_version(),
+        "start_time": datetime.now(UTC).isoformat(timespec="seconds"),
+        "pace": NO_CLOCK,
+        "compiled_loop": True,
+        "ended": "done",
+    }
+    recording = Recording({**columns, "time_s": loop.elapsed_s}, metadata)
+    return recording.with_metadata({**extrapolation_metadata(recording), **health_metadata(recording)})
+
+
+def outcome_in_python(
+    rig: GuardedRig, model: SensingModel, reference: Reference | None, choice: LoopChoice, seed: int
+) -> LoopOutcome:
+    """Return the outcome of ``control`` on a rig; its error, if it is one of the run, is part of it."""
+    try:
+        run = control(rig, model, reference, **choice.options)
+    except (RigError, NumericsError) as error:
+        return LoopOutcome(seed, cause_of(error), False, None, getattr(error, "recording", None))
+    return LoopOutcome(seed, "done", False, run.metrics, run, run_warnings(run))

@@ -1,0 +1,149 @@
+"""The closed loop on the board: the host sends targets, the firmware senses, controls and protects, the host records.
+
+The loop is the same as on the host, in C, with the numbers the firmware was built with. A board that was built for
+another model is refused by its checksum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from musclewire.controllers import FuzzyPidSettings, Reference
+from musclewire.errors import CallerError
+from musclewire.experiment._closed_loop import APPROACH_S, check_same_wire
+from musclewire.experiment._metrics import ControlRun, control_metrics
+from musclewire.experiment._run import Decision, OnSample, run_on_rig
+from musclewire.experiment._speed_limits import speed_metadata
+from musclewire.experiment._staircases import staircase_within
+from musclewire.experiment._target_range import check_targets
+from musclewire.identify import COLUMN_SUFFIX, settings_for
+from musclewire.rigs import HasOnBoardLoop, Rig, on_board_loop_of
+from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
+from musclewire.signals import Command, RawSample, Target
+
+__all__ = ["control_on_board"]
+
+
+class TargetPolicy:
+    """Sends the reference's targets and records the board's estimates; it controls nothing."""
+
+    def __init__(
+        self,
+        loop: HasOnBoardLoop,
+        model: SensingModel,
+        reference: Reference,
+        *,
+        sample_period_s: float,
+        approach_s: float,
+    ) -> None:
+        """Begin with the reference's first target, which the approach holds."""
+        self._loop, self._model, self._reference = loop, model, reference
+        self._sample_period_s, self._approach_s = sample_period_s, approach_s
+        suffix = COLUMN_SUFFIX[model.quantity]
+        self._target_name, self._estimated_name = f"target_{suffix}", f"estimated_{suffix}"
+
+    @property
+    def columns(self) -> Sequence[str]:
+        """Names of the columns this policy adds."""
+        return ("wire_resistance_ohm", self._target_name, self._estimated_name, "valid")
+
+    def first_command(self) -> Command:
+        """Return the first target."""
+        return self._target_at(0.0)
+
+    def after(self, _sample: RawSample, elapsed_s: float) -> Decision:
+        """Return the next target, with the board's estimate of the sample that has just ended."""
+        since_s = elapsed_s - self._approach_s
+        judged = self._reference.target_at(max(since_s - self._sample_period_s, 0.0))
+        resistance_ohm = self._loop.board_resistance_ohm or 0.0
+        estimate = self._loop.board_estimate
+        valid = resistance_ohm > 0.0 and self._model.estimate(resistance_ohm).valid
+        return Decision(
+            self._target_at(max(since_s, 0.0)),
+            (
+                resistance_ohm,
+                judged,
+                estimate if estimate is not None and valid else self._model.quantity_min,
+                float(valid),
+            ),
+        )
+
+    def _target_at(self, time_s: float) -> Target:
+        """Return the reference's target at a time, in the quantity of the board's model."""
+        return Target(self._reference.target_at(time_s), self._model.quantity)
+
+
+def control_on_board(
+    rig: Rig,
+    model: SensingModel,
+    reference: Reference | None = None,
+    *,
+    settings: FuzzyPidSettings | None = None,
+    estimator: str = PAPER_ESTIMATOR,
+    approach_s: float = APPROACH_S,
+    path: str | Path | None = None,
+    overwrite: bool = False,
+    on_sample: OnSample | None = None,
+) -> ControlRun:
+    """Let a board's firmware move the wire along a reference.
+
+    Parameters
+    ----------
+    rig
+        A board with musclewire's firmware, open.
+    model
+        The model that the firmware was built with.
+    reference
+        Targets in the model's quantity; if None the paper's staircase within the model's range.
+    settings
+        Settings of the fuzzy PID that the firmware was built with; by default those of the model's quantity.
+    estimator
+        Name of the estimator that it was built with.
+    approach_s
+        Time [s] for which the reference's start is held before the reference begins.
+    path
+        File that is written while the run lasts; none if None.
+    overwrite
+        Whether an existing file is replaced; refused otherwise.
+    on_sample
+        Gets every recorded row; it may raise to stop the run.
+
+    Returns
+    -------
+    The recording with its metrics, the estimate being the board's.
+
+    Raises
+    ------
+    CallerError
+        For a rig without a board, a board that was built for another model or controller, or a target outside the
+        model's range.
+    """
+    loop = on_board_loop_of(rig)
+    if loop is None:
+        raise CallerError("only a board with musclewire's firmware closes the loop itself: this rig has none")
+    checksum = loop.checksum_of(model, settings_for(model, settings or FuzzyPidSettings()), estimator)
+    if loop.model_checksum != checksum:
+        raise CallerError(
+            f"the board's firmware was built for another model or controller (checksum "
+            f"{loop.model_checksum:08x}, this model's is {checksum:08x}): build it with this model "
+            "(firmware/build.py --model) and flash it"
+        )
+    chosen = staircase_within(model) if reference is None else reference
+    check_targets(model, chosen, rig.sample_period_s)
+    check_same_wire(model, rig)
+    recording = run_on_rig(
+        rig,
+        TargetPolicy(loop, model, chosen, sample_period_s=rig.sample_period_s, approach_s=approach_s),
+        approach_s + chosen.duration_s,
+        metadata={
+            "experiment": "closed loop on the board",
+            "quantity": model.quantity,
+            "approach_s": approach_s,
+            **speed_metadata(rig, model, chosen, None),
+        },
+        path=path,
+        overwrite=overwrite,
+        on_sample=on_sample,
+    )
+    return ControlRun(recording.columns, recording.metadata, control_metrics(recording, model.quantity, chosen))

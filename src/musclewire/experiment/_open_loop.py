@@ -1,0 +1,235 @@
+"""Driving a wire by a waveform, and the slow sine that characterises it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple, TypedDict
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError
+from musclewire.experiment._known_drive import KnownDrive
+from musclewire.experiment._levelling_amplitude import levelling_amplitude
+from musclewire.experiment._run import Decision, OnSample, refuse_unusable, run_on_rig
+from musclewire.identify import shows_c
+from musclewire.rigs import Rig
+from musclewire.signals import Command, Drive, MetadataValue, RawSample, Recording, describe_recording
+
+__all__ = ["SlowSine", "Waveform", "WaveformPolicy", "characterize", "slow_sine", "slow_sine_run"]
+
+Waveform = Callable[[float], float]
+PAPER_PERIOD_S = 90.0
+
+
+class SlowSine(TypedDict, total=False):
+    """Keywords of the slow sine, as :func:`characterize` takes them; recipes built on it pass them on."""
+
+    amplitude_v: float | None
+    period_s: float
+    cycles: int
+
+
+def slow_sine(amplitude_v: float, sense_voltage_v: float, period_s: float = PAPER_PERIOD_S) -> Waveform:
+    """Return drive voltage over time: a raised cosine from the sense voltage to the amplitude and back.
+
+    The paper drives "a sine wave voltage input with 1/90 Hz and amplitude 3.2 V" and does not say whether it
+    is offset. Heating power is proportional to the square of voltage, so a sine about zero would heat twice a period;
+    ours goes once from cold to hot and back, and never below the sense voltage, where Eq. 1 has no current to divide
+    by.
+
+    Parameters
+    ----------
+    amplitude_v
+        Greatest drive voltage [V], above the sense voltage.
+    sense_voltage_v
+        Lowest drive voltage [V], 0 or more.
+    period_s
+        Time of a cycle [s]; by default the paper's 90 s.
+
+    Returns
+    -------
+    A function from time [s] to drive voltage [V].
+
+    Raises
+    ------
+    CallerError
+        If the amplitude is not above the sense voltage, or a period is not above 0 s.
+
+    References
+    ----------
+    Lan and Fan 2010, section 2.1.
+    """
+    if not (0.0 <= sense_voltage_v < amplitude_v and period_s > 0.0):
+        raise CallerError(
+            f"a slow sine needs an amplitude above the sense voltage and a period above 0 s; got amplitude "
+            f"{amplitude_v} V, sense voltage {sense_voltage_v} V, period {period_s} s"
+        )
+
+    return raised_cosine(amplitude_v, sense_voltage_v, period_s)
+
+
+@lru_cache(maxsize=64)
+def raised_cosine(amplitude_v: float, sense_voltage_v: float, period_s: float) -> Waveform:
+    """Return the slow sine as a function, the same one for the same numbers: what it plays is kept."""
+
+    def drive_voltage_v(time_s: float) -> float:
+        swing = 0.5 * (1.0 - math.cos(2.0 * math.pi * time_s / period_s))
+        return sense_voltage_v + (amplitude_v - sense_voltage_v) * swing
+
+    return drive_voltage_v
+
+
+@lru_cache(maxsize=16)
+def played(waveform: Waveform, period_s: float, elapsed_s: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
+    """Return the drive of each sample [V], (n_samples,), and the numbers of the cycles, (n_samples, 1)."""
+    drives_v = [waveform(0.0), *(waveform(time_s) for time_s in elapsed_s[:-1])]
+    return np.array(drives_v), np.array([[cycle_at(time_s, period_s)] for time_s in elapsed_s])
+
+
+def cycle_at(elapsed_s: float, period_s: float) -> float:
+    """Return the number of the cycle of a sample; one that ends a cycle belongs to that cycle."""
+    return float(max(math.ceil(elapsed_s / period_s - 1e-9), 1))
+
+
+class WaveformPolicy:
+    """Plays a waveform without feedback."""
+
+    columns = ("cycle",)
+
+    def __init__(self, waveform: Waveform, period_s: float) -> None:
+        """Play ``waveform``; ``period_s`` only numbers the cycles."""
+        self._waveform = waveform
+        self._period_s = period_s
+
+    def first_command(self) -> Command:
+        """Return the waveform's start."""
+        return Drive(self._waveform(0.0))
+
+    def after(self, sample: RawSample, elapsed_s: float) -> Decision:  # noqa: ARG002
+        """Return the waveform's next value; a sample that ends a cycle belongs to that cycle."""
+        return Decision(Drive(self._waveform(elapsed_s)), (cycle_at(elapsed_s, self._period_s),))
+
+    def known_drive(self, elapsed_s: tuple[float, ...]) -> KnownDrive:
+        """Return the waveform at the beginning of each sample, with the number of its cycle."""
+        drives_v, cycles = played(self._waveform, self._period_s, elapsed_s)
+        return KnownDrive(drives_v.copy(), cycles)
+
+
+def allowed_amplitude_v(rig: Rig, amplitude_v: float | None) -> float:
+    """Return the amplitude [V], the rig's own if None. Raises CallerError for one above the rig's maximum."""
+    amplitude = rig.drive_amplitude_v if amplitude_v is None else amplitude_v
+    if amplitude > rig.maximum_voltage_v:
+        raise CallerError(
+            f"amplitude {amplitude:g} V is {amplitude - rig.maximum_voltage_v:.3g} V above the rig's maximum of "
+            f"{rig.maximum_voltage_v:g} V: drive less or, if the wire bears it, raise the rig file's setting "
+            "maximum_voltage_v"
+        )
+    return amplitude
+
+
+class SlowSineRun(NamedTuple):
+    """What a slow sine runs: its policy, how long, and what its recording states."""
+
+    policy: WaveformPolicy
+    duration_s: float
+    metadata: dict[str, MetadataValue]
+
+
+def slow_sine_run(
+    rig: Rig, amplitude_v: float | None = None, period_s: float = PAPER_PERIOD_S, cycles: int = 2
+) -> SlowSineRun:
+    """Return the run of a slow sine on a rig. Raises CallerError as :func:`characterize` does."""
+    amplitude = allowed_amplitude_v(rig, amplitude_v)
+    if cycles < 1:
+        raise CallerError(f"cycles is {cycles}: give at least 1")
+    waveform = slow_sine(amplitude, rig.sense_voltage_v, period_s)
+    metadata: dict[str, MetadataValue] = {"experiment": "slow sine", "amplitude_v": amplitude, "period_s": period_s}
+    return SlowSineRun(WaveformPolicy(waveform, period_s), cycles * period_s, metadata)
+
+
+def characterize(
+    rig: Rig,
+    *,
+    amplitude_v: float | None = None,
+    period_s: float = PAPER_PERIOD_S,
+    cycles: int = 2,
+    until_level: bool = False,
+    path: str | Path | None = None,
+    overwrite: bool = False,
+    on_sample: OnSample | None = None,
+) -> Recording:
+    """Heat and cool the wire slowly and record both voltages and the reference instruments.
+
+    This is the loop that a model is fitted to. After the first cycle the wire repeats its loop; the analysis uses the
+    last.
+
+    Parameters
+    ----------
+    rig
+        The rig, open; it is driven.
+    amplitude_v
+        Greatest drive voltage [V]; the rig's own if None (3.2 V for the paper's 0.1 mm wire).
+    period_s
+        Time of a cycle [s]; the paper's 90 s, which is long compared with the thermal time constant of a thin wire.
+    cycles
+        How many; 2, so that the second one repeats.
+    until_level
+        Whether an amplitude that is not given is raised above the rig's own, within its limits, until the fall of the
+        resistance levels off; a sweep of half a minute before the slow sine finds it. The metadata say what stopped it.
+    path
+        File that is written while the run lasts; none if None.
+    overwrite
+        Whether an existing file is replaced; refused otherwise.
+    on_sample
+        Called with every recorded row, numbers by column name; it may raise to stop the run.
+
+    Returns
+    -------
+    The recording. Its metadata state with ``shows_c`` whether the resistance has levelled off where the wire was
+    hottest; if not, C is only the turning point of the drive.
+
+    Raises
+    ------
+    CallerError
+        For an amplitude above what the rig allows, or fewer than one cycle.
+    RigError
+        If the rig failed or was tripped; it carries the partial recording as ``.recording``.
+
+    References
+    ----------
+    Lan and Fan 2010, section 2.1: a sine of 1/90 Hz and 3.2 V.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated") as rig:
+    ...     loop = mw.characterize(rig, cycles=1)
+    >>> loop.names
+    ('time_s', 'drive_voltage_v', 'wire_voltage_v', 'shunt_voltage_v', 'displacement_m', 'force_n', 'cycle')
+    """
+    refuse_unusable(path, overwrite)
+    raised: dict[str, MetadataValue] = {}
+    if until_level and amplitude_v is None:
+        found = levelling_amplitude(rig, on_sample)
+        amplitude_v = found.amplitude_v
+        raised = {"amplitude_raised": "until the fall levelled off" if found.levelled else found.stopped_by}
+    sine = slow_sine_run(rig, amplitude_v, period_s, cycles)
+    recording = run_on_rig(
+        rig,
+        sine.policy,
+        sine.duration_s,
+        metadata={**sine.metadata, **raised},
+        path=path,
+        overwrite=overwrite,
+        on_sample=on_sample,
+    )
+    seen = shows_c(recording)
+    if seen is None:
+        return recording
+    if path is not None:
+        describe_recording(path, {"shows_c": seen})
+    return recording.with_metadata(shows_c=seen)

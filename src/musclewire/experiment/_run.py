@@ -1,0 +1,467 @@
+"""The one loop in which a rig and a policy meet, and their recorder: the rows of the run, and its timing.
+
+The rig owns the clock, the policy is pure, and the rig ends at its sense voltage whatever a policy, a callback or the
+user's Ctrl-C raises: this happens first, before anything is written.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+from array import array
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from math import nan
+from operator import itemgetter
+from pathlib import Path
+from time import perf_counter_ns
+from types import TracebackType
+from typing import NamedTuple, Protocol, Self, TypedDict
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError, RecordingNotWrittenError
+from musclewire.experiment._endings import cause_of, first_line, rescued, software_version
+from musclewire.experiment._extrapolation import extrapolation_metadata
+from musclewire.experiment._health import health_metadata
+from musclewire.experiment._known_drive import TakenRun, run_compiled_drive
+from musclewire.experiment._timing_facts import NO_CLOCK, RunPacing, timing_metadata
+from musclewire.rigs import AdjustableClock, Rig, adjustable_clock_of, exchange_times_of, protection_limits_of
+from musclewire.signals import (
+    ELECTRICAL_COLUMNS,
+    REFERENCE_COLUMNS,
+    BackgroundWriter,
+    Command,
+    MetadataValue,
+    RawSample,
+    Recording,
+    refuse_unfinished,
+)
+
+__all__ = [
+    "Decision",
+    "OnSample",
+    "Policy",
+    "Until",
+    "RunOptions",
+    "file_in",
+    "refuse_unusable",
+    "run_on_rig",
+    "Recorder",
+    "LoopTiming",
+]
+
+OnSample = Callable[[Mapping[str, float]], None]
+Until = Callable[[], bool]
+Exchange = Callable[[Command], RawSample]
+# An fsync keeps a core busy for some hundred microseconds: in shorter periods another process writes, on any core.
+MIN_PERIOD_FOR_DISK_S = 0.02
+
+
+class RunOptions(TypedDict, total=False):
+    """Keywords of every run on a rig.
+
+    ``path`` is the recording's file, none without; ``overwrite`` replaces one that exists; ``on_sample`` sees every
+    recorded row and may raise to stop the run; ``until`` is asked after each row and ends the run early, as done.
+    """
+
+    path: str | Path | None
+    overwrite: bool
+    on_sample: OnSample | None
+    until: Until | None
+
+
+class Decision(NamedTuple):
+    """A policy's answer to a sample: the next command, and a value to record for each of the policy's columns."""
+
+    command: Command
+    values: tuple[float, ...] = ()
+
+
+class Policy(Protocol):
+    """Chooses what the rig is to do next. It has no clock: time is what the samples say."""
+
+    @property
+    def columns(self) -> Sequence[str]:
+        """Names of the columns its decisions add to a recording."""
+        ...
+
+    def first_command(self) -> Command:
+        """Return the command for the first sample period.
+
+        Returns
+        -------
+        A drive voltage, or a target for a device with a closed loop of its own.
+        """
+        ...
+
+    def after(self, sample: RawSample, elapsed_s: float) -> Decision:
+        """Return the decision after a sample.
+
+        Parameters
+        ----------
+        sample
+            The sample that the rig has just returned.
+        elapsed_s
+            End of the sample, counted from the beginning of the run [s].
+
+        Returns
+        -------
+        The next command, and what is recorded next to the sample.
+
+        Raises
+        ------
+        RigError
+            If the run cannot go on; the rig then goes to its sense voltage.
+        """
+        ...
+
+
+def file_in(folder: str | Path, name: str) -> Path:
+    """Return a file in a folder, which is created if missing. Raises CallerError if that fails."""
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CallerError(f"cannot make the folder {folder}: {error.strerror or error}") from None
+    return Path(folder) / name
+
+
+def refuse_unusable(path: str | Path | None, overwrite: bool) -> None:
+    """Raise CallerError if a recording cannot be written, before anything is heated for it."""
+    if path is None:
+        return
+    refuse_unfinished(path, overwrite)
+    folder = Path(path).parent
+    if not folder.is_dir():
+        raise CallerError(f"{path}: there is no folder {folder}; make it first")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise CallerError(f"{path}: the folder {folder.absolute()} cannot be written to; give another one")
+
+
+def run_on_rig(
+    rig: Rig,
+    policy: Policy,
+    duration_s: float,
+    *,
+    metadata: Mapping[str, MetadataValue] | None = None,
+    path: str | Path | None = None,
+    overwrite: bool = False,
+    on_sample: OnSample | None = None,
+    until: Until | None = None,
+) -> Recording:
+    """Drive a rig by a policy for a time and return the recording.
+
+    Any exception leaves the rig at its sense voltage and carries the partial recording as ``.recording``. The metadata
+    have the run's timing. A drive that is known beforehand is run in compiled code on a simulated rig without a clock,
+    unless ``on_sample`` or ``until`` is given: the recording is the same, its metadata ``compiled_loop`` or
+    ``not_compiled`` say so.
+
+    Parameters
+    ----------
+    rig
+        The rig, open.
+    policy
+        Chooses each command; it may raise an exception to stop the run.
+    duration_s
+        Length of the run [s], rounded to whole samples.
+    metadata
+        Metadata of the recording in addition to the rig's.
+    path
+        File that is written while the run goes on; by default the recording is only returned.
+    overwrite
+        Whether a file that exists is replaced.
+    on_sample
+        Gets every recorded row; it may raise to stop the run.
+    until
+        Asked after each row; True ends the run before its time, as done and not as cut off.
+
+    Returns
+    -------
+    The recording, with the columns of rig and policy.
+
+    Raises
+    ------
+    CallerError
+        For a duration under one sample, and a file that cannot be written, before anything is heated.
+    RigError
+        If the rig failed or was tripped.
+    """
+    samples = round(duration_s / rig.sample_period_s)
+    if samples < 1:
+        raise CallerError(
+            f"a run of {duration_s} s is shorter than one sample of {rig.sample_period_s} s: give a longer one"
+        )
+    refuse_unusable(path, overwrite)
+    described = {**what_protects(rig), **rig.metadata(), **(metadata or {})}
+    timing = LoopTiming(rig.sample_period_s, rig.paced, adjustable_clock_of(rig))
+    exchange = timed_exchange(rig, timing)
+    first: RawSample | None = None
+    try:
+        command = policy.first_command()
+        instruments = rig.reference_columns
+        if instruments is None:  # then the first sample shows them
+            first = exchange(command)
+            instruments = tuple(name for name in REFERENCE_COLUMNS if getattr(first, name) is not None)
+        measured = (*ELECTRICAL_COLUMNS, *instruments)
+        columns = (*measured, *policy.columns)
+        with recorder_for(rig, columns, described, path, overwrite) as recorder, few_collections():
+            taken: TakenRun | str = ""
+            try:
+                # A callback may look at the rig after each sample: then samples are taken one by one.
+                alone = on_sample is None and until is None
+                taken = run_compiled_drive(rig, policy, samples) if alone else ""
+                if isinstance(taken, TakenRun):
+                    recorder.append_all(taken.rows(measured))
+                else:
+                    first = exchange(command) if first is None else first
+                    loop = RunParts(policy, exchange, recorder, measured, until)
+                    follow(loop, first, samples, rig.sample_period_s, timing, on_sample)
+            finally:
+                rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
+                # Once more: what a rig counts, lost frames for one, is known only now.
+                recorder.describe({**rig.metadata(), **(metadata or {}), **how_taken(taken, timing)})
+            recorder.describe({**extrapolation_metadata(recorder.recording()), **health_metadata(recorder.recording())})
+    finally:
+        rig.make_safe()
+    return recorder.recording()
+
+
+class RunParts(NamedTuple):
+    """What meets in a run: the policy, the rig's exchange, the recorder, its fields of a sample, and an early end."""
+
+    policy: Policy
+    exchange: Exchange
+    recorder: Recorder
+    measured: tuple[str, ...]
+    until: Until | None = None
+
+
+def follow(
+    loop: RunParts,
+    sample: RawSample,
+    samples: int,
+    sample_period_s: float,
+    timing: LoopTiming,
+    on_sample: OnSample | None,
+) -> None:
+    """Hand each sample to the policy, record both, hand the policy's command to the rig; from a first sample on."""
+    policy, exchange, recorder, measured, until = loop
+    # The time comes first and is the run's own.
+    fields_of = itemgetter(*(RawSample._fields.index(name) for name in measured[1:]))
+    start_s = sample.time_s - sample_period_s
+    for left in range(samples, 0, -1):
+        # A recording counts from its own start; rounded, because the difference of clocks is not, and before the policy
+        # sees it, so that a replay of the recording shows it the very same time.
+        elapsed_s = round(sample.time_s - start_s, 9)
+        decision = policy.after(sample, elapsed_s)
+        recorder.append([elapsed_s, *fields_of(sample), *decision.values])
+        if on_sample is not None:
+            called_ns = perf_counter_ns()
+            on_sample(row_of(sample, elapsed_s, policy.columns, decision.values))
+            timing.called_back(perf_counter_ns() - called_ns)
+        if until is not None and until():
+            return
+        if left > 1:
+            sample = exchange(decision.command)
+
+
+def how_taken(taken: TakenRun | str, timing: LoopTiming) -> dict[str, MetadataValue]:
+    """Return the metadata on how samples were taken: in compiled code, or one by one with their times."""
+    if isinstance(taken, TakenRun):
+        return {"pace": NO_CLOCK, "deadline_misses": 0, "compiled_loop": True}
+    return {**timing.metadata(), **({"not_compiled": taken} if taken else {})}
+
+
+def row_of(
+    sample: RawSample, elapsed_s: float, columns: Sequence[str], values: tuple[float, ...]
+) -> Mapping[str, float]:
+    """Return a recorded row by the names of its columns, as a callback sees it."""
+    return {**sample._asdict(), "time_s": elapsed_s, **dict(zip(columns, values, strict=True))}
+
+
+def timed_exchange(rig: Rig, timing: LoopTiming) -> Exchange:
+    """Return the rig's exchange, with its times recorded: the rig's own if it reports them."""
+    times = exchange_times_of(rig)
+    if times is not None:
+
+        def exchange(command: Command) -> RawSample:
+            sample = rig.exchange(command)
+            timing.sampled(times.drive_at_ns, times.sample_at_ns)
+            return sample
+    else:
+
+        def exchange(command: Command) -> RawSample:
+            drive_at_ns = perf_counter_ns()
+            sample = rig.exchange(command)
+            timing.sampled(drive_at_ns, perf_counter_ns())
+            return sample
+
+    return exchange
+
+
+def recorder_for(
+    rig: Rig, columns: Sequence[str], metadata: Mapping[str, MetadataValue], path: str | Path | None, overwrite: bool
+) -> Recorder:
+    """Return a recorder that a rig's pace does not have to wait for."""
+    apart = rig.paced and rig.sample_period_s < MIN_PERIOD_FOR_DISK_S
+    return Recorder(columns, metadata, path, overwrite=overwrite, apart=apart)
+
+
+def what_protects(rig: Rig) -> dict[str, MetadataValue]:
+    """Return the limits a rig is protected by; a replay of the recording is held to the same."""
+    protection = protection_limits_of(rig)
+    limits = {} if protection is None else protection._asdict()
+    return {"drive_amplitude_v": rig.drive_amplitude_v, **{f"limit_{name}": value for name, value in limits.items()}}
+
+
+@contextmanager
+def few_collections() -> Iterator[None]:
+    """Keep the garbage collector from walking through all that was there before a run.
+
+    A full collection over the objects of NumPy, Numba and Matplotlib takes tens of milliseconds. What the run itself
+    leaves behind is little and still collected.
+    """
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
+
+
+class Recorder:
+    """Collects rows; with a path each is also in a file within a tenth of a second, where it survives a crash."""
+
+    def __init__(
+        self,
+        columns: Sequence[str],
+        metadata: Mapping[str, MetadataValue],
+        path: str | Path | None = None,
+        *,
+        overwrite: bool = False,
+        apart: bool = False,
+    ) -> None:
+        """Start an empty recording.
+
+        With ``apart`` another process writes, for a loop that is too fast to share its core with a disk.
+        Raises CallerError if ``path`` cannot be written, or exists and may not be replaced.
+        """
+        self._columns = tuple(columns)
+        start_time = datetime.now(UTC).isoformat(timespec="seconds")
+        self._metadata = {**metadata, "software_version": software_version(), "start_time": start_time}
+        self._writer: BackgroundWriter | None = None
+        if path is not None:
+            self._writer = BackgroundWriter(path, columns, self._metadata, overwrite, apart)
+        # Plain numbers in one block: a million rows make no objects for the garbage collector to walk through.
+        self._values = array("d") if self._writer is None else self._writer.values
+        self._ended = "running"
+
+    def append(self, row: list[float | None]) -> None:
+        """Keep one row, a value for each column in their order, None for an instrument without a reading.
+
+        Raises ValueError for a row of another length, RecordingNotWrittenError if the disk takes no more.
+        """
+        if len(row) != len(self._columns):
+            raise ValueError(
+                f"a row of {len(row)} values for {len(self._columns)} columns, needs one for each: "
+                f"{', '.join(self._columns)}"
+            )
+        try:
+            self._values.fromlist(row)  # type: ignore[arg-type]  # unless an instrument has no reading
+        except TypeError:
+            self._values.fromlist([nan if value is None else value for value in row])
+        if self._writer is not None and self._writer.failure is not None:
+            raise not_written(self._writer.path, self._writer.failure)
+
+    def append_all(self, rows: FloatArray) -> None:
+        """Keep rows of a finished run, (n_samples, n_columns)."""
+        self._values.frombytes(np.ascontiguousarray(rows, dtype=np.float64).tobytes())
+
+    def describe(self, metadata: Mapping[str, MetadataValue]) -> None:
+        """Add metadata that is known only at the end; the file has it once it is closed."""
+        self._metadata.update(metadata)
+
+    def __len__(self) -> int:
+        """Return the number of rows recorded."""
+        return len(self._values) // len(self._columns)
+
+    def recording(self) -> Recording:
+        """Return the rows recorded until now."""
+        table = np.array(self._values, dtype=np.float64).reshape(len(self), len(self._columns))
+        columns = {name: table[:, place] for place, name in enumerate(self._columns)}
+        return Recording(columns, {**self._metadata, "ended": self._ended})
+
+    def __enter__(self) -> Self:
+        """Return the recorder itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Write the remaining rows and how the run ended; an exception carries the partial recording."""
+        # By now the rig is safe: a slow disk cannot keep a wire hot.
+        self._ended = cause_of(error)
+        problem = self._close_file()
+        where = self._where(problem)
+        if problem is None and error is None:
+            return
+        raised = error or problem
+        raised.recording = self.recording()  # type: ignore[union-attr]
+        raised.add_note(f"{len(self)} samples were recorded; they are in error.recording{where}")  # type: ignore[union-attr]
+        if error is None and problem is not None:
+            raise problem
+
+    def _close_file(self) -> RecordingNotWrittenError | None:
+        if self._writer is None:
+            return None
+        try:
+            self._writer.close(self._ended, self._metadata)
+        except RecordingNotWrittenError as problem:
+            return problem
+        except OSError as problem:
+            return not_written(self._writer.path, problem)
+        return None
+
+    def _where(self, problem: RecordingNotWrittenError | None) -> str:
+        """Return where the rows are, as the end of a note; saved elsewhere if their file has not all of them."""
+        if self._writer is None:
+            return ""
+        if problem is None:
+            return f" and in {self._writer.path}"
+        journal, rows = self._writer.leave(self._ended)
+        if rows == len(self):
+            return f" and in {journal}"
+        saved = rescued(self.recording(), self._writer.path.stem)
+        return f" and in {saved}" if saved else f" and in {journal} (the first {rows})"
+
+
+def not_written(path: Path, problem: OSError) -> RecordingNotWrittenError:
+    """Return the error for a file that can no longer be written."""
+    return RecordingNotWrittenError(f"cannot write {path}: {problem.strerror or first_line(problem)}")
+
+
+class LoopTiming:
+    """Records when each sample arrived and when the next drive was handed over; it reads no clock itself.
+
+    All times are in nanoseconds of one monotonic clock.
+    """
+
+    def __init__(self, sample_period_s: float, paced: bool, clock: AdjustableClock | None = None) -> None:
+        """Watch a run of this sample period; ``paced`` if a real clock sets its pace, at the speed of ``clock``."""
+        self._pace = RunPacing(sample_period_s, paced, clock)
+        self._drive_ns, self._sample_ns, self._callbacks_ns = array("q"), array("q"), array("q")
+
+    def sampled(self, drive_at_ns: int, sample_at_ns: int) -> None:
+        """Record one exchange: when its drive was handed to the output and when its sample arrived."""
+        self._drive_ns.append(drive_at_ns)
+        self._sample_ns.append(sample_at_ns)
+
+    def called_back(self, callback_ns: int) -> None:
+        """Record how long a callback kept the loop waiting after the last sample; called after every one or never."""
+        self._callbacks_ns.append(callback_ns)
+
+    def metadata(self) -> dict[str, MetadataValue]:
+        """Return the timing for a recording's metadata, as ``timing_metadata`` describes it."""
+        times = (np.array(self._drive_ns), np.array(self._sample_ns), np.array(self._callbacks_ns))
+        return timing_metadata(self._pace, *times)

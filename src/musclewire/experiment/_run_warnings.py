@@ -1,0 +1,62 @@
+"""Everything that a finished run warns of: force, stress and temperature, friction that holds, steps too long."""
+
+from __future__ import annotations
+
+from musclewire.experiment._extrapolation import extrapolation_warnings
+from musclewire.experiment._force_limit import force_warnings
+from musclewire.experiment._health import health_warnings
+from musclewire.signals import Recording
+
+__all__ = ["friction_warnings", "instrument_warnings", "run_warnings", "step_warnings"]
+
+# Friction counts as holding the wire from this fraction of a leg's length on: 0.01 points of strain.
+HELD_FRACTION = 1e-4
+# A step's error counts from here on: twenty times the tolerance of chosen steps. From 2 K on the rig itself refuses.
+STEP_ERROR_K = 0.1
+
+
+def run_warnings(recording: Recording) -> tuple[str, ...]:
+    """Return the warnings of a run, the most dangerous first; none for a run without any."""
+    own = (*friction_warnings(recording), *step_warnings(recording), *pulse_warnings(recording))
+    return (*force_warnings(recording), *extrapolation_warnings(recording), *health_warnings(recording), *own)
+
+
+def pulse_warnings(recording: Recording) -> tuple[str, ...]:
+    """Return a warning if a wire heated by pulses was read at a wrong time in them; none otherwise."""
+    problem = recording.facts.text_or_none("pwm_problem")
+    return () if problem is None else (problem,)
+
+
+def instrument_warnings(recording: Recording) -> tuple[str, ...]:
+    """Return the warnings of a run but for those of stress and temperature beyond its alloy's limits."""
+    return (*force_warnings(recording), *friction_warnings(recording), *step_warnings(recording))
+
+
+def step_warnings(recording: Recording) -> tuple[str, ...]:
+    """Return a warning if the steps of a simulation were so long that they show; none otherwise."""
+    error_k = recording.facts.number_or_none("step_error_k")
+    step_s = recording.facts.number_or_none("time_step_s")
+    if error_k is None or error_k <= STEP_ERROR_K:
+        return ()
+    steps = f"fixed steps of {1e3 * step_s:g} ms" if step_s else "steps chosen by tolerance"
+    return (
+        f"the steps of the simulation show: {steps} left an error of up to {error_k:.2g} K in temperature: set "
+        "time_step_s to 0 for chosen steps, to a shorter step, or lower temperature_tolerance_k",
+    )
+
+
+def friction_warnings(recording: Recording) -> tuple[str, ...]:
+    """Return a warning if friction held the connector while the wire became slack; none otherwise.
+
+    Only a simulated rig knows: the recording's ``friction_held_m`` states by how much the wire was longer than the
+    connector's position allows. A recording that does not state it gets no warning.
+    """
+    held_m = recording.facts.number_or_none("friction_held_m")
+    leg_m = recording.facts.leg_length_or_none_m
+    if held_m is None or leg_m is None or held_m <= HELD_FRACTION * leg_m:
+        return ()
+    return (
+        f"friction holds the wire: cooling, it became up to {1e3 * held_m:.2f} mm longer than the connector let it, "
+        "since the load cannot pull guide and wire back; displacement, strain and force then show the friction: more "
+        "pretension, a stiffer spring, or a guide with less friction",
+    )

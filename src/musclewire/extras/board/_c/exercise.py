@@ -1,0 +1,145 @@
+"""Random but repeatable ticks that exercise a library: targets, noise, lost readings and faults."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.extras.board._c.reference import ReferenceTick, TickOutcome
+from musclewire.parameters import require_seed
+
+__all__ = ["FAULTS", "ExerciseRow", "exercise"]
+
+# Largest step of the resistance in a control period, as a fraction of the model's span.
+WALK_FRACTION = 0.02
+TARGET_CHANGES_EACH_S = 2.0
+MAX_FAULT_S = 0.6
+NOISE_V = 2e-4
+
+
+class ExerciseRow(NamedTuple):
+    """One row: whether the library is started again before it, the inputs, and Python's outcome after it.
+
+    ``control_s`` is 0 if only a sample is taken. All inputs are numbers that single precision holds exactly.
+    """
+
+    start: bool
+    wire_voltage_v: float
+    shunt_voltage_v: float
+    target: float
+    tick_s: float
+    control_s: float
+    outcome: TickOutcome
+
+
+class ExerciseVoltages(NamedTuple):
+    """The readings of both channels, with what a fault may depend on: the last reading and the channels' ranges."""
+
+    wire_v: float
+    shunt_v: float
+    last_wire_v: float
+    ranges_v: tuple[float, float]
+
+
+# Each fault replaces the two voltages by those that the channels would then read.
+FAULTS: dict[str, Callable[[ExerciseVoltages], tuple[float, float]]] = {
+    "open wire": lambda v: (v.wire_v + v.shunt_v, 0.0),
+    "supply missing": lambda _: (0.0, 0.0),
+    "not a number": lambda v: (math.nan, v.shunt_v),
+    "infinite": lambda v: (v.wire_v, math.inf),
+    "swapped": lambda v: (v.shunt_v, v.wire_v),
+    "reversed": lambda v: (-v.wire_v, v.shunt_v),
+    "short": lambda v: (0.3 * v.wire_v, 0.7 * v.wire_v + v.shunt_v),
+    "jump": lambda v: (1.5 * v.wire_v, v.shunt_v),
+    "outside": lambda v: (4.0 * v.wire_v, v.shunt_v),
+    "saturated": lambda v: (v.ranges_v[0], v.shunt_v),
+    "frozen": lambda v: (v.last_wire_v, v.shunt_v),
+    "over-current": lambda v: (6.0 * v.wire_v, 6.0 * v.shunt_v),
+    "output stuck": lambda v: (3.0 * v.wire_v + 1.0, 3.0 * v.shunt_v),
+}
+
+
+def exercise(
+    reference: ReferenceTick,
+    seed: int,
+    ticks: int,
+    *,
+    tick_s: float = 0.05,
+    ticks_a_control: int = 1,
+    fault_probability: float = 0.01,
+) -> Iterator[ExerciseRow]:
+    """Run the reference through random ticks; after a trip it is started again a few ticks later.
+
+    ``fault_probability`` is the probability of a fault at each tick. The same seed gives the same ticks.
+    """
+    random = np.random.default_rng(require_seed(seed))
+    bench = _RandomWalkWire(reference, random)
+    start, tripped_for = True, 0
+    fault, fault_left = "", 0
+    for index in range(ticks):
+        if start:
+            reference.start()
+            fault_left = tripped_for = 0
+        wire_v, shunt_v = bench.read(ticks_a_control)
+        if fault_left == 0 and random.random() < fault_probability:
+            fault = str(random.choice(list(FAULTS)))
+            fault_left = int(random.integers(1, max(2, int(MAX_FAULT_S / tick_s))))
+        if fault_left:
+            fault_left -= 1
+            wire_v, shunt_v = (_single(v) for v in FAULTS[fault](bench.voltages(wire_v, shunt_v)))
+        bench.last_wire_v = wire_v
+        target = bench.target_after(tick_s)
+        control_s = _single(tick_s * ticks_a_control) if (index + 1) % ticks_a_control == 0 else 0.0
+        outcome = reference.sample(wire_v, shunt_v, _single(tick_s))
+        if control_s:
+            outcome = reference.control(target, control_s)
+        yield ExerciseRow(start, wire_v, shunt_v, target, _single(tick_s), control_s, outcome)
+        tripped_for = tripped_for + 1 if outcome.state == 4 else 0
+        start = tripped_for > 3
+
+
+class _RandomWalkWire:
+    """A wire whose resistance follows a random walk, in the circuit of the protection's limits."""
+
+    def __init__(self, reference: ReferenceTick, random: np.random.Generator) -> None:
+        self._reference, self._random = reference, random
+        self._normalised_resistance = 1.0
+        # Never the very end of the range, where a cold wire's estimate does not change: an error of exactly 0 there is
+        # 1e-9 in single precision, and some rule bases jump in between.
+        self._target = _single(0.9 * reference.model.quantity_min + 0.1 * reference.model.quantity_max)
+        self.last_wire_v = 0.0
+
+    def read(self, ticks_a_control: int) -> tuple[float, float]:
+        """Return both voltages at the present drive, with noise."""
+        model, limits = self._reference.model, self._reference.protection_limits
+        step = WALK_FRACTION / ticks_a_control
+        walked = self._normalised_resistance + self._random.uniform(-step, step)
+        self._normalised_resistance = min(max(walked, -0.01), 1.01)
+        span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
+        resistance = model.resistance_min_ohm + self._normalised_resistance * span_ohm
+        current = self._reference.drive_voltage_v / (resistance + limits.shunt_resistance_ohm)
+        noise = self._random.normal(0.0, NOISE_V, 2)
+        return (
+            _single(current * resistance + float(noise[0])),
+            _single(current * limits.shunt_resistance_ohm + float(noise[1])),
+        )
+
+    def voltages(self, wire_v: float, shunt_v: float) -> ExerciseVoltages:
+        """Return two readings with what a fault may depend on."""
+        limits = self._reference.protection_limits
+        return ExerciseVoltages(wire_v, shunt_v, self.last_wire_v, (limits.wire_range_v, limits.shunt_range_v))
+
+    def target_after(self, tick_s: float) -> float:
+        """Return the target, which occasionally jumps to another value in the range."""
+        model = self._reference.model
+        if self._random.random() < tick_s * TARGET_CHANGES_EACH_S:
+            self._target = _single(self._random.uniform(model.quantity_min, model.quantity_max))
+        return _single(self._target)
+
+
+def _single(value: float) -> float:
+    """Return the nearest number that single precision holds, so that both precisions start from the same value."""
+    return float(np.float32(value))

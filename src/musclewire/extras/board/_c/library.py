@@ -1,0 +1,187 @@
+"""Write a model, its controller, its limits and the protection table as a self-contained C99 library."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import NamedTuple, TypedDict, Unpack
+
+from musclewire.controllers import DriveLimits, FuzzyPidSettings, ProtectionLimits, RuleBase, load_rule_base
+from musclewire.errors import CallerError
+from musclewire.extras.board._c.constants import CConstants, collect, control_numbers
+from musclewire.extras.board._c.golden import golden_vectors
+from musclewire.extras.board._c.header import constants_header, model_checksum
+from musclewire.extras.board._c.keywords import keywords_file
+from musclewire.extras.board._c.precision import check_precision, single_error_share
+from musclewire.extras.board._c.reference import ReferenceTick
+from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
+
+__all__ = ["CLibrary", "library_license", "library_sources", "loop_checksum", "write_library"]
+
+TEST_FILES = (
+    "golden_test.c",
+    "same_bits.c",
+    "bench.h",
+    "cortex_m/start.c",
+    "cortex_m/mps2.ld",
+    "cortex_m/tick_cost.c",
+    "avr/tick_cost.c",
+)
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
+
+
+class CLibrary(NamedTuple):
+    """A library that was written: its folder, its name, its files (relative, in order) and its numbers.
+
+    ``single_error_share`` is the largest error of the estimate in single precision, as a fraction of the full scale;
+    ``reference`` is the tick in Python that the golden vectors come from.
+    """
+
+    folder: Path
+    name: str
+    files: tuple[str, ...]
+    constants: CConstants
+    single_error_share: float
+    golden_rows: int
+    reference: ReferenceTick
+
+
+def project_files(name: str, quantity: str) -> dict[str, str]:
+    """Return the files around the sources, by their path in the library's folder, with the library's name filled in."""
+    from importlib.metadata import version
+
+    root = files("musclewire.extras.board") / "c_project"
+    places = {
+        "LICENSE": "LICENSE",
+        "README.md": "README.md",
+        "CMakeLists.txt": "CMakeLists.txt",
+        "library.properties": "library.properties",
+        "sketch.ino": f"examples/{name}/{name}.ino",
+        **{f"test/{file}": f"test/{file}" for file in TEST_FILES},
+    }
+    filled = {"@NAME@": name, "@VERSION@": version("musclewire"), "@QUANTITY@": quantity}
+    texts = {}
+    for source, place in places.items():
+        text = root.joinpath(*source.split("/")).read_text(encoding="utf-8")
+        for key, value in filled.items():
+            text = text.replace(key, value)
+        texts[place] = text
+    return texts
+
+
+def loop_checksum(
+    model: SensingModel,
+    settings: FuzzyPidSettings,
+    rule_base: RuleBase | None = None,
+    estimator: str = PAPER_ESTIMATOR,
+) -> int:
+    """Return the checksum of a library with this model and controller, which a board built with it reports."""
+    return model_checksum(control_numbers(model, settings, rule_base or load_rule_base(settings.rule_base), estimator))
+
+
+def library_license() -> str:
+    """Return the licence under which exported C is given away."""
+    return (files("musclewire.extras.board") / "c_project" / "LICENSE").read_text(encoding="utf-8")
+
+
+def library_sources() -> dict[str, str]:
+    """Return the C files that are the same for every library, by name."""
+    folder = files("musclewire.extras.board") / "c_library"
+    return {
+        item.name: item.read_text(encoding="utf-8") for item in folder.iterdir() if item.name.endswith((".c", ".h"))
+    }
+
+
+class LibraryForm(TypedDict, total=False):
+    """Keywords of :func:`write_library`: precision, estimator, and whether files of another library are replaced."""
+
+    double: bool
+    estimator: str
+    overwrite: bool
+
+
+def write_library(
+    model: SensingModel,
+    settings: FuzzyPidSettings,
+    limits: DriveLimits,
+    protection: ProtectionLimits,
+    folder: str | Path,
+    name: str = "musclewire",
+    **form: Unpack[LibraryForm],
+) -> CLibrary:
+    """Write the library into a folder, which is made if need be; files of the same names are replaced.
+
+    Without ``overwrite`` a file there with another content is left alone, and nothing is written at all.
+
+    ``estimator`` is "polynomial", the paper's, or "gated". ``double`` makes double precision the choice; without
+    it all is checked to survive single precision.
+    Everything is checked before anything is written.
+
+    Raises:
+        CallerError: a number that overflows, underflows or loses its digits in single precision (named); drive limits
+            other than the protection's; a name that is no C identifier; a folder that cannot be written, or holds
+            other files of these names without ``overwrite``.
+    """
+    double, overwrite = form.get("double", False), form.get("overwrite", True)
+    estimator = form.get("estimator", PAPER_ESTIMATOR)
+    if not NAME.fullmatch(name):
+        raise CallerError(f"the library's name {name!r} must be a C identifier of at most 31 letters, digits and _")
+    rules = load_rule_base(settings.rule_base)
+    constants = collect(model, settings, rules, limits, protection, estimator)
+    if not double:
+        check_precision(model, constants)
+    header = constants_header(
+        constants,
+        name=name,
+        model=f"{model!r}, {model.source or 'source unknown'}",
+        rules=str(rules),
+        quantity=model.quantity,
+        double=double,
+    )
+    reference = ReferenceTick(model, settings, limits, protection, rules, estimator)
+    texts = {f"src/{file}": text for file, text in sorted(library_sources().items())}
+    texts["src/mw_constants.h"] = header
+    texts |= project_files(name, model.quantity)
+    texts["keywords.txt"] = keywords_file(texts["src/musclewire.h"])
+    texts["test/golden_vectors.csv"] = vectors = golden_vectors(reference)
+    if not overwrite:
+        refuse_replacing(Path(folder), texts)
+    _write(Path(folder), texts)
+    error = single_error_share(model, constants)
+    return CLibrary(Path(folder), name, tuple(texts), constants, error, vectors.count("\n") - 1, reference)
+
+
+def refuse_replacing(folder: Path, texts: Mapping[str, str]) -> None:
+    """Raise CallerError if a file exists with other content: another wire's numbers, or the user's own work."""
+    others = [name for name, text in texts.items() if differs(folder / name, text)]
+    if others:
+        more = f" and {len(others) - 1} more" if len(others) > 1 else ""
+        raise CallerError(
+            f"{folder} holds another {others[0]}{more}: choose another folder, or allow replacing (--overwrite, "
+            "overwrite=True)"
+        )
+
+
+def differs(path: Path, text: str) -> bool:
+    """Return whether a file exists at this path with content other than this text."""
+    try:
+        return path.read_bytes().decode("utf-8").replace("\r\n", "\n") != text
+    except FileNotFoundError:
+        return False
+    except (OSError, UnicodeDecodeError):
+        return path.is_file()  # in all other cases writing the file reports what is wrong
+
+
+def _write(folder: Path, texts: dict[str, str]) -> None:
+    """Write each file whole or not at all. Raises CallerError if one cannot be written."""
+    from musclewire.signals import write_text_whole
+
+    try:
+        for name, text in texts.items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_text_whole(path, text)
+    except OSError as error:
+        raise CallerError(f"cannot write the library into {folder}: {error.strerror or error}") from error

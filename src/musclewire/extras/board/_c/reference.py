@@ -1,0 +1,185 @@
+"""The tick of an exported library in Python, by the functions that the closed loop and every rig use.
+
+The C library is compared with it, in its golden vectors and in the tests. Samples are averaged for the controller and,
+over the table's reading period, for the protection, as in the library.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from musclewire.controllers import (
+    ControllerState,
+    DriveLimits,
+    Event,
+    FuzzyPid,
+    FuzzyPidController,
+    FuzzyPidSettings,
+    ProtectionLimits,
+    ProtectionState,
+    RuleBase,
+    allowed_drive_v,
+    armed,
+    protect_command,
+    protect_reading,
+    protection_table,
+    tripped_by,
+)
+from musclewire.sensing import (
+    MISMATCH_FRACTION,
+    PAPER_ESTIMATOR,
+    BranchState,
+    GatedBranches,
+    PolynomialEstimator,
+    SensingModel,
+    time_step,
+)
+from musclewire.signals import QuantityEstimate, Reason, drive_voltage_of
+
+__all__ = ["TickOutcome", "ReferenceTick"]
+
+TIME_ROUNDING_S = 1e-9
+
+
+class TickOutcome(NamedTuple):
+    """The outcome of a library's tick: resistance, estimate, gains, allowed drive and protection state. SI units."""
+
+    resistance_ohm: float
+    estimate: float
+    valid: bool
+    kp: float
+    ki: float
+    kd: float
+    drive_voltage_v: float
+    state: int
+    event: int
+
+
+@dataclass
+class SampleSums:
+    """Sums of samples, for a mean."""
+
+    drive_v: float = 0.0
+    wire_v: float = 0.0
+    shunt_v: float = 0.0
+    time_s: float = 0.0
+    samples: int = 0
+
+
+@dataclass
+class ReferenceTick:
+    """One wire's controller and protection; ``start`` resets both."""
+
+    model: SensingModel
+    settings: FuzzyPidSettings
+    limits: DriveLimits
+    protection_limits: ProtectionLimits
+    rule_base: RuleBase | None = None
+    estimator: str = PAPER_ESTIMATOR
+    protection: ProtectionState = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Build the controller and start."""
+        self._controller = FuzzyPidController(FuzzyPid(self.settings, self.limits, self.rule_base))
+        self._estimator = PolynomialEstimator(self.model, self.protection_limits.shunt_resistance_ohm)
+        self._branches = GatedBranches(self.model)
+        margin = MISMATCH_FRACTION * (self.model.resistance_max_ohm - self.model.resistance_min_ohm)
+        self._own_ohm = (self.model.resistance_min_ohm - margin, self.model.resistance_max_ohm + margin)
+        self.start()
+
+    def start(self) -> None:
+        """Start cold: the drive is the sense voltage, and nothing is known of the wire."""
+        self.protection = armed(self.protection_limits)
+        self._pid: ControllerState | None = None
+        self._mean, self._block = SampleSums(), SampleSums()
+        self._resistance_ohm = 0.0
+        self._voltages_v = (0.0, 0.0)
+        self._gates: BranchState | None = None
+        self._estimate, self._valid = self.model.quantity_min, False
+        self._gains: tuple[float, ...] = (0.0, 0.0, 0.0)
+
+    @property
+    def drive_voltage_v(self) -> float:
+        """Drive voltage [V] that the protection allows now."""
+        return allowed_drive_v(self.protection, self.protection_limits)
+
+    def outcome(self) -> TickOutcome:
+        """Return the outcome of the last tick."""
+        kp, ki, kd = self._gains
+        return TickOutcome(
+            self._resistance_ohm,
+            self._estimate,
+            self._valid,
+            kp,
+            ki,
+            kd,
+            self.drive_voltage_v,
+            int(self.protection.state),
+            int(self.protection.event),
+        )
+
+    def sample(self, wire_voltage_v: float, shunt_voltage_v: float, tick_s: float) -> TickOutcome:
+        """Take one sample: add it to the sums, and pass each full block to the protection."""
+        if not (tick_s > 0.0 and math.isfinite(tick_s)):
+            self.protection = tripped_by(self.protection, Event.CLOCK_BACKWARDS)
+            return self.outcome()
+        for sums in (self._mean, self._block):
+            sums.drive_v += self.drive_voltage_v
+            sums.wire_v += wire_voltage_v
+            sums.shunt_v += shunt_voltage_v
+            sums.time_s += tick_s
+            sums.samples += 1
+        block = self._block
+        if block.time_s > protection_table().reading_period_s - TIME_ROUNDING_S:
+            drive_v, wire_v, shunt_v = (total / block.samples for total in (block.drive_v, block.wire_v, block.shunt_v))
+            self.protection = protect_reading(
+                self.protection, self.protection_limits, drive_v, wire_v, shunt_v, block.time_s
+            )
+            self._block = SampleSums()
+        return self.outcome()
+
+    def control(self, target: float, dt_s: float) -> TickOutcome:
+        """Estimate and control from the mean of the samples since the last control tick."""
+        mean, self._mean = self._mean, SampleSums()
+        self._resistance_ohm = 0.0
+        if mean.samples:
+            self._voltages_v = (mean.wire_v / mean.samples, mean.shunt_v / mean.samples)
+            self._resistance_ohm = self._estimator.read(*self._voltages_v)[0]
+        drive_v = self._controlled(target, dt_s) if math.isfinite(target) else -1.0
+        self.protection = protect_command(self.protection, self.protection_limits, drive_v)
+        return self.outcome()
+
+    def _controlled(self, target: float, dt_s: float) -> float:
+        """Return the controller's drive [V]; before the first estimate, the drive stays as it is."""
+        estimate = self._sensed(dt_s)
+        self._estimate, self._valid = estimate.value, estimate.valid
+        if self._pid is None and estimate.reason is Reason.NO_CURRENT:
+            self._gains = (0.0, 0.0, 0.0)
+            return self.drive_voltage_v
+        before = self._controller.start(self.drive_voltage_v) if self._pid is None else self._pid
+        command, self._pid, self._gains = self._controller.step(before, target, estimate, dt_s)
+        return drive_voltage_of(command)
+
+    def _sensed(self, dt_s: float) -> QuantityEstimate:
+        """Return the estimate from the last resistance; without current, the previous estimate."""
+        if not self._resistance_ohm > 0.0:
+            return QuantityEstimate(self._estimate, 0.0, False, Reason.NO_CURRENT)
+        if self.estimator == PAPER_ESTIMATOR:
+            return QuantityEstimate(*self.model.estimate(self._resistance_ohm))
+        return self._followed(self._resistance_ohm, dt_s)
+
+    def _followed(self, resistance_ohm: float, dt_s: float) -> QuantityEstimate:
+        """Return the estimate by the branch of the direction; a resistance of another wire leaves it is."""
+        if not self._own_ohm[0] <= resistance_ohm <= self._own_ohm[1]:
+            return QuantityEstimate(self._estimate, 0.0, False, Reason.MISMATCH)
+        wire_v, shunt_v = self._voltages_v
+        power_w = wire_v * wire_v / resistance_ohm
+        if self._gates is None:
+            found = self._branches.start(resistance_ohm, power_w)
+        else:
+            found = self._branches.step(self._gates, resistance_ohm, power_w, shunt_v, time_step(dt_s))
+        self._gates = found.state
+        valid = found.on_curve and found.state.sensing != 0.0
+        return QuantityEstimate(found.state.value, 0.0, valid, Reason.OK if valid else Reason.COLD)

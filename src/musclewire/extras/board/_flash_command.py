@@ -1,0 +1,98 @@
+"""The command that puts the firmware on a board, without a compiler and without a checkout: flash."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from musclewire.app import WIRE, Json, emit_json, show
+from musclewire.extras.board._options import DRY_RUN, OLD_BOOTLOADER, SERIAL_PORT
+
+if TYPE_CHECKING:
+    from musclewire.extras.board._serial.flash import FlashLoader
+    from musclewire.extras.board._serial.images import FirmwareImage
+
+__all__ = ["flash"]
+
+# What stands for the port in a command that is only shown.
+NO_PORT = "PORT"
+
+
+def flash(
+    board: Annotated[str, typer.Argument(help="Board: 'uno', 'nano' (both are 'arduino-uno'), 'stm32f411'.")],
+    wire: Annotated[str | None, WIRE] = None,
+    serial_port: Annotated[str | None, SERIAL_PORT] = None,
+    old_bootloader: Annotated[bool, OLD_BOOTLOADER] = False,
+    dry_run: Annotated[bool, DRY_RUN] = False,
+    json: Json = False,
+) -> None:
+    """Put the built firmware for a wire on a board, and ask the board whether it runs."""
+    from musclewire.extras.board._serial.flash import loader_for, run_loader
+    from musclewire.extras.board._serial.images import find_image, require_sound
+
+    image = find_image(board, wire)
+    require_sound(image)
+    port = chosen_port(image, serial_port, dry_run)
+    loader = loader_for(image, port, old_bootloader)
+    if not (json or dry_run):
+        show(f"{image.file}: wire {image.wire} of {1e3 * image.wire_length_m:g} mm, {limits_text(image)}")
+    greeted = None
+    if not dry_run:
+        run_loader(loader, old_bootloader)
+        greeted = who(image, port) if port else None
+    answer = document(image, loader, port, greeted)
+    if json:
+        emit_json(answer)
+    else:
+        show(text(answer, dry_run))
+
+
+def chosen_port(image: FirmwareImage, given: str | None, dry_run: bool) -> str:
+    """Return the board's port: as given, the one that looks like it, or "" for a board that is flashed without."""
+    from musclewire.errors import RigError
+    from musclewire.extras.board._serial.flash import find_port
+
+    if given is not None or image.board != "arduino-uno":
+        return given or ""
+    try:
+        return find_port(image.board)
+    except RigError:
+        if dry_run:
+            return NO_PORT
+        raise
+
+
+def who(image: FirmwareImage, port: str) -> dict[str, Any]:
+    """Return what the flashed board says it is. Raises RigError if it is silent or another."""
+    from musclewire.extras.board._serial.flash import greet
+
+    identity = greet(image, port)
+    return {"board": identity.board, "firmware": identity.firmware_version, "started_by": identity.reset_by}
+
+
+def limits_text(image: FirmwareImage) -> str:
+    """Return an image's limits as words."""
+    return f"shunt {image.shunt_resistance_ohm:g} ohm, at most {image.maximum_voltage_v:g} V"
+
+
+def document(image: FirmwareImage, loader: FlashLoader, port: str, greeted: dict[str, Any] | None) -> dict[str, Any]:
+    """Return what was done under the keys of the interface."""
+    return {
+        **{key: value for key, value in image._asdict().items() if key != "compiler"},
+        "serial_port": port or None,
+        "command": list(loader.command),
+        "answered": greeted,
+    }
+
+
+def text(answer: dict[str, Any], dry_run: bool) -> str:
+    """Return what was done for people; of a dry run the command alone."""
+    from musclewire.extras.board._serial.flash import shown
+
+    if dry_run:
+        return shown(answer["command"])
+    if answer["answered"] is None:
+        return "written; not asked who it is: give the port of its serial line by --serial-port for that"
+    said = answer["answered"]
+    return f"written; {answer['serial_port']} answers: {said['board']}, firmware {said['firmware']}"

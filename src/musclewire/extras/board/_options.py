@@ -1,0 +1,15 @@
+"""Options of the commands for boards and exported C."""
+
+from __future__ import annotations
+
+from musclewire.app import option
+
+__all__ = ["ARDUINO_ZIP", "DOUBLE", "DRY_RUN", "OLD_BOOTLOADER", "SERIAL_PORT"]
+
+SERIAL_PORT = option("--serial-port", help="The board's port: /dev/ttyACM0, /dev/ttyUSB0, COM3. Default: found.")
+OLD_BOOTLOADER = option(
+    "--old-bootloader", help="The board is a Nano of before 2018: its boot loader takes 57600 baud."
+)
+DRY_RUN = option("--dry-run", help="Print the loader's command, and write nothing.")
+DOUBLE = option("--double", help="Double precision instead of single.")
+ARDUINO_ZIP = option("--arduino-zip", help="The library as one .zip, too, for 'Add .ZIP Library' of the Arduino IDE.")

@@ -1,0 +1,324 @@
+"""``musclewire design finger``: from what a finger must do to its dimensions, or from dimensions to what it does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from musclewire.app import CLEARANCE, OBJECT_STIFFNESS, WIRE, WIRE_LENGTH, Json, emit_json, in_si, show, warn
+from musclewire.errors import CallerError
+from musclewire.extras.design._commands.finger_text import answer_json, answer_text
+from musclewire.extras.design._commands.part_options import OPTIONS_FILE, PartFiles, given_options
+from musclewire.extras.design._options import (
+    COLUMN_WIDTH,
+    COLUMNS,
+    COMPARE,
+    DEPTH,
+    ENDPOINT,
+    FINGER,
+    FRICTION,
+    INWARD_ANGLE,
+    MATERIAL,
+    MAX_DEPTH,
+    OFFSET,
+    OVERALL_LENGTH,
+    PLATE,
+    PRETENSION,
+    PRETENSIONER,
+    PROCESS,
+    REFINED,
+    STIFFNESS,
+    TENDON_HOLE,
+    THICKNESS,
+    TRAVEL,
+)
+
+if TYPE_CHECKING:
+    from musclewire.extras.design._finger.finger_study import FingerStudyResult, WireToPull
+    from musclewire.extras.design._finger.geometry import FingerGeometry
+    from musclewire.extras.design._finger.sizing import FingerRequest
+    from musclewire.parameters import Material
+    from musclewire.wire import ElasticObject
+
+__all__ = ["finger"]
+
+
+@dataclass(frozen=True)
+class SectionOptions:
+    """Which finger is meant: one to size, one from a file, or one of given dimensions."""
+
+    stiffness: Annotated[str | None, STIFFNESS] = None
+    finger: Annotated[str | None, FINGER] = None
+    thickness: Annotated[str | None, THICKNESS] = None
+    offset: Annotated[str | None, OFFSET] = None
+    depth: Annotated[str, DEPTH] = "5 mm"
+    max_depth: Annotated[str, MAX_DEPTH] = "10 mm"
+
+    def require_one_way(self) -> None:
+        """Raise CallerError unless exactly one of the ways to say which finger is meant was taken."""
+        ways = {"--stiffness": self.stiffness, "--finger": self.finger, "--thickness": self.thickness}
+        taken = [name for name, value in ways.items() if value is not None]
+        if not taken:
+            raise CallerError(f"say which finger: {WAYS}")
+        if len(taken) > 1:
+            raise CallerError(f"{' and '.join(taken)} exclude each other: give one of them")
+        if (self.offset is None) != (self.thickness is None):
+            raise CallerError("--thickness and --offset belong together: give both, or neither")
+
+
+@dataclass(frozen=True)
+class BeamOptions:
+    """The dimensions of a finger besides those of its section."""
+
+    overall_length: Annotated[str, OVERALL_LENGTH] = "10 mm"
+    plate: Annotated[str, PLATE] = "5 mm"
+    columns: Annotated[int, COLUMNS] = 4
+    column_width: Annotated[str, COLUMN_WIDTH] = "0.3 mm"
+    inward_angle: Annotated[str, INWARD_ANGLE] = "8 deg"
+
+    def in_si(self) -> dict[str, float]:
+        """Return lengths and angle by the names of ``FingerRequest`` and ``FingerGeometry``."""
+        return {
+            "overall_length_m": in_si("--overall-length", self.overall_length),
+            "plate_length_m": in_si("--plate", self.plate),
+            "column_width_m": in_si("--column-width", self.column_width),
+            "inward_angle_rad": in_si("--inward-angle", self.inward_angle),
+        }
+
+
+@dataclass(frozen=True)
+class TaskOptions:
+    """What the finger must do, and what it is made of."""
+
+    endpoint: Annotated[str, ENDPOINT] = "6 mm"
+    travel: Annotated[str, TRAVEL] = "1.05 mm"
+    material: Annotated[str, MATERIAL] = "pom"
+    process: Annotated[str | None, PROCESS] = None
+    friction: Annotated[float, FRICTION] = 0.15
+    tendon_hole: Annotated[str, TENDON_HOLE] = "0.3 mm"
+
+
+@dataclass(frozen=True)
+class ObstacleOptions:
+    """An object in the way of the endpoint."""
+
+    object_stiffness: Annotated[str | None, OBJECT_STIFFNESS] = None
+    clearance: Annotated[str, CLEARANCE] = "4 mm"
+
+    def to_touch(self) -> ElasticObject | None:
+        """Return the object, None without one."""
+        from musclewire.wire import ElasticObject
+
+        stiffness = in_si("--object-stiffness", self.object_stiffness)
+        return None if stiffness is None else ElasticObject(stiffness, in_si("--clearance", self.clearance))
+
+
+@dataclass(frozen=True)
+class WireOptions:
+    """The wire whose stroke and force are checked, and the pretensioner on its connector."""
+
+    wire: Annotated[str | None, WIRE] = None
+    wire_length: Annotated[str, WIRE_LENGTH] = "7 cm"
+    pretension: Annotated[str, PRETENSION] = "0.71 N"
+    pretensioner: Annotated[str, PRETENSIONER] = "386.2 N/m"
+
+    def to_pull(self) -> WireToPull | None:
+        """Return the wire, None without one."""
+        from musclewire.extras.design._finger.finger_study import WireToPull
+        from musclewire.parameters import read_pretensioner
+
+        if self.wire is None:
+            return None
+        if self.pretensioner.endswith(".toml"):
+            stiffness = read_pretensioner(self.pretensioner).stiffness_n_per_m
+        else:
+            stiffness = in_si("--pretensioner", self.pretensioner)
+        return WireToPull(
+            self.wire, in_si("--wire-length", self.wire_length), in_si("--pretension", self.pretension), stiffness
+        )
+
+
+def finger(
+    context: typer.Context,
+    section: SectionOptions,
+    beam: BeamOptions,
+    task: TaskOptions,
+    obstacle: ObstacleOptions,
+    wire: WireOptions,
+    files: PartFiles,
+    options_file: Annotated[Path | None, OPTIONS_FILE] = None,
+    compare: Annotated[bool, COMPARE] = False,
+    refined: Annotated[int, REFINED] = 1,
+    json: Json = False,
+) -> None:
+    """Size a tendon-driven flexible finger, or compute what one of given dimensions does."""
+    from musclewire.extras.design._finger.finger_study import FingerStudy, study_finger
+    from musclewire.parameters import load_material
+
+    del options_file  # its values have become those of the options
+    section.require_one_way()
+    require_effect(context, section, obstacle, wire)
+    files.require("finger")
+    material = load_material(task.material)
+    request = requested(section, beam, task, material) if section.stiffness is not None else None
+    geometry = None if request is not None else geometry_of(section, beam, task, material)
+    answer = study_finger(
+        FingerStudy(
+            material=material,
+            endpoint_m=in_si("--endpoint", task.endpoint),
+            travel_m=in_si("--travel", task.travel),
+            request=request,
+            geometry=geometry,
+            friction=task.friction,
+            obstacle=obstacle.to_touch(),
+            wire=wire.to_pull(),
+            compare=compare,
+            refined=refined,
+        )
+    )
+    hole_m = in_si("--tendon-hole", task.tendon_hole) or 0.0
+    if "tendon_hole" in given_options(context):
+        require_tendon_holes(answer.geometry, hole_m)
+    write_files(answer, files, hole_m)
+    if json:
+        emit_json(answer_json(answer, files.output, files.drawings, files.solids))
+    else:
+        show(answer_text(answer))
+        warn([*answer.warnings, *(f"it does not hold: {one.name}" for one in answer.checks if not one.ok)])
+    if not all(check.ok for check in answer.checks):
+        raise typer.Exit(1)
+
+
+# Batches and sheets of one material differ by less.
+MODULUS_MARGIN = 0.3
+# Film and thin strip are sold from about here.
+MIN_THICKNESS_M = 0.1e-3
+WAYS = "--stiffness '1084.4 N/m' to size one, --finger NAME for one that exists, or --thickness and --offset"
+# What an option needs to change anything, and what a finger's file has already.
+NEEDS = {
+    "clearance": "--object-stiffness",
+    "wire_length": "--wire",
+    "pretension": "--wire",
+    "pretensioner": "--wire",
+    "max_depth": "--stiffness",
+}
+OF_A_FILE = ("depth", "overall_length", "plate", "columns", "column_width", "inward_angle", "process")
+
+
+def require_effect(
+    context: typer.Context, section: SectionOptions, obstacle: ObstacleOptions, wire: WireOptions
+) -> None:
+    """Raise CallerError for an option that was given and would change nothing with the others as they are."""
+    others = {
+        "--stiffness": section.stiffness,
+        "--wire": wire.wire,
+        "--object-stiffness": obstacle.object_stiffness,
+    }
+    for name in given_options(context):
+        option = f"--{name.replace('_', '-')}"
+        if name in NEEDS and others[NEEDS[name]] is None:
+            raise CallerError(f"{option} has an effect only with {NEEDS[name]}: give that too, or leave it out")
+        if name in OF_A_FILE and section.finger is not None:
+            raise CallerError(
+                f"{option} and --finger exclude each other: a finger's file has all dimensions, leave one out"
+            )
+
+
+def requested(section: SectionOptions, beam: BeamOptions, task: TaskOptions, material: Material) -> FingerRequest:
+    """Return the request for a finger: stiffness, endpoint and travel wanted, and the room for its section."""
+    from musclewire.extras.design._finger.sizing import FingerRequest
+
+    thinnest_m = material.minimum_thickness_by(task.process) if task.process else MIN_THICKNESS_M
+    return FingerRequest(
+        stiffness_n_per_m=in_si("--stiffness", section.stiffness) or 0.0,
+        endpoint_m=in_si("--endpoint", task.endpoint),
+        travel_m=in_si("--travel", task.travel),
+        columns=beam.columns,
+        depth_m=in_si("--depth", section.depth),
+        max_depth_m=in_si("--max-depth", section.max_depth),
+        min_thickness_m=thinnest_m,
+        **beam.in_si(),
+    )
+
+
+def geometry_of(section: SectionOptions, beam: BeamOptions, task: TaskOptions, material: Material) -> FingerGeometry:
+    """Return the geometry of a finger's file, or of given thickness, depth and offset."""
+    if section.finger is not None:
+        geometry = geometry_from_file(section.finger)
+        require_material_of(geometry, section.finger, material)
+        return geometry
+    from musclewire.extras.design._finger.sizing import geometry_of_section
+
+    geometry = geometry_of_section(
+        in_si("--thickness", section.thickness) or 0.0,
+        in_si("--depth", section.depth),
+        in_si("--offset", section.offset) or 0.0,
+        beam.in_si(),
+        beam.columns,
+        material.youngs_modulus_pa.value,
+    )
+    if task.process is not None:
+        require_made(geometry, task.process, material.minimum_thickness_by(task.process))
+    return geometry
+
+
+def require_material_of(geometry: FingerGeometry, file: str, material: Material) -> None:
+    """Raise CallerError if a finger file is of a material much stiffer or softer than the one it is computed with."""
+    own, other = geometry.youngs_modulus_pa, material.youngs_modulus_pa.value
+    if abs(own / other - 1.0) > MODULUS_MARGIN:
+        raise CallerError(
+            f"finger {file} is of {1e-9 * own:g} GPa, and {material.name} has {1e-9 * other:g} GPa: name its own "
+            "--material, or compute another by --thickness and --offset"
+        )
+
+
+def require_made(geometry: FingerGeometry, process: str, minimum_m: float) -> None:
+    """Raise CallerError for a beam thinner than a process makes it."""
+    if geometry.beam_thickness_m < minimum_m:
+        beam_m = geometry.beam_thickness_m
+        raise CallerError(
+            f"a beam of {1e3 * beam_m:g} mm is {100 * (1 - beam_m / minimum_m):.0f} % thinner than the "
+            f"{1e3 * minimum_m:g} mm that {process} makes: a thicker beam or another process"
+        )
+
+
+def geometry_from_file(name: str) -> FingerGeometry:
+    """Return the geometry of a finger by name or file."""
+    from musclewire.extras.design._finger.finger_file_text import finger_geometry
+    from musclewire.parameters import load_finger
+
+    return finger_geometry(load_finger(name))
+
+
+def require_tendon_holes(geometry: FingerGeometry, diameter_m: float) -> None:
+    """Raise CallerError for tendon holes that do not fit, whether or not a solid is written."""
+    from musclewire.extras.design._finger.solid import require_room
+
+    require_room(geometry, diameter_m)
+
+
+def write_files(answer: FingerStudyResult, files: PartFiles, tendon_hole_m: float) -> None:
+    """Write what was requested, each file whole or not at all."""
+    from musclewire.signals import write_text_whole, write_whole
+
+    if files.output is not None:
+        from musclewire.extras.design._finger.finger_file_text import finger_study_file_text
+
+        write_text_whole(files.output, finger_study_file_text(files.output.stem, answer))
+    for drawing in files.drawings:
+        from musclewire.extras.design._finger.drawing import write_finger_drawing
+
+        write_finger_drawing(answer.geometry, drawing)
+    for solid in files.solids:
+        from musclewire.extras.design._finger.solid import write_finger_solid
+
+        write_finger_solid(answer.geometry, solid, tendon_hole_m)
+    if files.plot is not None:
+        from musclewire.extras.design._finger.figures import plot_finger
+
+        suffix = files.plot.suffix.removeprefix(".")
+        figure = plot_finger(answer)
+        write_whole(files.plot, lambda part: figure.savefig(part, format=suffix))

@@ -1,0 +1,138 @@
+"""Margins of a closed loop: a linear wire between samples, and the plain PID that this package's loops run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite, log, pi
+from typing import Any
+
+import control
+import numpy as np
+
+from musclewire.controllers import PidSettings
+from musclewire.extras.interfaces._control_systems.linearisation import LinearWire
+from musclewire.sensing import SensingModel
+
+__all__ = ["LoopMargins", "controller_system", "loop_margins", "sampled_system"]
+
+
+@dataclass(frozen=True)
+class LoopMargins:
+    """How far a loop is from the limit of stability.
+
+    Parameters
+    ----------
+    stable
+        Whether all closed-loop poles are inside the unit circle.
+    slowest_s
+        Time constant of the slowest closed-loop pole [s]; below 0 for the fastest growth of a loop that is not stable,
+        None if nothing is fed back.
+    gain_margin
+        Factor on the loop's gain at which it begins to oscillate; None if there is none, or the loop is not stable.
+    phase_margin_deg
+        Phase [deg] that may be lost at the crossover; None without a crossover, or if the loop is not stable.
+    delay_margin_s
+        Delay [s] that this phase is at the crossover; None as the phase margin.
+    crossover_hz
+        Frequency at which the loop's gain is 1 [Hz]; None as the phase margin.
+    """
+
+    stable: bool
+    slowest_s: float | None
+    gain_margin: float | None = None
+    phase_margin_deg: float | None = None
+    delay_margin_s: float | None = None
+    crossover_hz: float | None = None
+
+
+def sampled_system(linear: LinearWire, period_s: float, model: SensingModel | None = None) -> Any:
+    """Return a linear wire in discrete time: drive held over a sample, strain the mean over the sample that has ended.
+
+    Parameters
+    ----------
+    linear
+        The wire, linearised at an operating point.
+    period_s
+        Time between samples [s].
+    model
+        Model of the wire: the output is then its estimate of strain. None takes the strain itself.
+
+    Returns
+    -------
+    A ``control.StateSpace`` from drive voltage [V] to strain, both relative to the operating point.
+    """
+    sampled = linear.sampled(period_s)
+    per_j = linear.strain_per_j if model is None else linear.estimate_per_j(model)
+    return control.ss(
+        [[sampled.kept, 0.0], [per_j * sampled.mean_kept, 0.0]],
+        [[sampled.driven], [per_j * sampled.mean_driven]],
+        [[0.0, 1.0]],
+        [[0.0]],
+        period_s,
+        inputs=["drive_voltage_v"],
+        outputs=["strain"],
+    )
+
+
+def controller_system(settings: PidSettings, period_s: float) -> Any:
+    """Return a plain PID in discrete time, from strain error to drive voltage, away from its limits.
+
+    Parameters
+    ----------
+    settings
+        Its gains and scales.
+    period_s
+        Time between samples [s].
+
+    Returns
+    -------
+    A ``control.TransferFunction``: the law of the controller ``pid``, whose derivative acts on the measured strain. In
+    the loop that is the same transfer function.
+    """
+    z = control.tf([1.0, 0.0], [1.0], period_s)
+    weight = period_s / (settings.derivative_filter_s + period_s)
+    rate = (weight / period_s) * (z - 1.0) / (z - (1.0 - weight))
+    law = settings.kp + settings.ki * period_s * z / (z - 1.0) + settings.kd * rate
+    return control.minreal(settings.input_scale / settings.error_unit * law, verbose=False)
+
+
+def loop_margins(
+    linear: LinearWire,
+    settings: PidSettings | None = None,
+    model: SensingModel | None = None,
+    period_s: float | None = None,
+) -> LoopMargins:
+    """Return the margins of a closed loop at an operating point.
+
+    Parameters
+    ----------
+    linear
+        The wire, linearised there.
+    settings
+        Those of the plain PID; its defaults, the middles of the paper's ranges, if None.
+    model
+        Model by which the loop senses strain; None closes it on the strain itself.
+    period_s
+        Time between samples [s]; the rig's if None.
+
+    Returns
+    -------
+    The margins.
+
+    Raises
+    ------
+    CallerError
+        For settings that a PID cannot have.
+    """
+    dt_s = linear.point.wire.sample_period_s if period_s is None else period_s
+    loop = control.ss(controller_system(settings or PidSettings(), dt_s)) * sampled_system(linear, dt_s, model)
+    largest = float(np.abs(control.feedback(loop, 1).poles()).max())
+    slowest_s = -dt_s / log(largest) if largest != 1.0 else None
+    if largest >= 1.0:
+        return LoopMargins(False, slowest_s)
+    gain, phase_deg, _, _, crossover, _ = (float(number) for number in control.stability_margins(loop))
+    gain_margin = gain if isfinite(gain) else None
+    if not isfinite(crossover):
+        return LoopMargins(True, slowest_s, gain_margin)
+    crossover_hz = crossover / (2.0 * pi)
+    return LoopMargins(True, slowest_s, gain_margin, phase_deg, phase_deg / 360.0 / crossover_hz, crossover_hz)

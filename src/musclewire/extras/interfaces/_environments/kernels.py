@@ -1,0 +1,246 @@
+"""What happens to many simulated wires at the end of a sample, compiled: reading, protection, reward, observation.
+
+The lanes are in arrays of records, one record a lane. A reading that is not sound is judged by the protection itself,
+in ``watch.py``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled
+from musclewire.controllers import SOUND_LIMITS, SOUND_MEMORY, sound_reading
+from musclewire.extras.interfaces._environments.episodes import MAX_RESISTANCE_FACTOR, PERCENT
+from musclewire.random_numbers import normal_pair, philox, uniform
+
+__all__ = [
+    "FACTS",
+    "MEMORY",
+    "NO_CURVE",
+    "CompiledCurve",
+    "LaneEnds",
+    "LaneRun",
+    "draw_levels",
+    "drive_lanes",
+    "empty_ends",
+    "judge_lanes",
+    "read_lanes",
+]
+
+# Streams of random numbers of a lane: the last word of the counter.
+TARGETS, READINGS = 0, 1
+# From this noise on, in steps of the converter, the error of rounding is independent of the voltage to 0.3 % of a step:
+# the mean of many readings is then one normal number with the variances of noise and rounding.
+MIN_DITHER_STEPS = 0.5
+
+# What a lane's rig is; the protection's limits are among it under their own names. Our own numbers come first: a record
+# that began with another one's fields would count as a kind of it, of which Numba warns.
+FACTS = np.dtype(
+    [
+        (name, np.float64)
+        for name in (
+            "sample_period_s", "leg_length_m", "amplifier_resolution_v", "acquisition_noise_v",
+            "acquisition_step_v", "acquisition_readings", "displacement_noise_m",
+        )
+    ]
+    + SOUND_LIMITS.descr
+)  # fmt: skip
+# What a lane remembers beyond its wire: the drive that is out, episode and sample by number, whether the episode has
+# ended, and the protection's memory under its own names.
+MEMORY = np.dtype(
+    [
+        ("drive_voltage_v", np.float64),
+        ("episode", np.int64),
+        ("sample", np.int64),
+        ("ended", np.int64),
+        *SOUND_MEMORY.descr,
+    ]
+)
+
+# Arrays of these records, and one of them as compiled code sees it; mypy knows no fields of either.
+Rows = NDArray[np.void]
+Record = Any
+
+
+class CompiledCurve(NamedTuple):
+    """The mean polynomial of a resistance curve as compiled code takes it; no coefficients: no estimate."""
+
+    resistance_min_ohm: float
+    per_ohm: float
+    normalised_min: float
+    normalised_max: float
+    heating: FloatArray
+    cooling: FloatArray
+
+
+NO_CURVE = CompiledCurve(0.0, 0.0, 0.0, 0.0, np.empty(0), np.empty(0))
+
+
+class LaneRun(NamedTuple):
+    """What all lanes have in common: seed, number of the level asked for in each sample, and the estimator's curve.
+
+    The samples of an episode are counted from the first after the reset; there is one level more than samples, which is
+    asked for after the last.
+    """
+
+    seed: int
+    level_of_sample: NDArray[np.int64]
+    curve: CompiledCurve
+
+
+class LaneEnds(NamedTuple):
+    """How a sample ends, written in place; (n_lanes,) each but what is observed, (n_lanes, n_observed).
+
+    Parameters
+    ----------
+    wire_voltage_v, shunt_voltage_v
+        Readings of the converter [V].
+    strain
+        Reading of the displacement sensor, as a strain.
+    sound
+        Whether a reading is sound.
+    event
+        Number of the event by which the protection has switched off; 0 for none.
+    observed
+        Observations.
+    reward
+        Rewards.
+    truncated
+        Whether the time of the episode has come to its end.
+    """
+
+    wire_voltage_v: FloatArray
+    shunt_voltage_v: FloatArray
+    strain: FloatArray
+    sound: NDArray[np.bool_]
+    event: NDArray[np.int64]
+    observed: FloatArray
+    reward: FloatArray
+    truncated: NDArray[np.bool_]
+
+
+def empty_ends(count: int, observed: FloatArray) -> LaneEnds:
+    """Return the end of a sample of so many lanes, still to be filled in; observations are written where they were."""
+    wire_voltage_v, shunt_voltage_v, strain, reward = np.empty((4, count))
+    sound_ones, truncated = np.empty((2, count), np.bool_)
+    event = np.empty(count, np.int64)
+    return LaneEnds(wire_voltage_v, shunt_voltage_v, strain, sound_ones, event, observed, reward, truncated)
+
+
+@compiled
+def draw_levels(seed: int, lane: int, episode: int, draws: FloatArray) -> None:
+    """Write the random numbers of one episode's levels, each from 0 to 1, into ``draws``, (n_levels,)."""
+    for level in range(draws.shape[0]):
+        word, _, _, _ = philox(level, episode, lane, TARGETS, seed)
+        draws[level] = uniform(word)
+
+
+@compiled
+def drive_lanes(facts: Rows, memory: Rows, actions: FloatArray, drive_v: FloatArray) -> None:
+    """Write the drive voltage of each lane, rounded to the amplifier's steps, for actions from -1 to 1, (n_lanes,)."""
+    for lane in range(actions.shape[0]):
+        fact, kept = facts[lane], memory[lane]
+        part = 0.5 * (min(max(actions[lane], -1.0), 1.0) + 1.0)
+        span_v = fact["maximum_voltage_v"] - fact["sense_voltage_v"]
+        wanted_v = fact["sense_voltage_v"] if kept["ended"] else fact["sense_voltage_v"] + part * span_v
+        step_v = fact["amplifier_resolution_v"]
+        kept["drive_voltage_v"] = step_v * round(min(wanted_v, fact["maximum_voltage_v"]) / step_v)
+        drive_v[lane] = kept["drive_voltage_v"]
+
+
+@compiled
+def converted(fact: Record, voltage_v: float, normal: float, place: tuple[int, int, int, int]) -> float:
+    """Return a voltage as the converter reads it: the mean of many readings with noise, rounded to steps."""
+    step_v, noise_v, readings = fact["acquisition_step_v"], fact["acquisition_noise_v"], fact["acquisition_readings"]
+    if noise_v >= MIN_DITHER_STEPS * step_v:
+        spread_v: float = math.sqrt((noise_v * noise_v + step_v * step_v / 12.0) / readings)
+        return voltage_v + normal * spread_v
+    sample, episode, lane, key = place
+    total_v = 0.0
+    for reading in range(int(readings)):
+        first, second, _, _ = philox(sample, episode, lane, READINGS + 1 + reading, key)
+        each, _ = normal_pair(first, second)
+        total_v += step_v * round((voltage_v + noise_v * each) / step_v)
+    mean_v: float = total_v / readings
+    return mean_v
+
+
+@compiled
+def read_lane(
+    fact: Record, kept: Record, lane: int, seed: int, means: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """Return the readings of wire voltage, shunt voltage and displacement for their true means over a sample."""
+    words = philox(kept["sample"], kept["episode"], lane, READINGS, seed)
+    wire, shunt = normal_pair(words[0], words[1])
+    sensor, _ = normal_pair(words[2], words[3])
+    place = (kept["sample"], kept["episode"], lane, seed)
+    # The readings of one channel one by one have streams of their own: those of the shunt follow the wire's.
+    other = (kept["sample"], kept["episode"], lane, seed ^ -1)
+    wire_v, shunt_v = converted(fact, means[0], wire, place), converted(fact, means[1], shunt, other)
+    return (
+        min(max(wire_v, -fact["wire_range_v"]), fact["wire_range_v"]),
+        min(max(shunt_v, -fact["shunt_range_v"]), fact["shunt_range_v"]),
+        means[2] + fact["displacement_noise_m"] * sensor,
+    )
+
+
+@compiled
+def read_lanes(facts: Rows, memory: Rows, seed: int, means: FloatArray, ends: LaneEnds) -> None:
+    """Read all lanes from their true means over a sample: wire voltage, shunt voltage, displacement, (3, n_lanes)."""
+    for lane in range(means.shape[1]):
+        fact, kept = facts[lane], memory[lane]
+        wire_v, shunt_v, displacement_m = read_lane(
+            fact, kept, lane, seed, (means[0, lane], means[1, lane], means[2, lane])
+        )
+        ends.wire_voltage_v[lane], ends.shunt_voltage_v[lane] = wire_v, shunt_v
+        ends.strain[lane] = displacement_m / fact["leg_length_m"]
+        drive_v, period_s = kept["drive_voltage_v"], fact["sample_period_s"]
+        ends.sound[lane] = sound_reading(kept, fact, drive_v, wire_v, shunt_v, period_s)
+
+
+@compiled
+def estimate_of(curve: CompiledCurve, resistance_ohm: float) -> float:
+    """Return the mean of both branches at a resistance (Eqs. 3 to 5), as ``ResistanceCurve.estimate`` does."""
+    fraction = (resistance_ohm - curve.resistance_min_ohm) * curve.per_ohm
+    inside = min(max(fraction, curve.normalised_min), curve.normalised_max)
+    heating = cooling = 0.0
+    for power in range(curve.heating.shape[0] - 1, -1, -1):
+        heating = heating * inside + curve.heating[power]
+        cooling = cooling * inside + curve.cooling[power]
+    return (heating + cooling) / 2.0
+
+
+@compiled
+def judge_lanes(facts: Rows, memory: Rows, targets: FloatArray, run: LaneRun, ends: LaneEnds) -> None:
+    """Reward and observe all lanes at the end of a sample; ``targets`` are their levels, (n_lanes, n_levels).
+
+    A lane that had ended was at rest before this sample, which was the first of its episode.
+    """
+    last = run.level_of_sample.shape[0] - 1
+    for lane in range(targets.shape[0]):
+        fact, kept, seen = facts[lane], memory[lane], ends.observed[lane]
+        before = run.level_of_sample[max(kept["sample"] - 1, 0)]
+        # The sample that has just ended is judged by the target that was asked for while it was taken.
+        error = abs(targets[lane, before] - ends.strain[lane])
+        ends.reward[lane] = 0.0 if kept["ended"] else -PERCENT * error
+        tripped = ends.event[lane] != 0
+        if tripped:
+            ends.reward[lane] = -PERCENT * targets[lane].max() * (last - kept["sample"] + 1)
+            kept["drive_voltage_v"] = 0.0
+        else:
+            wire_v, shunt_v = ends.wire_voltage_v[lane], ends.shunt_voltage_v[lane]
+            resistance_ohm = wire_v / shunt_v * fact["shunt_resistance_ohm"]
+            seen[0], seen[1] = wire_v, shunt_v
+            seen[2] = min(max(resistance_ohm, 0.0), MAX_RESISTANCE_FACTOR * fact["resistance_high_ohm"])
+            if run.curve.heating.shape[0]:
+                seen[5] = estimate_of(run.curve, resistance_ohm)
+        seen[3] = kept["drive_voltage_v"]
+        seen[4] = targets[lane, run.level_of_sample[kept["sample"]]]
+        ends.truncated[lane] = not tripped and kept["sample"] >= last
+        kept["ended"] = tripped or ends.truncated[lane]
+        kept["sample"] += 1

@@ -1,0 +1,247 @@
+"""Many simulated wires as one Gymnasium vector environment: one call a step, in place on arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from musclewire.arrays import FloatArray
+from musclewire.controllers import Event, ProtectionLimits, protection_table
+from musclewire.errors import CallerError
+from musclewire.extras.interfaces._environments.episodes import Episode, episode_from
+from musclewire.extras.interfaces._environments.kernels import (
+    FACTS,
+    MEMORY,
+    NO_CURVE,
+    CompiledCurve,
+    LaneEnds,
+    LaneRun,
+    draw_levels,
+    drive_lanes,
+    empty_ends,
+    judge_lanes,
+    read_lanes,
+)
+from musclewire.extras.interfaces._environments.lanes import WireLanes
+from musclewire.extras.interfaces._environments.spaces import (
+    action_space,
+    checked_actions,
+    no_options,
+    observation_space,
+    strain_model,
+)
+from musclewire.extras.interfaces._environments.watch import ProtectionWatch
+from musclewire.extras.interfaces._simulated_wire import SimulatedWire, simulated_wire
+from musclewire.rigs import RigConfiguration
+from musclewire.sensing import SensingModel
+
+__all__ = ["WireVectorEnv"]
+
+Rig = str | Path | RigConfiguration
+Mask = NDArray[np.bool_]
+Step = tuple[FloatArray, FloatArray, Mask, Mask, dict[str, Any]]
+
+
+class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
+    """Many wires, each as in :class:`WireEnv` and with the same observation, action and reward.
+
+    A wire whose episode has ended is at rest and cold at the next step, which ignores its action and returns the first
+    observation of its next episode, with a reward of 0 (Gymnasium's next-step autoreset). Noise and targets depend on
+    the seed, the wire's number, its episode and its sample: not on the number of wires, nor on threads. They are not
+    those of :class:`WireEnv` with the same seed.
+
+    Parameters
+    ----------
+    num_envs
+        Number of wires.
+    rig
+        A simulated rig, as in :class:`WireEnv`, or a sequence of rigs, which the wires take in turn. Each has one wire,
+        still air, no faults, and samples of at least 10 ms; all have the same sample period.
+    episode
+        "staircase", "random", an :class:`Episode`, or its numbers by name.
+    model
+        Model of the wire, or the path of its file; adds the strain by the paper's polynomials to the observation.
+    settings
+        Numbers of wire and bench by name, as ``mw.open_rig`` takes them.
+
+    Raises
+    ------
+    CallerError
+        For a rig that this environment cannot simulate, an unknown name, and a model that does not estimate strain.
+    """
+
+    # As the base class declares it, whose makers read it of the class.
+    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        rig: Rig | Sequence[Rig] = "simulated",
+        *,
+        episode: Episode | str | dict[str, Any] = "staircase",
+        model: SensingModel | str | Path | None = None,
+        **settings: float | str,
+    ) -> None:
+        """Make the wires; they are cold."""
+        if num_envs < 1:
+            raise CallerError(f"an environment of {num_envs} wires: give at least 1")
+        rigs = [rig] if isinstance(rig, str | Path | RigConfiguration) else list(rig)
+        wires = [simulated_wire(one, **settings) for one in rigs]
+        period_s = checked_period_s(wires)
+        self.num_envs = num_envs
+        self._episode = episode_from(episode)
+        known = strain_model(model)
+        lanes = [wires[lane % len(wires)] for lane in range(num_envs)]
+        self._lanes = WireLanes(lanes, period_s)
+        self._facts = np.concatenate([facts_of(wire) for wire in wires])[np.arange(num_envs) % len(wires)]
+        self._memory = np.zeros(num_envs, MEMORY)
+        self._targets = np.zeros((num_envs, self._episode.levels))
+        self._drive_v = np.zeros(num_envs)
+        self._watch = ProtectionWatch([wire.limits for wire in lanes], self._facts, self._memory)
+        self._run = LaneRun(0, self._episode.level_of_sample(period_s), curve_of(known))
+        self.single_action_space = action_space()
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.single_observation_space = observation_space(widest(wires), self._episode, known)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self._observed = np.zeros((num_envs, *(self.single_observation_space.shape or ())))
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[FloatArray, dict[str, Any]]:
+        """Let all wires cool, draw new targets, and take a first sample at the sense voltage.
+
+        Parameters
+        ----------
+        seed
+            Seed of targets and noise of all wires; None continues the random numbers of the last one.
+        options
+            None are known.
+
+        Returns
+        -------
+        The first observations, (num_envs, n_observed), and no information.
+
+        Raises
+        ------
+        CallerError
+            For any option.
+        """
+        no_options(options)
+        super().reset(seed=seed, options=options)
+        self._run = self._run._replace(seed=int(self.np_random.integers(2**63 - 1)))
+        self._memory["ended"], self._memory["episode"] = 1, -1
+        self._observed[:] = 0.0
+        self._take_sample(np.zeros(self.num_envs))
+        return self._observed.copy(), {}
+
+    def step(self, actions: FloatArray) -> Step:
+        """Hold a drive at each wire for one sample.
+
+        Parameters
+        ----------
+        actions
+            The drives, (num_envs, 1), as in :meth:`WireEnv.step`.
+
+        Returns
+        -------
+        Observations, rewards, which episodes the protection has ended, which have come to the end of their time, and
+        information: ``measured_strain`` of each wire, and ``event`` of those that the protection has switched off.
+
+        Raises
+        ------
+        CallerError
+            For actions of another shape, or that are not finite, and before a reset.
+        NumericsError
+            When an episode has ended, if steps of the simulation were too long for what a wire did.
+        """
+        if self._np_random is None:
+            raise CallerError("no episode has begun: call reset")
+        ends = self._take_sample(checked_actions(actions, (self.num_envs, 1))[:, 0])
+        infos: dict[str, Any] = {"measured_strain": ends.strain}
+        terminated = ends.event != 0
+        if terminated.any():
+            names = [Event(number).name.lower() if number else None for number in ends.event.tolist()]
+            infos |= {"event": np.array(names, dtype=object), "_event": terminated.copy()}
+        return self._observed.copy(), ends.reward, terminated, ends.truncated, infos
+
+    def _take_sample(self, actions: FloatArray) -> LaneEnds:
+        """Advance all wires by a sample, those whose episode has ended from rest."""
+        count, ended = self.num_envs, self._memory["ended"] != 0
+        if ended.any():
+            self._restart(ended)
+        drive_lanes(self._facts, self._memory, actions, self._drive_v)
+        self._watch.command(self._drive_v)
+        ends = empty_ends(count, self._observed)
+        read_lanes(self._facts, self._memory, self._run.seed, self._lanes.advance(self._drive_v), ends)
+        self._watch.judge(ends)
+        judge_lanes(self._facts, self._memory, self._targets, self._run, ends)
+        return ends
+
+    def _restart(self, lanes: Mask) -> None:
+        """Begin the next episode of some wires: cold, with new targets."""
+        self._lanes.require_resolved()
+        self._lanes.rest(lanes)
+        self._watch.rest(lanes)
+        self._memory["sample"][lanes] = 0
+        self._memory["episode"][lanes] += 1
+        draws = np.empty((int(lanes.sum()), self._episode.levels))
+        for row, lane in enumerate(np.flatnonzero(lanes).tolist()):
+            draw_levels(self._run.seed, lane, int(self._memory["episode"][lane]), draws[row])
+        self._targets[lanes] = self._episode.drawn(draws)
+
+
+def checked_period_s(wires: Sequence[SimulatedWire]) -> float:
+    """Return the sample period of all rigs. Raises CallerError for rigs that cannot be simulated side by side."""
+    if not all(wire.undisturbed for wire in wires):
+        raise CallerError("a rig with [[fault]] or moving air: the vector environment has neither, take WireEnv")
+    periods = {wire.sample_period_s for wire in wires}
+    if len(periods) != 1:
+        raise CallerError(f"rigs with sample periods of {sorted(periods)} s: give rigs of one period")
+    (period_s,) = periods
+    shortest_s = protection_table().reading_period_s
+    if period_s < shortest_s:
+        raise CallerError(
+            f"a sample period of {period_s:g} s: the protection averages readings below {shortest_s:g} s, and this "
+            "environment does not: give a longer one"
+        )
+    return period_s
+
+
+def facts_of(wire: SimulatedWire) -> NDArray[np.void]:
+    """Return the record of a lane's rig, (1,)."""
+    facts = np.zeros(1, FACTS)
+    for name, value in wire.limits._asdict().items():
+        facts[name] = value
+    names = ("amplifier_resolution_v", "acquisition_noise_v", "acquisition_readings", "displacement_noise_m")
+    for name in ("sample_period_s", *names):
+        facts[name] = wire.bench[name]
+    facts["leg_length_m"] = wire.constants.leg_length_m
+    facts["acquisition_step_v"] = 2.0 * wire.bench["acquisition_range_v"] / 2.0 ** wire.bench["acquisition_bits"]
+    return facts
+
+
+def widest(wires: Sequence[SimulatedWire]) -> ProtectionLimits:
+    """Return limits with the largest numbers of all rigs: what any of them may show is within."""
+    columns = zip(*(wire.limits for wire in wires), strict=True)
+    return ProtectionLimits(*(max(column) for column in columns))
+
+
+def curve_of(model: SensingModel | None) -> CompiledCurve:
+    """Return the resistance curve of a model as compiled code takes it."""
+    if model is None:
+        return NO_CURVE
+    curve = model.curve()
+    return CompiledCurve(
+        curve.resistance_min_ohm,
+        1.0 / (curve.resistance_max_ohm - curve.resistance_min_ohm),
+        curve.normalised_min,
+        curve.normalised_max,
+        np.array(curve.heating_coefficients),
+        np.array(curve.cooling_coefficients),
+    )

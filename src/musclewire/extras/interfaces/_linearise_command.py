@@ -1,0 +1,144 @@
+"""The command linearise: operating points, poles and margins of a rig's wire at a displacement."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from musclewire.app import FigureOptions, Json, RigName, emit_json, in_si, show
+from musclewire.extras.interfaces._options import DISPLACEMENT, SENSED_BY
+
+if TYPE_CHECKING:
+    from musclewire.extras.interfaces._control_systems import Linearisation, LinearisedLoop, OperatingPoint
+
+__all__ = ["linearise"]
+
+ZERO_DEGC_K = 273.15
+
+
+def linearise(
+    rig: RigName,
+    displacement: Annotated[str, DISPLACEMENT],
+    figure: FigureOptions,
+    sensed_by: Annotated[Path | None, SENSED_BY] = None,
+    json: Json = False,
+) -> None:
+    """Linearise the simulated wire at a displacement: operating points, poles, margins of the closed loop."""
+    figure.check()
+    from musclewire.extras.interfaces import _control_systems as control_systems
+    from musclewire.sensing import load_model
+
+    model = None if sensed_by is None else load_model(sensed_by)
+    found = control_systems.linearise(in_si("--displacement", displacement), rig, model=model)
+    figure.draw(partial(control_systems.bode_axes, found))
+    if json:
+        emit_json(linearisation_json(found))
+    else:
+        show(linearisation_text(found))
+
+
+def linearisation_json(found: Linearisation) -> dict[str, Any]:
+    """Return a linearisation under the keys of the interface."""
+    point = found.points[0]
+    return {
+        "wire": point.wire.name,
+        "displacement_m": point.displacement_m,
+        "strain_pct": 100.0 * point.strain,
+        "sample_period_s": point.wire.sample_period_s,
+        "width_v": found.width_v,
+        "operating_points": [point_json(one) for one in found.points],
+        "linearisations": [loop_json(one) for one in found.loops],
+        "controller": found.settings.model_dump(),
+        "sensed_by": "strain" if found.model is None else "model",
+    }
+
+
+def point_json(point: OperatingPoint) -> dict[str, Any]:
+    """Return one operating point."""
+    return {
+        "branch": point.branch,
+        "drive_voltage_v": point.drive_voltage_v,
+        "temperature_degc": point.temperature_k - ZERO_DEGC_K,
+        "resistance_ohm": point.resistance_ohm,
+        "force_n": point.force_n,
+        "martensite_fraction": point.state.martensite_fraction,
+        "r_phase_fraction": point.state.r_phase_fraction,
+    }
+
+
+def loop_json(one: LinearisedLoop) -> dict[str, Any]:
+    """Return one linear wire with its margins; null for a margin that there is not."""
+    linear, margins = one.linear, one.margins
+    return {
+        "branch": linear.point.branch,
+        "motion": linear.motion,
+        "pole_per_s": linear.rate_per_s,
+        "time_constant_s": linear.time_constant_s,
+        "displacement_m_per_v": linear.steady_per_volt(linear.displacement_m_per_j),
+        "resistance_ohm_per_v": linear.steady_per_volt(linear.resistance_ohm_per_j),
+        "temperature_k_per_v": linear.steady_per_volt(linear.temperature_k_per_j),
+        "stable": margins.stable,
+        "slowest_s": margins.slowest_s,
+        "gain_margin": margins.gain_margin,
+        "phase_margin_deg": margins.phase_margin_deg,
+        "delay_margin_s": margins.delay_margin_s,
+        "crossover_hz": margins.crossover_hz,
+    }
+
+
+def linearisation_text(found: Linearisation) -> str:
+    """Return a linearisation as lines."""
+    point = found.points[0]
+    loop = "the strain itself" if found.model is None else "the model's estimate"
+    return "\n".join(
+        [
+            f"{point.wire.name} at {1e3 * point.displacement_m:g} mm, strain {100.0 * point.strain:.3f} %",
+            "",
+            "reached by | drive V | wire C | ohm     | N",
+            *(point_text(one) for one in found.points),
+            f"a reversal goes through {found.width_v:.3f} V before the wire follows",
+            "",
+            "linearised            | pole 1/s | time s | mm/V    | ohm/V   | K/V   | loop",
+            *(loop_text(one) for one in found.loops),
+            "",
+            f"Loop: plain PID, {1e3 * point.wire.sample_period_s:g} ms samples, on {loop}. Branch: onward, with the "
+            "transformation.",
+            "Minor loop: back, with the wire's own heat capacity; strain hardly moves until the barrier is passed.",
+        ]
+    )
+
+
+def point_text(point: OperatingPoint) -> str:
+    """Return one operating point as a line."""
+    return (
+        f"{point.branch:<10} | {point.drive_voltage_v:7.3f} | {point.temperature_k - ZERO_DEGC_K:6.1f} | "
+        f"{point.resistance_ohm:7.3f} | {point.force_n:.3f}"
+    )
+
+
+def loop_text(one: LinearisedLoop) -> str:
+    """Return one linear wire with its margins as a line."""
+    linear = one.linear
+    name = f"{linear.point.branch}, {linear.motion}"
+    return (
+        f"{name:<21} | {linear.rate_per_s:8.3f} | {linear.time_constant_s:6.3f} | "
+        f"{1e3 * linear.steady_per_volt(linear.displacement_m_per_j):7.3f} | "
+        f"{linear.steady_per_volt(linear.resistance_ohm_per_j):7.3f} | "
+        f"{linear.steady_per_volt(linear.temperature_k_per_j):5.1f} | {margins_text(one)}"
+    )
+
+
+def margins_text(one: LinearisedLoop) -> str:
+    """Return the margins of a loop in words."""
+    margins = one.margins
+    if margins.slowest_s is None:
+        return "not fed back: the estimate does not move"
+    if not margins.stable:
+        return f"drifts, time constant {-margins.slowest_s:.3g} s"
+    parts = [f"settles in {margins.slowest_s:.3g} s"]
+    if margins.gain_margin is not None:
+        parts.append(f"gain margin {margins.gain_margin:.2f}")
+    if margins.phase_margin_deg is not None and margins.delay_margin_s is not None:
+        parts.append(f"phase margin {margins.phase_margin_deg:.0f} deg ({margins.delay_margin_s:.2f} s of delay)")
+    return ", ".join(parts)

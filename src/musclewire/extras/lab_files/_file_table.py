@@ -1,0 +1,252 @@
+"""Tables of numbers in files of other programs, read column by column and in ranges of rows."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import MusclewireError, RecordingError, nearest_hint
+from musclewire.signals import (
+    BLOCK_ROWS,
+    MetadataValue,
+    RowBlock,
+    SourceColumn,
+    checked_metadata,
+    columns_called,
+    entry_from_text,
+    key_of_header,
+    measures,
+    split_header,
+)
+
+__all__ = [
+    "FileColumn",
+    "FilePart",
+    "FileTable",
+    "chosen_part",
+    "clock_column",
+    "damage_reported",
+    "describe",
+    "file_table",
+    "has_clock",
+    "metadata_of",
+    "one_line",
+    "seconds_since",
+    "try_columns",
+]
+
+# A name or text longer than this was not written by a person, and would fill the screen.
+MAX_TEXT_LENGTH = 200
+MAX_METADATA = 200
+MAX_NAMED = 8
+
+# What programs call the rate [Hz] and the period [s] of samples that have no column of time.
+_RATES = frozenset({
+    "fs", "fs_hz", "sample_rate", "sample_rate_hz", "samplerate", "sampling_rate", "sampling_rate_hz",
+    "sampling_frequency", "sampling_frequency_hz", "sample_frequency",
+})  # fmt: skip
+_PERIODS = frozenset({
+    "dt", "dt_s", "ts", "ts_s", "sample_period", "sample_period_s", "sampling_period", "sampling_period_s",
+    "sample_time", "sample_time_s", "sample_interval", "sample_interval_s",
+})  # fmt: skip
+
+
+@dataclass(frozen=True)
+class FileColumn:
+    """A column in a file: ``read(start, stop)`` returns the numbers of these rows, in ``unit`` (None: not stated)."""
+
+    name: str
+    unit: str | None
+    read: Callable[[int, int], FloatArray]
+
+    @property
+    def header(self) -> str:
+        """Name and unit as a header of a text file would state them."""
+        name = one_line(self.name) or "unnamed"
+        return f"{name} [{one_line(self.unit)}]" if self.unit else name
+
+
+@dataclass(frozen=True)
+class FilePart:
+    """One table of a file that may hold several: a group, a sheet, a struct."""
+
+    name: str
+    columns: tuple[FileColumn, ...]
+    row_count: int
+    metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class FileTable:
+    """The table that was chosen in a file, handed over in blocks of rows: a :class:`SourceTable`."""
+
+    path: str
+    layout: str
+    file_columns: tuple[FileColumn, ...]
+    row_count: int
+    metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    sample_period_s: float | None = None
+
+    @property
+    def columns(self) -> tuple[SourceColumn, ...]:
+        """The columns, with the unit that the file states apart from the name."""
+        return tuple(SourceColumn(one_line(each.name) or "unnamed", each.unit) for each in self.file_columns)
+
+    def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
+        """Return the rows of some columns, read from the file block by block; each call begins again."""
+        for start in range(0, self.row_count, BLOCK_ROWS):
+            stop = min(start + BLOCK_ROWS, self.row_count)
+            values = tuple(self._rows(self.file_columns[index], start, stop) for index in indices)
+            yield RowBlock(values, lambda row, first=start + 1: f"row {first + row}")  # type: ignore[misc]
+
+    def _rows(self, column: FileColumn, start: int, stop: int) -> FloatArray:
+        with damage_reported(self.path, self.layout):
+            values = column.read(start, stop)
+            if values.shape != (stop - start,):
+                ends = f"column '{one_line(column.name)}' ends after {start + values.size} of {self.row_count} rows"
+                raise RecordingError(f"{self.path}: is cut off, {ends}; use another copy")
+            return values
+
+
+@contextlib.contextmanager
+def damage_reported(path: str | Path, what: str) -> Iterator[None]:
+    """Turn whatever a reader of another package raises about a file into one line; our own errors pass.
+
+    Readers of damaged files raise anything: struct.error, KeyError, UnicodeDecodeError, MemoryError, plain Exception.
+    """
+    try:
+        yield
+    except MusclewireError:
+        raise
+    except Exception as problem:
+        reason = one_line(str(problem)) or type(problem).__name__
+        raise RecordingError(f"{path}: cannot be read as {what} ({reason}); use another copy") from None
+
+
+def chosen_part(parts: Sequence[FilePart], wanted: str | None, path: str | Path, option: str = "group") -> FilePart:
+    """Return the part called ``wanted``, or with None the only one with two rows or more.
+
+    Raises RecordingError for another name, and where several would do: it lists them with their columns.
+    """
+    if wanted is not None:
+        for spelling in (str, key_of_header):
+            named = [part for part in parts if spelling(part.name) == spelling(wanted)]
+            if len(named) == 1:
+                return named[0]
+        hint = nearest_hint(wanted, [part.name for part in parts])
+        raise RecordingError(f"{path}: has no {option} '{one_line(wanted)}'{one_line(hint)}")
+    full = [part for part in parts if part.row_count > 1]
+    if len(full) == 1:
+        return full[0]
+    if not full:
+        raise RecordingError(f"{path}: holds no table of two rows or more of numbers; check that it was saved whole")
+    listed = "; ".join(describe(part) for part in full[:MAX_NAMED])
+    more = f"; and {len(full) - MAX_NAMED} more" if len(full) > MAX_NAMED else ""
+    raise RecordingError(f"{path}: holds {len(full)} tables: choose one with --{option} NAME: {listed}{more}")
+
+
+def file_table(path: Path, layout: str, part: FilePart) -> FileTable:
+    """Return the table of a part of a file."""
+    stated = None if has_clock(part.columns) else _stated_period(part.metadata)
+    notes = part.notes
+    if stated is not None:
+        key, period_s = stated
+        notes = (
+            *notes,
+            f"no column is the time: rows are {period_s:g} s apart, as {key} = {part.metadata[key]} states",
+        )
+    return FileTable(str(path), layout, part.columns, part.row_count, part.metadata, notes, stated and stated[1])
+
+
+def _stated_period(metadata: Mapping[str, MetadataValue]) -> tuple[str, float] | None:
+    """Return the name of the entry that states the rate or the period of the samples, and the period [s]."""
+    for key, value in metadata.items():
+        number = float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else 0.0
+        if number <= 0.0 or not np.isfinite(number):
+            continue
+        if key in _RATES and np.isfinite(1.0 / number):
+            return key, 1.0 / number
+        if key in _PERIODS:
+            return key, number
+    return None
+
+
+def try_columns(part: FilePart) -> None:
+    """Read the first and the last block of every column, as a trial."""
+    for column in part.columns:
+        column.read(0, min(part.row_count, BLOCK_ROWS))
+        column.read(max(part.row_count - BLOCK_ROWS, 0), part.row_count)
+
+
+def describe(part: FilePart) -> str:
+    """Return a part in words: its name, its rows and its columns."""
+    headers = [f"'{column.header}'" for column in part.columns[:MAX_NAMED]]
+    more = ", ..." if len(part.columns) > MAX_NAMED else ""
+    return f"'{one_line(part.name)}' ({part.row_count} rows: {', '.join(headers)}{more})"
+
+
+def has_clock(columns: Sequence[FileColumn]) -> bool:
+    """Return whether a column is the time by its name and unit."""
+    return any(_is_time(column.header) for column in columns)
+
+
+def _is_time(header: str) -> bool:
+    name, unit = split_header(header)
+    named = name == "time_s" or any(column.name == "time_s" for column in columns_called(name))
+    return named and (unit is None or measures(unit, "time_s"))
+
+
+def clock_column(increment: float, offset: float = 0.0, name: str = "time", unit: str = "s") -> FileColumn:
+    """Return the column of a clock that a file states as first value and increment."""
+    return FileColumn(name, unit, lambda start, stop: offset + increment * np.arange(start, stop, dtype=np.float64))
+
+
+def seconds_since(first: np.datetime64, times: np.ndarray) -> FloatArray:
+    """Return times as seconds since ``first``; one that is no time is NaN."""
+    elapsed = times.astype("datetime64[ns]") - first.astype("datetime64[ns]")
+    seconds: FloatArray = elapsed.astype(np.float64) * 1e-9
+    seconds[np.isnat(elapsed)] = np.nan
+    return seconds
+
+
+def metadata_of(entries: Mapping[str, object]) -> dict[str, MetadataValue]:
+    """Return properties of a file as metadata: those whose name and value a recording can keep, at most 200."""
+    found: dict[str, MetadataValue] = {}
+    for name, value in list(entries.items())[:MAX_METADATA]:
+        entry = _entry(str(name), value)
+        if entry is not None:
+            found.setdefault(*entry)
+    return found
+
+
+def _entry(name: str, value: object) -> tuple[str, MetadataValue] | None:
+    if isinstance(value, np.ndarray) and value.size == 1:
+        value = value.reshape(-1)[0]
+    plain = value.item() if isinstance(value, np.generic) and not isinstance(value, np.datetime64) else value
+    if isinstance(plain, bytes):
+        plain = plain.decode("utf-8", errors="replace")
+    if isinstance(plain, np.datetime64):
+        plain = str(plain.astype("datetime64[ms]"))
+    # Keys are those of a comment in a text file; its value decides there what is text and what a number.
+    named = entry_from_text(name, one_line(plain) if isinstance(plain, str) else "0")
+    if named is None or (isinstance(plain, str) and not plain.strip()):
+        return None
+    entry = named if isinstance(plain, str) else (named[0], plain)
+    try:
+        return entry[0], checked_metadata({entry[0]: entry[1]})[entry[0]]  # type: ignore[dict-item]
+    except MusclewireError:
+        return None
+
+
+def one_line(text: str) -> str:
+    """Return text from a file as one printable line of bounded length."""
+    printable = "".join(character if character.isprintable() else " " for character in text[: 4 * MAX_TEXT_LENGTH])
+    line = " ".join(printable.split())
+    return line if len(line) <= MAX_TEXT_LENGTH else line[: MAX_TEXT_LENGTH - 3] + "..."

@@ -1,0 +1,172 @@
+"""Parquet files, ours and those of pandas, Arrow and others, read in batches. Needs the extra ``parquet`` (pyarrow)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from musclewire.errors import MissingExtraError, RecordingError
+from musclewire.extras.lab_files._file_table import damage_reported, metadata_of, one_line
+from musclewire.signals import BLOCK_ROWS, Cells, MetadataValue, RowBlock, SourceColumn
+
+__all__ = ["PARQUET_KEY", "ParquetTable", "read_parquet_table"]
+
+# Our files keep the metadata under this key of the schema, as JSON.
+PARQUET_KEY = b"musclewire-recording"
+
+_UNIT_KEYS = ("unit", "units", "uom")
+# Equal numbers take almost no bytes in Parquet: a file of a kilobyte may state thousands of millions of rows.
+MAX_ROWS = 2**28
+MAX_ROWS_PER_BYTE = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class ParquetTable:
+    """The columns of a Parquet file that hold numbers, times or text; ``sources`` are their numbers in the file."""
+
+    path: str
+    columns: tuple[SourceColumn, ...]
+    sources: tuple[int, ...]
+    starts: Mapping[int, np.datetime64]
+    metadata: Mapping[str, MetadataValue]
+    notes: tuple[str, ...] = ()
+    layout: str = "Parquet"
+    sample_period_s: float | None = field(default=None, init=False)
+
+    def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
+        """Return the rows of some columns, batch after batch; each call begins again."""
+        row = 1
+        for batch in _batches(Path(self.path), sorted({self.sources[index] for index in indices})):
+            with damage_reported(self.path, "Parquet"):
+                order = {source: place for place, source in enumerate(sorted({self.sources[i] for i in indices}))}
+                values = tuple(self._cells(batch.column(order[self.sources[index]]), index) for index in indices)
+            yield RowBlock(values, lambda number, first=row: f"row {first + number}")  # type: ignore[misc]
+            row += batch.num_rows
+
+    def _cells(self, column: Any, index: int) -> Cells:
+        """Return the cells of a batch: NaN or "" where one is null, times in seconds since the first."""
+        import pyarrow as pa
+
+        kind = column.type
+        if self.columns[index].is_text:
+            return [one_line(value) if value is not None else "" for value in column.cast(pa.string()).to_pylist()]
+        if pa.types.is_timestamp(kind) or pa.types.is_date(kind):
+            times = column.cast(pa.timestamp("ns"), safe=False).cast(pa.int64()).to_numpy(zero_copy_only=False)
+            first_ns = self.starts[index].astype("datetime64[ns]").astype(np.int64)
+            return np.asarray(times - first_ns, dtype=np.float64) * 1e-9
+        if pa.types.is_duration(kind):
+            column = column.cast(pa.duration("ns"), safe=False).cast(pa.int64())
+            return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64) * 1e-9
+        column = column.cast(pa.int8()) if pa.types.is_boolean(kind) else column
+        return np.asarray(column.cast(pa.float64(), safe=False).to_numpy(zero_copy_only=False), dtype=np.float64)
+
+
+def read_parquet_table(path: Path, group: str | None = None) -> ParquetTable:
+    """Return the table in a Parquet file; nested columns are left out with a note.
+
+    Units are those of the fields' metadata; the metadata are ours, or the texts of the schema and pandas' ``attrs``.
+    Raises RecordingError for another file, MissingExtraError without pyarrow.
+    """
+    if group is not None:
+        raise RecordingError(f"{path}: a Parquet file holds one table; leave --group out")
+    with damage_reported(path, "Parquet"), _parquet_file(path) as file:
+        schema, rows = file.schema_arrow, file.metadata.num_rows
+        if rows > min(MAX_ROWS, MAX_ROWS_PER_BYTE * path.stat().st_size):
+            size = path.stat().st_size
+            raise RecordingError(f"{path}: states {rows} rows in {size} bytes; it is damaged, use another copy")
+        metadata = _metadata(schema.metadata or {}, path)
+        found = [(index, column) for index, each in enumerate(schema) if (column := _column(each)) is not None]
+        left_out = [one_line(each.name) for each in schema if _column(each) is None]
+    starts = _starts(path, [(place, index) for place, (index, _) in enumerate(found)], schema)
+    for first in starts.values():
+        metadata.setdefault("start_time", str(first.astype("datetime64[ms]")))
+    columns = tuple(column for _, column in found)
+    notes = tuple(f"column '{name}' was left out: it holds neither numbers nor text" for name in left_out)
+    return ParquetTable(str(path), columns, tuple(index for index, _ in found), starts, metadata, notes)
+
+
+def _parquet_file(path: Path) -> Any:
+    try:
+        from pyarrow import parquet
+    except ImportError:
+        raise MissingExtraError("a Parquet file", "parquet") from None
+    # One file, not a folder of them, and without reading ahead.
+    return closing(parquet.ParquetFile(path, pre_buffer=False))
+
+
+def _batches(path: Path, sources: Sequence[int]) -> Iterator[Any]:
+    """Yield batches of some columns. Column numbers select, since names may repeat."""
+    with damage_reported(path, "Parquet"), _parquet_file(path) as file:
+        names = [file.schema_arrow.names[source] for source in sources]
+        if len(set(file.schema_arrow.names)) < len(file.schema_arrow.names):
+            raise RecordingError(f"{path}: two columns have one name; give each its own")
+        batches = file.iter_batches(BLOCK_ROWS, columns=names, use_threads=False)
+        while (batch := next(batches, None)) is not None:
+            # The reader keeps the order of the file, whatever the order of the names.
+            yield batch.select(names)
+
+
+def _column(field: Any) -> SourceColumn | None:
+    """Return what a field holds, None for nested ones and bytes."""
+    import pyarrow as pa
+
+    kind, types = field.type, pa.types
+    kind = kind.value_type if types.is_dictionary(kind) else kind
+    name = one_line(field.name) or "unnamed"
+    if types.is_timestamp(kind) or types.is_date(kind) or types.is_duration(kind):
+        return SourceColumn(name, "s")
+    if types.is_string(kind) or types.is_large_string(kind) or types.is_string_view(kind):
+        return SourceColumn(name, is_text=True)
+    if types.is_integer(kind) or types.is_floating(kind) or types.is_decimal(kind) or types.is_boolean(kind):
+        return SourceColumn(name, _unit(field.metadata or {}))
+    return None
+
+
+def _unit(metadata: Mapping[bytes, bytes]) -> str | None:
+    texts = {key.decode("utf-8", "replace").lower(): value for key, value in metadata.items()}
+    return next((texts[key].decode("utf-8", "replace") for key in _UNIT_KEYS if key in texts), None)
+
+
+def _starts(path: Path, places: Sequence[tuple[int, int]], schema: Any) -> dict[int, np.datetime64]:
+    """Return the first time of each column of times, by its place in the table."""
+    import pyarrow as pa
+
+    times = [(place, source) for place, source in places if pa.types.is_temporal(schema.field(source).type)]
+    times = [(place, source) for place, source in times if not pa.types.is_duration(schema.field(source).type)]
+    if not times:
+        return {}
+    batch = next(_batches(path, [source for _, source in times]), None)
+    starts: dict[int, np.datetime64[Any]] = {}
+    for number, (place, _) in enumerate(times):
+        column = None if batch is None else batch.column(number).drop_null()
+        first = 0
+        if column is not None and len(column):
+            first = column.cast(pa.timestamp("ns"), safe=False).cast(pa.int64())[0].as_py()
+        starts[place] = np.datetime64(first, "ns")
+    return starts
+
+
+def _metadata(schema_metadata: Mapping[bytes, bytes], path: Path) -> dict[str, MetadataValue]:
+    if PARQUET_KEY in schema_metadata:
+        try:
+            metadata = json.loads(schema_metadata[PARQUET_KEY])["metadata"]
+            return {str(key): value for key, value in metadata.items()}
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+            raise RecordingError(f"{path}: its musclewire metadata are damaged; use another copy") from None
+    plain = {key.decode("utf-8", "replace"): value for key, value in schema_metadata.items()}
+    attrs = _pandas_attrs(plain.pop("PANDAS_ATTRS", b"{}"))
+    own = {"ARROW:schema", "pandas"}
+    return metadata_of({**attrs, **{key: value for key, value in plain.items() if key not in own}})
+
+
+def _pandas_attrs(text: bytes) -> dict[str, object]:
+    try:
+        return {str(key): value for key, value in json.loads(text).items()}
+    except (ValueError, AttributeError, RecursionError):
+        return {}

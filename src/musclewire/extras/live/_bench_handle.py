@@ -1,0 +1,267 @@
+"""The server's end of one bench: it starts the rig's process, passes on what people ask, and knows what it shows."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from musclewire.errors import RigError
+from musclewire.extras.live._messages import Answer, Command
+from musclewire.extras.live._ring import RingRows, RowRing, create_ring
+
+__all__ = ["BenchHandle", "BenchSettings"]
+
+# A command is answered with its first sample: after compiling, and after the slowest of samples.
+MAX_ANSWER_S = 60.0
+# How long a process may take to switch off before it is ended, and then killed.
+MAX_STOP_S, MAX_END_S = 0.5, 3.0
+# A state may hold the branches of a model and a long list of recordings.
+MAX_LINE_BYTES = 1 << 24
+GONE = (
+    "the rig's process has ended ({}): a board's drive expires by itself, a card's guardian switches off; cut the "
+    "supply to be sure"
+)
+
+
+@dataclass(frozen=True)
+class BenchSettings:
+    """How a bench's process is started.
+
+    Parameters
+    ----------
+    identifier
+        The bench's name in addresses and messages.
+    rig
+        Name of a rig or path of a rig file, from the command line and from nowhere else.
+    folder
+        Where recordings and models go; it exists.
+    seed
+        Seed of a simulated rig.
+    cpu
+        Core that the process is pinned to.
+    priority
+        Whether it takes real-time priority.
+    max_silence_s
+        A run that heats ends if whoever has control gives no sign for this long [s]: with it the wire is safe within a
+        second of a lost connection. A test that is not about this gives more, since a busy machine starves it.
+    """
+
+    identifier: str
+    rig: str
+    folder: Path
+    seed: int | None = None
+    cpu: int | None = None
+    priority: bool = False
+    max_silence_s: float = 0.6
+
+
+class BenchHandle:
+    """One bench as the server sees it. All methods are called from the event loop's thread.
+
+    Parameters
+    ----------
+    settings
+        What to start.
+
+    Attributes
+    ----------
+    state
+        The last snapshot of the bench's state, ready for JSON.
+    revision
+        Its number; it grows with every change.
+    on_change
+        Called after each change.
+    """
+
+    def __init__(self, settings: BenchSettings) -> None:
+        """Start nothing yet."""
+        self.settings = settings
+        self.state: dict[str, Any] = {"bench": settings.identifier, "revision": 0, "phase": "starting", "why": ""}
+        self.on_change: list[Callable[[BenchHandle], None]] = []
+        self.last_stop: dict[str, Any] | None = None
+        self._process: asyncio.subprocess.Process | None = None
+        self._answers: dict[int, asyncio.Future[Answer]] = {}
+        self._numbers = 0
+        self._ring: RowRing | None = None
+        self._ring_folder: tempfile.TemporaryDirectory[str] | None = None
+        self._reader: asyncio.Task[None] | None = None
+        self._stops_ordered = self._stops_confirmed = 0
+        self._killers: set[asyncio.Task[None]] = set()
+
+    @property
+    def identifier(self) -> str:
+        """Name of the bench."""
+        return self.settings.identifier
+
+    @property
+    def revision(self) -> int:
+        """Number of the present state."""
+        return int(self.state["revision"])
+
+    @property
+    def layouts(self) -> dict[int, tuple[str, ...]]:
+        """Columns of rows by the number of their layout."""
+        return {int(key): tuple(names) for key, names in self.state.get("layouts", {}).items()}
+
+    async def start(self) -> None:
+        """Start the process; its state says when it is there. Raises OSError if it cannot be started."""
+        memory = Path("/dev/shm")
+        self._ring_folder = tempfile.TemporaryDirectory(prefix="musclewire-", dir=memory if memory.is_dir() else None)
+        path = Path(self._ring_folder.name) / "rows"
+        create_ring(path)
+        self._ring = RowRing(path)
+        self._process = await asyncio.create_subprocess_exec(
+            sys.executable,
+            *("-P", "-m", "musclewire.extras.live._bench.process"),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            start_new_session=True,
+            limit=MAX_LINE_BYTES,
+        )
+        chosen = self.settings
+        self._send(
+            {
+                "bench": chosen.identifier,
+                "rig": chosen.rig,
+                "folder": str(chosen.folder.absolute()),
+                "ring": str(path),
+                "seed": chosen.seed,
+                "cpu": chosen.cpu,
+                "priority": chosen.priority,
+                "max_silence_s": chosen.max_silence_s,
+            }
+        )
+        self._reader = asyncio.create_task(self._read(self._process))
+
+    async def close(self) -> None:
+        """Switch off and end the process, by force if it does not end."""
+        process = self._process
+        if process is not None:
+            self._process = None
+            if process.stdin is not None:
+                process.stdin.close()  # its end is the order to switch off and to end
+            await ended(process)
+        if self._reader is not None:
+            await self._reader
+        if self._ring is not None and self._ring_folder is not None:
+            self._ring.close()
+            self._ring_folder.cleanup()
+            self._ring = None
+
+    async def command(self, command: Command) -> Answer:
+        """Pass on a command.
+
+        Parameters
+        ----------
+        command
+            The command, read by ``read_command``.
+
+        Returns
+        -------
+        Whether it has begun; if not, why, in one line.
+        """
+        if command.do == "stop":
+            self.stop("whoever is at the page")
+            return Answer(True)
+        if self._process is None:
+            return Answer(False, str(self.state["why"]))
+        self._numbers += 1
+        number = self._numbers
+        answer = self._answers[number] = asyncio.get_running_loop().create_future()
+        self._send({"command": command.model_dump(), "number": number})
+        try:
+            return await asyncio.wait_for(answer, MAX_ANSWER_S)
+        except TimeoutError:
+            return Answer(False, f"the rig's process has not answered for {MAX_ANSWER_S:g} s: stop it")
+        finally:
+            self._answers.pop(number, None)
+
+    def stop(self, who: str) -> None:
+        """Order the drive off, now. A process that does not confirm within half a second is ended."""
+        self._send({"stop": who})
+        self._stops_ordered += 1
+        killer = asyncio.create_task(self._end_unless_stopped(self._stops_ordered))
+        self._killers.add(killer)
+        killer.add_done_callback(self._killers.discard)
+
+    def release(self, why: str) -> None:
+        """End the present run: whoever had control is lost or has left."""
+        self._send({"release": why})
+
+    def alive(self) -> None:
+        """Pass on that whoever has control is there."""
+        self._send({"alive": 1})
+
+    def rows(self, cursor: int) -> tuple[int, list[RingRows], int]:
+        """Return the rows after a cursor, as ``RowRing.read`` does; below 0 for none of those that are there."""
+        return (cursor, [], 0) if self._ring is None else self._ring.read(cursor)
+
+    def _send(self, message: dict[str, Any]) -> None:
+        """Write a message; never waits."""
+        process = self._process
+        if process is not None and process.stdin is not None and not process.stdin.is_closing():
+            with contextlib.suppress(OSError, RuntimeError):
+                process.stdin.write(json.dumps(message).encode() + b"\n")
+
+    async def _read(self, process: asyncio.subprocess.Process) -> None:
+        """Take what the process says until it ends."""
+        assert process.stdout is not None
+        while line := await process.stdout.readline():
+            self._take(json.loads(line))
+        code = await process.wait()
+        if self._process is not None:
+            self._process = None
+            self._become(
+                {
+                    **self.state,
+                    "revision": self.revision + 1,
+                    "phase": "failed",
+                    "why": GONE.format(code),
+                    "doing": None,
+                }
+            )
+        for waiting in self._answers.values():
+            if not waiting.done():
+                waiting.set_result(Answer(False, str(self.state["why"])))
+
+    def _take(self, message: dict[str, Any]) -> None:
+        """Take one message of the process."""
+        if "state" in message:
+            self._become(message["state"])
+        elif "stopped" in message:
+            self.last_stop = message
+            self._stops_confirmed += 1
+        elif (waiting := self._answers.get(message["answer"])) is not None and not waiting.done():
+            waiting.set_result(Answer(bool(message["accepted"]), str(message["message"])))
+
+    def _become(self, state: dict[str, Any]) -> None:
+        """Take a state and pass it on."""
+        self.state = state
+        for call in self.on_change:
+            call(self)
+
+    async def _end_unless_stopped(self, number: int) -> None:
+        """End the process if it does not confirm in time so many stops; by then it may have been switched on again."""
+        await asyncio.sleep(MAX_STOP_S)
+        process = self._process
+        if process is not None and self._stops_confirmed < number:
+            await ended(process)
+
+
+async def ended(process: asyncio.subprocess.Process) -> None:
+    """Wait for the end of a process; ask it by SIGTERM after a while, then kill it."""
+    for force in (None, process.terminate, process.kill):
+        if force is not None:
+            with contextlib.suppress(ProcessLookupError):
+                force()
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(process.wait(), MAX_END_S)
+            return
+    raise RigError("the rig's process cannot be ended: cut the supply")

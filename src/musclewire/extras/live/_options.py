@@ -1,0 +1,14 @@
+"""Options of the command that serves the live page."""
+
+from __future__ import annotations
+
+from musclewire.app import option
+
+__all__ = ["HOST", "OPEN", "PORT", "TOKEN_FILE"]
+
+HOST = option("--host", help="Name or address to listen at; any but loopback needs a token.")
+PORT = option("--port", help="Port to listen at; if it is taken, the next that is free.", min=1, max=65535)
+TOKEN_FILE = option(
+    "--token-file", help="File with the token that everybody must show. Default: none on loopback, else a new one."
+)
+OPEN = option("--open", help="Open the page in the browser.")

@@ -1,0 +1,100 @@
+"""HTTP routes of the session's recordings, and of the pages: by name from their folders, and nothing else."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated
+
+from fastapi import APIRouter, HTTPException, Query
+from starlette.requests import Request
+from starlette.responses import FileResponse, Response
+from starlette.staticfiles import StaticFiles
+
+from musclewire.errors import CallerError
+from musclewire.extras.live._server.http_messages import RecordingList
+from musclewire.extras.live._server.requests import PROBLEMS, SessionOf, json_answer
+from musclewire.extras.live._server.session_files import RECORDINGS, named_file, session_files
+
+__all__ = ["PAGE", "ROUTES", "PageFiles", "first_page"]
+
+ROUTES = APIRouter(prefix="/api/v1/recordings", responses=PROBLEMS, tags=["recordings"])
+PAGE = Path(str(files("musclewire.extras.live"))) / "page"
+READING_S = 60.0
+# One recording is read at a time: the machine belongs to the loop.
+ONE_AT_A_TIME = asyncio.Semaphore(1)
+
+
+@ROUTES.get("", response_model=RecordingList)
+async def list_recordings(session: SessionOf) -> Response:
+    """List the recordings in the session's folder, the newest first."""
+    found = await asyncio.to_thread(session_files, session.folder, RECORDINGS)
+    return json_answer({"recordings": [one._asdict() for one in found]})
+
+
+def recording_path(session: SessionOf, name: str) -> Path:
+    """Return the path of a recording by its name."""
+    try:
+        return named_file(session.folder, name, RECORDINGS)
+    except CallerError as error:
+        raise HTTPException(404, str(error)) from None
+
+
+@ROUTES.get("/{name}", response_class=FileResponse)
+async def download_recording(session: SessionOf, name: str) -> Response:
+    """Download a recording as the file it is."""
+    return FileResponse(recording_path(session, name), media_type="application/x-hdf5", filename=name)
+
+
+@ROUTES.get("/{name}/rows")
+async def recording_rows(
+    session: SessionOf, name: str, points: Annotated[int, Query(ge=2, le=20_000)] = 1000
+) -> Response:
+    """Return the columns of a recording, thinned to a number of points, for comparing it with another run."""
+    path = recording_path(session, name)
+    async with ONE_AT_A_TIME:
+        code, out, err = await read_elsewhere(path, points)
+    if code != 0:
+        raise HTTPException(422, err.decode("utf-8", "replace").strip()[:300] or "the recording cannot be read")
+    return Response(out, media_type="application/json")
+
+
+async def read_elsewhere(path: Path, points: int) -> tuple[int, bytes, bytes]:
+    """Read a recording in a process of its own: while HDF5 reads a large file, this one must answer."""
+    module = "musclewire.extras.live._server.thinned_recording"
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-P", "-m", module, str(path), str(points)),
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
+    )
+    try:
+        async with asyncio.timeout(READING_S):
+            out, err = await process.communicate()
+    except TimeoutError:
+        raise HTTPException(422, f"the recording has not been read within {READING_S:g} s: download it") from None
+    finally:
+        if process.returncode is None:
+            process.kill()
+    return int(process.returncode or 0), out, err
+
+
+class PageFiles(StaticFiles):
+    """The page's own files: from one folder of the package, no links followed, asked for again each time."""
+
+    def file_response(self, *args: object, **kwargs: object) -> Response:
+        """Return a file, or that it has not changed."""
+        response = super().file_response(*args, **kwargs)  # type: ignore[arg-type]
+        response.headers["Cache-Control"] = "no-cache"
+        return response
+
+
+async def first_page(_request: Request) -> Response:
+    """Return the page."""
+    path = PAGE / "index.html"
+    if not path.is_file():
+        return Response(json.dumps({"problem": "this installation has no page"}), 404, media_type="application/json")
+    return FileResponse(path, media_type="text/html; charset=utf-8", headers={"Cache-Control": "no-store"})

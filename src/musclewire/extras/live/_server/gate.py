@@ -1,0 +1,218 @@
+"""What every request passes before any route sees it: name, origin, token, kind of content, rate; and what goes back.
+
+The rules are those of ``access``. A stop is never turned away for its rate or for its content's kind.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterable, Mapping
+from http import HTTPStatus
+from http.cookies import CookieError, SimpleCookie
+from typing import Any, NamedTuple
+from urllib.parse import parse_qs
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from musclewire.extras.live._server.access import Access
+from musclewire.extras.live._server.rate_limits import ClientBuckets
+
+__all__ = ["SECURITY_HEADERS", "Gate", "Refusal"]
+
+CONTENT_SECURITY_POLICY = "; ".join(
+    (
+        "default-src 'none'",
+        "script-src 'self'",
+        "style-src 'self'",
+        "img-src 'self' data: blob:",
+        "font-src 'self'",
+        "connect-src 'self'",
+        "manifest-src 'self'",
+        "base-uri 'none'",
+        "form-action 'none'",
+        "frame-ancestors 'none'",
+    )
+)
+SECURITY_HEADERS = {
+    "Content-Security-Policy": CONTENT_SECURITY_POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+CHANGING = frozenset({"POST", "PUT", "DELETE", "PATCH"})
+# After the token's link: a page that leads on. A redirect would not do, since browsers keep a SameSite=Strict cookie
+# back in a chain of redirects that began elsewhere, in a mail for example.
+ENTERED = b"""<!doctype html><html lang="en"><head><meta charset="utf-8"><meta http-equiv="refresh" content="0;url=/">
+<title>musclewire</title></head><body><p><a href="/">Go to the page</a></p></body></html>"""
+
+
+class Refusal(NamedTuple):
+    """Why a request is not answered: the status of HTTP, and one line."""
+
+    status: int
+    problem: str
+
+
+class Gate:
+    """ASGI middleware around the whole application.
+
+    Parameters
+    ----------
+    app
+        The application.
+    access
+        Who may talk to it.
+    cookie
+        Name of the cookie that keeps the token.
+    buckets
+        How many requests a client may make.
+    """
+
+    def __init__(self, app: ASGIApp, access: Access, cookie: str, buckets: ClientBuckets) -> None:
+        """Take the application and the rules."""
+        self.app, self.access, self.cookie, self.buckets = app, access, cookie, buckets
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or refuse it."""
+        if scope["type"] not in ("http", "websocket"):
+            await self.app(scope, receive, send)
+            return
+        if scope["type"] == "http" and self.enters(scope):
+            await answer(send, HTTPStatus.OK, ENTERED, "text/html; charset=utf-8", self.new_cookie())
+            return
+        refusal = self.refusal(scope)
+        if refusal is None:
+            await self.app(scope, receive, send if scope["type"] == "websocket" else with_headers(send))
+        elif scope["type"] == "websocket":
+            await receive()  # the request to connect; refusing it before it is accepted answers with 403
+            await send({"type": "websocket.close", "code": 1008, "reason": refusal.problem})
+        else:
+            body = json.dumps({"problem": refusal.problem}).encode()
+            await answer(send, refusal.status, body, "application/json", extra_of(refusal))
+
+    def refusal(self, scope: Scope) -> Refusal | None:
+        """Return why a request is refused; None if it may pass."""
+        headers = Headers(scope=scope)
+        return (
+            self.host_refusal(headers)
+            or self.origin_refusal(scope, headers)
+            or self.token_refusal(headers)
+            or content_refusal(scope, headers)
+            or self.rate_refusal(scope)
+        )
+
+    def host_refusal(self, headers: Headers) -> Refusal | None:
+        """Refuse a request that calls this server by a name which is not its own."""
+        hosts = headers.getlist("host")
+        if len(hosts) == 1 and self.access.host_is_ours(hosts[0]):
+            return None
+        return Refusal(HTTPStatus.MISDIRECTED_REQUEST, "this is not the server of that name: use the printed address")
+
+    def origin_refusal(self, scope: Scope, headers: Headers) -> Refusal | None:
+        """Refuse what a page of another site sends: connections, and every request that could change something."""
+        if scope["type"] == "http" and scope["method"] not in CHANGING:
+            return None
+        origins = headers.getlist("origin")
+        site, host = headers.get("sec-fetch-site"), headers.get("host")
+        if len(origins) <= 1 and self.access.origin_is_ours(next(iter(origins), None), site, host):
+            return None
+        return Refusal(HTTPStatus.FORBIDDEN, "a page of another origin may not do this: open the printed address")
+
+    def token_refusal(self, headers: Headers) -> Refusal | None:
+        """Refuse a request without the token, if one is needed."""
+        if any(self.access.token_is_right(token) for token in (None, *self.tokens_in(headers))):
+            return None
+        return Refusal(
+            HTTPStatus.UNAUTHORIZED,
+            "open the link that 'musclewire serve' printed, or send Authorization: Bearer TOKEN",
+        )
+
+    def tokens_in(self, headers: Headers) -> Iterable[str]:
+        """Return the tokens a request shows: in its Authorization header, and in its cookie."""
+        scheme, _, token = headers.get("authorization", "").partition(" ")
+        if scheme.lower() == "bearer":
+            yield token.strip()
+        try:
+            kept = SimpleCookie(headers.get("cookie", "")).get(self.cookie)
+        except CookieError:
+            kept = None
+        if kept is not None:
+            yield kept.value
+
+    def rate_refusal(self, scope: Scope) -> Refusal | None:
+        """Refuse what comes too fast; a stop never does."""
+        if is_stop(scope) or self.buckets.take_message(client_of(scope), time.monotonic()):
+            return None
+        return Refusal(HTTPStatus.TOO_MANY_REQUESTS, "too many requests: wait a second")
+
+    def enters(self, scope: Scope) -> bool:
+        """Return whether a request opens the printed link with the right token."""
+        if self.access.token is None or scope["path"] != "/" or scope["method"] != "GET":
+            return False
+        if self.host_refusal(Headers(scope=scope)) is not None:
+            return False
+        try:
+            tokens = parse_qs(scope["query_string"].decode("ascii", "replace"), max_num_fields=5).get("token", [])
+        except ValueError:
+            return False
+        return len(tokens) == 1 and self.access.token_is_right(tokens[0])
+
+    def new_cookie(self) -> Mapping[str, str]:
+        """Return the header that keeps the token in the browser, out of reach of scripts and of other sites."""
+        return {"Set-Cookie": f"{self.cookie}={self.access.token}; Path=/; HttpOnly; SameSite=Strict"}
+
+
+def is_stop(scope: Scope) -> bool:
+    """Return whether a request is a stop."""
+    return bool(scope["type"] == "http" and scope["method"] == "POST" and scope["path"].endswith("/stop"))
+
+
+def client_of(scope: Scope) -> str:
+    """Return the address a request comes from."""
+    client = scope.get("client")
+    return str(client[0]) if client else ""
+
+
+def content_refusal(scope: Scope, headers: Headers) -> Refusal | None:
+    """Refuse content that is not JSON: a form of another page can send some kinds without being asked for more."""
+    if scope["type"] != "http" or scope["method"] not in CHANGING or is_stop(scope):
+        return None
+    empty = headers.get("content-length", "0") == "0" and "transfer-encoding" not in headers
+    if empty or headers.get("content-type", "").partition(";")[0].strip().lower() == "application/json":
+        return None
+    return Refusal(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "send JSON: Content-Type: application/json")
+
+
+def extra_of(refusal: Refusal) -> Mapping[str, str]:
+    """Return the headers that belong to a refusal's status."""
+    extra: dict[int, dict[str, str]] = {
+        HTTPStatus.UNAUTHORIZED: {"WWW-Authenticate": "Bearer"},
+        HTTPStatus.TOO_MANY_REQUESTS: {"Retry-After": "1"},
+    }
+    return extra.get(refusal.status, {})
+
+
+def with_headers(send: Send) -> Send:
+    """Return a way to send that adds the security headers to every response that has none of its own."""
+
+    async def send_with_headers(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            headers = MutableHeaders(scope=message)
+            for name, value in SECURITY_HEADERS.items():
+                headers.setdefault(name, value)
+        await send(message)
+
+    return send_with_headers
+
+
+async def answer(send: Send, status: int, body: bytes, kind: str, extra: Mapping[str, str]) -> None:
+    """Send a whole response without asking the application."""
+    headers: dict[str, Any] = {**SECURITY_HEADERS, "Content-Type": kind, "Content-Length": str(len(body)), **extra}
+    raw = [(name.lower().encode("latin-1"), value.encode("latin-1")) for name, value in headers.items()]
+    await send({"type": "http.response.start", "status": int(status), "headers": raw})
+    await send({"type": "http.response.body", "body": body})

@@ -1,0 +1,295 @@
+"""Runs the server of a session: where it listens, how it ends, and that every rig is safe before anything else ends."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import errno
+import os
+import signal
+import socket
+import sys
+from collections.abc import Callable, Generator, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import uvicorn
+
+from musclewire.errors import CallerError
+from musclewire.extras.live._bench_handle import BenchHandle
+from musclewire.extras.live._server.access import Access, is_loopback
+from musclewire.extras.live._server.application import Limits, gated, make_app
+from musclewire.extras.live._server.fired_rules import FiredRules
+from musclewire.extras.live._server.json_texts import MAX_BYTES
+from musclewire.extras.live._server.session import Session
+
+__all__ = ["ListenAddress", "ServerEnd", "RunningServer", "ServerSettings", "listening_socket", "serve", "serve_until"]
+
+# If the usual port is taken, these next to it are tried.
+PORTS_TRIED = 20
+# What a connection may have sent that is not read yet: small, so that a flood is taken in small portions.
+RECEIVE_BUFFER_BYTES = 4 * 1024
+BACKLOG = 128
+CLOSE_S = 2.0
+
+
+@dataclass(frozen=True)
+class ListenAddress:
+    """Where a server listens.
+
+    Parameters
+    ----------
+    host
+        Name or address of the interface.
+    port
+        Its port; 0 for any that is free.
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 8765
+
+    @property
+    def is_local(self) -> bool:
+        """Whether it can be reached from this machine only."""
+        return is_loopback(self.host)
+
+    @property
+    def url(self) -> str:
+        """The address for a browser."""
+        host = socket.gethostname() if self.host in ("0.0.0.0", "::") else self.host
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/"
+
+
+@dataclass(frozen=True)
+class ServerSettings:
+    """How a session is served.
+
+    Parameters
+    ----------
+    folder
+        The session's folder.
+    address
+        Where the server listens; loopback by default.
+    token
+        What everybody must show; None for nothing, on loopback only.
+    limits
+        How much one client may send.
+    cpu
+        Core of the loop, which the server then leaves to it; None if it has none of its own.
+    """
+
+    folder: Path
+    address: ListenAddress = field(default_factory=ListenAddress)
+    token: str | None = None
+    limits: Limits = field(default_factory=Limits)
+    cpu: int | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse to listen beyond this machine without a token."""
+        if not self.address.is_local and self.token is None:
+            raise CallerError(
+                f"--host {self.address.host} can be reached from other machines: a token is needed, give --token-file"
+            )
+
+
+@dataclass(frozen=True)
+class RunningServer:
+    """A server that is ready: its address, and the link that opens its page."""
+
+    address: ListenAddress
+    link: str
+
+
+class Server(uvicorn.Server):
+    """uvicorn's server, which leaves signals to us: on one, the rigs come first."""
+
+    @contextmanager
+    def capture_signals(self) -> Generator[None, None, None]:
+        """Take no signals."""
+        yield
+
+
+class ServerEnd:
+    """Whether the server is to end, and by which signal."""
+
+    def __init__(self) -> None:
+        """Begin with neither."""
+        self.now = asyncio.Event()
+        self.by: signal.Signals | None = None
+
+
+async def serve(
+    handles: list[BenchHandle], settings: ServerSettings, on_ready: Callable[[RunningServer], None]
+) -> signal.Signals | None:
+    """Serve a session until it is to end; then every rig is safe and its process has ended.
+
+    Parameters
+    ----------
+    handles
+        The benches, not started.
+    settings
+        Where and how.
+    on_ready
+        Called once the page can be opened.
+
+    Returns
+    -------
+    The signal that ended it, or None.
+
+    Raises
+    ------
+    CallerError
+        If nothing can listen there.
+    """
+    with noted_signals() as ended:
+        await serve_until(ended, handles, settings, on_ready)
+    return ended.by
+
+
+async def serve_until(
+    ended: ServerEnd, handles: list[BenchHandle], settings: ServerSettings, on_ready: Callable[[RunningServer], None]
+) -> None:
+    """Serve a session until it is to end, as ``serve`` does."""
+    # Compiled, or loaded, before anybody has control: later it would take longer than a lease.
+    FiredRules(default_settings(), 0.05).warm_up()
+    with listening_socket(settings.address) as listening:
+        address = ListenAddress(settings.address.host, listening.getsockname()[1])
+        session = Session(handles, settings.folder, token_needed=settings.token is not None)
+        try:
+            await session.start()
+            leave_core(settings.cpu)
+            server = Server(configuration(session, settings, address))
+            await until_ended(server, session, listening, ended, lambda: on_ready(running(address, settings.token)))
+        finally:
+            await session.close()
+
+
+def default_settings() -> Any:
+    """Return settings of a fuzzy PID."""
+    from musclewire.controllers import FuzzyPidSettings
+
+    return FuzzyPidSettings()
+
+
+def running(address: ListenAddress, token: str | None) -> RunningServer:
+    """Return address and link of a server."""
+    return RunningServer(address, address.url if token is None else f"{address.url}?token={token}")
+
+
+def listening_socket(address: ListenAddress) -> socket.socket:
+    """Return a socket that listens at a port or, if it is taken, at one of the next. CallerError if there is none."""
+    ports = range(address.port, min(address.port + PORTS_TRIED, 65536))
+    for port in ports:
+        try:
+            return bound(address.host, port)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise CallerError(f"cannot listen at {address.host}, port {port}: {error.strerror or error}") from None
+    raise CallerError(f"ports {ports[0]} to {ports[-1]} of {address.host} are in use: choose another with --port")
+
+
+def bound(host: str, port: int) -> socket.socket:
+    """Return a socket that listens at a host and port. Raises OSError."""
+    family, kind, protocol, _, place = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+    listening = socket.socket(family, kind, protocol)
+    try:
+        if os.name == "posix":
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
+        listening.bind(place)
+        listening.listen(BACKLOG)
+        listening.setblocking(False)
+    except OSError:
+        listening.close()
+        raise
+    return listening
+
+
+def configuration(session: Session, settings: ServerSettings, address: ListenAddress) -> uvicorn.Config:
+    """Return how uvicorn runs the application."""
+    local = settings.address.is_local
+    names = frozenset() if local else frozenset({address.host.lower(), *own_names()})
+    access = Access(settings.token, names, any_address=not local)
+    cookie = f"musclewire_{address.port}"  # browsers do not keep the cookies of two ports apart
+    app = gated(make_app(session, settings.limits), access, settings.limits, cookie)
+    return uvicorn.Config(
+        app,
+        loop="asyncio",
+        http="h11",
+        ws="websockets-sansio",
+        ws_max_size=MAX_BYTES,
+        ws_per_message_deflate=False,
+        lifespan="off",
+        interface="asgi3",
+        access_log=False,
+        log_level="error",
+        proxy_headers=False,
+        server_header=False,
+        timeout_keep_alive=10,
+        timeout_graceful_shutdown=int(CLOSE_S),
+    )
+
+
+def own_names() -> set[str]:
+    """Return the names of this machine in its network."""
+    name = socket.gethostname().lower()
+    return {name, f"{name}.local", socket.getfqdn().lower()}
+
+
+def leave_core(cpu: int | None) -> None:
+    """Leave a core to the loop, if there is another one."""
+    if cpu is None or sys.platform != "linux":
+        return
+    others = os.sched_getaffinity(0) - {cpu}
+    if others:
+        os.sched_setaffinity(0, others)
+
+
+@contextmanager
+def noted_signals() -> Iterator[ServerEnd]:
+    """Let Ctrl-C and SIGTERM end the server in order inside this block."""
+    ended, loop = ServerEnd(), asyncio.get_running_loop()
+
+    def on_signal(number: int, _frame: object) -> None:
+        ended.by = ended.by or signal.Signals(number)
+        loop.call_soon_threadsafe(ended.now.set)
+
+    before = {number: signal.signal(number, on_signal) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield ended
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+async def until_ended(
+    server: Server, session: Session, listening: socket.socket, ended: ServerEnd, on_ready: Callable[[], None]
+) -> None:
+    """Serve until it is to end or something fails; then the rigs are made safe first, and connections closed after."""
+    tasks = [
+        asyncio.create_task(one)
+        for one in (server.serve([listening]), session.run(), ended.now.wait(), announced(on_ready, server))
+    ]
+    try:
+        serving, watching, ending, _ = tasks
+        await asyncio.wait([serving, watching, ending], return_when=asyncio.FIRST_COMPLETED)
+        await session.close()
+        for task in (serving, watching):
+            if task.done():
+                task.result()  # what ended by itself has failed: say so
+        server.should_exit = True
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(serving, 2 * CLOSE_S)
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def announced(on_ready: Callable[[], None], server: Server) -> None:
+    """Say that the server is ready once it is."""
+    while not server.started:
+        await asyncio.sleep(0.01)
+    on_ready()

@@ -1,0 +1,53 @@
+"""Prints a recording's columns, thinned, as JSON: ``python -m`` this module, ``FILE POINTS``.
+
+Points are taken at equal distances in rows, the first and the last among them; null for NaN.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from musclewire.errors import MusclewireError
+from musclewire.extras.live._server.json_texts import compact
+from musclewire.signals import Recording, read_hdf5
+
+__all__ = ["main", "thinned_columns"]
+
+
+def main(arguments: list[str]) -> int:
+    """Print the columns of a file; return the exit code."""
+    try:
+        recording = read_hdf5(Path(arguments[0]))
+    except MusclewireError as error:
+        print(" ".join(str(error).split()), file=sys.stderr)
+        return error.exit_code
+    print(compact(thinned_columns(recording, int(arguments[1]))))
+    return 0
+
+
+def thinned_columns(recording: Recording, points: int) -> dict[str, Any]:
+    """Return columns of at most so many points, the number of rows there were, and the recording's metadata."""
+    rows = len(recording)
+    places = np.unique(np.linspace(0, max(rows - 1, 0), min(points, rows)).round().astype(int))
+    columns = {}
+    for name in recording.names:
+        values = recording[name][places].astype(object)
+        values[~np.isfinite(recording[name][places])] = None
+        columns[name] = values.tolist()
+    metadata = {key: plain(value) for key, value in recording.metadata.items()}
+    return {"rows": rows, "columns": columns, "metadata": metadata}
+
+
+def plain(value: Any) -> Any:
+    """Return a value of the metadata as JSON has it."""
+    if isinstance(value, (bool, int, str)) or (isinstance(value, float) and np.isfinite(value)):
+        return value
+    return str(value)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

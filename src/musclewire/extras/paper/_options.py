@@ -1,0 +1,10 @@
+"""Options of the command that compares with the paper."""
+
+from __future__ import annotations
+
+from musclewire.app import option
+
+__all__ = ["FIRST_SEED", "SEEDS"]
+
+SEEDS = option("--seeds", help="Number of seeds over which medians are taken.", min=1)
+FIRST_SEED = option("--first-seed", help="First of the seeds; the others follow it one by one.", min=0)

@@ -1,0 +1,64 @@
+"""How all figures of the reproduction page are drawn: sizes, shades, printed numbers in the paper's colour."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from musclewire.experiment import APPROACHED, FROM_FIRST_TARGET, determined
+from musclewire.pages import PAPER
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from musclewire.experiment import ControlMetrics
+
+__all__ = [
+    "SHADES",
+    "SIZE",
+    "WHITE_BOX",
+    "approached_errors_pct",
+    "one_panel",
+    "printed_line",
+    "ramp",
+    "readings_text",
+]
+
+SIZE = (5.6, 4.4)
+SHADES = ("#1f6f8b", "#b87a14", "#5c6670")
+WHITE_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8}
+
+
+def one_panel() -> tuple[Figure, Axes]:
+    """Return an empty figure of the page's size."""
+    figure = Figure(figsize=SIZE, layout="constrained")
+    return figure, figure.subplots()
+
+
+def printed_line(axes: Axes, place: float, text: str, rotation: float = 90.0) -> None:
+    """Draw a printed number as a vertical line with its text above the axes."""
+    axes.axvline(place, color=PAPER, linewidth=1.0, linestyle=":", zorder=1)
+    axes.annotate(text, (place, 1.01), xycoords=("data", "axes fraction"), color=PAPER, fontsize=8.5, rotation=rotation,
+                  ha="center", va="bottom")  # fmt: skip
+
+
+def ramp(count: int) -> Iterable[str]:
+    """Return colours from light to dark."""
+    from matplotlib.colors import to_hex
+
+    return [to_hex(colour) for colour in mpl.colormaps["YlGnBu"](np.linspace(0.35, 1.0, count))]
+
+
+def approached_errors_pct(metrics: ControlMetrics) -> list[float]:
+    """Return the MAE of each step after the approach [% of target]."""
+    return [determined(step.mae_approached_pct, "a step's error") for step in metrics.steps]
+
+
+def readings_text(metrics: ControlMetrics) -> str:
+    """Return which reading of Eq. 7 is drawn, and what the first step has in the other."""
+    first = determined(metrics.steps[0].mae_pct, "the first step's error")
+    return f"ours, {APPROACHED} of {metrics.approach_s:g} s (first step {FROM_FIRST_TARGET}: {first:.1f} %)"

@@ -1,0 +1,99 @@
+"""The paper's numbers next to ours as text: counts by origin, every row, and which fail."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from musclewire.app import show
+from musclewire.extras.paper._page.row_text import (
+    limit_text,
+    ours_text,
+    paper_text,
+    reason_text,
+    seeds_text,
+    spread_text,
+    verdict_text,
+)
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from musclewire.extras.paper._reproduce import Reproduction
+
+__all__ = ["print_rows", "print_summary"]
+
+TABLE_WIDTH = 150
+
+
+def print_rows(result: Reproduction) -> None:
+    """Print all rows on stdout."""
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("row", overflow="fold")
+    table.add_column("origin", no_wrap=True)
+    for name in ("paper", "ours", "5 to 95 %", "allowed"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("unit", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for row in result.rows:
+        style = None if row.ok and not row.known_failure else "red" if not row.ok else "yellow"
+        cells = (
+            *(row.name, row.origin, paper_text(row), ours_text(row), spread_text(row), limit_text(row), row.unit),
+            verdict_text(row),
+        )
+        table.add_row(*map(plain_markup, cells), style=style)
+    stdout_console().print(table)
+
+
+def print_summary(result: Reproduction) -> None:
+    """Print how many rows of each origin hold, and name the failures by whether they are known."""
+    show(f"\n{seeds_text(result.seeds)}")
+    print_origins(result)
+    count, failing = len(result.judged_rows), len(result.failing)
+    reported = len(result.rows) - count
+    more = f"; {reported} more are reported and not judged" if reported else ""
+    show(f"{count - failing} of {count} rows hold{more}")
+    groups = (
+        ("known failures", [row for row in result.failing if row.known_failure]),
+        ("new failures, not on the committed list", result.new_failures),
+        ("repaired: on the committed list, and they hold", result.repaired),
+    )
+    for title, rows in groups:
+        if rows:
+            show(f"{title}:")
+        for row in rows:
+            reason = reason_text(row)
+            show(f"  {row.name}" + (f": {reason}" if reason else ""))
+
+
+def print_origins(result: Reproduction) -> None:
+    """Print how many rows of each origin hold, are at the bar, and fail."""
+    from rich.table import Table
+
+    from musclewire.extras.paper._reproduce import counts_by_origin
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("origin")
+    for name in ("rows", "hold", "at the bar", "fail"):
+        table.add_column(name, justify="right")
+    for one in counts_by_origin(result.rows):
+        table.add_row(one.origin, *map(str, (one.rows, one.holds, one.at_the_bar, one.fails)))
+    stdout_console().print(table)
+
+
+def stdout_console() -> Console:
+    """Return a console for stdout, on a pipe wide enough for the table."""
+    from rich.console import Console
+
+    out = Console(file=sys.stdout, highlight=False)
+    out.width = max(out.width, TABLE_WIDTH) if not out.is_terminal else out.width
+    return out
+
+
+def plain_markup(text: str) -> str:
+    """Return text whose brackets rich prints as they are."""
+    from rich.markup import escape
+
+    return escape(text)

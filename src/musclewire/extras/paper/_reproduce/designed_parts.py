@@ -1,0 +1,78 @@
+"""The paper's finger and pretensioner as the design tools size them, each computed once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+from musclewire.extras.design import (
+    AvailableRoom,
+    PretensionerDesign,
+    PretensionerDuty,
+    PretensionerRequest,
+    PullingScheme,
+    compare_schemes,
+    design_pretensioner,
+    finger_geometry,
+)
+from musclewire.parameters import load_bench, load_finger, load_material, read_published
+
+__all__ = ["SizedPretensioner", "designed_pretensioner", "schemes_of_fig13"]
+
+MATERIAL = "pom"
+# Contraction that the pretensioner must follow beyond its pretension, as a fraction of the wire's leg.
+STROKE = 0.04
+
+
+@dataclass(frozen=True)
+class SizedPretensioner:
+    """A pretensioner by its stiffness and its size across the wire, along it and out of plane."""
+
+    stiffness_n_per_m: float
+    size_m: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class FingerSchemes:
+    """Fig. 13(a): ways to pull one finger; ``ratio`` is range over length, distributed over one chord."""
+
+    schemes: tuple[PullingScheme, ...]
+
+    @property
+    def ratio(self) -> float:
+        """Range to length of the first scheme over that of the second."""
+        return self.schemes[0].range_over_length / self.schemes[1].range_over_length
+
+
+@cache
+def paper_pretensioner() -> PretensionerDesign:
+    """Return a pretensioner designed for the paper's stiffness, pretension and envelope."""
+    paper = read_published("lan_fan_2010")
+    printed = paper["pretensioner"]
+    bench = load_bench("finger").values()
+    duty = PretensionerDuty(
+        pretension_n=paper["displacement_gap"]["pretension_n"],
+        stroke_m=STROKE * bench["wire_length_m"] / bench["legs"],
+        finger_stiffness_n_per_m=paper["finger"]["stiffness_n_per_m"],
+    )
+    envelope = AvailableRoom(*(size / 1000.0 for size in printed["envelope_mm"]))
+    return design_pretensioner(
+        PretensionerRequest(printed["stiffness_n_per_m"], duty, load_material(MATERIAL), envelope)
+    )
+
+
+def designed_pretensioner() -> SizedPretensioner:
+    """Return stiffness and size of the pretensioner designed for the paper's numbers."""
+    made = paper_pretensioner()
+    return SizedPretensioner(
+        made.stiffness_n_per_m, (made.geometry.across_m, made.geometry.along_m, made.geometry.depth_m)
+    )
+
+
+@cache
+def schemes_of_fig13() -> FingerSchemes:
+    """Return the schemes of Fig. 13(a) on the shipped finger, to the material's allowable stress."""
+    geometry = finger_geometry(load_finger("lan-fan-2010"))
+    longest = 2.0 * load_finger("lan-fan-2010").curve.tendon_travel_m[-1]
+    allowed = load_material(MATERIAL).yield_stress_pa.value
+    return FingerSchemes(tuple(compare_schemes(geometry, longest, allowed)))

@@ -1,0 +1,141 @@
+"""All checks run on many seeds and judged by their medians."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from musclewire.errors import CallerError
+from musclewire.experiment import cores
+from musclewire.extras.paper._known_failures import known_failures
+from musclewire.extras.paper._reproduce.all_checks import all_checks
+from musclewire.extras.paper._reproduce.paper_checks import selected
+from musclewire.extras.paper._reproduce.runs import RunCache
+from musclewire.extras.paper._reproduce.seed_numbers import OnSeed, SeedCallbacks, numbers_of_seeds
+from musclewire.extras.paper._reproduce.verdicts import ReproductionRow, judged
+from musclewire.parameters import require_seed
+
+__all__ = ["DEFAULT_SEEDS", "Reproduction", "reproduce"]
+
+# How many seeds make the verdicts stable: checks/verdicts_over_seeds.py prints what ten such sets agree on.
+DEFAULT_SEEDS = 101
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """The selected rows over all seeds.
+
+    Parameters
+    ----------
+    rows
+        The rows in the order of the paper.
+    runs
+        Recordings of the first seed, from which figures are drawn; what is not there yet is made.
+    seeds
+        The seeds.
+    wall_s
+        Time [s] that it took.
+    """
+
+    rows: tuple[ReproductionRow, ...]
+    runs: RunCache
+    seeds: tuple[int, ...]
+    wall_s: float
+
+    @property
+    def single_seed(self) -> int | None:
+        """The seed if it is one alone, None for medians over several."""
+        return self.seeds[0] if len(self.seeds) == 1 else None
+
+    @property
+    def judged_rows(self) -> list[ReproductionRow]:
+        """Rows that hold or fail: all but those that are reported and not judged."""
+        return [row for row in self.rows if row.is_judged]
+
+    @property
+    def failing(self) -> list[ReproductionRow]:
+        """Rows that do not hold: outside their tolerance, or at the bar."""
+        return [row for row in self.rows if not row.ok]
+
+    @property
+    def new_failures(self) -> list[ReproductionRow]:
+        """Failing rows that the committed list does not have."""
+        return [row for row in self.failing if not row.known_failure]
+
+    @property
+    def repaired(self) -> list[ReproductionRow]:
+        """Rows of the committed list that hold."""
+        return [row for row in self.rows if row.ok and row.known_failure]
+
+
+def reproduce(
+    only: str | None = None,
+    *,
+    seeds: Iterable[int] | None = None,
+    workers: int | None = None,
+    on_seed: OnSeed = lambda _done, _total: None,
+    on_run: Callable[[], None] = lambda: None,
+) -> Reproduction:
+    """Compare what the paper prints with the shipped parameters on the simulated rig, over many seeds.
+
+    Each row is judged by the median over the seeds. What no seed changes (inputs, designed parts, isobars) is computed
+    once.
+
+    Parameters
+    ----------
+    only
+        Keeps the rows whose names begin so; only the recordings they need are made. All rows if None.
+    seeds
+        Seeds of the simulated rigs, all different, each 0 or more; by default 1 to ``DEFAULT_SEEDS``. One seed gives
+        the numbers of its own runs.
+    workers
+        Number of processes, this one included, by default one on each core. The numbers do not depend on it.
+    on_seed
+        Called after each seed with how many are done, and of how many.
+    on_run
+        Called between runs and at least five times a second while other processes are waited for; may raise to stop.
+
+    Returns
+    -------
+    The rows in the order of the paper, with the runs of the first seed.
+
+    Raises
+    ------
+    CallerError
+        If no name begins with ``only``, or a seed is none, or twice there.
+    NumericsError
+        If another process has died.
+
+    References
+    ----------
+    Lan and Fan 2010.
+
+    Examples
+    --------
+    >>> from musclewire.extras.paper._reproduce import reproduce
+    >>> [row.verdict for row in reproduce("eq3", seeds=[1]).rows]
+    ['holds', 'holds']
+    """
+    started = time.perf_counter()
+    chosen = selected(all_checks(), only)
+    wanted = required_seeds(range(1, DEFAULT_SEEDS + 1) if seeds is None else seeds)
+    if workers is not None and workers < 1:
+        raise CallerError(f"{workers} workers: at least one process measures, give 1 or more")
+    found = numbers_of_seeds(
+        chosen, wanted, workers=cores() if workers is None else workers, watching=SeedCallbacks(on_seed, on_run)
+    )
+    known = known_failures()
+    rows = tuple(judged(check, found.for_check(check.name), known) for check in chosen)
+    return Reproduction(rows, found.first_runs, wanted, time.perf_counter() - started)
+
+
+def required_seeds(seeds: Iterable[int]) -> tuple[int, ...]:
+    """Return seeds as a tuple. Raises CallerError for none, for what is no seed, and for one that is twice there."""
+    wanted = tuple(require_seed(seed) for seed in seeds)
+    if not wanted:
+        raise CallerError("no seeds: give at least one, such as range(1, 102)")
+    twice = next((seed for place, seed in enumerate(wanted) if seed in wanted[:place]), None)
+    if twice is not None:
+        raise CallerError(f"seed {twice} is there twice: it would count twice in every median, leave one out")
+    return wanted

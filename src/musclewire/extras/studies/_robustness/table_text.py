@@ -1,0 +1,230 @@
+"""What the benchmark found as text: tables for people, CSV for spreadsheets, plain data for programs."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from musclewire.extras.studies._robustness.benchmark import Robustness
+from musclewire.extras.studies._robustness.grips import GripRow
+from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow
+
+__all__ = ["COLUMNS", "csv_text", "document", "table_text"]
+
+# Keys of a row; the first ones are those of the interface, null if a row has none.
+COLUMNS = (
+    *("disturbance", "level", "estimator", "controller", "estimate_rms_pct", "beyond_5_share", "valid_share"),
+    *("flagged_s", "mae_mean_pct", "mae_max_pct", "estimate_rms_new_zero_pct", "estimate_rms_counted_pct"),
+    *("one_segment_rms_pct", "segmented_rms_pct", "worst_wire_seed", "worst_wire_rms_pct", "interval_coverage"),
+    *("valid_before_b_fraction", "flags_in_time_fraction", "false_flags_per_hour", "force_rms_pct", "mae_first_pct"),
+    *("mae_other_max_pct", "ended_early", "home_moves_refused", "hottest_k", "problem"),
+)
+
+
+def estimator_data(row: EstimatorRow) -> dict[str, Any]:
+    """Return an estimator's row as plain data."""
+    score, worst = row.score, row.worst
+    return {
+        "disturbance": row.condition.disturbance,
+        "level": row.condition.level,
+        "estimator": row.estimator,
+        "controller": None,
+        "estimate_rms_pct": score.rms_pct,
+        "beyond_5_share": score.beyond_5_share,
+        "valid_share": score.valid_share,
+        "flagged_s": score.flagged_s,
+        "estimate_rms_new_zero_pct": score.rms_new_zero_pct,
+        "estimate_rms_counted_pct": row.counted_pct,
+        "one_segment_rms_pct": row.one_segment_pct,
+        "segmented_rms_pct": row.segmented_pct,
+        "worst_wire_seed": None if worst is None else worst.seed,
+        "worst_wire_rms_pct": None if worst is None else worst.counted_pct,
+        "interval_coverage": score.coverage,
+        "valid_before_b_fraction": score.valid_cold_fraction,
+        "flags_in_time_fraction": score.flags_in_time_fraction,
+        "false_flags_per_hour": score.false_flags_per_hour,
+        "force_rms_pct": row.force.rms_pct,
+        "ended_early": row.ended,
+        "home_moves_refused": row.refused,
+        "problem": row.problem,
+    }
+
+
+def loop_data(row: LoopRow) -> dict[str, Any]:
+    """Return a closed loop's row as plain data."""
+    rms = [one.estimate_rms_pct for one in row.outcomes if one.estimate_rms_pct is not None]
+    valid = [one.valid_share for one in row.outcomes if one.valid_share is not None]
+    return {
+        "disturbance": row.condition.disturbance,
+        "level": row.condition.level,
+        "estimator": row.estimator,
+        "controller": row.controller,
+        "estimate_rms_pct": sum(rms) / len(rms) if rms else None,
+        "valid_share": sum(valid) / len(valid) if valid else None,
+        "mae_mean_pct": row.mae_mean_pct,
+        "mae_max_pct": row.mae_max_pct,
+        "mae_first_pct": row.largest("mae_first_pct"),
+        "mae_other_max_pct": row.largest("mae_other_max_pct"),
+        "ended_early": row.ended,
+        "hottest_k": row.largest("hottest_k"),
+        "problem": next((one.ended for one in row.outcomes if one.ended), ""),
+    }
+
+
+def rows_data(result: Robustness) -> list[dict[str, Any]]:
+    """Return all rows as plain data, each with all keys."""
+    found = [*map(estimator_data, result.estimators), *map(loop_data, result.loops)]
+    return [{name: row.get(name) for name in COLUMNS} for row in found]
+
+
+def document(result: Robustness) -> dict[str, Any]:
+    """Return what the benchmark found as one JSON document.
+
+    Parameters
+    ----------
+    result
+        What ``robustness`` returned.
+
+    Returns
+    -------
+    Rows under the keys of the interface, the verdicts, and what was run.
+    """
+    return {
+        "rows": rows_data(result),
+        "grips": [asdict(row) for row in result.grips],
+        "bars": [{**verdict._asdict(), "holds": verdict.holds} for verdict in result.verdicts],
+        "missed": [f"{verdict.condition}: {verdict.name}" for verdict in result.missed],
+        "seeds": list(result.seeds),
+        "seeds_are": result.seeds_text,
+        "references": list(result.references),
+        "quick": result.quick,
+        "wall_s": result.wall_s,
+    }
+
+
+def csv_text(result: Robustness) -> str:
+    """Return all rows as CSV with a header."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows_data(result))
+    return text.getvalue()
+
+
+def table_text(result: Robustness) -> str:
+    """Return what the benchmark found as lines for people."""
+    parts = [
+        f"{len(result.seeds)} wires, {result.seeds_text}; references: {', '.join(result.references)}",
+        "",
+        "Error of the estimate, rms in percent of the full stroke, in the usable range; the instruments' zero kept.",
+        *error_lines(result),
+        "",
+        "The zero taken again, the fraction that is valid, of it beyond 5 %, 95 % intervals that hold, flags, force.",
+        *honest_lines(result.estimators),
+    ]
+    if result.loops:
+        parts += ["", "Closed loops on the paper's staircase, mean absolute error in percent of the target.",
+                  *loop_lines(result.loops)]  # fmt: skip
+    if result.grips:
+        parts += ["", "Held force of a grip, in percent of the target.", *grip_lines(result.grips)]
+    missed = [f"  {verdict}" for verdict in result.missed]
+    parts += ["", f"{len(result.verdicts) - len(missed)} of {len(result.verdicts)} bars hold", *missed]
+    return "\n".join(parts)
+
+
+def number(value: float | None, digits: int = 2) -> str:
+    """Return a number, or a dash for none."""
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def columns(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """Return rows as lines, the first column to the left and all others to the right."""
+    table = [head, *rows]
+    widths = [max(len(row[place]) for row in table) for place in range(len(head))]
+    lines = []
+    for row in table:
+        cells = [row[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]
+        lines.append("  ".join(cells).rstrip())
+    return lines
+
+
+def error_lines(result: Robustness) -> list[str]:
+    """Return the errors of all estimators as a table."""
+    names = list(dict.fromkeys(row.estimator for row in result.estimators))
+    rows = {(row.condition.name, row.estimator): row for row in result.estimators}
+    return columns(
+        ["", *names],
+        [[item.name, *(number(rows[item.name, name].score.rms_pct) for name in names)] for item in result.conditions],
+    )
+
+
+def honest_lines(rows: Sequence[EstimatorRow]) -> list[str]:
+    """Return what estimators say of themselves as a table."""
+    return columns(
+        [
+            "",
+            "estimator",
+            "new zero",
+            "valid",
+            "beyond 5 %",
+            "intervals",
+            "flagged s",
+            "in time",
+            "force",
+            "worst wire",
+        ],
+        [
+            [
+                row.condition.name,
+                row.estimator,
+                number(row.score.rms_new_zero_pct),
+                number(row.score.valid_share, 3),
+                number(row.score.beyond_5_share, 4),
+                number(row.score.coverage, 3),
+                number(row.score.flagged_s, 1),
+                number(row.score.flags_in_time_fraction),
+                number(row.force.rms_pct),
+                "-" if row.worst is None else f"{row.worst.seed}: {number(row.worst.rms_pct)}",
+            ]
+            for row in rows
+        ],
+    )
+
+
+def loop_lines(rows: Sequence[LoopRow]) -> list[str]:
+    """Return the closed loops as a table."""
+    return columns(
+        ["", "estimator", "controller", "first step", "largest other", "mean", "ended early"],
+        [
+            [
+                row.condition.name,
+                row.estimator,
+                row.controller,
+                number(row.largest("mae_first_pct")),
+                number(row.largest("mae_other_max_pct")),
+                number(row.mae_mean_pct),
+                str(row.ended),
+            ]
+            for row in rows
+        ],
+    )
+
+
+def grip_lines(rows: Sequence[GripRow]) -> list[str]:
+    """Return the grips as a table."""
+    return columns(
+        ["", "error, mean", "largest", "of the estimate", "held"],
+        [
+            [
+                row.condition,
+                number(row.held_mean_pct, 1),
+                number(row.held_max_pct, 1),
+                number(row.estimate_mean_pct, 1),
+                f"{row.held} of {row.grips}",
+            ]
+            for row in rows
+        ],
+    )

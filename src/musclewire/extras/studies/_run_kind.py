@@ -1,0 +1,196 @@
+"""What a study may run: kinds of runs by name, our own and those of other packages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError, MusclewireError
+from musclewire.extras.studies._design import run_seed
+from musclewire.registry import Registry
+from musclewire.rigs import GuardedRig, Value, VariedRig, VariedWire
+
+__all__ = ["RUN_KINDS", "KindOptions", "Outcome", "Quantity", "StudyRun", "RunKind", "StudyRuns", "column_of", "each"]
+
+# The result of a run: a number, or an array of numbers for a series, by quantity; or the error that ended it.
+Outcome = Mapping[str, float | FloatArray] | MusclewireError
+
+
+class KindOptions(BaseModel):
+    """The keys of the table ``[run]`` besides ``kind`` and ``keep``; a kind of run adds its own as fields."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Quantity(NamedTuple):
+    """A quantity that a kind of run computes.
+
+    Parameters
+    ----------
+    unit
+        SI unit, "1" for a fraction or a number of something.
+    meaning
+        What it is, in a few words.
+    is_series
+        Whether it has a value for every sample of the run, instead of one for the run.
+    """
+
+    unit: str
+    meaning: str
+    is_series: bool = False
+
+
+Options = TypeVar("Options", bound=KindOptions)
+
+
+@dataclass(frozen=True)
+class StudyRun(Generic[Options]):
+    """One run of a study.
+
+    Parameters
+    ----------
+    number
+        Which run of the study, from 0.
+    values
+        The values of the rig's parameters by name, numbers in SI.
+    options
+        What is run, with the values of the parameters ``run.KEY``.
+    seed
+        Seed of the study.
+    """
+
+    number: int
+    values: Mapping[str, Value]
+    options: Options
+    seed: int
+
+    @property
+    def own_seed(self) -> int:
+        """Seed of this run: the same whatever runs before it, and where."""
+        return run_seed(self.seed, self.number)
+
+
+@dataclass(frozen=True)
+class StudyRuns(Generic[Options]):
+    """Some runs of a study that are evaluated together.
+
+    Parameters
+    ----------
+    rig
+        The rig whose numbers and keys vary.
+    runs
+        The runs.
+    keep
+        Names of the quantities to return.
+    """
+
+    rig: VariedRig
+    runs: Sequence[StudyRun[Options]]
+    keep: frozenset[str]
+
+    def open(self, run: StudyRun[Options]) -> GuardedRig:
+        """Return the open rig of a run, with instruments and protection.
+
+        Parameters
+        ----------
+        run
+            One of the runs.
+
+        Returns
+        -------
+        The rig; its noise has the seed of the run.
+        """
+        return self.rig.open(run.values, run.own_seed)
+
+    def wires(self) -> list[VariedWire | MusclewireError]:
+        """Return the wire of each run without instruments, or the error of values that make none."""
+        return each(lambda run: self.rig.wire(run.values), self.runs)
+
+
+@dataclass(frozen=True)
+class RunKind(Generic[Options]):
+    """A kind of run. Register yours with ``RUN_KINDS.register("name", kind)`` or by an entry point of its group.
+
+    Its functions belong into a module that every worker can import; they have no state.
+
+    Parameters
+    ----------
+    options
+        Schema of the table ``[run]``.
+    quantities
+        Returns what a run with such options computes, by name.
+    evaluate
+        Returns an outcome for each of some runs, in their order; each is the same whatever the others are.
+    runs_per_chunk
+        How many runs are evaluated together and written as one file, unless the user says: about a second of work.
+    """
+
+    options: type[Options]
+    quantities: Callable[[Options], Mapping[str, Quantity]]
+    evaluate: Callable[[StudyRuns[Options]], Sequence[Outcome]]
+    runs_per_chunk: int = 1
+
+
+# A kind is loaded only when a study names it.
+RUN_KINDS: Registry[RunKind[Any]] = Registry(
+    "kind of run",
+    "musclewire.run_kinds",
+    {
+        "characterize": "musclewire.extras.studies._characterize_runs:CHARACTERIZE",
+        "simulate": "musclewire.extras.studies._simulate_runs:SIMULATE",
+        "control": "musclewire.extras.studies._control_runs:CONTROL",
+    },
+)
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+def each(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result | MusclewireError]:
+    """Return what a function returns for each item, or the error of one that fails: the others go on.
+
+    Parameters
+    ----------
+    function
+        What to do with an item.
+    items
+        The items.
+
+    Returns
+    -------
+    Results and errors, in the order of the items; an item that is an error already stays one.
+    """
+
+    def attempted(item: Item) -> Result | MusclewireError:
+        if isinstance(item, MusclewireError):
+            return item
+        try:
+            return function(item)
+        except MusclewireError as error:
+            return error
+
+    return [attempted(item) for item in items]
+
+
+def column_of(name: str, quantity: Quantity, outcomes: Sequence[Outcome]) -> FloatArray:
+    """Return a quantity over some runs, NaN for runs that failed: (n_runs,), or (n_runs, n_samples) for a series.
+
+    Raises CallerError for a kind of run that has not computed it.
+    """
+    for outcome in outcomes:
+        if not isinstance(outcome, MusclewireError) and name not in outcome:
+            raise CallerError(
+                f"the kind of run has computed no '{name}', which is among its quantities: let it return that, too"
+            )
+    if not quantity.is_series:
+        return np.array([np.nan if isinstance(one, MusclewireError) else float(one[name]) for one in outcomes])
+    rows = [np.empty(0) if isinstance(one, MusclewireError) else np.asarray(one[name]) for one in outcomes]
+    found = np.full((len(rows), max((row.size for row in rows), default=0)), np.nan)
+    for row, values in zip(found, rows, strict=True):
+        row[: values.size] = values
+    return found

@@ -1,0 +1,292 @@
+"""A wire in segments on its spring, in Python: built from parameters, surrounded by conditions, advanced by samples."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError, NumericsError
+from musclewire.extras.studies._segmented.conditions import Conditions
+from musclewire.extras.studies._segmented.kernel import advance_segments, rest_segments
+from musclewire.extras.studies._segmented.state import SampleSetting, SegmentPlace, SegmentState, WholeWire
+from musclewire.extras.studies._segmented.structure import WireStructure, fin_length_m
+from musclewire.parameters import Alloy, Bench, Wire
+from musclewire.physics import convection_coefficient_w_per_m2_k
+from musclewire.wire import constants_of, convection_table, measured_grains
+
+__all__ = ["DEFAULT_STEP_S", "SegmentMeans", "SegmentedState", "SegmentedWire"]
+
+# Half of it changes resistance and strain by less than the instruments show (tests/extras/studies/unit/segmented).
+DEFAULT_STEP_S = 2.5e-3
+# The ends of a clamped wire are resolved at the convection of a wire this much above the air.
+WARM_K = 70.0
+# Another table of convection is looked up when the air has changed by as much.
+SAME_AIR_K = 2.0
+MAX_STEP_ERROR_K = 2.0
+
+
+class SegmentMeans(NamedTuple):
+    """Means over a sample, as averaging instruments measure them: [V], [V], [m], [N], and strain."""
+
+    wire_voltage_v: float
+    shunt_voltage_v: float
+    displacement_m: float
+    force_n: float
+    strain: float
+
+
+class SegmentedState(NamedTuple):
+    """The true state of a wire in segments, for judging a result and never for an estimator.
+
+    Parameters
+    ----------
+    time_s
+        Simulated time [s].
+    temperature_k, hottest_temperature_k, coldest_temperature_k
+        Temperature [K]: mean over the length, of the hottest segment and of the coldest.
+    resistance_ohm
+        Resistance of the wire [ohm].
+    cycles
+        Transformation cycles since the start.
+    strain
+        Displacement of the connector over the leg's length now, from the zero of the bench; positive when contracted.
+    mean_strain
+        Its mean over the last sample: what an ideal displacement sensor would have read.
+    stress_pa
+        Stress of a leg [Pa].
+    force_n
+        Force of all legs [N].
+    martensite_fraction, r_phase_fraction
+        Volume fractions, means over the length.
+    segment_temperatures_k
+        Temperature of each segment [K], (n_segments,).
+    """
+
+    time_s: float
+    temperature_k: float
+    hottest_temperature_k: float
+    coldest_temperature_k: float
+    resistance_ohm: float
+    cycles: float
+    strain: float
+    mean_strain: float
+    stress_pa: float
+    force_n: float
+    martensite_fraction: float
+    r_phase_fraction: float
+    segment_temperatures_k: FloatArray
+
+
+class SegmentedWire:
+    """A wire in segments on a spring with a guide, cold and at rest at first.
+
+    Parameters
+    ----------
+    alloy, wire, bench
+        Numbers of alloy, wire and bench; the bench's spring is the load.
+    structure
+        Its segments, grains, barriers and ageing.
+    step_s
+        Longest step of the simulation [s].
+
+    Raises
+    ------
+    CallerError
+        For numbers that cannot describe a wire.
+    """
+
+    def __init__(
+        self,
+        alloy: Alloy,
+        wire: Wire,
+        bench: Bench,
+        structure: WireStructure,
+        step_s: float = DEFAULT_STEP_S,
+    ) -> None:
+        """Cool the wire under its pretension."""
+        if not 0.0 < step_s < math.inf:
+            raise CallerError(f"a step of {step_s} s cannot be: give a positive number of seconds")
+        self.structure, self.step_s = structure, step_s
+        self._spool, self._bench = wire.values(), bench.values()
+        self.constants = constants_of(
+            alloy.values(),
+            self._spool,
+            self._bench,
+            distribution=structure.grains or measured_grains(alloy),
+            classes=structure.classes,
+        )
+        derived, self._cells, self._load = self.constants.step_arrays()
+        self._derived = derived.copy()
+        self._air_k = float(self.constants.ambient_temperature_k)
+        self._mean_strain = 0.0
+        self._weights = structure.fractions(self._end_fraction())
+        self._places = self._placed()
+        self._own_convection = self._places["convection_factor"].copy()
+        classes = len(structure.classes)
+        self._states: Any = np.zeros(structure.n_segments, SegmentState.layout(classes))
+        self._whole: Any = np.zeros(1, WholeWire.layout())
+        self._now: Any = np.zeros(1, SampleSetting.layout())
+        self.surround(Conditions())
+        self._now["zero_contraction"] = rest_segments(*self._rows())
+
+    def _rows(self) -> tuple[Any, ...]:
+        """Return what compiled code takes."""
+        return self._states, self._places, self._whole, self._now, self._derived, self._cells, self._load
+
+    def _end_fraction(self) -> float:
+        """Return how short the segments at clamps are: half of the length over which a clamp cools the wire.
+
+        With 10 segments that leaves 0.3 % of stroke to 200 of them at most; a whole length or a third leave twice that.
+        """
+        ambient_k, diameter_m = self._air_k, self._spool["diameter_m"]
+        convection = convection_coefficient_w_per_m2_k(ambient_k + WARM_K, ambient_k, diameter_m)
+        convection *= self._spool["convection_factor"]
+        conductivity = self.structure.thermal_conductivity_w_per_m_k
+        return 0.5 * fin_length_m(conductivity, diameter_m, convection) / self._bench["wire_length_m"]
+
+    def _placed(self) -> Any:
+        """Return the places of the segments, with the conductances between their middles."""
+        places = np.zeros(self.structure.n_segments, SegmentPlace.layout())
+        places["weight"] = self._weights
+        places["temperature_shift_k"] = self.structure.along("temperature_shifts_k", 0.0)
+        places["convection_factor"] = self.structure.along("convection_factors", 1.0)
+        lengths_m = self._weights * self._bench["wire_length_m"]
+        conducting = self.structure.thermal_conductivity_w_per_m_k * self.constants.area_m2
+        between = conducting / (0.5 * (lengths_m[1:] + lengths_m[:-1]))
+        ends = 2.0 * conducting / lengths_m[[0, -1]] if self.structure.clamped else np.zeros(2)
+        # As if the whole wire were in a segment's state: each conductance over the segment's part of the length.
+        places["before_w_per_k"] = np.concatenate((ends[:1], between)) / self._weights
+        places["after_w_per_k"] = np.concatenate((between, ends[1:])) / self._weights
+        return places
+
+    def surround(self, conditions: Conditions) -> None:
+        """Take other conditions from now on."""
+        setting, bench = self._now, self._bench
+        ambient_k = bench["ambient_temperature_k"] if conditions.ambient_k is None else conditions.ambient_k
+        setting["ambient_k"] = ambient_k
+        self._around = conditions
+        self._age()
+        setting["force_n"] = bench["pretension_n"] + conditions.load_force_n + conditions.pretension_force_n
+        setting["spring_n"] = self._derived["spring_n"] * conditions.stiffness_factor
+        self._places["convection_factor"] = self._own_convection * conditions.convection_factor
+        self._derived["ambient_temperature_k"] = ambient_k
+        if abs(ambient_k - self._air_k) > SAME_AIR_K:
+            self._air_k = SAME_AIR_K * round(ambient_k / SAME_AIR_K)
+            self._derived["convection_w_per_m2_k"] = convection_table(self._spool["diameter_m"], self._air_k)
+
+    def _age(self) -> None:
+        """Take over what the cycles until now have changed."""
+        setting, around = self._now, self._around
+        residual, factor, shift_k = self.structure.ageing.effects(float(self._whole["cycles"][0]))
+        setting["resistance_factor"] = around.resistance_factor * factor
+        setting["temperature_shift_k"] = around.transformation_shift_k + shift_k
+        setting["residual_strain"] = residual
+
+    def advance(self, drive_voltage_v: float, duration_s: float, lead_ohm: float = 0.0) -> SegmentMeans:
+        """Advance by a sample at one drive voltage.
+
+        Parameters
+        ----------
+        drive_voltage_v
+            Drive voltage [V] during the sample.
+        duration_s
+            Length of the sample [s].
+        lead_ohm
+            Resistance of leads and contacts within the measured voltage of the wire [ohm].
+
+        Returns
+        -------
+        Means over the sample.
+
+        Raises
+        ------
+        NumericsError
+            If the balances of a step were not met, or a step was too long for what happened in it.
+        """
+        setting = self._now
+        self._age()
+        setting["drive_voltage_v"], setting["inside_ohm"] = drive_voltage_v, lead_ohm
+        setting["outside_ohm"] = self._bench["shunt_resistance_ohm"] + self._bench["lead_resistance_ohm"]
+        setting["duration_s"], setting["steps"] = duration_s, math.ceil(duration_s / self.step_s * (1.0 - 1e-9))
+        voltage_v, current_a, contraction, stress_pa = advance_segments(*self._rows())
+        self._require_resolved(voltage_v + contraction)
+        self._mean_strain = contraction
+        return SegmentMeans(
+            voltage_v,
+            current_a * self._bench["shunt_resistance_ohm"],
+            contraction * self.leg_length_m,
+            stress_pa * self.section_m2,
+            contraction,
+        )
+
+    def _require_resolved(self, number: float) -> None:
+        """Raise NumericsError unless all steps were solved and short enough."""
+        whole = self._whole[0]
+        missed, error_k = float(whole["unsolved_steps"]), float(whole["step_error_k"])
+        if missed == 0.0 and error_k <= MAX_STEP_ERROR_K and math.isfinite(number):
+            return
+        raise NumericsError(
+            f"the simulation in segments does not resolve the wire up to {float(whole['time_s']):.3f} s: steps of "
+            f"{1e3 * self.step_s:g} ms leave an error of {error_k:.3g} K and {missed:.0f} balances unsolved; look for "
+            "conditions or a drive that no wire could follow, or take a shorter step"
+        )
+
+    @property
+    def leg_length_m(self) -> float:
+        """Length of a leg [m]."""
+        return float(self.constants.leg_length_m)
+
+    @property
+    def section_m2(self) -> float:
+        """Cross section of all legs [m2]."""
+        return float(self.constants.legs * self.constants.area_m2)
+
+    @property
+    def time_s(self) -> float:
+        """Time since the wire was first at rest [s]."""
+        return float(self._whole["time_s"][0])
+
+    @property
+    def state(self) -> SegmentedState:
+        """The true state now."""
+        whole, states, weights = self._whole[0], self._states, self._weights
+        temperatures_k = states["temperature_k"].copy()
+        return SegmentedState(
+            time_s=float(whole["time_s"]),
+            temperature_k=float(weights @ temperatures_k),
+            hottest_temperature_k=float(temperatures_k.max()),
+            coldest_temperature_k=float(temperatures_k.min()),
+            resistance_ohm=float(weights @ states["resistance_ohm"]) * float(self._now["resistance_factor"][0]),
+            cycles=float(whole["cycles"]),
+            strain=float(whole["connector_contraction"]),
+            mean_strain=self._mean_strain,
+            stress_pa=float(whole["stress_pa"]),
+            force_n=float(whole["stress_pa"]) * self.section_m2,
+            martensite_fraction=float(weights @ states["martensite_fraction"]),
+            r_phase_fraction=float(weights @ states["r_phase_fraction"]),
+            segment_temperatures_k=temperatures_k,
+        )
+
+    @property
+    def sums(self) -> Mapping[str, float]:
+        """Energies [J] since the start, counts, the hottest temperature so far [K] and the error of steps [K]."""
+        names = ("heat_in_j", "heat_to_air_j", "heat_to_clamps_j", "hottest_k", "step_error_k", "evaluations")
+        return {name: float(self._whole[name][0]) for name in names}
+
+    @property
+    def enthalpy_j(self) -> float:
+        """Enthalpy of the wire [J], with the heat that the last step still owes."""
+        return float(self._weights @ (self._states["enthalpy_j"] + self._states["carried_heat_j"]))
+
+    @property
+    def weights(self) -> FloatArray:
+        """Fraction of the length of each segment, (n_segments,)."""
+        return self._weights.copy()
+
+    def age_like(self, before: SegmentedWire) -> None:
+        """Take over clock and cycles from the wire at another pretension."""
+        self._whole["time_s"], self._whole["cycles"] = before._whole["time_s"], before._whole["cycles"]

@@ -1,0 +1,142 @@
+"""The test of the vendor's catalogue on a simulated wire: contraction after one second, then cooling in still air.
+
+The test according to the catalogue's footnotes: a wire under 172 MPa is heated for one second by the catalogue's
+current and cools in still air; the last 0.5 % of deformation is not counted. Here a deformation of 0.5 % is a strain of
+0.005, and the wire counts as cold within that strain of its cold length under the same load. The wire starts cold, at
+rest, at the bench's ambient temperature.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import NumericsError
+from musclewire.parameters import Alloy, Bench, Wire
+from musclewire.wire import DrivenPath, WireConstants, WireState, constants_from, drive_path, isobaric_path
+
+__all__ = ["PULL_STRESS_PA", "UNCOUNTED_STRAIN", "CatalogueRun", "dead_weight_bench", "run_catalogue_test"]
+
+
+PULL_STRESS_PA = 172e6
+HEATING_S = 1.0
+UNCOUNTED_STRAIN = 0.005
+# At this temperature no wire under this load has martensite left; the stroke is the largest contraction up to it.
+HOTTEST_K, STROKE_POINTS = 493.15, 100
+# Thin wires cool fast: a step is this fraction of the thermal time constant without transformation.
+STEP_FRACTION = 0.02
+MIN_STEP_S, MAX_STEP_S = 5e-4, 5e-3
+COOLING_CHUNKS, MAX_COOLING_S = 200, 120.0
+
+
+class CatalogueRun(NamedTuple):
+    """Result of the catalogue's test of one wire; contractions are fractions of the cold length under the load.
+
+    ``cooling_s`` is None if the wire never contracted beyond the part that is not counted, or is not cold after 120 s.
+    """
+
+    stroke: float
+    contraction: float
+    contraction_fraction: float
+    cooling_s: float | None
+    temperature_k: float
+    energy_j: float
+
+
+def dead_weight_bench(bench: Bench, diameter_m: float, stress_pa: float = PULL_STRESS_PA) -> Bench:
+    """Return a bench with a weight that loads a wire of this diameter by this stress, for a fast simulation.
+
+    It has one leg, no spring and no friction, and the length, shunt and ambient temperature of ``bench``.
+    """
+    weight_n = stress_pa * 0.25 * np.pi * diameter_m**2
+    numbers = {
+        "legs": 1.0,
+        "spring_stiffness_n_per_m": 0.0,
+        "guide_friction_n": 0.0,
+        "pretension_n": float(weight_n),
+    }
+    return bench.model_copy(
+        update={name: getattr(bench, name).model_copy(update={"value": value}) for name, value in numbers.items()}
+    )
+
+
+def run_catalogue_test(
+    alloy: Alloy,
+    wire: Wire,
+    bench: Bench,
+    current_a: float,
+    *,
+    stress_pa: float = PULL_STRESS_PA,
+    heating_s: float = HEATING_S,
+) -> CatalogueRun:
+    """Heat a wire under a dead weight by a constant current for one second, let it cool, and measure both.
+
+    Length, shunt and ambient temperature are those of ``bench``, the rest is that of :func:`dead_weight_bench`. A run
+    takes some ten milliseconds. Raises NumericsError if the simulation diverges.
+    """
+    constants = constants_from(alloy, wire, dead_weight_bench(bench, wire.diameter_m.value, stress_pa))
+    step_s = step_for(constants)
+    heated, state = heated_by(constants, current_a, heating_s, step_s)
+    contraction = state.contraction
+    if not np.isfinite(contraction):
+        raise NumericsError(f"the simulation of {wire.name} diverges at {current_a:g} A: use a smaller current")
+    stroke = full_stroke(constants, stress_pa)
+    curve = cooling_curve(constants, state, step_s)
+    return CatalogueRun(
+        stroke=stroke,
+        contraction=contraction,
+        contraction_fraction=contraction / stroke,
+        cooling_s=time_below(curve, step_s, contraction, UNCOUNTED_STRAIN),
+        temperature_k=float(heated.temperature_k.max()),
+        energy_j=state.heat_in_j,
+    )
+
+
+def heated_by(
+    constants: WireConstants, current_a: float, heating_s: float, step_s: float
+) -> tuple[DrivenPath, WireState]:
+    """Return path and final state of a cold wire under a constant current [A], in steps of about ``step_s``."""
+    samples = max(round(heating_s / step_s), 1)
+    return drive_path(constants, np.full(samples, current_a), sample_s=heating_s / samples, regulated_current=True)
+
+
+def step_for(constants: WireConstants) -> float:
+    """Return a time step that resolves the cooling of the wire."""
+    loss = constants.convection_factor * constants.surface_m2 * float(constants.convection_table_w_per_m2_k[80])
+    return float(np.clip(STEP_FRACTION * constants.heat_capacity_j_per_k / loss, MIN_STEP_S, MAX_STEP_S))
+
+
+def full_stroke(constants: WireConstants, stress_pa: float) -> float:
+    """Return the largest contraction of the wire under this stress over a complete transformation."""
+    kelvin = np.linspace(constants.ambient_temperature_k, HOTTEST_K, STROKE_POINTS)
+    path = isobaric_path(constants, stress_pa, kelvin)
+    return float((constants.cold_strain - path.strain.min()) / (1.0 + constants.cold_strain))
+
+
+def cooling_curve(constants: WireConstants, state: WireState, step_s: float) -> FloatArray:
+    """Return the contraction step by step after switching off, (n,).
+
+    The curve ends when a hundredth of the part that is not counted is left, or after 120 s.
+    """
+    pieces: list[FloatArray] = []
+    off = np.zeros(COOLING_CHUNKS)
+    for _ in range(int(MAX_COOLING_S / (COOLING_CHUNKS * step_s)) + 1):
+        path, state = drive_path(constants, off, sample_s=step_s, state=state)
+        pieces.append(path.displacement_m / constants.leg_length_m)
+        if state.contraction < 0.01 * UNCOUNTED_STRAIN:
+            break
+    return np.concatenate(pieces)
+
+
+def time_below(curve: FloatArray, step_s: float, start: float, level: float) -> float | None:
+    """Return when a falling curve, given at the ends of steps, passes a level; None if it does not."""
+    if start <= level:
+        return None
+    below = np.flatnonzero(curve <= level)
+    if below.size == 0:
+        return None
+    after = int(below[0])
+    before = start if after == 0 else float(curve[after - 1])
+    return step_s * (after + (before - level) / (before - float(curve[after])))

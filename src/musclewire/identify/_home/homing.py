@@ -1,0 +1,376 @@
+"""From a recorded sweep at a known load to the model of today, or to the reason why it stays as it was."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import exp, hypot
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.errors import CallerError, RecordingError
+from musclewire.identify._home.registration import MARTENSITE_PER_K, AnchorPoint, Registration, register
+from musclewire.identify._home.seen_points import SeenPoints, seen_points
+from musclewire.identify._home.warming import HeatCourse, WireHeat, course_of, wire_heat_of
+from musclewire.sensing import DRIFT_FRACTION, HomeMove, SensingModel
+from musclewire.signals import Recording
+
+__all__ = ["Homing", "homed_model"]
+
+# Error of the resistance found at B, as a fraction of it: 0.025 % on the same air, 0.01 % more for each kelvin that the
+# air has changed (a wire is not quite the same martensite in warmer air), which without a thermometer may be 8 K.
+SAME_AIR_FRACTION, AIR_FRACTION_PER_K = 2.5e-4, 1e-4
+# A change is corrected from so many of its standard deviations on.
+CERTAIN_STDS = 2.0
+# The change of martensite's resistance by a shift of the transformation is known to this fraction.
+SHIFT_FRACTION = 0.5
+# A trained wire's transformation moves by less than this; half of a usual load moves it by 9 K.
+MAX_SHIFT_K = 7.5
+# A changed load moves the resistance at B in the direction of the warming, and by less than this multiple of what the
+# warming of martensite does.
+MAX_RATIO = 2.0
+# Resistance of one wire changes by less than this in its life, joints and leads included (0.5 ohm of 17); more is
+# another wire.
+MAX_CHANGE = 0.06
+# The sweep must show this fraction of the loop's fall; less was not heated far enough.
+MIN_FALL = 0.85
+# A curve that fits worse than this fraction of its span has another shape.
+MAX_MISFIT = 0.04
+# Loads that differ by less are one load, measured twice.
+SAME_LOAD = 0.02
+# Errors of points that both courses show, as fractions of the resistance.
+B_FRACTION, COOLING_B_FRACTION, C_FRACTION = 2e-4, 1e-3, 1e-3
+# Air further from that of the characterisation is a wrong unit.
+MAX_AIR_CHANGE_K, ZERO_CELSIUS_K = 60.0, 273.15
+# How well the air's change, and the loss to it, are known beforehand: 8 K, 0.5 K with a thermometer, and 3 %.
+AIR_STD_K, MEASURED_STD_K, LOSS_FRACTION, SHAPE_STD_K = 8.0, 0.5, 0.03, 1.5
+
+
+@dataclass(frozen=True)
+class Homing:
+    """What a home move found, and the model that follows.
+
+    Parameters
+    ----------
+    model
+        The model of today; the same curve if nothing was corrected.
+    home
+        What was found; it is also in the model.
+    resistance_max_moved_ohm, resistance_max_moved_std_ohm
+        Change of the resistance at B [ohm] since the model was made, and its standard deviation [ohm].
+    resistance_min_moved_ohm, resistance_min_moved_std_ohm
+        The same at C [ohm].
+    warming_moved_k
+        By how much warmer than before the wire transforms, judged by its power [K]: by the transformation temperatures,
+        the load, the loss to the air and, without a thermometer, the air's temperature together.
+    misfit_ohm
+        Root mean square of what the corrected curve leaves of the sweep [ohm].
+    seen
+        Which points the sweep shows.
+    notes
+        What was not seen, what cannot be separated, and why nothing was corrected, a sentence each.
+    """
+
+    model: SensingModel
+    home: HomeMove
+    resistance_max_moved_ohm: float
+    resistance_max_moved_std_ohm: float
+    resistance_min_moved_ohm: float
+    resistance_min_moved_std_ohm: float
+    warming_moved_k: float
+    misfit_ohm: float
+    seen: SeenPoints
+    notes: tuple[str, ...]
+
+
+def homed_model(
+    model: SensingModel,
+    recording: Recording,
+    *,
+    load_n: float | None = None,
+    ambient_k: float | None = None,
+    cycles: float | None = None,
+) -> Homing:
+    """Return the model of today from a recorded home sweep: pure, and driven by nobody.
+
+    Parameters
+    ----------
+    model
+        The model as it is; it must have been fitted to a recording with voltages.
+    recording
+        The sweep, from cold to beyond the transformation and back, with voltages and the rig's heat capacity and loss.
+    load_n
+        Force of the cold wire during the sweep [N]; the load of the characterisation if None. Another one is refused.
+    ambient_k
+        Measured temperature of the air [K]; None for the mean of the recording's own thermometer, if it has one.
+        It is compared with that of the characterisation, as the model states it.
+    cycles
+        Cycles that the wire has made since its characterisation, if they were counted; recorded.
+
+    Returns
+    -------
+    Model, findings and notes.
+
+    Raises
+    ------
+    CallerError
+        For a model without the power of its loop, another load than the model's, or air of an impossible temperature.
+    RecordingError
+        For a sweep that is incomplete, began warm, is of another shape or another wire, or that a changed load explains
+        as well as a changed wire.
+    """
+    assumed_n = require_load(model, load_n)
+    before = loop_of(model)
+    sweep, heat = course_of(recording), wire_heat_of(recording)
+    seen = seen_points(sweep)
+    require_complete(model, seen)
+    air = SweepAirTemperature.from_recording(model, recording, ambient_k)
+    ends_ohm = (model.resistance_min_ohm, model.resistance_max_ohm)
+    found = register(before, sweep, heat, ends_ohm, anchors_of(model, before, seen), air.change_k)
+    moved = WireChange.from_registration(found, before, heat, air, model.resistance_max_ohm)
+    require_explained(model, found, moved, air)
+    home = home_move(model, recording, found, moved)
+    home = replace(home, load_n=assumed_n, ambient_k=air.measured_k, cycles=cycles)
+    return Homing(
+        model=corrected_model(model, found, home) if moved.corrects else replace(model, home=home),
+        home=home,
+        resistance_max_moved_ohm=found.moved_ohm[1],
+        resistance_max_moved_std_ohm=moved.std_at_b_ohm,
+        resistance_min_moved_ohm=found.moved_ohm[0],
+        resistance_min_moved_std_ohm=hypot(found.moved_stds_ohm[0], moved.std_at_b_ohm),
+        warming_moved_k=moved.warming_k,
+        misfit_ohm=found.misfit_ohm,
+        seen=seen,
+        notes=notes_on(seen, moved, air),
+    )
+
+
+class SweepAirTemperature(NamedTuple):
+    """The air's temperature in the sweep, and its change since the characterisation [K], None if unknown."""
+
+    measured_k: float | None
+    change_k: float | None
+
+    @classmethod
+    def from_recording(cls, model: SensingModel, recording: Recording, ambient_k: float | None) -> SweepAirTemperature:
+        """Return what is known: the measured temperature, or the mean of the recording's own thermometer."""
+        column = recording.columns.get("ambient_temperature_k")
+        if ambient_k is None and column is not None and np.isfinite(column).any():
+            ambient_k = float(np.nanmean(column))
+        before_k = model.wire.get("ambient_temperature_k")
+        if ambient_k is None or not isinstance(before_k, int | float):
+            return cls(ambient_k, None)
+        if not abs(ambient_k - before_k) < MAX_AIR_CHANGE_K:
+            now, then = (f"{kelvins - ZERO_CELSIUS_K:.4g} degC" for kelvins in (ambient_k, before_k))
+            raise CallerError(
+                f"air of {now}, and of {then} at the characterisation: give the temperature of the air around the "
+                "wire, with its unit ('22 degC')"
+            )
+        return cls(ambient_k, ambient_k - before_k)
+
+    @property
+    def std_k(self) -> float:
+        """How well the change is known [K]."""
+        return AIR_STD_K if self.change_k is None else MEASURED_STD_K
+
+
+class WireChange(NamedTuple):
+    """What a registration says about the wire as a whole.
+
+    By how much warmer it transforms [K], a known change of the air taken off, with its standard deviation [K]; the
+    change at B [ohm] with its own [ohm], and the change that so much warmer martensite makes [ohm]; whether the change
+    is certain, and whether a shift of the transformation is all there is to it.
+    """
+
+    warming_k: float
+    warming_std_k: float
+    at_b_ohm: float
+    std_at_b_ohm: float
+    by_shift_ohm: float
+    certain: bool
+    shifted: bool
+
+    @classmethod
+    def from_registration(
+        cls, found: Registration, before: HeatCourse, heat: WireHeat, air: SweepAirTemperature, at_b_ohm: float
+    ) -> WireChange:
+        """Return it from a registration; the power that the middle of the fall takes shows the warming."""
+        middle_k = 0.5 * (power_at(before, 0.25) + power_at(before, 0.75)) / heat.loss_w_per_k
+        unknowns = found.values
+        ratio = exp(unknowns.log_ratio)
+        moved_k = (ratio - 1.0) * middle_k + (unknowns.shift_k - ratio * unknowns.air_k) + (air.change_k or 0.0)
+        std_k = hypot(SHAPE_STD_K, LOSS_FRACTION * middle_k, air.std_k)
+        air_k = AIR_STD_K if air.change_k is None else abs(air.change_k)
+        std_ohm = hypot(found.moved_stds_ohm[1], SAME_AIR_FRACTION * at_b_ohm, AIR_FRACTION_PER_K * air_k * at_b_ohm)
+        certain = abs(found.moved_ohm[1]) > CERTAIN_STDS * std_ohm
+        by_shift_ohm = MARTENSITE_PER_K * at_b_ohm * moved_k
+        shifted = abs(found.moved_ohm[1] - by_shift_ohm) < hypot(std_ohm, SHIFT_FRACTION * by_shift_ohm)
+        return cls(moved_k, std_k, found.moved_ohm[1], std_ohm, by_shift_ohm, certain, certain and shifted)
+
+    @property
+    def corrects(self) -> bool:
+        """Whether the curve is to be moved: for a certain change that is more than a shift of the transformation."""
+        return self.certain and not self.shifted
+
+
+def power_at(course: HeatCourse, fallen: float) -> float:
+    """Return the power [W] at which a heating wire's resistance has fallen by a fraction of its way from B to C."""
+    up = slice(0, int(np.argmax(course.power_w)) + 1)
+    resistance, power = course.resistance_ohm[up], course.power_w[up]
+    b = int(np.argmax(resistance))
+    level = resistance[b] - fallen * (resistance[b] - resistance[b:].min())
+    return float(power[b + int(np.argmax(resistance[b:] <= level))])
+
+
+def loop_of(model: SensingModel) -> HeatCourse:
+    """Return the loop that a model was fitted to. Raises CallerError if the model does not contain its power."""
+    if not model.slow_loop:
+        raise CallerError(
+            "this model does not contain the power of its loop, with which a home move compares: fit it again, to a "
+            "recording with wire_voltage_v"
+        )
+    time_s, power_w, resistance_ohm = (np.array(column) for column in zip(*model.slow_loop, strict=True))
+    return HeatCourse(time_s, power_w, resistance_ohm)
+
+
+def require_load(model: SensingModel, load_n: float | None) -> float | None:
+    """Return the force of the cold wire [N]. Raises CallerError for another one than at the characterisation."""
+    before = model.wire.get("pretension_n")
+    if not isinstance(before, int | float):
+        return load_n
+    if load_n is not None and abs(load_n - before) > SAME_LOAD * before:
+        raise CallerError(
+            f"the load is {load_n:g} N and was {before:g} N at the characterisation: its effect on the resistance "
+            "cannot be separated from ageing; make the home move at the same load, or characterise again at this one"
+        )
+    return float(before)
+
+
+def require_complete(model: SensingModel, seen: SeenPoints) -> None:
+    """Raise RecordingError for a sweep that began warm or did not reach as far as the loop."""
+    if seen.heating_b_ohm is None:
+        raise RecordingError(
+            "the sweep began above point B (no rise of the resistance before its fall): let the wire cool first"
+        )
+    span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
+    fell = (seen.heating_b_ohm - seen.lowest_ohm) / span_ohm
+    if fell < MIN_FALL:
+        raise RecordingError(
+            f"the sweep is not complete: the resistance fell by {100 * fell:.0f} % of the loop's {span_ohm:.3g} ohm, "
+            f"{100 * MIN_FALL:.0f} % are needed; a draught, colder air, a larger load or the drive's limit keep a wire "
+            "from transforming"
+        )
+
+
+def anchors_of(model: SensingModel, before: HeatCourse, seen: SeenPoints) -> tuple[AnchorPoint, ...]:
+    """Return the points that loop and sweep both show: B on the way up, B on the way down, and C where it is real."""
+    was = seen_points(before)
+    pairs = (
+        (model.resistance_max_ohm, seen.heating_b_ohm, B_FRACTION),
+        (was.cooling_b_ohm, seen.cooling_b_ohm, COOLING_B_FRACTION),
+        (was.c_ohm, seen.c_ohm, C_FRACTION),
+    )
+    return tuple(AnchorPoint(one, two, error * one) for one, two, error in pairs if one is not None and two is not None)
+
+
+def require_explained(model: SensingModel, found: Registration, moved: WireChange, air: SweepAirTemperature) -> None:
+    """Raise RecordingError for what a wire's own drift does not explain: another shape, another wire, another load."""
+    span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
+    if not moved.certain:
+        return
+    if found.misfit_ohm > MAX_MISFIT * span_ohm:
+        raise RecordingError(
+            f"the sweep has another shape than the loop, by {100 * found.misfit_ohm / span_ohm:.1f} % of its fall "
+            f"({100 * MAX_MISFIT:g} % are allowed): another load or another wire; characterise again"
+        )
+    if abs(moved.at_b_ohm) > MAX_CHANGE * model.resistance_max_ohm:
+        raise RecordingError(
+            f"the resistance at B moved by {moved.at_b_ohm:+.3g} ohm, more than {100 * MAX_CHANGE:g} %: this is "
+            "another wire, or a bad contact"
+        )
+    like_a_load = 0.0 < moved.at_b_ohm / moved.by_shift_ohm < MAX_RATIO
+    if abs(moved.warming_k) > MAX_SHIFT_K and like_a_load:
+        thermometer = (
+            "" if air.change_k is not None else ", or the air is at another temperature: measure it (--ambient)"
+        )
+        raise RecordingError(
+            f"the wire transforms {moved.warming_k:+.0f} K away and reads {moved.at_b_ohm:+.3g} ohm at B, which a "
+            f"changed load explains as well as a changed wire: set the load of the characterisation{thermometer}"
+        )
+
+
+def home_move(model: SensingModel, recording: Recording, found: Registration, moved: WireChange) -> HomeMove:
+    """Return what the model's file keeps, counted from the characterisation."""
+    low_ohm, high_ohm = model.resistance_min_ohm, model.resistance_max_ohm
+    span_ohm = high_ohm - low_ohm
+    scale, offset_ohm = moved_line(model, found) if moved.corrects else (1.0, 0.0)
+    scale_std = hypot(found.moved_stds_ohm[0], moved.std_at_b_ohm) / span_ohm
+    before = model.home
+    was = (1.0, 0.0) if before is None else (before.resistance_scale, before.resistance_offset_ohm)
+    return HomeMove(
+        time=recording.facts.text_or_none("start_time") or "",
+        moves=1 if before is None else before.moves + 1,
+        cycles=None,
+        load_n=None,
+        ambient_k=None,
+        corrected=moved.corrects,
+        resistance_scale=scale * was[0],
+        resistance_scale_std=scale_std,
+        resistance_offset_ohm=scale * was[1] + offset_ohm,
+        resistance_offset_std_ohm=hypot(moved.std_at_b_ohm, high_ohm * scale_std),
+        transformation_shift_k=moved.warming_k,
+        transformation_shift_std_k=moved.warming_std_k,
+        convection_ratio=exp(found.values.log_ratio),
+        convection_ratio_std=exp(found.values.log_ratio) * found.stds.log_ratio,
+        drift_resistance_ohm=hypot(DRIFT_FRACTION * span_ohm, moved.std_at_b_ohm),
+    )
+
+
+def moved_line(model: SensingModel, found: Registration) -> tuple[float, float]:
+    """Return scale and offset [ohm] of today's resistance over the model's."""
+    low_ohm, high_ohm = model.resistance_min_ohm, model.resistance_max_ohm
+    scale = 1.0 + (found.moved_ohm[1] - found.moved_ohm[0]) / (high_ohm - low_ohm)
+    return scale, found.moved_ohm[0] - (scale - 1.0) * low_ohm
+
+
+def corrected_model(model: SensingModel, found: Registration, home: HomeMove) -> SensingModel:
+    """Return the model with every resistance in it moved to today's."""
+    scale, offset_ohm = moved_line(model, found)
+
+    def moved(resistance_ohm: float) -> float:
+        return scale * resistance_ohm + offset_ohm
+
+    return replace(
+        model,
+        resistance_min_ohm=moved(model.resistance_min_ohm),
+        resistance_max_ohm=moved(model.resistance_max_ohm),
+        heating_samples=tuple((moved(one), value) for one, value in model.heating_samples),
+        cooling_samples=tuple((moved(one), value) for one, value in model.cooling_samples),
+        slow_loop=tuple((time_s, power_w, moved(one)) for time_s, power_w, one in model.slow_loop),
+        home=home,
+    )
+
+
+def notes_on(seen: SeenPoints, moved: WireChange, air: SweepAirTemperature) -> tuple[str, ...]:
+    """Return what was not seen, what cannot be separated, and why nothing was corrected."""
+    notes = []
+    if seen.c_ohm is None:
+        notes.append("C was not seen: the resistance still falls where the drive turned, so only B and the fall count")
+    if seen.cooling_b_ohm is None:
+        notes.append("B was seen on heating only")
+    if air.change_k is None:
+        notes.append(
+            "without the air's temperature then and now, a shift of the transformation and warmer air look alike "
+            f"(+-{moved.warming_std_k:.0f} K)"
+        )
+    if moved.shifted:
+        notes.append(
+            f"the change at B of {moved.at_b_ohm:+.3f} ohm is that of a transformation shifted by "
+            f"{moved.warming_k:+.1f} K, under which the curve holds: it stays as it was"
+        )
+    elif not moved.certain:
+        notes.append(
+            f"the change at B of {moved.at_b_ohm:+.3f} ohm is within {CERTAIN_STDS:g} times its uncertainty of "
+            f"{moved.std_at_b_ohm:.3f} ohm: the model's curve stays as it was"
+        )
+    return tuple(notes)

@@ -1,0 +1,155 @@
+"""Warming of a wire from its electrical power: a lag, and the latent heat that its resistance shows.
+
+One heat balance, C dT/dt = P - h (T - T_air) - L dx/dt, with the transformed fraction x read from the resistance, which
+falls with it (Lan and Fan 2010, Fig. 3b). Nothing else of the wire enters.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import RecordingError
+from musclewire.identify._recordings import resistance_reading
+from musclewire.signals import Recording
+
+__all__ = ["WarmingBranches", "HeatCourse", "WireHeat", "branches_of", "course_of", "wire_heat_of"]
+
+# Grid of a branch over its warming: finer than the error of the warming itself.
+BRANCH_POINTS = 160
+# A course is resampled to this fraction of the lag, at which the exponential filter is exact enough.
+STEPS_PER_LAG = 6.0
+MAX_GRID = 4000
+MIN_SAMPLES = 40
+
+
+class WireHeat(NamedTuple):
+    """Heat capacity and loss to still air of a wire, by which its power becomes a warming.
+
+    Parameters
+    ----------
+    capacity_j_per_k
+        Heat capacity [J/K].
+    loss_w_per_k
+        Loss to still air [W/K], by the wire's nominal convection.
+    """
+
+    capacity_j_per_k: float
+    loss_w_per_k: float
+
+    @property
+    def lag_s(self) -> float:
+        """Thermal time constant in still air [s]."""
+        return self.capacity_j_per_k / self.loss_w_per_k
+
+
+class HeatCourse(NamedTuple):
+    """A wire heated and cooled once: what its voltages show, sample by sample.
+
+    Parameters
+    ----------
+    time_s
+        Time [s], (n_times,), rising.
+    power_w
+        Electrical power in the wire [W], (n_times,).
+    resistance_ohm
+        Resistance [ohm], (n_times,).
+    """
+
+    time_s: FloatArray
+    power_w: FloatArray
+    resistance_ohm: FloatArray
+
+    def evenly(self, step_s: float) -> HeatCourse:
+        """Return the course on an even grid of times."""
+        length_s = float(self.time_s[-1] - self.time_s[0])
+        count = min(max(int(length_s / step_s), MIN_SAMPLES), MAX_GRID)
+        grid = np.linspace(float(self.time_s[0]), float(self.time_s[-1]), count + 1)
+        return HeatCourse(
+            grid, np.interp(grid, self.time_s, self.power_w), np.interp(grid, self.time_s, self.resistance_ohm)
+        )
+
+    def warming_k(self, heat: WireHeat, lag_s: float, latent_k_per_ohm: float, ratio: float = 1.0) -> FloatArray:
+        """Return the wire's temperature above the air [K], (n_times,), of a course on an even grid.
+
+        ``ratio`` is the loss to the air over that of ``heat``; it shortens the lag, too.
+        """
+        step_s = float(self.time_s[1] - self.time_s[0])
+        gain = 1.0 - float(np.exp(-step_s * ratio / lag_s))
+        steady_k = lagged(self.power_w, gain) / (heat.loss_w_per_k * ratio)
+        return steady_k + latent_k_per_ohm * (self.resistance_ohm - lagged(self.resistance_ohm, gain))
+
+
+class WarmingBranches(NamedTuple):
+    """Resistance over warming on the way up and on the way down, each (n,) with rising warming [K]."""
+
+    heating_k: FloatArray
+    heating_ohm: FloatArray
+    cooling_k: FloatArray
+    cooling_ohm: FloatArray
+
+    def along_course(self, warming_k: FloatArray, turn: int) -> tuple[FloatArray, FloatArray]:
+        """Return resistance [ohm] of a course that turns at a sample, and where the branches reach, both (n_times,)."""
+        up, down = warming_k[:turn], warming_k[turn:]
+        found = np.concatenate(
+            [
+                np.interp(up, self.heating_k, self.heating_ohm),
+                np.interp(down, self.cooling_k, self.cooling_ohm),
+            ]
+        )
+        inside = np.concatenate(
+            [
+                (up >= self.heating_k[0]) & (up <= self.heating_k[-1]),
+                (down >= self.cooling_k[0]) & (down <= self.cooling_k[-1]),
+            ]
+        )
+        return found, inside
+
+
+def lagged(values: FloatArray, gain: float) -> FloatArray:
+    """Return values behind a first-order lag that is settled at the first one."""
+    from scipy.signal import lfilter
+
+    return np.asarray(lfilter([gain], [1.0, gain - 1.0], values, zi=[(1.0 - gain) * values[0]])[0])
+
+
+def branches_of(course: HeatCourse, warming_k: FloatArray) -> WarmingBranches:
+    """Return both branches of a course on an even grid, averaged over equal steps of warming."""
+    turn = int(np.argmax(warming_k))
+    up = averaged(warming_k[: turn + 1], course.resistance_ohm[: turn + 1])
+    down = averaged(warming_k[turn:], course.resistance_ohm[turn:])
+    return WarmingBranches(*up, *down)
+
+
+def averaged(warming_k: FloatArray, resistance_ohm: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return means of both over equal steps of warming, steps without a sample left out."""
+    low, high = float(warming_k.min()), float(warming_k.max())
+    place = np.floor((warming_k - low) / max(high - low, 1e-9) * (BRANCH_POINTS - 1e-9)).astype(np.intp)
+    count = np.bincount(place, minlength=BRANCH_POINTS)
+    there = count > 0
+    means = [np.bincount(place, values, BRANCH_POINTS)[there] / count[there] for values in (warming_k, resistance_ohm)]
+    return means[0], means[1]
+
+
+def course_of(recording: Recording) -> HeatCourse:
+    """Return the heating course of a recording. Raises RecordingError without voltages or enough samples."""
+    reading = resistance_reading(recording)
+    if "wire_voltage_v" not in recording:
+        raise RecordingError("a home move compares power, which needs wire_voltage_v next to the resistance: record it")
+    there = reading.valid
+    if int(there.sum()) < MIN_SAMPLES:
+        raise RecordingError(f"{int(there.sum())} samples with current: a home move needs at least {MIN_SAMPLES}")
+    resistance = reading.resistance_ohm[there]
+    power = recording["wire_voltage_v"][there] ** 2 / resistance
+    return HeatCourse(recording["time_s"][there], power, resistance)
+
+
+def wire_heat_of(recording: Recording) -> WireHeat:
+    """Return heat capacity and loss by which a recording's rig was protected. Raises RecordingError without them."""
+    facts = recording.facts
+    return WireHeat(
+        facts.number("limit_heat_capacity_j_per_k", "heat capacity of the wire"),
+        facts.number("limit_heat_loss_w_per_k", "loss of the wire to still air"),
+    )

@@ -1,0 +1,160 @@
+"""Quantities from the columns of a recording: resistance by Eq. 1, strain, displacement or contraction force."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError, RecordingError, nearest_hint
+from musclewire.physics import ArrayReading, wire_resistance, wire_resistance_from_current
+from musclewire.signals import ElectricalSource, Recording, require_electrical
+
+__all__ = [
+    "COLUMN_SUFFIX",
+    "QUANTITIES",
+    "reference_quantity",
+    "required_quantity",
+    "resistance_reading",
+    "why_no_reference",
+    "without_loop",
+]
+
+QUANTITIES = ("strain", "displacement", "force")
+# Endings of the columns of each quantity: target_strain, estimated_displacement_m, target_force_n.
+COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
+
+
+def resistance_reading(recording: Recording) -> ArrayReading:
+    """Return resistance [ohm] and validity of every sample, from whichever electrical columns there are (Eq. 1).
+
+    Parameters
+    ----------
+    recording
+        A recording with wire voltage and shunt voltage, wire voltage and current, or resistance.
+
+    Returns
+    -------
+    Resistance [ohm] and whether it is valid, both (n_times,); a sample without current is not valid.
+
+    Raises
+    ------
+    RecordingError
+        If no resistance follows from the columns, or no sample has a current.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 1.
+    """
+    source = require_electrical(recording)
+    if source is ElectricalSource.SHUNT:
+        shunt_ohm = recording.facts.shunt_resistance_ohm
+        reading = wire_resistance(recording["wire_voltage_v"], recording["shunt_voltage_v"], shunt_ohm)
+    elif source is ElectricalSource.CURRENT:
+        reading = wire_resistance_from_current(recording["wire_voltage_v"], recording["wire_current_a"])
+    else:
+        resistance = recording["wire_resistance_ohm"]
+        reading = ArrayReading(resistance, resistance > 0.0)
+    if not reading.valid.any():
+        raise RecordingError(
+            f"no current: none of {len(recording)} samples has 1 mA or more through the wire ({source}); "
+            "check the columns and their units"
+        )
+    return reading
+
+
+def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatArray | None:
+    """Return the measured strain, displacement [m] or contraction force [N] of a recording.
+
+    Displacement is that of a finger's endpoint if it was measured, else that of the wire's connector.
+    Contraction force is F = F_T - F_p, with F_p the recording's pretension or, without one, the smallest force in it.
+
+    Parameters
+    ----------
+    recording
+        A recording of a rig with reference instruments.
+    quantity
+        "strain", "displacement" or "force".
+
+    Returns
+    -------
+    The quantity, (n_times,); None if the recording lacks the instrument for it.
+
+    Raises
+    ------
+    CallerError
+        For an unknown quantity.
+
+    References
+    ----------
+    Lan and Fan 2010, Eq. 8.
+    """
+    if quantity not in QUANTITIES:
+        raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
+    if quantity == "force":
+        if "force_n" not in recording:
+            return None
+        pretension_n = recording.facts.number_or_none("pretension_n")
+        return np.asarray(recording["force_n"] - (recording["force_n"].min() if pretension_n is None else pretension_n))
+    if quantity == "displacement":
+        return recording.columns.get("endpoint_displacement_m", recording.columns.get("displacement_m"))
+    if "reference_strain" in recording:
+        return recording["reference_strain"]
+    length = recording.facts.leg_length_or_none_m
+    if "displacement_m" in recording and length is not None:
+        return np.asarray(recording["displacement_m"] / length)
+    return None
+
+
+def required_quantity(recording: Recording, quantity: str = "strain") -> FloatArray:
+    """Return the quantity of :func:`reference_quantity`, which must be in the recording.
+
+    Parameters
+    ----------
+    recording
+        A recording of a rig with reference instruments.
+    quantity
+        "strain", "displacement" or "force".
+
+    Returns
+    -------
+    Strain, displacement [m] or contraction force [N], (n_times,).
+
+    Raises
+    ------
+    RecordingError
+        If the recording lacks the instrument for it; the message names the column.
+    CallerError
+        For an unknown quantity.
+    """
+    found = reference_quantity(recording, quantity)
+    if found is None:
+        raise RecordingError(why_no_reference(recording, quantity))
+    return found
+
+
+def why_no_reference(recording: Recording, quantity: str) -> str:
+    """Return why a recording gives no strain, displacement or force, with what is missing; "" if it gives it."""
+    if reference_quantity(recording, quantity) is not None:
+        return ""
+    if quantity == "strain" and "displacement_m" in recording:
+        return "displacement_m gives strain only with the wire's length: give --leg-length, or leg_length_m in the file"
+    needed = {
+        "strain": "reference_strain or displacement_m",
+        "displacement": "endpoint_displacement_m or displacement_m",
+        "force": "force_n",
+    }
+    return (
+        f"this recording has no {quantity}: it needs the column {needed[quantity]}; it has {', '.join(recording.names)}"
+    )
+
+
+def without_loop(error: RecordingError, recording: Recording) -> RecordingError:
+    """Return the error of a recording without a loop: another message for a wire held at both ends."""
+    strain, force = (reference_quantity(recording, quantity) for quantity in ("strain", "force"))
+    if "blocked" not in recording.facts.load or strain is None or force is None:
+        return error
+    return RecordingError(
+        f"no loop: the part 'blocked' holds the wire, so that its strain moves by {100 * np.ptp(strain):.2g} % while "
+        f"its force rises by {np.ptp(force):.3g} N, and its resistance does not fall; the recording serves for the "
+        "force and its limit, and there is nothing to fit"
+    )

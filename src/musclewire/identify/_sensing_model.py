@@ -1,0 +1,394 @@
+"""Fit a self-sensing model to a recording, and use one on a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import RecordingError
+from musclewire.identify._guide_friction import guide_friction_n
+from musclewire.identify._recordings import (
+    COLUMN_SUFFIX,
+    reference_quantity,
+    required_quantity,
+    resistance_reading,
+    why_no_reference,
+    without_loop,
+)
+from musclewire.identify._sensing_segment import in_sensing_segment
+from musclewire.identify._users_wire import users_wire
+from musclewire.physics import ArrayReading
+from musclewire.sensing import (
+    ESTIMATORS,
+    EstimatorFactory,
+    EstimatorSetup,
+    SensingModel,
+    estimates,
+    find_segments,
+    fit_branches,
+    fit_loop,
+    other_wires,
+)
+from musclewire.signals import Recording, WireSample
+from musclewire.wire import WireConstants
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["EstimateReport", "estimate", "fit"]
+
+PAPER_ORDER = 6
+# The estimator that can process a recording as a whole.
+WHOLE_RECORDING = "polynomial"
+# What takes its place where there is a wire file.
+ON_PHYSICS = "particle-filter"
+WIRE_NOTES = (
+    "wire",
+    "wire_diameter_m",
+    "wire_length_m",
+    "leg_length_m",
+    "pretension_n",
+    "finger",
+    "spring_stiffness_n_per_m",
+)
+# Rows of the loop that a model keeps for its home moves.
+LOOP_ROWS = 300
+# A recording is warned of from this fraction of readings outside the range on: fewer are noise at its ends.
+MIN_OUTSIDE = 0.01
+
+
+def fit(
+    recording: Recording,
+    *,
+    order: int | str = PAPER_ORDER,
+    quantity: str = "strain",
+    cycle: int | str = "last",
+) -> SensingModel:
+    """Fit the self-sensing model (Eqs. 3 to 5) to a slow loop, or to a printed table of both branches.
+
+    Parameters
+    ----------
+    recording
+        A slow loop, as ``characterize`` records it: resistance (or both voltages and the shunt) and the quantity to be
+        sensed. Or a printed table: strain on both branches over resistance.
+    order
+        Order of the polynomials: a number, the paper's is 6, or "auto" for the one that cross-validation chooses.
+    quantity
+        The quantity that the model senses: "strain", "displacement" or "force".
+    cycle
+        "last", "first" or "largest" complete cycle, or its number. By default the last, which is nearest to the loop
+        that the wire repeats.
+
+    Returns
+    -------
+    The model, with residuals and warnings.
+
+    Raises
+    ------
+    RecordingError
+        For a recording without a usable loop, or without a fact that the fit requires (shunt, length).
+    FitRejectedError
+        For a fit that cannot be inverted.
+
+    References
+    ----------
+    Lan and Fan 2010, Eqs. 3 to 5.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated") as rig:
+    ...     model = mw.fit(mw.characterize(rig))
+    >>> f"{1e2 * model.strain(16.0):.1f} % strain at 16 ohm"
+    '2.5 % strain at 16 ohm'
+    """
+    if recording.is_branch_table:
+        return fit_table(recording, order)
+    reading = resistance_reading(recording)
+    notes, source = loop_notes(recording), recording.facts.text_or_none("source") or ""
+    measured = quantity_to_fit(recording, quantity)
+    cut_short = not_done(recording)
+    try:
+        model = fit_loop(
+            reading.resistance_ohm, measured, reading.valid, order, cycle, quantity, wire=notes, source=source
+        )
+    except RecordingError as error:
+        why = without_loop(error, recording)
+        raise (RecordingError(f"{why} ({cut_short})") if cut_short else why) from None
+    model = replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity))
+    return replace(model, warnings=(*model.warnings, cut_short)) if cut_short else model
+
+
+def power_loop(
+    recording: Recording, reading: ArrayReading, measured: FloatArray, cycle: int | str, quantity: str
+) -> tuple[tuple[float, float, float], ...]:
+    """Return time [s], power [W] and resistance [ohm] through the fitted loop, as means; none without power.
+
+    The loop begins and ends with the wire cold, a fifth of its own length before and after points A.
+    """
+    if "wire_voltage_v" not in recording:
+        return ()
+    loop = find_segments(reading.resistance_ohm, measured, reading.valid, cycle, quantity)
+    first, last = sorted((loop.heating_a, loop.cooling_a))
+    around = (last - first) // 5
+    there = np.flatnonzero(reading.valid)
+    there = there[(there >= first - around) & (there <= last + around)]
+    resistance = reading.resistance_ohm[there]
+    rows = np.stack([recording["time_s"][there], recording["wire_voltage_v"][there] ** 2 / resistance, resistance])
+    means = [part.mean(axis=1) for part in np.array_split(rows, min(LOOP_ROWS, there.size), axis=1)]
+    return tuple((float(f"{t:.7g}"), float(f"{p:.7g}"), float(f"{r:.7g}")) for t, p, r in means)
+
+
+def quantity_to_fit(recording: Recording, quantity: str) -> FloatArray:
+    """Return the measured quantity, (n_times,). Raises RecordingError that says how to do without an instrument."""
+    try:
+        return required_quantity(recording, quantity)
+    except RecordingError as error:
+        if quantity == "force" or "displacement_m" in recording:
+            raise
+        raise RecordingError(f"{error}; without an instrument name the wire: --wire, or fit_resistance") from None
+
+
+def not_done(recording: Recording) -> str:
+    """Return a warning if the run of a recording did not reach its end, "" if it did or the file does not state it."""
+    if not recording.facts.was_cut_short:
+        return ""
+    return f"this recording was not finished, its run ended with '{recording.facts.text_or_none('ended')}'"
+
+
+def fit_table(recording: Recording, order: int | str) -> SensingModel:
+    """Fit a printed loop: strain on both branches at given resistances.
+
+    Parameters
+    ----------
+    recording
+        A table with the columns ``resistance_ohm``, ``strain_heating`` and ``strain_cooling``, such as the paper's
+        Table 2.
+    order
+        Order of both polynomials, or "auto" to choose it by cross-validation.
+
+    Returns
+    -------
+    The model; its limits of resistance are the recording's ``resistance_min_ohm`` and ``resistance_max_ohm``, or the
+    ends of the heating branch without them.
+    """
+    resistance = recording["resistance_ohm"]
+    return fit_branches(
+        (resistance, recording["strain_heating"]),
+        (resistance, recording["strain_cooling"]),
+        order,
+        resistance_min_ohm=recording.facts.number_or_none("resistance_min_ohm"),
+        resistance_max_ohm=recording.facts.number_or_none("resistance_max_ohm"),
+        wire=wire_notes(recording),
+        source=recording.facts.text_or_none("source") or "",
+    )
+
+
+def wire_notes(recording: Recording) -> dict[str, str | float]:
+    """Return the metadata of the wire that a model keeps."""
+    found = {name: recording.metadata.get(name) for name in WIRE_NOTES}
+    return {name: value for name, value in found.items() if isinstance(value, (str, int, float))}
+
+
+def loop_notes(recording: Recording) -> dict[str, str | float]:
+    """Return the notes of a recorded loop, with the friction of the guide if the loop identifies it."""
+    friction_n, air_k = guide_friction_n(recording), air_temperature_k(recording)
+    measured = {"guide_friction_n": friction_n, "ambient_temperature_k": air_k}
+    return wire_notes(recording) | {name: value for name, value in measured.items() if value is not None}
+
+
+def air_temperature_k(recording: Recording) -> float | None:
+    """Return the air's temperature [K]: of the rig's thermometer, or as its rig file states it; None if neither."""
+    column = recording.columns.get("ambient_temperature_k")
+    if column is not None and np.isfinite(column).any():
+        return float(np.nanmean(column))
+    return recording.facts.number_or_none("limit_ambient_temperature_k")
+
+
+@dataclass(frozen=True)
+class EstimateReport:
+    """An estimate over a recording, and its errors in percent of stroke if the recording has a reference.
+
+    Parameters
+    ----------
+    recording
+        The recording with the estimate's columns added.
+    valid_share
+        Fraction of valid samples.
+    rms_pct
+        Root mean square error [%] of the stroke; None without a reference.
+    max_pct
+        Largest error [%] of the stroke; None without a reference.
+    no_reference
+        Why there is no reference to compare with, and what would give one; "" with a reference.
+    warnings
+        That readings lie outside the model's range, with their number and their range; none if hardly one does.
+    """
+
+    recording: Recording
+    valid_share: float
+    rms_pct: float | None
+    max_pct: float | None
+    no_reference: str = ""
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def columns(self) -> Mapping[str, FloatArray]:
+        """The columns of the recording, the estimate's among them, as those of any recording."""
+        return self.recording.columns
+
+    def plot(self, kind: str | None = None, *, style: str = "screen") -> Figure:
+        """Draw the recording with its estimate.
+
+        Parameters
+        ----------
+        kind
+            Which plot, as in ``Recording.plot``; None is what fits the columns.
+        style
+            Size and fonts of the figure, as in ``Recording.plot``.
+
+        Returns
+        -------
+        A matplotlib figure.
+
+        Raises
+        ------
+        CallerError
+            For an unknown kind or style.
+        RecordingError
+            If the recording lacks the columns for this kind.
+        """
+        return self.recording.plot(kind, style=style)
+
+
+def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
+    """Return the error that no resistance of a recording is one that the model senses at."""
+    low, high = model.valid_resistance_ohm
+    return RecordingError(
+        f"no sample lies in the model's range of {low:.3f} to {high:.3f} ohm: this recording goes from "
+        f"{reading.resistance_ohm[reading.valid].min():.3f} to {reading.resistance_ohm.max():.3f} ohm; is it the "
+        "same wire?"
+    )
+
+
+def range_warnings(model: SensingModel, reading: ArrayReading) -> tuple[str, ...]:
+    """Return a warning if readings of a recording lie outside the range that its model senses; none otherwise."""
+    there = reading.resistance_ohm[reading.valid]
+    outside = there[other_wires(model, there)]
+    if outside.size < MIN_OUTSIDE * there.size:
+        return ()
+    low, high = model.valid_resistance_ohm
+    return (
+        f"{100 * outside.size / there.size:.1f} % of the readings, {outside.min():.4g} to {outside.max():.4g} ohm, are "
+        f"outside the {low:.4g} to {high:.4g} ohm that this model senses and read as its nearest end: check that it is "
+        "the same wire, or fit a loop that reaches further",
+    )
+
+
+def estimate(
+    model: SensingModel,
+    recording: Recording,
+    *,
+    estimator: str | EstimatorFactory | None = None,
+    wire_file: str | Path | None = None,
+) -> EstimateReport:
+    """Estimate strain (or the model's quantity) from a recording's resistance, sample by sample.
+
+    Errors count the valid samples only: those with current, a resistance in the model's range, and the wire
+    between B and C, which shows in how power and resistance move together. Errors are in percent of the stroke: the
+    range that the model senses.
+
+    Parameters
+    ----------
+    model
+        The model of this wire.
+    recording
+        Resistance, or both voltages and the shunt; drive and both voltages for another estimator than the default.
+    estimator
+        Name or factory of an estimator. The default, the paper's, processes the whole recording at once and can lose
+        and find the wire's segment again; any other runs sample by sample, as in a closed loop. With a ``wire_file``
+        the default is the particle filter.
+    wire_file
+        The wire's own file, as ``calibrate`` writes it, for an estimator on physics; None without one.
+
+    Returns
+    -------
+    The recording with the estimate's columns, and the errors if the recording has the reference instrument.
+
+    Raises
+    ------
+    CallerError
+        If no estimator has this name.
+    RecordingError
+        If no resistance follows from the columns, or none lies in the model's range.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated") as rig:
+    ...     loop = mw.characterize(rig)
+    >>> report = mw.estimate(mw.fit(loop), loop)
+    >>> report.recording["estimated_strain"].shape == loop["time_s"].shape
+    True
+    """
+    estimator = estimator or (WHOLE_RECORDING if wire_file is None else ON_PHYSICS)
+    factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
+    whole = estimator == WHOLE_RECORDING
+    wire = None if wire_file is None else users_wire(wire_file, recording.metadata)
+    columns = at_once(model, recording) if whole else one_by_one(factory, model, recording, wire)
+    suffix = COLUMN_SUFFIX[model.quantity]
+    valid, value = columns["valid"] > 0.0, columns[f"estimated_{suffix}"]
+    if not valid.any():
+        raise outside_range(model, resistance_reading(recording))
+    measured = reference_quantity(recording, model.quantity)
+    stroke = model.quantity_max - model.quantity_min
+    errors = None if measured is None else (value - measured)[valid] / stroke * 100.0
+    return EstimateReport(
+        recording=recording.with_columns(columns),
+        valid_share=float(valid.mean()),
+        rms_pct=None if errors is None else float(np.sqrt(np.mean(errors**2))),
+        max_pct=None if errors is None else float(np.abs(errors).max()),
+        no_reference=why_no_reference(recording, model.quantity),
+        warnings=range_warnings(model, resistance_reading(recording)),
+    )
+
+
+def at_once(model: SensingModel, recording: Recording) -> dict[str, FloatArray]:
+    """Return the columns of the paper's estimate of a whole recording."""
+    reading = resistance_reading(recording)
+    result = model.estimate(reading.resistance_ohm)
+    valid = reading.valid & result.valid & in_sensing_segment(model, recording, reading)
+    return estimate_columns(model.quantity, result.value, result.std, valid) | {
+        "wire_resistance_ohm": reading.resistance_ohm
+    }
+
+
+def one_by_one(
+    factory: EstimatorFactory, model: SensingModel, recording: Recording, wire: WireConstants | None = None
+) -> dict[str, FloatArray]:
+    """Return the columns of an estimator that runs sample by sample, its slow part computed in line."""
+    times = recording["time_s"]
+    period_s = float(np.median(np.diff(times))) if times.size > 1 else 0.0
+    made = factory(EstimatorSetup(model, recording.facts.shunt_resistance_ohm, period_s, wire=wire))
+    names = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
+    air = recording.columns.get("ambient_temperature_k")
+    air_k = [None] * times.size if air is None else air.tolist()
+    rows = zip(*(recording[name].tolist() for name in names), air_k, strict=True)
+    found, recorded = zip(*estimates(made, (WireSample(*row) for row in rows)), strict=True)
+    own = dict(zip(made.columns, np.array(recorded, dtype=np.float64).T, strict=True))
+    value, std = (np.array([getattr(one, name) for one in found]) for name in ("value", "std"))
+    return own | estimate_columns(made.quantity, value, std, np.array([one.valid for one in found]))
+
+
+def estimate_columns(
+    quantity: str, value: FloatArray, std: FloatArray, valid: NDArray[np.bool_]
+) -> dict[str, FloatArray]:
+    """Return an estimate as the columns of a recording; the standard deviation has one for strain only."""
+    columns = {f"estimated_{COLUMN_SUFFIX[quantity]}": value, "valid": valid.astype(np.float64)}
+    return columns | ({"estimated_strain_std": std} if quantity == "strain" else {})

@@ -1,0 +1,244 @@
+"""Where a reference is faster than its wire heats or cools, how far the wire gets, and what would help by how much."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from functools import partial
+from itertools import pairwise
+from math import isfinite
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.controllers import FeedforwardSettings, Reference
+from musclewire.errors import CallerError
+from musclewire.identify._speed_limits.help import SufficientChanges, what_helps
+from musclewire.identify._speed_limits.plant import SpeedPlant, plant_of_gains, plant_of_model
+from musclewire.identify._speed_limits.tracking import branches_of, followed
+from musclewire.sensing import SHOWN_AS, SensingModel
+from musclewire.signals import RunFacts
+
+__all__ = ["SpeedLimits", "TooFast", "speed_limits_of"]
+
+# The wire misses its target from this fraction of the model's range on. Chosen: near the largest error in the paper.
+TOLERANCE_FRACTION = 0.02
+# A reference that lasts longer is looked at in longer periods than the rig's.
+MAX_PERIODS = 40_000
+# What would help is searched in this many periods around the worst miss.
+PERIODS_FOR_HELP = 3000
+# A reference that turns at least so often is periodic: its first half, which begins at rest, is left out of amplitudes.
+FEWEST_TURNS = 4
+# From this fraction of the amplitude on the wire misses only where the reference begins.
+IN_STEP = 0.95
+
+
+class TooFast(NamedTuple):
+    """One stretch of a reference that the wire cannot follow.
+
+    Parameters
+    ----------
+    direction
+        "cooling" or "heating": what is too slow.
+    start_s
+        Time [s] in the reference at which the first missed target begins.
+    stop_s
+        Time [s] at which the last missed one ends.
+    missed
+        Largest distance from the target when that ends, in the quantity's SI unit.
+    asked_per_s
+        Largest rate of the reference there [unit/s], a step counted over the time that it is held.
+    possible_per_s
+        Rate of the wire on its branch [unit/s] where it misses most.
+    turn_s
+        Time [s] for which the wire stands still when it turns there, from branch to branch; infinite where the voltage
+        holds it for good.
+    """
+
+    direction: Literal["cooling", "heating"]
+    start_s: float
+    stop_s: float
+    missed: float
+    asked_per_s: float
+    possible_per_s: float
+    turn_s: float
+
+
+@dataclass(frozen=True)
+class SpeedLimits:
+    """Where a reference is too fast for a wire, which amplitude is possible, and what would help.
+
+    Parameters
+    ----------
+    quantity
+        "strain", "displacement" or "force": the unit of all amplitudes.
+    findings
+        The stretches that the wire cannot follow, in their order; none for a reference that it can.
+    asked_amplitude
+        Half the distance from the lowest to the highest target, in the quantity's SI unit.
+    possible_amplitude
+        The same of the way on which the wire can follow at best.
+    help
+        What each single change would have to be, so that the wire follows.
+    """
+
+    quantity: str
+    findings: tuple[TooFast, ...]
+    asked_amplitude: float
+    possible_amplitude: float
+    help: SufficientChanges
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """One sentence for cooling and one for heating, if the reference is too fast for it; none otherwise."""
+        directions: tuple[Literal["cooling", "heating"], ...] = ("cooling", "heating")
+        return tuple(self._warning(one) for one in directions if any(f.direction == one for f in self.findings))
+
+    def report(self) -> dict[str, Any]:
+        """Return the numbers of ``musclewire control --json`` under ``speed_limits``."""
+        known = [{**one._asdict(), "turn_s": one.turn_s if isfinite(one.turn_s) else None} for one in self.findings]
+        return {**asdict(self), "findings": known, "help": self.help._asdict()}
+
+    def __str__(self) -> str:
+        """Return the warnings, or one line that says that there are none."""
+        return "\n".join(self.warnings) or "the wire can follow this reference"
+
+    def _warning(self, direction: Literal["cooling", "heating"]) -> str:
+        """Return the sentence on one direction."""
+        factor, unit = SHOWN_AS[self.quantity]
+        found = [one for one in self.findings if one.direction == direction]
+        worst = max(found, key=lambda one: one.missed)
+        times = "" if len(found) == 1 else f", and {len(found) - 1} times more"
+        verb, limit = ("falls", "cools") if direction == "cooling" else ("rises", "heats at its maximum voltage")
+        possible, asked = factor * self.possible_amplitude, factor * self.asked_amplitude
+        in_step = " once it is in step" if possible >= IN_STEP * asked else ""
+        asked_rate, rate = factor * worst.asked_per_s, factor * worst.possible_per_s
+        return (
+            f"the reference {verb} faster than the wire {limit}: from {found[0].start_s:.3g} s on{times} it will miss "
+            f"its target, by up to {factor * worst.missed:.2g} {unit}; it is to move at {asked_rate:.2g} {unit}/s, and "
+            f"it moves at {rate:.2g} {unit}/s there and stands still for {worst.turn_s:.2g} s where it turns. "
+            f"The wire itself allows an amplitude of {possible:.2g} of {asked:.2g} {unit}{in_step}, "
+            f"a controller less. What would help: {self.help.text(direction)}"
+        )
+
+
+class SampledTargets(NamedTuple):
+    """A reference in even periods: time between them [s], the targets, (n,), and where each ends to be held, (n,)."""
+
+    period_s: float
+    targets: FloatArray
+
+    @property
+    def held_until(self) -> FloatArray:
+        """Index of the last period of each target that is held."""
+        return np.append(np.flatnonzero(np.diff(self.targets)), len(self.targets) - 1)
+
+    def misses(self, plant: SpeedPlant) -> FloatArray:
+        """Return by how much the wire is above each held target when that ends, (n_held,)."""
+        last = self.held_until
+        return np.asarray((followed(plant, self.targets, self.period_s) - self.targets)[last])
+
+
+def speed_limits_of(
+    model: SensingModel, reference: Reference, facts: RunFacts, settings: FeedforwardSettings | None = None
+) -> SpeedLimits:
+    """Return where a reference is faster than the wire of a model; the pure function behind ``mw.speed_limits``.
+
+    Parameters
+    ----------
+    model
+        The model of the wire, with the power through its slow loop.
+    reference
+        The targets, in the model's quantity.
+    facts
+        What a rig states: ``limit_heat_capacity_j_per_k``, ``limit_heat_loss_w_per_k``, the temperatures, voltages
+        and shunt of its protection, ``sample_period_s``, ``wire_diameter_m``.
+    settings
+        The plant that ``tune`` found; that of the model's slow loop if None.
+
+    Returns
+    -------
+    Findings, amplitudes, and what would help.
+
+    Raises
+    ------
+    CallerError
+        If the settings are of another quantity.
+    RecordingError
+        If the model has no power through its loop, or the rig does not state its heat balance.
+    """
+    if settings is not None and settings.quantity != model.quantity:
+        raise CallerError(f"the gains are for {settings.quantity}, the model for {model.quantity}: tune this model")
+    plant = plant_of_model(model, facts) if settings is None else plant_of_gains(settings, facts)
+    way = sampled(reference, facts.sample_period_s)
+    tolerance = TOLERANCE_FRACTION * (model.quantity_max - model.quantity_min)
+    reached = followed(plant, way.targets, way.period_s)
+    found = findings_of(plant, way, reached, tolerance)
+    turns = np.count_nonzero(np.diff(np.sign(np.diff(way.targets[way.held_until]))))
+    settled = slice(len(reached) // 2 if turns >= FEWEST_TURNS else 0, None)
+    return SpeedLimits(
+        model.quantity,
+        found,
+        0.5 * float(np.ptp(way.targets[settled])),
+        0.5 * float(np.ptp(reached[settled])),
+        what_helps(
+            plant, partial(misses, around(way, found)), tolerance, {one.direction for one in found}, model, facts
+        ),
+    )
+
+
+def misses(way: SampledTargets, plant: SpeedPlant, slower: float) -> FloatArray:
+    """Return the misses of a plant on a way that is taken so many times slower."""
+    return way._replace(period_s=slower * way.period_s).misses(plant)
+
+
+def around(way: SampledTargets, found: tuple[TooFast, ...]) -> SampledTargets:
+    """Return the part of a long reference around its worst miss, by which help is found; a short one whole."""
+    if not found or len(way.targets) <= PERIODS_FOR_HELP:
+        return way
+    worst = max(found, key=lambda one: one.missed)
+    begins = max(round(worst.stop_s / way.period_s) - PERIODS_FOR_HELP // 2, 0)
+    return way._replace(targets=way.targets[begins : begins + PERIODS_FOR_HELP])
+
+
+def sampled(reference: Reference, sample_period_s: float) -> SampledTargets:
+    """Return a reference in periods of the rig, or in longer ones if there were too many."""
+    count = min(max(round(reference.duration_s / sample_period_s), 1), MAX_PERIODS)
+    period_s = reference.duration_s / count
+    return SampledTargets(period_s, reference.targets_at(period_s * np.arange(count)))
+
+
+def findings_of(plant: SpeedPlant, way: SampledTargets, reached: FloatArray, tolerance: float) -> tuple[TooFast, ...]:
+    """Return each stretch of held targets that are missed to one side."""
+    last = way.held_until
+    first = np.append(0, last[:-1] + 1)
+    missed = (reached - way.targets)[last]
+    side = np.sign(missed) * (np.abs(missed) > tolerance)
+    before = np.append(way.targets[0], way.targets[last][:-1])
+    rate = np.abs(way.targets[last] - before) / ((last - first + 1) * way.period_s)
+    begins = np.flatnonzero(np.diff(side, prepend=0.0) != 0.0)
+    found = []
+    for begin, end in pairwise([*begins.tolist(), len(side)]):
+        if side[begin] == 0.0:
+            continue
+        worst = begin + int(np.argmax(np.abs(missed[begin:end])))
+        times_s = (float(first[begin] * way.period_s), float((last[end - 1] + 1) * way.period_s))
+        cooling, level = bool(side[begin] > 0.0), float(reached[last[worst]])
+        speeds = (float(rate[begin:end].max()), rate_at(plant, level, cooling), turn_at(plant, level, cooling))
+        found.append(TooFast("cooling" if cooling else "heating", *times_s, float(abs(missed[worst])), *speeds))
+    return tuple(found)
+
+
+def rate_at(plant: SpeedPlant, level: float, cooling: bool) -> float:
+    """Return the rate [unit/s] of the wire on a branch at a level."""
+    times_s = plant.cooling_times_s() if cooling else plant.heating_times_s()
+    place = int(np.clip(np.searchsorted(plant.levels, level), 1, len(times_s) - 1))
+    spacing = float(plant.levels[place] - plant.levels[place - 1])
+    return spacing / max(float(times_s[place] - times_s[place - 1]), 1e-12)
+
+
+def turn_at(plant: SpeedPlant, level: float, cooling: bool) -> float:
+    """Return the time [s] in which a wire that turns at a level goes from one branch to the other."""
+    heating, cools = branches_of(plant)
+    onto, power_w = (cools, heating.power_w(level)) if cooling else (heating, cools.power_w(level))
+    return onto.time_to(power_w, level, plant.time_constant_s)

@@ -1,0 +1,172 @@
+"""How fast a wire moves along its branches, from its slow loop and its circuit.
+
+One heat balance, as in ``controllers.feedforward``: tau dw/dt = P - w - lambda dS/dt. On a branch w is known over S, so
+a constant P moves the wire from S_0 to S_1 in
+
+    t = (tau (w_1 - w_0) + lambda (S_1 - S_0)) / e,   e the logarithmic mean of P - w over the way
+
+which is exact where w is straight over S. Without latent heat this is the exponential cooling of a lumped capacity.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.controllers import FeedforwardSettings
+from musclewire.errors import RecordingError
+from musclewire.identify._tuning import LEVELS, heat_balance, heat_of_transformation_j, smoothed
+from musclewire.sensing import SensingModel, evaluate
+from musclewire.signals import RunFacts
+
+__all__ = ["SpeedPlant", "plant_of_gains", "plant_of_model"]
+
+# Power [W] that a wire must at least give to the air, or take, to move at all.
+MIN_EXCESS_W = 1e-9
+# A branch at or below the air's temperature is an error of the slow loop.
+MIN_POWER_W = 1e-6
+NEAREST_ROWS = 6
+
+
+class SpeedPlant(NamedTuple):
+    """What limits the speed of a wire.
+
+    Parameters
+    ----------
+    levels
+        Levels of the quantity, in its SI unit, (n,), rising.
+    heating_power_w
+        Power [W] that holds each level on the heating branch, (n,).
+    cooling_power_w
+        The same [W] on the cooling branch, (n,).
+    lowest_power_w
+        Power in the wire [W] at the sense voltage, at each level, (n,).
+    highest_power_w
+        Power in the wire [W] at the maximum voltage, at each level, (n,).
+    time_constant_s
+        Heat capacity over heat loss to the air [s].
+    heat_per_unit
+        Heat [J] that the transformation takes for one unit of the quantity.
+    """
+
+    levels: FloatArray
+    heating_power_w: FloatArray
+    cooling_power_w: FloatArray
+    lowest_power_w: FloatArray
+    highest_power_w: FloatArray
+    time_constant_s: float
+    heat_per_unit: float
+
+    def with_loss(self, factor: float) -> Self:
+        """Return the plant with the loss to the air times a factor."""
+        return self._replace(
+            heating_power_w=factor * self.heating_power_w,
+            cooling_power_w=factor * self.cooling_power_w,
+            time_constant_s=self.time_constant_s / factor,
+        )
+
+    def with_voltage(self, factor: float) -> Self:
+        """Return the plant with the maximum voltage times a factor."""
+        return self._replace(highest_power_w=factor**2 * self.highest_power_w)
+
+    def with_warmer_cooling(self, power_w: float) -> Self:
+        """Return the plant whose cooling branch is held by so much more power [W]."""
+        return self._replace(cooling_power_w=self.cooling_power_w + power_w)
+
+    def heating_times_s(self) -> FloatArray:
+        """Return the time [s] from the first to each level at the maximum voltage, (n,)."""
+        return self._times_s(self.highest_power_w - self.heating_power_w, self.heating_power_w)
+
+    def cooling_times_s(self) -> FloatArray:
+        """Return the time [s] from each level down to the first at the sense voltage, (n,)."""
+        return self._times_s(self.cooling_power_w - self.lowest_power_w, self.cooling_power_w)
+
+    def _times_s(self, excess_w: FloatArray, branch_w: FloatArray) -> FloatArray:
+        """Return the time along a branch [s], summed from level to level."""
+        excess = np.maximum(excess_w, MIN_EXCESS_W)
+        ratio = np.log(excess[1:] / excess[:-1])
+        even = np.abs(ratio) < 1e-9
+        mean = np.where(even, excess[1:], np.diff(excess) / np.where(even, 1.0, ratio))
+        heat_j = self.time_constant_s * np.diff(branch_w) + self.heat_per_unit * np.diff(self.levels)
+        return np.concatenate([[0.0], np.cumsum(heat_j / mean)])
+
+
+def plant_of_gains(settings: FeedforwardSettings, facts: RunFacts) -> SpeedPlant:
+    """Return the plant that a gains file states, in the circuit of a rig."""
+    return in_circuit(
+        settings.levels,
+        np.array(settings.heating_power_w),
+        np.array(settings.cooling_power_w),
+        np.array(settings.resistance_ohm),
+        (settings.thermal_time_constant_s, settings.heat_per_unit),
+        facts,
+    )
+
+
+def plant_of_model(model: SensingModel, facts: RunFacts) -> SpeedPlant:
+    """Return the plant that the slow loop in a model shows, in the circuit of a rig.
+
+    Raises RecordingError if the model has no slow loop with power, or the rig does not state its heat balance.
+    """
+    if not model.slow_loop:
+        raise RecordingError("the model has no power through its loop: fit it again, from voltages")
+    balance = heat_balance(facts)
+    tau_s = balance.capacity_j_per_k / balance.loss_w_per_k
+    heat = heat_of_transformation_j(model, balance) / model.quantity_max
+    time_s, power_w, resistance = (np.array(column) for column in zip(*model.slow_loop, strict=True))
+    top = int(np.argmax(power_w))
+    fraction = (resistance - model.resistance_min_ohm) / (model.resistance_max_ohm - model.resistance_min_ohm)
+    inside = np.clip(fraction, model.normalised_min, model.normalised_max)
+    both = (evaluate(model.heating_coefficients, inside), evaluate(model.cooling_coefficients, inside))
+    period_s = float(np.median(np.diff(time_s)))
+    power, power_rate = smoothed(power_w, period_s)
+    moved, rate = smoothed(np.where(np.arange(len(time_s)) < top, *both), period_s)
+    steady = np.where(fraction == inside, power - tau_s * power_rate - heat * rate, np.nan)
+    # Below B the resistance falls again as the wire gets colder; there it does not determine the quantity.
+    last = top + int(np.argmax(resistance[top:])) + 1
+    halves = slice(int(np.argmax(resistance[:top])), top), slice(top, last)
+    levels = np.linspace(model.quantity_min, model.quantity_max, LEVELS)
+    rows = [np.maximum.accumulate(nearest_rows(moved[half], steady[half], levels)) for half in halves]
+    heating = np.maximum(rows[0], MIN_POWER_W)
+    cooling = np.clip(rows[1], MIN_POWER_W, heating)
+    return in_circuit(levels, heating, cooling, np.asarray(model.resistance_ohm(levels)), (tau_s, heat), facts)
+
+
+def nearest_rows(quantity: FloatArray, values: FloatArray, levels: FloatArray) -> FloatArray:
+    """Return values at levels by a line through the few rows nearest to each, as a model's loop has few.
+
+    Raises RecordingError for fewer rows than a line needs.
+    """
+    known = np.isfinite(values)
+    if int(known.sum()) < NEAREST_ROWS:
+        raise RecordingError(
+            f"the loop in the model has {int(known.sum())} rows within its range, {NEAREST_ROWS} are needed: fit it "
+            "again"
+        )
+    there, steady = quantity[known], values[known]
+    found = np.empty(len(levels))
+    for index, level in enumerate(levels):
+        rows = np.argsort(np.abs(there - level))[:NEAREST_ROWS]
+        away, mean = there[rows] - level, float(steady[rows].mean())
+        spread = float(np.var(away))
+        slope = 0.0 if spread == 0.0 else float(np.mean((away - away.mean()) * (steady[rows] - mean))) / spread
+        found[index] = np.clip(mean - slope * float(away.mean()), steady[rows].min(), steady[rows].max())
+    return found
+
+
+def in_circuit(
+    levels: FloatArray,
+    heating_w: FloatArray,
+    cooling_w: FloatArray,
+    resistance_ohm: FloatArray,
+    heat: tuple[float, float],
+    facts: RunFacts,
+) -> SpeedPlant:
+    """Return a plant between the lowest and the highest power of a rig. Raises RecordingError for unstated limits."""
+    shunt_ohm = facts.shunt_resistance_ohm
+    per_v2 = resistance_ohm / (resistance_ohm + shunt_ohm) ** 2
+    sense_v = facts.number("limit_sense_voltage_v", "sense voltage of the rig")
+    maximum_v = facts.number("limit_maximum_voltage_v", "maximum voltage of the rig")
+    return SpeedPlant(levels, heating_w, cooling_w, sense_v**2 * per_v2, maximum_v**2 * per_v2, *heat)

@@ -1,0 +1,165 @@
+"""A recording over time as a picture: a run of control with its errors and drive, or whatever was recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import RecordingError
+from musclewire.figures import StyledFigure, panel_rows
+from musclewire.identify._recordings import COLUMN_SUFFIX, reference_quantity, resistance_reading
+from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, TARGET
+from musclewire.sensing import SHOWN_AS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from musclewire.signals import Recording
+
+__all__ = ["control_figure", "time_figure"]
+
+
+class TrackingSeries(NamedTuple):
+    """Target, estimate and measurement of a run in the unit that is shown; None for what was not recorded."""
+
+    name: str
+    unit: str
+    target: FloatArray
+    estimated: FloatArray | None
+    measured: FloatArray | None
+
+
+class FigurePanel(NamedTuple):
+    """Columns that share one axis: its label, their factor, and the zero that is subtracted."""
+
+    label: str
+    columns: tuple[str, ...]
+    factor: float = 1.0
+    zero: float = 0.0
+
+
+PANELS = (
+    FigurePanel("voltage [V]", ("drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")),
+    FigurePanel("current [mA]", ("wire_current_a",), 1e3),
+    FigurePanel("strain [%]", ("target_strain", "reference_strain", "estimated_strain"), 100.0),
+    FigurePanel(
+        "displacement [mm]",
+        ("target_displacement_m", "displacement_m", "estimated_displacement_m", "endpoint_displacement_m"),
+        1e3,
+    ),
+    FigurePanel("force [N]", ("target_force_n", "force_n", "estimated_force_n", "endpoint_force_n")),
+    FigurePanel("grip force [N]", ("target_grip_force_n", "estimated_grip_force_n")),
+    FigurePanel("stress [MPa]", ("stress_pa",), 1e-6),
+    FigurePanel(
+        "temperature [°C]", ("wire_temperature_k", "estimated_temperature_k", "ambient_temperature_k"), 1.0, 273.15
+    ),
+)
+COLOURS = (COOLING, HEATING, AVERAGE, PAPER)
+WORDS = {"drive_voltage_v": "drive", "wire_voltage_v": "wire", "shunt_voltage_v": "shunt"}
+
+
+def time_figure(recording: Recording, style: str) -> StyledFigure:
+    """Draw over time what was recorded: voltages, resistance, movement, force, temperature, a panel for each."""
+    shown = [(one, [name for name in one.columns if name in recording]) for one in PANELS]
+    shown = [(panel, names) for panel, names in shown if names]
+    resistance = resistance_or_none(recording)
+    count = len(shown) + (resistance is not None)
+    if not count:
+        raise RecordingError(
+            f"there is nothing to plot over time in columns {', '.join(recording.names)}: choose another kind"
+        )
+    figure, axes = panel_rows(style, [1.0] * count)
+    with figure.styled():
+        if resistance is not None:
+            axes[-1].plot(recording["time_s"], resistance, color=AVERAGE)
+            axes[-1].set_ylabel("resistance [ohm]")
+        for one, (panel, names) in zip(axes, shown, strict=False):
+            draw_columns(one, recording, panel, names)
+        axes[-1].set_xlabel("time [s]")
+    return figure
+
+
+def draw_columns(axes: Axes, recording: Recording, panel: FigurePanel, names: Sequence[str]) -> None:
+    """Draw the columns of one panel, with a legend if they are several."""
+    for name, colour in zip(names, COLOURS, strict=False):
+        values = panel.factor * (recording[name] - panel.zero)
+        axes.plot(recording["time_s"], values, color=colour, label=WORDS.get(name, spoken(name)))
+    axes.set_ylabel(panel.label)
+    if len(names) > 1:
+        axes.legend(loc="best", ncols=len(names) if len(names) < 4 else 2)
+
+
+def spoken(column: str) -> str:
+    """Return a column's name without its unit, as in a legend."""
+    words = column.split("_")
+    return " ".join(words[:-1] if words[-1] in ("m", "n", "k", "v", "a", "pa") else words)
+
+
+def resistance_or_none(recording: Recording) -> FloatArray | None:
+    """Return the resistance where it is valid, NaN elsewhere; None if nothing in the recording gives it."""
+    try:
+        reading = resistance_reading(recording)
+    except RecordingError:
+        return None
+    return np.where(reading.valid, reading.resistance_ohm, np.nan)
+
+
+def control_figure(recording: Recording, style: str) -> StyledFigure:
+    """Draw target, estimate and measurement over time, their errors, and the drive."""
+    run = followed(recording)
+    panels = 2 + ("drive_voltage_v" in recording)
+    figure, axes = panel_rows(style, [1.8, 1.0, 0.8][:panels])
+    time_s = recording["time_s"]
+    with figure.styled():
+        draw_followed(axes[0], time_s, run)
+        draw_errors(axes[1], time_s, run)
+        if "drive_voltage_v" in recording:
+            axes[2].plot(time_s, recording["drive_voltage_v"], color=AVERAGE)
+            axes[2].set_ylabel("drive [V]")
+        axes[-1].set_xlabel("time [s]")
+    return figure
+
+
+def followed(recording: Recording) -> TrackingSeries:
+    """Return what a run followed; raises RecordingError for a recording without a target."""
+    for quantity, suffix in COLUMN_SUFFIX.items():
+        if f"target_{suffix}" in recording:
+            factor, unit = SHOWN_AS[quantity]
+            columns = recording.columns.get(f"estimated_{suffix}"), reference_quantity(recording, quantity)
+            found = (None if one is None else factor * one for one in columns)
+            return TrackingSeries(quantity, unit, factor * recording[f"target_{suffix}"], *found)
+    if "target_grip_force_n" in recording:
+        columns = recording.columns.get("estimated_grip_force_n"), recording.columns.get("endpoint_force_n")
+        return TrackingSeries("grip force", "N", recording["target_grip_force_n"], *columns)
+    raise RecordingError(f"a run of control has a target; this recording has {', '.join(recording.names)}")
+
+
+def draw_followed(axes: Axes, time_s: FloatArray, run: TrackingSeries) -> None:
+    """Draw the target as a broad grey line, and on it what was measured and what was estimated."""
+    wide = 1.8 * axes.figure.style.line_pt  # type: ignore[union-attr]  # our figures have a style
+    axes.plot(time_s, run.target, color=TARGET, linewidth=wide, drawstyle="steps-post", label="target")
+    if run.measured is not None:
+        axes.plot(time_s, run.measured, color=COOLING, label="measured")
+    if run.estimated is not None:
+        axes.plot(time_s, run.estimated, color=HEATING, linestyle="--", label="estimated")
+    axes.set_ylabel(f"{run.name} [{run.unit}]")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+
+
+def draw_errors(axes: Axes, time_s: FloatArray, run: TrackingSeries) -> None:
+    """Draw measured less target and estimated less measured; estimated less target where nothing was measured."""
+    axes.axhline(0.0, color=TARGET, linewidth=0.8)
+    pairs = (
+        (run.measured, run.target, COOLING, "measured - target"),
+        (run.estimated, run.measured, HEATING, "estimated - measured"),
+    )
+    if run.measured is None:
+        pairs = ((run.estimated, run.target, HEATING, "estimated - target"),) * 1  # type: ignore[assignment]
+    for one, other, colour, name in pairs:
+        if one is not None and other is not None:
+            axes.plot(time_s, one - other, color=colour, linestyle="--" if colour == HEATING else "-", label=name)
+    axes.set_ylabel(f"error [{'% strain' if run.unit == '%' else run.unit}]")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)

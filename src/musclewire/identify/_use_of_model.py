@@ -1,0 +1,69 @@
+"""What a fitted model asks of the loop that uses it: the wire it was fitted to, and the controller's unit of error."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from musclewire.controllers import PERCENT_STRAIN, FuzzyPidSettings, with_error_unit
+from musclewire.errors import CallerError
+from musclewire.sensing import KnownSpring, SensingModel
+from musclewire.signals import MetadataValue, RunFacts
+
+__all__ = ["check_made_for", "error_unit_for", "settings_for"]
+
+# Lengths that differ by less are one length, measured twice.
+SAME_LENGTH_FRACTION = 0.005
+# What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
+RANGE_AS_PERCENT_STRAIN = 3.0
+# Where friction reverses, force changes steeply with strain: this multiple of the friction counts as range, or the loop
+# chatters.
+FRICTION_AS_RANGE = 8.0
+
+
+def error_unit_for(model: SensingModel, load: KnownSpring | None = None) -> float:
+    """Return the amount of the model's quantity that the controller treats as one percent strain.
+
+    Parameters
+    ----------
+    model
+        The model of the wire.
+    load
+        A known spring with friction, over which the range to be passed is larger; None for no known load.
+
+    Returns
+    -------
+    The amount in the quantity's SI unit: 0.01 for strain.
+    """
+    if model.quantity == "strain":
+        return PERCENT_STRAIN
+    steep = 0.0 if load is None else FRICTION_AS_RANGE * load.friction_n
+    return (model.quantity_max - model.quantity_min + steep) / RANGE_AS_PERCENT_STRAIN
+
+
+def settings_for(
+    model: SensingModel, settings: FuzzyPidSettings | None = None, load: KnownSpring | None = None
+) -> FuzzyPidSettings:
+    """Return the fuzzy PID's settings with the error unit fitted to the model's quantity, unless they name one."""
+    return with_error_unit(settings or FuzzyPidSettings(), error_unit_for(model, load))
+
+
+def check_made_for(
+    model: SensingModel, known: Mapping[str, MetadataValue], place: str = "the rig", cure: str = "fit one"
+) -> None:
+    """Raise CallerError if a model is not for the wire, length or finger that a rig's metadata name.
+
+    ``place`` is who names another one, and ``cure`` what the caller does about it, both for the message.
+    """
+    fitted, mounted = model.wire.get("wire"), known.get("wire")
+    if fitted and mounted and fitted != mounted:
+        raise CallerError(f"this model was fitted to wire {fitted}, {place} has {mounted}: {cure} for this wire")
+    was = RunFacts(model.wire, "this model").number_or_none("wire_length_m")
+    now = RunFacts(known, "this rig").number_or_none("wire_length_m")
+    if was is not None and now is not None and abs(was - now) > SAME_LENGTH_FRACTION * now:
+        raise CallerError(
+            f"this model was fitted to a wire of {1e3 * was:g} mm, {place} has one of {1e3 * now:g} mm: {cure} "
+            "for this length"
+        )
+    moved, moves = model.wire.get("finger"), known.get("finger")
+    if model.quantity == "displacement" and moved and moves and moved != moves:
+        raise CallerError(f"this model was fitted to finger {moved}, {place} has {moves}: {cure} for this finger")

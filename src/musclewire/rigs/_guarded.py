@@ -1,0 +1,344 @@
+"""The rig: a device, and the protection table before and after each of its samples."""
+
+from __future__ import annotations
+
+from threading import RLock
+from time import perf_counter_ns
+from types import TracebackType
+from typing import NoReturn, Self, final
+
+from musclewire.controllers import Event, ProtectionLimits, ProtectionState, Rows, RunningProtection, protection_table
+from musclewire.errors import CallerError, NumericsError, RigError
+from musclewire.rigs._device import Device, HasOnBoardLoop, Missing
+from musclewire.rigs._protocol import Metadata
+from musclewire.signals import Command, Drive, RawSample, Target, as_command, drive_voltage_of
+
+__all__ = ["GuardedRig", "ProtectionTripError"]
+
+# No more is known of a device that does not answer.
+NOT_CONFIRMED = (
+    "0 V was ordered and nothing confirms it: a board's drive expires by itself, a card's guardian has tried to switch "
+    "off; cut the supply to be sure"
+)
+
+
+class ProtectionTripError(RigError):
+    """The protection has switched the drive off; ``event`` is the cause."""
+
+    def __init__(self, message: str, event: Event) -> None:
+        """Keep the event with the message."""
+        super().__init__(message)
+        self.event = event
+
+
+@final
+class GuardedRig:
+    """A device with the protection table around it, which no script, policy or experiment can bypass by accident.
+
+    The only implementation of a rig, simulated or real; :func:`musclewire.open_rig` makes it. The device takes one
+    sample and can switch its output off; which drive is allowed and when to switch off is decided here, for all devices
+    alike.
+
+    One thread exchanges. ``close`` may be called from another one while a sample is awaited: the drive goes off, and
+    the exchange ends with a RigError.
+
+    Parameters
+    ----------
+    device
+        An open device with 0 V out. It is switched off if its limits are refused.
+
+    Attributes
+    ----------
+    device
+        The guarded device. Its abilities are looked up by ``musclewire.rigs._abilities``. A program that drives it
+        directly, such as an emulated circuit, bypasses the protection on purpose.
+    drive_at_ns, sample_at_ns
+        Times at which the last drive was handed to the output and its sample had come (``time.perf_counter_ns``): the
+        time between a sample and the next drive is the host's computing time, with the protection's.
+
+    Raises
+    ------
+    CallerError
+        For limits that cannot belong to a wire.
+    """
+
+    def __init__(self, device: Device) -> None:
+        """Arm the protection. Raises CallerError for limits that cannot belong to a wire."""
+        self.device = device
+        self._facts = device.facts
+        try:
+            self._limits = self._facts.limits.checked()
+        except CallerError:
+            device.off()
+            raise
+        self._accepts_targets = isinstance(device, HasOnBoardLoop)
+        self._protection = RunningProtection(self._limits, self._facts.sample_period_s)
+        # Held whenever the protection's state is read and written, never while a sample is awaited.
+        self._deciding = RLock()
+        self._last_time_s: float | None = None
+        self._off_for_good, self._off_confirmed = False, True
+        self.drive_at_ns = self.sample_at_ns = 0
+
+    @property
+    def sample_period_s(self) -> float:
+        """Time between samples [s]."""
+        return self._facts.sample_period_s
+
+    @property
+    def paced(self) -> bool:
+        """Whether samples come at the pace of a real clock."""
+        return self._facts.paced
+
+    @property
+    def sense_voltage_v(self) -> float:
+        """Drive voltage [V] that heats the wire by little and still lets its resistance be measured."""
+        return self._limits.sense_voltage_v
+
+    @property
+    def maximum_voltage_v(self) -> float:
+        """Highest drive voltage [V] this rig allows."""
+        return self._limits.maximum_voltage_v
+
+    @property
+    def drive_amplitude_v(self) -> float:
+        """Amplitude [V] at which this rig's wire completes its transformation in a slow sine."""
+        return self._facts.drive_amplitude_v
+
+    @property
+    def shunt_resistance_ohm(self) -> float:
+        """R of Eq. 1 [ohm]."""
+        return self._limits.shunt_resistance_ohm
+
+    @property
+    def leg_length_m(self) -> float:
+        """Length whose relative shortening is the strain [m]: one leg of the V."""
+        return self._facts.leg_length_m
+
+    @property
+    def reference_columns(self) -> tuple[str, ...]:
+        """Names of the reference instruments."""
+        return self._facts.reference_columns
+
+    @property
+    def drive_voltage_v(self) -> float:
+        """Drive voltage [V] that is out now."""
+        return self.device.drive_voltage_v
+
+    @property
+    def off_confirmed(self) -> bool:
+        """Whether the device has confirmed 0 V when it was switched off; true as long as it was not."""
+        return self._off_confirmed
+
+    @property
+    def protection(self) -> ProtectionState:
+        """State of the protection, with the last event and the estimated temperature."""
+        return self._protection.state
+
+    @property
+    def protection_limits(self) -> ProtectionLimits:
+        """The limits that the protection table applies."""
+        return self._limits
+
+    def __repr__(self) -> str:
+        """Name the guarded device."""
+        return f"GuardedRig({self.device!r})"
+
+    def metadata(self) -> Metadata:
+        """Return the metadata of a recording that describe this rig."""
+        return self.device.metadata()
+
+    def exchange(self, command: Command | float) -> RawSample:
+        """Follow a command for one sample period and return the sample at its end.
+
+        While readings are missing the protection holds the drive or lowers it; the sample's ``drive_voltage_v`` is
+        what was out. A target goes to the device's own closed loop, whose drive is judged like any other.
+
+        Parameters
+        ----------
+        command
+            A drive voltage [V], as a :class:`~musclewire.signals._exchange.Drive` or a bare number, or a
+            :class:`~musclewire.signals._exchange.Target` for a device with a closed loop of its own.
+
+        Returns
+        -------
+        The sample.
+
+        Raises
+        ------
+        RigError
+            With the drive switched off, for a voltage outside 0 to the maximum, for every event of the protection table
+            that trips, and if another thread has closed the rig. Any other exception leaves the rig at its sense
+            voltage.
+        NumericsError
+            With the drive switched off, from a simulation that cannot continue.
+        CallerError
+            For a target if the device has no closed loop of its own.
+        """
+        with self._deciding:
+            if self._off_for_good:
+                raise RigError("this rig is closed or has failed and stays off: open it again")
+            allowed = self._allowed(command)
+        sample = self._awaited(allowed)
+        with self._deciding:
+            if self._off_for_good:
+                self._end_as_switched_off()
+            if isinstance(allowed, Target):
+                # The protection judges what the device put out as if the host had commanded it.
+                self._protection.command(min(sample.drive_voltage_v, self.maximum_voltage_v))
+            self._judge(sample)
+        return sample
+
+    def adopt_compiled_samples(self, drive_voltage_v: float, memory: Rows, time_s: float) -> None:
+        """Take over what sound samples of a simulated device in compiled code have made of the protection.
+
+        Parameters
+        ----------
+        drive_voltage_v
+            Drive voltage that was commanded last [V].
+        memory
+            What the protection remembers of readings after them, one record.
+        time_s
+            End of the last sample on the rig's clock [s].
+
+        Raises
+        ------
+        RigError
+            If another thread has closed the rig meanwhile.
+        """
+        with self._deciding:
+            if self._off_for_good:
+                self._end_as_switched_off()
+            self._protection.adopt_compiled_samples(drive_voltage_v, memory)
+            self._last_time_s = time_s
+
+    def _allowed(self, command: Command | float) -> Command:
+        """Return the command that is allowed now. Raises as ``exchange`` does for one that never is."""
+        if isinstance(command, Drive):
+            drive_voltage_v = command.voltage_v
+        elif self._accepts_targets and isinstance(command, Target):
+            return command
+        else:
+            try:
+                drive_voltage_v = drive_voltage_of(as_command(command))
+            except CallerError:
+                self.make_safe()
+                raise
+        if self._protection.command(drive_voltage_v):
+            return command if isinstance(command, Drive) and not command.by_protection else Drive(drive_voltage_v)
+        if self._protection.tripped:
+            self.close()
+            raise ProtectionTripError(
+                f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; {self._off_in_words()}",
+                Event.COMMAND_REFUSED,
+            )
+        return Drive(*self._protection.allowed())
+
+    def _awaited(self, command: Command) -> RawSample:
+        """Return the sample of a command; while it is missing, the table decides the drive and how long to wait."""
+        self.drive_at_ns = perf_counter_ns()
+        waited_s = 0.0
+        while True:
+            try:
+                answer = self.device.exchange(command)
+            except (RigError, NumericsError):
+                self._end_unless_switched_off()
+                raise
+            except BaseException:
+                self.make_safe()  # Ctrl-C, or an error in a device: no further command may come
+                raise
+            if isinstance(answer, RawSample):
+                self.sample_at_ns = perf_counter_ns()
+                return answer
+            with self._deciding:
+                if self._off_for_good:
+                    self._end_as_switched_off()
+                if not isinstance(answer, Missing):
+                    self._trip(answer.event, answer.details)
+                if answer.sample is None and not answer.missing_s > waited_s:
+                    self._trip(Event.DEVICE_LOST, f"the device waits, but its clock stays at {answer.missing_s:.3f} s")
+                waited_s = answer.missing_s
+                self._miss(answer)
+                command = Drive(*self._protection.allowed())
+            if answer.sample is not None:
+                self.sample_at_ns = perf_counter_ns()
+                return answer.sample
+
+    def _miss(self, missing: Missing) -> None:
+        """Let the protection hold, go to the sense voltage or trip, by the total time that something was missing."""
+        self._protection.missing(missing.event, missing.missing_s)
+        if self._protection.tripped:
+            self._trip(missing.event, f"missing for {missing.missing_s:.3f} s")
+
+    def _judge(self, sample: RawSample) -> None:
+        """Run the protection over a sample."""
+        last_s, time_s = self._last_time_s, sample.time_s
+        if last_s is not None and not time_s > last_s:
+            self._trip(Event.CLOCK_BACKWARDS, f"{time_s:.6f} s after {last_s:.6f} s")
+        self._last_time_s = time_s
+        protection = self._protection
+        protection.sample(sample.drive_voltage_v, sample.wire_voltage_v, sample.shunt_voltage_v)
+        if protection.tripped:
+            measured = self._measured(*protection.last_reading_v)
+            self._trip(protection.state.event, f"at {time_s:.3f} s: {measured}")
+
+    def _measured(self, drive_v: float, wire_v: float, shunt_v: float) -> str:
+        """Describe the reading at which the protection tripped."""
+        ohm = f", {wire_v / shunt_v * self.shunt_resistance_ohm:.3f} ohm" if shunt_v else ""
+        warmth = f"estimated {self._protection.state.temperature_k - 273.15:.0f} C"
+        return f"drive {drive_v:.3f} V, wire {wire_v:.4f} V, shunt {shunt_v:.4f} V{ohm}, {warmth}"
+
+    def _trip(self, event: Event, details: str) -> NoReturn:
+        """Switch the drive off for good and raise the RigError of an event; the first cause stays."""
+        self._protection.trip(event)
+        self.close()
+        row = protection_table().row(event)
+        off = "0 V was ordered" if event is Event.OUTPUT_STUCK else self._off_in_words()
+        raise ProtectionTripError(f"{row.name}: {row.cause} ({details}); {off}; {row.remedy}", event)
+
+    def _end_unless_switched_off(self) -> None:
+        """Switch off after an error of the device; if another thread has switched off, report that instead."""
+        with self._deciding:
+            if self._off_for_good:
+                self._end_as_switched_off()
+            self.close()
+
+    def _end_as_switched_off(self) -> NoReturn:
+        raise RigError(f"this rig was closed while a sample was awaited; {self._off_in_words()}") from None
+
+    def _off_in_words(self) -> str:
+        return "the drive is off" if self._off_confirmed else NOT_CONFIRMED
+
+    def make_safe(self) -> None:
+        """Go to the sense voltage at once; a rig that is off for good stays off; never raises."""
+        with self._deciding:
+            if self._off_for_good:
+                return
+            if self.device.sense():
+                self.forget_readings()
+            else:
+                self.close()  # a device that cannot go to the sense voltage is switched off
+
+    def forget_readings(self) -> None:
+        """Start again after a pause, or after the wire was changed: the next reading is not compared with the last."""
+        with self._deciding:
+            self._protection.rest()
+
+    def close(self) -> None:
+        """Switch the drive off and release the hardware; may be called twice, and from another thread."""
+        with self._deciding:
+            self._off_for_good = True
+            self._protection.close()
+            self._off_confirmed = self.device.off()
+
+    def __enter__(self) -> Self:
+        """Return the rig itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Switch the drive off. Raises RigError if all went well and the device does not confirm the end."""
+        was_on = not self._off_for_good
+        self.close()
+        if kind is None and was_on and not self._off_confirmed:
+            raise RigError(f"the device did not answer at the end: {NOT_CONFIRMED}")

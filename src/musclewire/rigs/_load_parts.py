@@ -1,0 +1,275 @@
+"""The parts of a load that ship with musclewire: each is one class with its contribution to the load.
+
+[[load]]
+part = "pretensioner"
+stiffness = "386.2 N/m"
+
+[[load]]
+part = "finger"
+finger = "lan-fan-2010"
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from musclewire.arrays import FloatArray
+from musclewire.parameters import FingerFile, load_finger, read_pretensioner
+from musclewire.rigs._load_part import Force, Length, LoadPart, Pull, SecondWire, Stiffness, Supply, Voltage
+from musclewire.rigs._protocol import Metadata
+from musclewire.wire import ElasticObject
+
+__all__ = [
+    "Antagonist",
+    "Blocked",
+    "Contact",
+    "Finger",
+    "ParallelWire",
+    "Pretensioner",
+    "SecondFinger",
+    "Spring",
+    "Weight",
+]
+
+
+class Spring(LoadPart):
+    """A spring at the connector; with ``slack`` it begins to pull only after that much contraction."""
+
+    is_straight: ClassVar[bool] = True
+
+    part: Literal["spring"]
+    stiffness: Stiffness
+    slack: Length = 0.0
+
+    @property
+    def carries_pretension(self) -> bool:
+        """A spring carries the pretension unless it has slack."""
+        return self.slack == 0.0
+
+    @property
+    def stiffness_n_per_m(self) -> float:
+        """Its stiffness [N/m]; 0 with slack, because it then begins later (``force_n``)."""
+        return self.stiffness if self.slack == 0.0 else 0.0
+
+    def force_n(self, displacement_m: FloatArray) -> FloatArray | None:
+        """Return its force [N] if it has slack; None otherwise."""
+        return None if self.slack == 0.0 else self.stiffness * np.maximum(displacement_m - self.slack, 0.0)
+
+
+class Pretensioner(LoadPart):
+    """A flexure on the linear stage that carries the pretension alone (Eq. 8 of Lan and Fan 2010).
+
+    Either its stiffness, or the ``file`` that ``musclewire design pretensioner`` writes.
+
+    Parameters
+    ----------
+    stiffness
+        Stiffness along the wire [N/m]; None if a file states it.
+    file
+        Path of a design file (.toml); None if the stiffness is given.
+    """
+
+    is_straight: ClassVar[bool] = True
+
+    part: Literal["pretensioner"]
+    stiffness: Stiffness | None = None
+    file: str | None = None
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Pretensioner:
+        if (self.stiffness is None) == (self.file is None):
+            raise ValueError("a pretensioner has either a stiffness or a file: give one of them")
+        return self
+
+    @property
+    def carries_pretension(self) -> bool:
+        """A pretensioner carries the pretension."""
+        return True
+
+    @property
+    def stiffness_n_per_m(self) -> float:
+        """Stiffness along the wire [N/m]. Raises CallerError for a file that cannot be used."""
+        return (
+            read_pretensioner(self.file).stiffness_n_per_m
+            if self.stiffness is None and self.file
+            else (self.stiffness or 0.0)
+        )
+
+
+class Finger(LoadPart):
+    """A tendon-driven finger.
+
+    Parameters
+    ----------
+    finger
+        Name of a finger that ships with musclewire, or path of a finger file (.toml).
+    slack
+        Displacement of the connector before the tendon pulls [m].
+    """
+
+    once: ClassVar[bool] = True
+
+    part: Literal["finger"]
+    finger: str
+    slack: Length = 0.0
+
+    @property
+    def finger_name(self) -> str:
+        """Name or file of the finger."""
+        return self.finger
+
+    @property
+    def tendon_slack_m(self) -> float:
+        """Displacement before the tendon pulls [m]."""
+        return self.slack
+
+    def finger_file(self) -> FingerFile:
+        """Return the finger. Raises CallerError for a file that cannot be used."""
+        return load_finger(self.finger)
+
+    def facts(self) -> Metadata:
+        """Return the finger's name and stiffness."""
+        return {
+            "finger": Path(self.finger).stem,
+            "finger_stiffness_n_per_m": self.finger_file().curve.stiffness_n_per_m,
+        }
+
+
+class Weight(LoadPart):
+    """A hanging weight: the same force at any height."""
+
+    is_straight: ClassVar[bool] = True
+
+    part: Literal["weight"]
+    force: Force
+
+    @property
+    def hanging_force_n(self) -> float:
+        """The weight [N]."""
+        return self.force
+
+
+class Blocked(LoadPart):
+    """A wire held at both ends; nothing is rigid, so the mount has a stiffness."""
+
+    part: Literal["blocked"]
+    mount_stiffness: Stiffness = 1e6
+
+    @property
+    def carries_pretension(self) -> bool:
+        """The mount holds what the stage pulls."""
+        return True
+
+    @property
+    def stiffness_n_per_m(self) -> float:
+        """Stiffness of the mount [N/m]."""
+        return self.mount_stiffness
+
+
+class Contact(LoadPart):
+    """An object in the way: a foam block in front of the finger's endpoint, or of the connector without a finger."""
+
+    once: ClassVar[bool] = True
+
+    part: Literal["contact"]
+    stiffness: Stiffness
+    clearance: Length
+
+    @property
+    def obstacle(self) -> ElasticObject:
+        """The object."""
+        return ElasticObject(self.stiffness, self.clearance)
+
+    def with_obstacle(self, obstacle: ElasticObject) -> Self:
+        """Return a contact with another object."""
+        return self.model_copy(update={"stiffness": obstacle.stiffness_n_per_m, "clearance": obstacle.clearance_m})
+
+    def misfit(self, parts: Sequence[LoadPart]) -> str | None:
+        """Return why it does not fit: two wires on one connector that meet an object are not simulated."""
+        if any(part.second_wire is not None and part.second_wire.pull is not Pull.APART for part in parts):
+            return "a contact together with a second wire on one connector is not simulated: leave one out"
+        return None
+
+
+class Antagonist(LoadPart):
+    """A second wire of the same make and length that pulls against the first, from a supply of its own.
+
+    Parameters
+    ----------
+    wire
+        Name of the second wire; None for one like the first.
+    voltage
+        Drive voltage of the second wire [V], constant; 0 leaves it cold.
+    """
+
+    once: ClassVar[bool] = True
+
+    part: Literal["antagonist"]
+    wire: str | None = None
+    voltage: Voltage = 0.0
+
+    @property
+    def carries_pretension(self) -> bool:
+        """The stage pulls one wire against the other."""
+        return True
+
+    @property
+    def second_wire(self) -> SecondWire:
+        """The wire that pulls against the first."""
+        return SecondWire(self.wire, Pull.AGAINST, Supply.OWN, self.voltage)
+
+
+class ParallelWire(LoadPart):
+    """A second wire parallel to the first, on the same connector and the same two terminals."""
+
+    once: ClassVar[bool] = True
+
+    part: Literal["parallel wire"]
+    wire: str | None = None
+
+    @property
+    def second_wire(self) -> SecondWire:
+        """The wire parallel to the first."""
+        return SecondWire(self.wire, Pull.ALONG, Supply.PARALLEL)
+
+
+class SecondFinger(LoadPart):
+    """A finger like the first, opposite to it, on a wire of its own in the same current; needs a contact between.
+
+    Parameters
+    ----------
+    wire
+        Name of the second finger's wire; None for one like the first.
+    """
+
+    once: ClassVar[bool] = True
+
+    part: Literal["second finger"]
+    wire: str | None = None
+
+    @property
+    def second_wire(self) -> SecondWire:
+        """The wire of the other finger."""
+        return SecondWire(self.wire, Pull.APART, Supply.SERIES)
+
+    def misfit(self, parts: Sequence[LoadPart]) -> str | None:
+        """Return why the parts are not two fingers with an object between them; None if they are.
+
+        Parameters
+        ----------
+        parts
+            All parts of the load.
+
+        Returns
+        -------
+        What is missing; None if there are a finger, which this one mirrors, and a contact, which both meet.
+        """
+        finger = any(part.finger_name is not None for part in parts)
+        if finger and any(part.obstacle is not None for part in parts):
+            return None
+        return "a second finger needs a part 'finger', which it mirrors, and a 'contact' between them"

@@ -1,0 +1,289 @@
+"""The keys of a rig file that describe the mounted wire and its circuit, each written once; tables of other keys."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic.fields import FieldInfo
+
+from musclewire.controllers import ProtectionLimits
+from musclewire.parameters import Wire, load_alloy, load_wire, validity_of
+from musclewire.rigs._protocol import Metadata
+from musclewire.rigs._wire_limits import WireCircuit, limits_of
+from musclewire.signals import measured_in
+
+__all__ = [
+    "AirKelvins",
+    "AmbientTemperature",
+    "DriveAmplitude",
+    "Legs",
+    "LimitsTable",
+    "LivePeriod",
+    "MaximumVoltage",
+    "MountedWire",
+    "Ohms",
+    "Pretension",
+    "SETTINGS",
+    "SamplePeriod",
+    "SenseVoltage",
+    "Shunt",
+    "SiName",
+    "Volts",
+    "WireKeys",
+    "WireLength",
+    "may_be_left_out",
+    "notes_of",
+    "numbers_given",
+    "si_name",
+]
+
+
+@dataclass(frozen=True)
+class SiName:
+    """Note on a key of a rig file: the name, with the unit, of the number that it sets."""
+
+    name: str
+
+
+Amperes = Annotated[float, measured_in("A"), Field(gt=0.0, allow_inf_nan=False)]
+Kelvins = Annotated[float, measured_in("K"), Field(gt=0.0, allow_inf_nan=False)]
+Ohms = Annotated[float, measured_in("ohm"), Field(gt=0.0, allow_inf_nan=False)]
+Volts = Annotated[float, measured_in("V"), Field(gt=0.0, allow_inf_nan=False)]
+Watts = Annotated[float, measured_in("W"), Field(gt=0.0, allow_inf_nan=False)]
+# Air around a bench. A bare 22 would be read as kelvins, and air that cold would let the wire grow too hot.
+AirKelvins = Annotated[float, measured_in("K"), Field(ge=223.15, le=373.15)]
+# A fault shows in the next samples: with longer periods a frozen channel would not be off within half a second.
+LivePeriod = Annotated[
+    float,
+    SiName("sample_period_s"),
+    measured_in("s"),
+    Field(gt=0.0, le=0.05 + 1e-9, description="Time between samples [s], at most 50 ms for a fault to end in time."),
+]
+
+# The keys of wire and circuit, each written once: the number that it sets (of wire or bench, and in a recording's
+# metadata), its unit, its range, its meaning. Rig files of all kinds take their keys from here.
+WireLength = Annotated[
+    float,
+    SiName("wire_length_m"),
+    measured_in("m"),
+    Field(gt=0.0, allow_inf_nan=False, description="Overall length between the terminals [m]."),
+]
+Legs = Annotated[
+    int,
+    SiName("legs"),
+    Field(ge=1, le=2, description="Parts of the wire that share the force: 2 for a V, 1 for a straight wire."),
+]
+Shunt = Annotated[Ohms, SiName("shunt_resistance_ohm"), Field(description="R of Eq. 1 [ohm].")]
+SenseVoltage = Annotated[
+    Volts,
+    SiName("sense_voltage_v"),
+    Field(description="Drive that hardly heats the wire and still gives a reading [V]."),
+]
+MaximumVoltage = Annotated[
+    Volts,
+    SiName("maximum_voltage_v"),
+    Field(description="Highest drive that is ever allowed [V]; it depends on the length of the wire."),
+]
+DriveAmplitude = Annotated[Volts, SiName("drive_amplitude_v"), Field(description="Amplitude of the slow sine [V].")]
+Pretension = Annotated[
+    float,
+    SiName("pretension_n"),
+    measured_in("N"),
+    Field(ge=0.0, allow_inf_nan=False, description="Force of the cold wire [N], as set by hand."),
+]
+AmbientTemperature = Annotated[
+    AirKelvins, SiName("ambient_temperature_k"), Field(description="Temperature of the air around the wire [K].")
+]
+SamplePeriod = Annotated[
+    float, SiName("sample_period_s"), measured_in("s"), Field(gt=0.0, le=1.0, description="Time between samples [s].")
+]
+
+
+def notes_of(key: Any) -> tuple[Any, ...]:
+    """Return the notes on a key, given its type or its field, whether or not it may be left out."""
+    if isinstance(key, FieldInfo):
+        return (*key.metadata, *(note for kind in get_args(key.annotation) for note in notes_of(kind)))
+    return tuple(getattr(key, "__metadata__", ()))
+
+
+def may_be_left_out(key: Any) -> Any:
+    """Return the field of a key that is None in files without it, with the meaning that its type states."""
+    meaning = next(note.description for note in notes_of(key) if isinstance(note, FieldInfo) and note.description)
+    return Field(default=None, description=meaning)
+
+
+def si_name(key: str, field: FieldInfo) -> str:
+    """Return the name of the number that a key of a rig file sets: that of its note, else its own."""
+    return next((note.name for note in notes_of(field) if isinstance(note, SiName)), key)
+
+
+def numbers_given(table: BaseModel) -> dict[str, Any]:
+    """Return what a table of a rig file sets, by the names of the numbers."""
+    fields = type(table).model_fields
+    return {si_name(key, fields[key]): value for key, value in table if value is not None}
+
+
+class LimitsTable(BaseModel):
+    """``[limits]`` of a rig file: limits of the protection that differ from what follows from wire and circuit.
+
+    Attributes:
+        maximum_current: a higher current is over-current.
+        maximum_power: a higher electrical power in the wire is over-power.
+        maximum_temperature: highest allowed temperature, estimated from the power.
+        minimum_current: below this current a driven wire counts as open.
+        resistance_low: lowest resistance that this wire can have.
+        resistance_high: highest resistance that it can have.
+        jump_share: relative change of resistance from one reading to the next that heating cannot explain.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    maximum_current: Annotated[Amperes | None, SiName("maximum_current_a")] = None
+    maximum_power: Annotated[Watts | None, SiName("maximum_power_w")] = None
+    maximum_temperature: Annotated[Kelvins | None, SiName("maximum_temperature_k")] = None
+    minimum_current: Annotated[Amperes | None, SiName("minimum_current_a")] = None
+    resistance_low: Annotated[Ohms | None, SiName("resistance_low_ohm")] = None
+    resistance_high: Annotated[Ohms | None, SiName("resistance_high_ohm")] = None
+    jump_share: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
+
+    def changed(self) -> dict[str, float]:
+        """Return what is set, by the names of ``ProtectionLimits``."""
+        return {name: float(value) for name, value in numbers_given(self).items()}
+
+
+class MountedWire(BaseModel):
+    """The wire on a real rig and its circuit. Numbers in SI or as text with a unit; each type says what its key means.
+
+    Parameters
+    ----------
+    wire
+        A wire's name (``musclewire simulate --list``) or wire file.
+    limits
+        Limits of the protection that replace those which follow from wire and circuit.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    wire: str
+    wire_length: WireLength
+    legs: Legs = 2
+    shunt: Shunt
+    sense_voltage: SenseVoltage
+    maximum_voltage: MaximumVoltage
+    drive_amplitude: DriveAmplitude
+    pretension: Pretension | None = may_be_left_out(Pretension)
+    ambient_temperature: AmbientTemperature = 295.15
+    sample_period: SamplePeriod = 0.05
+    limits: LimitsTable = LimitsTable()
+
+    @model_validator(mode="after")
+    def _voltages_rise(self) -> MountedWire:
+        if not self.sense_voltage < self.drive_amplitude <= self.maximum_voltage:
+            raise ValueError(
+                f"sense_voltage {self.sense_voltage:g} V, drive_amplitude {self.drive_amplitude:g} V and "
+                f"maximum_voltage {self.maximum_voltage:g} V must rise in this order"
+            )
+        return self
+
+    @property
+    def leg_length_m(self) -> float:
+        """Length whose relative shortening is the strain [m]."""
+        return self.wire_length / self.legs
+
+    def known_wire(self) -> Wire:
+        """Return the wire's parameters. Raises CallerError for an unknown wire or a wrong file."""
+        return load_wire(self.wire)
+
+    def protection_limits(
+        self, *, wire_range_v: float, shunt_range_v: float, readings_noisy: bool = True
+    ) -> ProtectionLimits:
+        """Return the limits of the protection for this wire on its circuit.
+
+        Parameters
+        ----------
+        wire_range_v
+            End of the range [V] of the channel that reads the wire.
+        shunt_range_v
+            End of the range [V] of the channel that reads the shunt.
+        readings_noisy
+            Whether noise changes every reading, so that a constant reading is a fault by itself.
+
+        Returns
+        -------
+        The limits, with those that the file sets.
+        """
+        wire = self.known_wire()
+        circuit = WireCircuit(
+            sense_voltage_v=self.sense_voltage,
+            maximum_voltage_v=self.maximum_voltage,
+            shunt_resistance_ohm=self.shunt,
+            wire_length_m=self.wire_length,
+            ambient_temperature_k=self.ambient_temperature,
+            sample_period_s=self.sample_period,
+            wire_range_v=wire_range_v,
+            shunt_range_v=shunt_range_v,
+            readings_noisy=readings_noisy,
+        )
+        return limits_of(wire, load_alloy(wire.alloy), circuit, self.limits.changed())
+
+    def facts(self) -> Metadata:
+        """Return the metadata of a recording that describe wire and circuit."""
+        wire = self.known_wire()
+        return {
+            "wire": wire.name,
+            "wire_diameter_m": wire.diameter_m.value,
+            "wire_length_m": self.wire_length,
+            "leg_length_m": self.leg_length_m,
+            "shunt_resistance_ohm": self.shunt,
+            "maximum_force_n": wire.maximum_force_n.value,
+            **validity_of(load_alloy(wire.alloy)).facts(),
+            "pretension_n": self.pretension,
+            "sample_period_s": self.sample_period,
+        }
+
+
+# Each key of wire and circuit, and the number that it sets; ``settings`` also accept that number by its own name.
+SETTINGS = {
+    key: si_name(key, field) for key, field in MountedWire.model_fields.items() if key not in ("wire", "limits")
+}
+
+
+class WireKeys(BaseModel):
+    """The keys of wire and circuit in simulated rigs' files, each by default that of wire or bench.
+
+    Parameters
+    ----------
+    settings
+        Other numbers of wire and bench by name, in SI or as text with a unit.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    wire_length: WireLength | None = may_be_left_out(WireLength)
+    legs: Legs | None = may_be_left_out(Legs)
+    shunt: Shunt | None = may_be_left_out(Shunt)
+    sense_voltage: SenseVoltage | None = may_be_left_out(SenseVoltage)
+    maximum_voltage: MaximumVoltage | None = may_be_left_out(MaximumVoltage)
+    drive_amplitude: DriveAmplitude | None = may_be_left_out(DriveAmplitude)
+    pretension: Pretension | None = may_be_left_out(Pretension)
+    ambient_temperature: AmbientTemperature | None = may_be_left_out(AmbientTemperature)
+    sample_period: SamplePeriod | None = may_be_left_out(SamplePeriod)
+    settings: dict[str, float | str] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _said_once(self) -> WireKeys:
+        for key, name in SETTINGS.items():
+            if getattr(self, key) is not None and name in self.settings:
+                raise ValueError(f"{key} and settings.{name} are the same number: give {key} only")
+        return self
+
+    def numbers_set(self) -> list[str]:
+        """Return the names of the numbers of wire and bench that the file sets, by ``settings`` and by keys."""
+        return [*self.settings, *(name for key, name in SETTINGS.items() if getattr(self, key) is not None)]
+
+    def number(self, name: str) -> float | str:
+        """Return a number that the file sets, in SI, or as text with a unit if ``settings`` have it so."""
+        key = next((key for key, own in SETTINGS.items() if own == name and getattr(self, key) is not None), None)
+        return self.settings[name] if key is None else float(getattr(self, key))

@@ -1,0 +1,703 @@
+"""A simulated bench as a device: wires, their load, circuit, acquisition, instruments and air."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled
+from musclewire.controllers import Event, ProtectionLimits
+from musclewire.errors import CallerError, RigError
+from musclewire.parameters import Alloy, Bench, Numbers, Wire, load_alloy, load_wire, validity_of
+from musclewire.physics import convection_range_note, series_resistance_ohm
+from musclewire.rigs._air import AirModel, Surroundings
+from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
+from musclewire.rigs._load_part import LoadPart, Pull, SecondWire, Supply
+from musclewire.rigs._mechanism import MAX_CONTRACTION, TABLE_POINTS, FingerTendon, SimulatedLoad, mechanism_of
+from musclewire.rigs._protocol import Metadata
+from musclewire.rigs._simulated_faults import SimulatedFault, SimulatedFaults
+from musclewire.rigs._simulation_clock import SimulationClock
+from musclewire.rigs._wire_limits import WireCircuit, limits_of
+from musclewire.signals import Command, RawSample, drive_voltage_of
+from musclewire.wire import (
+    APART,
+    OWN_SUPPLY,
+    PARALLEL,
+    SERIES,
+    ConnectorLoad,
+    ElasticObject,
+    GrippedObject,
+    OneWire,
+    PairConnection,
+    SampleMeans,
+    SimulatedWires,
+    StepControl,
+    TwoWires,
+    WireConstants,
+    WireState,
+    constants_from,
+    no_grip,
+    spring_load,
+    steps_within,
+)
+
+__all__ = [
+    "BenchInstruments",
+    "SimulatedDevice",
+    "SimulatedInside",
+    "SimulatedSpool",
+    "convection_metadata",
+    "force_limit_n",
+    "load_metadata",
+    "read_sample",
+    "require_allowed_pull",
+    "simulated_limits",
+    "stepping_of",
+    "wires_of",
+]
+
+
+class SimulatedInside(NamedTuple):
+    """What a simulated device is made of, for loops in compiled code. What may change is the device's own."""
+
+    wires: SimulatedWires
+    bench: Mapping[str, float]
+    stepping: StepControl
+    instruments: BenchInstruments
+    air: AirModel | None
+    mechanism: SimulatedLoad
+    reference_columns: tuple[str, ...]
+    faulty: bool
+    paced: bool
+    pulsed: bool = False
+
+
+# Noise in steps of the converter times the root of the readings in a mean: from this value on, two means in a row are
+# equal in less than a tenth of all cases, and eight in a row once in a hundred million.
+MIN_SPREAD_STEPS = 3.0
+
+# Codes of pulls and supplies in the kernel of two wires.
+DIRECTIONS = {Pull.ALONG: 1.0, Pull.AGAINST: -1.0, Pull.APART: APART}
+FEEDS = {Supply.OWN: OWN_SUPPLY, Supply.PARALLEL: PARALLEL, Supply.SERIES: SERIES}
+
+# NumPy sums up to this many numbers in eight rows, and more of them in two halves.
+PAIRWISE_NUMBERS = 128
+
+
+@compiled
+def summed(readings_v: FloatArray) -> float:
+    """Return the sum of readings, added in the order of ``numpy.sum``; the first eight are overwritten."""
+    count = readings_v.size
+    if count > PAIRWISE_NUMBERS:
+        half = count // 2 - count // 2 % 8
+        return summed(readings_v[:half]) + summed(readings_v[half:])
+    total, rows = 0.0, count - count % 8
+    if rows:
+        sums = readings_v[:8]
+        for start in range(8, rows, 8):
+            for place in range(8):
+                sums[place] += readings_v[start + place]
+        total = ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]))
+    for place in range(rows, count):
+        total += readings_v[place]
+    return total
+
+
+@compiled
+def converted(noise: FloatArray, voltage_v: float, noise_v: float, step_v: float, range_v: float) -> float:
+    """Return the mean of a converter's readings with noise, steps and a range; they overwrite the noise."""
+    for place in range(noise.size):
+        reading_v = np.rint((voltage_v + noise_v * noise[place]) / step_v) * step_v
+        noise[place] = min(max(reading_v, -range_v), range_v)
+    return summed(noise) / noise.size
+
+
+@compiled
+def read_sample(
+    noise: FloatArray,
+    readings: int,
+    true: tuple[float, float, float, float],
+    scales: tuple[float, float, float, float, float],
+) -> tuple[float, float, float, float]:
+    """Return what a converter, a displacement sensor and a load cell read in one sample.
+
+    ``true`` holds the voltages of wire and shunt, displacement and force; ``noise`` independent standard normal
+    numbers, ``readings`` for each voltage and one for each of the others, and is overwritten; ``scales`` the
+    converter's noise, step and range, then the noise of displacement and force.
+    """
+    wire_v, shunt_v, displacement_m, force_n = true
+    noise_v, step_v, range_v, displacement_noise_m, force_noise_n = scales
+    return (
+        converted(noise[:readings], wire_v, noise_v, step_v, range_v),
+        converted(noise[readings : 2 * readings], shunt_v, noise_v, step_v, range_v),
+        displacement_m + displacement_noise_m * noise[2 * readings],
+        force_n + force_noise_n * noise[2 * readings + 1],
+    )
+
+
+class BenchInstruments:
+    """Converter, displacement sensor, load cells and laser of a bench, repeatable for one seed."""
+
+    def __init__(self, bench: Numbers, seed: int, at_endpoint: bool = False) -> None:
+        """Take noise, steps and ranges from the bench's numbers; ``at_endpoint`` with instruments at an endpoint."""
+        self._generator = np.random.default_rng(seed)
+        self._draw = self._generator.standard_normal
+        self._readings = int(bench["acquisition_readings"])
+        self._noise: FloatArray = np.empty(2 * self._readings + (4 if at_endpoint else 2))
+        voltage_range_v = bench["acquisition_range_v"]
+        self._scales = (
+            bench["acquisition_noise_v"],
+            2.0 * voltage_range_v / 2.0 ** bench["acquisition_bits"],
+            voltage_range_v,
+            bench["displacement_noise_m"],
+            bench["force_noise_n"],
+        )
+        self._endpoint_noise = (bench["endpoint_noise_m"], bench["endpoint_force_noise_n"])
+        # Compiled here: a rig that keeps the pace of a clock would be late if the first sample waited for it.
+        read_sample(np.zeros_like(self._noise), self._readings, (0.0, 0.0, 0.0, 0.0), self._scales)
+
+    def sample(
+        self, wire_voltage_v: float, shunt_voltage_v: float, displacement_m: float, force_n: float
+    ) -> tuple[float, float, float, float]:
+        """Return the readings of both voltages, and of displacement and force at the connector."""
+        # All numbers that one sample takes are drawn at once.
+        self._draw(out=self._noise)
+        true = (wire_voltage_v, shunt_voltage_v, displacement_m, force_n)
+        readings: tuple[float, float, float, float] = read_sample(self._noise, self._readings, true, self._scales)
+        return readings
+
+    def endpoint(self, displacement_m: float, force_n: float) -> tuple[float, float]:
+        """Return readings of displacement and force at a finger's endpoint, of the sample that was read last."""
+        displacement_noise_m, force_noise_n = self._endpoint_noise
+        return (
+            displacement_m + displacement_noise_m * self._noise.item(-2),
+            force_n + force_noise_n * self._noise.item(-1),
+        )
+
+    def noise_ahead(self, samples: int) -> tuple[FloatArray, np.random.Generator]:
+        """Return the noise that the next samples will draw, a row each, and the generator after it; none is drawn."""
+        ahead = deepcopy(self._generator)
+        return ahead.standard_normal((samples, self._noise.size)), ahead
+
+    def take_generator(self, generator: np.random.Generator) -> None:
+        """Draw all further noise from this generator, as after samples that were taken in compiled code."""
+        self._generator, self._draw = generator, generator.standard_normal
+
+    @property
+    def readings(self) -> int:
+        """How many readings of a voltage are averaged."""
+        return self._readings
+
+    @property
+    def scales(self) -> tuple[float, float, float, float, float]:
+        """What ``read_sample`` takes."""
+        return self._scales
+
+    @property
+    def endpoint_noise(self) -> tuple[float, float]:
+        """Noise of displacement [m] and force [N] at a finger's endpoint."""
+        return self._endpoint_noise
+
+
+class SimulatedSpool(NamedTuple):
+    """A wire, its alloy, its bench, and whether it starts before its first cycles (shakedown)."""
+
+    wire: Wire
+    alloy: Alloy
+    bench: Bench
+    new_wire: bool = False
+
+    def pulling(self, load: ConnectorLoad | None, pretension_n: float) -> WireConstants:
+        """Return the constants of this wire at a cold force; without a load it acts on another wire's connector only.
+
+        Raises CallerError for a pull that the wire does not allow.
+        """
+        require_allowed_pull(pretension_n, self.wire.maximum_force_n.value, self.wire.name)
+        changed = {"pretension_n": pretension_n}
+        if load is None:  # the guide's friction belongs to the first wire
+            changed["guide_friction_n"] = 0.0
+        known = {name: getattr(self.bench, name).model_copy(update={"value": value}) for name, value in changed.items()}
+        around = self.bench.model_copy(update=known)
+        return constants_from(self.alloy, self.wire, around, load=load or spring_load(0.0), new_wire=self.new_wire)
+
+
+class SimulatedDevice:
+    """A simulated wire on a simulated bench, repeatable to the bit for one seed.
+
+    It returns the readings that real instruments would: voltages in steps of the converter with its noise, a
+    displacement and a force with theirs. Temperature, phases and parameters are not among them; ``wire_state`` is for
+    judging a simulation, never for an estimator.
+
+    Parameters
+    ----------
+    spool
+        The wire, its alloy, its bench, and whether it is new.
+    parts
+        Load of the wire; without any, the bench's spring.
+    surroundings
+        How the air moves and changes its temperature; still air of the bench's temperature if None.
+    seed
+        Seed of the instruments' noise and of the air's movement.
+    real_time
+        Whether samples keep the pace of the machine's clock; as fast as possible otherwise.
+    limits
+        Limits of the protection that differ from those that follow from wire and bench, by their names in
+        ``ProtectionLimits``; none if None.
+    faults
+        Faults of wire, circuit, channels and clock, with their times; none by default.
+
+    Raises
+    ------
+    CallerError
+        For numbers that cannot belong to a bench.
+    """
+
+    def __init__(
+        self,
+        spool: SimulatedSpool,
+        *,
+        parts: Sequence[LoadPart] = (),
+        surroundings: Surroundings | None = None,
+        seed: int = 1,
+        real_time: bool = False,
+        limits: Mapping[str, float] | None = None,
+        faults: Sequence[SimulatedFault] = (),
+    ) -> None:
+        """Cool the wire under its pretension and wait at 0 V."""
+        wire, alloy, bench, new_wire = spool
+        self._alloy, self._wire = alloy, wire
+        self._parts, self._new_wire = tuple(parts), new_wire
+        self._bench = bench
+        self._resolution_v = bench["amplifier_resolution_v"]
+        self._seed = seed
+        air = surroundings or Surroundings()
+        self._air = None if air.still else AirModel(air, seed)
+        self._check_pretension(self._bench["pretension_n"])
+        self._tendon_slack_m: float | None = None
+        self._leg_length_m = self._bench["wire_length_m"] / self._bench["legs"]
+        self._mechanism = self._mechanism_at(self._bench["pretension_n"], None)
+        self._instruments = BenchInstruments(self._bench, seed, at_endpoint=self._mechanism.tendon is not None)
+        self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
+        self._off, self._drive_voltage_v = False, 0.0
+        # By how much friction has kept the connector ahead of a slack wire at most, at this setting of the stages.
+        self._held_m = 0.0
+        self._facts = DeviceFacts(
+            sample_period_s=self._bench["sample_period_s"],
+            paced=real_time,
+            leg_length_m=self._leg_length_m,
+            drive_amplitude_v=self._wire["drive_amplitude_v"],
+            limits=simulated_limits(alloy, wire, self._bench, self._parts, limits).checked(),
+            reference_columns=self._instruments_there(),
+        )
+        self._faults = SimulatedFaults(faults) if faults else None
+        self._wire_ohm = self._wire["resistance_per_metre_ohm_per_m"] * self._bench["wire_length_m"]
+        self._clock = SimulationClock(self._bench["sample_period_s"]) if real_time else None
+        self._stepping = self._stepping_of_the_bench()
+
+    def _mechanism_at(self, pretension_n: float, tendon_slack_m: float | None) -> SimulatedLoad:
+        """Return the wire's load at a setting of the stages."""
+        if not self._parts:
+            return SimulatedLoad(spring_load(self._bench["spring_stiffness_n_per_m"]), 0.0, True, None)
+        return mechanism_of(
+            self._parts,
+            pretension_n=pretension_n,
+            leg_length_m=self._leg_length_m,
+            object_between=any(part.second_wire and part.second_wire.pull is Pull.APART for part in self._parts),
+            tendon_slack_m=tendon_slack_m,
+        )
+
+    def _stepping_of_the_bench(self) -> StepControl:
+        """Return how samples are divided into steps. Raises CallerError for a fixed step that does not divide them."""
+        return stepping_of(self._bench)
+
+    @property
+    def facts(self) -> DeviceFacts:
+        """Facts of the bench and its wire."""
+        return self._facts
+
+    @property
+    def drive_voltage_v(self) -> float:
+        """Drive voltage at the output now [V]."""
+        return self._drive_voltage_v
+
+    @property
+    def adjustable_clock(self) -> SimulationClock | None:
+        """The clock that paces the samples; None without one."""
+        return self._clock
+
+    @property
+    def has_stage(self) -> bool:
+        """Whether a stage sets the pretension; if the only load is a weight, the weight is the pretension."""
+        return self._mechanism.stage
+
+    @property
+    def wire_state(self) -> WireState:
+        """The true state of the wire: temperature, phases, energy. For judging a simulation, not for estimating."""
+        return self._wires.state
+
+    @property
+    def partner_state(self) -> WireState | None:
+        """The true state of a second wire; None if there is only one wire."""
+        return self._wires.partner_state
+
+    def _instruments_there(self) -> tuple[str, ...]:
+        """Return the names of the reference instruments this bench has."""
+        if self._mechanism.tendon is None:
+            return ("displacement_m", "force_n")
+        touches = any(part.obstacle is not None for part in self._parts)
+        endpoint = ("endpoint_displacement_m", "endpoint_force_n") if touches else ("endpoint_displacement_m",)
+        return ("displacement_m", "force_n", *endpoint)
+
+    def inside(self) -> SimulatedInside:
+        """Return the parts of the device."""
+        return SimulatedInside(
+            wires=self._wires,
+            bench=self._bench.values(),
+            stepping=self._stepping,
+            instruments=self._instruments,
+            air=self._air,
+            mechanism=self._mechanism,
+            reference_columns=self._facts.reference_columns,
+            faulty=self._faults is not None,
+            paced=self._facts.paced,
+        )
+
+    def adopt(self, drive_voltage_v: float, rng: np.random.Generator, air: AirModel | None, held_m: float) -> None:
+        """Take over what samples in compiled code have left behind, except for the wires' own state.
+
+        Parameters
+        ----------
+        drive_voltage_v
+            Drive voltage at the output [V].
+        rng
+            Generator of the instruments' noise.
+        air
+            The air, None if it is still.
+        held_m
+            Length by which friction has held the connector ahead of a slack wire at most [m].
+        """
+        self._drive_voltage_v, self._air, self._held_m = drive_voltage_v, air, max(self._held_m, held_m)
+        self._instruments.take_generator(rng)
+
+    def __repr__(self) -> str:
+        """Name the wire, its pretension and its drive."""
+        return (
+            f"SimulatedDevice(wire {self._wire.name}, pretension {self._pretension_n:g} N, "
+            f"drive {self._drive_voltage_v:.3f} V, at {self._wires.time_s:.2f} s)"
+        )
+
+    def metadata(self) -> Metadata:
+        """Return the metadata of a recording that describe this rig."""
+        return {
+            "rig": "simulated",
+            "wire": self._wire.name,
+            "wire_diameter_m": self._wire.diameter_m.value,
+            **convection_metadata(self._wire.diameter_m.value, self._bench["ambient_temperature_k"]),
+            "wire_length_m": self._bench["wire_length_m"],
+            "leg_length_m": self._leg_length_m,
+            "shunt_resistance_ohm": self._facts.limits.shunt_resistance_ohm,
+            "maximum_force_n": self._wire.maximum_force_n.value,
+            **validity_of(self._alloy).facts(),
+            "force_limit_n": force_limit_n(self._wire, self._parts),
+            "pretension_n": self._pretension_n,
+            **load_metadata(self._parts, self._mechanism, self.partner_state is not None),
+            "sample_period_s": self._facts.sample_period_s,
+            "time_step_s": self._bench["time_step_s"],
+            "new_wire": self._new_wire,
+            "seed": self._seed,
+            "friction_held_m": self._held_m,
+            "step_error_k": self._wires.step_error_k,
+            **(self._clock.metadata() if self._clock else {}),
+        }
+
+    @property
+    def _pretension_n(self) -> float:
+        """Force of the cold wire: that of the stage and of hanging weights."""
+        return (self._bench["pretension_n"] if self._mechanism.stage else 0.0) + self._mechanism.added_n
+
+    def set_pretension(self, pretension_n: float) -> None:
+        """Let the wire cool, then move the stage; the instruments are zeroed there.
+
+        The clock continues and the wire keeps its history of cycles. Raises CallerError for a force the wire does not
+        allow or the load cannot carry, and if the only load is a hanging weight: it is the pretension.
+        """
+        self._check_pretension(pretension_n)
+        if not self._mechanism.stage:
+            raise CallerError("a hanging weight is the pretension: change the part 'weight' instead of the stage")
+        changed = self._bench.pretension_n.model_copy(update={"value": pretension_n})
+        self._cool_at(self._bench.model_copy(update={"pretension_n": changed}), self._tendon_slack_m)
+
+    def set_tendon_slack(self, slack_m: float) -> None:
+        """Let the wire cool, then move the finger's stage: the tendon has this slack, or is drawn taut below 0.
+
+        Raises CallerError without a finger on a pretensioner, and for a tendon that would be drawn beyond the finger's
+        curve.
+        """
+        tendon = self._mechanism.tendon
+        if tendon is None or not self._mechanism.load.stiffness_n_per_m:
+            raise CallerError("there is no tendon to set: this rig has no finger with a pretensioner")
+        if not -slack_m <= tendon.curve.tendon_travel_m[-1]:
+            raise CallerError(
+                f"the tendon cannot be drawn {-1e3 * slack_m:g} mm: the finger's curve ends before, draw less"
+            )
+        self._cool_at(self._bench, slack_m)
+
+    def _cool_at(self, around: Bench, tendon_slack_m: float | None) -> None:
+        """Let the wires cool at another setting of the stages."""
+        self._drive_voltage_v = 0.0
+        self._rest()
+        # Everything that can fail comes first: after a refused setting the rig keeps its previous one.
+        mechanism = self._mechanism_at(around.pretension_n.value, tendon_slack_m)
+        wires = wires_of(self._alloy, self._wire, around, self._parts, mechanism, new_wire=self._new_wire)
+        wires.age_like(self._wires)
+        self._bench, self._tendon_slack_m = around, tendon_slack_m
+        self._mechanism, self._wires, self._held_m = mechanism, wires, 0.0
+
+    def _check_pretension(self, pretension_n: float) -> None:
+        allowed = self._wire["maximum_force_n"]
+        if not 0.0 <= pretension_n <= allowed:
+            raise CallerError(f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self._wire.name} allows")
+
+    def exchange(self, command: Command) -> Answer:
+        """Hold a drive voltage for one sample period and return the averaged readings at its end."""
+        # How late the command comes is reported once; the guard then says what may still be out.
+        if self._clock is not None and (late_s := self._clock.report_late_s()) > 0.0:
+            return Missing(Event.SAMPLE_LATE, late_s)
+        resolution_v = self._resolution_v
+        self._drive_voltage_v = resolution_v * round(drive_voltage_of(command) / resolution_v)
+        if self._off:  # looked at after it was put out, so that 0 V is the last word whichever thread comes first
+            self._drive_voltage_v = 0.0
+            return SWITCHED_OFF
+        time_s = self._wires.time_s
+        if self._faults is not None and self._faults.device_lost(time_s):
+            return DeviceFault(Event.DEVICE_LOST, f"at {time_s:.2f} s, by the rig file's [[fault]]")
+        if self._air is not None:
+            air = self._air.after(time_s, self._facts.sample_period_s)
+            self._wires.surround(self._bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
+        means = self._advance(self._drive_voltage_v) if self._faults is None else self._advance_faulty(self._faults)
+        self._wires.require_resolved()
+        self._held_m = max(self._held_m, self._wires.slack_m)
+        if self._clock is not None:
+            self._clock.wait()
+        return SWITCHED_OFF if self._off else self._read(means)
+
+    def _advance(self, drive_voltage_v: float) -> SampleMeans:
+        return self._wires.advance(drive_voltage_v, self._facts.sample_period_s, self._stepping)
+
+    def _advance_faulty(self, faults: SimulatedFaults) -> SampleMeans:
+        """Advance the wire with its current in the faulty circuit; return the voltages at the terminals."""
+        time_s, shunt_ohm = self._wires.time_s, self._facts.limits.shunt_resistance_ohm
+        output_v = faults.output_v(self._drive_voltage_v, time_s)
+        current_a = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s).wire_current_a
+        means = self._advance(current_a * (self._wire_ohm + shunt_ohm))
+        if means.shunt_voltage_v > 0.0:
+            self._wire_ohm = series_resistance_ohm(means.wire_voltage_v, means.shunt_voltage_v, shunt_ohm)
+        seen = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s)
+        return means._replace(wire_voltage_v=seen.wire_voltage_v, shunt_voltage_v=seen.shunt_voltage_v)
+
+    def _read(self, means: SampleMeans) -> RawSample:
+        """Return a sample of all instruments' readings."""
+        wire_voltage, shunt_voltage, displacement_m, force_n = self._instruments.sample(
+            means.wire_voltage_v, means.shunt_voltage_v, means.displacement_m, means.force_n
+        )
+        time_s = self._wires.time_s
+        if self._faults is not None:
+            began_s = time_s - self._facts.sample_period_s
+            wire_voltage, shunt_voltage = self._faults.readings_v(wire_voltage, shunt_voltage, began_s)
+            time_s = self._faults.clock_s(time_s)
+        sample = RawSample(time_s, self._drive_voltage_v, wire_voltage, shunt_voltage, displacement_m, force_n)
+        if self._mechanism.tendon is None:
+            return sample
+        endpoint_m, endpoint_force_n = self._instruments.endpoint(*self._endpoint(means))
+        touches = any(part.obstacle is not None for part in self._parts)
+        return sample._replace(
+            endpoint_displacement_m=endpoint_m, endpoint_force_n=endpoint_force_n if touches else None
+        )
+
+    def _endpoint(self, means: SampleMeans) -> tuple[float, float]:
+        """Return the true position of the finger's endpoint [m] and the force on it [N]."""
+        tendon = self._mechanism.tendon
+        assert tendon is not None
+        end_m = tendon.curve.tendon_travel_m[-1]
+        travel_m = means.displacement_m + tendon.start_m - tendon.slack_m
+        if travel_m > end_m:
+            raise RigError(
+                f"the tendon has travelled {1e3 * travel_m:.3f} mm, {1e3 * (travel_m - end_m):.3f} mm more than the "
+                f"finger's file covers ({1e3 * end_m:.3f} mm); the drive is off: drive less, or compute a longer curve"
+            )
+        force = means.grip_n if means.grip_n is not None else float(tendon.endpoint_force_n(means.displacement_m))
+        return float(tendon.endpoint_m(means.displacement_m, force)), force
+
+    def _rest(self) -> None:
+        """Expect no sample until the next exchange."""
+        if self._clock is not None:
+            self._clock.rest()
+
+    def sense(self) -> bool:
+        """Go to the sense voltage at once."""
+        self._drive_voltage_v = self._facts.limits.sense_voltage_v
+        self._rest()
+        return True
+
+    def off(self) -> bool:
+        """Switch the drive off; while the fault ``device_lost`` is present nothing is confirmed."""
+        self._off, self._drive_voltage_v = True, 0.0
+        if self._clock is not None:
+            self._clock.end()
+        return self._faults is None or not self._faults.device_lost(self._wires.time_s)
+
+
+def wires_of(
+    alloy: Alloy, wire: Wire, bench: Bench, parts: Sequence[LoadPart], mechanism: SimulatedLoad, *, new_wire: bool
+) -> SimulatedWires:
+    """Return the wires of a rig, cold and at rest under the stage's pretension and the weights on the connector.
+
+    Raises CallerError for numbers that cannot belong to a wire, for a force or voltage that one does not allow, and
+    for an unknown second wire.
+    """
+    first = SimulatedSpool(wire, alloy, bench, new_wire)
+    stage_n = bench.pretension_n.value if mechanism.stage else 0.0
+    cold_n = stage_n + mechanism.added_n
+    second = second_wire_of(parts)
+    if second is None:
+        return OneWire(first.pulling(mechanism.load, cold_n))
+    other = wire if second.wire is None else load_wire(second.wire)
+    require_voltage(second, other)
+    spool = SimulatedSpool(other, alloy if second.wire is None else load_alloy(other.alloy), bench, new_wire)
+    if second.pull is Pull.APART:
+        one, two = (item.pulling(mechanism.load, cold_n) for item in (first, spool))
+        grip = grip_between(parts, mechanism.tendon, one)
+    elif second.pull is Pull.AGAINST:
+        one, two, grip = first.pulling(mechanism.load, cold_n), spool.pulling(None, stage_n), no_grip()
+    else:
+        sections = [item.diameter_m.value**2 for item in (wire, other)]
+        own = sections[0] / sum(sections)
+        one, two = first.pulling(mechanism.load, own * cold_n), spool.pulling(None, (1.0 - own) * cold_n)
+        grip = no_grip()
+    series_ohm = one.series_resistance_ohm if second.supply is Supply.OWN else 1.0
+    return TwoWires(
+        (one, two), PairConnection(DIRECTIONS[second.pull], FEEDS[second.supply], second.voltage_v, series_ohm), grip
+    )
+
+
+def second_wire_of(parts: Sequence[LoadPart]) -> SecondWire | None:
+    """Return the second wire that a part adds, if one does."""
+    return next((part.second_wire for part in parts if part.second_wire is not None), None)
+
+
+def force_limit_n(wire: Wire, parts: Sequence[LoadPart]) -> float:
+    """Return the largest reading of the load cell at which no wire of a rig exceeds its allowed force [N].
+
+    The load cell reads parallel wires together, and the force is divided by their cross sections, as when cold. In
+    other arrangements each wire pulls about the reading: an antagonist on the same connector, or a second finger's wire
+    against the same object.
+    """
+    second = second_wire_of(parts)
+    own_n = wire.maximum_force_n.value
+    if second is None:
+        return own_n
+    other = wire if second.wire is None else load_wire(second.wire)
+    other_n = other.maximum_force_n.value
+    if second.pull is not Pull.ALONG:
+        return min(own_n, other_n)
+    sections = [spool.diameter_m.value**2 for spool in (wire, other)]
+    return min(own_n / sections[0], other_n / sections[1]) * sum(sections)
+
+
+def simulated_limits(
+    alloy: Alloy, wire: Wire, bench: Numbers, parts: Sequence[LoadPart], changed: Mapping[str, float] | None
+) -> ProtectionLimits:
+    """Return the limits of a simulated rig's protection. Raises CallerError for numbers that cannot belong together."""
+    maximum_v = wire.maximum_voltage_v.value
+    second = second_wire_of(parts)
+    supply = None if second is None else second.supply
+    if bench["sense_voltage_v"] >= maximum_v:
+        raise CallerError(f"sense_voltage_v {bench['sense_voltage_v']} V must be below maximum_voltage_v {maximum_v} V")
+    step_v = 2.0 * bench["acquisition_range_v"] / 2.0 ** bench["acquisition_bits"]
+    circuit = WireCircuit(
+        sense_voltage_v=bench["sense_voltage_v"],
+        maximum_voltage_v=maximum_v,
+        shunt_resistance_ohm=bench["shunt_resistance_ohm"],
+        wire_length_m=bench["wire_length_m"],
+        ambient_temperature_k=bench["ambient_temperature_k"],
+        sample_period_s=bench["sample_period_s"],
+        wire_range_v=bench["acquisition_range_v"],
+        shunt_range_v=bench["acquisition_range_v"],
+        readings_noisy=bench["acquisition_noise_v"] / step_v * bench["acquisition_readings"] ** 0.5 >= MIN_SPREAD_STEPS,
+        in_series=2 if supply is Supply.SERIES else 1,
+        in_parallel=2 if supply is Supply.PARALLEL else 1,
+    )
+    return limits_of(wire, alloy, circuit, changed)
+
+
+def stepping_of(bench: Numbers) -> StepControl:
+    """Return how a bench's samples are divided into steps. Raises CallerError for a step that does not divide them."""
+    stepping = StepControl(
+        bench["time_step_s"],
+        bench["temperature_tolerance_k"],
+        bench["resistance_tolerance"],
+        bench["strain_tolerance"],
+    )
+    steps_within(stepping, bench["sample_period_s"])
+    return stepping
+
+
+def require_allowed_pull(pretension_n: float, allowed_n: float, name: str) -> None:
+    """Raise CallerError if stage and weights pull a cold wire harder than it allows."""
+    if pretension_n > allowed_n:
+        raise CallerError(
+            f"stage and weight pull the cold wire {name} with {pretension_n:g} N, "
+            f"{pretension_n - allowed_n:.3g} N more than the {allowed_n:g} N it allows: a lighter weight, less "
+            "pretension or a thicker wire"
+        )
+
+
+def require_voltage(second: SecondWire, wire: Wire) -> None:
+    """Raise CallerError if the voltage of an own supply is above the wire's maximum."""
+    if second.voltage_v > wire.maximum_voltage_v.value:
+        raise CallerError(
+            f"the antagonist's voltage of {second.voltage_v:g} V is above the {wire.maximum_voltage_v.value:g} V "
+            f"that wire {wire.name} allows: lower it"
+        )
+
+
+def grip_between(parts: Sequence[LoadPart], tendon: FingerTendon | None, constants: WireConstants) -> GrippedObject:
+    """Return the object between two like fingers, with the tables of both fingers' endpoints."""
+    between: ElasticObject | None = next((part.obstacle for part in parts if part.obstacle is not None), None)
+    if between is None:
+        raise CallerError("a second finger needs a part 'contact' between it and the first")
+    if tendon is None:
+        raise CallerError("a second finger needs a part 'finger', which it mirrors")
+    displacement = np.linspace(0.0, MAX_CONTRACTION * constants.leg_length_m, TABLE_POINTS)
+    return GrippedObject(
+        between.stiffness_n_per_m,
+        between.clearance_m,
+        float(displacement[1]),
+        np.ascontiguousarray(tendon.free_endpoint_m(displacement)),
+        np.ascontiguousarray(tendon.column("endpoint_compliance_m_per_n", displacement)),
+        np.ascontiguousarray(tendon.column("tendon_force_per_endpoint_force", displacement)),
+    )
+
+
+def convection_metadata(diameter_m: float, ambient_temperature_k: float) -> Metadata:
+    """Return a note for wires so thin that the convection correlation leaves its published range near the air."""
+    note = convection_range_note(diameter_m, ambient_temperature_k)
+    return {"convection_note": note} if note else {}
+
+
+def load_metadata(parts: Sequence[LoadPart], mechanism: SimulatedLoad, two_wires: bool) -> Metadata:
+    """Return the metadata of a recording that describe a wire's load."""
+    stiffness = mechanism.load.stiffness_n_per_m
+    if not parts:
+        return {"spring_stiffness_n_per_m": stiffness}
+    plain = all(part.is_straight for part in parts)
+    named: Metadata = {"load": ", ".join(part.part for part in parts)}
+    for part in parts:
+        named |= part.facts()
+    if two_wires:
+        named["wires"] = 2
+    return {**named, "spring_stiffness_n_per_m": stiffness} if plain else named

@@ -1,0 +1,94 @@
+"""Limits of the protection from a wire and its circuit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from musclewire.controllers import ProtectionLimits
+from musclewire.errors import CallerError, nearest_hint
+from musclewire.parameters import Alloy, Wire, validity_of
+from musclewire.physics import convection_coefficient_w_per_m2_k
+
+__all__ = ["WireCircuit", "limits_of"]
+
+# A wire's resistance by the maker's ohm per metre is within 15 %, and falls by up to a fifth when it contracts.
+WINDOW_LOW, WINDOW_HIGH = 0.55, 1.5
+# Neither a variation between wires nor a draught explains more current or power than the maximum voltage drives.
+CURRENT_MARGIN, POWER_MARGIN = 1.1, 1.1
+# A tenth of the current that the sense voltage drives: less is no contact.
+OPEN_FRACTION = 0.1
+# A wire driven at its maximum voltage changes by 3 % in one sample of 50 ms; the gate is three times that.
+JUMP_FRACTION, JUMP_PERIOD_S, MAX_JUMP_FRACTION = 0.1, 0.05, 0.5
+# For an alloy whose file does not state annealing_temperature: that of Flexinol's.
+MAXIMUM_TEMPERATURE_K = 473.15
+# Temperature at which the loss to the air is computed: that of a contracted wire.
+HOT_K = 373.15
+
+
+class WireCircuit(NamedTuple):
+    """A wire's circuit and its acquisition, in SI. ``in_series`` and ``in_parallel`` count like wires on the drive."""
+
+    sense_voltage_v: float
+    maximum_voltage_v: float
+    shunt_resistance_ohm: float
+    wire_length_m: float
+    ambient_temperature_k: float
+    sample_period_s: float
+    wire_range_v: float
+    shunt_range_v: float
+    readings_noisy: bool
+    in_series: int = 1
+    in_parallel: int = 1
+
+
+def limits_of(
+    wire: Wire, alloy: Alloy, circuit: WireCircuit, changed: Mapping[str, float] | None = None
+) -> ProtectionLimits:
+    """Return the limits of a wire on a circuit, with those the user has set.
+
+    The window of resistance comes from the maker's ohm per metre, temperature from the wire's heat capacity and its
+    convection in still air. Raises CallerError for an unknown limit, suggesting the nearest, and impossible numbers.
+    """
+    nominal_ohm = wire.resistance_per_metre_ohm_per_m.value * circuit.wire_length_m
+    nominal_ohm *= circuit.in_series / circuit.in_parallel
+    low_ohm, high_ohm = WINDOW_LOW * nominal_ohm, WINDOW_HIGH * nominal_ohm
+    known = {} if changed is None else dict(changed)
+    low_ohm = known.get("resistance_low_ohm", low_ohm)
+    high_ohm = known.get("resistance_high_ohm", high_ohm)
+    lowest_v = min(circuit.sense_voltage_v, circuit.maximum_voltage_v)
+    capacity, loss = heat_of(wire, alloy, circuit)
+    limits = ProtectionLimits(
+        sense_voltage_v=circuit.sense_voltage_v,
+        maximum_voltage_v=circuit.maximum_voltage_v,
+        shunt_resistance_ohm=circuit.shunt_resistance_ohm,
+        minimum_current_a=OPEN_FRACTION * lowest_v / (high_ohm + circuit.shunt_resistance_ohm),
+        maximum_current_a=CURRENT_MARGIN * circuit.maximum_voltage_v / low_ohm,
+        maximum_power_w=POWER_MARGIN * circuit.maximum_voltage_v**2 / low_ohm,
+        resistance_low_ohm=low_ohm,
+        resistance_high_ohm=high_ohm,
+        jump_share=min(JUMP_FRACTION * max(1.0, circuit.sample_period_s / JUMP_PERIOD_S), MAX_JUMP_FRACTION),
+        wire_range_v=circuit.wire_range_v,
+        shunt_range_v=circuit.shunt_range_v,
+        readings_noisy=float(circuit.readings_noisy),
+        heat_capacity_j_per_k=capacity,
+        heat_loss_w_per_k=loss,
+        ambient_temperature_k=circuit.ambient_temperature_k,
+        maximum_temperature_k=validity_of(alloy).annealing_temperature_k or MAXIMUM_TEMPERATURE_K,
+    )
+    for name in known:
+        if name not in ProtectionLimits._fields:
+            raise CallerError(f"unknown limit '{name}'{nearest_hint(name, ProtectionLimits._fields)}")
+    return limits._replace(**known).checked()
+
+
+def heat_of(wire: Wire, alloy: Alloy, circuit: WireCircuit) -> tuple[float, float]:
+    """Return heat capacity [J/K] and loss to still air [W/K] of all wires on the drive together."""
+    diameter, length = wire.diameter_m.value, circuit.wire_length_m
+    wires = circuit.in_series * circuit.in_parallel
+    volume = math.pi / 4.0 * diameter**2 * length * wires
+    ambient = circuit.ambient_temperature_k
+    coefficient = float(convection_coefficient_w_per_m2_k(max(HOT_K, ambient + 50.0), ambient, diameter))
+    loss = wire.convection_factor.value * coefficient * math.pi * diameter * length * wires
+    return volume * alloy.density_kg_per_m3.value * alloy.specific_heat_j_per_kg_k.value, loss

@@ -1,0 +1,225 @@
+"""What an estimator is: a sample of the wire in, state in; estimate with standard deviation, validity and reason out.
+
+An estimator has no clock, reads no reference instrument and keeps nothing to itself: its only memory is its state,
+which the loop passes back. ``tests/contract/test_estimator_contract.py`` tests every implementation for this.
+
+Another estimator is one file with a factory, an ``EstimatorFactory``, and a name for it: a line in ``ESTIMATORS`` here,
+or from outside ``ESTIMATORS.register("name", factory)`` or an entry point of the group "musclewire.estimators". One
+that needs physics may use published equations (``physics``) with constants from the user's own wire file, never the
+simulator.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from musclewire.registry import Registry
+from musclewire.sensing._fit_report import FittedCurve
+from musclewire.sensing._known_load import KnownSpring
+from musclewire.signals import CompiledTick, EstimatorStep, RawSample, WireSample
+from musclewire.wire import WireConstants
+
+__all__ = [
+    "DEFAULT_ESTIMATOR",
+    "ESTIMATORS",
+    "MAX_DROPOUTS",
+    "PAPER_ESTIMATOR",
+    "CompiledEstimator",
+    "Estimator",
+    "EstimatorFactory",
+    "EstimatorSetup",
+    "SlowPart",
+    "dropout_failure",
+]
+
+# What a closed loop runs unless another is named (docs/explanation/decisions/0041-gated-branches-by-default.md).
+DEFAULT_ESTIMATOR = "gated"
+# The one with which the paper's figures were made.
+PAPER_ESTIMATOR = "polynomial"
+# A sample without current is bridged by holding the drive; this many in a row are a broken wire or circuit.
+MAX_DROPOUTS = 10
+
+
+class SlowPart(Protocol):
+    """The part of an estimator that takes longer than a tick: a window of samples in, a correction out.
+
+    Every ``every_ticks`` ticks a correction is requested, and exactly ``after_ticks`` ticks later it takes effect: in
+    line in simulation, out of a thread on a rig with a clock, with the same result. One that is late or fails leaves
+    the old correction in place, and the sample records so (``sensing/slow_corrections.py``).
+    """
+
+    @property
+    def window_ticks(self) -> int:
+        """Number of latest samples in a correction; the first correction is requested when there are as many."""
+        ...
+
+    @property
+    def every_ticks(self) -> int:
+        """Number of ticks from one request to the next."""
+        ...
+
+    @property
+    def after_ticks(self) -> int:
+        """Number of ticks from a request until the correction takes effect: from 1 to ``every_ticks``."""
+        ...
+
+    def correction(self, window: tuple[WireSample, ...]) -> Any:
+        """Return a correction. Pure, and run in another thread on a rig: it depends on its argument only.
+
+        Parameters
+        ----------
+        window
+            The latest ``window_ticks`` samples, oldest first.
+
+        Returns
+        -------
+        An immutable value that only ``corrected`` reads.
+        """
+        ...
+
+    def corrected(self, state: Any, correction: Any) -> Any:
+        """Return the estimator's state with a correction in effect. Pure and quick: it runs within a tick.
+
+        Parameters
+        ----------
+        state
+            The estimator's state before the tick.
+        correction
+            The value that ``correction`` returned.
+
+        Returns
+        -------
+        The state with which the tick is estimated.
+        """
+        ...
+
+
+class Estimator(Protocol):
+    """Estimates strain, displacement or force of a wire from its own voltages, sample by sample."""
+
+    @property
+    def quantity(self) -> str:
+        """Estimated quantity: "strain", "displacement" or "force"."""
+        ...
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns that it records, one for each number in ``EstimatorStep.recorded``."""
+        ...
+
+    @property
+    def has_c_form(self) -> bool:
+        """Whether ``musclewire export c`` writes it, so that a board can run it."""
+        ...
+
+    @property
+    def slow_part(self) -> SlowPart | None:
+        """The part that takes longer than a tick; None if there is none."""
+        ...
+
+    def start(self) -> Any:
+        """Return the state before the first sample: an immutable value that only this estimator reads."""
+        ...
+
+    def step(self, state: Any, sample: WireSample) -> EstimatorStep:
+        """Return the estimate of one sample.
+
+        Pure: the same arguments give the same answer, and the state is not changed. Value and standard deviation are
+        always finite; without current the value is the last one.
+
+        Parameters
+        ----------
+        state
+            The state that ``start`` or the last ``step`` returned.
+        sample
+            The measured voltages of the wire, with time and drive.
+
+        Returns
+        -------
+        Estimate, next state, and the numbers to record.
+        """
+        ...
+
+
+class CompiledEstimator(Estimator, Protocol):
+    """An estimator whose tick can also run in compiled code, in loops that run as a batch (``mw.control_many``)."""
+
+    def compiled_tick(self) -> CompiledTick | None:
+        """Return ``step`` as a compiled function, with the state of ``start``: the same numbers, to the bit.
+
+        It counts only in the class that declares it: one that inherits another step declares its own tick. A slow part
+        has no compiled form.
+
+        Returns
+        -------
+        The function, its constants and its first state; None if it is made of parts that have no compiled form.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class EstimatorSetup:
+    """All that a factory may make an estimator from.
+
+    Parameters
+    ----------
+    model
+        The fitted curve of the wire; for a quantity of "force" already that of the force.
+    shunt_resistance_ohm
+        R [ohm] of Eq. 1.
+    sample_period_s
+        Time [s] between two samples.
+    load
+        The spring that the wire pulls, if force is estimated from a model of strain; its friction belongs to the force.
+    wire
+        Constants of the user's wire file on the load of the rig, for an estimator on physics; None without a file.
+    """
+
+    model: FittedCurve
+    shunt_resistance_ohm: float
+    sample_period_s: float
+    load: KnownSpring | None = None
+    wire: WireConstants | None = None
+
+
+EstimatorFactory = Callable[[EstimatorSetup], Estimator]
+
+ESTIMATORS: Registry[EstimatorFactory] = Registry(
+    "estimator",
+    "musclewire.estimators",
+    {
+        "polynomial": "musclewire.sensing._polynomial_estimator:polynomial_estimator",
+        "gated": "musclewire.sensing._gated_estimator:gated_estimator",
+        "particle-filter": "musclewire.sensing._particles.estimator:particle_filter",
+    },
+)
+
+
+def dropout_failure(
+    dropouts: int, sample: WireSample | RawSample, allowed: int = MAX_DROPOUTS, pulls: str = "wire"
+) -> str:
+    """Return why a run must end after a number of samples in a row without current; "" while they are bridged.
+
+    Parameters
+    ----------
+    dropouts
+        Samples without current in a row, this one included.
+    sample
+        The last of them.
+    allowed
+        Number that ends a run; the default bridges half a second at the paper's 50 ms.
+    pulls
+        "wire", or "wires" if several share the circuit.
+
+    Returns
+    -------
+    One sentence for a ``RigError``, or "".
+    """
+    if dropouts < allowed:
+        return ""
+    return (
+        f"no current through the {pulls} for {dropouts} samples up to {sample.time_s:.2f} s at "
+        f"{sample.drive_voltage_v:.2f} V: check {pulls}, clamps and shunt; the rig is at its sense voltage"
+    )

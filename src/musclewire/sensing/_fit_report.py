@@ -1,0 +1,89 @@
+"""The report of a fit in addition to its curve: errors, samples, warnings, the wire and the source."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from math import hypot
+
+from musclewire.sensing._curve import Pairs, ResistanceCurve, require_in_range
+from musclewire.sensing._home_move import DRIFT_FRACTION, HomeMove
+
+__all__ = ["FittedCurve"]
+
+Rows = tuple[tuple[float, float, float], ...]
+
+
+@dataclass(frozen=True)
+class FittedCurve(ResistanceCurve):
+    """A resistance curve and the report of the fit that found it: data, and nothing that writes or draws.
+
+    Parameters
+    ----------
+    hysteresis_gap
+        Distance of the branches over their largest quantity, Eq. 2 (Eq. 9 for displacement), a fraction.
+    rmse_average
+        Root mean square error of the average against the samples of both branches, in the quantity's unit.
+    samples
+        Samples of the recording that the fit used.
+    heating_standard_errors, cooling_standard_errors
+        Standard errors of the coefficients; empty if they are unknown.
+    warnings
+        Doubts about the fit, one sentence each.
+    wire
+        Notes on the wire and its rig by name: "wire", "wire_length_m", for example.
+    created_by, source
+        Program and recording the curve comes from.
+    heating_samples, cooling_samples
+        Some pairs of resistance [ohm] and quantity for a figure; none by default.
+    slow_loop
+        Time [s], electrical power [W] and resistance [ohm] through the loop, from cold to hot and back, with which a
+        home move compares; none if the recording has no power.
+    home
+        The last home move; None if there was none since the characterisation.
+
+    Raises
+    ------
+    CallerError
+        If the parts contradict each other.
+    """
+
+    hysteresis_gap: float = 0.0
+    rmse_average: float = 0.0
+    samples: int = 0
+    heating_standard_errors: tuple[float, ...] = ()
+    cooling_standard_errors: tuple[float, ...] = ()
+    warnings: tuple[str, ...] = ()
+    wire: Mapping[str, str | float] = field(default_factory=dict, hash=False)
+    created_by: str = "musclewire"
+    source: str = ""
+    heating_samples: Pairs = field(default=(), repr=False)
+    cooling_samples: Pairs = field(default=(), repr=False)
+    slow_loop: Rows = field(default=(), repr=False)
+    home: HomeMove | None = None
+
+    def __post_init__(self) -> None:
+        """Check the curve and the report."""
+        super().__post_init__()
+        require_in_range((self.hysteresis_gap, self.rmse_average, self.samples))
+
+    @property
+    def strain_gap(self) -> float:
+        """The hysteresis gap of Eq. 2 (or Eq. 9 for displacement), a fraction."""
+        return self.hysteresis_gap
+
+    @property
+    def drift_resistance_ohm(self) -> float:
+        """Drift of the resistance [ohm] since the last home move, or since the fit, as a standard deviation."""
+        if self.home is not None:
+            return self.home.drift_resistance_ohm
+        return DRIFT_FRACTION * (self.resistance_max_ohm - self.resistance_min_ohm)
+
+    def curve(self) -> ResistanceCurve:
+        """Return the curve alone: the few numbers that an estimator uses."""
+        numbers = {one.name: getattr(self, one.name) for one in fields(ResistanceCurve) if one.init}
+        if self.home is not None:
+            # What may have drifted since the last home move is in every standard deviation.
+            per_ohm = (self.quantity_max - self.quantity_min) / (self.resistance_max_ohm - self.resistance_min_ohm)
+            numbers["offset_std"] = hypot(self.offset_std, per_ohm * self.drift_resistance_ohm)
+        return ResistanceCurve(**numbers)

@@ -1,0 +1,238 @@
+"""Sensing models as small JSON files, checked when they are read."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+from contextlib import suppress
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from musclewire.errors import CallerError, nearest_hint
+from musclewire.sensing._fit_report import FittedCurve
+from musclewire.sensing._home_move import HomeMove
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+__all__ = ["MAX_FILE_BYTES", "MODEL_FORMAT", "MODEL_VERSION", "read_fields", "save_model"]
+
+MODEL_FORMAT = "musclewire-sensing-model"
+MODEL_VERSION = 1
+
+MAX_FILE_BYTES = 1_000_000
+# The range of the quantity is written for the file's reader; on loading it must agree with the polynomials.
+RANGE_AGREEMENT = 1e-6
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Coefficients = Annotated[list[Finite], Field(min_length=2, max_length=16)]
+Errors = Annotated[list[NotNegative], Field(max_length=16)]
+Samples = Annotated[list[tuple[Finite, Finite]], Field(max_length=2000)]
+Rows = Annotated[list[tuple[Finite, Finite, Finite]], Field(max_length=2000)]
+
+
+class HomeTable(BaseModel):
+    """The home move in a model file."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    time: str
+    moves: Annotated[int, Field(ge=1)]
+    cycles: NotNegative | None = None
+    load_n: NotNegative | None = None
+    ambient_k: NotNegative | None = None
+    corrected: bool
+    resistance_scale: Finite
+    resistance_scale_std: NotNegative
+    resistance_offset_ohm: Finite
+    resistance_offset_std_ohm: NotNegative
+    transformation_shift_k: Finite
+    transformation_shift_std_k: NotNegative
+    convection_ratio: Finite
+    convection_ratio_std: NotNegative
+    drift_resistance_ohm: NotNegative
+    drift_source: str = ""
+
+
+class ModelFile(BaseModel):
+    """The keys of a model file; anything else is an error."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    format: Literal["musclewire-sensing-model"]
+    version: int
+    quantity: Literal["strain", "displacement", "force"]
+    unit: str
+    resistance_min_ohm: Finite
+    resistance_max_ohm: Finite
+    order: int
+    heating_coefficients: Coefficients
+    cooling_coefficients: Coefficients
+    normalised_min: Finite
+    normalised_max: Finite
+    quantity_min: Finite
+    quantity_max: Finite
+    hysteresis_gap: NotNegative
+    rmse_heating: NotNegative
+    rmse_cooling: NotNegative
+    rmse_average: NotNegative
+    samples: Annotated[int, Field(ge=0)]
+    resistance_noise_ohm: NotNegative = 0.0
+    scale_std: NotNegative = 0.0
+    offset_std: NotNegative = 0.0
+    heating_standard_errors: Errors = []
+    cooling_standard_errors: Errors = []
+    warnings: list[str] = []
+    wire: dict[str, str | Finite] = {}
+    created_by: str = ""
+    source: str = ""
+    heating_samples: Samples = []
+    cooling_samples: Samples = []
+    slow_loop: Rows = []
+    home: HomeTable | None = None
+
+
+# Written for the file's reader; computed, not passed in, when a model is made.
+DERIVED = {"format", "version", "order", "unit", "quantity_min", "quantity_max"}
+
+
+def save_model(model: FittedCurve, path: str | PathLike[str]) -> None:
+    """Write the model as JSON, whole or not at all; CallerError if the folder cannot be written."""
+    target = Path(path)
+    text = json.dumps(_contents(model), indent=1, allow_nan=False) + "\n"
+    if len(text) > MAX_FILE_BYTES:
+        raise CallerError(f"model file {target} would take {len(text)} bytes: shorten the wire notes")
+    temporary = target.with_name(f".{target.name}.{secrets.token_hex(6)}.part")
+    try:
+        with temporary.open("x", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, target)  # noqa: PTH105 - the call whose atomicity is documented
+    except OSError as error:
+        raise CallerError(f"cannot write model file {target}: {error.strerror or error}") from error
+    finally:
+        # After the replacement there is no file of this name.
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def read_fields(path: str | PathLike[str]) -> dict[str, Any]:
+    """Return the fields of the model in a file; CallerError in one line if it is missing, damaged or inconsistent."""
+    source = Path(path)
+    document = _document(source)
+    unknown = sorted(set(document) - set(ModelFile.model_fields))
+    if unknown:
+        hint = nearest_hint(unknown[0], ModelFile.model_fields)
+        raise CallerError(f"model file {source}: unknown key {unknown[0]!r}{hint}")
+    try:
+        # Through JSON again: strict validation accepts a JSON list as a pair, but no Python list.
+        contents = ModelFile.model_validate_json(json.dumps(document))
+    except ValidationError as error:
+        raise CallerError(f"model file {source}: {_first(error)}") from error
+    try:
+        fields = _fields(contents)
+        _check_derived(FittedCurve(**fields), contents)
+    except CallerError as error:
+        raise CallerError(f"model file {source}: {error}") from error
+    return fields
+
+
+def _document(source: Path) -> dict[str, Any]:
+    """Return the JSON object in the file, after checks of size, format and version."""
+    try:
+        with source.open("rb") as file:
+            data = file.read(MAX_FILE_BYTES + 1)
+    except OSError as error:
+        raise CallerError(f"cannot read model file {source}: {error.strerror or error}") from error
+    if len(data) > MAX_FILE_BYTES:
+        raise CallerError(f"model file {source} is larger than {MAX_FILE_BYTES} bytes: this is no sensing model")
+    try:
+        document = json.loads(data.decode("utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise CallerError(f"{source} is not a model file: no valid JSON ({_short(error)})") from error
+    if not isinstance(document, dict) or document.get("format") != MODEL_FORMAT:
+        raise CallerError(f'{source} is not a model file: it lacks "format": "{MODEL_FORMAT}"')
+    version = document.get("version")
+    if not isinstance(version, int) or isinstance(version, bool) or version != MODEL_VERSION:
+        raise CallerError(
+            f"model file {source} has version {version!r} and this musclewire reads {MODEL_VERSION}: "
+            "update musclewire or fit again"
+        )
+    return document
+
+
+def _contents(model: FittedCurve) -> dict[str, Any]:
+    """Return the keys of a model's file."""
+    return {
+        "format": MODEL_FORMAT,
+        "version": MODEL_VERSION,
+        **{name: _plain(getattr(model, name)) for name in ModelFile.model_fields if name not in ("format", "version")},
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Return tuples and mappings as JSON writes them, and numbers of any library as Python's own."""
+    if isinstance(value, HomeMove):
+        return {name: _plain(one) for name, one in vars(value).items()}
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    if hasattr(value, "items"):
+        return {str(key): _note(_plain(item)) for key, item in value.items()}
+    return value.item() if hasattr(value, "item") else value
+
+
+def _note(value: Any) -> str | float:
+    """Return a note on the wire as text or finite number; anything else as its text."""
+    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value):
+        return value
+    return str(value)
+
+
+def _fields(contents: ModelFile) -> dict[str, Any]:
+    """Return the fields of a model from the keys of its file."""
+    fields = {name: value for name, value in contents.model_dump().items() if name not in DERIVED}
+    found = {name: tuple(value) if isinstance(value, list) else value for name, value in fields.items()}
+    return found | {"home": None if contents.home is None else HomeMove(**contents.home.model_dump())}
+
+
+def _check_derived(model: FittedCurve, contents: ModelFile) -> None:
+    """Raise CallerError unless order, unit, ranges and errors in the file agree with its polynomials."""
+    if (contents.order, contents.unit) != (model.order, model.unit):
+        raise CallerError(
+            f"order {contents.order} and unit {contents.unit!r} disagree with {model.order + 1} coefficients "
+            f"of {model.quantity} in {model.unit!r}: the file was altered, use another copy"
+        )
+    allowed = RANGE_AGREEMENT * (model.quantity_max - model.quantity_min)
+    for name in ("quantity_min", "quantity_max"):
+        written, computed = getattr(contents, name), getattr(model, name)
+        if abs(written - computed) > allowed:
+            raise CallerError(
+                f"{name} is {written:.6g} and its polynomials give {computed:.6g}: the file was altered, use another "
+                "copy"
+            )
+    for errors in (contents.heating_standard_errors, contents.cooling_standard_errors):
+        if errors and len(errors) != model.order + 1:
+            raise CallerError(
+                f"{len(errors)} standard errors for {model.order + 1} coefficients: the file was altered, use another "
+                "copy"
+            )
+
+
+def _first(error: ValidationError) -> str:
+    """Return the first error of pydantic, in one line."""
+    fault = error.errors(include_url=False, include_input=False)[0]
+    where = ".".join(str(part) for part in fault["loc"])
+    if fault["type"] == "missing":
+        return f"key {where!r} is missing"
+    return f"{where}: {_short(fault['msg'])}"
+
+
+def _short(message: object) -> str:
+    """Return a message as one line of at most 160 characters."""
+    return " ".join(str(message).split())[:160]

@@ -1,0 +1,123 @@
+"""Views of a sensing model: text, table, figure and the numbers of ``musclewire fit``."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from musclewire.sensing._branch_equations import evaluate
+from musclewire.sensing._curve import SHOWN_AS
+from musclewire.sensing._fit_report import FittedCurve
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["html", "plot_model", "report", "rows", "summary"]
+
+# How names of notes end, and how their numbers are shown: factor and unit. Longer endings come first.
+NOTE_UNITS = (("_n_per_m", 1.0, "N/m"), ("_ohm", 1.0, "ohm"), ("_m", 1e3, "mm"), ("_n", 1.0, "N"), ("_v", 1.0, "V"))
+
+
+def report(model: FittedCurve) -> dict[str, Any]:
+    """Return the numbers of ``musclewire fit --json``: gap in percent of the maximum, errors in percent strain.
+
+    For displacement and force the errors are in percent of the largest quantity.
+    """
+    full = 1.0 if model.quantity == "strain" else model.quantity_max
+    return {
+        "quantity": model.quantity,
+        "strain_gap_pct": 100.0 * model.hysteresis_gap,
+        "resistance_min_ohm": model.resistance_min_ohm,
+        "resistance_max_ohm": model.resistance_max_ohm,
+        "order": model.order,
+        "rmse_heating_pct": 100.0 * model.rmse_heating / full,
+        "rmse_cooling_pct": 100.0 * model.rmse_cooling / full,
+        "rmse_average_pct": 100.0 * model.rmse_average / full,
+        "samples": model.samples,
+        "warnings": list(model.warnings),
+    }
+
+
+def rows(model: FittedCurve) -> list[tuple[str, str]]:
+    """Return the main figures of a model, as pairs of name and text."""
+    factor, unit = SHOWN_AS[model.quantity]
+    low, high = model.valid_resistance_ohm
+    errors = (model.rmse_heating, model.rmse_cooling, model.rmse_average)
+    return [
+        ("quantity", f"{model.quantity} in {unit}"),
+        ("resistance at C and B", f"{model.resistance_min_ohm:.4f} and {model.resistance_max_ohm:.4f} ohm"),
+        ("valid resistance", f"{low:.4f} to {high:.4f} ohm"),
+        (
+            f"valid {model.quantity}",
+            f"{factor * model.quantity_min:.3f} to {factor * model.quantity_max:.3f} {unit}",
+        ),
+        ("gap of the branches", f"{100 * model.hysteresis_gap:.3f} %"),
+        ("polynomial order", str(model.order)),
+        (
+            "rmse heating, cooling, average",
+            ", ".join(f"{factor * error:.4f}" for error in errors) + f" {unit}",
+        ),
+        ("samples", str(model.samples)),
+        *[note(name, value) for name, value in model.wire.items()],
+        ("created by", model.created_by),
+        *[("source", model.source)][: bool(model.source)],
+        *[("warning", warning) for warning in model.warnings],
+    ]
+
+
+def note(name: str, value: str | float) -> tuple[str, str]:
+    """Return a note on the wire as name and text, with the unit that its name ends in; lengths in mm."""
+    for ending, factor, unit in NOTE_UNITS:
+        if name.endswith(ending) and not isinstance(value, str):
+            return name.removesuffix(ending).replace("_", " "), f"{factor * value:.4g} {unit}"
+    return name.replace("_", " "), value if isinstance(value, str) else f"{value:.4g}"
+
+
+def summary(model: FittedCurve) -> str:
+    """Return the rows as aligned text."""
+    pairs = rows(model)
+    width = max(len(name) for name, _ in pairs)
+    return "\n".join(f"{name:<{width}}  {text}" for name, text in pairs)
+
+
+def html(model: FittedCurve) -> str:
+    """Return the rows as an HTML table, with everything from a file escaped."""
+    body = "".join(f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows(model))
+    return f"<table><caption>Sensing model</caption>{body}</table>"
+
+
+def plot_samples(model: FittedCurve, axes: Axes, factor: float) -> None:
+    """Draw the kept samples of both branches, the quantity times ``factor``."""
+    from musclewire.pages import COOLING, HEATING
+
+    for pairs, name, colour in (
+        (model.heating_samples, "heating", HEATING),
+        (model.cooling_samples, "cooling", COOLING),
+    ):
+        if pairs:
+            resistance, quantity = np.array(pairs).T
+            axes.plot(resistance, factor * quantity, ".", color=colour, alpha=0.4, label=f"{name}, measured")
+
+
+def plot_model(model: FittedCurve, axes: Axes | None = None, style: str = "screen") -> Axes:
+    """Draw the quantity against resistance as in Lan and Fan 2010, Fig. 9, and return the axes."""
+    from musclewire.figures import axes_to_draw_on  # only drawing needs matplotlib
+    from musclewire.pages import AVERAGE, COOLING, HEATING
+
+    factor, unit = SHOWN_AS[model.quantity]
+    fraction = np.linspace(model.normalised_min, model.normalised_max, 300)
+    resistance = model.resistance_min_ohm + fraction * (model.resistance_max_ohm - model.resistance_min_ohm)
+    with axes_to_draw_on(axes, style) as here:
+        plot_samples(model, here, factor)
+        for coefficients, name, colour, line in (
+            (model.heating_coefficients, "heating polynomial", HEATING, "-"),
+            (model.cooling_coefficients, "cooling polynomial", COOLING, "-"),
+            (model.average_coefficients, "average", AVERAGE, "--"),
+        ):
+            here.plot(resistance, factor * evaluate(coefficients, fraction), line, color=colour, label=name)
+        here.set(xlabel="wire resistance [ohm]", ylabel=f"{model.quantity} [{unit}]")
+        here.set_title(f"Self-sensing model, gap {100 * model.hysteresis_gap:.2f} %")
+        here.legend()
+        return here

@@ -1,0 +1,307 @@
+"""From a table of another program to a recording: what each column becomes, and every check of its numbers.
+
+Reading, previewing and converting a file go through the same blocks, so that a preview finds what writing would.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import RecordingError
+from musclewire.signals._absolute_clocks import ABSOLUTE_FROM_S, absolute_clock
+from musclewire.signals._clock_texts import ClockTexts
+from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, needs_no_clock
+from musclewire.signals._headers import (
+    HeaderMatch,
+    IgnoredHeader,
+    MatchedHeader,
+    match_columns,
+    missing_from,
+    numbered_headers,
+)
+from musclewire.signals._import_mapping import ImportMapping
+from musclewire.signals._metadata import MetadataValue
+from musclewire.signals._side_by_side import stacked_branches
+from musclewire.signals._source_table import Cells, RowBlock, SourceTable, head_of
+from musclewire.signals._units import conversion_to_si
+
+__all__ = ["ImportPlan", "CheckedBlocks", "checked_blocks", "plan_import"]
+
+# Our own runs hold NaN in samples without an estimate; in any other column NaN is a gap in the data.
+_MAY_BE_NAN = frozenset(name for name in COLUMNS if name.startswith("estimated_"))
+# A wire that shortens by its whole length does not exist: larger numbers are percent, not fractions.
+_STRAINS = frozenset({"reference_strain", "target_strain", "strain_heating", "strain_cooling"})
+# What a sensor reads that may begin anywhere or be mounted backwards.
+_INVERTED = ("displacement_m", "reference_strain")
+_ZEROED = (*_INVERTED, "force_n")
+_TEMPERATURES = frozenset({"wire_temperature_k", "ambient_temperature_k"})
+# Columns that say when and in which cycle, but nothing about a wire.
+_COUNTERS = frozenset({"time_s", "cycle"})
+_DROP_CURE = "or leave such rows out ('musclewire import ... --drop-missing', drop_missing=True)"
+
+
+@dataclass(frozen=True)
+class ImportPlan:
+    """A table and what each of its columns becomes; ``problem`` is the first reason why it cannot be read, or ""."""
+
+    table: SourceTable
+    match: HeaderMatch
+    mapping: ImportMapping
+    sample_period_s: float | None = None
+    notes: tuple[str, ...] = ()
+    problem: str = ""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The columns of the recording; a clock that is counted comes first."""
+        taken = tuple(item.column for item in self.match.taken)
+        return taken if self.sample_period_s is None else ("time_s", *taken)
+
+    @property
+    def metadata(self) -> dict[str, MetadataValue]:
+        """The metadata of file and mapping."""
+        return {**self.table.metadata, **self.mapping.metadata}
+
+
+@dataclass
+class CheckedBlocks:
+    """What the checked blocks of a table held."""
+
+    row_count: int = 0
+    dropped: int = 0
+    start_time: str | None = None
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    def add(self, columns: Mapping[str, FloatArray]) -> None:
+        """Count a block of the recording's rows."""
+        self.row_count += next(iter(columns.values())).size
+        for name, values in columns.items():
+            finite = values[np.isfinite(values)]
+            if finite.size:
+                low, high = self.ranges.get(name, (np.inf, -np.inf))
+                self.ranges[name] = (min(low, float(finite.min())), max(high, float(finite.max())))
+
+
+def plan_import(table: SourceTable, mapping: ImportMapping) -> ImportPlan:
+    """Return what each column of a table becomes.
+
+    Raises RecordingError and CallerError for what is wrong with the mapping itself; what is wrong with the file is in
+    the plan's ``problem``.
+    """
+    found = missing_from(table.columns, mapping.columns, ())[0] != frozenset(mapping.columns)
+    table = table if found else stacked_branches(table)
+    path, headers = table.path, tuple(column.header for column in table.columns)
+    match = match_columns(table.columns, mapping.columns, path, mapping.ignore, mapping.only_mapped)
+    match = _with_absolute_clock(match, table)
+    period_s = _counted_period_s(match, table, mapping)
+    if mapping.sample_period_s is not None:
+        match = _without_undecided_clock(match)
+    plan = ImportPlan(table, match, mapping, period_s, _notes(table, mapping, period_s))
+    if not mapping.columns and headers == numbered_headers(len(headers)):
+        problem = (
+            f"{path}: has no headers; name the columns in the first line, such as 'time [s],wire_voltage_v', "
+            "or map them by number: time_s=#1:s"
+        )
+        return replace(plan, problem=problem)
+    return replace(plan, problem=_problem(plan, headers))
+
+
+def checked_blocks(plan: ImportPlan, tally: CheckedBlocks) -> Iterator[dict[str, FloatArray]]:
+    """Yield the recording's rows in SI, block after block, each checked; what they hold is added to ``tally``.
+
+    Raises RecordingError with file, line or row, and column for the first number that cannot be used.
+    """
+    if plan.problem:
+        raise RecordingError(plan.problem)
+    reader = _BlockReader(plan, tally)
+    for block in plan.table.blocks([item.index for item in plan.match.taken]):
+        columns = reader.columns_of(block)
+        tally.add(columns)
+        yield columns
+    if tally.row_count < 2:
+        raise RecordingError(f"{plan.table.path}: has {tally.row_count} rows; a recording needs 2 or more")
+
+
+class _BlockReader:
+    """Converts and checks the blocks of a table, one after the other."""
+
+    def __init__(self, plan: ImportPlan, tally: CheckedBlocks) -> None:
+        self._plan, self._tally = plan, tally
+        self._path = plan.table.path
+        self._rows = 0
+        self._last_time_s = -np.inf
+        self._first: dict[str, float] = {}
+        self._origin: float | None = None
+        clock = next((item for item in plan.match.taken if item.is_text), None)
+        header = "" if clock is None else clock.header.replace("{", "{{").replace("}", "}}")
+        self._clock = ClockTexts(f"{self._path}: {{place}}, column '{header}'")
+
+    def columns_of(self, block: RowBlock) -> dict[str, FloatArray]:
+        """Return a block's rows as columns of a recording."""
+        taken = self._plan.match.taken
+        numbered = [self._numbers(item, cells, block) for item, cells in zip(taken, block.values, strict=True)]
+        keep = self._kept(numbered, block)
+        rows = np.flatnonzero(keep)
+        columns = {
+            item.column: self._checked(item, values[keep], block, rows)
+            for item, values in zip(taken, numbered, strict=True)
+        }
+        if self._plan.sample_period_s is not None:
+            counted: FloatArray = (self._rows + rows).astype(np.float64) * self._plan.sample_period_s
+            columns = {"time_s": counted, **columns}
+        self._rows += keep.size
+        if "time_s" in columns:
+            self._check_clock_rises(columns["time_s"], block, rows)
+        return self._mounted(columns)
+
+    def _numbers(self, item: MatchedHeader, cells: Cells, block: RowBlock) -> FloatArray:
+        if not item.is_text:
+            return np.asarray(cells, dtype=np.float64)
+        seconds = self._clock.seconds([str(cell) for cell in cells], block.place)
+        self._tally.start_time = self._clock.start_time
+        return seconds
+
+    def _kept(self, numbered: Sequence[FloatArray], block: RowBlock) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Return which rows are kept: all, or those in which no number is missing."""
+        size = numbered[0].size if numbered else len(block.values[0])
+        keep = np.ones(size, dtype=bool)
+        if self._plan.mapping.drop_missing:
+            for item, values in zip(self._plan.match.taken, numbered, strict=True):
+                if item.column not in _MAY_BE_NAN:
+                    keep &= ~np.isnan(values)
+            self._tally.dropped += int(size - keep.sum())
+        return keep
+
+    def _checked(
+        self, item: MatchedHeader, written: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
+    ) -> FloatArray:
+        bad = np.isinf(written) if item.column in _MAY_BE_NAN else ~np.isfinite(written)
+        if bad.any():
+            row = int(np.argmax(bad))
+            missing = np.isnan(written[row])
+            what = "the cell is blank or NaN" if missing else f"{written[row]:g} is not a finite number"
+            cure = f"correct it, {_DROP_CURE}" if missing else "correct it or remove the row"
+            raise RecordingError(f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}': {what}; {cure}")
+        self._check_strain_is_a_fraction(item, written, block, rows)
+        if item.column == "time_s" and item.how != "own name":
+            written = self._since_the_first(written, item.factor)
+        converted = item.conversion.apply(written)
+        if item.column in _TEMPERATURES and item.how != "own name" and (converted < 0.0).any():
+            row = int(np.argmax(converted < 0.0))
+            where = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}'"
+            what = f"{written[row]:g} {item.unit} is below absolute zero"
+            raise RecordingError(f"{where}: {what}; correct the number or its unit")
+        return converted
+
+    def _since_the_first(self, written: FloatArray, factor: float) -> FloatArray:
+        """Return a clock that counts from long ago, in its own unit, as time since the first row."""
+        if self._origin is None and written.size:
+            self._origin = float(written[0]) if factor * written[0] >= ABSOLUTE_FROM_S else 0.0
+        return written - self._origin if self._origin else written
+
+    def _check_strain_is_a_fraction(
+        self, item: MatchedHeader, written: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
+    ) -> None:
+        too_large = np.abs(written) > 1.0
+        if item.column not in _STRAINS or item.unit_given or not too_large.any():
+            return
+        row = int(np.argmax(too_large))
+        raise RecordingError(
+            f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}': {written[row]:g} is no strain as a "
+            f"fraction: write '{item.header} [%]' in the header or map it: {item.column}={item.header}:%"
+        )
+
+    def _check_clock_rises(
+        self, time_s: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
+    ) -> None:
+        before = np.concatenate(([self._last_time_s], time_s[:-1]))
+        stuck = time_s <= before
+        if stuck.any():
+            row = int(np.argmax(stuck))
+            raise RecordingError(
+                f"{self._path}: {block.place(int(rows[row]))}, column time_s: the clock does not rise, "
+                f"{float(before[row])!r} s is followed by {float(time_s[row])!r} s; "
+                "remove the repeated rows or cut the file there"
+            )
+        if time_s.size:
+            self._last_time_s = float(time_s[-1])
+
+    def _mounted(self, columns: dict[str, FloatArray]) -> dict[str, FloatArray]:
+        """Return columns with those of sensors turned around and counted from the first row, if asked for."""
+        if self._plan.mapping.invert:
+            columns |= {name: -columns[name] for name in _INVERTED if name in columns}
+        if self._plan.mapping.zero:
+            for name in _ZEROED:
+                if name in columns and columns[name].size:
+                    columns[name] = columns[name] - self._first.setdefault(name, float(columns[name][0]))
+        return columns
+
+
+def _with_absolute_clock(match: HeaderMatch, table: SourceTable) -> HeaderMatch:
+    """Return a match in which a time without a unit is taken if its numbers can only count from long ago."""
+    clocks = [item for item in match.undecided if item.column == "time_s"]
+    if len(clocks) != 1 or any(item.column == "time_s" for item in match.taken):
+        return match
+    cells = head_of(table, clocks[0].index)
+    found = None if isinstance(cells, list) else absolute_clock(cells)
+    if found is None:
+        return match
+    conversion = conversion_to_si(found.unit, "time_s", table.path)
+    clock = MatchedHeader(
+        clocks[0].header, clocks[0].index, "time_s", found.unit, True, conversion.factor, 0.0, "values"
+    )
+    taken = sorted((*match.taken, clock), key=lambda item: item.index)
+    return HeaderMatch(tuple(taken), match.ignored, tuple(item for item in match.undecided if item is not clocks[0]))
+
+
+def _without_undecided_clock(match: HeaderMatch) -> HeaderMatch:
+    """Return a match in which times without a unit are ignored, because the rows are counted instead."""
+    clocks = [item for item in match.undecided if item.column == "time_s"]
+    ignored = tuple(IgnoredHeader(item.header, "the sample period is the clock") for item in clocks)
+    others = tuple(item for item in match.undecided if item.column != "time_s")
+    return HeaderMatch(match.taken, match.ignored + ignored, others)
+
+
+def _counted_period_s(match: HeaderMatch, table: SourceTable, mapping: ImportMapping) -> float | None:
+    """Return the time between rows [s] if the clock has to be counted from it, else None."""
+    clock = next((item for item in match.taken if item.column == "time_s"), None)
+    if mapping.sample_period_s is not None:
+        if clock is not None:
+            raise RecordingError(
+                f"{table.path}: has a clock, column '{clock.header}', and a sample period was given; "
+                f"give no sample period, or ignore '{clock.header}'"
+            )
+        return mapping.sample_period_s
+    undecided = any(item.column == "time_s" for item in match.undecided)
+    found = {item.column for item in match.taken}
+    return table.sample_period_s if clock is None and not undecided and not needs_no_clock(found) else None
+
+
+def _notes(table: SourceTable, mapping: ImportMapping, period_s: float | None) -> tuple[str, ...]:
+    if period_s is None:
+        return table.notes
+    source = "as given" if mapping.sample_period_s is not None else "as the file states"
+    return (*table.notes, f"time_s is counted: a row every {period_s:g} s, {source}")
+
+
+def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
+    """Return the first reason why a table cannot be read, or ""."""
+    if plan.match.undecided:
+        return plan.match.undecided[0].message
+    found = set(plan.names)
+    path, listed = plan.table.path, ", ".join(f"'{header}'" for header in headers[:12])
+    listed += ", ..." if len(headers) > 12 else ""
+    if not found - _COUNTERS and (plan.match.ignored or not found):
+        what = "only the time" if found else "nothing"
+        return f"{path}: {what} is usable of {listed}: map what was measured, as wire_voltage_v=HEADER:V"
+    if "time_s" in found or needs_no_clock(found):
+        return ""
+    return (
+        f"{path}: no column is the time (there are {listed}): name one 'time [s]' or map it: time_s=HEADER:s, or give "
+        f"the sample period, as '10 ms'; without a clock a printed loop needs {', '.join(BRANCH_TABLE)}, "
+        f"isobars need {', '.join(ISOBAR_TABLE)}"
+    )

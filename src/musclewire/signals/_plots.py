@@ -1,0 +1,40 @@
+"""Which plots of a recording there are, by name, and which one fits its columns; drawn in rooms above this one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from typing import TYPE_CHECKING, Any
+
+from musclewire.registry import Registry
+from musclewire.signals._columns import needs_no_clock
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["PLOTS", "PlotKind", "usual_plot"]
+
+# Takes the recording and the name of a figure style.
+PlotKind = Callable[[Any, str], "Figure"]
+
+PLOTS: Registry[PlotKind] = Registry(
+    "plot",
+    "musclewire.plots",
+    {
+        "loop": "musclewire.identify._loop_figure:loop_figure",
+        "control": "musclewire.identify._time_figures:control_figure",
+        "time": "musclewire.identify._time_figures:time_figure",
+        "table": "musclewire.identify._loop_figure:table_figure",
+    },
+)
+MOVEMENTS = {"reference_strain", "displacement_m"}
+ELECTRICAL = ({"wire_resistance_ohm"}, {"wire_voltage_v", "shunt_voltage_v"}, {"wire_voltage_v", "wire_current_a"})
+
+
+def usual_plot(names: Collection[str]) -> str:
+    """Return the plot for columns of these names: of control with a target, a loop with resistance and movement."""
+    if "time_s" not in names and needs_no_clock(names):
+        return "table"
+    if any(name.startswith("target_") for name in names):
+        return "control"
+    resistance = any(columns <= set(names) for columns in ELECTRICAL)
+    return "loop" if resistance and MOVEMENTS & set(names) else "time"

@@ -1,0 +1,311 @@
+"""Reading recordings from files of musclewire and of other programs, with a report of how they were understood."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError, RecordingError, nearest_hint
+from musclewire.manifest import absent_part, loaded, manifests
+from musclewire.signals._headers import missing_from, numbered_headers
+from musclewire.signals._import_mapping import ImportMapping, load_mapping
+from musclewire.signals._importing import CheckedBlocks, ImportPlan, checked_blocks, plan_import
+from musclewire.signals._journal import is_journal, unfinished
+from musclewire.signals._metadata import MetadataValue, checked_metadata
+from musclewire.signals._recording import Recording
+from musclewire.signals._source_table import SourceColumn, SourceTable, TableInMemory
+from musclewire.signals._understanding import FileInterpretation, understanding_of
+from musclewire.signals._writing import require_streamable, write_blocks
+
+__all__ = ["has_headers", "import_recording", "mappings_of_files", "read_hdf5", "read_recording", "understand"]
+
+
+# Suffixes that need no part outside the core.
+OWN_SUFFIXES = (".h5", ".hdf5", ".csv", ".tsv", ".txt", ".dat", ".asc")
+
+
+def read_recording(
+    path: str | Path,
+    columns: Mapping[str, str] | None = None,
+    metadata: Mapping[str, MetadataValue] | None = None,
+    mapping: ImportMapping | str | Path | None = None,
+    group: str | None = None,
+) -> Recording:
+    """Read a recording of ours, or of LabVIEW, MATLAB, Excel and other programs.
+
+    Parameters
+    ----------
+    path
+        The file; its suffix states the format: .h5 and .hdf5 (ours or others'), .csv, .tsv, .txt, .dat and .asc,
+        .tdms, .lvm, .mat (4, 5 and 7.3), .xlsx and .xlsm, .parquet.
+    columns
+        NAME -> "HEADER" or "HEADER:UNIT" for headers that are not recognised by themselves, such as
+        ``{"wire_voltage_v": "Vw:mV"}``; HEADER may itself carry a unit, and ``#2`` is the second column whatever it is
+        called, also in a file without headers. None if all headers are recognised.
+    metadata
+        Added to those of the file, and used instead of them if both state a key.
+    mapping
+        Everything else about how the file is read: an :class:`~musclewire.signals.ImportMapping`, or the path of a
+        mapping file; what ``columns`` and ``metadata`` say comes first. None if there is nothing else to say.
+    group
+        Group, sheet or struct of a file that holds several tables. None, the default, takes the only one; where there
+        are several, the error lists them.
+
+    Returns
+    -------
+    The recording, its columns in SI units.
+
+    Raises
+    ------
+    RecordingError
+        If the file cannot be used: one line with file, column and row.
+    CallerError
+        For a NAME in ``columns`` that is no column, metadata that no file could keep, or a wrong mapping file.
+    MissingExtraError
+        For .parquet without pyarrow, for .tdms and .xlsx without the extra ``labfiles``.
+    """
+    wanted = _mapping(mapping, columns, metadata, group)
+    plan, tally = plan_import(_table(Path(path), wanted.group), wanted), CheckedBlocks()
+    blocks = list(checked_blocks(plan, tally))
+    values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+    started = {} if tally.start_time is None else {"start_time": tally.start_time}
+    return _recording(values, {**started, **plan.table.metadata}, Path(path)).with_metadata(wanted.metadata)
+
+
+def import_recording(
+    path: str | Path,
+    output: str | Path | None = None,
+    columns: Mapping[str, str] | None = None,
+    metadata: Mapping[str, MetadataValue] | None = None,
+    mapping: ImportMapping | str | Path | None = None,
+    group: str | None = None,
+    matlab_version: str | None = None,
+) -> FileInterpretation:
+    """Check a recording of another program to its last row, and convert it if an output is given.
+
+    The file is read block after block, so that its size does not matter.
+
+    Parameters
+    ----------
+    path
+        The file.
+    output
+        The file to write: .h5, .hdf5, .csv, .parquet, .mat or .xlsx, of which the last two are collected in memory
+        first; one of this name is replaced. None, the default, only checks.
+    columns
+        As in :func:`read_recording`.
+    metadata
+        As in :func:`read_recording`.
+    mapping
+        As in :func:`read_recording`.
+    group
+        As in :func:`read_recording`.
+    matlab_version
+        As in :meth:`Recording.save`, of an output that ends in .mat.
+
+    Returns
+    -------
+    How the file was understood. Without an output a file that cannot be used has a ``problem``.
+
+    Raises
+    ------
+    RecordingError
+        If the file cannot be read at all, and with an output if it cannot be used; nothing is written then.
+    CallerError
+        For a NAME in ``columns`` that is no column, a wrong mapping file, or an output that cannot be written.
+    MissingExtraError
+        For .parquet without pyarrow, for .tdms and .xlsx without the extra ``labfiles``.
+    """
+    wanted = _mapping(mapping, columns, metadata, group)
+    plan, tally = plan_import(_table(Path(path), wanted.group), wanted), CheckedBlocks()
+    problem = ""
+    if output is None:
+        problem = _first_problem(plan, tally)
+    else:
+        _write(plan, tally, Path(output), matlab_version)
+    return understanding_of(plan, tally, problem)
+
+
+def mappings_of_files(paths: Sequence[str | Path], mapping: ImportMapping) -> list[ImportMapping]:
+    """Return for each of several files the part of a mapping whose headers the file has.
+
+    Raises RecordingError for a header that is in none of the files, and what reading their headers raises.
+    """
+    if len(paths) == 1:
+        return [mapping]
+    tables = [_table(Path(path), mapping.group) for path in paths]
+    missing = [missing_from(table.columns, mapping.columns, mapping.ignore) for table in tables]
+    names = frozenset.intersection(*(one for one, _ in missing))
+    headers = frozenset.intersection(*(one for _, one in missing))
+    for wanted in (*(mapping.columns[name] for name in names), *headers):
+        listed = ", ".join(str(path) for path in paths)
+        known = [column.header for table in tables for column in table.columns]
+        raise RecordingError(f"no column '{wanted}' in any of {listed}{nearest_hint(wanted, known)}")
+    return [mapping.without(*one) for one in missing]
+
+
+def understand(path: str | Path, columns: Mapping[str, str] | None = None) -> FileInterpretation:
+    """Return the column, unit, factor and range of each header of a file, which are ignored, and what is wrong with it.
+
+    Parameters
+    ----------
+    path
+        The file.
+    columns
+        As in :func:`read_recording`.
+
+    Returns
+    -------
+    The report, as of :func:`import_recording` without an output.
+
+    Raises
+    ------
+    RecordingError
+        If the file cannot be read at all, or the mapping does not fit it.
+    """
+    return import_recording(path, columns=columns)
+
+
+def read_hdf5(path: str | Path) -> Recording:
+    """Return a recording in musclewire's format without checks; an unfinished one has ``ended`` "running" or "cut off".
+
+    Raises RecordingError if the file is missing, damaged, or not a musclewire recording.
+    """
+    from musclewire.signals._runs_on_disk import read_run
+
+    return _recording(*read_run(Path(path)), Path(path))
+
+
+def has_headers(path: str | Path) -> bool:
+    """Return whether a file names its columns.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    False if its first line is numbers.
+
+    Raises
+    ------
+    RecordingError
+        If it cannot be read.
+    """
+    headers = tuple(column.header for column in _table(Path(path), None).columns)
+    return headers != numbered_headers(len(headers))
+
+
+def _mapping(
+    mapping: ImportMapping | str | Path | None,
+    columns: Mapping[str, str] | None,
+    metadata: Mapping[str, MetadataValue] | None,
+    group: str | None,
+) -> ImportMapping:
+    given = load_mapping(mapping) if isinstance(mapping, str | Path) else mapping or ImportMapping()
+    return given.joined(ImportMapping(columns or {}, metadata=checked_metadata(metadata or {}), group=group))
+
+
+def _first_problem(plan: ImportPlan, tally: CheckedBlocks) -> str:
+    """Read a table to its end and return why it cannot be used, or ""."""
+    try:
+        for _ in checked_blocks(plan, tally):
+            pass
+    except RecordingError as problem:
+        return str(problem)
+    return ""
+
+
+def _write(plan: ImportPlan, tally: CheckedBlocks, output: Path, matlab_version: str | None) -> None:
+    if plan.problem:
+        raise RecordingError(plan.problem)
+    require_streamable(output, matlab_version)
+    blocks = checked_blocks(plan, tally)
+    # What the first block shows, when a file with dates begins, belongs to the metadata.
+    first = next(blocks, None)
+    started = {} if tally.start_time is None else {"start_time": tally.start_time}
+    metadata = checked_metadata({**started, **plan.metadata})
+
+    def rows() -> Iterator[tuple[FloatArray, ...]]:
+        if first is not None:
+            yield tuple(first[name] for name in plan.names)
+        for block in blocks:
+            yield tuple(block[name] for name in plan.names)
+
+    write_blocks(plan.names, rows(), metadata, output, matlab_version)
+
+
+def _table(path: Path, group: str | None) -> SourceTable:
+    read = _reader_for(path)
+    if not path.is_file() and not (is_journal(path) or unfinished(path)):
+        what = "is a folder" if path.is_dir() else "no such file"
+        raise RecordingError(f"{path}: {what}; give the path of a recording")
+    return read(path, group)
+
+
+def _reader_for(path: Path) -> Callable[[Path, str | None], SourceTable]:
+    # Imported here: h5py and the readers of other formats are slow to load, and most commands read no file.
+    suffix = path.suffix.lower()
+    if is_journal(path) or unfinished(path):
+        return lambda file, group: _own_table(_without_groups(file, group))
+    if suffix in {".h5", ".hdf5"}:
+        return _hdf5_table
+    if (read := _offered_reader(path)) is not None:
+        return read
+    if suffix in {".csv", ".tsv", ".txt", ".dat", ".asc"}:
+        from musclewire.signals._text_tables import read_text_table
+
+        return lambda file, group: read_text_table(_without_groups(file, group))
+    if (absent := absent_part("suffixes", suffix)) is not None:
+        raise absent
+    *others, last = [*OWN_SUFFIXES, *(each for manifest in manifests() for each in manifest.suffixes_read)]
+    known = f"{', '.join(others)} or {last}"
+    raise RecordingError(f"{path}: files ending in '{suffix}' are not read; export it as {known}")
+
+
+def _offered_reader(path: Path) -> Callable[[Path, str | None], SourceTable] | None:
+    """Return what a part outside the core reads a file with, None if no part knows the file."""
+    for manifest in manifests():
+        for place in manifest.readers:
+            read: Callable[[Path, str | None], SourceTable] | None = loaded(place)(path)
+            if read is not None:
+                return read
+    return None
+
+
+def _without_groups(path: Path, group: str | None) -> Path:
+    """Return the path of a file that holds one table. Raises RecordingError if a group is asked for."""
+    if group is not None:
+        raise RecordingError(f"{path}: holds one table, no group '{group}'; leave --group out")
+    return path
+
+
+def _hdf5_table(path: Path, group: str | None) -> SourceTable:
+    from musclewire.signals._hdf5 import is_recording
+
+    if not is_recording(path):
+        read = _offered_reader(path)
+        if read is None:
+            raise RecordingError(f"{path}: is no recording of musclewire, and the part that reads HDF5 of others "
+                                 "(lab_files) is not there; export it as CSV")  # fmt: skip
+        return read(path, group)
+    return _own_table(_without_groups(path, group))
+
+
+def _own_table(path: Path) -> SourceTable:
+    recording = read_hdf5(path)
+    columns = tuple(SourceColumn(name) for name in recording.names)
+    values = tuple(recording[name] for name in recording.names)
+    return TableInMemory(str(path), "musclewire HDF5", columns, values, recording.metadata)
+
+
+def _recording(values: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> Recording:
+    try:
+        return Recording(values, metadata)
+    except (CallerError, RecordingError) as problem:
+        # Wrong metadata in a file are the file's fault, not the caller's.
+        raise RecordingError(f"{path}: {problem}") from None

@@ -1,0 +1,347 @@
+"""A recording: columns of numbers over time, and the metadata of the run."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError, MissingExtraError, RecordingError
+from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, known_column, needs_no_clock
+from musclewire.signals._metadata import MetadataValue, checked_metadata
+from musclewire.signals._plots import PLOTS, usual_plot
+from musclewire.signals._run_facts import RunFacts
+from musclewire.signals._writing import write_columns
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+__all__ = ["Recording", "MetadataValue"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording:
+    """Columns of equal length in SI units, with metadata. It never changes; ``with_...`` makes another.
+
+    A recording has a clock, ``time_s``, with two exceptions: a printed loop (``is_branch_table``), whose rows are
+    resistances, and isobars (``is_isobar_table``), whose rows are in the order in which the temperatures were reached.
+
+    Parameters
+    ----------
+    columns
+        Name -> values of shape (n_times,); the names and their units are those of ``COLUMNS``.
+    metadata
+        What is known of the run: wire, wire_length_m, shunt_resistance_ohm, pretension_n, rig, ..., ended. Empty by
+        default, as in a file of another program that states nothing; :attr:`facts` reads them.
+
+    Raises
+    ------
+    CallerError
+        For an unknown column name, or a metadata key or value that no file could keep.
+    RecordingError
+        If columns are of unequal length, or there is neither a clock nor a table that needs none.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> recording = mw.Recording({"time_s": [0.0, 0.1], "wire_voltage_v": [1.2, 1.3]}, {"pretension_n": 1.7})
+    >>> recording["wire_voltage_v"]
+    array([1.2, 1.3])
+    >>> recording.duration_s, recording.metadata["pretension_n"]
+    (0.1, 1.7)
+    """
+
+    columns: Mapping[str, FloatArray]
+    metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check columns and metadata, and replace them by read-only copies."""
+        columns = {known_column(name).name: _read_only(name, self.columns[name]) for name in self.columns}
+        _check_equal_lengths(columns)
+        _check_rows_are_ordered(columns)
+        object.__setattr__(self, "columns", MappingProxyType(columns))
+        object.__setattr__(self, "metadata", checked_metadata(self.metadata))
+
+    def __getitem__(self, name: str) -> FloatArray:
+        """Return one column, shape (n_times,), read-only.
+
+        Raises CallerError for a name no recording has, RecordingError for a column this recording lacks.
+        """
+        if name in self.columns:
+            return self.columns[name]
+        known_column(name)
+        raise RecordingError(f"this recording has no column '{name}'; it has {', '.join(self.names)}")
+
+    def __contains__(self, name: object) -> bool:
+        """Return whether this recording has the column ``name``."""
+        return name in self.columns
+
+    def __len__(self) -> int:
+        """Return the number of rows, n_times."""
+        return int(next(iter(self.columns.values())).size)
+
+    def __bool__(self) -> bool:
+        """Return True: a recording without rows is still a recording."""
+        return True
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether columns and metadata are the same, number by number; NaN equals NaN here."""
+        if not isinstance(other, Recording):
+            return NotImplemented
+        same_columns = self.names == other.names and all(
+            np.array_equal(self[name], other[name], equal_nan=True) for name in self.names
+        )
+        return same_columns and dict(self.metadata) == dict(other.metadata)
+
+    __hash__ = None  # type: ignore[assignment]  # equal by content, and the content is large
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Return the parts from which pickle rebuilds a recording: read-only mappings cannot be pickled."""
+        return Recording, (dict(self.columns), dict(self.metadata))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the columns, in their order."""
+        return tuple(self.columns)
+
+    @cached_property
+    def facts(self) -> RunFacts:
+        """The facts of the run, each checked when it is read: ``recording.facts.sample_period_s`` [s], for one."""
+        known = [str(self.metadata[key]) for key in ("wire", "experiment", "start_time") if self.metadata.get(key)]
+        return RunFacts(self.metadata, f"this recording ({', '.join([f'{len(self)} rows', *known])})")
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first row to the last [s]; 0 for fewer than two rows. RecordingError with no clock."""
+        time_s = self["time_s"]
+        return float(time_s[-1] - time_s[0]) if len(self) else 0.0
+
+    @property
+    def is_branch_table(self) -> bool:
+        """True for a printed loop: both branches against resistance, and no clock."""
+        return "time_s" not in self and all(name in self for name in BRANCH_TABLE)
+
+    @property
+    def is_isobar_table(self) -> bool:
+        """True for strain against temperature under stress, row after row, and no clock."""
+        return "time_s" not in self and all(name in self for name in ISOBAR_TABLE)
+
+    def with_columns(self, columns: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> Recording:
+        """Return a recording in which columns are added or replaced.
+
+        Parameters
+        ----------
+        columns
+            Name -> values of shape (n_times,), SI.
+        **more
+            The same, by keyword.
+
+        Returns
+        -------
+        The other recording, with the same metadata.
+        """
+        added = {**(columns or {}), **more}
+        return Recording({**self.columns, **added}, self.metadata)  # type: ignore[dict-item]
+
+    def with_metadata(self, metadata: Mapping[str, MetadataValue] | None = None, /, **more: MetadataValue) -> Recording:
+        """Return a recording in which metadata are added or replaced.
+
+        Parameters
+        ----------
+        metadata
+            Key -> text, number, bool or None.
+        **more
+            The same, by keyword.
+
+        Returns
+        -------
+        The other recording, with the same columns.
+        """
+        return Recording(self.columns, {**self.metadata, **(metadata or {}), **more})
+
+    def between(self, start: int | None = None, stop: int | None = None) -> Recording:
+        """Return some of the rows.
+
+        Parameters
+        ----------
+        start
+            First row, counted as in a Python slice; None is the first of all.
+        stop
+            Row after the last; None is the end.
+
+        Returns
+        -------
+        A recording of rows ``start`` to ``stop``, not included.
+
+        Raises
+        ------
+        CallerError
+            If one is no whole number, as a time would be.
+        """
+        for row in (start, stop):
+            if row is not None and not isinstance(row, (int, np.integer)):
+                raise CallerError(f"between() counts rows, got {row!r}; use numpy.searchsorted on time_s for times")
+        return Recording({name: values[start:stop] for name, values in self.columns.items()}, self.metadata)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a pandas DataFrame with the metadata in ``attrs``.
+
+        Returns
+        -------
+        One row a sample, one column a column; copies.
+
+        Raises
+        ------
+        MissingExtraError
+            Without pandas.
+        """
+        try:
+            import pandas as pd
+        except ImportError:
+            raise MissingExtraError("Recording.to_pandas()", "pandas") from None
+        frame = pd.DataFrame({name: values.copy() for name, values in self.columns.items()})
+        frame.attrs.update(self.metadata)
+        return frame
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return an xarray data set, whose variables carry their units.
+
+        Returns
+        -------
+        A variable for each column over the coordinate ``time_s``, with the attributes ``units`` (SI, "1" without one)
+        and ``long_name``; over ``row`` for a table without a clock. The metadata are the attributes of the data set,
+        except those that are None, which no netCDF file can keep.
+
+        Raises
+        ------
+        MissingExtraError
+            Without xarray.
+        """
+        try:
+            import xarray as xr
+        except ImportError:
+            raise MissingExtraError("Recording.to_xarray()", "xarray") from None
+        axis = "time_s" if "time_s" in self else "row"
+        variables = {name: (axis, values.copy(), _attributes(name)) for name, values in self.columns.items()}
+        attributes = {key: value for key, value in self.metadata.items() if value is not None}
+        return xr.Dataset(variables, attrs=attributes)
+
+    def save(self, path: str | Path, matlab_version: str | None = None) -> None:
+        """Write the recording, whole or not at all; a file of that name is replaced.
+
+        Parameters
+        ----------
+        path
+            The file; its suffix says the format: .h5, .hdf5, .csv, .parquet, .mat (MATLAB 5, or 7.3 if it is too
+            large for it) or .xlsx.
+        matlab_version
+            "5" or "7.3" for a .mat file. None, the default, is 5, which everything reads, or 7.3 if a column is too
+            large for it.
+
+        Raises
+        ------
+        CallerError
+            For another suffix or version, a folder that cannot be written to, or more rows than a sheet holds.
+        MissingExtraError
+            For .parquet without pyarrow, for .xlsx without openpyxl.
+        """
+        write_columns(self.columns, self.metadata, Path(path), matlab_version)
+
+    def plot(self, kind: str | None = None, *, style: str = "screen") -> Figure:
+        """Draw the recording.
+
+        Parameters
+        ----------
+        kind
+            "loop" (movement over resistance and over drive voltage, with points A, B and C), "control" (target,
+            estimate, measurement, errors, drive), "time" (every quantity over time) or "table" (a printed loop,
+            isobars). None, the default, is what fits the columns: "control" with a target, "loop" with resistance and
+            movement, "table" without a clock, else "time".
+        style
+            Size and fonts of the figure: "screen", "slides", or a journal's column, as "ieee-single",
+            "elsevier-double", "nature".
+
+        Returns
+        -------
+        A matplotlib figure, which a notebook shows; ``figure.savefig("run.pdf")`` writes it.
+
+        Raises
+        ------
+        CallerError
+            For an unknown kind or style; the message suggests the nearest.
+        RecordingError
+            If the recording lacks the columns for this kind.
+        """
+        return PLOTS.find(usual_plot(self.names) if kind is None else kind)(self, style)
+
+    def __repr__(self) -> str:
+        """Return one line: number of rows, duration, how the run ended, and the columns."""
+        return f"Recording({self._summary()}: {', '.join(self.names)})"
+
+    def _summary(self) -> str:
+        parts = [f"{len(self)} rows"]
+        if "time_s" in self:
+            parts.append(f"{self.duration_s:.6g} s")
+        else:
+            parts.append("branch table" if self.is_branch_table else "isobar table")
+        if "ended" in self.metadata:
+            parts.append(f"ended '{self.metadata['ended']}'")
+        return ", ".join(parts)
+
+    def _repr_html_(self) -> str:
+        """Return a table of the columns with unit and range, and the metadata, for a notebook."""
+        rows = "".join(_html_row(name, values) for name, values in self.columns.items())
+        facts = ", ".join(f"{key} = {value}" for key, value in self.metadata.items())
+        head = "<tr><th>column</th><th>unit</th><th>minimum</th><th>maximum</th></tr>"
+        title = f"<b>Recording</b> ({html.escape(self._summary())})"
+        return f"<div>{title}<table>{head}{rows}</table><small>{html.escape(facts)}</small></div>"
+
+
+def _attributes(name: str) -> dict[str, str]:
+    return {"units": COLUMNS[name].unit or "1", "long_name": COLUMNS[name].description}
+
+
+def _read_only(name: str, values: ArrayLike) -> FloatArray:
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise CallerError(f"column '{name}' must be numbers; got {type(values).__name__} of something else") from None
+    if array.ndim != 1:
+        raise CallerError(f"column '{name}' has shape {array.shape}; give one number per row, shape (n_times,)")
+    if array.flags.writeable:
+        # The caller keeps its array; the recording's copy must not change while it is read.
+        array = array.copy()
+        array.setflags(write=False)
+    return array
+
+
+def _check_equal_lengths(columns: Mapping[str, FloatArray]) -> None:
+    lengths = {name: values.shape[0] for name, values in columns.items()}
+    if len(set(lengths.values())) > 1:
+        counted = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise RecordingError(f"columns differ in length ({counted}); give every column one value per row")
+
+
+def _check_rows_are_ordered(columns: Mapping[str, FloatArray]) -> None:
+    if "time_s" not in columns and not needs_no_clock(columns):
+        needs = (
+            f"needs time_s, or {', '.join(BRANCH_TABLE)} for a printed loop, or {', '.join(ISOBAR_TABLE)} for isobars"
+        )
+        raise RecordingError(f"a recording {needs}; got {', '.join(columns) or 'no columns'}")
+
+
+def _html_row(name: str, values: FloatArray) -> str:
+    finite = values[np.isfinite(values)]
+    minimum, maximum = (f"{finite.min():.6g}", f"{finite.max():.6g}") if finite.size else ("", "")
+    cells = (name, COLUMNS[name].unit, minimum, maximum)
+    return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"

@@ -1,0 +1,165 @@
+"""How a file was understood, for whoever has to confirm it: what each header became, ranges, and what is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+
+from musclewire.signals._columns import COLUMNS
+from musclewire.signals._headers import IgnoredHeader, MatchedHeader, UndecidedHeader, split_header
+from musclewire.signals._import_mapping import ImportMapping
+from musclewire.signals._importing import CheckedBlocks, ImportPlan
+from musclewire.signals._metadata import MetadataValue
+from musclewire.signals._units import measures
+
+__all__ = ["FileInterpretation", "understanding_of"]
+
+# What a column with an unknown name is offered as, by its unit; the likeliest first.
+_OFFERED = (
+    *("time_s", "wire_voltage_v", "shunt_voltage_v", "drive_voltage_v", "wire_current_a", "wire_resistance_ohm"),
+    *("displacement_m", "force_n", "wire_temperature_k", "stress_pa"),
+)
+
+
+@dataclass(frozen=True)
+class FileInterpretation:
+    """How a file was understood: which header became which column, which ranges they have, and what is wrong.
+
+    Parameters
+    ----------
+    path
+        The file.
+    layout
+        How the file is built, in words: "text, separated by semicolons".
+    row_count
+        Number of rows, n_times; of a file with a problem, of those before it.
+    taken
+        The headers that became columns, with unit and factor.
+    ignored
+        The headers that did not, each with the reason.
+    undecided
+        The headers that would be columns, each with what has to be decided first.
+    metadata
+        The metadata in the file.
+    ranges
+        Smallest and largest number of each column, in SI.
+    notes
+        What reading left out, counted or changed, a sentence each.
+    problem
+        Why the file cannot be read as a recording, in one line; "" if it can.
+    mapping
+        The mapping that says all this explicitly, for the next file of this kind.
+    """
+
+    path: str
+    layout: str
+    row_count: int
+    taken: tuple[MatchedHeader, ...]
+    ignored: tuple[IgnoredHeader, ...]
+    undecided: tuple[UndecidedHeader, ...]
+    metadata: Mapping[str, MetadataValue]
+    ranges: Mapping[str, tuple[float, float]]
+    notes: tuple[str, ...]
+    problem: str
+    mapping: ImportMapping
+
+    def as_dict(self) -> dict[str, object]:
+        """Return plain values for JSON."""
+        return {
+            "path": self.path,
+            "layout": self.layout,
+            "rows": self.row_count,
+            "taken": [asdict(item) for item in self.taken],
+            "ignored": [asdict(item) for item in self.ignored],
+            "undecided": [asdict(item) for item in self.undecided],
+            "metadata": dict(self.metadata),
+            "ranges": {name: list(limits) for name, limits in self.ranges.items()},
+            "notes": list(self.notes),
+            "problem": self.problem,
+        }
+
+    def __str__(self) -> str:
+        """Return the report as lines of text."""
+        lines = [f"{self.path}: {self.layout}, {self.row_count} rows"]
+        lines += [f"  '{item.header}' -> {item.column}{_arithmetic(item)} ({_why(item)})" for item in self.taken]
+        lines += [f"  '{item.header}' undecided: {_without_path(item.message, self.path)}" for item in self.undecided]
+        lines += [f"  '{item.header}' ignored: {item.reason}{self._offer(item)}" for item in self.ignored]
+        lines += [f"  {name}: {self._range(name)}" for name in self.ranges]
+        lines += [f"  {note}" for note in self.notes]
+        lines += [f"  {key} = {value}" for key, value in self.metadata.items()]
+        return "\n".join(lines)
+
+    def _range(self, name: str) -> str:
+        low, high = self.ranges[name]
+        unit = COLUMNS[name].unit
+        return f"{low:.6g} to {high:.6g}{f' {unit}' if unit else ''}"
+
+    def _offer(self, item: IgnoredHeader) -> str:
+        """Return what a header with an unknown name could be mapped to, by its unit."""
+        unit = split_header(item.header)[1]
+        known = {one.column for one in self.taken} | {one.column for one in self.undecided}
+        fitting = [name for name in _OFFERED if name not in known and unit and measures(unit, name)]
+        return f"; perhaps -c {fitting[0]}='{item.header}'" if fitting and item.reason == "name not known" else ""
+
+
+def understanding_of(plan: ImportPlan, tally: CheckedBlocks, problem: str) -> FileInterpretation:
+    """Return the report of a plan whose blocks have been read, to the end or to a problem."""
+    table, match = plan.table, plan.match
+    dropped = (f"{tally.dropped} rows without a number left out",) if tally.dropped else ()
+    metadata = plan.metadata if tally.start_time is None else {"start_time": tally.start_time, **plan.metadata}
+    return FileInterpretation(
+        table.path,
+        table.layout,
+        tally.row_count,
+        match.taken,
+        match.ignored,
+        match.undecided,
+        metadata,
+        tally.ranges,
+        (*plan.notes, *dropped),
+        problem,
+        _explicit(plan),
+    )
+
+
+def _explicit(plan: ImportPlan) -> ImportMapping:
+    """Return a mapping that takes what this plan takes, whatever names will be recognised then."""
+    given = plan.mapping
+    headers = [column.header for column in plan.table.columns]
+    columns = {item.column: _wanted(item, headers) for item in plan.match.taken}
+    return ImportMapping(
+        columns,
+        (),
+        given.sample_period_s,
+        given.drop_missing,
+        given.zero,
+        given.invert,
+        given.metadata,
+        only_mapped=True,
+        group=given.group,
+    )
+
+
+def _wanted(item: MatchedHeader, headers: Sequence[str]) -> str:
+    """Return a header with its unit as a mapping names it: by its number if others have the same name."""
+    header = item.header if headers.count(item.header) == 1 else f"#{item.index + 1}"
+    return header if item.is_text or not item.unit else f"{header}:{item.unit}"
+
+
+def _why(item: MatchedHeader) -> str:
+    if item.is_text:
+        return f"{item.how}, times as text from the first row on"
+    return {"values": "its numbers count from long ago; from the first row on"}.get(item.how, item.how)
+
+
+def _without_path(message: str, path: str) -> str:
+    return message.removeprefix(f"{path}: ")
+
+
+def _arithmetic(item: MatchedHeader) -> str:
+    if item.is_text:
+        return ""
+    if item.factor == 1.0 and not item.offset:
+        return f" [{item.unit}]" if item.unit else ""
+    offset = f" + {item.offset:g}" if item.offset else ""
+    return f" [{item.unit}] x {item.factor:g}{offset}"

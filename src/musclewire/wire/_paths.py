@@ -1,0 +1,164 @@
+"""A wire along a whole history in one compiled call: a drive over time, or temperatures at constant stress.
+
+Identification, tables and batches need thousands of histories; a rig advances sample by sample instead.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled
+from musclewire.errors import CallerError
+from musclewire.wire._building import cooled_wire, resting_state
+from musclewire.wire._constants import WireConstants
+from musclewire.wire._fronts import shakedown_of
+from musclewire.wire._prescribed import follow, resistance_of, total_strain
+from musclewire.wire._row import Rows
+from musclewire.wire._state import WireState
+from musclewire.wire._step import RunningWire
+from musclewire.wire._stepping import StepControl, require_resolved
+from musclewire.wire._wires import CHOSEN, SourceOutput, advance_wire, plan_of
+
+__all__ = ["DrivenPath", "IsobaricPath", "drive_path", "isobaric_path"]
+
+
+class DrivenPath(NamedTuple):
+    """Response of a wire to a drive, each (n_samples,): means over each sample, then the true state at its end."""
+
+    wire_voltage_v: FloatArray
+    shunt_voltage_v: FloatArray
+    displacement_m: FloatArray
+    force_n: FloatArray
+    temperature_k: FloatArray
+    stress_pa: FloatArray
+    martensite_fraction: FloatArray
+    r_phase_fraction: FloatArray
+    resistance_ohm: FloatArray
+
+
+class IsobaricPath(NamedTuple):
+    """Response of a wire at constant stress to prescribed temperatures, each (n_points,).
+
+    ``strain`` is relative to stress-free austenite at 20 C.
+    """
+
+    strain: FloatArray
+    resistance_ohm: FloatArray
+    martensite_fraction: FloatArray
+    r_phase_fraction: FloatArray
+
+
+@compiled
+def drive_rows(
+    states: Rows,
+    constants: Rows,
+    cells: Rows,
+    load: Rows,
+    drive: FloatArray,
+    is_current: bool,
+    plan: FloatArray,
+) -> FloatArray:
+    """Drive a wire in place on arrays of one record; return the columns of a :class:`DrivenPath`."""
+    wire = RunningWire(states[0], constants[0], cells[0], load[0])
+    state = wire.state
+    shown = np.empty((9, drive.shape[0]))
+    for sample in range(drive.shape[0]):
+        means = advance_wire(wire, SourceOutput(drive[sample], is_current), plan)
+        shown[0, sample] = means[0]
+        shown[1, sample] = means[1]
+        shown[2, sample] = means[2]
+        shown[3, sample] = means[3]
+        shown[4, sample] = state.temperature_k
+        shown[5, sample] = state.stress_pa
+        shown[6, sample] = state.martensite_fraction
+        shown[7, sample] = state.r_phase_fraction
+        shown[8, sample] = state.resistance_ohm
+    return shown
+
+
+def drive_path(
+    constants: WireConstants,
+    drive: FloatArray,
+    *,
+    sample_s: float,
+    stepping: StepControl = CHOSEN,
+    state: WireState | None = None,
+    regulated_current: bool = False,
+) -> tuple[DrivenPath, WireState]:
+    """Return the response of a wire to a drive, and the state at the end.
+
+    The numbers equal those of ``simulate.wires.advance`` sample by sample to the bit.
+
+    Parameters
+    ----------
+    constants
+        The wire on its load.
+    drive
+        Drive of each sample, (n_samples,): a voltage [V], or a current [A] with ``regulated_current``.
+    sample_s
+        Length of a sample [s], during which its drive is held.
+    stepping
+        How a sample is divided into steps; by default as the tolerances ask.
+    state
+        Where the wire begins, which is not changed; None for a wire at rest, cold.
+    regulated_current
+        Whether a source regulates the current.
+
+    Returns
+    -------
+    Means and states of all samples, and the state at the end.
+
+    Raises
+    ------
+    CallerError
+        For a sample that is not positive, or steps that do not divide it.
+    NumericsError
+        If a step was not solved, or too long for what the wire did in it.
+    """
+    plan = plan_of(stepping, sample_s)
+    before = resting_state(constants) if state is None else state
+    after = before.copy()
+    held = np.ascontiguousarray(drive, dtype=np.float64)
+    shown = drive_rows(after.row, *constants.step_arrays(), held, regulated_current, plan)
+    require_resolved(after, stepping, sample_s, before)
+    return DrivenPath(*shown), after
+
+
+@compiled
+def isobaric_rows(
+    states: Rows,
+    constants: Rows,
+    cells: Rows,
+    load: Rows,
+    stress_pa: float,
+    temperature_k: FloatArray,
+) -> FloatArray:
+    """Follow temperatures in place on arrays of one record; return the columns of an :class:`IsobaricPath`."""
+    wire = RunningWire(states[0], constants[0], cells[0], load[0])
+    state, of = wire.state, wire.constants
+    over = shakedown_of(of, np.inf)
+    shown = np.empty((4, temperature_k.shape[0]))
+    for point in range(temperature_k.shape[0]):
+        follow(wire, over, temperature_k[point], stress_pa)
+        martensite, r_phase = state.martensite_fraction, state.r_phase_fraction
+        shown[0, point] = total_strain(of, stress_pa, martensite, r_phase, temperature_k[point])
+        shown[1, point] = resistance_of(of, stress_pa, martensite, r_phase, temperature_k[point], np.inf)
+        shown[2, point] = martensite
+        shown[3, point] = r_phase
+    return shown
+
+
+def isobaric_path(constants: WireConstants, stress_pa: float, temperature_k: FloatArray) -> IsobaricPath:
+    """Return strain and resistance of a wire under ``stress_pa`` along ``temperature_k``, (n_points,).
+
+    Beforehand the wire is cooled from hot to the first temperature at that stress. There is no spring and no heat
+    balance: the temperatures are prescribed. Raises CallerError for a negative stress.
+    """
+    if not stress_pa >= 0.0:
+        raise CallerError(f"stress is {stress_pa} Pa: a wire cannot be pushed, give 0 or more")
+    path = np.ascontiguousarray(temperature_k, dtype=np.float64)
+    state = cooled_wire(constants, stress_pa, float(path[0]))
+    return IsobaricPath(*isobaric_rows(state.row, *constants.step_arrays(), stress_pa, path))

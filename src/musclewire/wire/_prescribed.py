@@ -1,0 +1,117 @@
+"""A wire at prescribed temperature and stress: phases, strain and resistance without heat and load; compiled."""
+
+from __future__ import annotations
+
+import math
+
+from musclewire.compiled import compiled
+from musclewire.wire._balance import resistance_at, strain_at
+from musclewire.wire._constants import StepConstants
+from musclewire.wire._fronts import ShakedownEffects, shakedown_of
+from musclewire.wire._step import RunningWire, phases_at
+
+__all__ = ["cool_from_hot", "follow", "resistance_of", "total_strain"]
+
+
+@compiled
+def follow(wire: RunningWire, shakedown: ShakedownEffects, temperature_k: float, stress_pa: float) -> None:
+    """Apply a temperature and a stress to the phases of a wire, in place.
+
+    Parameters
+    ----------
+    wire
+        The wire; its fronts and its fractions change.
+    shakedown
+        Effects of its shakedown.
+    temperature_k
+        New temperature of the wire [K].
+    stress_pa
+        New stress of a leg [Pa].
+
+    References
+    ----------
+    Mayergoyz 1986, doi 10.1103/PhysRevLett.56.1518, and Sethna et al. 1993, doi 10.1103/PhysRevLett.70.3347, for the
+    return-point memory of such an ensemble.
+    """
+    state = wire.state
+    phases = phases_at(wire, shakedown, temperature_k, stress_pa)
+    for row in range(state.front_austenite.shape[0]):
+        state.front_austenite[row] = state.front_trial[6 * row]
+        state.front_martensite[row] = state.front_trial[6 * row + 1]
+    state.martensite_fraction = phases.martensite
+    state.r_phase_fraction = phases.r_phase
+
+
+@compiled
+def cool_from_hot(wire: RunningWire, temperature_k: float, stress_pa: float) -> None:
+    """Set the phases of a wire to those after cooling from full austenite at constant stress, in place.
+
+    On cooling fronts only move down to thresholds that fall: the result does not depend on the path, so that
+    evaluating its end is enough.
+    """
+    state = wire.state
+    for row in range(state.front_austenite.shape[0]):
+        state.front_austenite[row] = math.inf
+        state.front_martensite[row] = math.inf
+    follow(wire, shakedown_of(wire.constants, math.inf), temperature_k, stress_pa)
+
+
+@compiled
+def total_strain(
+    constants: StepConstants, stress_pa: float, martensite: float, r_phase: float, temperature_k: float
+) -> float:
+    """Return the total strain of the wire relative to stress-free austenite at 20 C.
+
+    Parameters
+    ----------
+    constants
+        One record of the wire's derived constants.
+    stress_pa
+        Stress of a leg [Pa].
+    martensite
+        Volume fraction of martensite, 0 to 1.
+    r_phase
+        Volume fraction of R-phase, 0 to 1 - ``martensite``.
+    temperature_k
+        Temperature of the wire [K].
+
+    Returns
+    -------
+    The sum of transformation, elastic and thermal strain, without the residual strain of shakedown.
+    """
+    strain = strain_at(constants, temperature_k, stress_pa, martensite, r_phase)
+    return strain.transformation + strain.elastic + strain.thermal
+
+
+@compiled
+def resistance_of(
+    constants: StepConstants,
+    stress_pa: float,
+    martensite: float,
+    r_phase: float,
+    temperature_k: float,
+    cycles: float,
+) -> float:
+    """Return the wire's resistance [ohm] at a state and an age.
+
+    Parameters
+    ----------
+    constants
+        One record of the wire's derived constants.
+    stress_pa
+        Stress of a leg [Pa].
+    martensite
+        Volume fraction of martensite, 0 to 1.
+    r_phase
+        Volume fraction of R-phase, 0 to 1 - ``martensite``.
+    temperature_k
+        Temperature of the wire [K].
+    cycles
+        Cycles since the wire was new, for its shakedown.
+
+    Returns
+    -------
+    Resistance of the whole wire [ohm], without leads and shunt.
+    """
+    strain = strain_at(constants, temperature_k, stress_pa, martensite, r_phase)
+    return resistance_at(constants, shakedown_of(constants, cycles), strain, temperature_k, martensite, r_phase)

@@ -1,0 +1,309 @@
+"""Steps of one wire and of a pair: how a sample is divided, the circuit at a moment, a step that was tried."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled, compiled_inline
+from musclewire.errors import CallerError, NumericsError
+from musclewire.wire._balance import convection_w_per_m2_k, loss_w
+from musclewire.wire._constants import StepConstants
+from musclewire.wire._row import Rows
+from musclewire.wire._state import WireState
+from musclewire.wire._step import Equilibrium
+
+__all__ = [
+    "CHOSEN",
+    "DURATION",
+    "MIN_STEP_S",
+    "RESISTANCE",
+    "STEPS",
+    "STRAIN",
+    "TEMPERATURE",
+    "StepAttempt",
+    "SourceOutput",
+    "WireInstant",
+    "StepControl",
+    "circuit_at",
+    "are_resolved",
+    "error_ratio",
+    "is_resolved",
+    "require_resolved",
+    "fixed_steps",
+    "instant_of",
+    "longest_step_s",
+    "next_step_s",
+    "owed_j",
+    "plan_of",
+    "shorter_step_s",
+    "steps_within",
+]
+
+# A fixed step must divide the sample; this much of a step may be left over by rounding.
+RAGGED = 1e-6
+
+
+# Places of a plan's numbers.
+DURATION, STEPS, TEMPERATURE, RESISTANCE, STRAIN = range(5)
+# Chosen steps: the next one aims at this fraction of the tolerance and changes by these factors at most.
+SAFETY, MAX_SHRINK, MAX_GROWTH = 0.9, 0.2, 3.0
+# Steps this short are taken whatever their error: only a jump of a load or a drive asks for shorter ones.
+MIN_STEP_S = 1e-5
+# A step with a larger estimated error in temperature shows the step, not the wire.
+MAX_STEP_ERROR_K = 2.0
+
+
+class StepControl(NamedTuple):
+    """How a sample is divided into steps.
+
+    By default steps are chosen: a sample is one step, and is split where the estimated error of a step in temperature,
+    resistance or strain would be above its tolerance. The defaults keep each of them below what instruments show.
+
+    Parameters
+    ----------
+    fixed_s
+        Length of every step [s]; 0 for chosen steps.
+    temperature_k
+        Tolerance of temperature [K].
+    resistance
+        Tolerance of resistance, as a fraction of it.
+    strain
+        Tolerance of strain, as a fraction.
+    """
+
+    fixed_s: float = 0.0
+    temperature_k: float = 5e-3
+    resistance: float = 3e-5
+    strain: float = 1e-5
+
+
+def fixed_steps(step_s: float) -> StepControl:
+    """Return steps of one length.
+
+    Parameters
+    ----------
+    step_s
+        Length of every step [s].
+
+    Returns
+    -------
+    The stepping.
+
+    Raises
+    ------
+    CallerError
+        If the length is not positive and finite.
+    """
+    if not 0.0 < step_s < math.inf:
+        raise CallerError(f"a step of {step_s} s cannot be: give a positive number of seconds")
+    return StepControl(fixed_s=step_s)
+
+
+def steps_within(stepping: StepControl, duration_s: float) -> int:
+    """Return how many fixed steps a duration has, 0 for chosen ones.
+
+    Parameters
+    ----------
+    stepping
+        How the duration is divided.
+    duration_s
+        Length of a sample [s].
+
+    Returns
+    -------
+    The number of fixed steps, or 0.
+
+    Raises
+    ------
+    CallerError
+        If the duration or a tolerance is not positive, or a fixed step does not divide the duration.
+    """
+    if not 0.0 < duration_s < math.inf:
+        raise CallerError(f"a sample of {duration_s} s cannot be: give a positive number of seconds")
+    if not min(stepping.temperature_k, stepping.resistance, stepping.strain) > 0.0:
+        raise CallerError(f"tolerances must be above 0: {stepping}")
+    if stepping.fixed_s == 0.0:
+        return 0
+    ratio = duration_s / stepping.fixed_s
+    if not ratio >= 1.0 - RAGGED or abs(ratio - round(ratio)) > RAGGED * max(ratio, 1.0):
+        raise CallerError(f"a step of {stepping.fixed_s:g} s must divide a sample of {duration_s:g} s without a rest")
+    return round(ratio)
+
+
+CHOSEN = StepControl()
+
+
+class SourceOutput(NamedTuple):
+    """What the source holds: a voltage [V], or a current [A]."""
+
+    value: float
+    is_current: bool
+
+
+class WireInstant(NamedTuple):
+    """A wire in its circuit and in the air at one moment: current [A], electrical power and heat loss [W]."""
+
+    current_a: float
+    power_w: float
+    loss_w: float
+
+
+class StepAttempt(NamedTuple):
+    """A step that was tried.
+
+    Parameters
+    ----------
+    found
+        The wire at its end.
+    within, ended
+        Circuit and air in its middle and at its end.
+    heat_j
+        Heat of the step [J], with what the step before owed.
+    owed_j
+        Heat by the trapezoidal rule less that by the middle [J]: what this step owes the next.
+    error_k
+        What that means in temperature [K]: the estimated error of the step.
+    """
+
+    found: Equilibrium
+    within: WireInstant
+    ended: WireInstant
+    heat_j: float
+    owed_j: float
+    error_k: float
+
+
+@compiled_inline
+def circuit_at(
+    constants: StepConstants,
+    drive: SourceOutput,
+    resistance_ohm: float,
+    temperature_k: float,
+    coefficient_w_per_m2_k: float,
+) -> WireInstant:
+    """Return current, power and loss of a wire: the source drives wire, shunt and leads in series."""
+    current_a = drive.value if drive.is_current else drive.value / (resistance_ohm + constants.series_resistance_ohm)
+    loss = loss_w(constants, coefficient_w_per_m2_k, temperature_k)
+    return WireInstant(current_a, current_a * current_a * resistance_ohm, loss)
+
+
+@compiled_inline
+def instant_of(
+    constants: StepConstants, drive: SourceOutput, resistance_ohm: float, temperature_k: float
+) -> WireInstant:
+    """Return current, power and loss of a wire, with the air's coefficient from the wire's table."""
+    coefficient = convection_w_per_m2_k(constants, constants, temperature_k)
+    return circuit_at(constants, drive, resistance_ohm, temperature_k, coefficient)
+
+
+@compiled_inline
+def owed_j(started: WireInstant, within: WireInstant, ended: WireInstant, step_s: float) -> float:
+    """Return the heat of a step by the trapezoidal rule less that by its middle [J]."""
+    both_w = 0.5 * (started.power_w - started.loss_w + ended.power_w - ended.loss_w)
+    return (both_w - (within.power_w - within.loss_w)) * step_s
+
+
+@compiled_inline
+def error_ratio(state: WireState, tried: StepAttempt, started: WireInstant, step_s: float, plan: FloatArray) -> float:
+    """Return the largest error of a step over its tolerance: of temperature, resistance and strain.
+
+    Resistance and contraction are also shown as means over a sample: how far the mean of both ends may be from the
+    mean in between follows from the rates at both ends.
+    """
+    found, after = tried.found, tried.found.wire
+    at_start_w = started.power_w - started.loss_w
+    at_end_w = tried.ended.power_w - tried.ended.loss_w
+    turned = at_start_w * state.last_heat_j < 0.0
+    resistance_slope = (after.resistance_ohm - state.resistance_ohm) / tried.heat_j if tried.heat_j != 0.0 else 0.0
+    before = 0.0 if turned else state.resistance_slope_ohm_per_j
+    bend_ohm = abs(before * at_start_w - resistance_slope * at_end_w)
+    before = 0.0 if turned else state.contraction_slope_per_j
+    bend = abs(before * at_start_w - found.contraction_slope_per_j * at_end_w)
+    mean = step_s / 12.0
+    resistance_ohm = max(abs(tried.owed_j * resistance_slope), bend_ohm * mean)
+    strain = max(abs(tried.owed_j * found.contraction_slope_per_j), bend * mean)
+    return max(
+        tried.error_k / plan[TEMPERATURE],
+        max(resistance_ohm / (plan[RESISTANCE] * state.resistance_ohm), strain / plan[STRAIN]),
+    )
+
+
+@compiled_inline
+def longest_step_s(state: WireState, duration_s: float) -> float:
+    """Return the step to try first [s]: what the last one suggests, or the whole duration."""
+    return min(state.step_s, duration_s) if state.step_s > 0.0 else duration_s
+
+
+@compiled_inline
+def shorter_step_s(step_s: float, ratio: float) -> float:
+    """Return the step to try in place of one whose error was above its tolerance by this ratio."""
+    return step_s * max(SAFETY / math.sqrt(ratio), MAX_SHRINK)
+
+
+@compiled_inline
+def next_step_s(step_s: float, ratio: float) -> float:
+    """Return the step that suits the tolerance after one with this ratio of error to tolerance."""
+    return step_s * min(max(SAFETY / math.sqrt(max(ratio, 1e-6)), MAX_SHRINK), MAX_GROWTH)
+
+
+@lru_cache(maxsize=64)
+def plan_of(stepping: StepControl, duration_s: float) -> FloatArray:
+    """Return a stepping over a duration as compiled code takes it, (5,): duration [s], fixed steps, tolerances.
+
+    Raises CallerError for a duration that is not positive or that fixed steps do not divide.
+    """
+    steps = steps_within(stepping, duration_s)
+    return np.array([duration_s, steps, stepping.temperature_k, stepping.resistance, stepping.strain])
+
+
+@compiled
+def is_resolved(state: WireState) -> bool:
+    """Whether all steps of a wire were solved, and none too long for what happened in it."""
+    # Not a number is not less than anything: written so that it is not resolved.
+    solved = state.unsolved_steps == 0.0 and state.step_error_k <= MAX_STEP_ERROR_K
+    return solved and abs(state.temperature_k) < math.inf
+
+
+@compiled
+def are_resolved(states: Rows) -> bool:
+    """Whether the steps of all wires, (n_wires,), were solved, and none too long for what happened in it."""
+    for wire in range(states.shape[0]):  # noqa: SIM110  # Numba compiles no generators
+        if not is_resolved(states[wire]):
+            return False
+    return True
+
+
+def require_resolved(after: WireState, stepping: StepControl, sample_s: float, before: WireState | None = None) -> None:
+    """Raise NumericsError if steps up to a state were not solved, or too long for what happened in them.
+
+    Parameters
+    ----------
+    after
+        The wire after these steps.
+    stepping
+        How they were chosen, for the message.
+    sample_s
+        Length of a sample [s], the longest step.
+    before
+        The wire before them; None to judge all steps since the wire was first at rest.
+    """
+    numbers = after.record
+    missed = numbers.unsolved_steps - (before.unsolved_steps if before is not None else 0.0)
+    if missed == 0.0 and numbers.step_error_k <= MAX_STEP_ERROR_K and abs(numbers.temperature_k) < math.inf:
+        return
+    length_s = stepping.fixed_s or sample_s
+    steps = f"steps of {1e3 * length_s:g} ms" if stepping.fixed_s else f"chosen steps of {1e3 * length_s:g} ms at most"
+    raise NumericsError(
+        f"the simulation does not resolve what the wire does up to {numbers.time_s:.3f} s: {steps} leave an error of "
+        f"{numbers.step_error_k:.3g} K in temperature and {missed:.0f} balances unsolved; "
+        + (
+            "set time_step_s to 0 for steps chosen by tolerance, or to a fraction of this"
+            if stepping.fixed_s
+            else "look for a load or a drive that no wire could follow, or lower the tolerances"
+        )
+    )

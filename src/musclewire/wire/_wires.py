@@ -1,0 +1,465 @@
+"""The wires of a simulated rig over time, one or two in their driving circuit, behind one interface.
+
+The circuit of one wire is a buffer amplifier, wire, shunt and leads in series.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled, compiled_inline
+from musclewire.wire._building import resting_state
+from musclewire.wire._constants import WireConstants
+from musclewire.wire._fronts import shakedown_of
+from musclewire.wire._pairs import APART, GrippedObject, PairConnection, advance_pair
+from musclewire.wire._row import Rows
+from musclewire.wire._state import WireState
+from musclewire.wire._step import NO_PUSH, RunningWire, accept, guess_after, middle_of_step, solve
+from musclewire.wire._stepping import (
+    CHOSEN,
+    DURATION,
+    MIN_STEP_S,
+    STEPS,
+    SourceOutput,
+    StepAttempt,
+    StepControl,
+    WireInstant,
+    are_resolved,
+    circuit_at,
+    error_ratio,
+    instant_of,
+    longest_step_s,
+    next_step_s,
+    owed_j,
+    plan_of,
+    require_resolved,
+    shorter_step_s,
+)
+
+__all__ = [
+    "CHOSEN",
+    "SourceOutput",
+    "WireInstant",
+    "WireMeans",
+    "attempt",
+    "circuit_at",
+    "owed_j",
+    "accept_step",
+    "advance",
+    "advance_rows",
+    "advance_wire",
+    "plan_of",
+    "SampleMeans",
+    "OneWire",
+    "SimulatedWires",
+    "TwoWires",
+]
+
+
+class WireMeans(NamedTuple):
+    """Means over one call of :func:`advance`: what an averaging acquisition card measures.
+
+    Parameters
+    ----------
+    wire_voltage_v
+        Voltage of the wire [V].
+    shunt_voltage_v
+        Voltage of the shunt [V].
+    displacement_m
+        Displacement of the connector [m], positive for a shorter wire.
+    force_n
+        Force of all legs together [N].
+    """
+
+    wire_voltage_v: float
+    shunt_voltage_v: float
+    displacement_m: float
+    force_n: float
+
+
+def advance(
+    state: WireState,
+    constants: WireConstants,
+    drive_voltage_v: float,
+    duration_s: float,
+    stepping: StepControl = CHOSEN,
+) -> tuple[WireState, WireMeans]:
+    """Return the state after a time at one drive voltage, and the means over that time.
+
+    The state passed in is not changed. Energy is conserved to rounding: enthalpy changes by heat in minus heat
+    out, and temperature follows from enthalpy and phase fractions.
+
+    Parameters
+    ----------
+    state
+        The wire before the first step.
+    constants
+        Its constants, with the load's table.
+    drive_voltage_v
+        Drive voltage of the buffer amplifier [V], the same all the time.
+    duration_s
+        The time [s].
+    stepping
+        How it is divided into steps; by default as the tolerances ask, the whole time in one step at most.
+
+    Returns
+    -------
+    The state at the end, and the means.
+
+    Raises
+    ------
+    CallerError
+        For a duration that is not positive or that fixed steps do not divide.
+
+    References
+    ----------
+    The circuit is that of Lan and Fan 2010, Fig. 2.
+    """
+    plan = plan_of(stepping, duration_s)
+    after = state.copy()
+    # Arrays go into compiled code and plain numbers come back. Numba would call the class of a named tuple on the way
+    # out; a Ctrl-C that arrives during that call is not handled, and the process dies.
+    means = advance_rows(after.row, *constants.step_arrays(), drive_voltage_v, plan)
+    return after, WireMeans(*means)
+
+
+@compiled_inline
+def attempt(wire: RunningWire, drive: SourceOutput, started: WireInstant, step_s: float) -> StepAttempt:
+    """Return a step of a wire; the wire itself does not move yet.
+
+    Power and loss in the middle of the step give its heat. The trapezoidal rule with the end as found would give a
+    little more or less: that is made good in the next step, and is the estimate of this one's error.
+    """
+    state, k = wire.state, wire.constants
+    middle = middle_of_step(state, k, 0.5 * step_s * (started.power_w - started.loss_w))
+    within = instant_of(k, drive, middle.resistance_ohm, middle.temperature_k)
+    heat_j = (within.power_w - within.loss_w) * step_s + state.carried_heat_j
+    shakedown = shakedown_of(k, state.cycles)
+    found = solve(wire, shakedown, state.enthalpy_j + heat_j, guess_after(state, middle, heat_j), NO_PUSH)
+    ended = instant_of(k, drive, found.wire.resistance_ohm, found.wire.temperature_k)
+    owes_j = owed_j(started, within, ended, step_s)
+    slope = max(found.temperature_slope_k_per_j, middle.temperature_slope_k_per_j)
+    return StepAttempt(found, within, ended, heat_j, owes_j, abs(owes_j) * slope)
+
+
+@compiled_inline
+def accept_step(wire: RunningWire, tried: StepAttempt, started: WireInstant, step_s: float) -> None:
+    """Move a wire by a step that was tried, in place."""
+    state = wire.state
+    accept(wire, tried.found, tried.heat_j, NO_PUSH)
+    state.carried_heat_j = tried.owed_j
+    state.heat_in_j += 0.5 * (started.power_w + tried.ended.power_w) * step_s
+    state.heat_out_j += 0.5 * (started.loss_w + tried.ended.loss_w) * step_s
+    state.step_error_k = max(state.step_error_k, tried.error_k)
+
+
+@compiled_inline
+def advance_wire(wire: RunningWire, drive: SourceOutput, plan: FloatArray) -> tuple[float, float, float, float]:
+    """Advance a wire in place by a duration; return the means of :func:`advance`."""
+    state, k = wire.state, wire.constants
+    started = instant_of(k, drive, state.resistance_ohm, state.temperature_k)
+    fixed = plan[STEPS] > 0.0
+    left_s = duration_s = plan[DURATION]
+    step_s = duration_s / plan[STEPS] if fixed else longest_step_s(state, duration_s)
+    steps_left = int(plan[STEPS])
+    voltage_sum = current_sum = moved_sum = stress_sum = 0.0
+    while steps_left > 0 if fixed else left_s > 0.0:
+        if not fixed:  # equal steps over what is left, none longer than the tolerance asks for
+            step_s = left_s / math.ceil(left_s / step_s * (1.0 - 1e-9))
+        tried = attempt(wire, drive, started, step_s)
+        if not fixed:
+            ratio = error_ratio(state, tried, started, step_s, plan)
+            if ratio > 1.0 and step_s > MIN_STEP_S:
+                step_s = shorter_step_s(step_s, ratio)
+                continue
+            state.step_s = next_step_s(step_s, ratio)
+        resistance_ohm, connector, stress_pa = state.resistance_ohm, state.connector_contraction, state.stress_pa
+        accept_step(wire, tried, started, step_s)
+        # The trapezoidal rule for all four alike: otherwise strain would be late or early compared with resistance.
+        ended = tried.ended
+        voltage_sum += step_s * (started.current_a * resistance_ohm + ended.current_a * state.resistance_ohm)
+        current_sum += step_s * (started.current_a + ended.current_a)
+        moved_sum += step_s * (connector + state.connector_contraction)
+        stress_sum += step_s * (stress_pa + state.stress_pa)
+        started = ended
+        left_s -= step_s
+        steps_left -= 1
+        step_s = step_s if fixed else state.step_s
+    # Adding up time step by step would accumulate rounding errors.
+    state.time_s += duration_s
+    mean = 0.5 / duration_s
+    return (
+        mean * voltage_sum,
+        mean * current_sum * k.shunt_resistance_ohm,
+        mean * moved_sum * k.leg_length_m,
+        mean * stress_sum * k.section_m2,
+    )
+
+
+@compiled
+def advance_rows(
+    states: Rows,
+    constants: Rows,
+    cells: Rows,
+    load: Rows,
+    drive_voltage_v: float,
+    plan: FloatArray,
+) -> tuple[float, float, float, float]:
+    """Advance a wire in place, arrays of one record, (1,); return the means of :func:`advance`."""
+    return advance_wire(
+        RunningWire(states[0], constants[0], cells[0], load[0]), SourceOutput(drive_voltage_v, False), plan
+    )
+
+
+class SampleMeans(NamedTuple):
+    """Means over a sample: what averaging instruments measure; ``grip_n`` is None with one wire.
+
+    Force is that of both wires if they pull together, otherwise of the first one.
+    """
+
+    wire_voltage_v: float
+    shunt_voltage_v: float
+    displacement_m: float
+    force_n: float
+    grip_n: float | None = None
+
+
+class SimulatedWires(Protocol):
+    """One wire or two, with their present state."""
+
+    @property
+    def state(self) -> WireState:
+        """State of the wire whose voltages are measured, the first of two."""
+        ...
+
+    @property
+    def partner_state(self) -> WireState | None:
+        """State of the second wire; None if there is one wire."""
+        ...
+
+    @property
+    def time_s(self) -> float:
+        """Time since the wires were first at rest [s]."""
+        ...
+
+    @property
+    def slack_m(self) -> float:
+        """Length by which friction holds a connector ahead of its slack wire [m], 0 for taut wires."""
+        ...
+
+    @property
+    def step_error_k(self) -> float:
+        """Largest estimated error of a step in temperature since the wires were at rest [K]."""
+        ...
+
+    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> SampleMeans:
+        """Advance by one sample at one drive voltage.
+
+        Parameters
+        ----------
+        drive_voltage_v
+            Drive voltage [V] during the sample.
+        duration_s
+            Length of the sample [s].
+        stepping
+            How it is divided into steps.
+
+        Returns
+        -------
+        Means over the sample, as averaging instruments measure them.
+        """
+        ...
+
+    def require_resolved(self) -> None:
+        """Raise NumericsError if steps of the last sample were unsolved or too long."""
+        ...
+
+    def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
+        """Change the temperature and the convection of the air from now on.
+
+        Parameters
+        ----------
+        ambient_temperature_k
+            Temperature of the air [K].
+        convection_ratio
+            Loss to the air as a multiple of that in still air.
+        """
+        ...
+
+    def age_like(self, before: SimulatedWires) -> None:
+        """Take over clock and cycles from the wires at the previous setting.
+
+        Parameters
+        ----------
+        before
+            Wires of the same kind, one or two, at another setting of the stages.
+        """
+        ...
+
+
+def aged(constants: WireConstants, before: WireState) -> tuple[WireConstants, WireState]:
+    """Return a wire at rest with the clock and cycles of another, its instruments zeroed at this setting."""
+    # The length that a new wire has gained until now belongs to the new zero.
+    remaining = math.exp(-before.cycles / constants.shakedown_cycles)
+    gained = constants.shakedown_strain * (1.0 - remaining)
+    zeroed = constants.replace(cold_strain=constants.cold_strain + gained)
+    return zeroed, resting_state(zeroed).replace(time_s=before.time_s, cycles=before.cycles)
+
+
+# Places of both contractions among the plain numbers of a state, before its arrays: a field takes ten times as long.
+CONTRACTION, CONNECTOR = (
+    [item.name for item in WireState.fields].index(name) for name in ("contraction", "connector_contraction")
+)
+
+
+class OneWire:
+    """A wire on its load. It runs in place; a state that was handed out is left alone and copied first."""
+
+    partner_state: WireState | None = None
+
+    def __init__(self, constants: WireConstants) -> None:
+        """Cool the wire under its pretension."""
+        self._last = (CHOSEN, 0.0)
+        self._stand_at(constants, resting_state(constants))
+
+    def _stand_at(self, constants: WireConstants, state: WireState) -> None:
+        """Take constants, those of still air, and a state of one's own."""
+        self._state, self._handed_out = state, False
+        self.constants, self._leg_length_m = constants, constants.leg_length_m
+        derived, *tables = constants.step_arrays()
+        self._derived, (self._cells, self._load) = derived.copy(), tables
+
+    @property
+    def state(self) -> WireState:
+        """The present state; it does not change any more."""
+        self._handed_out = True
+        return self._state
+
+    @property
+    def time_s(self) -> float:
+        """Time since the wire was first at rest [s]."""
+        return float(self._state.numbers[0])
+
+    @property
+    def slack_m(self) -> float:
+        """Length by which friction holds the connector ahead of the slack wire [m]."""
+        numbers = self._state.numbers
+        return float(numbers[CONNECTOR] - numbers[CONTRACTION]) * self._leg_length_m
+
+    @property
+    def step_error_k(self) -> float:
+        """Largest estimated error of a step in temperature since the wire was at rest [K]."""
+        return float(self._state.step_error_k)
+
+    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> SampleMeans:
+        """Advance by one sample at one drive voltage."""
+        if self._handed_out:
+            self._state, self._handed_out = self._state.copy(), False
+        self._last = (stepping, duration_s)
+        plan = plan_of(stepping, duration_s)
+        means = advance_rows(self._state.row, self._derived, self._cells, self._load, drive_voltage_v, plan)
+        return SampleMeans(*means)
+
+    def adopt_compiled_state(self, states: Rows, constants: Rows) -> None:
+        """Take the state that samples in compiled code have left behind, (1,), and the constants in the air then."""
+        numbers: FloatArray = states.view(np.float64)
+        self._state, self._handed_out, self._derived = WireState(numbers, states.dtype), False, constants
+
+    def require_resolved(self) -> None:
+        """Raise NumericsError if steps were unsolved or too long."""
+        if not are_resolved(self._state.row):
+            require_resolved(self._state, *self._last)
+
+    def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
+        """Change the temperature and the convection of the air from now on."""
+        self._derived["ambient_temperature_k"] = ambient_temperature_k
+        self._derived["surface_factor_m2"] = self.surface_factor_m2(convection_ratio)
+
+    def surface_factor_m2(self, convection_ratio: float) -> float:
+        """Return surface times convection factor [m2] for a loss to the air as a multiple of that in still air."""
+        return self.constants.surface_m2 * (self.constants.convection_factor * convection_ratio)
+
+    def age_like(self, before: SimulatedWires) -> None:
+        """Take over clock and cycles from the wire at the previous setting."""
+        self._stand_at(*aged(self.constants, before.state))
+
+
+class TwoWires:
+    """Two coupled wires; the load and the circuit are the first one's."""
+
+    def __init__(
+        self, constants: tuple[WireConstants, WireConstants], pair: PairConnection, grip: GrippedObject
+    ) -> None:
+        """Cool both wires under their pretension."""
+        self._both = constants
+        self._states = (resting_state(constants[0]), resting_state(constants[1]))
+        self._pair, self._grip = pair, grip
+        self._last = (CHOSEN, 0.0)
+        self._still_factors = tuple(one.convection_factor for one in constants)
+
+    @property
+    def state(self) -> WireState:
+        """State of the first wire."""
+        return self._states[0]
+
+    @property
+    def partner_state(self) -> WireState:
+        """State of the second wire."""
+        return self._states[1]
+
+    @property
+    def time_s(self) -> float:
+        """Time since the wires were first at rest [s]."""
+        return self._states[0].time_s
+
+    @property
+    def slack_m(self) -> float:
+        """The larger of both lengths [m]; 0 on a common connector, where a slack wire is moved by the other one."""
+        if self._pair.direction != APART:
+            return 0.0
+        return max(state.slack * one.leg_length_m for state, one in zip(self._states, self._both, strict=True))
+
+    @property
+    def step_error_k(self) -> float:
+        """The larger of both errors [K]."""
+        return max(state.step_error_k for state in self._states)
+
+    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> SampleMeans:
+        """Advance by one sample at one drive voltage."""
+        self._last = (stepping, duration_s)
+        self._states, means = advance_pair(
+            self._states, self._both, self._pair, self._grip, drive_voltage_v, duration_s, stepping
+        )
+        together_n = means.force_n + means.partner_force_n if self._pair.direction > 0.0 else means.force_n
+        return SampleMeans(
+            means.wire_voltage_v,
+            means.shunt_voltage_v,
+            means.displacement_m,
+            together_n,
+            means.grip_n,
+        )
+
+    def require_resolved(self) -> None:
+        """Raise NumericsError if steps of a wire were unsolved or too long."""
+        for state in self._states:
+            require_resolved(state, *self._last)
+
+    def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
+        """Change the temperature and the convection of the air around both wires from now on."""
+        first, second = (
+            one.replace(ambient_temperature_k=ambient_temperature_k, convection_factor=factor * convection_ratio)
+            for one, factor in zip(self._both, self._still_factors, strict=True)
+        )
+        self._both = (first, second)
+
+    def age_like(self, before: SimulatedWires) -> None:
+        """Take over clock and cycles from the wires at the previous setting."""
+        partner = before.partner_state
+        assert partner is not None  # another setting of one rig: its parts are the same
+        first, state = aged(self._both[0], before.state)
+        second, other = aged(self._both[1], partner)
+        self._both, self._states = (first, second), (state, other)
