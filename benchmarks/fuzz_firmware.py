@@ -4,8 +4,8 @@ The firmware's C is compiled for this machine with the address and undefined-beh
 (firmware_under_fire.c in tests/extras/board/fuzz). Two streams: random bytes with a valid ARM and DRIVE now and then,
 so that there is a run to disturb; and frames that were valid once: bits flipped, bytes lost, doubled, inserted, cut, or
 a payload of odd numbers with a right check sum. After every byte and tick the output must be safe: finite, 0 V to the
-maximum, 0 V when off, gone 0.25 s after the last command. The host's parser gets the same bytes cut anywhere and must accept and
-reject exactly as many frames. Exit 1 where anything differs.
+maximum, 0 V when off, gone 0.25 s after the last command. The host's parser gets the same bytes cut anywhere and must
+accept and reject exactly as many frames. Exit 1 where anything differs.
 
     python benchmarks/fuzz_firmware.py [--quick] [--seed N]     10,000,000 bytes and 1,000,000 frames, or a hundredth
 """

@@ -1,7 +1,7 @@
 """Run the staircase with each rule base on the same wire, and compare the errors of its steps after the approach."""
 
 import musclewire as mw
-from musclewire.controllers import rule_base_names
+from musclewire import rule_base_names
 
 with mw.open_rig("simulated") as rig:
     model = mw.fit(mw.characterize(rig))

@@ -1,7 +1,7 @@
 """Cycle a new wire until its loop repeats, fit it, and make a home move at a later start, all on one wire."""
 
 import musclewire as mw
-from musclewire.rigs import RigConfiguration
+from musclewire import RigConfiguration
 
 with mw.open_rig(RigConfiguration(new_wire=True)) as rig:
     training = mw.train(rig)

@@ -12,7 +12,7 @@ import argparse
 import numpy as np
 
 import musclewire as mw
-from musclewire.extras.interfaces import WireVectorEnv
+from musclewire import WireVectorEnv
 
 TARGET, ESTIMATE = 4, 5  # places in an observation
 DT_S, FILTER_S = 0.05, 0.2

@@ -2,7 +2,7 @@
 
     python firmware/protocol.py
 
-The definition is data/protocol.toml in src/musclewire/extras/board/serial. From it follow message_types.py beside that
+The definition is data/protocol.toml in src/musclewire/extras/board/_serial. From it follow message_types.py beside that
 folder, firmware/src/messages.h and the tables of docs/reference/firmware_protocol.md; a test compares the
 committed files with it.
 """
@@ -20,8 +20,8 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 ROOT = Path(__file__).resolve().parent.parent
-DEFINITION = ROOT / "src/musclewire/extras/board/serial/data/protocol.toml"
-PYTHON = ROOT / "src/musclewire/extras/board/serial/message_types.py"
+DEFINITION = ROOT / "src/musclewire/extras/board/_serial/data/protocol.toml"
+PYTHON = ROOT / "src/musclewire/extras/board/_serial/message_types.py"
 HEADER = ROOT / "firmware/src/messages.h"
 PAGE = ROOT / "docs/reference/firmware_protocol.md"
 # The letters of Python's struct, and the types of Python.

@@ -17,11 +17,23 @@ import numpy as np
 from numba import njit
 from pydantic import Field
 
-from musclewire.errors import NumericsError
-from musclewire.extras.studies import Conditions, InstrumentSettings, RunningInstruments, steady
-from musclewire.physics import air_thermal_conductivity_w_per_m_k, nusselt_morgan, rayleigh_of_wire
-from musclewire.rigs import SWITCHED_OFF, DeviceConfiguration, DeviceFacts, MountedWire
-from musclewire.signals import RawSample, drive_voltage_of, measured_in
+from musclewire import (
+    SWITCHED_OFF,
+    Conditions,
+    DeviceConfiguration,
+    DeviceFacts,
+    InstrumentSettings,
+    MountedWire,
+    NumericsError,
+    RawSample,
+    RunningInstruments,
+    air_thermal_conductivity_w_per_m_k,
+    drive_voltage_of,
+    measured_in,
+    nusselt_morgan,
+    rayleigh_of_wire,
+    steady,
+)
 
 ZERO_C = 273.15
 STEP_S = 2.5e-3

@@ -8,130 +8,39 @@
         run = mw.control(rig, model, mw.staircase())
     print(run.metrics)
 
-Names are loaded when they are first used, so that importing the package costs nothing.
+Every name that is promised to users is here, and nothing else is promised: those of the core are listed in the stub
+beside this file, those of parts outside the core in their manifests. Names are loaded when they are first used, so that
+importing the package costs nothing.
 """
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from musclewire.controllers import (
-        CONTROLLERS,
-        FuzzyPidSettings,
-        SteeredReference,
-        load_gains,
-        sampled_reference,
-        staircase,
-    )
-    from musclewire.errors import MusclewireError
-    from musclewire.experiment import (
-        characterize,
-        control,
-        control_many,
-        home,
-        pretension_sweep,
-        speed_limits,
-        train,
-        zero_tendon,
-    )
-    from musclewire.identify import Marks, calibrate, estimate, fit, fit_resistance, tune
-    from musclewire.rigs import DEVICES, LOAD_PARTS, open_rig
-    from musclewire.sensing import ESTIMATORS, SensingModel, load_model
-    from musclewire.signals import Recording, read_recording, recover_recording
+import lazy_loader
 
-__all__ = [
-    "open_rig",
-    "characterize",
-    "fit",
-    "fit_resistance",
-    "Marks",
-    "control",
-    "control_many",
-    "staircase",
-    "sampled_reference",
-    "SteeredReference",
-    "estimate",
-    "pretension_sweep",
-    "zero_tendon",
-    "train",
-    "home",
-    "calibrate",
-    "tune",
-    "speed_limits",
-    "load_gains",
-    "reproduce",
-    "sweep",
-    "read_study",
-    "write_study",
-    "read_study_data",
-    "export_fmu",
-    "read_recording",
-    "recover_recording",
-    "load_model",
-    "Recording",
-    "SensingModel",
-    "FuzzyPidSettings",
-    "ESTIMATORS",
-    "CONTROLLERS",
-    "DEVICES",
-    "LOAD_PARTS",
-    "RUN_KINDS",
-    "LiveClient",
-    "MusclewireError",
-]
-
-_HOMES = {
-    "open_rig": "musclewire.rigs._configuration",
-    "characterize": "musclewire.experiment._open_loop",
-    "fit": "musclewire.identify",
-    "fit_resistance": "musclewire.identify._resistance_alone.fitting",
-    "Marks": "musclewire.identify._resistance_alone.marks",
-    "control": "musclewire.experiment._closed_loop",
-    "control_many": "musclewire.experiment._many_loops",
-    "staircase": "musclewire.controllers",
-    "sampled_reference": "musclewire.controllers",
-    "SteeredReference": "musclewire.controllers",
-    "estimate": "musclewire.identify",
-    "pretension_sweep": "musclewire.experiment._pretension",
-    "zero_tendon": "musclewire.experiment._zero_tendon",
-    "train": "musclewire.experiment._training",
-    "home": "musclewire.experiment._home",
-    "speed_limits": "musclewire.experiment._speed_limits",
-    "tune": "musclewire.identify._tuning",
-    "load_gains": "musclewire.controllers._gains",
-    "calibrate": "musclewire.identify._physical.calibrate",
-    "read_recording": "musclewire.signals",
-    "recover_recording": "musclewire.signals._runs_on_disk",
-    "load_model": "musclewire.sensing",
-    "Recording": "musclewire.signals",
-    "SensingModel": "musclewire.sensing",
-    "FuzzyPidSettings": "musclewire.controllers",
-    "CONTROLLERS": "musclewire.controllers",
-    "ESTIMATORS": "musclewire.sensing",
-    "DEVICES": "musclewire.rigs._kinds",
-    "LOAD_PARTS": "musclewire.rigs._load_kinds",
-    "MusclewireError": "musclewire.errors",
-}
+_name_of_the_core, _names_of_the_core, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
-    """Load a public name from its home on first use; ``__version__`` is that of the installed package."""
+    """Load a name on first use; ``__version__`` is that of the installed package.
+
+    Raises AttributeError for a name that nothing has, and for one whose part is not there, naming the part.
+    """
     if name == "__version__":
         from importlib.metadata import version
 
         return version("musclewire")
-    value = getattr(import_module(_HOMES[name]), name) if name in _HOMES else _name_of_a_part(name)
+    value = _name_of_the_core(name) if name in __all__ else _name_of_a_part(name)
     globals()[name] = value
     return value
 
 
 def _name_of_a_part(name: str) -> Any:
-    """Return a name that a part outside the core offers; AttributeError tells of a part that is not there."""
+    """Return a name that a part outside the core offers."""
     from musclewire.manifest import absent_part, loaded, offered
 
-    place = offered("names").get(name)
+    place = None if name.startswith("_") else offered("names").get(name)
     if place is not None:
         return loaded(place)
     absent = absent_part("names", name)
@@ -139,5 +48,7 @@ def _name_of_a_part(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """Return the public names."""
-    return sorted(__all__)
+    """Return the names of the core and of the parts that are there."""
+    from musclewire.manifest import offered
+
+    return sorted({*_names_of_the_core(), *offered("names")})

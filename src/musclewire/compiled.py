@@ -27,9 +27,9 @@ numba_config: Any = config  # its options are set at run time, where mypy cannot
 __all__ = ["CompiledCallback", "callback", "compiled", "compiled_inline"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-ROOMS_WITH_KERNELS = ("physics", "wire", "controllers", "sensing", "rigs/compiled_loop")
+ROOMS_WITH_KERNELS = ("physics", "wire", "controllers", "sensing", "rigs/_compiled_loop")
 # Of a room of which few files hold kernels only these count, so that an edit of the others costs no compilation.
-FILES_WITH_KERNELS = ("rigs/simulated.py", "random_numbers.py")
+FILES_WITH_KERNELS = ("rigs/_simulated.py", "random_numbers.py")
 
 
 @cache

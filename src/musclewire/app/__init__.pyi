@@ -15,6 +15,7 @@ from ._bench_rows import CONTROL_PERIOD_S as CONTROL_PERIOD_S
 from ._bench_rows import CYCLES as CYCLES
 from ._bench_rows import PERIOD_S as PERIOD_S
 from ._bench_rows import SAMPLE_S as SAMPLE_S
+from ._bench_rows import bench as bench
 from ._bench_rows import cycle as cycle
 from ._bench_rows import drive_v as drive_v
 from ._bench_rows import exchange_side as exchange_side

@@ -44,7 +44,10 @@ from ._kinds import DEVICES as DEVICES
 from ._kinds import DeviceConfiguration as DeviceConfiguration
 from ._kinds import DeviceKind as DeviceKind
 from ._load_kinds import LOAD_PARTS as LOAD_PARTS
+from ._load_part import Length as Length
+from ._load_part import LoadPart as LoadPart
 from ._load_part import Pull as Pull
+from ._load_part import Stiffness as Stiffness
 from ._load_parts import Contact as Contact
 from ._load_parts import Spring as Spring
 from ._many_wires import drive_wires as drive_wires

@@ -7,6 +7,7 @@ from ._balance import loss_w as loss_w
 from ._balance import resistance_at as resistance_at
 from ._balance import strain_at as strain_at
 from ._batch import WireBatch as WireBatch
+from ._batch import drive_many as drive_many
 from ._building import SHAPE as SHAPE
 from ._building import constants_from as constants_from
 from ._building import constants_of as constants_of

@@ -23,7 +23,16 @@ MANIFEST = Manifest(
             group="export",
         ),
     ),
-    names={"export_fmu": "musclewire.extras.interfaces._fmu:export_fmu"},
+    names={
+        "export_fmu": "musclewire.extras.interfaces._fmu:export_fmu",
+        "WireVectorEnv": "musclewire.extras.interfaces._environments.vector:WireVectorEnv",
+        "branch_system": "musclewire.extras.interfaces._control_systems.systems:branch_system",
+        "linear_system": "musclewire.extras.interfaces._control_systems.systems:linear_system",
+        "linearise": "musclewire.extras.interfaces._control_systems.study:linearise",
+        "loop_margins": "musclewire.extras.interfaces._control_systems.loops:loop_margins",
+        "operating_point": "musclewire.extras.interfaces._control_systems.operating_points:operating_point",
+        "wire_system": "musclewire.extras.interfaces._control_systems.systems:wire_system",
+    },
     outputs="musclewire.extras.interfaces:outputs",
     kernels=(
         "musclewire.extras.interfaces._control_systems.heating",

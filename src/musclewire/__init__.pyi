@@ -1,0 +1,149 @@
+"""The names that are promised to users: of the core with their types, and what parts outside it add."""
+
+import typing
+
+from .app import bench as bench
+from .arrays import FloatArray as FloatArray
+from .controllers import CONTROLLERS as CONTROLLERS
+from .controllers import ControllerSetup as ControllerSetup
+from .controllers import DriveLimits as DriveLimits
+from .controllers import FuzzyPidSettings as FuzzyPidSettings
+from .controllers import PidSettings as PidSettings
+from .controllers import SteeredReference as SteeredReference
+from .controllers import infer_ratios as infer_ratios
+from .controllers import load_gains as load_gains
+from .controllers import load_rule_base as load_rule_base
+from .controllers import rule_base_names as rule_base_names
+from .controllers import sampled_reference as sampled_reference
+from .controllers import staircase as staircase
+from .errors import CallerError as CallerError
+from .errors import MusclewireError as MusclewireError
+from .errors import NumericsError as NumericsError
+from .errors import RecordingError as RecordingError
+from .errors import RigError as RigError
+from .experiment import GripperKnowledge as GripperKnowledge
+from .experiment import characterize as characterize
+from .experiment import close_fingers as close_fingers
+from .experiment import control as control
+from .experiment import control_compiled as control_compiled
+from .experiment import control_many as control_many
+from .experiment import grip as grip
+from .experiment import gripper_of as gripper_of
+from .experiment import home as home
+from .experiment import pretension_sweep as pretension_sweep
+from .experiment import speed_limits as speed_limits
+from .experiment import train as train
+from .experiment import with_object as with_object
+from .experiment import zero_tendon as zero_tendon
+from .identify import KnownGrip as KnownGrip
+from .identify import Marks as Marks
+from .identify import calibrate as calibrate
+from .identify import channel_axes as channel_axes
+from .identify import estimate as estimate
+from .identify import fit as fit
+from .identify import fit_free_closing as fit_free_closing
+from .identify import fit_grip_curve as fit_grip_curve
+from .identify import fit_resistance as fit_resistance
+from .identify import loop_gaps as loop_gaps
+from .identify import next_experiments as next_experiments
+from .identify import save_wire as save_wire
+from .identify import settings_of_effort as settings_of_effort
+from .identify import simulated_isobar as simulated_isobar
+from .identify import tune as tune
+from .identify import write_report as write_report
+from .manifest import Command as Command
+from .manifest import CommandGroup as CommandGroup
+from .manifest import Manifest as Manifest
+from .parameters import folder_of_materials as folder_of_materials
+from .parameters import load_alloy as load_alloy
+from .parameters import load_bench as load_bench
+from .parameters import load_material as load_material
+from .parameters import load_wire as load_wire
+from .parameters import published_ranges as published_ranges
+from .physics import air_thermal_conductivity_w_per_m_k as air_thermal_conductivity_w_per_m_k
+from .physics import nusselt_morgan as nusselt_morgan
+from .physics import rayleigh_of_wire as rayleigh_of_wire
+from .rigs import DEVICES as DEVICES
+from .rigs import LOAD_PARTS as LOAD_PARTS
+from .rigs import SWITCHED_OFF as SWITCHED_OFF
+from .rigs import Device as Device
+from .rigs import DeviceConfiguration as DeviceConfiguration
+from .rigs import DeviceFacts as DeviceFacts
+from .rigs import DeviceFault as DeviceFault
+from .rigs import DeviceKind as DeviceKind
+from .rigs import GuardedRig as GuardedRig
+from .rigs import Length as Length
+from .rigs import LoadPart as LoadPart
+from .rigs import MountedWire as MountedWire
+from .rigs import RigConfiguration as RigConfiguration
+from .rigs import Stiffness as Stiffness
+from .rigs import adjustable_clock_of as adjustable_clock_of
+from .rigs import open_rig as open_rig
+from .rigs import required_true_state as required_true_state
+from .sensing import ESTIMATORS as ESTIMATORS
+from .sensing import EstimatorSetup as EstimatorSetup
+from .sensing import PolynomialEstimator as PolynomialEstimator
+from .sensing import SensingModel as SensingModel
+from .sensing import load_model as load_model
+from .signals import PLOTS as PLOTS
+from .signals import CompiledTick as CompiledTick
+from .signals import ControlStep as ControlStep
+from .signals import Drive as Drive
+from .signals import EstimatorStep as EstimatorStep
+from .signals import FileWriter as FileWriter
+from .signals import ImportMapping as ImportMapping
+from .signals import QuantityEstimate as QuantityEstimate
+from .signals import RawSample as RawSample
+from .signals import Reason as Reason
+from .signals import Recording as Recording
+from .signals import RecordingWriter as RecordingWriter
+from .signals import SourceColumn as SourceColumn
+from .signals import SourceTable as SourceTable
+from .signals import TableInMemory as TableInMemory
+from .signals import WireSample as WireSample
+from .signals import drive_voltage_of as drive_voltage_of
+from .signals import import_recording as import_recording
+from .signals import measured_in as measured_in
+from .signals import read_recording as read_recording
+from .signals import recover_recording as recover_recording
+from .signals import save_mapping as save_mapping
+from .wire import ElasticObject as ElasticObject
+from .wire import WireBatch as WireBatch
+from .wire import constants_of as constants_of
+from .wire import drive_many as drive_many
+from .wire import fixed_steps as fixed_steps
+
+# Of parts outside the core, by their manifests; with their types from the part itself, as musclewire.extras.studies.
+WireVectorEnv: typing.Any
+branch_system: typing.Any
+export_fmu: typing.Any
+linear_system: typing.Any
+linearise: typing.Any
+loop_margins: typing.Any
+operating_point: typing.Any
+wire_system: typing.Any
+LiveClient: typing.Any
+reproduce: typing.Any
+Conditions: typing.Any
+InstrumentSettings: typing.Any
+KindOptions: typing.Any
+Quantity: typing.Any
+RUN_KINDS: typing.Any
+RunKind: typing.Any
+RunningInstruments: typing.Any
+SegmentedDevice: typing.Any
+SegmentedSpool: typing.Any
+Selection: typing.Any
+WireStructure: typing.Any
+each: typing.Any
+on_grid: typing.Any
+read_study: typing.Any
+read_study_data: typing.Any
+robustness: typing.Any
+runs_of: typing.Any
+steady: typing.Any
+sweep: typing.Any
+tuning_seeds: typing.Any
+write_study: typing.Any
+
+__version__: str
