@@ -39,7 +39,7 @@ __all__ = ["EmulatedBoard", "firmware_for"]
 ROOT = Path(__file__).resolve().parents[1]
 FIRMWARE = ROOT / "firmware"
 PATIENCE = "10 s"  # on a machine that is busy with other programs an emulator answers late
-RIG_FILES = ROOT / "src/musclewire/parameters/data/rigs"
+RIG_FILES = ROOT / "src/musclewire/extras/board/rig_files"
 
 
 def firmware_for(board: str, folder: Path, options: Sequence[str] = ()) -> Path:

@@ -22,5 +22,5 @@ TESTS = CHECKOUT / "tests"
 
 def included_rig_file(name: str) -> Path:
     """Return the file of a rig that comes with musclewire, in whichever folder of the package it lies."""
-    (found,) = (path for path in PACKAGE.rglob(f"{name}.toml") if path.parent.name == "rigs")
+    (found,) = (path for path in PACKAGE.rglob(f"{name}.toml") if path.parent.name in ("rigs", "rig_files"))
     return found

@@ -34,7 +34,7 @@ For those who connect a card or a board. Rig files of the simulated rig are on t
 
 With a wire on a bench one word changes: a command takes the rig file's name instead of `simulated`. Numbers
 are SI, or text with a unit (`"14 cm"`). An unknown key is an error that names the nearest. Four files are included as
-templates: `ni-pci-6229`, `ni-usb-6001`, `serial-board` and `arduino-uno`, under `src/musclewire/parameters/data/rigs`.
+templates: `ni-pci-6229`, `ni-usb-6001`, `serial-board` and `arduino-uno`, in `src/musclewire/extras/board/rig_files`.
 """
 SECTIONS = {
     "The wire and its circuit": (

@@ -20,4 +20,4 @@ def test_only_opening_a_rig_and_many_loops_may_import() -> None:
             called = isinstance(node, ast.Call) and getattr(node.func, "id", "") == "imported_kind"
             if allowed or called:
                 found.add(path.relative_to(PACKAGE).as_posix())
-    assert found == {"rigs/configuration.py", "experiment/many_loops.py", "live/bench/opening.py"}
+    assert found == {"rigs/_configuration.py", "experiment/_many_loops.py", "extras/live/_bench/opening.py"}

@@ -8,6 +8,7 @@ first row that is not in the file.
 from __future__ import annotations
 
 import contextlib
+import inspect
 import subprocess
 import sys
 import threading
@@ -29,7 +30,7 @@ TAKEN_EVERY_S = 0.02
 # The largest pipe that Linux allows ordinary users: at 1 kHz and 15 columns it bridges stalls of eight seconds, in
 # which a killed host still loses no more.
 PIPE_BYTES = 1 << 20
-APPENDING = Path(__file__).with_name("synced_file.py")
+APPENDING = Path(str(inspect.getsourcefile(SyncedFile)))
 
 
 class BackgroundWriter:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.places import CHECKOUT
 
 from musclewire.app import _bench_rows as bench_rows
 
@@ -87,4 +88,4 @@ def test_a_checkout_is_the_tree_of_the_package_or_else_the_current_folder(
     (tree / "src/musclewire/__init__.py").unlink()
     assert bench_rows.checkout() is None, "benchmarks of another project are not run"
     monkeypatch.undo()
-    assert bench_rows.checkout() == Path(__file__).resolve().parents[2]
+    assert bench_rows.checkout() == CHECKOUT

@@ -1,12 +1,7 @@
 """The list of names that other rooms may use."""
 
-from ._control_systems.loops import loop_margins as loop_margins
-from ._control_systems.operating_points import operating_point as operating_point
 from ._control_systems.study import bode_axes as bode_axes
 from ._control_systems.study import linearise as linearise
-from ._control_systems.systems import branch_system as branch_system
-from ._control_systems.systems import linear_system as linear_system
-from ._control_systems.systems import wire_system as wire_system
 from ._environments import ENVIRONMENT as ENVIRONMENT
 from ._environments.lanes import MAX_STEP_S as MAX_STEP_S
 from ._environments.vector import WireVectorEnv as WireVectorEnv

@@ -151,9 +151,9 @@ def leave(rig: GuardedRig) -> None:
 
 def rig_file(folder: Path, name: str, address: str) -> Path:
     """Return a user's rig file: the one that comes along, with the address."""
-    import musclewire.parameters
+    from musclewire.manifest import folder_of
 
-    shipped = Path(musclewire.parameters.__path__[0]) / "data" / "rigs" / f"{name}.toml"
+    shipped = folder_of("musclewire.extras.board:rig_files") / f"{name}.toml"
     file = folder / "rig.toml"
     file.write_text(shipped.read_text().replace('kind = "nidaq"', f'kind = "nidaq"\ngrpc = "{address}"'))
     return file

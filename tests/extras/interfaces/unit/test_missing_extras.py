@@ -9,14 +9,14 @@ import pytest
 
 
 @pytest.mark.parametrize(
-    ("package", "folder", "extra"), [("gymnasium", "environments", "gym"), ("control", "control_systems", "control")]
+    ("package", "name", "extra"), [("gymnasium", "WireVectorEnv", "gym"), ("control", "linearise", "control")]
 )
-def test_the_message_names_the_extra(package: str, folder: str, extra: str) -> None:
+def test_the_message_names_the_extra(package: str, name: str, extra: str) -> None:
     code = (
         f"import sys; sys.modules[{package!r}] = None\n"
         "from musclewire.errors import MissingExtraError\n"
         "try:\n"
-        f"    import musclewire.extras.interfaces.{folder}\n"
+        f"    from musclewire import {name}\n"
         "except MissingExtraError as error:\n"
         "    print(error)\n"
     )

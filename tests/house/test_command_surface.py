@@ -1,7 +1,7 @@
 """Every command, option, default, exit code, key of ``--json`` and public name is as the listing has it.
 
 ``command_surface.toml`` has one table for each command. A difference is a change that users notice. If it is meant,
-``python -m tests.app.command_surface -w`` writes the listing anew, and its difference is reviewed; what was not meant
+``python -m tests.house.command_surface -w`` writes the listing anew, and its difference is reviewed; what was not meant
 fails here. A command that is deleted on purpose is named in ``DELETED``, until its table is taken out.
 """
 
@@ -12,7 +12,7 @@ import tomllib
 from typing import Any
 
 import pytest
-from tests.app import command_surface as surface
+from tests.house import command_surface as surface
 
 LISTED = tomllib.loads(surface.LISTING.read_text("utf-8"))
 # Commands that are gone on purpose, though the listing still has their tables.

@@ -9,7 +9,7 @@ SCRIPT = """
 import sys
 from io import StringIO
 from rich.console import Console
-from musclewire.app import output
+from musclewire.app import _output as output
 
 shown = StringIO()
 output.console = lambda: Console(file=shown, force_terminal={terminal}, width=80)

@@ -1,7 +1,7 @@
 """What people type and programs read, taken from the live command line and from ``import musclewire``.
 
-    python -m tests.app.command_surface      prints the listing as tests/app/command_surface.toml has it
-    python -m tests.app.command_surface -w   writes it there; read the difference before it is committed
+    python -m tests.house.command_surface      prints the listing as tests/house/command_surface.toml has it
+    python -m tests.house.command_surface -w   writes it there; read the difference before it is committed
 
 It goes through the console script that ``pyproject.toml`` names, ``musclewire schema`` and the public names only, so
 that files may move within the package. What no program can list it asks about: a former name of an option and the
@@ -34,7 +34,7 @@ LISTING = Path(__file__).with_name("command_surface.toml")
 REFERENCE = ROOT / "docs/reference/command_line.md"
 HEAD = """\
 # What people type and programs read: one table for each command, and the names that files and programs use.
-# tests/app/test_command_surface.py compares it with the live command line; tests/app/command_surface.py writes it.
+# tests/house/test_command_surface.py compares it with the live command line; tests/house/command_surface.py writes it.
 # An option: its names, what it takes, "= default" or "required". A former name still works for the option beside it.
 # Exit codes: those that the reference names for this command, besides the table of all. A key of --json: "rows[].name"
 # is the key name of each object of the list rows, "parameters.*.value" that of each object of parameters.
@@ -67,7 +67,7 @@ def listing(known: Listing) -> Listing:
     """Return what there is now; ``known`` is the listing whose former names and suffixes are tried."""
     former = known["names"]["former_options"]
     names = {
-        "public": list(mw.__all__),
+        "public": list(dir(mw)),
         "errors": [f"{one.__name__} {one.exit_code}" for one in errors()],
         **{name: list(getattr(mw, registry).own_names()) for name, registry in REGISTRIES.items()},
         **completed_names(),
@@ -103,7 +103,7 @@ def leaves(group: Any, before: str = "") -> Iterator[tuple[str, Any]]:
         if hasattr(command, "commands"):
             yield from leaves(command, f"{before}{name} ")
         else:
-            yield before + name, command
+            yield before + name, command.loaded()
 
 
 @cache
