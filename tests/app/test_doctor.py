@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.places import DOCS
 
 Musclewire = Callable[..., Any]
 
@@ -84,15 +82,6 @@ def test_a_meter_needs_a_unit_and_must_fit(musclewire: Musclewire) -> None:
     answer = musclewire("doctor", "simulated", "--meter-shunt", "1 V")
     assert answer.code == 2
     assert "check where the meter was" in answer.err
-
-
-def test_the_reference_names_every_check_and_no_other(musclewire: Musclewire) -> None:
-    page = (DOCS / "reference/command_line.md").read_text("utf-8")
-    section = page.split("## `musclewire doctor`")[1].split("\n## ")[0]
-    rows = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \|", section.split("| Check |")[1], re.M)
-    said = musclewire("doctor", "simulated", "--json").json
-    names = [one["name"] for one in (*said["checks"], *said["unchecked"])]
-    assert sorted(re.findall(r"`(\w+)`", " ".join(rows))) == sorted(names)
 
 
 def test_nothing_is_written_while_the_wiring_is_wrong(tmp_path: Path) -> None:

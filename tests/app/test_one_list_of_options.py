@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from musclewire.app import OLD_NAMES, OPTIONS, every_command
+from musclewire.app import OPTIONS, every_command
 from musclewire.errors import CallerError
 
 
@@ -44,10 +44,6 @@ def test_the_same_name_takes_the_same_kind_of_value_everywhere() -> None:
     assert {name: kind for name, kind in kinds.items() if len(kind) > 1} == {}
 
 
-def test_no_option_is_defined_that_no_command_has() -> None:
-    assert set(OPTIONS) == {parameter.values[0].opts[0] for parameter in USES}
-
-
 def test_every_option_is_spelled_out_in_plain_words() -> None:
     unwanted = ("most-", "least-", "largest-", "share")
     assert [name for name in OPTIONS if any(word in name for word in unwanted)] == []
@@ -67,13 +63,6 @@ def test_times_lengths_and_all_other_quantities_have_a_unit() -> None:
         if definition.quantity is None and use.values[0].opts[0] == name and kind_of(use.values[0])[0] is float
     }  # fmt: skip
     assert plain == {"--friction", "--clock-speed"} & set(OPTIONS)  # ratios
-
-
-def test_old_names_lead_to_names_of_the_list_and_are_no_names_of_it() -> None:
-    for old, names in OLD_NAMES.items():
-        assert set(names) <= set(OPTIONS), old
-    # --stiffness is the wanted one of a part to design; where it was the known one, it still reads.
-    assert set(OLD_NAMES) & set(OPTIONS) == {"--stiffness"} & set(OPTIONS)
 
 
 @pytest.mark.parametrize(

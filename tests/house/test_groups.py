@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 
 import pytest
+from tests.groups import COMMAND
 from tests.places import CHECKOUT
-
-from groups import COMMAND
 
 pytest_plugins = ["pytester"]
 PROJECT = """
