@@ -45,9 +45,13 @@ def actions() -> list[dict[str, Any]]:
 
 
 def extras_of_users() -> set[str]:
-    """Return the extras that pyproject.toml offers to users."""
+    """Return the extras of pyproject.toml that bring users a package, and not only other extras."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-    return set(project["optional-dependencies"]) - set(OF_DEVELOPERS)
+    return {
+        extra
+        for extra, packages in project["optional-dependencies"].items()
+        if extra not in OF_DEVELOPERS and not all(package.startswith("musclewire[") for package in packages)
+    }
 
 
 def tracked(folder: str) -> set[str]:

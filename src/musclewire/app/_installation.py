@@ -59,11 +59,14 @@ def installation() -> Installation:
 
 
 def requirements() -> dict[str, list[str]]:
-    """Return the packages that musclewire itself ("") and each of its extras for users need."""
+    """Return the packages that musclewire itself ("") and each of its extras for users need.
+
+    An extra that only has others in it (as board: serial and nidaq) is not among them.
+    """
     found: dict[str, list[str]] = {"": []}
     for line in requires("musclewire") or ():
         match = REQUIREMENT.match(line)
-        if match and (match[2] or "") not in OF_DEVELOPERS:
+        if match and match[1] != "musclewire" and (match[2] or "") not in OF_DEVELOPERS:
             found.setdefault(match[2] or "", []).append(match[1])
     return found
 

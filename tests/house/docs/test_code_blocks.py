@@ -23,6 +23,7 @@ FOLLOWED = {page for door in DOORS.values() for page in door.pages}
 PAGES = sorted([*CHECKOUT.glob("*.md"), *(CHECKOUT / "docs").rglob("*.md")])
 FOR_READING = {
     "CONTRIBUTING.md",
+    "add_a_package_of_your_own.md",
     "README.md",
     "drive_a_board.md",
     "drive_an_ni_card.md",

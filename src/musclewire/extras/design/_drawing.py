@@ -17,6 +17,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
+from musclewire.extras.design._packages import require_dxf
 from musclewire.signals import write_whole
 
 __all__ = [
@@ -194,10 +195,8 @@ def svg_file(drawing: Drawing, path: Path) -> None:
 
 def dxf_file(drawing: Drawing, path: Path) -> None:
     """Fill a file with the drawing as DXF."""
-    from ezdxf import units
-    from ezdxf.filemanagement import new
-
-    document = new("R2010", units=units.MM)
+    ezdxf = require_dxf()
+    document = ezdxf.new("R2010", units=ezdxf.units.MM)
     document.layers.add("CUT", color=1)
     space = document.modelspace()
     points = [(vertex.x_m * MM, vertex.y_m * MM, vertex.bulge) for vertex in drawing.outline]

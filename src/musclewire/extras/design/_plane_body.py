@@ -18,6 +18,7 @@ from scipy.sparse import csr_array
 
 from musclewire.arrays import FloatArray, IntArray
 from musclewire.errors import CallerError
+from musclewire.extras.design._packages import require_finite_elements
 
 __all__ = ["InnerForces", "PlaneBody"]
 
@@ -69,8 +70,7 @@ class PlaneBody:
 
         Raises CallerError for another kind of mesh, or an impossible depth, modulus or Poisson's ratio.
         """
-        import skfem
-
+        skfem = require_finite_elements()
         kinds = {"MeshQuad1": skfem.ElementQuad2, "MeshQuad2": skfem.ElementQuad2}
         kinds |= {"MeshTri1": skfem.ElementTriP2, "MeshTri2": skfem.ElementTriP2}
         kind = kinds.get(type(mesh).__name__)

@@ -1,4 +1,4 @@
-"""Commands for a wire run where finite elements and drawings cannot be imported; the figures are in decision 22."""
+"""Commands for a wire run where finite elements and drawings are not installed, and commands that say so."""
 
 from __future__ import annotations
 
@@ -39,7 +39,24 @@ def test_the_demo_runs(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
+SIZED = ("design", "pretensioner", "--stiffness", "386.2 N/m")
+
+
 @pytest.mark.slow
-def test_the_packages_are_blocked_indeed(tmp_path: Path) -> None:
-    sized = ("design", "pretensioner", "--stiffness", "386.2 N/m")
-    assert "ModuleNotFoundError" in without_design_packages(tmp_path, *sized).stderr
+@pytest.mark.parametrize(
+    ("command", "what"),
+    [
+        (SIZED, "sizing a part by finite elements"),
+        ((*SIZED, "--drawing", "part.dxf"), "a drawing as DXF"),
+        (("design", "finger", "--finger", "lan-fan-2010"), "sizing a part by finite elements"),
+        (("reproduce", "--only", "fig14", "--seed", "1"), "sizing a part by finite elements"),
+    ],
+)
+def test_a_command_that_needs_them_says_so_in_one_line(tmp_path: Path, command: tuple[str, ...], what: str) -> None:
+    done = without_design_packages(tmp_path, *command)
+    assert done.returncode == 2
+    assert done.stderr.splitlines()[-1] == (
+        f"musclewire: {what} needs the extra 'design': pip install \"musclewire[design]\""
+    )
+    assert "Traceback" not in done.stderr
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]

@@ -95,6 +95,10 @@ class PartFiles:
             if drawing.suffix not in DRAWINGS:
                 raise CallerError(f"{drawing}: a drawing is one of {', '.join(DRAWINGS)}: end its name so")
             require_folder(drawing)
+            if drawing.suffix == ".dxf":
+                from musclewire.extras.design._packages import require_dxf
+
+                require_dxf()
         for solid in self.solids:
             if solid.suffix not in SOLIDS:
                 raise CallerError(f"{solid}: a solid is one of {', '.join(SOLIDS)}: end its name so")

@@ -18,6 +18,7 @@ from scipy.sparse import csr_array
 from musclewire.arrays import FloatArray
 from musclewire.extras.design._elasticity import BodyEquilibrium, BodyLoad, PotentialChange, load_path
 from musclewire.extras.design._finger.geometry import HOLE_RADIUS_M, FingerGeometry
+from musclewire.extras.design._packages import require_finite_elements
 from musclewire.extras.design._plane_body import PlaneBody
 
 __all__ = ["FingerBody", "PlaneStressPoint", "finger_body", "plane_stress_path"]
@@ -115,8 +116,7 @@ def finger_body(geometry: FingerGeometry, poisson_ratio: float, refined: int = 1
 
     A straight grid without its empty parts is bent to the unloaded shape.
     """
-    import skfem
-
+    skfem = require_finite_elements()
     along, spans = lines_along(geometry, refined)
     across = lines_across(geometry, refined)
     whole = skfem.MeshQuad.init_tensor(along, across)

@@ -15,6 +15,7 @@ import numpy as np
 from musclewire.arrays import FloatArray, IntArray
 from musclewire.errors import CallerError
 from musclewire.extras.design._elasticity import BodyEquilibrium, BodyLoad, load_path, solve_large, solve_linear
+from musclewire.extras.design._packages import require_finite_elements
 from musclewire.extras.design._plane_body import PlaneBody
 from musclewire.extras.design._serpentine.closed_form import places_on
 from musclewire.extras.design._serpentine.geometry import CentreLineArc, SerpentineGeometry
@@ -81,8 +82,7 @@ def strip_mesh(geometry: SerpentineGeometry, across: int) -> Any:
     """Return the strip as a scikit-fem mesh [m] ``across`` elements thick. Raises CallerError for fewer than 1."""
     if across < 1:
         raise CallerError(f"a strip has 1 element across or more, not {across}")
-    import skfem
-
+    skfem = require_finite_elements()
     points, normals = sections(geometry, across)
     offsets = geometry.thickness_m * np.linspace(-0.5, 0.5, across + 1)
     nodes = points[:, None, :] + offsets[None, :, None] * normals[:, None, :]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
-from musclewire.errors import CallerError, MusclewireError, nearest_hint
+from musclewire.errors import CallerError, MissingExtraError, MusclewireError, nearest_hint
 
 if TYPE_CHECKING:
     from musclewire.extras.paper._reproduce.runs import RunCache
@@ -91,9 +91,14 @@ def holds(check: PaperCheck, ours: float) -> bool:
 
 
 def measured(check: PaperCheck, runs: RunCache) -> SeedResult:
-    """Return the number of a check on the runs of one seed, or why there is none: an unusable loop, or not finite."""
+    """Return the number of a check on the runs of one seed, or why there is none: an unusable loop, or not finite.
+
+    Raises MissingExtraError: what is not installed is no failure of a row.
+    """
     try:
         ours = float(check.measure(runs))
+    except MissingExtraError:
+        raise
     except MusclewireError as error:
         return SeedResult(None, " ".join(str(error).split()))
     return SeedResult(ours) if math.isfinite(ours) else SeedResult(None, "the result is not a finite number")
