@@ -15,7 +15,7 @@ from musclewire.app._options import renamed
 __all__ = ["add_command"]
 
 
-class Command(TyperCommand):
+class CommandWithOldNames(TyperCommand):
     """A command that also takes its options by the names they had before (``options.OLD_NAMES``)."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -27,7 +27,7 @@ class Command(TyperCommand):
 
 def add_command(app: typer.Typer, function: Callable[..., None], name: str | None = None) -> None:
     """Add a function as a command. A parameter that is a dataclass becomes one option for each of its fields."""
-    app.command(name, cls=Command)(flat(function))
+    app.command(name, cls=CommandWithOldNames)(flat(function))
 
 
 def flat(function: Callable[..., None]) -> Callable[..., None]:
