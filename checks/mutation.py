@@ -1,4 +1,4 @@
-"""Mutation testing: how many small faults in the code of five rooms the tests find.
+"""Mutation testing: how many small faults in the code of four rooms the tests find.
 
     python checks/mutation.py                 # a sample of 300, the same every time
     python checks/mutation.py --sample 60 --seed 2

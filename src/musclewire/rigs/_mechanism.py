@@ -12,9 +12,10 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.parameters import FingerCurve
 from musclewire.rigs._load_part import LoadPart
+from musclewire.rigs._protocol import Metadata
 from musclewire.wire import ConnectorLoad, ElasticObject, spring_load, with_table
 
-__all__ = ["SimulatedLoad", "FingerTendon", "mechanism_of"]
+__all__ = ["SimulatedLoad", "FingerTendon", "load_metadata", "mechanism_of"]
 
 # A wire contracts by at most about 8 %; tables reach a little further.
 MAX_CONTRACTION = 0.10
@@ -213,3 +214,17 @@ def travel_at_force(tendon: FingerTendon, force_n: float, name: str) -> float:
             f"{force[-1]:.3g} N: add a part 'pretensioner', or less pretension"
         )
     return float(np.interp(force_n, force, travel))
+
+
+def load_metadata(parts: Sequence[LoadPart], mechanism: SimulatedLoad, two_wires: bool) -> Metadata:
+    """Return the metadata of a recording that describe a wire's load."""
+    stiffness = mechanism.load.stiffness_n_per_m
+    if not parts:
+        return {"spring_stiffness_n_per_m": stiffness}
+    plain = all(part.is_straight for part in parts)
+    named: Metadata = {"load": ", ".join(part.part for part in parts)}
+    for part in parts:
+        named |= part.facts()
+    if two_wires:
+        named["wires"] = 2
+    return {**named, "spring_stiffness_n_per_m": stiffness} if plain else named

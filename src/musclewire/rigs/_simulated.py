@@ -17,7 +17,14 @@ from musclewire.physics import convection_range_note, series_resistance_ohm
 from musclewire.rigs._air import AirModel, Surroundings
 from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
 from musclewire.rigs._load_part import LoadPart, Pull, SecondWire, Supply
-from musclewire.rigs._mechanism import MAX_CONTRACTION, TABLE_POINTS, FingerTendon, SimulatedLoad, mechanism_of
+from musclewire.rigs._mechanism import (
+    MAX_CONTRACTION,
+    TABLE_POINTS,
+    FingerTendon,
+    SimulatedLoad,
+    load_metadata,
+    mechanism_of,
+)
 from musclewire.rigs._protocol import Metadata
 from musclewire.rigs._simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.rigs._simulation_clock import SimulationClock
@@ -52,7 +59,6 @@ __all__ = [
     "SimulatedSpool",
     "convection_metadata",
     "force_limit_n",
-    "load_metadata",
     "read_sample",
     "require_allowed_pull",
     "simulated_limits",
@@ -687,17 +693,3 @@ def convection_metadata(diameter_m: float, ambient_temperature_k: float) -> Meta
     """Return a note for wires so thin that the convection correlation leaves its published range near the air."""
     note = convection_range_note(diameter_m, ambient_temperature_k)
     return {"convection_note": note} if note else {}
-
-
-def load_metadata(parts: Sequence[LoadPart], mechanism: SimulatedLoad, two_wires: bool) -> Metadata:
-    """Return the metadata of a recording that describe a wire's load."""
-    stiffness = mechanism.load.stiffness_n_per_m
-    if not parts:
-        return {"spring_stiffness_n_per_m": stiffness}
-    plain = all(part.is_straight for part in parts)
-    named: Metadata = {"load": ", ".join(part.part for part in parts)}
-    for part in parts:
-        named |= part.facts()
-    if two_wires:
-        named["wires"] = 2
-    return {**named, "spring_stiffness_n_per_m": stiffness} if plain else named
