@@ -304,7 +304,22 @@ ABSOLUTE = ("degC", "degF", "°C", "°F", "celsius", "fahrenheit")
 def measured_in(unit: str, *, difference: bool = False) -> BeforeValidator:
     """Return a validator that takes a number in SI or text with a unit.
 
-    For a ``difference`` of temperatures, degrees Celsius and Fahrenheit are refused, because their zero is arbitrary.
+    Parameters
+    ----------
+    unit
+        The SI unit.
+    difference
+        Whether it is a difference of temperatures: degrees Celsius and Fahrenheit are refused, because their zero is
+        arbitrary.
+
+    Returns
+    -------
+    The validator, for a field of a pydantic model.
+
+    Raises
+    ------
+    ValueError
+        By the validator, for text that is no such quantity.
     """
     from pydantic import BeforeValidator  # here, so that recordings are read without it
 
