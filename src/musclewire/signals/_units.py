@@ -333,5 +333,5 @@ def measured_in(unit: str, *, difference: bool = False) -> BeforeValidator:
         except CallerError as error:
             raise ValueError(str(error)) from None
 
-    in_si.unit = unit  # type: ignore[attr-defined]  # for messages on limits (parameters/validation.py)
+    in_si.unit = unit  # type: ignore[attr-defined]  # for messages on limits (parameters/_validation.py)
     return BeforeValidator(in_si)
