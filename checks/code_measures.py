@@ -1,10 +1,10 @@
-"""Measure how long functions are and how many parameters they take, and judge it.
+"""Measure how long functions are, and judge it.
 
     python checks/code_measures.py [FOLDER]
 
 FOLDER is src/musclewire unless another is given. A function's length is its code lines: lines with code from ``def`` to
-its end, without docstring, comments and blank lines; protocol methods that only have a docstring do not count. Its
-parameters are counted without ``self`` and ``cls``. Ends with exit code 1 if anything is over its limit.
+its end, without docstring, comments and blank lines; protocol methods that only have a docstring do not count. Ends
+with exit code 1 if anything is over its limit. How branched a function may be is ruff's rule C901.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ from pathlib import Path
 
 MAX_P95_LINES = 22
 MAX_FUNCTION_LINES = 50
-MAX_PARAMETERS = 8  # outside app/, in which a parameter is a command's option
 
 NO_CODE = frozenset({
     tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER,
@@ -31,25 +30,23 @@ SOURCES = Path(__file__).resolve().parents[1] / "src" / "musclewire"
 
 @dataclass(frozen=True)
 class Function:
-    """A function with its place, its code lines and its number of parameters."""
+    """A function with its place and its code lines."""
 
     path: Path
     line: int
     name: str
     lines: int
-    parameters: int
 
     def __str__(self) -> str:
-        """Return place and name, with both measures."""
-        return f"{self.path}:{self.line} {self.name}: {self.lines} code lines, {self.parameters} parameters"
+        """Return place and name, with the measure."""
+        return f"{self.path}:{self.line} {self.name}: {self.lines} code lines"
 
 
 @dataclass(frozen=True)
 class Measures:
-    """All functions of a folder, and the length in lines of each of its files."""
+    """All functions of a folder."""
 
     functions: Sequence[Function]
-    files: Sequence[tuple[Path, int]]
 
     @property
     def p95_lines(self) -> int:
@@ -62,21 +59,11 @@ class Measures:
         """The functions over the longest permitted, longest first."""
         return sorted((one for one in self.functions if one.lines > MAX_FUNCTION_LINES), key=lambda one: -one.lines)
 
-    @property
-    def many_parameters(self) -> list[Function]:
-        """The functions outside app/ with too many parameters."""
-        return [one for one in self.functions if one.parameters > MAX_PARAMETERS and one.path.parts[0] != "app"]
-
 
 def measure(folder: Path) -> Measures:
     """Return the measures of all Python files below a folder."""
-    functions: list[Function] = []
-    files = []
-    for path in sorted(folder.rglob("*.py")):
-        text = path.read_text("utf-8")
-        functions += functions_of(path.relative_to(folder), text)
-        files.append((path.relative_to(folder), len(text.splitlines())))
-    return Measures(functions, files)
+    paths = sorted(folder.rglob("*.py"))
+    return Measures([one for path in paths for one in functions_of(path.relative_to(folder), path.read_text("utf-8"))])
 
 
 def functions_of(path: Path, text: str) -> Iterator[Function]:
@@ -87,7 +74,7 @@ def functions_of(path: Path, text: str) -> Iterator[Function]:
             continue
         assert node.end_lineno is not None  # parsed from text
         lines = with_code.intersection(range(node.lineno, node.end_lineno + 1)) - docstring_lines(node)
-        yield Function(path, node.lineno, node.name, len(lines), parameters_of(node))
+        yield Function(path, node.lineno, node.name, len(lines))
 
 
 def lines_with_code(text: str) -> set[int]:
@@ -113,20 +100,9 @@ def docstring_lines(node: ast.FunctionDef | ast.AsyncFunctionDef) -> set[int]:
     return set(range(first.lineno, first.end_lineno + 1))
 
 
-def parameters_of(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
-    """Return how many parameters callers see, ``*args`` and ``**kwargs`` not counted."""
-    positional = [*node.args.posonlyargs, *node.args.args]
-    bound = 1 if positional and positional[0].arg in ("self", "cls") else 0
-    return len(positional) + len(node.args.kwonlyargs) - bound
-
-
 def problems_of(measures: Measures) -> list[str]:
     """Return in words what is over its limit."""
     found = [f"{one}: over {MAX_FUNCTION_LINES} lines; split it" for one in measures.long]
-    found += [
-        f"{one}: over {MAX_PARAMETERS}; let those that belong together travel as one object"
-        for one in measures.many_parameters
-    ]
     if measures.p95_lines > MAX_P95_LINES:
         found.append(f"the 95th percentile is {measures.p95_lines} code lines, over {MAX_P95_LINES}: split functions")
     return found
@@ -135,15 +111,11 @@ def problems_of(measures: Measures) -> list[str]:
 def summary(measures: Measures) -> str:
     """Return the measures beside their limits, as lines."""
     longest = max(measures.functions, key=lambda one: one.lines)
-    most = max((one for one in measures.functions if one.path.parts[0] != "app"), key=lambda one: one.parameters)
-    path, lines = max(measures.files, key=lambda pair: pair[1])
     over = sum(one.lines > MAX_P95_LINES for one in measures.functions)
     return "\n".join([
-        f"{len(measures.functions)} functions in {len(measures.files)} files",
+        f"{len(measures.functions)} functions",
         f"95th percentile of code lines: {measures.p95_lines} (at most {MAX_P95_LINES}); {over} functions over that",
         f"over {MAX_FUNCTION_LINES} code lines: {len(measures.long)}; longest: {longest}",
-        f"over {MAX_PARAMETERS} parameters outside app/: {len(measures.many_parameters)}; most: {most}",
-        f"longest file: {path}, {lines} lines",
     ])  # fmt: skip
 
 

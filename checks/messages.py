@@ -42,7 +42,7 @@ ENDS = {
     "LinkStormError": "; {remedy}",
     "_UnitError": "; write it like {example}",
 }
-PAGES = "/app/report/"  # what is written there is read on a page, among what it explains
+PAGES = ("/app/_report/", "/extras/paper/_page/")  # what is written there is read on a page, among what it explains
 MIN_SPACES = 3  # of a text that a function returns, to be a sentence
 MAX_DEPTH = 4  # of names that stand for a text, and of classes between an error and its owner
 MAX_WORDS = 75
@@ -211,7 +211,7 @@ class Finder:
                 said = message_of(node, texts)
                 if said is not None:
                     yield Message(self.owners[named(node)], source.name, node.lineno, said)
-            elif isinstance(node, ast.expr) and PAGES not in source.name and is_warning(node):
+            elif isinstance(node, ast.expr) and not any(folder in source.name for folder in PAGES) and is_warning(node):
                 text = texts.of(node)
                 if text.count(" ") >= MIN_SPACES:
                     yield Message("warning", source.name, node.lineno, text)

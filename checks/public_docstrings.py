@@ -2,9 +2,9 @@
 
     python checks/public_docstrings.py [--report-only] [--list] [NAME ...]
 
-Public is what stands in ``musclewire.__all__`` or in a room (its ``__init__`` or, for a room of one file, its
-``__all__``), every method of a protocol, every equation of ``physics``, and what the pages of ``docs/`` name. Of a
-public class its own public methods count, too. What is asked of each:
+Public is what is promised (``dir(musclewire)``: its stub and what the manifests of parts name), the decorator that
+compiles, every method of a protocol, every published equation in ``physics``, and what the pages of ``docs/`` name. Of
+a public class its own public methods count, too. What is asked of each:
 
 - a summary of one line that ends with a period, known sections in numpydoc's order;
 - each parameter under ``Parameters``, in the signature's order, described (of a pydantic model a field's description
@@ -16,7 +16,12 @@ public class its own public methods count, too. What is asked of each:
 - the source of a published equation.
 
 A property is complete with its summary, and so is a method that a protocol documents under the same name and
-parameters. With NAME only what begins with it is judged.
+parameters.
+
+What stands on a room's list (``__init__.pyi``) and is not promised is for other rooms. Its docstring may be a summary
+alone; as soon as it has sections, they must have everything that is asked of a promised name.
+
+With NAME only what begins with it is judged.
 """
 
 from __future__ import annotations
@@ -29,6 +34,7 @@ import inspect
 import re
 import sys
 import textwrap
+import typing
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -75,6 +81,7 @@ class Public:
     name: str
     item: Any
     why: str
+    for_rooms: bool = False
 
     @property
     def is_property(self) -> bool:
@@ -120,11 +127,16 @@ class Public:
         if not self.everything:
             return []
         fields = getattr(self.function, "model_fields", {})  # of a pydantic model, with a description and a unit each
-        in_schema = {name for name, field in fields.items() if field.description}
+        in_schema = {name for name, field in fields.items() if field.description or names_the_file(field.annotation)}
         given = inspect.signature(self.function).parameters
         starred = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
         named = [name for name in self.everything if not name.startswith("_") and name not in in_schema]
         return [name for name in named if given[name].kind not in starred]
+
+
+def names_the_file(annotation: Any) -> bool:
+    """Return whether a field has one possible value: the format of its file and its version."""
+    return typing.get_origin(annotation) is typing.Literal and len(typing.get_args(annotation)) == 1
 
 
 # --- What is public ---------------------------------------------------------------------------------------------------
@@ -168,28 +180,38 @@ def home(item: Any) -> tuple[str, Any] | None:
     return f"{real.__module__}.{real.__qualname__}", item
 
 
-def by_rooms() -> Iterator[tuple[Any, str]]:
-    """Yield what the package and its rooms offer."""
-    for name in musclewire.__all__:
+def promised() -> Iterator[tuple[Any, str]]:
+    """Yield what is promised to users."""
+    for name in dir(musclewire):
         yield getattr(musclewire, name), "musclewire"
+    yield importlib.import_module("musclewire.compiled").compiled, "musclewire.compiled"
+
+
+def equations() -> Iterator[tuple[Any, str]]:
+    """Yield the functions of the modules of ``physics``, whose lists are their ``__all__``."""
     for module in modules():
-        if module.__name__.count(".") == 1 and not module.__name__.endswith("__init__"):
-            for name in getattr(module, "__all__", [n for n in imported_names(module) if not n.startswith("_")]):
-                yield getattr(module, name), module.__name__
-        if module.__name__.startswith(EQUATIONS + "."):
+        if module.__name__.startswith(f"{EQUATIONS}."):
             for name in module.__all__:
                 yield getattr(module, name), EQUATIONS
 
 
-def imported_names(module: ModuleType) -> list[str]:
-    """Return the names that a room's ``__init__`` imports from its own files."""
-    tree = ast.parse(inspect.getsource(module) if module.__file__ else "")
-    return [
-        item.asname or item.name
-        for node in tree.body
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(module.__name__)
-        for item in node.names
-    ]
+def by_rooms() -> Iterator[tuple[Any, str]]:
+    """Yield what rooms and parts offer to other rooms: by their stubs, and by ``__all__`` of a room of one file."""
+    for module in modules():
+        name = module.__name__.removeprefix("musclewire.")
+        file = Path(str(module.__file__))
+        if not re.fullmatch(r"(extras\.)?[a-z]\w*", name) or name == "extras":
+            continue
+        stub = file.with_suffix(".pyi")
+        listed = names_in_stub(stub) if stub.is_file() else getattr(module, "__all__", ())
+        for one in listed:
+            yield getattr(module, one), module.__name__
+
+
+def names_in_stub(stub: Path) -> list[str]:
+    """Return the names that a stub offers."""
+    imports = [node for node in ast.parse(stub.read_text("utf-8")).body if isinstance(node, ast.ImportFrom)]
+    return [item.asname for node in imports for item in node.names if item.asname]
 
 
 def by_protocols() -> Iterator[tuple[Any, str]]:
@@ -257,17 +279,18 @@ def attribute(item: Any, names: list[str]) -> Any:
 def public_objects() -> dict[str, Public]:
     """Return all public objects by full name, methods of public classes included."""
     found: dict[str, Public] = {}
-    for source in (by_rooms(), by_protocols(), by_pages()):
-        for item, why in source:
+    for source in (promised, equations, by_protocols, by_pages, by_rooms):
+        for item, why in source():
             if isinstance(item, (property, cached_property)):
                 continue  # its class is named with it, or it is none of ours
             place = home(item)
             if place is None or place[0] in found:
                 continue
-            found[place[0]] = Public(*place, why)
+            for_rooms = source is by_rooms
+            found[place[0]] = Public(*place, why, for_rooms)
             if inspect.isclass(item):
                 for name, one in methods_of(item):
-                    found[f"{place[0]}.{name}"] = Public(f"{place[0]}.{name}", one, why)
+                    found[f"{place[0]}.{name}"] = Public(f"{place[0]}.{name}", one, why, for_rooms)
     return found
 
 
@@ -275,6 +298,7 @@ def methods_of(owner: type) -> Iterator[tuple[str, Any]]:
     """Yield the public methods and properties that a class defines itself, in written form."""
     for name, item in vars(owner).items():
         is_method = isinstance(item, (property, cached_property, staticmethod, classmethod)) or inspect.isfunction(item)
+        is_method = is_method and getattr(item, "__name__", "") != "<lambda>"  # the default of a field
         if is_method and not name.startswith("_"):
             real = Public(name, item, "").function
             if getattr(real, "__module__", "") == owner.__module__:
@@ -292,7 +316,7 @@ def problems_of(public: Public) -> list[str]:
     name = public.name.rsplit(".", 1)[1]
     if public.is_property:
         return found + unit_problem(name, public.text, "the summary")
-    if is_promised(public):
+    if is_promised(public) or (public.for_rooms and not has_sections(public.doc)):
         return found
     found += parameter_problems(public)
     if not inspect.isclass(public.function) and returns_something(public.function):
@@ -305,6 +329,11 @@ def problems_of(public: Public) -> list[str]:
     if is_equation and not SOURCE.search(public.text):
         found.append("no source of the equation")
     return found
+
+
+def has_sections(doc: NumpyDocString) -> bool:
+    """Return whether a docstring says what its object takes, returns or raises."""
+    return any(doc[section] for section in ("Parameters", "Returns", "Raises"))
 
 
 @cache

@@ -358,7 +358,7 @@ def unit_suffix(found: PublishedRange) -> str:
     return {"K": "_k", "J/kg": "_j_per_kg", "J/(kg K)": "_j_per_kg_k"}[found.unit]
 
 
-PRIORS_TEXT = """What `parameters.priors:load_priors` assumes of a wire before any measurement: a normal
+PRIORS_TEXT = """What `parameters:load_priors` assumes of a wire before any measurement: a normal
 distribution truncated at bounds, and the experiment that identifies the parameter best. The bounds are wider than the
 published ranges on purpose: they are where a search stops."""
 

@@ -1,6 +1,6 @@
 """Simulated loops behind docs/explanation/physics.md: phases over strain, and why heating and cooling differ.
 
-Noise-free: the truth of the simulated wire (``simulate.paths``), not what its instruments would read.
+Noise-free: the truth of the simulated wire (``wire._paths``), not what its instruments would read.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@ from musclewire.wire import Row, WireConstants, WireState
 
 HEAD = """# The row of a wire
 
-<!-- Written by `python docs/images/draw.py physics` from the lists of fields in `wire/state.py` and
-`wire/constants.py`; a test holds this page to them. Do not edit it by hand. -->
+<!-- Written by `python docs/images/draw.py physics` from the lists of fields in `wire/_state.py` and
+`wire/_constants.py`; a test holds this page to them. Do not edit it by hand. -->
 
 For those who write their own programs around the simulated wire.
 A simulated wire is two rows: its state, which changes from step to step, and its constants. A row is a
@@ -18,7 +18,7 @@ changes: a step works on a copy. `state.replace(time_s=0.0)` is another state, `
 
 Every number is a double. `classes` is the number of classes of barrier, 1 unless whoever builds the constants gives
 more; each number of them has a layout of its own, for which the kernels are compiled once and kept on disk. What a step
-reads are products and reciprocals of the constants, made once (`wire.constants:StepConstants`).
+reads are products and reciprocals of the constants, made once (`wire:StepConstants`).
 """
 
 
@@ -26,8 +26,8 @@ def page() -> str:
     """Return the whole page."""
     parts = [
         HEAD,
-        f"## State\n\n`wire.state:WireState`. {summary(WireState)}\n\n{fields(WireState)}\n",
-        f"## Constants\n\n`wire.constants:WireConstants`. {summary(WireConstants)}\n\n{fields(WireConstants)}\n",
+        f"## State\n\n`wire:WireState`. {summary(WireState)}\n\n{fields(WireState)}\n",
+        f"## Constants\n\n`wire:WireConstants`. {summary(WireConstants)}\n\n{fields(WireConstants)}\n",
     ]
     return "\n".join(parts)
 

@@ -1,82 +1,79 @@
-"""A page for every public name, from its docstring: what a script imports from the package and from its rooms."""
+"""A page for every promised name, from its docstring: what a script imports from the package."""
 
 from __future__ import annotations
 
-import importlib
 import inspect
 import re
 import sys
 from pathlib import Path
 from typing import Any
 
-import musclewire
-
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "images"))
 import python_page
 from layout import toctree
 
+PACKAGE = "musclewire"
 # Settings of pydantic's classes, which are no part of what a reader calls.
 NO_MEMBERS = "model_config, model_post_init"
 # A row of the table of names on the page on Python.
-ROW = re.compile(r"^\| (`(?:mw\.)?(\w+)[^`]*`) \|", re.M)
+ROW = re.compile(r"^\| (`(?:mw|musclewire\.compiled)\.(\w+)[^`]*`) \|", re.M)
+# A link at the end of a summary, which is written for the page in Markdown.
+LINK_OF_MARKDOWN = re.compile(r" \(\[[^\]]*\]\([^)]*\)\)")
 
 
-def public_names() -> dict[str, dict[str, Any]]:
-    """Return every public name with its object, by the module that a script imports it from."""
-    own = {name: getattr(musclewire, name) for name in musclewire.__all__}
-    modules = {"musclewire": own}
-    for room in python_page.ROOMS:
-        module = importlib.import_module(f"musclewire.{room}")
-        modules[module.__name__] = {name: getattr(module, name) for name in module.__all__ if name not in own}
-    return modules
+def public_names() -> dict[str, Any]:
+    """Return every promised name, as it is imported, with its object."""
+    found = {f"{PACKAGE}.{name}": item for items in python_page.sections().values() for name, item in items.items()}
+    return found | python_page.decorator()
 
 
 def write_api_pages(reference: Path) -> None:
     """Write the pages into the folder api/ of the reference, and lead to them from the page on Python."""
     folder = reference / "api"
     folder.mkdir()
-    modules = public_names()
-    for module, items in modules.items():
-        write_module(folder, module, items)
+    names = public_names()
+    for full, item in names.items():
+        write_name(folder, full, item)
+    write_package(folder, names)
     python = reference / "python.md"
-    pages = {name: f"{module}.{name}" for module, items in modules.items() for name in items}
-    text = ROW.sub(
-        lambda row: f"| [{row[1]}](api/{pages[row[2]]}.rst) |" if row[2] in pages else row[0], python.read_text("utf-8")
-    )
-    python.write_text(f"{text}\n{toctree([f'api/{module}' for module in modules], '')}", encoding="utf-8")
+    pages = {full.rpartition(".")[2]: full for full in names}
+    text = ROW.sub(lambda row: f"| [{row[1]}](api/{pages[row[2]]}.rst) |", python.read_text("utf-8"))
+    python.write_text(f"{text}\n{toctree([f'api/{PACKAGE}'], '')}", encoding="utf-8")
 
 
-def write_module(folder: Path, module: str, items: dict[str, Any]) -> None:
-    """Write the page of a module and, under it, those of its names."""
-    pages = [write_name(folder, module, name, item) for name, item in items.items()]
-    summary = "What a script imports first." if module == "musclewire" else first_line(importlib.import_module(module))
-    rows = []
-    for (name, item), page in zip(items.items(), pages, strict=True):
-        rows += [f"   * - :doc:`{name} <{page}>`", f"     - {summary_of(name, item)}"]
-    table = [".. list-table::", "   :widths: 30 70", "", *rows]
-    tree = [".. toctree::", "   :hidden:", "", *(f"   {page}" for page in pages)]
-    text = "\n".join([module, "=" * len(module), "", summary, "", *table, "", *tree, ""])
-    (folder / f"{module}.rst").write_text(text, encoding="utf-8")
+def write_package(folder: Path, names: dict[str, Any]) -> None:
+    """Write the page of the package: its names in the sections of the page on Python, and their pages under it."""
+    lines = [PACKAGE, "=" * len(PACKAGE), "", "All names that are promised; nothing is loaded until one is used.", ""]
+    for heading, items in python_page.sections().items():
+        title = heading.replace("`", "")
+        lines += [title, "-" * len(title), "", *rows_of({f"{PACKAGE}.{name}": item for name, item in items.items()})]
+    title = "Compiled"
+    lines += [title, "-" * len(title), "", *rows_of(python_page.decorator())]
+    tree = [".. toctree::", "   :hidden:", "", *(f"   {full}" for full in names), ""]
+    (folder / f"{PACKAGE}.rst").write_text("\n".join([*lines, *tree]), encoding="utf-8")
 
 
-def write_name(folder: Path, module: str, name: str, item: Any) -> str:
-    """Write the page of a name, and return what it is called without its suffix."""
-    full = f"{module}.{name}"
+def rows_of(items: dict[str, Any]) -> list[str]:
+    """Return the lines of a table of names, each leading to its page."""
+    rows = [".. list-table::", "   :widths: 30 70", ""]
+    for full, item in items.items():
+        name = full.rpartition(".")[2]
+        rows += [f"   * - :doc:`{name} <{full}>`", f"     - {summary_of(name, item)}"]
+    return [*rows, ""]
+
+
+def write_name(folder: Path, full: str, item: Any) -> None:
+    """Write the page of a name."""
+    name = full.rpartition(".")[2]
     body = [f".. py:data:: {full}", "", f"   {summary_of(name, item)}", ""]
     if inspect.isclass(item):
         body = [f".. autoclass:: {full}", "   :members:", f"   :exclude-members: {NO_MEMBERS}", ""]
     elif inspect.isfunction(inspect.unwrap(item)):
         body = [f".. autofunction:: {full}", ""]
     (folder / f"{full}.rst").write_text("\n".join([name, "=" * len(name), "", *body]), encoding="utf-8")
-    return full
 
 
 def summary_of(name: str, item: Any) -> str:
     """Return what a name is in one line of reStructuredText."""
     line = python_page.OTHERS.get(name) or python_page.first_line(item)
-    return line.replace(" ([files](files.md))", "").replace("`", "``")
-
-
-def first_line(module: Any) -> str:
-    """Return the first sentence of a module's docstring in reStructuredText."""
-    return python_page.first_line(module).replace("`", "``")
+    return LINK_OF_MARKDOWN.sub("", line).replace("`", "``")

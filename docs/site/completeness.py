@@ -71,11 +71,10 @@ def missing(site: Path) -> Iterator[str]:
 
 def names_without_page(pages: dict[Path, Page], site: Path) -> Iterator[str]:
     """Yield every public name that is not documented on a page of its own."""
-    for module, items in public_names().items():
-        for name in items:
-            path = site / "reference" / "api" / f"{module}.{name}.html"
-            if path not in pages or f"{module}.{name}" not in pages[path].anchors:
-                yield f"public name without its page: {module}.{name}"
+    for name in public_names():
+        path = site / "reference" / "api" / f"{name}.html"
+        if path not in pages or name not in pages[path].anchors:
+            yield f"public name without its page: {name}"
 
 
 def command_words() -> set[str]:

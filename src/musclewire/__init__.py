@@ -8,8 +8,8 @@
         run = mw.control(rig, model, mw.staircase())
     print(run.metrics)
 
-Every name that is promised to users is here, and nothing else is promised: those of the core are listed in the stub
-beside this file, those of parts outside the core in their manifests. Names are loaded when they are first used, so that
+Every name that is promised to users is here, and nothing else is promised: those of the core are listed in
+``__init__.pyi``, those of parts outside the core in their manifests. Names are loaded when they are first used, so that
 importing the package costs nothing.
 """
 

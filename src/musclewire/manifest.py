@@ -58,7 +58,19 @@ class Command:
 
 @dataclass(frozen=True)
 class CommandGroup:
-    """A group of commands, listed if any command is in it; ``panel`` and ``before`` are as in :class:`Command`."""
+    """A group of commands, listed if any command is in it.
+
+    Parameters
+    ----------
+    name
+        What is typed before the name of a command.
+    help
+        Its line in ``musclewire --help``.
+    panel
+        The panel of ``--help`` in which it is listed.
+    before
+        The command before which it is listed.
+    """
 
     name: str
     help: str
@@ -102,7 +114,7 @@ class Manifest:
         Packages and modules that hold compiled functions: an edit of any starts a new cache for these, and for no
         others.
     versions
-        What ``musclewire --version`` tells of it: key to place of a number or text.
+        What ``musclewire --version`` states about it: key to place of a number or text.
     """
 
     name: str
@@ -143,7 +155,7 @@ def folder_of(place: str) -> Path:
 
 
 def loaded(place: str) -> Any:
-    """Return what stands at a place.
+    """Return what is at a place.
 
     Parameters
     ----------
@@ -219,7 +231,7 @@ def parts() -> Mapping[str, Mapping[str, Any]]:
 
 
 def absent_part(kind: str, name: str) -> CallerError | None:
-    """Return the error that tells of a name whose part is not there, None if no part has such a name.
+    """Return the error for a name whose part is not there, None if no part has such a name.
 
     Parameters
     ----------

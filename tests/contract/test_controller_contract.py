@@ -1,4 +1,4 @@
-"""Every controller keeps to ``controllers.controller.Controller``: pure, within limits, bumpless, without windup."""
+"""Every controller keeps to ``controllers.Controller``: pure, within limits, bumpless, without windup."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every estimator keeps to ``sensing.estimator.Estimator``: pure, finite, bridging dropouts, with a reason."""
+"""Every estimator keeps to ``sensing.Estimator``: pure, finite, bridging dropouts, with a reason."""
 
 from __future__ import annotations
 

@@ -141,22 +141,35 @@ def test_what_pages_name_is_found_and_keys_are_not() -> None:
     assert resolved("shunt_resistance_ohm") is None  # a key
 
 
-def test_a_name_after_its_file_is_found_and_a_field_leads_to_its_class() -> None:
-    assert resolved("identify.sensing_model:fit") is resolved("mw.fit")
-    assert resolved("sensing.model:SensingModel.plot") is resolved("SensingModel.plot")
-    assert resolved("parameters.parameter_groups:Alloy.r_phase_strain") is resolved(
-        "musclewire.parameters._parameter_groups.Alloy"
-    )
-    assert resolved("wire.state:WireState.grains") is resolved("musclewire.wire._state.WireState")
-    assert resolved("parameters.parameter_groups:Alloy.r_phase_strain") is not None
-    assert resolved("wire.state:WireState.grains") is not None
-    assert resolved("sensing.model:Nothing") is None
+def test_a_name_after_its_room_or_file_is_found_and_a_field_leads_to_its_class() -> None:
+    assert resolved("identify:fit") is resolved("mw.fit")
+    assert resolved("sensing:SensingModel.plot") is resolved("SensingModel.plot")
+    assert resolved("parameters:Alloy.r_phase_strain") is resolved("musclewire.parameters._parameter_groups.Alloy")
+    assert resolved("wire._state:WireState.grains") is resolved("musclewire.wire._state.WireState")
+    assert resolved("parameters:Alloy.r_phase_strain") is not None
+    assert resolved("wire._state:WireState.grains") is not None
+    assert resolved("sensing:Nothing") is None
 
 
 def test_methods_of_public_classes_and_of_protocols_are_public() -> None:
     names = public_objects()
     assert {"musclewire.signals._recording.Recording.save", "musclewire.rigs._protocol.Rig.exchange"} <= set(names)
     assert "musclewire.physics._heat.nusselt_churchill_chu" in names
+
+
+def test_a_name_that_only_rooms_use_may_have_a_summary_alone_and_its_sections_are_complete() -> None:
+    assert problems_of(Public("tests.undescribed", undescribed, "a test", for_rooms=True)) == []
+    assert problems_of(Public("tests.renamed", renamed, "a test", for_rooms=True)) == [
+        "parameter 'name' is not described",
+        "there is no parameter 'title'",
+    ]
+
+
+def test_what_is_promised_or_on_a_page_is_judged_as_such_although_a_room_lists_it() -> None:
+    names = public_objects()
+    assert not names["musclewire.identify._sensing_model.fit"].for_rooms
+    assert not names["musclewire.wire._constants.WireConstants"].for_rooms  # on the page on the row
+    assert names["musclewire.wire._balance.loss_w"].for_rooms
 
 
 def test_every_public_docstring_is_complete() -> None:

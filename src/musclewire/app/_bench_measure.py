@@ -219,11 +219,11 @@ class MachinePeaks:
     cores
         Number of processor cores that this process may use.
     vector_flops_per_s
-        Multiplications and additions per second over a short array, in vector registers.
+        Multiplications and additions per second [1/s] over a short array, in vector registers.
     chained_flops_per_s
-        The same where each waits for the one before, as within one step of one wire.
+        The same where each waits for the one before, as within one step of one wire [1/s].
     bandwidth_bytes_per_s
-        Bytes read and written per second over arrays larger than the caches.
+        Bytes read and written per second [1/s] over arrays larger than the caches.
     """
 
     processor: str

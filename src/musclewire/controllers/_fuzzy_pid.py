@@ -312,7 +312,7 @@ class FuzzyPid:
 
 
 class FuzzyPidController:
-    """The fuzzy-tuned PID as a loop's controller (``controllers.controller.Controller``).
+    """The fuzzy-tuned PID as a loop's controller (``controllers.Controller``).
 
     Its state is the drive it took over until the first estimate, and the law's state from then on.
 

@@ -2,7 +2,7 @@
 
 One sample's journey: voltages -> estimator (Eq. 1, normalised resistance Eq. 3, strain Eqs. 4, 5) -> error ->
 controller (fuzzy-tuned PID, Eq. 6) -> drive voltage. This file only joins them: what is estimated and how it is
-controlled belong to ``sensing.estimator`` and ``controllers.controller``. The reference instruments of the rig are
+controlled belong to ``sensing._estimator`` and ``controllers._controller``. The reference instruments of the rig are
 recorded as well and compared afterwards; nothing here reads them.
 """
 

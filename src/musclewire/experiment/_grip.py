@@ -159,9 +159,26 @@ class GripPolicy:
 class GripRun(Recording):
     """A recording of a grip with its results; forces in newtons between endpoint and object.
 
-    ``contact_s`` counts from the start of closing, None without contact; ``true_`` values are the instrument's, None
-    without one. ``stiffness_n_per_m`` is the stiffness used to compute the force. Held forces are means over the end of
-    the hold; ``most_force_n`` is the force on a rigid object at this resistance.
+    Parameters
+    ----------
+    contact_s
+        Time of contact from the start of closing [s]; None without contact.
+    true_force_at_contact_n
+        The instrument's force at contact [N]; None without an instrument.
+    opening_m
+        Opening of the fingers at contact, the size of the object [m]; None without contact.
+    stiffness_n_per_m
+        Stiffness of the object that the force was computed with [N/m].
+    held
+        Whether the force was reached and held.
+    target_n
+        The force that was asked for [N].
+    estimated_force_n
+        Estimated force, mean over the end of the hold [N].
+    true_force_n
+        The instrument's force, mean over the end of the hold [N]; None without an instrument.
+    most_force_n
+        Force on a rigid object at this resistance, mean over the end of the hold [N].
     """
 
     contact_s: float | None = None

@@ -66,7 +66,23 @@ SHOWN = {
 
 @dataclass(frozen=True)
 class Gripper:
-    """Identity of the gripper that was trained; None for what a rig does not state."""
+    """Identity of the gripper that was trained; None for what a rig does not state.
+
+    Parameters
+    ----------
+    wire
+        Name of the wire.
+    leg_length_m
+        Length of a leg of the wire [m].
+    finger
+        Name of the finger.
+    finger_stiffness_n_per_m
+        Stiffness of a finger along its tendon [N/m].
+    fingers
+        Number of fingers.
+    pretension_n
+        Pretension of the wire [N].
+    """
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
 
@@ -78,7 +94,18 @@ class Gripper:
     pretension_n: float | None
 
     def require_same(self, other: Gripper) -> None:
-        """Raise CallerError if the other gripper is known to differ; measured numbers may differ by 1 %."""
+        """Raise CallerError if the other gripper is known to differ; measured numbers may differ by 1 %.
+
+        Parameters
+        ----------
+        other
+            The gripper that is mounted.
+
+        Raises
+        ------
+        CallerError
+            If anything that both state differs.
+        """
         for item in fields(self):
             learned, mounted = getattr(self, item.name), getattr(other, item.name)
             if learned is None or mounted is None or same(learned, mounted):

@@ -152,7 +152,7 @@ class SupplySizing:
 
     @property
     def supply_needed_v(self) -> float:
-        """Supply for the one-second current through the wire and the suggested shunt."""
+        """Supply [V] for the one-second current through the wire and the suggested shunt."""
         return self.one_second.wire_voltage_v + self.one_second.current_a * self.shunt.resistance_ohm
 
 

@@ -2,7 +2,7 @@
 
 A new wire changes in its first cycles: it keeps some strain, its resistance drifts, its hysteresis narrows
 (Churchill and Shaw, SMASIS2009-48968; Hartwich et al. 2021, doi 10.3390/s21206804). A model fitted before that is over
-does not stay valid. What a settled wire still drifts, a home move finds (``experiment/home.py``).
+does not stay valid. What a settled wire still drifts, a home move finds (``experiment/_home.py``).
 """
 
 from __future__ import annotations

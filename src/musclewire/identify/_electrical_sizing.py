@@ -1,6 +1,6 @@
 """Electrical sizing of a wire before parts are bought: the current that contracts it in time, the supply, the shunt.
 
-The numbers come from fast simulated runs (``simulate.paths``) and from the heat balance, not from measurements.
+The numbers come from fast simulated runs (``wire._paths``) and from the heat balance, not from measurements.
 """
 
 from __future__ import annotations

@@ -25,7 +25,17 @@ FRACTIONS = (0.1, 0.5, 0.9)
 
 
 class IsobaricLoop(NamedTuple):
-    """One loop, cold to hot to cold: temperatures and strains, each (n,), under one stress."""
+    """One loop, cold to hot to cold: temperatures and strains, each (n,), under one stress.
+
+    Parameters
+    ----------
+    stress_pa
+        The stress [Pa].
+    temperature_k
+        Temperatures [K], (n,).
+    strain
+        Strain at each, contraction positive, (n,).
+    """
 
     stress_pa: float
     temperature_k: FloatArray
@@ -51,7 +61,29 @@ def simulated_isobar(
     hottest_k: float = HOTTEST_K,
     points: int = 441,
 ) -> IsobaricLoop:
-    """Return the loop of a simulated wire under ``stress_pa`` from coldest to hottest and back, ``points`` each way."""
+    """Return the loop of a simulated wire under constant stress, from coldest to hottest and back.
+
+    Parameters
+    ----------
+    alloy
+        The alloy.
+    wire
+        The wire.
+    bench
+        The bench.
+    stress_pa
+        The constant stress [Pa].
+    coldest_k
+        Temperature at which the loop starts and ends [K].
+    hottest_k
+        Temperature at which it turns [K].
+    points
+        Number of temperatures each way.
+
+    Returns
+    -------
+    The loop.
+    """
     up = np.linspace(coldest_k, hottest_k, points)
     kelvin = np.concatenate([up, up[-2::-1]])
     path = isobaric_path(constants_from(alloy, wire, bench), stress_pa, kelvin)

@@ -79,27 +79,27 @@ class CatalogueRow(BaseModel):
 
     @property
     def diameter_m(self) -> float:
-        """Diameter of the wire."""
+        """Diameter of the wire [m]."""
         return self.diameter_in * INCH_M
 
     @property
     def area_m2(self) -> float:
-        """Cross section."""
+        """Cross section [m2]."""
         return 0.25 * math.pi * self.diameter_m**2
 
     @property
     def pull_force_n(self) -> float:
-        """Rated pull of the hot wire."""
+        """Rated pull of the hot wire [N]."""
         return self.pull_force_g.value * GRAM_FORCE_N
 
     @property
     def cooling_force_n(self) -> float:
-        """Force that stretches the cold wire again."""
+        """Force that stretches the cold wire again [N]."""
         return self.cooling_force_g.value * GRAM_FORCE_N
 
     @property
     def current_a(self) -> float:
-        """Current for a contraction in about one second."""
+        """Current for a contraction in about one second [A]."""
         return 1e-3 * self.current_ma.value
 
     def cooling_cell(self, wire_class: str) -> CatalogueCell:

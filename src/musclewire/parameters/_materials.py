@@ -69,9 +69,21 @@ class Material(ParameterGroup):
         return list(self.minimum_thickness_m)
 
     def process_called(self, name: str | None) -> str:
-        """Return a process by its name or a common synonym (fdm, fff, sls), the usual one for None.
+        """Return a process by its name or a common synonym (fdm, fff, sls).
 
-        Raises CallerError for a process that is not known for this material.
+        Parameters
+        ----------
+        name
+            What the caller calls it; None for the usual one.
+
+        Returns
+        -------
+        Its name in the file.
+
+        Raises
+        ------
+        CallerError
+            For a process that is not known for this material.
         """
         if name is None:
             return self.processes[0]
@@ -81,9 +93,21 @@ class Material(ParameterGroup):
         return chosen
 
     def minimum_thickness_by(self, process: str | None) -> float:
-        """Return the thinnest flexure [m] that a process makes; that of the usual process for None.
+        """Return the thinnest flexure [m] that a process makes.
 
-        Raises CallerError for a process that is not known for this material.
+        Parameters
+        ----------
+        process
+            The process; None for the usual one.
+
+        Returns
+        -------
+        Its thickness [m].
+
+        Raises
+        ------
+        CallerError
+            For a process that is not known for this material.
         """
         return self.minimum_thickness_m[self.process_called(process)].value
 

@@ -122,7 +122,7 @@ def air_prandtl(temperature_k: float) -> float:
 
 @compiled
 def rayleigh_of_wire(wall_temperature_k: float, ambient_temperature_k: float, diameter_m: float) -> float:
-    """Return the Rayleigh number of a wire in air on its diameter, Ra = g beta |T_w - T_a| d^3 Pr / nu^2.
+    """Return the Rayleigh number of a wire in air on its diameter, Ra = g beta abs(T_w - T_a) d^3 Pr / nu^2.
 
     Parameters
     ----------

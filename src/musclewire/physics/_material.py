@@ -1,7 +1,7 @@
 """Constitutive law of NiTi wire: which phase is favoured, the strain that follows, and the friction of a guide.
 
 Symbols: M martensite; T temperature, sigma stress; f advantage over austenite in kelvin; C stress rate
-(Clausius-Clapeyron slope) in Pa/K. When phases change is in ``wire/fronts.py``.
+(Clausius-Clapeyron slope) in Pa/K. When phases change is in ``wire/_fronts.py``.
 """
 
 from __future__ import annotations

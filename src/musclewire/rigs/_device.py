@@ -294,7 +294,21 @@ class HasOnBoardLoop(Protocol):
         ...
 
     def checksum_of(self, model: SensingModel, settings: FuzzyPidSettings, estimator: str) -> int:
-        """Return the checksum that the device would have if it were built with a model and controller."""
+        """Return the checksum that the device would have if it were built with a model and controller.
+
+        Parameters
+        ----------
+        model
+            The model.
+        settings
+            The settings of the controller.
+        estimator
+            Name of the estimator.
+
+        Returns
+        -------
+        The checksum.
+        """
         ...
 
     @property

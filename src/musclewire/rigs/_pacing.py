@@ -45,7 +45,7 @@ class SamplePacer:
 
     @property
     def due_s(self) -> float | None:
-        """When the next sample is due, by the pacer's clock; None before the first."""
+        """When the next sample is due [s], by the pacer's clock; None before the first."""
         # A product and not a sum of periods: a sum drifts by its roundings.
         return None if self._start_s is None else self._start_s + self._samples * self._period_s
 

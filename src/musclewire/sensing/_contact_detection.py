@@ -58,9 +58,29 @@ NO_FLOATS = np.empty(0)
 class FreeClosing:
     """Power and energy of a closing without an object over normalised resistance; coefficients are of ascending powers.
 
-    ``holding_power_w`` is theta, ``closing_energy_j`` is m, both of all wires in the circuit. They hold from
-    ``normalised_min`` to ``normalised_max``. ``normalised_noise`` is the standard deviation of one sample's normalised
-    resistance, with what theta and m leave unexplained. Raises CallerError for numbers that cannot be.
+    Parameters
+    ----------
+    resistance_min_ohm
+        Resistance at C, normalised 0 [ohm].
+    resistance_max_ohm
+        Resistance at B, normalised 1 [ohm].
+    holding_power_w
+        Theta: power that holds all wires of the circuit at a place [W].
+    closing_energy_j
+        m: their energy over normalised resistance [J].
+    normalised_min
+        Least normalised resistance at which both hold.
+    normalised_max
+        Greatest normalised resistance at which both hold.
+    normalised_noise
+        Standard deviation of one sample's normalised resistance, with what theta and m leave unexplained.
+    thermal_time_s
+        Time constant of the wires in air [s].
+
+    Raises
+    ------
+    CallerError
+        For numbers that cannot be.
     """
 
     resistance_min_ohm: float
@@ -89,7 +109,17 @@ class FreeClosing:
             raise CallerError(f"the thermal time is {self.thermal_time_s:g} s and must be above 0")
 
     def normalised(self, resistance_ohm: float) -> float:
-        """Return normalised resistance (Eq. 3)."""
+        """Return normalised resistance (Eq. 3).
+
+        Parameters
+        ----------
+        resistance_ohm
+            Resistance of the wires [ohm].
+
+        Returns
+        -------
+        0 at C, 1 at B.
+        """
         return (resistance_ohm - self.resistance_min_ohm) / (self.resistance_max_ohm - self.resistance_min_ohm)
 
 

@@ -47,7 +47,7 @@ class SlowPart(Protocol):
 
     Every ``every_ticks`` ticks a correction is requested, and exactly ``after_ticks`` ticks later it takes effect: in
     line in simulation, out of a thread on a rig with a clock, with the same result. One that is late or fails leaves
-    the old correction in place, and the sample records so (``sensing/slow_corrections.py``).
+    the old correction in place, and the sample records so (``sensing/_slow_corrections.py``).
     """
 
     @property

@@ -42,9 +42,29 @@ AVERAGED_SAMPLES = 3
 class GripCurve:
     """Travel and compliance of fingers over normalised resistance; coefficients are of ascending powers.
 
-    ``endpoint_m`` is one free finger's endpoint on heating, ``leverage`` its e'. ``power_per_newton_w`` is the
-    holding power per newton at one tendon, of all wires of the circuit together. Raises CallerError for compliances
-    below 0, no finger, or no power per newton.
+    Parameters
+    ----------
+    fingers
+        Number of fingers.
+    endpoint_m
+        One free finger's endpoint on heating [m].
+    leverage
+        Its e': travel of the endpoint over travel of the tendon.
+    finger_compliance_m_per_n
+        Compliance of a finger at its endpoint [m/N].
+    wire_compliance_m_per_n
+        Compliance of a wire at its tendon [m/N].
+    power_per_newton_w
+        Holding power per newton at one tendon, of all wires of the circuit together [W].
+    normalised_min
+        Least normalised resistance at which it holds.
+    normalised_max
+        Greatest normalised resistance at which it holds.
+
+    Raises
+    ------
+    CallerError
+        For compliances below 0, no finger, or no power per newton.
     """
 
     fingers: int
@@ -67,25 +87,85 @@ class GripCurve:
                 )
 
     def closed_m(self, normalised: float) -> float:
-        """Return the travel by which the free fingers have closed in total [m]."""
+        """Return the travel by which the free fingers have closed in total [m].
+
+        Parameters
+        ----------
+        normalised
+            Normalised resistance.
+
+        Returns
+        -------
+        The travel [m].
+        """
         return self.fingers * float(evaluate(self.endpoint_m, self._within(normalised)))
 
     def compliance_m_per_n(self, normalised: float) -> float:
-        """Return the compliance of the fingers and their wires between the endpoints [m/N]."""
+        """Return the compliance of the fingers and their wires between the endpoints [m/N].
+
+        Parameters
+        ----------
+        normalised
+            Normalised resistance.
+
+        Returns
+        -------
+        The compliance [m/N].
+        """
         lever = self._lever(normalised)
         return self.fingers * (self.finger_compliance_m_per_n + self.wire_compliance_m_per_n * lever * lever)
 
     def force_n(self, normalised: float, contact: float, stiffness_n_per_m: float) -> float:
-        """Return the grip force [N] on an object of known stiffness with contact at ``contact``; 0 before it."""
+        """Return the grip force [N] on an object of known stiffness.
+
+        Parameters
+        ----------
+        normalised
+            Normalised resistance.
+        contact
+            Normalised resistance at contact.
+        stiffness_n_per_m
+            Stiffness of the object [N/m].
+
+        Returns
+        -------
+        The force [N]; 0 before contact.
+        """
         travel_m = self.closed_m(normalised) - self.closed_m(contact)
         return max(travel_m, 0.0) / (1.0 / stiffness_n_per_m + self.compliance_m_per_n(normalised))
 
     def max_force_n(self, normalised: float, contact: float) -> float:
-        """Return the grip force on a rigid object [N], an upper bound for any other."""
+        """Return the grip force on a rigid object [N], an upper bound for any other.
+
+        Parameters
+        ----------
+        normalised
+            Normalised resistance.
+        contact
+            Normalised resistance at contact.
+
+        Returns
+        -------
+        The force [N].
+        """
         return self.force_n(normalised, contact, MAX_STIFFNESS_N_PER_M)
 
     def slopes_w(self, here: float, places: FloatArray, stiffness_n_per_m: FloatArray) -> FloatArray:
-        """Return the slope of power [W], (n_stiffnesses, n_places), from each place of contact to ``here``."""
+        """Return the slope of power [W] from each place of contact to the present one.
+
+        Parameters
+        ----------
+        here
+            Normalised resistance now.
+        places
+            Normalised resistances at which contact may have been, (n_places,).
+        stiffness_n_per_m
+            Stiffnesses that the object may have [N/m], (n_stiffnesses,).
+
+        Returns
+        -------
+        The slopes [W], (n_stiffnesses, n_places).
+        """
         cost_w = float(evaluate(self.power_per_newton_w, self._within(here))) * self._lever(here)
         return cost_w * self._forces_n(here, places, stiffness_n_per_m) / (places - here)
 
@@ -95,6 +175,15 @@ class GripCurve:
         Neither is known, and in the most likely pair a draught would count as force. Every pair is therefore weighted
         by its likelihood, with a prior that is uniform in the logarithm over ``UNKNOWN_STIFFNESSES_N_PER_M``. The force
         is the mean over all pairs, which remains unbiased although the closing ends by it.
+
+        Parameters
+        ----------
+        state
+            What the detector of contact knows.
+
+        Returns
+        -------
+        Place of contact, as normalised resistance, and stiffness [N/m].
         """
         here = state.normalised
         if here is None or not (state.places > here).any():
@@ -121,6 +210,17 @@ class GripCurve:
         The stiffness determines how power grows from each place, which leaves less to air disturbances than a free
         slope: log-likelihoods s (overlap) - s^2 (weight) / 2 of the detector's candidates, at the slope s each should
         have.
+
+        Parameters
+        ----------
+        state
+            What the detector of contact knows.
+        stiffness_n_per_m
+            Stiffness of the object [N/m].
+
+        Returns
+        -------
+        The place, as normalised resistance.
         """
         here = state.normalised
         if here is None or not state.places.size:

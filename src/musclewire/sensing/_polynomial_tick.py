@@ -49,7 +49,7 @@ OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
 
 @compiled
 def tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
-    """Estimate one sample; see ``signals.compiled_tick`` for the arrays."""
+    """Estimate one sample; see ``signals._compiled_tick`` for the arrays."""
     constants_row, state_row = constants[:N_CONSTANTS].view(CONSTANTS)[0], state.view(STATE)[0]
     wire_voltage_v, shunt_voltage_v = given[2], given[3]
     resistance_ohm = 0.0

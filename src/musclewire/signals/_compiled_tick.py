@@ -39,7 +39,7 @@ class CompiledTick(NamedTuple):
         one-dimensional arrays of floats. It changes ``state``, writes ``answer`` and returns nothing. An estimator is
         given ``ESTIMATOR_INPUTS`` and answers ``ESTIMATOR_ANSWERS``, a controller ``CONTROLLER_INPUTS`` and
         ``CONTROLLER_ANSWERS``; the numbers of the implementation's ``columns`` follow. ``reason`` is that of
-        ``signals.exchange.Reason``, ``valid`` and ``failed`` are 0 or 1. Where ``step`` ends a run, by a failure or an
+        ``signals.Reason``, ``valid`` and ``failed`` are 0 or 1. Where ``step`` ends a run, by a failure or an
         error, the tick answers ``failed`` and need not say why: the run is then repeated by ``step``.
     constants
         What does not change; of any length. It may be shared by many loops.

@@ -107,7 +107,7 @@ class SourceTable(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class TableInMemory:
-    """a table that was read as a whole.
+    """A table that was read as a whole.
 
     Parameters
     ----------

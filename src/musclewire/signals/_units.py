@@ -304,7 +304,22 @@ ABSOLUTE = ("degC", "degF", "°C", "°F", "celsius", "fahrenheit")
 def measured_in(unit: str, *, difference: bool = False) -> BeforeValidator:
     """Return a validator that takes a number in SI or text with a unit.
 
-    For a ``difference`` of temperatures, degrees Celsius and Fahrenheit are refused, because their zero is arbitrary.
+    Parameters
+    ----------
+    unit
+        The SI unit.
+    difference
+        Whether it is a difference of temperatures: degrees Celsius and Fahrenheit are refused, because their zero is
+        arbitrary.
+
+    Returns
+    -------
+    The validator, for a field of a pydantic model.
+
+    Raises
+    ------
+    ValueError
+        By the validator, for text that is no such quantity.
     """
     from pydantic import BeforeValidator  # here, so that recordings are read without it
 
@@ -318,5 +333,5 @@ def measured_in(unit: str, *, difference: bool = False) -> BeforeValidator:
         except CallerError as error:
             raise ValueError(str(error)) from None
 
-    in_si.unit = unit  # type: ignore[attr-defined]  # for messages on limits (parameters/validation.py)
+    in_si.unit = unit  # type: ignore[attr-defined]  # for messages on limits (parameters/_validation.py)
     return BeforeValidator(in_si)

@@ -24,8 +24,12 @@ Blocks = Iterable[tuple[FloatArray, ...]]
 class FileWriter(NamedTuple):
     """What writes files of a suffix.
 
-    ``fill`` takes a version of the format, None for the usual one, and returns a function of columns, metadata and
-    path; ``fill_blocks`` takes names, blocks, metadata and path, and is None for a format that cannot grow.
+    Parameters
+    ----------
+    fill
+        Takes a version of the format, None for the usual one; returns a function of columns, metadata and path.
+    fill_blocks
+        Takes names, blocks, metadata and path; None for a format that cannot grow.
     """
 
     fill: Callable[[str | None], Callable[[Columns, Metadata, Path], None]]

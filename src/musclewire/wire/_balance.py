@@ -1,6 +1,6 @@
 """The two balances of a wire, of enthalpy and of force, at a trial temperature and stress, with all slopes; compiled.
 
-Everything a Newton step needs is evaluated at once. As in ``wire/fronts.py`` nothing branches on numbers, so that the
+Everything a Newton step needs is evaluated at once. As in ``wire/_fronts.py`` nothing branches on numbers, so that the
 same functions serve one wire and vectors of wires, to the same bits.
 """
 

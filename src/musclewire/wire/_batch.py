@@ -1,6 +1,6 @@
 """Many different wires, each on its load under its drive, in one call and over all cores.
 
-Wires on plain springs with fixed steps run sixteen at a time in vector registers (``simulate/lanes.py``); wires with a
+Wires on plain springs with fixed steps run sixteen at a time in vector registers (``wire/_lanes.py``); wires with a
 load's table, new wires and chosen steps run one by one. Either way a wire has the same bits as alone, whatever the size
 of the batch, its order and the number of threads.
 """

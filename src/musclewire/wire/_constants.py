@@ -1,6 +1,6 @@
 """The constants of a wire, and the numbers derived from them that a step reads.
 
-Two lists of fields are the only definition, as for the state (``wire/state.py``).
+Two lists of fields are the only definition, as for the state (``wire/_state.py``).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ NO_CELLS = np.zeros((1, 1, 4))
 
 
 class WireConstants(Row):
-    """Everything that does not change while a wire runs, built by ``wire.building``.
+    """Everything that does not change while a wire runs, built by ``wire._building``.
 
     Parameters
     ----------

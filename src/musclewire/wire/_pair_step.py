@@ -1,6 +1,6 @@
 """One step of two coupled wires, compiled: their circuit, what both are expected to become, and both solved together.
 
-The order and the bookkeeping of heat are those of a single wire (``simulate/wires.py``).
+The order and the bookkeeping of heat are those of a single wire (``wire/_wires.py``).
 """
 
 from __future__ import annotations

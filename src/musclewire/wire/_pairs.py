@@ -1,7 +1,7 @@
 """Two coupled wires: pulling together or against each other, or each on its finger with an object between them.
 
 Each wire has its own heat, phases and history, by the same functions as a single wire. The two are coupled by a circuit
-and a connector, or by an object that both fingers touch; ``simulate/coupling.py`` solves for both at once.
+and a connector, or by an object that both fingers touch; ``wire/_coupling.py`` solves for both at once.
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ def drive_path(
 ) -> tuple[DrivenPath, WireState]:
     """Return the response of a wire to a drive, and the state at the end.
 
-    The numbers equal those of ``simulate.wires.advance`` sample by sample to the bit.
+    The numbers equal those of ``wire.advance`` sample by sample to the bit.
 
     Parameters
     ----------

@@ -291,6 +291,11 @@ def require_resolved(after: WireState, stepping: StepControl, sample_s: float, b
         Length of a sample [s], the longest step.
     before
         The wire before them; None to judge all steps since the wire was first at rest.
+
+    Raises
+    ------
+    NumericsError
+        If steps were not solved, or too long.
     """
     numbers = after.record
     missed = numbers.unsolved_steps - (before.unsolved_steps if before is not None else 0.0)

@@ -109,7 +109,7 @@ def of_ideal(options: CharacterizeOptions, run: IdealRun | Exception, keep: froz
 
 
 def drive_v(options: CharacterizeOptions, wire: VariedWire) -> FloatArray:
-    """Return the slow sine of a run [V], (n_samples,), with the numbers of ``experiment.open_loop.slow_sine``."""
+    """Return the slow sine of a run [V], (n_samples,), with the numbers of ``experiment.slow_sine``."""
     amplitude_v = wire.spool["drive_amplitude_v"] if options.amplitude is None else options.amplitude
     sense_v, sample_s = wire.bench["sense_voltage_v"], wire.bench["sample_period_s"]
     if not sense_v < amplitude_v:

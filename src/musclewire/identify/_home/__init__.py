@@ -1,7 +1,7 @@
 """The home move's evidence: a sweep at a known load against the loop that a model was fitted to.
 
 ``homed_model`` is the pure part: model and recorded sweep in, model of today out. Driving a rig belongs to
-``experiment/home.py``.
+``experiment/_home.py``.
 """
 
 from __future__ import annotations

@@ -94,7 +94,28 @@ class LeastSquaresProblem(Protocol):
 
 @dataclass(frozen=True)
 class SearchSettings:
-    """Effort of a search; the defaults suit a wire with some thirty unknowns."""
+    """Effort of a search; the defaults suit a wire with some thirty unknowns.
+
+    Parameters
+    ----------
+    seed
+        Seed of the starting points.
+    starts
+        Number of descents from points of the prior, one or more.
+    jumps
+        Number of descents from points near the best one.
+    evaluations_each
+        Evaluations of each of these descents.
+    evaluations_last
+        Evaluations of the last descent, from the best point.
+    threads
+        Number of threads; None for as many as there are processor cores.
+
+    Raises
+    ------
+    CallerError
+        For an impossible seed, and for a search without starts, evaluations or threads.
+    """
 
     seed: int = 1
     starts: int = 4

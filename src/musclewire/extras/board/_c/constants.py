@@ -142,7 +142,7 @@ def control_numbers(
 
 
 def _gates(model: SensingModel) -> list[CConstant]:
-    """Return the numbers of the direction-gated branches; their names are those of ``sensing.gated_branches``."""
+    """Return the numbers of the direction-gated branches; their names are those of ``sensing._gated_branches``."""
     numbers = GatedBranches(model).tick_constants(time_step(0.0))
     margin = MISMATCH_FRACTION * (model.resistance_max_ohm - model.resistance_min_ohm)
     times = {name: value for name, value in NUMBERS.items() if name.endswith("_s") and not name.endswith("_per_s")}

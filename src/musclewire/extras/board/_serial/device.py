@@ -129,7 +129,7 @@ class SerialDevice:
 
     @property
     def drive_voltage_v(self) -> float:
-        """Drive voltage that is out now, by the board's last sample."""
+        """Drive voltage [V] that is out now, by the board's last sample."""
         return self._drive_voltage_v
 
     @property
@@ -169,7 +169,7 @@ class SerialDevice:
 
     @property
     def board_resistance_ohm(self) -> float | None:
-        """The board's own resistance at the last exchange; None before the first."""
+        """The board's own resistance [ohm] at the last exchange; None before the first."""
         return None if self._last is None else self._last.resistance_ohm
 
     def __repr__(self) -> str:

@@ -72,7 +72,7 @@ def grip_rows(folder: Path) -> tuple[GripRow, ...]:
     The rows.
     """
     known = settings().grips
-    made_of = digest(sources(), repr(known))
+    made_of = digest(sources(with_estimators=True), repr(known))
     path = folder / "grips" / f"{made_of}.json"
     if path.exists():
         return tuple(GripRow(**row) for row in json.loads(path.read_text("utf-8")))

@@ -121,7 +121,7 @@ def answer_of(job: RobustnessJob, store: ResultStore) -> JobAnswer:
     -------
     The answer.
     """
-    name = digest(sources("sensing", "controllers", "experiment", "studies/robustness"), repr(job))
+    name = digest(sources(with_estimators=True), repr(job))
     kept = store.kept_answer(drawn_wire(job.seed), name)
     if kept is not None:
         return JobAnswer.of_plain(kept)

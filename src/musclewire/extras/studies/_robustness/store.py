@@ -27,7 +27,7 @@ FOLDER = Path("robustness")
 # estimator decides neither: whoever works on one keeps all runs.
 ROOMS = (
     *("physics", "wire", "parameters", "sensing", "controllers", "rigs", "identify", "experiment"),
-    *("extras/studies/segmented", "extras/studies/robustness"),
+    *("extras/studies/_segmented", "extras/studies/_robustness"),
 )
 OF_ESTIMATORS = ("estimator", "gated", "particles", "tick")
 
@@ -106,13 +106,13 @@ def digest(*texts: str) -> str:
 
 
 @cache
-def sources() -> str:
-    """Return a short hash of the sources and data of ``ROOMS``, those of estimators left out."""
+def sources(*, with_estimators: bool = False) -> str:
+    """Return a short hash of the sources and data of ``ROOMS``; those of estimators count if results depend on them."""
     package = Path(str(files("musclewire")))
     found = hashlib.sha256()
     for file in (file for room in ROOMS for file in sorted((package / room).rglob("*"))):
         of_an_estimator = any(word in file.relative_to(package).as_posix() for word in OF_ESTIMATORS)
-        if file.suffix in (".py", ".toml", ".csv", ".json") and not of_an_estimator:
+        if file.suffix in (".py", ".toml", ".csv", ".json") and (with_estimators or not of_an_estimator):
             found.update(file.relative_to(package).as_posix().encode())
             found.update(file.read_bytes())
     return found.hexdigest()[:12]

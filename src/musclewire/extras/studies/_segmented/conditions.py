@@ -56,7 +56,17 @@ ConditionsInTime = Callable[[float], Conditions]
 
 
 def steady(conditions: Conditions = OF_THE_BENCH) -> ConditionsInTime:
-    """Return conditions that stay as they are; by default those of the bench."""
+    """Return conditions that stay as they are; by default those of the bench.
+
+    Parameters
+    ----------
+    conditions
+        The conditions.
+
+    Returns
+    -------
+    A function of time that always returns them.
+    """
     return lambda _: conditions
 
 

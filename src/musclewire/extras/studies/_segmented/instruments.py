@@ -87,7 +87,17 @@ class InstrumentSettings(NamedTuple):
         )
 
     def checked(self) -> Self:
-        """Return the settings themselves. Raises CallerError for numbers that no instrument has."""
+        """Return the settings themselves, checked.
+
+        Returns
+        -------
+        The settings.
+
+        Raises
+        ------
+        CallerError
+            For numbers that no instrument has.
+        """
         positive = (self.bits, self.wire_range_v, self.shunt_range_v, self.readings, self.wire_gain, self.shunt_gain)
         if not (min(*positive, self.contact_interval_s) > 0 and all(math.isfinite(number) for number in self)):
             raise CallerError(
@@ -167,7 +177,17 @@ class RunningInstruments:
         return settings.lead_resistance_ohm + (settings.contact_jump_ohm if self._bad_contact else 0.0)
 
     def sample(self, true: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
-        """Return the readings of both voltages [V], displacement [m] and force [N]."""
+        """Return the readings of both voltages [V], displacement [m] and force [N].
+
+        Parameters
+        ----------
+        true
+            Voltage of the wire [V], voltage of the shunt [V], displacement [m] and force [N] as they are.
+
+        Returns
+        -------
+        The same as they are read.
+        """
         self._draw(out=self._noise)
         wire_v, shunt_v, displacement_m, force_n = true
         settings, readings = self.settings, self.settings.readings

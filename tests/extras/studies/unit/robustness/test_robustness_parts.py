@@ -1,6 +1,8 @@
 """The benchmark's parts: what is drawn, what is disturbed, how it is scored and judged."""
 
 import math
+from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from musclewire.extras.studies._robustness.references import REFERENCES, referen
 from musclewire.extras.studies._robustness.rows import estimator_rows
 from musclewire.extras.studies._robustness.scoring import ErrorSums, judged_from_s, pooled
 from musclewire.extras.studies._robustness.settings import settings
+from musclewire.extras.studies._robustness.store import ROOMS, sources
 from musclewire.extras.studies._robustness.verdicts import BarVerdict, effective_bar_pct, verdicts_of
 
 
@@ -198,3 +201,12 @@ def test_a_grip_changes_only_what_its_condition_names():
 
 def test_ranges_of_seeds():
     assert ranges([101, 102, 103, 7]) == "7, 101-103"
+
+
+def test_kept_results_depend_on_sources_that_are_there() -> None:
+    package = Path(str(files("musclewire")))
+    assert [room for room in ROOMS if not any((package / room).rglob("*.py"))] == []
+
+
+def test_an_edit_of_an_estimator_changes_what_is_computed_with_it_and_no_recorded_run() -> None:
+    assert sources(with_estimators=True) != sources()
