@@ -23,8 +23,8 @@ Not compared, because it may differ between two runs of the same sources:
   texts; within a recording or a result nothing else names a machine;
 - the compiled binary of an FMU, made by this machine's compiler from the C sources next to it, and the times of the
   files within the archive;
-- pages (.html) outside of an FMU, which are drawn from what is compared and say how long that took, and comments of
-  .toml files, which have the numbers of the JSON, rounded.
+- pages (.html) outside of an FMU, which are drawn from what is compared and say how long that took, and comments: of
+  .toml files, which have the numbers of the JSON, rounded, and of C, which name modules.
 """
 
 from __future__ import annotations

@@ -219,3 +219,9 @@ def test_a_job_brings_those_it_needs_and_they_come_before_it() -> None:
     for name, job in JOBS.items():
         assert all(order.index(need) < order.index(name) for need in job.needs)
         assert not any(JOBS[need].needs for need in job.needs if set(JOBS[need].needs) - set(job.needs))
+
+
+def test_a_comment_of_c_does_not_count_and_the_code_beside_it_does() -> None:
+    before = "/* as in musclewire.wire.step,\n * line by line */\nx = 1.0; /* volts */\n"
+    assert text_difference(before, before.replace("wire.step", "wire._step")) == ""
+    assert text_difference(before, before.replace("1.0;", "2.0;")) != ""
