@@ -1,9 +1,9 @@
 """Many wires side by side in vector registers, compiled: one step of sixteen wires in a few loops over lanes.
 
-Each loop calls the functions of one wire (``wire/_fronts.py``, ``wire/_balance.py``), which are free of branches, so that
-the compiler makes vector instructions of it; look-ups in tables have loops of their own. A lane whose first Newton step
-does not suffice is solved by the solver of one wire. All of it is strict IEEE 754 arithmetic in the order of one wire:
-a wire in a batch has the same bits as alone.
+Each loop calls the functions of one wire (``wire/_fronts.py``, ``wire/_balance.py``), which are free of branches, so
+that the compiler makes vector instructions of it; look-ups in tables have loops of their own. A lane whose first Newton
+step does not suffice is solved by the solver of one wire. All of it is strict IEEE 754 arithmetic in the order of one
+wire: a wire in a batch has the same bits as alone.
 """
 
 from __future__ import annotations
