@@ -1,0 +1,112 @@
+"""What the check of walls finds, on a small house, and that this one passes it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from checks.walls import (
+    SOURCES,
+    House,
+    behind_walls,
+    crossing,
+    house_in,
+    imports_of,
+    own_room,
+    reaches,
+    strange_on_pages,
+    wrong_lists,
+)
+
+WIRE = "musclewire.wire"
+LISTS = {
+    "musclewire": {"Wire": "musclewire.wire"},
+    WIRE: {"Wire": "musclewire.wire._row", "simulate": "musclewire.wire._time"},
+}
+
+
+def small_house(**more: str) -> House:
+    """A room with a list, a room that uses it, and whatever a test adds."""
+    modules = {
+        "musclewire": "",
+        WIRE: "",
+        "musclewire.wire._row": "class Wire: ...",
+        "musclewire.wire._time": "from musclewire.wire._row import Wire",
+        "musclewire.rigs._own": "from musclewire.wire import simulate",
+        **{f"musclewire.{name.replace('__', '._')}": text for name, text in more.items()},
+    }
+    return House(modules, LISTS)
+
+
+def test_an_import_behind_anothers_wall_is_found_in_the_package_and_outside() -> None:
+    house = small_house(sensing__own="def f():\n    from musclewire.wire._row import Wire\n")
+    outside = {
+        Path("tests/app/test_a.py"): "from musclewire.wire import _time\n",
+        Path("tests/unit/wire/test_b.py"): "from musclewire.wire._time import simulate\n",
+        Path("benchmarks/c.py"): "import musclewire.wire._row\n",
+    }
+    found = behind_walls(house, outside)
+    assert [line.partition(" imports ")[0] for line in found] == [
+        "src: musclewire.sensing._own:2",
+        "tests/app/test_a.py:1",
+        "benchmarks/c.py:1",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("path", "room"),
+    [
+        ("tests/unit/wire/test_a.py", "musclewire.wire"),
+        ("tests/extras/live/unit/test_a.py", "musclewire.extras.live"),
+        ("tests/app/test_a.py", ""),
+        ("benchmarks/a.py", ""),
+    ],
+)
+def test_a_test_may_look_behind_the_wall_of_its_own_room_alone(path: str, room: str) -> None:
+    assert own_room(Path(path)) == room
+
+
+def test_names_that_cross_are_counted_once_and_those_of_tests_apart() -> None:
+    text = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from musclewire.wire import Wire\n"
+    house = small_house(app__own=text, app__other="from musclewire.wire import simulate")
+    found = crossing(house, {Path("tests/app/test_a.py"): "from musclewire.wire import Wire, tried\n"})
+    assert found.at_run_time == {"musclewire.wire simulate"}
+    assert found.annotations_only == {"musclewire.wire Wire"}
+    assert found.tests_only == {"musclewire.wire tried"}
+
+
+def test_a_list_has_what_is_used_and_nothing_else() -> None:
+    house = small_house(app__own="from musclewire.wire import shorten")
+    assert wrong_lists(house, {}, ()) == ["shorten is taken from musclewire.wire, which does not list it"]
+    unused = House(small_house().modules, {**LISTS, WIRE: {**LISTS[WIRE], "idle": "musclewire.wire._row"}})
+    assert wrong_lists(unused, {}, ()) == ["musclewire.wire lists idle, which nobody uses: take it off"]
+    assert wrong_lists(unused, {}, ("musclewire.wire:idle",)) == []
+
+
+def test_a_way_to_the_simulator_leads_through_lists_by_the_name_that_is_taken() -> None:
+    row = small_house(sensing__own="from musclewire.wire import Wire")
+    assert reaches(row, ("musclewire.sensing",), ("musclewire.wire._time",)) == []
+    through = small_house(sensing__own="from musclewire.wire import simulate")
+    assert reaches(through, ("musclewire.sensing",), ("musclewire.wire._time",)) == [
+        "musclewire.sensing._own -> musclewire.wire._time"
+    ]
+
+
+def test_a_page_imports_what_is_promised_alone() -> None:
+    pages = {Path("a.md"): "```python\nfrom musclewire import Wire\n>>> from musclewire.wire import Wire\n```\n"}
+    (problem,) = strange_on_pages(pages)
+    assert problem.startswith("a.md imports from musclewire.wire")
+
+
+def test_a_module_is_told_from_a_name() -> None:
+    found = list(imports_of("from musclewire.wire import _row, Wire\nimport numpy\n", ["musclewire.wire._row"]))
+    assert [(one.module, one.name) for one in found] == [("musclewire.wire._row", ""), (WIRE, "Wire")]
+
+
+def test_what_runs_on_a_real_wire_is_there_to_be_checked() -> None:
+    """A module that has moved would be held to nothing."""
+    from checks.walls import ON_A_REAL_WIRE, SIMULATED
+
+    modules = house_in(SOURCES).modules
+    for name in (*ON_A_REAL_WIRE, *SIMULATED):
+        assert any(module.startswith(name) for module in modules), name
