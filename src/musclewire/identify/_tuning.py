@@ -1,12 +1,7 @@
 """Gains of a controller from a slow loop: the plant that the recording shows, and a published rule for its PI.
 
-<<<<<<< HEAD
 The plant on a branch is of first order, K = dS/dw and tau_e = tau + lambda K (as feedforward has it), with a dead
 time theta. By SIMC (Skogestad 2003) with tau_c = theta, "tight but robust":
-=======
-The plant on a branch is of first order, K = dS/dw and tau_e = tau + lambda K (``controllers._feedforward``), with a
-dead time theta. By SIMC (Skogestad 2003) with tau_c = theta, "tight but robust":
->>>>>>> k-docs
 
     K_c = tau_e / (K (tau_c + theta)),   T_i = min(tau_e, 4 (tau_c + theta))
 

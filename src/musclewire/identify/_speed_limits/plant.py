@@ -1,12 +1,7 @@
 """How fast a wire moves along its branches, from its slow loop and its circuit.
 
-<<<<<<< HEAD
 One heat balance, as feedforward has it: tau dw/dt = P - w - lambda dS/dt. On a branch w is known over S, so
 a constant P moves the wire from S_0 to S_1 in
-=======
-One heat balance, as in ``controllers._feedforward``: tau dw/dt = P - w - lambda dS/dt. On a branch w is known over S,
-so a constant P moves the wire from S_0 to S_1 in
->>>>>>> k-docs
 
     t = (tau (w_1 - w_0) + lambda (S_1 - S_0)) / e,   e the logarithmic mean of P - w over the way
 
