@@ -21,7 +21,8 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDER = ROOT / "src/musclewire/app/data/outputs"
+PACKAGE = ROOT / "src/musclewire"
+FOLDER = PACKAGE / "app/data/outputs"
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 Schema = dict[str, Any]
 # Further calls, whose answers have what the first ones lack.
@@ -90,6 +91,12 @@ def document_schema(name: str, answers: list[Any], section: str) -> Schema:
     return {"$schema": DIALECT, "title": title, **body, "additionalProperties": False}
 
 
+def schema_file(name: str) -> Path:
+    """Return where a schema is: in the part that has one of that name, otherwise with those of the core."""
+    of_parts = PACKAGE.glob(f"extras/*/outputs/{name}")
+    return next(of_parts, FOLDER / name)
+
+
 def main() -> None:
     """Run the commands and write the schemas."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
@@ -109,7 +116,7 @@ def main() -> None:
                 json.loads(calls.run(folder, *command.split(), *call, "--json", may_not_hold=True)) for call in every
             ]
             schema = document_schema(command, answers, calls.SECTIONS[command])
-            target = FOLDER / f"{command.replace(' ', '-')}.json"
+            target = schema_file(f"{command.replace(' ', '-')}.json")
             target.write_text(json.dumps(schema, indent=1, ensure_ascii=False) + "\n", "utf-8")
             print(f"{command}: {len(answers)} answers, {len(schema['properties'])} keys", flush=True)
 
