@@ -13,8 +13,9 @@
 #if defined(__FAST_MATH__)
 #error "musclewire: -ffast-math changes results and may drop the checks for NaN; compile these files without it"
 #endif
-#if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0
-#error "musclewire: this target computes in wider numbers than it stores (FLT_EVAL_METHOD is not 0); on 32 bit x86 use -msse2 -mfpmath=sse"
+/* 16 widens _Float16 alone (ISO/IEC TS 18661-3), on processors with AVX512-FP16; float and double are as with 0. */
+#if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16
+#error "musclewire: this target computes in wider numbers than it stores (FLT_EVAL_METHOD is neither 0 nor 16); on 32 bit x86 use -msse2 -mfpmath=sse"
 #endif
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
