@@ -230,7 +230,7 @@ def test_nothing_outside_a_hostile_file_is_opened(lab_files):
     code = """
 import sys, pathlib
 from musclewire.errors import MusclewireError
-from musclewire.extras.lab_files import foreign_hdf5, matlab73
+from musclewire.extras.lab_files import _foreign_hdf5 as foreign_hdf5, _matlab73 as matlab73
 from musclewire.extras.lab_files._formats import lab_file_reader
 from musclewire.extras.lab_files._foreign_hdf5 import read_hdf5_of_others
 # Here, where files are what matters, no trial in another process.
