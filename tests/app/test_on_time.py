@@ -31,7 +31,7 @@ def test_a_core_that_is_not_there_is_wrong_input(musclewire: Callable[..., Any],
 def test_what_the_system_refuses_is_a_warning_and_the_run_goes_on(
     musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("musclewire.rigs._real_time.take_priority", lambda: ["real-time priority is not permitted"])
+    monkeypatch.setattr("musclewire.rigs.take_priority", lambda: ["real-time priority is not permitted"])
     answer = musclewire(
         "characterize", "simulated", "--real-time", "--real-time-priority", "--period", "1", "--cycles", "1",
         "-o", tmp_path / "loop.h5", "--json",

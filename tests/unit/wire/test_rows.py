@@ -124,7 +124,8 @@ after, means = advance(state, wire, 2.0, 0.02, stepping)
 assert caught > 1000, caught
 assert state.row.tobytes() == before
 assert after.row.tobytes() == wanted[0].row.tobytes() and means == wanted[1]
-print(sum(__import__("musclewire.wire._wires").simulate.wires.advance_rows.stats.cache_misses.values()))
+from musclewire.wire._wires import advance_rows
+print(sum(advance_rows.stats.cache_misses.values()))
 """
 
 
