@@ -20,7 +20,7 @@ from musclewire.controllers._protection import (
     protection_table,
 )
 from musclewire.controllers._protection.protect import CONDITION_EVENTS, ProtectionState
-from musclewire.controllers._protection.sound import packed_limits, packed_memory, sound_reading
+from musclewire.controllers._protection.running import packed_limits, packed_memory, sound_reading
 
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.5,

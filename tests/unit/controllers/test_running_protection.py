@@ -25,8 +25,7 @@ from musclewire.controllers._protection import (
     rested,
     tripped_by,
 )
-from musclewire.controllers._protection.running import RunningProtection
-from musclewire.controllers._protection.sound import fills_block, sound_sample
+from musclewire.controllers._protection.running import RunningProtection, fills_block, sound_sample
 
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.3,

@@ -18,7 +18,7 @@ from musclewire.controllers._protection import (
     protect_reading,
 )
 from musclewire.controllers._protection.protect import HEALTHY, conditions, missing_event
-from musclewire.controllers._protection.sound import (
+from musclewire.controllers._protection.running import (
     REMEMBERED,
     packed_limits,
     packed_memory,
