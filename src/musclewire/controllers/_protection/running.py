@@ -3,8 +3,8 @@
 A reading is sound if nothing is missing and no condition of the protection table holds; compiled code judges that.
 While every reading of a driven rig is sound, the state is ``run``, nothing lasts, and the protection changes only what
 it remembers of readings and the estimated temperature. A rig (``RunningProtection``) and a loop in compiled code go on
-as long as that is so; what ``protect.py`` does when it is not, is written there and nowhere else. The tests hold both to
-the same verdicts and the same numbers.
+as long as that is so; what ``protect.py`` does when it is not, is written there and nowhere else. The tests hold both
+to the same verdicts and the same numbers.
 """
 
 from __future__ import annotations
