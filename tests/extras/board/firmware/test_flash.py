@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -80,8 +81,13 @@ def test_a_dry_run_shows_the_command(
 ) -> None:
     given = ["flash", "nano", "--wire", "paper-100um", "--serial-port", "/dev/ttyACM0", *old, "--dry-run", "--json"]
     monkeypatch.setattr(sys, "argv", ["musclewire", *given])
-    with pytest.raises(SystemExit) as ended:
-        main()
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        with pytest.raises(SystemExit) as ended:
+            main()
+    finally:  # at its end a command takes no more signals: the tests after this one do
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
     assert ended.value.code in (0, None)
     command = json.loads(capsys.readouterr().out)["command"]
     assert command[:9] == ["avrdude", "-p", "m328p", "-c", "arduino", "-P", "/dev/ttyACM0", "-b", baud]
