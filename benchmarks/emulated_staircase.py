@@ -18,9 +18,9 @@ from pathlib import Path
 import numpy as np
 from emulation.board import EmulatedBoard
 
-from musclewire.controllers import FuzzyPidSettings, Staircase, staircase
+from musclewire.controllers import Staircase, staircase
 from musclewire.experiment import ControlRun, control, control_metrics, control_on_board, determined
-from musclewire.extras.board import SerialConfiguration, loop_checksum
+from musclewire.extras.board import SerialConfiguration
 from musclewire.rigs import open_rig, rig_configuration
 from musclewire.sensing import SensingModel, load_model
 from musclewire.signals import Recording
@@ -52,8 +52,7 @@ def on_emulated(model: SensingModel, reference: Staircase, *, closed_by_board: b
     with EmulatedBoard(pace="lockstep") as board:
         with open_rig(rig_file(board.port_url)) as rig:
             if closed_by_board:
-                checksum = loop_checksum(model, FuzzyPidSettings())
-                run = control_on_board(rig, model, reference, checksum=checksum, approach_s=APPROACH_S)
+                run = control_on_board(rig, model, reference, approach_s=APPROACH_S)
             else:
                 run = control(rig, model, reference, estimator="polynomial", approach_s=APPROACH_S)
         truth = board.log()["displacement_m"]
