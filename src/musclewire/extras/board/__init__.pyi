@@ -8,7 +8,6 @@ from ._c.header import constants_header as constants_header
 from ._c.library import CLibrary as CLibrary
 from ._c.library import library_license as library_license
 from ._c.library import library_sources as library_sources
-from ._c.library import loop_checksum as loop_checksum
 from ._c.library import write_library as write_library
 from ._c.numbers import literal as literal
 from ._c.numbers import rows as rows
