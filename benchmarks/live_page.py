@@ -102,7 +102,7 @@ def rig_process(served: Served) -> int:
     """Return the process of the rig."""
     pid = served.process.pid
     children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    return next(int(one) for one in children if b"live.bench" in Path(f"/proc/{one}/cmdline").read_bytes())
+    return next(int(one) for one in children if b"live._bench" in Path(f"/proc/{one}/cmdline").read_bytes())
 
 
 def sizes(browser: Any, page: Any, served: Served) -> Sizes:
