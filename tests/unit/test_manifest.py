@@ -8,30 +8,8 @@ import pytest
 
 from musclewire import manifest
 from musclewire.errors import CallerError
-from musclewire.manifest import Manifest, absent_part, manifests, manifests_of_others, offered, parts
+from musclewire.manifest import Manifest, absent_part, manifests_of_others, offered
 from musclewire.registry import Registry
-
-
-def names_by_kind(one: Manifest) -> dict[str, list[str]]:
-    """What parts.toml lists of a manifest."""
-    top = [command.name for command in one.commands if command.group != one.name]
-    return {
-        "commands": sorted([group.name for group in one.groups] + top),
-        "names": sorted(one.names),
-        "devices": sorted(one.devices),
-        "rig_files": sorted(file.stem for file in manifest.folder_of(one.rig_files).glob("*.toml"))
-        if one.rig_files
-        else [],
-        "suffixes": sorted(one.suffixes_read),
-    }
-
-
-@pytest.mark.parametrize("one", [each for each in manifests() if each.name in parts()], ids=lambda one: one.name)
-def test_the_list_of_absent_parts_says_what_the_manifest_offers(one: Manifest) -> None:
-    listed = parts()[one.name]
-    kinds = names_by_kind(one)
-    assert {kind: sorted(listed.get(kind, [])) for kind in kinds} == kinds
-    assert listed["what"]
 
 
 def test_a_name_of_an_absent_part_is_one_line_that_says_which_part(monkeypatch: pytest.MonkeyPatch) -> None:

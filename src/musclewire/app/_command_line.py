@@ -42,13 +42,8 @@ class ListedCommand(TyperCommand):
         return self.loaded().make_context(info_name, args, parent=parent, **extra)
 
 
-class CommandLine(TyperGroup):
-    """The root of the command line: what it is given itself, and every listed command."""
-
-    def __init__(self, **attributes: Any) -> None:
-        """List the commands."""
-        super().__init__(**attributes)
-        self.commands = dict(listed_commands())
+class ListedGroup(TyperGroup):
+    """Commands of which some may belong to a part that is not there."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return a command by its name. Raises CallerError for a command whose part is not there."""
@@ -56,6 +51,15 @@ class CommandLine(TyperGroup):
         if absent is not None:
             raise absent
         return super().resolve_command(ctx, args)
+
+
+class CommandLine(ListedGroup):
+    """The root of the command line: what it is given itself, and every listed command."""
+
+    def __init__(self, **attributes: Any) -> None:
+        """List the commands."""
+        super().__init__(**attributes)
+        self.commands = dict(listed_commands())
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names in the order in which a reader meets them."""
@@ -83,9 +87,9 @@ def listed_commands() -> dict[str, Any]:
     return found
 
 
-def group_of(group: CommandGroup, members: Sequence[Command]) -> TyperGroup:
+def group_of(group: CommandGroup, members: Sequence[Command]) -> ListedGroup:
     """Return a group with its commands."""
-    return TyperGroup(
+    return ListedGroup(
         name=group.name,
         help=group.help,
         no_args_is_help=True,

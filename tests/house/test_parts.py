@@ -1,0 +1,31 @@
+"""The list of what absent parts would offer says what the parts offer that are there."""
+
+from __future__ import annotations
+
+import pytest
+
+from musclewire.manifest import Manifest, folder_of, manifests, parts
+
+
+def names_by_kind(one: Manifest) -> dict[str, list[str]]:
+    """What parts.toml lists of a manifest."""
+    top = [command.name for command in one.commands if command.group != one.name]
+    return {
+        "commands": sorted([group.name for group in one.groups] + top),
+        "names": sorted(one.names),
+        "devices": sorted(one.devices),
+        "rig_files": sorted(file.stem for file in folder_of(one.rig_files).glob("*.toml")) if one.rig_files else [],
+        "suffixes": sorted(one.suffixes_read),
+    }
+
+
+@pytest.mark.parametrize("one", [each for each in manifests() if each.name in parts()], ids=lambda one: one.name)
+def test_the_list_of_absent_parts_says_what_the_manifest_offers(one: Manifest) -> None:
+    listed = parts()[one.name]
+    kinds = names_by_kind(one)
+    assert {kind: sorted(listed.get(kind, [])) for kind in kinds} == kinds
+    assert listed["what"]
+
+
+def test_every_part_of_the_checkout_is_listed() -> None:
+    assert {each.name for each in manifests()} >= parts().keys()
