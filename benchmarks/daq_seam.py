@@ -27,7 +27,7 @@ from emulation.daq_server import DaqServer
 
 import musclewire
 from musclewire.extras.board import NiDaqConfiguration
-from musclewire.rigs import FOLDER, rig_configuration
+from musclewire.rigs import rig_configuration, shipped_rig_files
 
 ROOT = Path(__file__).parents[1]
 # Period, readings per second, readings averaged.
@@ -54,7 +54,7 @@ def changed(name: str, rate_hz: int, address: str | None = None) -> NiDaqConfigu
 def as_file(folder: Path, name: str, rate_hz: int, address: str) -> Path:
     """Return a rig file for another process."""
     period, reading_rate, readings = PACES[rate_hz]
-    text = (FOLDER / f"{name}.toml").read_text()
+    text = shipped_rig_files()[name].read_text()
     text = text.replace('kind = "nidaq"', f'kind = "nidaq"\ngrpc = "{address}"')
     text = text.replace('sample_period = "50 ms"', f"sample_period = {period}")
     text = text.replace('reading_rate = "1 kHz"', f"reading_rate = {reading_rate}")

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from musclewire.parameters import Bench, Wire, load_bench
-from musclewire.rigs import FOLDER, SimulatedLoad, mechanism_of, read_rig_file
+from musclewire.rigs import SimulatedLoad, mechanism_of, read_rig_file, shipped_rig_files
 from musclewire.wire import DrivenPath, WireConstants, constants_from, drive_path, fixed_steps
 from paper_wires.loops import Loop, analysed
 from paper_wires.unknowns import PaperWires, changed
@@ -61,6 +61,6 @@ def driven(constants: WireConstants, bench: Bench, amplitude_v: float) -> Driven
 def finger() -> SimulatedLoad:
     """Return pretensioner and finger of the rig; the pretensioner carries the pretension, so one serves all."""
     bench = load_bench("finger")
-    parts = read_rig_file(FOLDER / "finger.toml").load
+    parts = read_rig_file(shipped_rig_files()["finger"]).load
     leg_m = bench.wire_length_m.value / bench.legs.value
     return mechanism_of(parts, pretension_n=bench.pretension_n.value, leg_length_m=leg_m)

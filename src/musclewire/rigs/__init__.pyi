@@ -20,13 +20,13 @@ from ._compiled_loop.running import LoopTicks as LoopTicks
 from ._compiled_loop.running import run_compiled as run_compiled
 from ._compiled_loop.running import times_on_rig_s as times_on_rig_s
 from ._compiled_loop.running import uncompiled as uncompiled
-from ._configuration import FOLDER as FOLDER
 from ._configuration import amplitude_is_given as amplitude_is_given
 from ._configuration import open_rig as open_rig
 from ._configuration import read_rig_file as read_rig_file
 from ._configuration import require_rig as require_rig
 from ._configuration import rig_configuration as rig_configuration
 from ._configuration import rig_names as rig_names
+from ._configuration import shipped_rig_files as shipped_rig_files
 from ._configuration import simulated_configuration as simulated_configuration
 from ._device import SWITCHED_OFF as SWITCHED_OFF
 from ._device import AdjustableClock as AdjustableClock

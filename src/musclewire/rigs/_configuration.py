@@ -19,6 +19,7 @@ __all__ = [
     "open_rig",
     "read_rig_file",
     "rig_names",
+    "shipped_rig_files",
     "simulated_configuration",
 ]
 

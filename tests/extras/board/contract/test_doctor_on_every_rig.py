@@ -13,7 +13,7 @@ from tests.extras.board.contract.serial_rigs import SERIAL_RIGS
 
 from musclewire.experiment import Examination, examine, write_calibration
 from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
-from musclewire.rigs import FOLDER, GuardedRig, read_rig_file
+from musclewire.rigs import GuardedRig, read_rig_file, shipped_rig_files
 
 RIGS = {**NIDAQ_RIGS, **SERIAL_RIGS}
 # In these tests time passes by reading, or in lockstep with commands: no clock of the host stands beside it.
@@ -46,7 +46,7 @@ def examined(wiring: NiDaqConfiguration, errors: dict[str, tuple[float, float]],
 @pytest.mark.emulated
 def test_what_a_card_reads_wrong_is_found_and_written_into_its_rig_file(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
-    shutil.copy(FOLDER / "ni-pci-6229.toml", path)
+    shutil.copy(shipped_rig_files()["ni-pci-6229"], path)
     errors = {"ai0": (0.98, 6e-3), "ai1": (1.03, -1.2e-3)}
     before = read_rig_file(path)
     assert isinstance(before, NiDaqConfiguration)
