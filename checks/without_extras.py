@@ -24,9 +24,14 @@ ROOT = Path(__file__).resolve().parents[1]
 EXTRAS = ROOT / "src" / "musclewire" / "extras"
 # Which extra imports which, as ARCHITECTURE.md draws it and pyproject.toml holds it.
 ARROWS = {"design": ("paper",), "board": ("interfaces",)}
-# What a copy needs; emulators, firmware and the rest of the checkout belong to extras or to the whole.
-COPIED = ("src", "tests", "examples", "benchmarks", "pyproject.toml", "README.md", "LICENSE")
+# What a copy has: what the tests of one part or another read.
+COPIED = (
+    *("src", "tests", "examples", "benchmarks", "checks", "docs", "emulation", "firmware", "hardware", "studies"),
+    *("pyproject.toml", "README.md", "LICENSE"),
+)
 ABOUT_THE_WHOLE = "tests/house"
+# Files that are named run whole, their long tests too, unless these are left out.
+NO_LONG_TESTS = "not (slow or emulated or documented or browser)"
 
 
 def without(names: Sequence[str], folder: Path) -> Path:
@@ -73,7 +78,7 @@ def passes(names: Sequence[str], quick: bool, options: Sequence[str]) -> bool:
         folder = without(names, Path(place) / "musclewire")
         print(f"== without {', '.join(names)}", flush=True)
         demo = run(folder, "musclewire", "demo", "--out", "demo") if set(names) == set(extras()) else True
-        selected = quick_selection(folder) if quick else []
+        selected = [*quick_selection(folder), "-m", NO_LONG_TESTS] if quick else []
         return run(folder, "pytest", "-q", "-n", "auto", "--dist", "worksteal", *options, *selected) and demo
 
 
