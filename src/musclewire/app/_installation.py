@@ -104,7 +104,8 @@ def system_text() -> str:
 def installation_json(found: Installation) -> dict[str, Any]:
     """Return what is installed under the keys of the interface."""
     document = asdict(found)
-    return {**document, **document.pop("parts")}
+    of_parts = document.pop("parts")
+    return {**document, **of_parts}
 
 
 def installation_text(found: Installation) -> str:
