@@ -7,7 +7,7 @@ spring with guide friction, voltage divider, resistance. Theirs is what one writ
 (``speed.easier_wire``). Both go through one 90 s cycle of the slow sine, in turns; each row compares the same stretch
 of wire time. Open loop, SciPy chooses its own steps and returns the state every 10 ms; in closed loop the drive is new
 every 10 ms, so either is called 9,000 times. ``musclewire bench`` compares more. Prints a table, or one JSON document
-with --json; --quick takes fewer turns. ``checks/step_ratio.py`` runs ``our_cycle`` of two checkouts.
+with --json; --quick takes fewer turns.
 """
 
 from __future__ import annotations

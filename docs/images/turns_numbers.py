@@ -1,4 +1,4 @@
-"""The numbers in docs/explanation/turns_and_minor_loops.md: those that benchmarks/isobar_branches.py prints."""
+"""The numbers in docs/explanation/turns_and_minor_loops.md: those that studies/isobar_branches.py prints."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from benchmarks.isobar_branches import (
+from parameter_page import paragraphs, table
+from studies.isobar_branches import (
     CLASSES_APART_K,
     MINOR_LOOP_PA,
     MOVED,
@@ -25,8 +26,7 @@ from benchmarks.isobar_branches import (
     isobar_with,
     rests_after_turns,
 )
-from benchmarks.measured_isobars import LEFT
-from parameter_page import paragraphs, table
+from studies.measured_isobars import LEFT
 
 # Parts of the stroke left that the table shows: both tails and the middle.
 SHOWN_LEFT = (0.97, 0.50, 0.03)

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from benchmarks.isobar_branches import simulated_sample
-from benchmarks.measured_isobars import (
+from studies.isobar_branches import simulated_sample
+from studies.measured_isobars import (
     LEFT,
     STRESSES_MPA,
     ZERO_CELSIUS_K,

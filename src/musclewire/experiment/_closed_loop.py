@@ -214,7 +214,7 @@ def control(
         Time [s] for which the reference's start is held before the reference begins. By default 12 s, enough for a wire
         to warm up from cold, and 0 for a controller that brings it there by itself ("feedforward"). The metrics give
         Eq. 7 from the first target on, which counts the first step without it, and after it; with 0 both are the same.
-    run
+    **run
         ``wire_file``, the wire's own file as ``calibrate`` writes it, for an estimator on physics; ``path`` of the
         recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row, ``until`` asked after
         each whether the run is to end now.

@@ -221,7 +221,7 @@ def grip(
         Time [s] in which it closes.
     hold_s
         Time [s] of the hold; its last 3 s are evaluated.
-    run
+    **run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row.
 
     Returns

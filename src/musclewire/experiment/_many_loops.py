@@ -129,7 +129,7 @@ def control_many(
         The controller's settings; its defaults if None.
     load
         A known spring, if force is controlled through its stiffness.
-    options
+    **options
         ``approach_s``, ``threads``, ``keep_recordings``, ``in_python`` and ``on_outcome``: see
         :class:`ManyLoopsOptions`.
 

@@ -145,7 +145,7 @@ def open_rig(
     clock_speed
         How many times as fast as the computer's clock a simulated rig runs with ``real_time``, 0.01 to 1000;
         :func:`musclewire.rigs._abilities.adjustable_clock_of` gives what changes it later.
-    settings
+    **settings
         Numbers of wire and bench by name, in SI or as text with a unit: ``open_rig("simulated", pretension_n=1.7)``.
 
     Returns

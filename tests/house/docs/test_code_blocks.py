@@ -14,10 +14,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.house.docs.front_doors import DOORS
 from tests.places import CHECKOUT
-
-sys.path.insert(0, str(CHECKOUT / "checks"))
-from follow_doors import DOORS
 
 FOLLOWED = {page for door in DOORS.values() for page in door.pages}
 PAGES = sorted([*CHECKOUT.glob("*.md"), *(CHECKOUT / "docs").rglob("*.md")])

@@ -62,7 +62,7 @@ OTHER_WIRE = replace(MODEL, resistance_min_ohm=30.0, resistance_max_ohm=40.0)
 def test_a_few_samples_of_a_compiled_loop_are_those_in_python(
     model: SensingModel, limits: dict[str, float], estimator: str
 ) -> None:
-    """Short enough to be run without compilation, too (checks/branch_coverage.toml)."""
+    """Short enough to be run without compilation, too."""
     fast, slow = (
         control_many(
             RigConfiguration(surroundings={"draught": 0.1}, limits=limits),

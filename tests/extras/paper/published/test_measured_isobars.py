@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from benchmarks.isobar_branches import (
+from scipy.special import ndtr
+from studies.isobar_branches import (
     CLASSES_APART_K,
     MINOR_LOOP_PA,
     TWO_CLASSES,
@@ -15,7 +16,7 @@ from benchmarks.isobar_branches import (
     rests_after_turns,
     sample_with,
 )
-from benchmarks.measured_isobars import (
+from studies.measured_isobars import (
     STRESSES_MPA,
     branches,
     distances_k,
@@ -26,7 +27,6 @@ from benchmarks.measured_isobars import (
     steepest_rates_per_k,
     temperatures_k,
 )
-from scipy.special import ndtr
 
 from musclewire.identify import IsobaricLoop
 from musclewire.parameters import read_published

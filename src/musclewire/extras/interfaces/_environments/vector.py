@@ -67,7 +67,7 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         "staircase", "random", an :class:`Episode`, or its numbers by name.
     model
         Model of the wire, or the path of its file; adds the strain by the paper's polynomials to the observation.
-    settings
+    **settings
         Numbers of wire and bench by name, as ``mw.open_rig`` takes them.
 
     Raises

@@ -260,7 +260,7 @@ def test_a_slack_wire_carries_nothing_and_finds_back() -> None:
 
 
 def test_three_segments_carry_one_force_jump_with_the_load_and_go_slack_together() -> None:
-    """Few segments and samples, so that it can be run without compilation, too (checks/branch_coverage.toml)."""
+    """Few segments and samples, so that it can be run without compilation, too."""
     wire = paper(WireStructure(3, classes=CLASSES, grains=GRAINS))
     for force_n in (0.0, 1.0, -2.5, 0.0, 1.5):
         wire.surround(Conditions(load_force_n=force_n))

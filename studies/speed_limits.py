@@ -1,6 +1,6 @@
 """Speed limits said beforehand against what a run reaches: sines of several frequencies on the simulated rig.
 
-python benchmarks/speed_limits.py
+python studies/speed_limits.py
 """
 
 from __future__ import annotations

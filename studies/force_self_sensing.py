@@ -8,7 +8,7 @@ From the first target on, the first step is larger; both are printed.
 
 The estimator is the paper's polynomial.
 
-    python benchmarks/force_self_sensing.py [--quick]     six seeds, or the default one
+    python studies/force_self_sensing.py [--quick]     six seeds, or the default one
 """
 
 from __future__ import annotations

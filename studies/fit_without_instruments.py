@@ -23,8 +23,8 @@ With `--population` the wires are the first six that `musclewire robustness` is 
 with other grains and several barriers, which the fit knows nothing of. They are judged on the recording that is
 fitted; no bars.
 
-    python benchmarks/fit_without_instruments.py --population
-    python benchmarks/fit_without_instruments.py [--quick]     30 wires, or 4 without a
+    python studies/fit_without_instruments.py --population
+    python studies/fit_without_instruments.py [--quick]     30 wires, or 4 without a
                                                                verdict on fractions
 """
 

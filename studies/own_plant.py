@@ -6,7 +6,7 @@ condition and estimator: root mean square error in percent of the stroke, from 1
 and 90 % of the stroke, and how many samples are valid; for the loop with default estimator and gains the mean error of
 the paper's staircase after the approach. The reference is the plant's true strain if it has one, otherwise the sensor.
 
-    python benchmarks/own_plant.py [RIG ...]    rig files; by default the wire of another family in examples/plants
+    python studies/own_plant.py [RIG ...]    rig files; by default the wire of another family in examples/plants
 
 A device whose attribute ``conditions`` takes a function of time to ``Conditions`` of the segmented wire is put through
 all conditions, any other only through "none". A dash is where the rig's highest drive no longer warms the wire into the

@@ -5,7 +5,7 @@ its noise, and calibrated from that recording alone. Bars: strain against resist
 90 % of the parameters called identifiable inside their stated 95 % intervals, which are at most half their prior's; at
 most 120 s a wire on two cores. Exit 1 where one fails.
 
-    python benchmarks/calibrate_own_wire.py [--quick]     10 wires, or 1 without a verdict on fractions and times
+    python studies/calibrate_own_wire.py [--quick]     10 wires, or 1 without a verdict on fractions and times
 
 One wire is too few for a fraction, and a shared machine too noisy for times.
 """

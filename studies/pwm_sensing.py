@@ -1,6 +1,6 @@
 """Sensing while heating by pulse width: error of resistance against frequency and window, and a closed loop.
 
-    python benchmarks/pwm_sensing.py [--quick]
+    python studies/pwm_sensing.py [--quick]
 
 The simulated wire of the paper is heated by pulses of 5 V and read by a converter of 12 bits from -5 to 5 V with
 noise of half a step, the shunt behind a gain of 10. The first table steps the drive through 0.3, 2, 2.8 and 1.4 V and

@@ -1,4 +1,4 @@
-"""Measured isobars of Flexinol (benchmarks/data/flexinol_isobars/SOURCE.md) and what can be read off their branches."""
+"""Measured isobars of Flexinol (studies/data/flexinol_isobars/SOURCE.md) and what can be read off their branches."""
 
 from __future__ import annotations
 

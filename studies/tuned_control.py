@@ -8,7 +8,7 @@ variants of the controller were tried on seeds 1 and 2, undisturbed and in a dra
 gap, its pulse time and the time of the closed loop follow from that. None of these seeds is among those here. Where a
 load or an ambient temperature has changed before the run, zero and pretension are those of the changed rig.
 
-Run: python benchmarks/tuned_control.py [--seeds N] [--estimator NAME]; it ends with 1 if a bar is missed.
+Run: python studies/tuned_control.py [--seeds N] [--estimator NAME]; it ends with 1 if a bar is missed.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Measured isobars of Flexinol next to those of the simulated sample: their branches, their turns, and minor loops.
 
-The measured curves are those of benchmarks/data/flexinol_isobars, of which 150 and 172 MPa were used by no search.
+The measured curves are those of studies/data/flexinol_isobars, of which 150 and 172 MPa were used by no search.
 Printed are, of each stress, measured and simulated:
 
 - the distance of the branches in kelvin where equal parts of the stroke are left, as recorded, and less the strain that
@@ -26,7 +26,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from benchmarks.measured_isobars import (
+from studies.measured_isobars import (
     LEFT,
     STRESSES_MPA,
     ZERO_CELSIUS_K,

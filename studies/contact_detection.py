@@ -8,7 +8,7 @@ Bars: no alarm in 20 free closings; every contact found before the true force at
 blocks of 50 to 1000 N/m met after 4 to 9 mm of 13 mm. Other openings, other air and other speeds are shown and not
 judged. Exit 1 if a bar fails.
 
-    python benchmarks/contact_detection.py [--quick]     20 free closings and 8 grips, or 200 and more than 300
+    python studies/contact_detection.py [--quick]     20 free closings and 8 grips, or 200 and more than 300
 """
 
 from __future__ import annotations

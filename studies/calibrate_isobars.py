@@ -8,7 +8,7 @@ norm of the strain residual of a file, averaged over the files. Recorded on anot
 Bars: at most 0.0124 for every one of 5 seeds, at most 20 s each on two cores that have nothing else to do. Exit 1 where
 one fails. The quick mode runs in CI next to other programs: it prints the time and judges the norm.
 
-    python benchmarks/calibrate_isobars.py [--quick]     5 seeds, or 2
+    python studies/calibrate_isobars.py [--quick]     5 seeds, or 2
 """
 
 from __future__ import annotations

@@ -1,0 +1,118 @@
+"""What is tried in environments of its own: the package, other Pythons, other systems, coverage (`nox --list`)."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import tomllib
+from pathlib import Path
+
+import nox
+
+ROOT = Path(__file__).parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+OF_DEVELOPERS = ("test", "dev", "docs")
+# What needs an extra, and what it says without one.
+ACTIONS = tomllib.loads((ROOT / "checks/extras.toml").read_text("utf-8"))["action"]
+STUDY = """format = "musclewire-study"
+version = 1
+name = "two pretensions"
+run = { kind = "characterize", cycles = 1, period = "20 s" }
+parameters.pretension.values = ["1.5 N", "1.9 N"]
+"""
+# Tests that touch most of what differs between Pythons and versions of packages: files, kernels, the command line.
+SHORT_SUITE = ("tests/unit", "tests/extras/interfaces/unit", "tests/house/test_files_of_releases.py",
+               "tests/app/test_version.py", "tests/app/test_import.py")  # fmt: skip
+PYTHONS = [line.rpartition(" ")[2] for line in PROJECT["classifiers"] if "Python :: 3." in line]
+PLATFORMS = {
+    "Windows, x86-64": "x86_64-pc-windows-msvc",
+    "macOS, Apple silicon": "aarch64-apple-darwin",
+    "macOS, x86-64": "x86_64-apple-darwin",
+}
+nox.options.sessions = ["package"]
+
+
+def extras_of_users() -> set[str]:
+    """Return the extras that bring users a package, and not only other extras."""
+    return {
+        extra
+        for extra, packages in PROJECT["optional-dependencies"].items()
+        if extra not in OF_DEVELOPERS and not all(package.startswith("musclewire[") for package in packages)
+    }
+
+
+@nox.session
+def package(session: nox.Session) -> None:
+    """Build wheel and sdist, judge them, use the wheel where nothing else is, and try what needs each extra."""
+    folder = Path(session.create_tmp())
+    session.run(sys.executable, "-m", "build", "-q", "--outdir", str(folder / "dist"), str(ROOT), external=True)
+    wheel, sdist = sorted((folder / "dist").iterdir(), key=lambda path: path.suffix != ".whl")
+    judges = Path(sys.executable).parent
+    # The licence is there twice (W002): a project exported as C carries its own.
+    contents = ("--ignore", "W002", "--package", "src/musclewire", str(wheel))
+    session.run(f"{judges}/check-wheel-contents", *contents, external=True)
+    session.run(f"{judges}/twine", "check", "--strict", str(wheel), str(sdist), external=True)
+    session.install(str(wheel))
+    session.chdir(folder)
+    said = session.run("python", "-c", "import musclewire; print(musclewire.__file__)", silent=True)
+    if not str(said).startswith(str(session.virtualenv.location)):
+        session.error(f"musclewire was imported from {said}")
+    session.run("musclewire", "--version")
+    session.run("musclewire", "demo")
+    session.run("musclewire", "characterize", "simulated", "--cycles", "1", "-o", "loop.h5")
+    session.run("musclewire", "fit", "loop.h5", "-o", "model.json")
+    session.run("musclewire", "bench", "--quick")
+    Path("study.toml").write_text(STUDY, "utf-8")
+    for name in ("loop.tdms", "loop.xlsx", "loop.parquet"):
+        Path(name).touch()
+    if missing := extras_of_users() ^ {row["extra"] for row in ACTIONS}:
+        session.error(f"checks/extras.toml and pyproject.toml disagree about the extras {sorted(missing)}")
+    for row in ACTIONS:
+        without_extra(session, row)
+
+
+def without_extra(session: nox.Session, row: dict[str, str]) -> None:
+    """Try what needs an extra that is not here: it ends in one line that names the extra."""
+    is_command = "command" in row
+    command = ["musclewire", *shlex.split(row["command"])] if is_command else ["python", "-c", row["python"]]
+    code = 0 if row.get("works") else 2 if is_command else 1
+    said = str(session.run(*command, silent=True, success_codes=[code])).strip().splitlines()
+    cure = f"needs the extra '{row['extra']}': pip install \"musclewire[{row['extra']}]\""
+    if not row.get("works") and (not said or not said[-1].endswith(cure) or (is_command and len(said) != 1)):
+        session.error(f"{row} must say in one line '{cure}', and says: {said}")
+
+
+@nox.session(python=PYTHONS)
+def pythons(session: nox.Session) -> None:
+    """Install with each Python that is claimed and found, and run the demo and a short suite."""
+    session.install(".[test]")
+    session.run("musclewire", "--version", "--json")
+    session.run("musclewire", "demo")
+    session.run("python", "-m", "pytest", "-q", "-n", "auto", "-m", "not slow and not documented", *SHORT_SUITE)
+
+
+@nox.session(venv_backend="none")
+def platforms(session: nox.Session) -> None:
+    """Resolve all dependencies for Windows and macOS, from compiled packages only; nothing is run there."""
+    chosen = [word for extra in sorted(extras_of_users()) for word in ("--extra", extra)]
+    for name, platform in PLATFORMS.items():
+        for python in PYTHONS:
+            options = ["--only-binary", ":all:", "--python-platform", platform, "--python-version", python]
+            session.log(f"{name}, Python {python}")
+            session.run("uv", "pip", "compile", "-q", *options, *chosen, "pyproject.toml", silent=True)
+
+
+@nox.session
+def coverage(session: nox.Session) -> None:
+    """Measure lines and branches of the default tests and, where compiled code cannot be traced, of some without it."""
+    session.install("-e", ".[test,dev]")
+    session.run("coverage", "erase")
+    session.run("coverage", "run", "-m", "pytest", "-q", "-n", "auto", *session.posargs)
+    plain = ("tests/unit/controllers", "tests/unit/sensing", "tests/unit/physics")
+    limit = ("--timeout", "30", "-o", "filterwarnings=default")
+    session.run(
+        "coverage", "run", "-m", "pytest", "-q", "-n", "auto", *limit, *plain,
+        env={"NUMBA_DISABLE_JIT": "1"}, success_codes=[0, 1],
+    )  # fmt: skip
+    session.run("coverage", "combine")
+    session.run("coverage", "report", "--skip-covered", "--sort=cover")
