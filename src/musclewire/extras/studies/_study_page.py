@@ -119,7 +119,7 @@ def key_numbers(result: StudyResult) -> list[NumberCard]:
 def parameter_rows(result: StudyResult) -> list[tuple[str, ...]]:
     """Return what varied, and between which values."""
     design = result.plan.design
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name in design.names:
         column = design.column(name)
         different = np.unique(column)
