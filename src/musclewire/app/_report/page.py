@@ -104,7 +104,7 @@ def paper_mae_pct(step: StepMetrics) -> float | None:
 
 def step_rows(result: DemoResult) -> list[tuple[str, ...]]:
     """Return the rows of the MAE table: each step next to the paper's (Table 2), the first in both readings."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for step in result.run.metrics.steps:
         counted = step.mae_pct, step.estimate_mae_pct, step.tracking_mae_pct
         approached = step.mae_approached_pct, step.estimate_mae_approached_pct, step.tracking_mae_approached_pct
