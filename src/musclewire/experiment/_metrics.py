@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from html import escape
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +23,7 @@ from musclewire.arrays import FloatArray
 from musclewire.controllers import Reference, Staircase, Step
 from musclewire.errors import RecordingError
 from musclewire.identify import COLUMN_SUFFIX, reference_quantity
+from musclewire.pages import Markup
 from musclewire.sensing import SHOWN_AS
 from musclewire.signals import Recording
 
@@ -150,7 +150,7 @@ class ControlMetrics:
 
     def _repr_html_(self) -> str:
         """Return the table of errors for a notebook, as ``print`` shows them."""
-        return f"<pre>{escape(str(self))}</pre>"
+        return Markup("<pre>{}</pre>").format(str(self))
 
     def __str__(self) -> str:
         """Return a small table; the first step has a row for each reading if they differ."""

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -31,6 +30,7 @@ from musclewire.controllers import (
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.identify._recordings import reference_quantity, resistance_reading
 from musclewire.identify._use_of_model import error_unit_for
+from musclewire.pages import Markup
 from musclewire.parameters import Alloy, load_alloy, load_wire, names
 from musclewire.sensing import SHOWN_AS, SensingModel, evaluate
 from musclewire.signals import Recording, RunFacts
@@ -165,7 +165,7 @@ class Tuning:
 
     def _repr_html_(self) -> str:
         """Return plant, gains and margins for a notebook, as ``print`` shows them."""
-        return f"<pre>{escape(str(self))}</pre>"
+        return Markup("<pre>{}</pre>").format(str(self))
 
     def __str__(self) -> str:
         """Return plant, gains and margins in a few lines."""

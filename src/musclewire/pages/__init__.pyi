@@ -6,10 +6,9 @@ from ._page import HEATING as HEATING
 from ._page import PAPER as PAPER
 from ._page import STYLE as STYLE
 from ._page import TARGET as TARGET
+from ._page import Markup as Markup
 from ._page import NumberCard as NumberCard
-from ._page import cards as cards
+from ._page import notebook_table as notebook_table
 from ._page import page as page
 from ._page import svg as svg
 from ._page import svg_in_frame as svg_in_frame
-from ._page import table as table
-from ._page import table_rows as table_rows

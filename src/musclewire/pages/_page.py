@@ -1,19 +1,18 @@
-"""What all pages share: style sheet, key numbers as cards, tables, the look of figures, figures as text in the page."""
+"""What all pages share: templates with one style sheet, the look of figures, figures as text in the page."""
 
 from __future__ import annotations
 
 import io
 from collections.abc import Iterable, Mapping, Sequence
-from html import escape
+from functools import cache
 from importlib.metadata import version
 from importlib.resources import files
-from string import Template
 from typing import TYPE_CHECKING, NamedTuple
 
-import matplotlib as mpl
-from matplotlib.backends.backend_svg import FigureCanvasSVG
+from markupsafe import Markup
 
 if TYPE_CHECKING:
+    from jinja2 import Environment
     from matplotlib.figure import Figure
 
 __all__ = [
@@ -23,13 +22,12 @@ __all__ = [
     "PAPER",
     "STYLE",
     "TARGET",
+    "Markup",
     "NumberCard",
-    "cards",
+    "notebook_table",
     "page",
     "svg",
     "svg_in_frame",
-    "table",
-    "table_rows",
 ]
 
 HEATING, COOLING, AVERAGE, PAPER, TARGET = "#c8553d", "#1f6f8b", "#2b2b2b", "#8a5fbf", "#9aa0a6"
@@ -51,7 +49,7 @@ STYLE: Mapping[str, object] = {
 }
 
 
-def svg(figure: Figure, name: str) -> str:
+def svg(figure: Figure, name: str) -> Markup:
     """Return a figure as an <svg> element.
 
     Parameters
@@ -63,8 +61,11 @@ def svg(figure: Figure, name: str) -> str:
 
     Returns
     -------
-    The element as text, the same for the same figure.
+    The element as markup, the same for the same figure.
     """
+    import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
     text = io.StringIO()
     with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
         FigureCanvasSVG(figure)
@@ -75,10 +76,10 @@ def svg(figure: Figure, name: str) -> str:
             figure.set_layout_engine("none")
         figure.savefig(text, format="svg", metadata={"Date": None})
     whole = text.getvalue()
-    return whole[whole.index("<svg") :]
+    return Markup(whole[whole.index("<svg") :])
 
 
-def svg_in_frame(figure: Figure, name: str) -> str:
+def svg_in_frame(figure: Figure, name: str) -> Markup:
     """Return a wide figure in a frame: on a phone the frame scrolls sideways and the letters keep their size.
 
     Parameters
@@ -93,7 +94,8 @@ def svg_in_frame(figure: Figure, name: str) -> str:
     HTML of the frame with the figure as :func:`svg` writes it.
     """
     drawn_px = 96.0 * figure.get_figwidth()
-    return f'<div class="scroll broad" style="--drawn: {drawn_px:.0f}px">{svg(figure, name)}</div>'
+    frame = Markup('<div class="scroll broad" style="--drawn: {:.0f}px">{}</div>')
+    return frame.format(drawn_px, svg(figure, name))
 
 
 class NumberCard(NamedTuple):
@@ -102,11 +104,11 @@ class NumberCard(NamedTuple):
     Parameters
     ----------
     name
-        What it is, as HTML.
+        What it is.
     value
-        The number with its unit, as HTML.
+        The number with its unit.
     note
-        What is said beneath it, as plain text.
+        What is said beneath it.
     ok
         False for a number that is not as it should be; it is shown in red.
     """
@@ -117,70 +119,33 @@ class NumberCard(NamedTuple):
     ok: bool = True
 
 
-def cards(items: Iterable[NumberCard]) -> str:
-    """Return key numbers as a row of cards.
+@cache
+def environment() -> Environment:
+    """Return what fills templates: text is escaped, and a name that a template misses is an error."""
+    from jinja2 import Environment, FunctionLoader, StrictUndefined  # only who writes a page needs it
+
+    loader = FunctionLoader(template_text)
+    found = Environment(loader=loader, autoescape=True, trim_blocks=True, undefined=StrictUndefined)
+    found.globals.update(style=Markup(template_text("musclewire.pages/style.css")), version=version("musclewire"))
+    return found
+
+
+def template_text(name: str) -> str:
+    """Return a template: the full name of its package, a slash, and its file name."""
+    package, _, file = name.partition("/")
+    return (files(package) / file).read_text("utf-8")
+
+
+def page(template: str, **values: object) -> str:
+    """Return a page: a template, filled.
 
     Parameters
     ----------
-    items
-        The key numbers, in their order; names are HTML, notes are escaped.
-
-    Returns
-    -------
-    HTML for an element of class "cards".
-    """
-    return "".join(
-        f'<div class="card{"" if item.ok else " fails"}"><div class="name">{item.name}</div>'
-        f'<div class="value">{item.value}</div><div class="compared">{escape(item.note)}</div></div>'
-        for item in items
-    )
-
-
-def table_rows(rows: Iterable[Sequence[str]]) -> str:
-    """Return rows of a table, every cell escaped.
-
-    Parameters
-    ----------
-    rows
-        Cells of each row, as plain text.
-
-    Returns
-    -------
-    HTML for a table's body.
-    """
-    return "".join("<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows)
-
-
-def table(head: str, body: str, style: str) -> str:
-    """Return a table that scrolls on narrow screens.
-
-    Parameters
-    ----------
-    head
-        HTML of the whole head, with its element.
-    body
-        HTML of the rows.
-    style
-        Class of the table in the style sheet.
-
-    Returns
-    -------
-    HTML of the table.
-    """
-    return f'<div class="scroll"><table class="{style}">{head}<tbody>{body}</tbody></table></div>'
-
-
-def page(package: str, name: str, parts: Mapping[str, object]) -> str:
-    """Return a page made of a template, its parts, the shared style sheet and our version.
-
-    Parameters
-    ----------
-    package
-        Full name of the package in whose folder the template is, as "musclewire.app._report".
-    name
-        The template's file name.
-    parts
-        What stands for each ``$name`` of the template, besides ``$style`` and ``$version``.
+    template
+        Full name of the package in whose folder the template is, a slash, and its file name, as
+        "musclewire.app._report/report.html". It extends "musclewire.pages/base.html", which has the style sheet.
+    **values
+        What the template names; text is escaped, what :func:`svg` returns and other markup is not.
 
     Returns
     -------
@@ -188,9 +153,29 @@ def page(package: str, name: str, parts: Mapping[str, object]) -> str:
 
     Raises
     ------
-    KeyError
-        If the template has a name that is not in ``parts``.
+    jinja2.UndefinedError
+        If the template has a name that has no value.
     """
-    template = Template((files(package) / name).read_text("utf-8"))
-    style = (files("musclewire.pages") / "style.css").read_text("utf-8")
-    return template.substitute(parts, style=style, version=escape(version("musclewire")))
+    return environment().get_template(template).render(values)
+
+
+def notebook_table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]], note: str = "") -> str:
+    """Return a small table, as notebooks show objects.
+
+    Parameters
+    ----------
+    title
+        What is in it.
+    head
+        Names of the columns; none without.
+    rows
+        Cells of each row.
+    note
+        What is said beneath it.
+
+    Returns
+    -------
+    HTML of the table; everything given is escaped.
+    """
+    found = environment().get_template("musclewire.pages/notebook_table.html")
+    return found.render(title=title, head=head, rows=list(rows), note=note)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from musclewire.pages import notebook_table
 from musclewire.sensing._branch_equations import evaluate
 from musclewire.sensing._curve import SHOWN_AS
 from musclewire.sensing._fit_report import FittedCurve
@@ -83,9 +83,8 @@ def summary(model: FittedCurve) -> str:
 
 
 def html(model: FittedCurve) -> str:
-    """Return the rows as an HTML table, with everything from a file escaped."""
-    body = "".join(f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows(model))
-    return f"<table><caption>Sensing model</caption>{body}</table>"
+    """Return the rows as a table for a notebook."""
+    return notebook_table("Sensing model", (), rows(model))
 
 
 def plot_samples(model: FittedCurve, axes: Axes, factor: float) -> None:

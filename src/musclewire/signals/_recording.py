@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, MissingExtraError, RecordingError
+from musclewire.pages import notebook_table
 from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, known_column, needs_no_clock
 from musclewire.signals._metadata import MetadataValue, checked_metadata
 from musclewire.signals._plots import PLOTS, usual_plot
@@ -300,11 +300,9 @@ class Recording:
 
     def _repr_html_(self) -> str:
         """Return a table of the columns with unit and range, and the metadata, for a notebook."""
-        rows = "".join(_html_row(name, values) for name, values in self.columns.items())
+        rows = [_column_row(name, values) for name, values in self.columns.items()]
         facts = ", ".join(f"{key} = {value}" for key, value in self.metadata.items())
-        head = "<tr><th>column</th><th>unit</th><th>minimum</th><th>maximum</th></tr>"
-        title = f"<b>Recording</b> ({html.escape(self._summary())})"
-        return f"<div>{title}<table>{head}{rows}</table><small>{html.escape(facts)}</small></div>"
+        return notebook_table(f"Recording ({self._summary()})", ("column", "unit", "minimum", "maximum"), rows, facts)
 
 
 def _attributes(name: str) -> dict[str, str]:
@@ -340,8 +338,7 @@ def _check_rows_are_ordered(columns: Mapping[str, FloatArray]) -> None:
         raise RecordingError(f"a recording {needs}; got {', '.join(columns) or 'no columns'}")
 
 
-def _html_row(name: str, values: FloatArray) -> str:
+def _column_row(name: str, values: FloatArray) -> tuple[str, ...]:
     finite = values[np.isfinite(values)]
     minimum, maximum = (f"{finite.min():.6g}", f"{finite.max():.6g}") if finite.size else ("", "")
-    cells = (name, COLUMNS[name].unit, minimum, maximum)
-    return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
+    return name, COLUMNS[name].unit, minimum, maximum

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from musclewire.identify import LoopGaps, halves, mark_points, required_quantity, resistance_reading
-from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, TARGET, svg
+from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, TARGET, Markup, svg
 from musclewire.parameters import read_published
 from musclewire.signals import Recording
 
@@ -61,9 +61,10 @@ def report_figures(result: DemoResult) -> Mapping[str, str]:
         }
 
 
-def for_both_widths(name: str, wide: Figure, narrow: Figure) -> str:
+def for_both_widths(name: str, wide: Figure, narrow: Figure) -> Markup:
     """Return two drawings of one figure, of which a page shows the one that fits."""
-    return f'<div class="wide">{svg(wide, name)}</div><div class="narrow">{svg(narrow, f"{name}-narrow")}</div>'
+    both = Markup('<div class="wide">{}</div><div class="narrow">{}</div>')
+    return both.format(svg(wide, name), svg(narrow, f"{name}-narrow"))
 
 
 def loops_figure(loops: Mapping[float, Recording], gaps: LoopGaps, width_in: float = WIDE_IN) -> Figure:

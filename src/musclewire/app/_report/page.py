@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from html import escape
 from typing import TYPE_CHECKING
 
 from musclewire.app._report.figures import report_figures
 from musclewire.experiment import APPROACHED, FROM_FIRST_TARGET
-from musclewire.pages import NumberCard, cards, page, table_rows
+from musclewire.pages import Markup, NumberCard, page
 from musclewire.parameters import load_alloy, load_bench, load_wire, read_published
 from musclewire.signals import write_text_whole
 
@@ -19,6 +17,8 @@ if TYPE_CHECKING:
     from musclewire.parameters import Parameter
 
 __all__ = ["write_report"]
+
+MINIMUM, MAXIMUM = Markup("R<sub>min</sub>"), Markup("R<sub>max</sub>")
 
 
 def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
@@ -36,23 +36,23 @@ def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
     figures = report_figures(result)
     metadata = result.run.metadata
     parts = {
-        "cards": cards(key_numbers(result, wall_s)),
-        "steps": steps_table(result),
-        "approach": escape(result.run.metrics.approach),
-        "sweep_rows": sweep_table(result),
-        "assumed": parameters_table(result, "assumed"),
-        "fitted": parameters_table(result, "fitted"),
-        "warnings": warnings_list(result.model.warnings),
+        "cards": key_numbers(result, wall_s),
+        "steps": step_rows(result),
+        "approach": result.run.metrics.approach,
+        "sweep_rows": sweep_rows(result),
+        "assumed": parameter_rows(result, "assumed"),
+        "fitted": parameter_rows(result, "fitted"),
+        "warnings": result.model.warnings,
         "gap": f"{100 * result.gaps.strain_gap:.2f}",
         "share": f"{100 * result.gaps.segments.transformation_fraction:.0f}",
         "best": f"{result.sweep.best.pretension_n:.2f}",
-        "wire": escape(str(metadata["wire"])),
-        "seed": escape(str(metadata["seed"])),
+        "wire": metadata["wire"],
+        "seed": metadata["seed"],
         "time_step": steps_text(result.run.facts.time_step_s),
-        "started": escape(str(metadata["start_time"])),
-        "files": "".join(f"<li><code>{escape(file.name)}</code></li>" for file in result.files.values()),
+        "started": metadata["start_time"],
+        "files": [file.name for file in result.files.values()],
     }
-    write_text_whole(path, page("musclewire.app._report", "report.html", {**figures, **parts}))
+    write_text_whole(path, page("musclewire.app._report/report.html", **figures, **parts))
 
 
 def steps_text(time_step_s: float) -> str:
@@ -68,8 +68,8 @@ def key_numbers(result: DemoResult, wall_s: float) -> list[NumberCard]:
     model, metrics = result.model, result.run.metrics
     return [
         NumberCard("Strain gap", f"{100 * result.gaps.strain_gap:.3f} %", f"paper {paper['strain_gap_pct']} %"),
-        NumberCard("R<sub>min</sub>", f"{model.resistance_min_ohm:.3f} Ω", f"paper {paper['resistance_min_ohm']} Ω"),
-        NumberCard("R<sub>max</sub>", f"{model.resistance_max_ohm:.3f} Ω", f"paper {paper['resistance_max_ohm']} Ω"),
+        NumberCard(MINIMUM, f"{model.resistance_min_ohm:.3f} Ω", f"paper {paper['resistance_min_ohm']} Ω"),
+        NumberCard(MAXIMUM, f"{model.resistance_max_ohm:.3f} Ω", f"paper {paper['resistance_max_ohm']} Ω"),
         *error_cards(result, "Largest step MAE", metrics.mae_max_pct, metrics.mae_max_approached_pct, max(printed)),
         *error_cards(
             result, "Mean step MAE", metrics.mae_mean_pct, metrics.mae_mean_approached_pct, sum(printed) / len(printed)
@@ -102,9 +102,9 @@ def paper_mae_pct(step: StepMetrics) -> float | None:
     return printed.get(round(100 * step.target, 6))
 
 
-def steps_table(result: DemoResult) -> str:
+def step_rows(result: DemoResult) -> list[tuple[str, ...]]:
     """Return the rows of the MAE table: each step next to the paper's (Table 2), the first in both readings."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for step in result.run.metrics.steps:
         counted = step.mae_pct, step.estimate_mae_pct, step.tracking_mae_pct
         approached = step.mae_approached_pct, step.estimate_mae_approached_pct, step.tracking_mae_approached_pct
@@ -118,7 +118,7 @@ def steps_table(result: DemoResult) -> str:
                 number(estimate),
                 number(tracking),
             ))  # fmt: skip
-    return table_rows(rows)
+    return rows
 
 
 def number(value: float | None) -> str:
@@ -126,10 +126,10 @@ def number(value: float | None) -> str:
     return "–" if value is None else f"{value:.3f}"
 
 
-def sweep_table(result: DemoResult) -> str:
+def sweep_rows(result: DemoResult) -> list[tuple[str, ...]]:
     """Return the rows of the pretension table, the best marked."""
     best = result.sweep.best
-    rows = [
+    return [
         (
             f"{row.pretension_n:.2f}{' (best)' if row is best else ''}",
             f"{row.strain_gap_pct:.2f}",
@@ -138,28 +138,20 @@ def sweep_table(result: DemoResult) -> str:
         )
         for row in result.sweep.rows
     ]
-    return table_rows(rows)
 
 
-def parameters_table(result: DemoResult, kind: str) -> str:
+def parameter_rows(result: DemoResult, kind: str) -> list[tuple[str, ...]]:
     """Return the rows of all parameters of one kind, of alloy, wire and bench."""
     wire = load_wire(result.run.facts.text("wire", "name of the wire"))
     groups = {"alloy": load_alloy(wire.alloy), "wire": wire, "bench": load_bench("paper")}
-    rows = [
+    return [
         (group, name, parameter_value(item), item.source + (f". {item.note}" if item.note else ""))
         for group, parameters in groups.items()
         for name, item in parameters.items()
         if item.kind == kind
     ]
-    return table_rows(rows)
 
 
 def parameter_value(item: Parameter) -> str:
     """Return value and unit for a table."""
     return f"{item.value:.4g}" + ("" if item.unit == "1" else f" {item.unit}")
-
-
-def warnings_list(warnings: Iterable[str]) -> str:
-    """Return the model's warnings as a box, or nothing."""
-    items = "".join(f"<li>{escape(text)}</li>" for text in warnings)
-    return f'<div class="warning"><b>The fit says:</b><ul>{items}</ul></div>' if items else ""

@@ -6,7 +6,6 @@ import json
 import re
 from collections import Counter
 from collections.abc import Sequence
-from html import escape
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +22,7 @@ from musclewire.extras.studies._study_figures import (
     over_parameters_figure,
     series_figure,
 )
-from musclewire.pages import NumberCard, cards, page, svg_in_frame, table, table_rows
+from musclewire.pages import NumberCard, page, svg_in_frame
 from musclewire.signals import write_text_whole
 
 __all__ = ["require_packages", "write_study"]
@@ -32,7 +31,6 @@ __all__ = ["require_packages", "write_study"]
 MAX_FIGURES = 12
 MAX_FAILURES = 8
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
-HEAD = "<thead><tr>{}</tr></thead>"
 
 
 def require_packages() -> None:
@@ -76,27 +74,33 @@ def page_text(result: StudyResult, indices: Sequence[Sensitivity]) -> str:
     plan = result.plan
     numbers = numbers_of(result)
     series = [name for name, column in result.columns.items() if column.ndim == 2 and np.isfinite(column).any()]
-    parts = {
-        "title": escape(plan.file.name),
-        "description": escape(plan.file.description) or "A study of simulated wires.",
-        "cards": cards(key_numbers(result)),
-        "parameters": parameters_table(result),
-        "quantities": quantities_table(result, numbers),
-        "distributions": svg_in_frame(distribution_figure(result, numbers), "distributions") if numbers else "",
-        "over": "".join(
-            f"<h3>{escape(name)}</h3>{svg_in_frame(over_parameters_figure(result, name), f'over-{name}')}"
-            for name in numbers[:MAX_FIGURES]
-        ),
-        "series": "".join(svg_in_frame(series_figure(result, name), f"series-{name}") for name in series[:MAX_FIGURES]),
-        "indices": indices_section(indices),
-        "failures": failures(result),
-        "study": escape(
-            json.dumps(plan.file.model_dump(mode="json", exclude_none=True, exclude_defaults=True), indent=2)
-        ),
-        "engine": escape(engine()),
-        "fingerprint": escape(plan.fingerprint),
-    }
-    return page("musclewire.extras.studies", "study.html", parts)
+    known = Counter(NUMBER.sub("#", text) for text in result.errors if text)
+    # The same error in many runs differs by its numbers: one of them is shown for all.
+    examples = {NUMBER.sub("#", text): text for text in reversed(result.errors) if text}
+    return page(
+        "musclewire.extras.studies/study.html",
+        title=plan.file.name,
+        description=plan.file.description or "A study of simulated wires.",
+        cards=key_numbers(result),
+        parameters=parameter_rows(result),
+        quantities=quantity_rows(result, numbers),
+        distributions=svg_in_frame(distribution_figure(result, numbers), "distributions") if numbers else "",
+        over=[
+            (name, svg_in_frame(over_parameters_figure(result, name), f"over-{name}")) for name in numbers[:MAX_FIGURES]
+        ],
+        series=[svg_in_frame(series_figure(result, name), f"series-{name}") for name in series[:MAX_FIGURES]],
+        indices=[
+            (row.quantity, row.parameter, row.method, *("–" if value is None else f"{value:.3f}" for value in row[3:]))
+            for row in indices
+        ],
+        index_figure=svg_in_frame(index_figure(indices), "indices") if indices else "",
+        failed=result.failed,
+        failures=[(count, examples[words]) for words, count in known.most_common(MAX_FAILURES)],
+        more_failures=max(len(known) - MAX_FAILURES, 0),
+        study=json.dumps(plan.file.model_dump(mode="json", exclude_none=True, exclude_defaults=True), indent=2),
+        engine=engine(),
+        fingerprint=plan.fingerprint,
+    )
 
 
 def key_numbers(result: StudyResult) -> list[NumberCard]:
@@ -106,16 +110,16 @@ def key_numbers(result: StudyResult) -> list[NumberCard]:
     grid = f"{design.points} points of a grid" if design.axes else ""
     return [
         NumberCard("Runs", f"{len(result)}", " x ".join(text for text in (grid, sampled) if text) or "one setting"),
-        NumberCard("Kind", escape(str(result.plan.file.run["kind"])), f"{len(result.plan.keep)} quantities kept"),
+        NumberCard("Kind", str(result.plan.file.run["kind"]), f"{len(result.plan.keep)} quantities kept"),
         NumberCard("Failed", f"{result.failed}", "runs without a result", ok=result.failed == 0),
         NumberCard("Parameters", f"{len(design.names)}", f"seed {result.plan.file.seed}"),
     ]
 
 
-def parameters_table(result: StudyResult) -> str:
+def parameter_rows(result: StudyResult) -> list[tuple[str, ...]]:
     """Return what varied, and between which values."""
     design = result.plan.design
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name in design.names:
         column = design.column(name)
         different = np.unique(column)
@@ -123,48 +127,14 @@ def parameters_table(result: StudyResult) -> str:
         is_number = column.dtype.kind in "fiu"
         ends = (f"{column.min():.6g}", f"{column.max():.6g}") if is_number else (", ".join(map(str, different)), "")
         rows.append((name, design.units[name], how, *ends, str(different.size)))
-    head = "".join(f"<th>{text}</th>" for text in ("parameter", "unit", "varied by", "from", "to", "values"))
-    return table(HEAD.format(head), table_rows(rows), "plain")
+    return rows
 
 
-def quantities_table(result: StudyResult, names: Sequence[str]) -> str:
+def quantity_rows(result: StudyResult, names: Sequence[str]) -> list[tuple[str, ...]]:
     """Return the distribution of each quantity in numbers."""
     rows = []
     for name in names:
         values = result.columns[name][np.isfinite(result.columns[name])]
         spread = (values.min(), *np.percentile(values, (5.0, 50.0, 95.0)), values.max(), values.mean(), values.std())
         rows.append((name, result.plan.keep[name].unit, *(f"{value:.5g}" for value in spread), str(values.size)))
-    titles = ("quantity", "unit", "least", "5 %", "median", "95 %", "largest", "mean", "std. dev.", "runs")
-    return table(HEAD.format("".join(f"<th>{text}</th>" for text in titles)), table_rows(rows), "plain")
-
-
-def indices_section(rows: Sequence[Sensitivity]) -> str:
-    """Return figure and table of the indices, or why there are none."""
-    if not rows:
-        return (
-            "<p>These runs give no indices: there are fewer than 64 samples, runs of a complete design failed, or no "
-            "quantity varies.</p>"
-        )
-
-    def cell(value: float | None) -> str:
-        return "–" if value is None else f"{value:.3f}"
-
-    cells = [(row.quantity, row.parameter, row.method, *(cell(value) for value in row[3:])) for row in rows]
-    titles = ("quantity", "parameter", "method", "first", "±", "total", "±", "PAWN")
-    head = HEAD.format("".join(f"<th>{text}</th>" for text in titles))
-    return svg_in_frame(index_figure(rows), "indices") + table(head, table_rows(cells), "plain")
-
-
-def failures(result: StudyResult) -> str:
-    """Return which errors occurred and how often, or nothing."""
-    # The same error in many runs differs by its numbers: one of them is shown for all.
-    known = Counter(NUMBER.sub("#", text) for text in result.errors if text)
-    examples = {NUMBER.sub("#", text): text for text in reversed(result.errors) if text}
-    if not known:
-        return ""
-    items = "".join(
-        f"<li>{count} x <code>{escape(examples[words])}</code></li>" for words, count in known.most_common(MAX_FAILURES)
-    )
-    more = len(known) - MAX_FAILURES
-    rest = f"<li>and {more} other messages (column <code>error</code> of the data set)</li>" if more > 0 else ""
-    return f'<div class="warning"><b>{result.failed} runs failed:</b><ul>{items}{rest}</ul></div>'
+    return rows

@@ -13,12 +13,13 @@ from functools import cached_property
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.identify._physical.calibration_text import not_followed, notebook_table, summary
+from musclewire.identify._physical.calibration_text import not_followed, number, standing, summary, verdict
 from musclewire.identify._physical.candidates import WireValues
 from musclewire.identify._physical.observations import ChannelComparison, compare
 from musclewire.identify._physical.posterior import PosteriorProblem
 from musclewire.identify._physical.search import SearchResult, SearchSettings
 from musclewire.identify._physical.uncertainty import ParameterEstimate
+from musclewire.pages import notebook_table
 from musclewire.parameters import Alloy, Bench, PriorSet, Wire
 
 __all__ = ["Calibration", "CalibrationInputs"]
@@ -141,7 +142,9 @@ class Calibration:
 
     def _repr_html_(self) -> str:
         """Return the table of parameters for a notebook."""
-        return notebook_table(self.comparisons(), self.estimates)
+        rows = [(item.name, number(item.value), number(item.std), item.unit, standing(item)) for item in self.estimates]
+        title = f"Calibration ({verdict(self.comparisons(), self.estimates)})"
+        return notebook_table(title, ("parameter", "value", "±", "unit", ""), rows)
 
     def as_dict(self) -> dict[str, object]:
         """Return plain values for JSON."""

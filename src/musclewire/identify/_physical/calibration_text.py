@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
 
 from musclewire.identify._physical.observations import ChannelComparison
 from musclewire.identify._physical.uncertainty import ParameterEstimate
 
-__all__ = ["channel_line", "not_followed", "notebook_table", "number", "standing", "summary", "verdict"]
+__all__ = ["channel_line", "not_followed", "number", "standing", "summary", "verdict"]
 
 # Channels with the title of the observation that each belongs to.
 Comparisons = Sequence[tuple[str, ChannelComparison]]
@@ -66,14 +65,3 @@ def standing(item: ParameterEstimate) -> str:
 def number(value: float) -> str:
     """Return a number with four digits."""
     return f"{value:.4g}"
-
-
-def notebook_table(comparisons: Comparisons, estimates: Sequence[ParameterEstimate]) -> str:
-    """Return the table of parameters as HTML."""
-    head = "<tr><th>parameter</th><th>value</th><th>&plusmn;</th><th>unit</th><th></th></tr>"
-    rows = "".join(
-        f"<tr><td>{escape(item.name)}</td><td>{number(item.value)}</td><td>{number(item.std)}</td>"
-        f"<td>{escape(item.unit)}</td><td>{standing(item)}</td></tr>"
-        for item in estimates
-    )
-    return f"<div><b>Calibration</b> ({escape(verdict(comparisons, estimates))})<table>{head}{rows}</table></div>"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from musclewire.identify._physical.uncertainty import ParameterEstimate
+from musclewire.pages import Markup
 
 __all__ = ["interval_bar", "key_of_bars"]
 
@@ -12,7 +13,7 @@ WIDTH, HEIGHT = 190.0, 16.0
 SHOWN_STD, SURE_STD = 3.0, 1.96
 
 
-def interval_bar(item: ParameterEstimate) -> str:
+def interval_bar(item: ParameterEstimate) -> Markup:
     """Return prior and posterior 95 % intervals in one bar, three prior deviations to either side within bounds."""
     left = max(item.low, item.prior_mean - SHOWN_STD * item.prior_std)
     right = min(item.high, item.prior_mean + SHOWN_STD * item.prior_std)
@@ -25,7 +26,7 @@ def interval_bar(item: ParameterEstimate) -> str:
     after = (place(item.interval[0]), place(item.interval[1]))
     colour = BOUND if item.at_bound else IDENTIFIED if item.identifiable else UNIDENTIFIED
     middle = min(max(place(item.value), 1.2), WIDTH - 1.2)
-    return (
+    return Markup(
         f'<svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img" aria-label="95 % interval {item.interval[0]:.4g} to '
         f'{item.interval[1]:.4g} {item.unit}, prior {item.prior_mean:.4g} +- {item.prior_std:.4g}">'
         f"{box(prior, 3.0, 10.0, PRIOR)}{box(after, 5.5, 5.0, colour)}"
@@ -39,7 +40,7 @@ def box(ends: tuple[float, float], top: float, height: float, colour: str) -> st
     return f'<rect x="{ends[0]:.1f}" y="{top:g}" width="{width:.1f}" height="{height:g}" rx="2" fill="{colour}"/>'
 
 
-def key_of_bars() -> str:
+def key_of_bars() -> Markup:
     """Return the key of the colours."""
     names = (
         (PRIOR, "prior"),
@@ -48,4 +49,6 @@ def key_of_bars() -> str:
         (BOUND, "at a bound"),
     )
     patch = '<svg viewBox="0 0 46 12"><rect x="2" y="2" width="42" height="8" rx="2" fill="{}"/></svg>'
-    return "".join(f"<span>{patch.format(colour)}{name}</span>" for colour, name in names)
+    return Markup("").join(
+        Markup("<span>{}{}</span>").format(Markup(patch.format(colour)), name) for colour, name in names
+    )

@@ -8,7 +8,7 @@ import pytest
 
 from musclewire.errors import RecordingError
 from musclewire.extras.paper._page.paper_figures import FIGURES, drawn
-from musclewire.extras.paper._page.paper_page import PARTS, TITLES
+from musclewire.extras.paper._page.paper_page import contents
 from musclewire.extras.paper._page.row_names import row_name, row_words
 from musclewire.extras.paper._page.row_text import (
     limit_text,
@@ -103,12 +103,14 @@ def test_a_single_seed_is_named_as_such() -> None:
 
 def test_every_subject_has_a_title_and_every_figure_its_rows() -> None:
     subjects = {subject_of(check.name) for check in all_checks()}
-    assert set(TITLES) == subjects
+    assert set(contents()["subjects"]) == subjects
     assert set(FIGURES) <= subjects
 
 
 def test_every_subject_is_in_one_part_of_the_page() -> None:
-    assert sorted(subject for part in PARTS.values() for subject in part) == sorted(TITLES)
+    assert sorted(subject for part in contents()["parts"].values() for subject in part) == sorted(
+        contents()["subjects"]
+    )
 
 
 def test_every_row_is_called_by_words_and_no_two_of_a_figure_alike() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -35,7 +34,7 @@ from musclewire.extras.paper._reproduce.section2 import (
 from musclewire.extras.paper._reproduce.section3 import STEP_TOLERANCE_PCT, STRAIN_TOLERANCE_PCT, strain_at_pct
 from musclewire.extras.paper._reproduce.table1 import WIRES, diameter_label
 from musclewire.identify import mark_points, required_quantity
-from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, svg
+from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, Markup, svg
 from musclewire.parameters import read_published
 
 if TYPE_CHECKING:
@@ -57,7 +56,7 @@ def drawn(subject: str, runs: RunCache) -> str:
         try:
             return svg(FIGURES[subject](runs), subject)
         except MusclewireError as error:
-            return f'<p class="note">Cannot be drawn: {escape(str(error))}</p>'
+            return Markup('<p class="note">Cannot be drawn: {}</p>').format(error)
 
 
 def fig3a(runs: RunCache) -> Figure:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from matplotlib.figure import Figure
 from musclewire.extras.studies._robustness.benchmark import Robustness
 from musclewire.extras.studies._robustness.table_text import COLUMNS, number, rows_data
 from musclewire.figures import StyledFigure, figure_style
-from musclewire.pages import STYLE, NumberCard, cards, page, svg_in_frame, table, table_rows
+from musclewire.pages import STYLE, NumberCard, page, svg_in_frame
 from musclewire.signals import write_text_whole
 
 __all__ = ["error_figure", "write_report"]
@@ -27,7 +26,6 @@ MIN_HEIGHT = 3.6
 # Numbers are light on cells of the darker colours, which begin at this part of the scale.
 DARK_FROM, ON_DARK, ON_LIGHT = 0.6, "#ffffff", "#222222"
 LOOK: Mapping[Any, Any] = {**STYLE, "axes.grid": False}
-HEAD = "<thead><tr>{}</tr></thead>"
 
 
 def write_report(result: Robustness, path: Path) -> None:
@@ -45,23 +43,20 @@ def write_report(result: Robustness, path: Path) -> None:
     CallerError
         If the folder cannot be written to.
     """
-    parts = {
-        "cards": cards(key_numbers(result)),
-        "seeds": escape(f"{len(result.seeds)} wires: {result.seeds_text}"),
-        "references": escape(", ".join(result.references)),
-        "errors": svg_in_frame(heat_map(*error_matrix(result), "error [% of the full stroke]"), "errors"),
-        "loops": loops_section(result),
-        "grips": grips_section(result),
-        "wires": svg_in_frame(heat_map(*wire_matrix(result), "error [% of the full stroke]"), "wires"),
-        "bars": table(head(["", "condition", "what", "value", "bar"]), table_rows(bar_cells(result)), "plain"),
-        "rows": table(head(COLUMNS), table_rows(row_cells(result)), "plain"),
-    }
-    write_text_whole(path, page("musclewire.extras.studies._robustness", "report.html", parts))
-
-
-def head(names: Sequence[str]) -> str:
-    """Return the head of a table."""
-    return HEAD.format("".join(f"<th>{escape(name)}</th>" for name in names))
+    text = page(
+        "musclewire.extras.studies._robustness/report.html",
+        cards=key_numbers(result),
+        seeds=f"{len(result.seeds)} wires: {result.seeds_text}",
+        references=", ".join(result.references),
+        errors=svg_in_frame(heat_map(*error_matrix(result), "error [% of the full stroke]"), "errors"),
+        loops=loops_figure(result),
+        grips=grip_cells(result),
+        wires=svg_in_frame(heat_map(*wire_matrix(result), "error [% of the full stroke]"), "wires"),
+        bars=bar_cells(result),
+        columns=COLUMNS,
+        rows=row_cells(result),
+    )
+    write_text_whole(path, text)
 
 
 def key_numbers(result: Robustness) -> list[NumberCard]:
@@ -77,7 +72,7 @@ def key_numbers(result: Robustness) -> list[NumberCard]:
     ]
     undisturbed = [row for row in result.estimators if row.condition.bar == "none"]
     found += [
-        NumberCard(escape(row.estimator), f"{number(row.score.rms_pct)} %", "undisturbed, of the full stroke")
+        NumberCard(row.estimator, f"{number(row.score.rms_pct)} %", "undisturbed, of the full stroke")
         for row in undisturbed
     ]
     return [*found, NumberCard("wires", str(len(result.seeds)), result.seeds_text)]
@@ -157,10 +152,10 @@ def error_figure(result: Robustness, *, style: str = "screen") -> Figure:
     return figure
 
 
-def loops_section(result: Robustness) -> str:
-    """Return the closed loops as a heat map; a sentence without any."""
+def loops_figure(result: Robustness) -> str:
+    """Return the closed loops as a heat map; nothing without any."""
     if not result.loops:
-        return "<p>No closed loop was run.</p>"
+        return ""
     names = list(dict.fromkeys(f"{row.estimator}, {row.controller}" for row in result.loops))
     conditions = [item.name for item in result.conditions]
     errors = np.full((len(conditions), len(names)), np.nan)
@@ -171,11 +166,9 @@ def loops_section(result: Robustness) -> str:
     return svg_in_frame(heat_map(conditions, names, errors, "mean absolute error [% of the target]"), "loops")
 
 
-def grips_section(result: Robustness) -> str:
-    """Return the grips as a table; a sentence without any."""
-    if not result.grips:
-        return "<p>No grip was run.</p>"
-    cells = [
+def grip_cells(result: Robustness) -> list[list[str]]:
+    """Return every grip as cells."""
+    return [
         [
             row.condition,
             number(row.held_mean_pct, 1),
@@ -185,8 +178,6 @@ def grips_section(result: Robustness) -> str:
         ]
         for row in result.grips
     ]
-    names = ["", "error, mean [%]", "largest [%]", "of the estimate [%]", "held"]
-    return table(head(names), table_rows(cells), "plain")
 
 
 def bar_cells(result: Robustness) -> list[list[str]]:
