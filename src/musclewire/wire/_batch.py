@@ -145,7 +145,7 @@ class WireBatch:
         -------
         A copy, which does not change any more.
         """
-        row = self.states[wire : wire + 1]
+        row = self.states[[wire]]
         return WireState(row.view(np.float64), row.dtype)
 
     def advance(self, drive_voltage_v: FloatArray, duration_s: float) -> BatchMeans:
