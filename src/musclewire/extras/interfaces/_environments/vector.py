@@ -192,7 +192,8 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
     def _estimate(self, curve: ResistanceCurve, ends: NDArray[np.void]) -> None:
         """Observe the strain by the model's polynomials, of all that are still driven."""
         driven = ends["event"] == 0
-        ratio = ends["wire_voltage_v"][driven] / ends["shunt_voltage_v"][driven]
+        with np.errstate(divide="ignore", invalid="ignore"):  # without current: the curve says how it reads that
+            ratio = ends["wire_voltage_v"][driven] / ends["shunt_voltage_v"][driven]
         resistance_ohm = ratio * self._facts["shunt_resistance_ohm"][driven]
         self._observed[driven, 5] = curve.estimate(resistance_ohm).value
 
