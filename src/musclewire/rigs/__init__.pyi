@@ -38,6 +38,7 @@ from ._device import HasOnBoardLoop as HasOnBoardLoop
 from ._device import HasStage as HasStage
 from ._device import HasTrueState as HasTrueState
 from ._device import Missing as Missing
+from ._driven_wire import drive_varied as drive_varied
 from ._guarded import GuardedRig as GuardedRig
 from ._guarded import ProtectionTripError as ProtectionTripError
 from ._kinds import DEVICES as DEVICES
@@ -50,8 +51,6 @@ from ._load_part import Pull as Pull
 from ._load_part import Stiffness as Stiffness
 from ._load_parts import Contact as Contact
 from ._load_parts import Spring as Spring
-from ._many_wires import drive_wires as drive_wires
-from ._many_wires import held_voltages_v as held_voltages_v
 from ._mechanism import FingerTendon as FingerTendon
 from ._mechanism import SimulatedLoad as SimulatedLoad
 from ._mechanism import mechanism_of as mechanism_of

@@ -67,7 +67,6 @@ from ._stepping import fixed_steps as fixed_steps
 from ._stepping import instant_of as instant_of
 from ._stepping import is_resolved as is_resolved
 from ._stepping import plan_of as plan_of
-from ._stepping import require_resolved as require_resolved
 from ._stepping import steps_within as steps_within
 from ._warming import heated_state as heated_state
 from ._wires import OneWire as OneWire

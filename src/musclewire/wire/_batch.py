@@ -8,7 +8,7 @@ of the batch, its order and the number of threads.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from itertools import pairwise
@@ -22,14 +22,13 @@ from musclewire.compiled import compiled, compiled_inline
 from musclewire.errors import CallerError
 from musclewire.wire._building import resting_state
 from musclewire.wire._constants import WireConstants, as_record
-from musclewire.wire._lane_layout import LANES, blocks_of, state_fields
-from musclewire.wire._lanes import advance_block
+from musclewire.wire._lanes import LANES, advance_lanes, workspace
 from musclewire.wire._paths import DrivenPath
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
 from musclewire.wire._step import RunningWire
-from musclewire.wire._stepping import StepControl, require_resolved
-from musclewire.wire._wires import CHOSEN, SourceOutput, advance_wire, plan_of
+from musclewire.wire._stepping import CHOSEN, DURATION, STEPS, SourceOutput, StepControl, plan_of, require_resolved
+from musclewire.wire._wires import advance_wire
 
 __all__ = ["COLUMNS", "BatchMeans", "WireBatch", "drive_many"]
 
@@ -59,24 +58,21 @@ class BatchPart(NamedTuple):
     places
         Their places in the batch, (n_wires,).
     states, derived
-        Their states and derived constants, (n_wires,) each.
+        Their rows of states, which change in place, and of derived constants, (n_wires,) each.
     tables
         The distribution and the load that they share.
-    blocks
-        The wires in lanes, which hold the states while they run; None if they run one by one.
-    scratch
-        A state to work with, (1,).
-    begins
-        The states at the start, and the blocks that hold them.
+    in_lanes
+        How many of them, the first ones, run in lanes: a multiple of ``LANES``.
+    work
+        Room for a step of lanes, (1,).
     """
 
     places: Places
     states: Rows
     derived: Rows
     tables: tuple[Rows, Rows]
-    blocks: Rows | None
-    scratch: Rows
-    begins: tuple[Rows, Rows | None]
+    in_lanes: int
+    work: Rows
 
 
 class WireBatch:
@@ -118,21 +114,23 @@ class WireBatch:
         self.stepping = stepping
         self._threads = threads or os.cpu_count() or 1
         begins = [resting_state(item) for item in constants] if states is None else states
-        self._parts = parts_of(constants, begins, fixed=stepping.fixed_s > 0.0, threads=self._threads)
-        self._count, self._layout = len(constants), begins[0].row.dtype
+        alike = wires_alike(constants, fixed=stepping.fixed_s > 0.0)
+        # All that is alike lies together in memory; this is where each of it belongs in the batch.
+        self._places = np.array([place for group in alike for place in group.places])
+        self._states = np.concatenate([begins[place].row for place in self._places])
+        self._begins = self._states.copy()
+        derived = np.concatenate([constants[place].derived.row for place in self._places])
+        self._parts = list(parts_of(alike, self._places, self._states, derived, self._threads))
 
     def __len__(self) -> int:
         """Return the number of wires."""
-        return self._count
+        return len(self._places)
 
     @property
     def states(self) -> Rows:
         """The present states, a copy: an array of records, (n_wires,), with ``states["temperature_k"]`` and so on."""
-        together = np.zeros(len(self), self._layout)
-        for part in self._parts:
-            if part.blocks is not None:
-                unload(part)
-            together[part.places] = part.states
+        together = np.empty_like(self._states)
+        together[self._places] = self._states
         return together
 
     def state(self, wire: int) -> WireState:
@@ -147,9 +145,8 @@ class WireBatch:
         -------
         A copy, which does not change any more.
         """
-        copied = WireState.zeros(self._layout["front_austenite"].shape[0])
-        copied.row[0] = self.states[wire]
-        return copied
+        row = self.states[[wire]]
+        return WireState(row.view(np.float64), row.dtype)
 
     def advance(self, drive_voltage_v: FloatArray, duration_s: float) -> BatchMeans:
         """Advance all wires by one sample, and return the means over it.
@@ -185,8 +182,8 @@ class WireBatch:
         wires
             True for each of these, (n_wires,).
         """
-        for part in self._parts:
-            begin_again(part, wires[part.places])
+        again = wires[self._places]
+        self._states[again] = self._begins[again]
 
     def drive(self, drive_v: FloatArray, sample_s: float, keep: Sequence[str]) -> dict[str, FloatArray]:
         """Advance all wires along a drive, and return the columns to keep.
@@ -242,7 +239,7 @@ class WireBatch:
     def _run(self, drive_v: FloatArray, plan: FloatArray, kept: FloatArray, columns: Places) -> None:
         """Run all wires along drives, (n_wires or 1, n_samples)."""
         task = (drive_v, plan, kept, columns)
-        if drive_v.shape[1] * max(int(plan[1]), 1) * len(self) < WORTH_THREADS or self._threads == 1:
+        if drive_v.shape[1] * max(int(plan[STEPS]), 1) * len(self) < WORTH_THREADS or self._threads == 1:
             for part in self._parts:
                 run_part(part, task)
             return
@@ -300,77 +297,51 @@ def pool(threads: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(threads, thread_name_prefix="musclewire-batch")
 
 
-def parts_of(
-    constants: Sequence[WireConstants], states: Sequence[WireState], *, fixed: bool, threads: int
-) -> list[BatchPart]:
-    """Return the wires in parts with one distribution, load's table and the way they run, for so many threads."""
-    members: dict[tuple[int, int, bool], list[int]] = {}
+class AlikeWires(NamedTuple):
+    """Places in a batch of wires with one distribution and load, those records, and whether they can run in lanes."""
+
+    places: list[int]
+    tables: tuple[Rows, Rows]
+    in_lanes: bool
+
+
+def wires_alike(constants: Sequence[WireConstants], *, fixed: bool) -> list[AlikeWires]:
+    """Return the wires by distribution, load's table and the way they run."""
+    found: dict[tuple[int, int, bool], AlikeWires] = {}
     for place, item in enumerate(constants):
         plain = item.load_table_n.shape[1] == 2 and not item.load_table_n.any()
         in_lanes = fixed and plain and item.derived.shakedown_cycles == 0.0
-        load = 0 if plain else item.load_table_n.ctypes.data
-        members.setdefault((item.distribution_cells.ctypes.data, load, in_lanes), []).append(place)
-    parts = []
-    for (_, _, in_lanes), places in members.items():
-        whole = LANES if in_lanes else 1
-        blocks = -(-len(places) // whole)
-        ends = [whole * (blocks * part // threads) for part in range(threads + 1)]
-        cut = [places[low:high] for low, high in pairwise(ends)]
-        parts += [part_of(constants, states, each, in_lanes) for each in cut if each]
-    return parts
+        key = (item.distribution_cells.ctypes.data, 0 if plain else item.load_table_n.ctypes.data, in_lanes)
+        tables = (as_record(item.distribution_cells), as_record(item.load_table_n))
+        found.setdefault(key, AlikeWires([], tables, in_lanes)).places.append(place)
+    return list(found.values())
 
 
-def part_of(
-    constants: Sequence[WireConstants], states: Sequence[WireState], places: list[int], in_lanes: bool
-) -> BatchPart:
-    """Return some of the wires as a part."""
-    first = constants[places[0]]
-    rows = np.concatenate([states[place].row for place in places])
-    derived = np.concatenate([constants[place].derived.row for place in places])
-    return BatchPart(
-        np.array(places),
-        rows,
-        derived,
-        (as_record(first.distribution_cells), as_record(first.load_table_n)),
-        blocks_of(derived, rows) if in_lanes else None,
-        np.zeros(1, rows.dtype),
-        (rows.copy(), blocks_of(derived, rows) if in_lanes else None),
-    )
-
-
-def begin_again(part: BatchPart, wires: npt.NDArray[np.bool_]) -> None:
-    """Set some wires of a part back to where they began."""
-    states, blocks = part.begins
-    part.states[wires] = states[wires]
-    if part.blocks is None or blocks is None:
-        return
-    lanes = np.zeros(LANES * len(blocks), dtype=bool)
-    lanes[: len(wires)] = wires
-    for name in state_fields():
-        np.copyto(part.blocks[f"s_{name}"], blocks[f"s_{name}"], where=lane_mask(lanes, blocks[f"s_{name}"]))
-
-
-def lane_mask(lanes: npt.NDArray[np.bool_], field: FloatArray) -> npt.NDArray[np.bool_]:
-    """Return a mask of lanes in the shape of a block's field, (n_blocks, LANES) or (n_blocks, classes, LANES)."""
-    mask = lanes.reshape(-1, LANES)
-    return np.broadcast_to(mask if field.ndim == 2 else mask[:, np.newaxis], field.shape)
-
-
-def unload(part: BatchPart) -> None:
-    """Copy the states of a part's blocks to its rows."""
-    count = len(part.places)
-    for name in state_fields():
-        lanes = np.moveaxis(part.blocks[f"s_{name}"], -1, 1)  # type: ignore[index]
-        part.states[name] = lanes.reshape(-1, *lanes.shape[2:])[:count]
+def parts_of(
+    alike: Sequence[AlikeWires], places: Places, states: Rows, derived: Rows, threads: int
+) -> Iterator[BatchPart]:
+    """Yield the wires, whose rows lie together if they are alike, in parts for so many threads."""
+    begin = 0
+    for group in alike:
+        count, whole = len(group.places), LANES if group.in_lanes else 1
+        blocks = -(-count // whole)
+        ends = [begin + min(whole * (blocks * part // threads), count) for part in range(threads + 1)]
+        for low, high in pairwise(ends):
+            in_lanes = (high - low) // LANES * LANES if group.in_lanes else 0
+            work = workspace(derived.dtype["class_weight"].shape[0])
+            cut = slice(low, high)
+            if high > low:
+                yield BatchPart(places[cut], states[cut], derived[cut], group.tables, in_lanes, work)
+        begin += count
 
 
 def run_part(part: BatchPart, task: Task) -> None:
-    """Run a part of a batch along its drives."""
-    if part.blocks is None:
-        run_one_by_one(part.places, part.states, part.derived, part.tables, task)
-    else:
-        run_in_lanes(part.places, part.blocks, part.derived, part.tables, part.scratch, task)
-        part.states["time_s"] += task[1][0] * task[0].shape[1]
+    """Run a part of a batch along its drives: whole blocks in lanes, the others one by one."""
+    lanes, rest = slice(0, part.in_lanes), slice(part.in_lanes, None)
+    if part.in_lanes:
+        run_in_lanes(part.places[lanes], part.states[lanes], part.derived[lanes], part.tables, part.work, task)
+    if part.in_lanes < len(part.places):
+        run_one_by_one(part.places[rest], part.states[rest], part.derived[rest], part.tables, task)
 
 
 @compiled
@@ -383,47 +354,31 @@ def run_one_by_one(places: Places, states: Rows, derived: Rows, tables: tuple[Ro
         row = wire if drive_v.shape[0] > 1 else 0
         for sample in range(drive_v.shape[1]):
             means = advance_wire(running, SourceOutput(drive_v[row, sample], False), plan)
-            truth = (
-                state.temperature_k,
-                state.stress_pa,
-                state.martensite_fraction,
-                state.r_phase_fraction,
-                state.resistance_ohm,
-            )
-            keep(kept, columns, (wire, sample), means, truth)
+            keep(kept, columns, (wire, sample), means, state)
 
 
 @compiled
 def run_in_lanes(
-    places: Places, blocks: Rows, derived: Rows, tables: tuple[Rows, Rows], scratch: Rows, task: Task
+    places: Places, states: Rows, derived: Rows, tables: tuple[Rows, Rows], workspaces: Rows, task: Task
 ) -> None:
-    """Run blocks of wires along their drives, in place, by fixed steps."""
+    """Run whole blocks of wires along their drives, in place, by fixed steps."""
     drive_v, plan, kept, columns = task
-    steps = int(plan[1])
-    mean = 0.5 / plan[0]
-    for block in range(blocks.shape[0]):
-        b, first = blocks[block], block * LANES
-        used = min(LANES, places.shape[0] - first)
+    work, mean = workspaces[0], 0.5 / plan[DURATION]
+    for first in range(0, places.shape[0], LANES):
+        wires, constants = states[first : first + LANES], derived[first : first + LANES]
         for sample in range(drive_v.shape[1]):
             for lane in range(LANES):
-                wire = places[first + min(lane, used - 1)]
-                b.t_drive_v[lane] = drive_v[wire if drive_v.shape[0] > 1 else 0, sample]
-            advance_block(b, first, derived, (tables[0][0], tables[1][0]), scratch[0], plan[0] / plan[1], steps)
-            for lane in range(used):
+                work.drive_v[lane] = drive_v[places[first + lane] if drive_v.shape[0] > 1 else 0, sample]
+            advance_lanes(wires, constants, tables[0][0], tables[1][0], work, plan)
+            for lane in range(LANES):
+                k = constants[lane]
                 means = (
-                    mean * b.t_voltage_sum[lane],
-                    mean * b.t_current_sum[lane] * b.k_shunt_resistance_ohm[lane],
-                    mean * b.t_moved_sum[lane] * b.k_leg_length_m[lane],
-                    mean * b.t_stress_sum[lane] * b.k_section_m2[lane],
+                    mean * work.voltage_sum[lane],
+                    mean * work.current_sum[lane] * k.shunt_resistance_ohm,
+                    mean * work.moved_sum[lane] * k.leg_length_m,
+                    mean * work.stress_sum[lane] * k.section_m2,
                 )
-                truth = (
-                    b.s_temperature_k[lane],
-                    b.s_stress_pa[lane],
-                    b.s_martensite_fraction[lane],
-                    b.s_r_phase_fraction[lane],
-                    b.s_resistance_ohm[lane],
-                )
-                keep(kept, columns, (places[first + lane], sample), means, truth)
+                keep(kept, columns, (places[first + lane], sample), means, wires[lane])
 
 
 @compiled_inline
@@ -432,10 +387,17 @@ def keep(
     columns: Places,
     at: tuple[int, int],
     means: tuple[float, float, float, float],
-    truth: tuple[float, float, float, float, float],
+    state: WireState,
 ) -> None:
     """Write a sample of a wire into the columns to keep, (n_columns, n_wires, n_samples); -1 is not kept."""
     wire, sample = at
+    truth = (
+        state.temperature_k,
+        state.stress_pa,
+        state.martensite_fraction,
+        state.r_phase_fraction,
+        state.resistance_ohm,
+    )
     for column in range(4):
         if columns[column] >= 0:
             kept[columns[column], wire, sample] = means[column]

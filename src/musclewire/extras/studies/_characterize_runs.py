@@ -13,7 +13,7 @@ from pydantic import Field
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.experiment import characterize
-from musclewire.extras.studies._ideal_runs import IdealRun, Readings, by_readings, ideal_runs
+from musclewire.extras.studies._ideal_runs import Readings, ideal_run
 from musclewire.extras.studies._run_kind import KindOptions, Outcome, Quantity, RunKind, StudyRun, StudyRuns, each
 from musclewire.identify import fit, force_is_level, gap_in, required_quantity, resistance_reading
 from musclewire.rigs import VariedWire
@@ -82,30 +82,20 @@ def quantities(options: CharacterizeOptions) -> Mapping[str, Quantity]:
 
 def evaluate(runs: StudyRuns[CharacterizeOptions]) -> Sequence[Outcome]:
     """Return gaps and extremes of the loop of each run."""
-    return by_readings(runs, on_wires, partial(on_rig, runs))
+    return each(partial(outcome_of, runs), runs.runs)
 
 
-def on_wires(runs: StudyRuns[CharacterizeOptions]) -> Sequence[Outcome]:
-    """Return what runs with ideal readings yield."""
-    found = ideal_runs(runs, lambda run, wire: drive_v(run.options, wire))
-    pairs = list(zip(runs.runs, found, strict=True))
-    return each(lambda pair: of_ideal(pair[0].options, pair[1], runs.keep), pairs)
-
-
-def on_rig(runs: StudyRuns[CharacterizeOptions], run: StudyRun[CharacterizeOptions]) -> Outcome:
-    """Return what a run through the rig's instruments yields."""
+def outcome_of(runs: StudyRuns[CharacterizeOptions], run: StudyRun[CharacterizeOptions]) -> Outcome:
+    """Return what a run yields, by ideal readings or through the rig's instruments."""
     options = run.options
+    if options.readings == "ideal":
+        wire = runs.wire(run)
+        found = ideal_run(wire, drive_v(options, wire))
+        hottest = {"temperature_max_k": float(found.temperature_k.max())} if "temperature_max_k" in runs.keep else {}
+        return {**loop_numbers(found.recording, options, runs.keep), **hottest}
     with runs.open(run) as rig:
         recording = characterize(rig, amplitude_v=options.amplitude, period_s=options.period, cycles=options.cycles)
     return loop_numbers(recording, options, runs.keep)
-
-
-def of_ideal(options: CharacterizeOptions, run: IdealRun | Exception, keep: frozenset[str]) -> Outcome:
-    """Return what a run with ideal readings yields."""
-    if isinstance(run, Exception):
-        raise run
-    hottest = {"temperature_max_k": float(run.temperature_k.max())} if "temperature_max_k" in keep else {}
-    return {**loop_numbers(run.recording, options, keep), **hottest}
 
 
 def drive_v(options: CharacterizeOptions, wire: VariedWire) -> FloatArray:

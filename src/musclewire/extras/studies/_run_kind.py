@@ -107,9 +107,9 @@ class StudyRuns(Generic[Options]):
         """
         return self.rig.open(run.values, run.own_seed)
 
-    def wires(self) -> list[VariedWire | MusclewireError]:
-        """Return the wire of each run without instruments, or the error of values that make none."""
-        return each(lambda run: self.rig.wire(run.values), self.runs)
+    def wire(self, run: StudyRun[Options]) -> VariedWire:
+        """Return the wire of a run without instruments. Raises CallerError for values that make none."""
+        return self.rig.wire(run.values)
 
 
 @dataclass(frozen=True)

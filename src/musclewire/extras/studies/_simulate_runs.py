@@ -12,7 +12,7 @@ from pydantic import Field
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.experiment import drive_wire
-from musclewire.extras.studies._ideal_runs import IdealRun, Readings, by_readings, ideal_runs
+from musclewire.extras.studies._ideal_runs import Readings, ideal_run
 from musclewire.extras.studies._run_kind import KindOptions, Outcome, Quantity, RunKind, StudyRun, StudyRuns, each
 from musclewire.identify import required_quantity, resistance_reading
 from musclewire.rigs import VariedWire
@@ -73,29 +73,19 @@ def quantities(options: SimulateOptions) -> Mapping[str, Quantity]:  # noqa: ARG
 
 def evaluate(runs: StudyRuns[SimulateOptions]) -> Sequence[Outcome]:
     """Return contraction, heat and times of each run."""
-    return by_readings(runs, on_wires, partial(on_rig, runs))
+    return each(partial(outcome_of, runs), runs.runs)
 
 
-def on_wires(runs: StudyRuns[SimulateOptions]) -> Sequence[Outcome]:
-    """Return what runs with ideal readings yield."""
-    found = ideal_runs(runs, lambda run, wire: drive_v(run.options, wire))
-    pairs = list(zip(runs.runs, found, strict=True))
-    return each(lambda pair: of_ideal(pair[0].options, pair[1]), pairs)
-
-
-def on_rig(runs: StudyRuns[SimulateOptions], run: StudyRun[SimulateOptions]) -> Outcome:
-    """Return what a run through the rig's instruments yields."""
+def outcome_of(runs: StudyRuns[SimulateOptions], run: StudyRun[SimulateOptions]) -> Outcome:
+    """Return what a run yields, by ideal readings or through the rig's instruments."""
     options = run.options
+    if options.readings == "ideal":
+        wire = runs.wire(run)
+        found = ideal_run(wire, drive_v(options, wire))
+        return drive_numbers(found.recording, found.temperature_k, options.off_after)
     with runs.open(run) as rig:
         recording = drive_wire(rig, supply_v=options.supply, on_s=options.off_after, duration_s=options.duration)
     return drive_numbers(recording, recording["wire_temperature_k"], options.off_after)
-
-
-def of_ideal(options: SimulateOptions, run: IdealRun | Exception) -> Outcome:
-    """Return what a run with ideal readings yields."""
-    if isinstance(run, Exception):
-        raise run
-    return drive_numbers(run.recording, run.temperature_k, options.off_after)
 
 
 def drive_v(options: SimulateOptions, wire: VariedWire) -> FloatArray:

@@ -96,14 +96,11 @@ def test_ideal_readings_are_those_of_a_rig_without_errors(rig: str) -> None:
 
 def test_the_gaps_are_those_of_loop_gaps_and_the_fit_is_fits() -> None:
     from musclewire.extras.studies._characterize_runs import CharacterizeOptions, drive_v, loop_numbers
-    from musclewire.extras.studies._ideal_runs import ideal_runs
-    from musclewire.extras.studies._run_kind import StudyRun, StudyRuns
+    from musclewire.extras.studies._ideal_runs import ideal_run
 
     options = CharacterizeOptions(cycles=1, period=60.0, fit=True)
-    rig = VariedRig(RigConfiguration(), "test", [])
-    runs = StudyRuns(rig, [StudyRun(0, {}, options, 1)], frozenset())
-    (found,) = ideal_runs(runs, lambda run, wire: drive_v(run.options, wire))
-    assert not isinstance(found, Exception)
+    wire = VariedRig(RigConfiguration(), "test", []).wire({})
+    found = ideal_run(wire, drive_v(options, wire))
     names = frozenset({"strain_gap", "force_gap", "displacement_gap", "fit_rmse", "fit_order"})
     numbers = loop_numbers(found.recording, options, names)
     gaps, model = loop_gaps(found.recording), fit(found.recording)

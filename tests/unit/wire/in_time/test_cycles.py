@@ -30,7 +30,7 @@ def test_a_wire_heated_through_and_cooled_again_has_made_one_cycle(new_wire: boo
 
 
 def test_every_wire_of_a_batch_counts_the_cycles_that_it_makes() -> None:
-    wires = [constants(bench_values={"pretension_n": force_n}) for force_n in np.linspace(1.0, 2.0, 9)]
+    wires = [constants(bench_values={"pretension_n": force_n}) for force_n in np.linspace(1.0, 2.0, 17)]
     batch = WireBatch(wires, stepping=fixed_steps(0.01))
     batch.drive(ONE_CYCLE_V, SAMPLE_S, [])
     for wire, counted in zip(wires, batch.states["cycles"], strict=True):

@@ -154,21 +154,21 @@ WIRES = [
 
 @pytest.mark.parametrize("drive_v", [0.0, 3.6])
 def test_a_batch_in_the_middle_of_the_transformation_has_the_bits_of_each_wire(drive_v: float) -> None:
-    """All fields of all states; with one wire more than fit into a vector's lanes."""
-    states = [heated_state(wire, 340.0 + 8.0 * place) for place, wire in enumerate(WIRES)]
+    """All fields of all states; with one wire more than lie side by side."""
+    heated = [heated_state(wire, 340.0 + 8.0 * place) for place, wire in enumerate(WIRES)]
+    wires, states = [*WIRES, *WIRES[:8]], [*heated, *heated[:8]]
     drive = np.array([1.5, drive_v])
-    batch = WireBatch(WIRES, states=states, stepping=fixed_steps(0.01), threads=1)
+    batch = WireBatch(wires, states=states, stepping=fixed_steps(0.01), threads=1)
     shown = batch.drive(
         drive, 0.01, ("wire_voltage_v", "shunt_voltage_v", "displacement_m", "force_n", "resistance_ohm")
     )
-    for place, (wire, state) in enumerate(zip(WIRES, states, strict=True)):
+    for place, (wire, state) in enumerate(zip(wires, states, strict=True)):
         path, after = drive_path(wire, drive, sample_s=0.01, stepping=fixed_steps(0.01), state=state)
         for name, found in shown.items():
             assert np.array_equal(found[place], getattr(path, name)), (place, name)
-        together = batch.state(place)
-        for name in ("temperature_k", "stress_pa", "enthalpy_j", "heat_in_j", "heat_out_j", "cycles", "carried_heat_j",
-                     "step_error_k", "friction_n", "martensite_fraction", "time_s", "contraction"):  # fmt: skip
-            assert getattr(together, name) == getattr(after, name), (place, name)
+        for name, value in batch.state(place).values().items():
+            if name != "front_trial":
+                assert np.array_equal(value, getattr(after, name)), (place, name)
 
 
 def test_a_current_source_heats_by_its_current_whatever_the_resistance() -> None:

@@ -7,7 +7,7 @@ in ``watch.py``.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,15 +19,11 @@ from musclewire.extras.interfaces._environments.episodes import MAX_RESISTANCE_F
 from musclewire.random_numbers import normal_pair, philox, uniform
 
 __all__ = [
+    "ENDS",
     "FACTS",
     "MEMORY",
-    "NO_CURVE",
-    "CompiledCurve",
-    "LaneEnds",
-    "LaneRun",
     "draw_levels",
     "drive_lanes",
-    "empty_ends",
     "judge_lanes",
     "read_lanes",
 ]
@@ -61,75 +57,24 @@ MEMORY = np.dtype(
         *SOUND_MEMORY.descr,
     ]
 )
+# How a sample ends for a lane: both readings of the converter and that of the displacement sensor, as a strain; whether
+# they are sound; the number of the event by which the protection has switched off, 0 for none; the reward; and whether
+# the time of the episode has come to its end.
+ENDS = np.dtype(
+    [
+        ("wire_voltage_v", np.float64),
+        ("shunt_voltage_v", np.float64),
+        ("strain", np.float64),
+        ("sound", np.bool_),
+        ("event", np.int64),
+        ("reward", np.float64),
+        ("truncated", np.bool_),
+    ]
+)
 
 # Arrays of these records, and one of them as compiled code sees it; mypy knows no fields of either.
 Rows = NDArray[np.void]
 Record = Any
-
-
-class CompiledCurve(NamedTuple):
-    """The mean polynomial of a resistance curve as compiled code takes it; no coefficients: no estimate."""
-
-    resistance_min_ohm: float
-    per_ohm: float
-    normalised_min: float
-    normalised_max: float
-    heating: FloatArray
-    cooling: FloatArray
-
-
-NO_CURVE = CompiledCurve(0.0, 0.0, 0.0, 0.0, np.empty(0), np.empty(0))
-
-
-class LaneRun(NamedTuple):
-    """What all lanes have in common: seed, number of the level asked for in each sample, and the estimator's curve.
-
-    The samples of an episode are counted from the first after the reset; there is one level more than samples, which is
-    asked for after the last.
-    """
-
-    seed: int
-    level_of_sample: NDArray[np.int64]
-    curve: CompiledCurve
-
-
-class LaneEnds(NamedTuple):
-    """How a sample ends, written in place; (n_lanes,) each but what is observed, (n_lanes, n_observed).
-
-    Parameters
-    ----------
-    wire_voltage_v, shunt_voltage_v
-        Readings of the converter [V].
-    strain
-        Reading of the displacement sensor, as a strain.
-    sound
-        Whether a reading is sound.
-    event
-        Number of the event by which the protection has switched off; 0 for none.
-    observed
-        Observations.
-    reward
-        Rewards.
-    truncated
-        Whether the time of the episode has come to its end.
-    """
-
-    wire_voltage_v: FloatArray
-    shunt_voltage_v: FloatArray
-    strain: FloatArray
-    sound: NDArray[np.bool_]
-    event: NDArray[np.int64]
-    observed: FloatArray
-    reward: FloatArray
-    truncated: NDArray[np.bool_]
-
-
-def empty_ends(count: int, observed: FloatArray) -> LaneEnds:
-    """Return the end of a sample of so many lanes, still to be filled in; observations are written where they were."""
-    wire_voltage_v, shunt_voltage_v, strain, reward = np.empty((4, count))
-    sound_ones, truncated = np.empty((2, count), np.bool_)
-    event = np.empty(count, np.int64)
-    return LaneEnds(wire_voltage_v, shunt_voltage_v, strain, sound_ones, event, observed, reward, truncated)
 
 
 @compiled
@@ -190,57 +135,51 @@ def read_lane(
 
 
 @compiled
-def read_lanes(facts: Rows, memory: Rows, seed: int, means: FloatArray, ends: LaneEnds) -> None:
+def read_lanes(facts: Rows, memory: Rows, seed: int, means: FloatArray, ends: Rows) -> None:
     """Read all lanes from their true means over a sample: wire voltage, shunt voltage, displacement, (3, n_lanes)."""
     for lane in range(means.shape[1]):
-        fact, kept = facts[lane], memory[lane]
+        fact, kept, end = facts[lane], memory[lane], ends[lane]
         wire_v, shunt_v, displacement_m = read_lane(
             fact, kept, lane, seed, (means[0, lane], means[1, lane], means[2, lane])
         )
-        ends.wire_voltage_v[lane], ends.shunt_voltage_v[lane] = wire_v, shunt_v
-        ends.strain[lane] = displacement_m / fact["leg_length_m"]
+        end["wire_voltage_v"], end["shunt_voltage_v"] = wire_v, shunt_v
+        end["strain"] = displacement_m / fact["leg_length_m"]
         drive_v, period_s = kept["drive_voltage_v"], fact["sample_period_s"]
-        ends.sound[lane] = sound_reading(kept, fact, drive_v, wire_v, shunt_v, period_s)
+        end["sound"] = sound_reading(kept, fact, drive_v, wire_v, shunt_v, period_s)
 
 
 @compiled
-def estimate_of(curve: CompiledCurve, resistance_ohm: float) -> float:
-    """Return the mean of both branches at a resistance (Eqs. 3 to 5), as ``ResistanceCurve.estimate`` does."""
-    fraction = (resistance_ohm - curve.resistance_min_ohm) * curve.per_ohm
-    inside = min(max(fraction, curve.normalised_min), curve.normalised_max)
-    heating = cooling = 0.0
-    for power in range(curve.heating.shape[0] - 1, -1, -1):
-        heating = heating * inside + curve.heating[power]
-        cooling = cooling * inside + curve.cooling[power]
-    return (heating + cooling) / 2.0
-
-
-@compiled
-def judge_lanes(facts: Rows, memory: Rows, targets: FloatArray, run: LaneRun, ends: LaneEnds) -> None:
+def judge_lanes(
+    facts: Rows,
+    memory: Rows,
+    targets: FloatArray,
+    level_of_sample: NDArray[np.int64],
+    ends: Rows,
+    observed: FloatArray,
+) -> None:
     """Reward and observe all lanes at the end of a sample; ``targets`` are their levels, (n_lanes, n_levels).
 
-    A lane that had ended was at rest before this sample, which was the first of its episode.
+    ``level_of_sample`` is the level asked for in each sample from the first after the reset on, and after the last. A
+    lane that had ended was at rest before this sample, which was the first of its episode.
     """
-    last = run.level_of_sample.shape[0] - 1
+    last = level_of_sample.shape[0] - 1
     for lane in range(targets.shape[0]):
-        fact, kept, seen = facts[lane], memory[lane], ends.observed[lane]
-        before = run.level_of_sample[max(kept["sample"] - 1, 0)]
+        fact, kept, end, seen = facts[lane], memory[lane], ends[lane], observed[lane]
+        before = level_of_sample[max(kept["sample"] - 1, 0)]
         # The sample that has just ended is judged by the target that was asked for while it was taken.
-        error = abs(targets[lane, before] - ends.strain[lane])
-        ends.reward[lane] = 0.0 if kept["ended"] else -PERCENT * error
-        tripped = ends.event[lane] != 0
+        error = abs(targets[lane, before] - end["strain"])
+        end["reward"] = 0.0 if kept["ended"] else -PERCENT * error
+        tripped = end["event"] != 0
         if tripped:
-            ends.reward[lane] = -PERCENT * targets[lane].max() * (last - kept["sample"] + 1)
+            end["reward"] = -PERCENT * targets[lane].max() * (last - kept["sample"] + 1)
             kept["drive_voltage_v"] = 0.0
         else:
-            wire_v, shunt_v = ends.wire_voltage_v[lane], ends.shunt_voltage_v[lane]
+            wire_v, shunt_v = end["wire_voltage_v"], end["shunt_voltage_v"]
             resistance_ohm = wire_v / shunt_v * fact["shunt_resistance_ohm"]
             seen[0], seen[1] = wire_v, shunt_v
             seen[2] = min(max(resistance_ohm, 0.0), MAX_RESISTANCE_FACTOR * fact["resistance_high_ohm"])
-            if run.curve.heating.shape[0]:
-                seen[5] = estimate_of(run.curve, resistance_ohm)
         seen[3] = kept["drive_voltage_v"]
-        seen[4] = targets[lane, run.level_of_sample[kept["sample"]]]
-        ends.truncated[lane] = not tripped and kept["sample"] >= last
-        kept["ended"] = tripped or ends.truncated[lane]
+        seen[4] = targets[lane, level_of_sample[kept["sample"]]]
+        end["truncated"] = not tripped and kept["sample"] >= last
+        kept["ended"] = tripped or end["truncated"]
         kept["sample"] += 1

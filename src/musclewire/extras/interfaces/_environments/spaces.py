@@ -15,18 +15,12 @@ from musclewire.extras.interfaces._environments.episodes import MAX_RESISTANCE_F
 from musclewire.sensing import SensingModel, load_model
 
 __all__ = [
-    "OBSERVED",
     "action_space",
     "checked_actions",
     "no_options",
     "observation_space",
     "strain_model",
 ]
-
-# The numbers of an observation, in this order; the last only with a model.
-OBSERVED = (
-    "wire_voltage_v", "shunt_voltage_v", "wire_resistance_ohm", "drive_voltage_v", "target_strain", "estimated_strain",
-)  # fmt: skip
 
 # The drive that is out is the commanded one in the amplifier's steps, which may round it up.
 DRIVE_ROUNDING = 1.01

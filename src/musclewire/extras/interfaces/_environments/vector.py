@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -13,22 +14,17 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers import Event, ProtectionLimits, protection_table
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, NumericsError
 from musclewire.extras.interfaces._environments.episodes import Episode, episode_from
 from musclewire.extras.interfaces._environments.kernels import (
+    ENDS,
     FACTS,
     MEMORY,
-    NO_CURVE,
-    CompiledCurve,
-    LaneEnds,
-    LaneRun,
     draw_levels,
     drive_lanes,
-    empty_ends,
     judge_lanes,
     read_lanes,
 )
-from musclewire.extras.interfaces._environments.lanes import WireLanes
 from musclewire.extras.interfaces._environments.spaces import (
     action_space,
     checked_actions,
@@ -39,9 +35,14 @@ from musclewire.extras.interfaces._environments.spaces import (
 from musclewire.extras.interfaces._environments.watch import ProtectionWatch
 from musclewire.extras.interfaces._simulated_wire import SimulatedWire, simulated_wire
 from musclewire.rigs import RigConfiguration
-from musclewire.sensing import SensingModel
+from musclewire.sensing import ResistanceCurve, SensingModel
+from musclewire.wire import WireBatch, fixed_steps
 
-__all__ = ["WireVectorEnv"]
+__all__ = ["MAX_STEP_S", "WireVectorEnv"]
+
+# Longest step of the simulation, and that as a fraction of the quickest wire's time constant: with both a jump of the
+# drive errs by hundredths of a kelvin (benchmarks/vector_environment.py).
+MAX_STEP_S, MAX_STEP_FRACTION = 0.025, 0.05
 
 Rig = str | Path | RigConfiguration
 Mask = NDArray[np.bool_]
@@ -97,14 +98,16 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         self.num_envs = num_envs
         self._episode = episode_from(episode)
         known = strain_model(model)
+        self._curve = None if known is None else known.curve()
         lanes = [wires[lane % len(wires)] for lane in range(num_envs)]
-        self._lanes = WireLanes(lanes, period_s)
+        self._step_s, self._period_s = step_s_of(wires, period_s), period_s
+        self._wires = WireBatch([wire.constants for wire in lanes], stepping=fixed_steps(self._step_s))
         self._facts = np.concatenate([facts_of(wire) for wire in wires])[np.arange(num_envs) % len(wires)]
         self._memory = np.zeros(num_envs, MEMORY)
         self._targets = np.zeros((num_envs, self._episode.levels))
         self._drive_v = np.zeros(num_envs)
         self._watch = ProtectionWatch([wire.limits for wire in lanes], self._facts, self._memory)
-        self._run = LaneRun(0, self._episode.level_of_sample(period_s), curve_of(known))
+        self._seed, self._level_of_sample = 0, self._episode.level_of_sample(period_s)
         self.single_action_space = action_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.single_observation_space = observation_space(widest(wires), self._episode, known)
@@ -134,7 +137,7 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         """
         no_options(options)
         super().reset(seed=seed, options=options)
-        self._run = self._run._replace(seed=int(self.np_random.integers(2**63 - 1)))
+        self._seed = int(self.np_random.integers(2**63 - 1))
         self._memory["ended"], self._memory["episode"] = 1, -1
         self._observed[:] = 0.0
         self._take_sample(np.zeros(self.num_envs))
@@ -163,37 +166,65 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         if self._np_random is None:
             raise CallerError("no episode has begun: call reset")
         ends = self._take_sample(checked_actions(actions, (self.num_envs, 1))[:, 0])
-        infos: dict[str, Any] = {"measured_strain": ends.strain}
-        terminated = ends.event != 0
+        infos: dict[str, Any] = {"measured_strain": ends["strain"]}
+        terminated = ends["event"] != 0
         if terminated.any():
-            names = [Event(number).name.lower() if number else None for number in ends.event.tolist()]
+            names = [Event(number).name.lower() if number else None for number in ends["event"].tolist()]
             infos |= {"event": np.array(names, dtype=object), "_event": terminated.copy()}
-        return self._observed.copy(), ends.reward, terminated, ends.truncated, infos
+        return self._observed.copy(), ends["reward"], terminated, ends["truncated"], infos
 
-    def _take_sample(self, actions: FloatArray) -> LaneEnds:
-        """Advance all wires by a sample, those whose episode has ended from rest."""
-        count, ended = self.num_envs, self._memory["ended"] != 0
+    def _take_sample(self, actions: FloatArray) -> NDArray[np.void]:
+        """Advance all wires by a sample, those whose episode has ended from rest; return how it ends."""
+        ended = self._memory["ended"] != 0
         if ended.any():
             self._restart(ended)
         drive_lanes(self._facts, self._memory, actions, self._drive_v)
         self._watch.command(self._drive_v)
-        ends = empty_ends(count, self._observed)
-        read_lanes(self._facts, self._memory, self._run.seed, self._lanes.advance(self._drive_v), ends)
+        means = np.stack(self._wires.advance(self._drive_v, self._period_s)[:3])
+        ends = np.zeros(self.num_envs, ENDS)
+        read_lanes(self._facts, self._memory, self._seed, means, ends)
         self._watch.judge(ends)
-        judge_lanes(self._facts, self._memory, self._targets, self._run, ends)
+        judge_lanes(self._facts, self._memory, self._targets, self._level_of_sample, ends, self._observed)
+        if self._curve is not None:
+            self._estimate(self._curve, ends)
         return ends
+
+    def _estimate(self, curve: ResistanceCurve, ends: NDArray[np.void]) -> None:
+        """Observe the strain by the model's polynomials, of all that are still driven."""
+        driven = ends["event"] == 0
+        with np.errstate(divide="ignore", invalid="ignore"):  # without current: the curve says how it reads that
+            ratio = ends["wire_voltage_v"][driven] / ends["shunt_voltage_v"][driven]
+        resistance_ohm = ratio * self._facts["shunt_resistance_ohm"][driven]
+        self._observed[driven, 5] = curve.estimate(resistance_ohm).value
 
     def _restart(self, lanes: Mask) -> None:
         """Begin the next episode of some wires: cold, with new targets."""
-        self._lanes.require_resolved()
-        self._lanes.rest(lanes)
+        self._require_resolved()
+        self._wires.rest(lanes)
         self._watch.rest(lanes)
         self._memory["sample"][lanes] = 0
         self._memory["episode"][lanes] += 1
         draws = np.empty((int(lanes.sum()), self._episode.levels))
         for row, lane in enumerate(np.flatnonzero(lanes).tolist()):
-            draw_levels(self._run.seed, lane, int(self._memory["episode"][lane]), draws[row])
+            draw_levels(self._seed, lane, int(self._memory["episode"][lane]), draws[row])
         self._targets[lanes] = self._episode.drawn(draws)
+
+    def _require_resolved(self) -> None:
+        """Raise NumericsError if a step of any wire since its rest was unsolved, or too long for what happened."""
+        try:
+            self._wires.require_resolved(self._period_s)
+        except NumericsError as error:
+            raise NumericsError(
+                f"steps of {1e3 * self._step_s:.3g} ms do not resolve what a wire of this environment does: give it a "
+                f"time_step_s that is a fraction of that ({str(error).partition(';')[0]})"
+            ) from None
+
+
+def step_s_of(wires: Sequence[SimulatedWire], period_s: float) -> float:
+    """Return the fixed step of all wires [s]: that of the first one's bench, or what suits the quickest wire."""
+    quickest_s = min(wire.limits.heat_capacity_j_per_k / wire.limits.heat_loss_w_per_k for wire in wires)
+    steps = math.ceil(period_s / min(MAX_STEP_S, MAX_STEP_FRACTION * quickest_s) - 1e-9)
+    return wires[0].stepping.fixed_s or period_s / steps
 
 
 def checked_period_s(wires: Sequence[SimulatedWire]) -> float:
@@ -230,18 +261,3 @@ def widest(wires: Sequence[SimulatedWire]) -> ProtectionLimits:
     """Return limits with the largest numbers of all rigs: what any of them may show is within."""
     columns = zip(*(wire.limits for wire in wires), strict=True)
     return ProtectionLimits(*(max(column) for column in columns))
-
-
-def curve_of(model: SensingModel | None) -> CompiledCurve:
-    """Return the resistance curve of a model as compiled code takes it."""
-    if model is None:
-        return NO_CURVE
-    curve = model.curve()
-    return CompiledCurve(
-        curve.resistance_min_ohm,
-        1.0 / (curve.resistance_max_ohm - curve.resistance_min_ohm),
-        curve.normalised_min,
-        curve.normalised_max,
-        np.array(curve.heating_coefficients),
-        np.array(curve.cooling_coefficients),
-    )

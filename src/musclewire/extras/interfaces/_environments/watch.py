@@ -21,7 +21,6 @@ from musclewire.controllers import (
     protect_command,
     protect_reading,
 )
-from musclewire.extras.interfaces._environments.kernels import LaneEnds
 
 __all__ = ["ProtectionWatch"]
 
@@ -51,21 +50,21 @@ class ProtectionWatch:
             self._states[lane] = commanded
             self._memory["drive_voltage_v"][lane] = drive_v[lane] = allowed_drive_v(commanded, self._limits[lane])
 
-    def judge(self, ends: LaneEnds) -> None:
+    def judge(self, ends: NDArray[np.void]) -> None:
         """Judge the readings that are not sound, and all of watched lanes; write the events of those that trip."""
-        ends.event[:] = Event.NONE
-        if self._states or not ends.sound.all():
-            self._judge({*self._states, *np.flatnonzero(~ends.sound).tolist()}, ends)
+        ends["event"] = Event.NONE
+        if self._states or not ends["sound"].all():
+            self._judge({*self._states, *np.flatnonzero(~ends["sound"]).tolist()}, ends)
 
-    def _judge(self, lanes: Iterable[int], ends: LaneEnds) -> None:
+    def _judge(self, lanes: Iterable[int], ends: NDArray[np.void]) -> None:
         for lane in lanes:
             kept, limits = self._memory[lane], self._limits[lane]
             before = self._states.pop(lane, None) or running(kept, limits)
-            wire_v, shunt_v = float(ends.wire_voltage_v[lane]), float(ends.shunt_voltage_v[lane])
+            wire_v, shunt_v = float(ends["wire_voltage_v"][lane]), float(ends["shunt_voltage_v"][lane])
             period_s = float(self._facts["sample_period_s"][lane])
             state = protect_reading(before, limits, float(kept["drive_voltage_v"]), wire_v, shunt_v, period_s)
             if state.state is State.TRIPPED:
-                ends.event[lane] = state.event
+                ends["event"][lane] = state.event
             elif state.state is not State.RUN or state.lasting_s is not NOTHING_LASTS:
                 self._states[lane] = state
             for name in NAMES:
