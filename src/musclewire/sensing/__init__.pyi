@@ -11,7 +11,6 @@ from ._contact_detection import AirDisturbance as AirDisturbance
 from ._contact_detection import ContactDetector as ContactDetector
 from ._contact_detection import FreeClosing as FreeClosing
 from ._curve import MARGIN as MARGIN
-from ._curve import MISMATCH_FRACTION as MISMATCH_FRACTION
 from ._curve import SHOWN_AS as SHOWN_AS
 from ._curve import ResistanceCurve as ResistanceCurve
 from ._curve import other_wires as other_wires
@@ -27,10 +26,9 @@ from ._fitting import fit_branches as fit_branches
 from ._fitting import fit_loop as fit_loop
 from ._gaps import hysteresis_gap as hysteresis_gap
 from ._gaps import signed_hysteresis_gap as signed_hysteresis_gap
-from ._gated_branches import NUMBERS as NUMBERS
-from ._gated_branches import BranchState as BranchState
-from ._gated_branches import GatedBranches as GatedBranches
-from ._gated_branches import time_step as time_step
+from ._gated_branches import GATES as GATES
+from ._gated_estimator import GatedEstimator as GatedEstimator
+from ._gated_estimator import gated_numbers as gated_numbers
 from ._grip_force import GripCurve as GripCurve
 from ._grip_force import fall_by_cooling as fall_by_cooling
 from ._health import CAUSE_TEXT as CAUSE_TEXT
@@ -43,13 +41,13 @@ from ._model import SensingModel as SensingModel
 from ._model import load_model as load_model
 from ._model_file import ModelFile as ModelFile
 from ._model_file import save_model as save_model
-from ._polynomial_estimator import AMBIGUOUS_ABOVE as AMBIGUOUS_ABOVE
 from ._polynomial_estimator import PolynomialEstimator as PolynomialEstimator
 from ._polynomial_estimator import PolynomialState as PolynomialState
-from ._polynomial_estimator import SegmentTracker as SegmentTracker
 from ._resistance_extremes import ResistanceExtremes as ResistanceExtremes
 from ._resistance_extremes import find_resistance_extremes as find_resistance_extremes
 from ._resistance_maximum import parabola_maximum as parabola_maximum
+from ._segment_tracking import AMBIGUOUS_ABOVE as AMBIGUOUS_ABOVE
+from ._segment_tracking import segment_course as segment_course
 from ._segments import LoopSegments as LoopSegments
 from ._segments import find_loops as find_loops
 from ._segments import find_segments as find_segments

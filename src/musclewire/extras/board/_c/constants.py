@@ -39,15 +39,7 @@ from musclewire.controllers import (
 )
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.physics import wire_resistance
-from musclewire.sensing import (
-    MARGIN,
-    MISMATCH_FRACTION,
-    NUMBERS,
-    PAPER_ESTIMATOR,
-    GatedBranches,
-    SensingModel,
-    time_step,
-)
+from musclewire.sensing import GATES, MARGIN, PAPER_ESTIMATOR, SensingModel, gated_numbers
 
 __all__ = ["ACTIONS", "CONTROL_HEADINGS", "CConstant", "CConstants", "collect", "control_numbers"]
 
@@ -143,13 +135,13 @@ def control_numbers(
 
 def _gates(model: SensingModel) -> list[CConstant]:
     """Return the numbers of the direction-gated branches; their names are those of ``sensing._gated_branches``."""
-    numbers = GatedBranches(model).tick_constants(time_step(0.0))
-    margin = MISMATCH_FRACTION * (model.resistance_max_ohm - model.resistance_min_ohm)
-    times = {name: value for name, value in NUMBERS.items() if name.endswith("_s") and not name.endswith("_per_s")}
+    numbers = GATES._asdict() | gated_numbers(model)
+    times = {name: value for name, value in numbers.items() if name.endswith("_s") and not name.endswith("_per_s")}
+    own_low_ohm, own_high_ohm = model.own_resistance_ohm
     return [
         _integer("GATED", 1, "the estimate is mw_follow's"),
-        _real("OWN_LOW_OHM", model.resistance_min_ohm - margin, "a resistance beyond is another wire's"),
-        _real("OWN_HIGH_OHM", model.resistance_max_ohm + margin),
+        _real("OWN_LOW_OHM", own_low_ohm, "a resistance beyond is another wire's"),
+        _real("OWN_HIGH_OHM", own_high_ohm),
         *(_real(name.upper(), value, "time constant") for name, value in times.items()),
         *(_real(name.upper(), numbers[name]) for name in GATE_NUMBERS),
     ]
