@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, isfinite
-from typing import NamedTuple, cast, overload
+from typing import Any, NamedTuple, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -401,24 +401,14 @@ class ResistanceCurve:
             fraction = following
         return cast(FloatArray, fraction)
 
-    @overload
-    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float) -> float: ...
-    @overload
-    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: FloatArray) -> FloatArray: ...
-    @overload
-    def _branch_value(
-        self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray
-    ) -> float | FloatArray: ...
-    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray) -> float | FloatArray:
+    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray) -> Any:
         """Return a polynomial of the clipped normalised resistance, at its lower end if that is not finite."""
         low, high = self.normalised_min, self.normalised_max
-        fraction = (resistance_ohm - self.resistance_min_ohm) * self._per_ohm
-        if isinstance(fraction, float):
-            if not -MISMATCH_FRACTION <= fraction <= 1.0 + MISMATCH_FRACTION:
-                self._warn_of_other_wires(resistance_ohm)
-            return evaluate(coefficients, min(max(low, fraction), high) if isfinite(fraction) else low)
         self._warn_of_other_wires(resistance_ohm)
-        return evaluate(coefficients, np.clip(np.where(np.isfinite(fraction), fraction, low), low, high))
+        with np.errstate(over="ignore"):
+            fraction = (np.asarray(resistance_ohm, dtype=np.float64) - self.resistance_min_ohm) * self._per_ohm
+        value = evaluate(coefficients, np.clip(np.where(np.isfinite(fraction), fraction, low), low, high))
+        return float(value) if np.ndim(resistance_ohm) == 0 else value
 
     def _warn_of_other_wires(self, resistance_ohm: float | FloatArray) -> None:
         """Warn of resistances that are no readings of this wire, and read as an end of its range all the same."""

@@ -1,21 +1,46 @@
-"""An estimator on a wire's resistance curve: its state is a row of numbers, and its step is one compiled tick."""
+"""An estimator on a wire's resistance curve: its state is a row of numbers, and its step is one compiled tick.
+
+What the ticks of all such estimators have in common is here, too: reading, friction on a known spring, and answer.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from musclewire.compiled import callback
+from musclewire.arrays import FloatArray
+from musclewire.compiled import callback, compiled
+from musclewire.physics import MINIMUM_CURRENT_A, friction_force_n, series_resistance_ohm
 from musclewire.sensing._curve import ResistanceCurve
-from musclewire.sensing._estimator import dropout_failure
+from musclewire.sensing._curve_tick import CURVE_NUMBERS, Row
+from musclewire.sensing._estimator import MAX_DROPOUTS, dropout_failure
 from musclewire.sensing._known_load import KnownSpring
 from musclewire.signals import ESTIMATOR_ANSWERS, CompiledTick, EstimatorStep, QuantityEstimate, Reason, WireSample
 
-__all__ = ["CurveEstimator", "estimator_numbers"]
+__all__ = [
+    "ESTIMATOR_NUMBERS",
+    "CurveEstimator",
+    "add_friction",
+    "answer_with",
+    "answer_without_current",
+    "estimator_numbers",
+    "resistance_of",
+]
 
-REASONS, OK = tuple(Reason), Reason.OK
+REASONS = tuple(Reason)
+# The numbers of every such estimator, by name: circuit, own wire, known spring (a stiffness of 0 without one), curve.
+ESTIMATOR_NUMBERS = (
+    "shunt_resistance_ohm",
+    "own_low_ohm",
+    "own_high_ohm",
+    "stiffness_n_per_m",
+    "load_friction_n",
+    "turning_m",
+    *CURVE_NUMBERS,
+)
 # Constants, state, sample and answer.
 N_ARRAYS = 4
 
@@ -58,7 +83,9 @@ class CurveEstimator:
         value, std, _, number, failed, resistance_ohm = answer.tolist()
         reason, after = REASONS[int(number)], self._state_of(row.tolist())
         failure = self._failure(after, reason, sample, resistance_ohm) if failed else ""
-        return EstimatorStep(QuantityEstimate(value, std, reason is OK, reason, failure), after, (resistance_ohm,))
+        return EstimatorStep(
+            QuantityEstimate(value, std, reason is Reason.OK, reason, failure), after, (resistance_ohm,)
+        )
 
     def _failure(self, state: Any, reason: Reason, sample: WireSample, resistance_ohm: float) -> str:
         """Return why a run must end; with another wire's resistance it would read as cold and be overheated."""
@@ -85,3 +112,47 @@ def estimator_numbers(
         "turning_m": 0.0 if load is None else load.turning_m,
         **curve.numbers,
     }
+
+
+NO_CURRENT, OK = float(Reason.NO_CURRENT), float(Reason.OK)
+
+series_resistance = compiled(series_resistance_ohm)
+
+
+@compiled
+def resistance_of(numbers: Row, wire_voltage_v: float, shunt_voltage_v: float) -> float:
+    """Return the resistance [ohm] by Eq. 1, 0 without current."""
+    if not abs(shunt_voltage_v) >= MINIMUM_CURRENT_A * numbers.shunt_resistance_ohm:
+        return 0.0
+    resistance_ohm = series_resistance(wire_voltage_v, shunt_voltage_v, numbers.shunt_resistance_ohm)
+    return resistance_ohm if 0.0 < resistance_ohm < math.inf else 0.0
+
+
+@compiled
+def answer_with(
+    answer: FloatArray, value: float, std: float, reason: float, in_a_row: float, resistance_ohm: float
+) -> None:
+    """Write the answer of a tick, which fails after too many bad samples in a row, and the resistance to record."""
+    answer[0] = value
+    answer[1] = std
+    answer[2] = 1.0 if reason == OK else 0.0
+    answer[3] = reason
+    answer[4] = 1.0 if in_a_row >= MAX_DROPOUTS else 0.0
+    answer[5] = resistance_ohm
+
+
+@compiled
+def answer_without_current(numbers: Row, state: Row, answer: FloatArray) -> None:
+    """Bridge a sample without current by the last value."""
+    state.dropouts += 1.0
+    answer_with(answer, state.value, numbers.quantity_span, NO_CURRENT, state.dropouts, 0.0)
+
+
+@compiled
+def add_friction(numbers: Row, state: Row, spring_force_n: float) -> None:
+    """Follow the guide's friction in addition to a known spring's force."""
+    if state.spring_known != 0.0:
+        moved_m = (spring_force_n - state.spring_force_n) / numbers.stiffness_n_per_m
+        state.friction_n = friction_force_n(state.friction_n, moved_m, numbers.load_friction_n, numbers.turning_m)
+    state.spring_known = 1.0
+    state.spring_force_n = spring_force_n

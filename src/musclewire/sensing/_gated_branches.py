@@ -23,15 +23,15 @@ from typing import NamedTuple
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.sensing._curve_tick import Row, branches, row_type
-from musclewire.sensing._estimator import MAX_DROPOUTS
-from musclewire.sensing._estimator_tick import (
+from musclewire.sensing._curve_estimator import (
     ESTIMATOR_NUMBERS,
     add_friction,
     answer_with,
     answer_without_current,
     resistance_of,
 )
+from musclewire.sensing._curve_tick import Row, branches, row_type
+from musclewire.sensing._segment_tracking import AMBIGUOUS_ABOVE
 from musclewire.signals import Reason
 
 __all__ = ["GATES", "GATED_NUMBERS", "GateNumbers", "GatedState", "gated_tick"]
@@ -68,7 +68,7 @@ class GateNumbers(NamedTuple):
     gap_fraction: float = 0.2
     range_variance: float = 1.0e-5
     # Nearer to R_min than this a wire cannot be before B, as for the paper's estimator.
-    ambiguous_above: float = 0.8
+    ambiguous_above: float = AMBIGUOUS_ABOVE
     # Readings have at least the noise of a good converter, so that a gain never divides by nothing.
     min_noise: float = 1e-10
     # A power [W] beyond it is none of a wire; it keeps the mean finite whatever the channels say. The same for others.
@@ -151,8 +151,7 @@ def gated_tick(constants: FloatArray, state_array: FloatArray, given: FloatArray
     state.dropouts = 0.0
     if not numbers.own_low_ohm <= resistance_ohm <= numbers.own_high_ohm:
         state.mismatches += 1.0
-        failed = state.mismatches >= MAX_DROPOUTS
-        answer_with(answer, state.value, numbers.quantity_span, MISMATCH, failed, resistance_ohm)
+        answer_with(answer, state.value, numbers.quantity_span, MISMATCH, state.mismatches, resistance_ohm)
         return
     state.mismatches = 0.0
     power_w = min(wire_voltage_v * wire_voltage_v / resistance_ohm, GATES.max_power_w)
@@ -167,7 +166,7 @@ def gated_tick(constants: FloatArray, state_array: FloatArray, given: FloatArray
         reason = OK if state.sensing != 0.0 else COLD
     state.value = state.quantity + state.friction_n
     std = math.sqrt(variance + numbers.scale_variance * state.quantity * state.quantity)
-    answer_with(answer, state.value, min(std, numbers.quantity_span), reason, False, resistance_ohm)
+    answer_with(answer, state.value, min(std, numbers.quantity_span), reason, 0.0, resistance_ohm)
 
 
 @compiled

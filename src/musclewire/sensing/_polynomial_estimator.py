@@ -11,16 +11,17 @@ from typing import NamedTuple
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.sensing._curve import ResistanceCurve
-from musclewire.sensing._curve_estimator import CurveEstimator, estimator_numbers
-from musclewire.sensing._curve_tick import curve_estimate, row_type
-from musclewire.sensing._estimator import MAX_DROPOUTS, EstimatorSetup
-from musclewire.sensing._estimator_tick import (
+from musclewire.sensing._curve_estimator import (
     ESTIMATOR_NUMBERS,
+    CurveEstimator,
     add_friction,
     answer_with,
     answer_without_current,
+    estimator_numbers,
     resistance_of,
 )
+from musclewire.sensing._curve_tick import curve_estimate, row_type
+from musclewire.sensing._estimator import EstimatorSetup
 from musclewire.sensing._known_load import KnownSpring
 from musclewire.sensing._segment_tracking import begin_segment, segment_numbers, track
 from musclewire.signals import CompiledTick, Reason
@@ -103,7 +104,7 @@ def polynomial_tick(constants: FloatArray, state_array: FloatArray, given: Float
     state.value = quantity + state.friction_n
     state.dropouts = 0.0
     state.mismatches = 0.0 if own else state.mismatches + 1.0
-    answer_with(answer, state.value, std, reason, state.mismatches >= MAX_DROPOUTS, resistance_ohm)
+    answer_with(answer, state.value, std, reason, state.mismatches, resistance_ohm)
 
 
 class PolynomialEstimator(CurveEstimator):
