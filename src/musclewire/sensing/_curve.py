@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, isfinite
-from typing import Any, NamedTuple, cast, overload
+from typing import NamedTuple, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -401,7 +401,7 @@ class ResistanceCurve:
             fraction = following
         return cast(FloatArray, fraction)
 
-    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray) -> Any:
+    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray) -> float | FloatArray:
         """Return a polynomial of the clipped normalised resistance, at its lower end if that is not finite."""
         low, high = self.normalised_min, self.normalised_max
         self._warn_of_other_wires(resistance_ohm)

@@ -30,7 +30,7 @@ __all__ = [
     "resistance_of",
 ]
 
-REASONS = tuple(Reason)
+REASONS, VALID = tuple(Reason), Reason.OK
 # The numbers of every such estimator, by name: circuit, own wire, known spring (a stiffness of 0 without one), curve.
 ESTIMATOR_NUMBERS = (
     "shunt_resistance_ohm",
@@ -41,8 +41,8 @@ ESTIMATOR_NUMBERS = (
     "turning_m",
     *CURVE_NUMBERS,
 )
-# Constants, state, sample and answer.
-N_ARRAYS = 4
+# Constants, state, sample and answer; the resistance follows what every estimator answers.
+N_ARRAYS, N_ANSWERS = 4, len(ESTIMATOR_ANSWERS) + 1
 
 
 class CurveEstimator:
@@ -68,6 +68,7 @@ class CurveEstimator:
         """Take the tick, and compile it here: not in the first sample of a loop."""
         self.curve, self.quantity = curve, curve.quantity
         constants = np.concatenate([numbers, curve.coefficients_in_turns])
+        self._function, self._constants = function, constants
         self._tick = CompiledTick(function, constants, np.array(first_state))
         self._first_state, self._state_of = first_state, type(first_state)._make
         callback(function, N_ARRAYS)
@@ -78,14 +79,12 @@ class CurveEstimator:
 
     def step(self, state: Any, sample: WireSample) -> EstimatorStep:
         """Return the estimate of one sample."""
-        row, answer = np.array(state), np.empty(len(ESTIMATOR_ANSWERS) + 1)
-        self._tick.function(self._tick.constants, row, np.array(sample[:4], np.float64), answer)
+        row, answer = np.array(state), np.empty(N_ANSWERS)
+        self._function(self._constants, row, np.array(sample[:4], np.float64), answer)
         value, std, _, number, failed, resistance_ohm = answer.tolist()
         reason, after = REASONS[int(number)], self._state_of(row.tolist())
         failure = self._failure(after, reason, sample, resistance_ohm) if failed else ""
-        return EstimatorStep(
-            QuantityEstimate(value, std, reason is Reason.OK, reason, failure), after, (resistance_ohm,)
-        )
+        return EstimatorStep(QuantityEstimate(value, std, reason is VALID, reason, failure), after, (resistance_ohm,))
 
     def _failure(self, state: Any, reason: Reason, sample: WireSample, resistance_ohm: float) -> str:
         """Return why a run must end; with another wire's resistance it would read as cold and be overheated."""
