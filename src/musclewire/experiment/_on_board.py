@@ -40,6 +40,7 @@ class TargetPolicy:
         """Begin with the reference's first target, which the approach holds."""
         self._loop, self._model, self._reference = loop, model, reference
         self._sample_period_s, self._approach_s = sample_period_s, approach_s
+        model.estimate(model.resistance_max_ohm)  # compiled here, and not in the first sample
         suffix = COLUMN_SUFFIX[model.quantity]
         self._target_name, self._estimated_name = f"target_{suffix}", f"estimated_{suffix}"
 

@@ -34,7 +34,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.sensing._branch_equations import check_resistance_range, evaluate
+from musclewire.sensing._branch_equations import check_resistance_range, evaluate, normalised_resistance
 
 __all__ = ["THRESHOLD", "AirDisturbance", "ContactDetector", "ContactState", "FreeClosing"]
 
@@ -120,7 +120,7 @@ class FreeClosing:
         -------
         0 at C, 1 at B.
         """
-        return (resistance_ohm - self.resistance_min_ohm) / (self.resistance_max_ohm - self.resistance_min_ohm)
+        return normalised_resistance(resistance_ohm, self.resistance_min_ohm, self.resistance_max_ohm)
 
 
 class AirDisturbance(NamedTuple):

@@ -147,7 +147,7 @@ class CompiledEstimator(Estimator, Protocol):
     """An estimator whose tick can also run in compiled code, in loops that run as a batch (``mw.control_many``)."""
 
     def compiled_tick(self) -> CompiledTick | None:
-        """Return ``step`` as a compiled function, with the state of ``start``: the same numbers, to the bit.
+        """Return ``step`` as a compiled function, with the state of ``start``. Our own estimators run it in ``step``.
 
         It counts only in the class that declares it: one that inherits another step declares its own tick. A slow part
         has no compiled form.
