@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.errors import MissingExtraError, RecordingError
-from musclewire.extras.lab_files._file_table import damage_reported, metadata_of, one_line
+from musclewire.extras.lab_files._file_table import check_limits, damage_reported, metadata_of, one_line
 from musclewire.signals import BLOCK_ROWS, Cells, MetadataValue, RowBlock, SourceColumn
 
 __all__ = ["PARQUET_KEY", "ParquetTable", "read_parquet_table"]
@@ -21,9 +21,6 @@ __all__ = ["PARQUET_KEY", "ParquetTable", "read_parquet_table"]
 PARQUET_KEY = b"musclewire-recording"
 
 _UNIT_KEYS = ("unit", "units", "uom")
-# Equal numbers take almost no bytes in Parquet: a file of a kilobyte may state thousands of millions of rows.
-MAX_ROWS = 2**28
-MAX_ROWS_PER_BYTE = 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,9 +74,7 @@ def read_parquet_table(path: Path, group: str | None = None) -> ParquetTable:
         raise RecordingError(f"{path}: a Parquet file holds one table; leave --group out")
     with damage_reported(path, "Parquet"), _parquet_file(path) as file:
         schema, rows = file.schema_arrow, file.metadata.num_rows
-        if rows > min(MAX_ROWS, MAX_ROWS_PER_BYTE * path.stat().st_size):
-            size = path.stat().st_size
-            raise RecordingError(f"{path}: states {rows} rows in {size} bytes; it is damaged, use another copy")
+        check_limits(path, cells=rows * len(schema))
         metadata = _metadata(schema.metadata or {}, path)
         found = [(index, column) for index, each in enumerate(schema) if (column := _column(each)) is not None]
         left_out = [one_line(each.name) for each in schema if _column(each) is None]
