@@ -202,7 +202,7 @@ def test_parquet_has_the_numbers_that_pandas_reads(lab_files, name):
 
 def test_times_of_parquet_are_seconds_since_the_first_and_attrs_of_pandas_are_metadata(lab_files):
     path = lab_files / "read" / "parquet_pandas_times.parquet"
-    assert columns_of(path)["Timestamp"] == pytest.approx(TIME_S, abs=1e-9)
+    assert read_recording(path)["time_s"] == pytest.approx(TIME_S, abs=1e-9)
     assert table_of(path).metadata["shunt_resistance_ohm"] == 0.47
 
 
