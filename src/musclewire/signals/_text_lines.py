@@ -71,6 +71,8 @@ def _whole_rows(lines: Iterator[Line], path: Path) -> Iterator[Line]:
             continue
         cell = [(number, text)]
         for following, more in itertools.islice(lines, _MAX_LINES_OF_A_CELL):
+            if "\0" in more:
+                raise _no_row(following, more, path)
             cell.append((following, more.rstrip("\n")))
             if more.count('"') % 2:
                 break

@@ -41,29 +41,29 @@ def read_hdf5_of_others(path: Path, group: str | None = None) -> FileTable:
 
 def _parts(file: Any, path: Path) -> Iterator[FilePart]:
     folders: dict[str, list[Any]] = {"/": []}
-    for dataset in _datasets(file, path):
+    for dataset in _datasets(file):
         folder = dataset.name.rpartition("/")[0] or "/"
         folders.setdefault(folder, []).append(dataset)
     for folder, datasets in folders.items():
         scalars = {dataset.name.rpartition("/")[2]: dataset for dataset in datasets if dataset.size == 1}
-        numbers = {key: _scalar(each) for key, each in scalars.items()}
+        numbers = {key: _scalar(each, path) for key, each in scalars.items()}
         metadata = metadata_of({**file.attrs, **file[folder].attrs, **numbers})
         for part in _parts_of_folder(folder, [dataset for dataset in datasets if dataset.size != 1], path):
             yield FilePart(part.name, part.columns, part.row_count, metadata)
 
 
-def _datasets(file: Any, path: Path) -> list[Any]:
+def _datasets(file: Any) -> list[Any]:
     """Return every data set that a hard link reaches, each once."""
     import h5py
 
     found: list[Any] = []
-    file.visititems(lambda _, item: found.append(checked(item, path)) if isinstance(item, h5py.Dataset) else None)
+    file.visititems(lambda _, item: found.append(item) if isinstance(item, h5py.Dataset) else None)
     return found
 
 
-def _scalar(dataset: Any) -> object:
+def _scalar(dataset: Any, path: Path) -> object:
     # Text of variable length could point to anything large; a number cannot.
-    return np.asarray(dataset[()]).reshape(-1)[0] if dataset.dtype.kind in "biuf" else None
+    return np.asarray(checked(dataset, path)[()]).reshape(-1)[0] if dataset.dtype.kind in "biuf" else None
 
 
 def _parts_of_folder(folder: str, datasets: list[Any], path: Path) -> Iterator[FilePart]:

@@ -37,6 +37,7 @@ class _LvmStyle:
     decimal: str
     paired: bool
     absolute: bool
+    start: datetime | None
     entries: Mapping[str, str]
 
 
@@ -76,13 +77,8 @@ class _LvmPacket:
         return f"{dimension} [{unit}]" if unit else dimension
 
     def start(self, channel: int) -> datetime | None:
-        """Return when the packet began, of a spelling such as "2013/03/08" and "10:30:28,5130068"."""
-        clock, _, fraction = self.cell("Time", channel).replace(",", ".").partition(".")
-        try:
-            whole = datetime.strptime(f"{self.cell('Date', channel)} {clock}", "%Y/%m/%d %H:%M:%S")
-            return whole.replace(microsecond=round(float(f"0.{fraction or 0}") * 1e6) % 1_000_000)
-        except ValueError:
-            return None
+        """Return when the packet began."""
+        return _moment(self.cell("Date", channel), self.cell("Time", channel))
 
     def counted_x(self, row: int, channel: int) -> float:
         """Return the abscissa of a row by X0 and Delta_X. Raises RecordingError if the header does not state them."""
@@ -94,6 +90,16 @@ class _LvmPacket:
             where = f"states neither X values nor X0 and Delta_X for channel '{one_line(self.names[channel])}'"
             raise RecordingError(f"{self.path}: {where}; save it with one X column") from None
         return first + step * row
+
+
+def _moment(date: str, time: str) -> datetime | None:
+    """Return a date and a time of the format's spelling, such as "2013/03/08" and "10:30:28,5130068"."""
+    clock, _, fraction = time.replace(",", ".").partition(".")
+    try:
+        whole = datetime.strptime(f"{date} {clock}", "%Y/%m/%d %H:%M:%S")
+        return whole.replace(microsecond=round(float(f"0.{fraction or 0}") * 1e6) % 1_000_000)
+    except ValueError:
+        return None
 
 
 def is_lvm(first_line: str) -> bool:
@@ -115,7 +121,7 @@ def read_lvm_table(path: Path, group: str | None = None) -> TextTable:
         channels = _chosen(first, group)
         lines = partial(_lines, path, style, channels)
         table = table_of_lines(str(path), lines, "LabVIEW measurement file", style.separator, "line")
-    start = first.start(channels[0])
+    start = first.start(channels[0]) or style.start
     return replace(
         table, metadata=metadata_of({**style.entries, "start_time": start.isoformat() if start else ""}), notes=()
     )
@@ -144,6 +150,7 @@ def _style(path: Path) -> _LvmStyle:
         decimal=entries.get("Decimal_Separator", ".") or ".",
         paired=entries.get("X_Columns", "").lower() == "multi",
         absolute=entries.get("Time_Pref", "").lower() == "absolute",
+        start=_moment(entries.get("Date", ""), entries.get("Time", "")),
         entries={key: value for key, value in entries.items() if key not in _TECHNICAL and value},
     )
 
@@ -221,14 +228,24 @@ def _lines(path: Path, style: _LvmStyle, channels: Sequence[int]) -> Iterator[Li
         # Relative times count from the date of their packet.
         after_s = 0.0 if style.absolute or start is None or began is None else (start - began).total_seconds()
         for row, (number, cells) in enumerate(packet.rows):
-            x = cells[channels[0] - 1 if style.paired else 0]
-            if not x or after_s:
-                x_value = float(x.replace(style.decimal, ".")) if x else packet.counted_x(row, channels[0])
-                x = repr(after_s + x_value).replace(".", style.decimal)
             values = [cells[channel] if channel < len(cells) else "" for channel in channels]
             # With X columns of their own, channels may have fewer rows than the longest: blank cells below.
             if not style.paired or any(values):
+                x = _abscissa(cells[channels[0] - 1 if style.paired else 0], packet, row, channels[0], after_s)
                 yield number, style.separator.join([x] * keeps_x + values)
+
+
+def _abscissa(written: str, packet: _LvmPacket, row: int, channel: int, after_s: float) -> str:
+    """Return the cell of the abscissa: as written, or counted, and later by the time since the first packet."""
+    if written and not after_s:
+        return written
+    decimal = packet.style.decimal
+    try:
+        x = float(written.replace(decimal, ".")) if written else packet.counted_x(row, channel)
+    except ValueError:
+        # Whoever reads the table says which line holds a word.
+        return written
+    return repr(after_s + x).replace(".", decimal)
 
 
 def _quoted(headers: Sequence[str]) -> list[str]:

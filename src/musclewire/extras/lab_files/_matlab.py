@@ -149,12 +149,13 @@ def _members(group: Any, path: Path, depth: int) -> Any:
     names = [name for name in group if isinstance(group.get(name, getlink=True), h5py.HardLink) and name[0] != "#"]
     if depth > MAX_DEPTH:
         return {}
-    found = {
-        name: _members(group[name], path, depth + 1)
-        if isinstance(group[name], h5py.Group)
-        else _from_hdf5(group[name], path)
-        for name in names
-    }
+    found: dict[str, Any] = {}
+    for name in names:
+        item = group[name]
+        if isinstance(item, h5py.Group):
+            found[name] = _members(item, path, depth + 1)
+        elif isinstance(item, h5py.Dataset):
+            found[name] = _from_hdf5(item, path)
     # The fields of an array of structs are references, which MATLAB marks by no class.
     fields = {name: values for name, values in found.items() if isinstance(values, list)}
     lengths = {len(values) for values in fields.values()}
@@ -171,12 +172,11 @@ def _from_hdf5(dataset: Any, path: Path) -> Any:
     if "MATLAB_empty" in dataset.attrs:
         return ""
     if not matlab_class and h5py.check_ref_dtype(dataset.dtype) is h5py.Reference:
-        referred = [dataset.file[reference] for reference in dataset[()].reshape(-1)]
+        referred = [dataset.file[reference] for reference in checked(dataset, path)[()].reshape(-1)]
         return [_from_hdf5(each, path) if isinstance(each, h5py.Dataset) else "" for each in referred]
-    checked(dataset, path)
     if matlab_class == "char" and dataset.dtype.kind == "u" and dataset.size <= MAX_TEXT_LENGTH:
         # One row of text; UTF-16 code units, as MATLAB keeps them.
-        return np.asarray(dataset[()], dtype="<u2").tobytes().decode("utf-16-le", errors="replace")
+        return np.asarray(checked(dataset, path)[()], dtype="<u2").tobytes().decode("utf-16-le", errors="replace")
     if matlab_class not in _NUMERIC or dataset.dtype.kind not in "biuf" or dataset.ndim not in {1, 2}:
         return _UnusableVariable(matlab_class or "data set without MATLAB's class")
     if dataset.ndim == 1:
