@@ -240,12 +240,13 @@ def _abscissa(written: str, packet: _LvmPacket, row: int, channel: int, after_s:
     if written and not after_s:
         return written
     decimal = packet.style.decimal
+    if not written:
+        return repr(after_s + packet.counted_x(row, channel)).replace(".", decimal)
     try:
-        x = float(written.replace(decimal, ".")) if written else packet.counted_x(row, channel)
+        return repr(after_s + float(written.replace(decimal, "."))).replace(".", decimal)
     except ValueError:
         # Whoever reads the table says which line holds a word.
         return written
-    return repr(after_s + x).replace(".", decimal)
 
 
 def _quoted(headers: Sequence[str]) -> list[str]:
