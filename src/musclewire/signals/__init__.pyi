@@ -27,7 +27,6 @@ from ._exchange import as_command as as_command
 from ._exchange import drive_voltage_of as drive_voltage_of
 from ._exchange import wire_sample as wire_sample
 from ._hdf5 import describe_recording as describe_recording
-from ._headers import numbered_headers as numbered_headers
 from ._headers import split_header as split_header
 from ._import_mapping import ImportMapping as ImportMapping
 from ._import_mapping import load_mapping as load_mapping
@@ -60,11 +59,15 @@ from ._source_table import RowBlock as RowBlock
 from ._source_table import SourceColumn as SourceColumn
 from ._source_table import SourceTable as SourceTable
 from ._source_table import TableInMemory as TableInMemory
+from ._source_table import stated_period_s as stated_period_s
+from ._text_lines import Line as Line
+from ._text_lines import lines_of as lines_of
+from ._text_tables import TextTable as TextTable
+from ._text_tables import table_of_lines as table_of_lines
 from ._understanding import FileInterpretation as FileInterpretation
 from ._units import measured_in as measured_in
 from ._units import measures as measures
 from ._units import parse_quantity as parse_quantity
-from ._units import quantity_with_suffix as quantity_with_suffix
 from ._whole_files import write_text_whole as write_text_whole
 from ._whole_files import write_whole as write_whole
 from ._writing import FileWriter as FileWriter

@@ -41,11 +41,6 @@ class NumberStyle:
     decimal: str = "."
     thousands: str = ""
 
-    @property
-    def is_plain(self) -> bool:
-        """Whether numbers are written as programs write them."""
-        return self.decimal == "." and not self.thousands
-
     def __str__(self) -> str:
         """Return the style in words, "" if it is plain."""
         words = ["decimal comma"] if self.decimal == "," else []
