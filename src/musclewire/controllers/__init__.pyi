@@ -12,8 +12,6 @@ from ._fuzzy import infer_surface as infer_surface
 from ._fuzzy import input_grades as input_grades
 from ._fuzzy import packed_rules as packed_rules
 from ._fuzzy_pid import GAIN_COLUMNS as GAIN_COLUMNS
-from ._fuzzy_pid import ControllerState as ControllerState
-from ._fuzzy_pid import FuzzyPid as FuzzyPid
 from ._fuzzy_pid import FuzzyPidController as FuzzyPidController
 from ._fuzzy_pid import FuzzyPidSettings as FuzzyPidSettings
 from ._fuzzy_pid import with_error_unit as with_error_unit

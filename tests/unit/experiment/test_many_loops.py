@@ -17,10 +17,6 @@ from musclewire.compiled import compiled
 from musclewire.controllers import (
     CONTROLLERS,
     ControllerSetup,
-    DriveLimits,
-    FuzzyPid,
-    FuzzyPidController,
-    FuzzyPidSettings,
     PidSettings,
     staircase,
 )
@@ -281,19 +277,12 @@ class Halved(ResistanceCurve):
         return read._replace(value=0.5 * read.value)
 
 
-class HalvedLaw(FuzzyPid):
-    """A law that steps otherwise than the one that is compiled."""
-
-
 def test_parts_that_compute_otherwise_have_no_tick(model: SensingModel) -> None:
     curve = model.curve()
     numbers = {one.name: getattr(curve, one.name) for one in fields(curve) if one.init}
     assert declared_tick(PolynomialEstimator(curve, 1.0)) is not None
     assert declared_tick(PolynomialEstimator(model, 1.0)) is not None
     assert declared_tick(PolynomialEstimator(Halved(**numbers), 1.0)) is None
-    limits = DriveLimits(0.3, 3.6)
-    assert declared_tick(FuzzyPidController(FuzzyPid(FuzzyPidSettings(), limits)), 1.0) is not None
-    assert declared_tick(FuzzyPidController(HalvedLaw(FuzzyPidSettings(), limits)), 1.0) is None
 
 
 def test_lists_must_be_as_long_as_the_seeds(model: SensingModel) -> None:
