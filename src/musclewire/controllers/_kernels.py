@@ -260,6 +260,8 @@ def fuzzy_pid_step(
     )
     if reason == NO_CURRENT:
         return (started, drive_voltage_v, error_before, measured_before, 0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0)
+    if not (math.isfinite(target + measured) and 0.0 < dt_s < math.inf):
+        return state, 1.0, (0.0, 0.0, 0.0)
     setting = constants[0]
     error = target - measured
     if started == 0.0:
@@ -272,9 +274,7 @@ def fuzzy_pid_step(
         weight = dt_s / (setting["derivative_filter_s"] + dt_s)
         measured_rate = measured_rate_before + weight * ((measured - measured_before) / dt_s - measured_rate_before)
         error_rate = error_rate_before + weight * ((error - error_before) / dt_s - error_rate_before)
-    # As a condition of what is allowed, so that a NaN fails.
-    finite = math.isfinite(target + measured) and math.isfinite(measured_rate + error_rate)
-    failed = 0.0 if finite and 0.0 < dt_s < math.inf else 1.0
+    failed = 0.0 if math.isfinite(measured_rate + error_rate) else 1.0
     unit = setting["error_unit"]
     kp_ratio, ki_ratio, kd_ratio = infer(
         constants, error / unit / setting["error_range"], error_rate / unit / setting["change_range"]
