@@ -148,7 +148,7 @@ class FuzzyPidController:
         self.rule_base = rule_base or load_rule_base(settings.rule_base)
         self._constants = packed_constants(settings, limits, self.rule_base)
         self._step: Any = kernels.fuzzy_pid_step
-        self._tick: Any = kernels.fuzzy_pid_tick
+        self._tick: Any = kernels.fuzzy_tick
         self.step(self.start(limits.sense_voltage_v), 0.0, QuantityEstimate(0.0, 0.0, True), 1.0)
 
     def __repr__(self) -> str:

@@ -294,7 +294,7 @@ def fuzzy_pid_step(
 
 
 @compiled
-def fuzzy_pid_tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
+def fuzzy_tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
     """Run ``fuzzy_pid_step`` on the arrays of a ``signals.CompiledTick``."""
     before = (state[0], state[1], state[2], state[3], state[4], state[5], state[6])
     after, failed, gains = fuzzy_pid_step(before, given[0], given[1], given[4], given[5], constants.view(FUZZY_PID))

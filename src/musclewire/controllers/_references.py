@@ -71,7 +71,7 @@ class Reference(Protocol):
 class HeldTargets:
     """Targets, each held from its time on until the next (zero-order hold); before the first time the first holds."""
 
-    # Set by what derives: the rising times [s], and the targets that hold from them on.
+    # Each reference sets them: rising times [s], and the targets that hold from them on.
     _starts_s: list[float]
     _held: list[float]
 

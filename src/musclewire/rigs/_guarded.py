@@ -189,9 +189,21 @@ class GuardedRig:
         return sample
 
     def adopt_compiled_samples(self, drive_voltage_v: float, memory: Rows, time_s: float) -> None:
-        """Go on from sound samples in compiled code: last drive [V], what is remembered of readings, end [s].
+        """Go on from sound samples of a simulated device in compiled code.
 
-        Raises RigError if another thread has closed the rig meanwhile.
+        Parameters
+        ----------
+        drive_voltage_v
+            Drive voltage that was commanded last [V].
+        memory
+            What the protection remembers of readings after them, one record.
+        time_s
+            End of the last sample on the rig's clock [s].
+
+        Raises
+        ------
+        RigError
+            If another thread has closed the rig meanwhile.
         """
         with self._deciding:
             if self._off_for_good:

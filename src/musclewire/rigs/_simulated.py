@@ -337,7 +337,19 @@ class SimulatedDevice:
         )
 
     def adopt(self, drive_voltage_v: float, rng: np.random.Generator, air: AirModel | None, held_m: float) -> None:
-        """Go on from samples in compiled code: drive [V], generator of noise, air, most that friction held [m]."""
+        """Go on from samples in compiled code; the wires' own state is theirs.
+
+        Parameters
+        ----------
+        drive_voltage_v
+            Drive voltage at the output [V].
+        rng
+            Generator of the instruments' noise.
+        air
+            The air, None if it is still.
+        held_m
+            Length by which friction has held the connector ahead of a slack wire at most [m].
+        """
         self._drive_voltage_v, self._air, self._held_m = drive_voltage_v, air, max(self._held_m, held_m)
         self._instruments.take_generator(rng)
 

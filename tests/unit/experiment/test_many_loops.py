@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -27,8 +27,8 @@ from musclewire.experiment._open_loop import characterize
 from musclewire.experiment._run_warnings import friction_warnings
 from musclewire.identify import fit
 from musclewire.rigs import RigConfiguration, Surroundings, open_rig
-from musclewire.sensing import EstimatorSetup, KnownSpring, PolynomialEstimator, SensingModel
-from musclewire.signals import CompiledTick, ControlStep, Drive, QuantityEstimate
+from musclewire.sensing import EstimatorSetup, KnownSpring, PolynomialEstimator, ResistanceCurve, SensingModel
+from musclewire.signals import CompiledTick, ControlStep, Drive, QuantityEstimate, declared_tick
 
 pytestmark = pytest.mark.slow
 
@@ -240,6 +240,22 @@ def test_without_a_tick_of_its_own_an_estimator_is_refused_by_its_name(model: Se
             control_many("simulated", model, SHORT, seeds=[7], estimator=estimator)
     done = control_many("simulated", model, SHORT, seeds=[7], estimator=cautious, in_python=True)
     assert done.metrics == control_many("simulated", model, SHORT, seeds=[7], estimator="polynomial").metrics
+
+
+class Halved(ResistanceCurve):
+    """A curve that estimates otherwise than the one whose arithmetic is compiled."""
+
+    def estimate(self, resistance_ohm: Any, resistance_std_ohm: float | None = None) -> Any:
+        read = super().estimate(resistance_ohm, resistance_std_ohm)
+        return read._replace(value=0.5 * read.value)
+
+
+def test_a_curve_that_computes_otherwise_has_no_tick(model: SensingModel) -> None:
+    curve = model.curve()
+    numbers = {one.name: getattr(curve, one.name) for one in fields(curve) if one.init}
+    assert declared_tick(PolynomialEstimator(curve, 1.0)) is not None
+    assert declared_tick(PolynomialEstimator(model, 1.0)) is not None
+    assert declared_tick(PolynomialEstimator(Halved(**numbers), 1.0)) is None
 
 
 def test_lists_must_be_as_long_as_the_seeds(model: SensingModel) -> None:
