@@ -154,10 +154,10 @@ def input_grades(rule_base: RuleBase, ratio: float) -> dict[str, float]:
 
 
 def packed_rules(rule_base: RuleBase) -> NDArray[np.void]:
-    """Return a rule base as the structured array of length 1 that the compiled kernels read (``kernels.RULES``)."""
+    """Return a rule base as the structured array of length 1 that the compiled kernels read (``kernels.FUZZY_PID``)."""
     from musclewire.controllers import _kernels as kernels
 
-    packed = np.zeros(1, kernels.RULES)
+    packed = np.zeros(1, kernels.FUZZY_PID)
     row, rules = packed[0], rule_base.rules
     row["inference"] = {
         "constant": kernels.CONSTANT,

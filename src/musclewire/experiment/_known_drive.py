@@ -1,7 +1,7 @@
 """Runs whose whole drive is known beforehand: on a simulated rig they are taken in compiled code.
 
-The recording is that of the loop in Python, to the bit, and the rig goes on from the same state. Where that is not
-possible, the loop in Python runs, and the recording states why in ``not_compiled``.
+The recording is that of the loop in Python, and the rig goes on from the same state. Where that is not possible, the
+loop in Python runs, and the recording states why in ``not_compiled``.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def run_compiled_drive(rig: Rig, policy: object, samples: int) -> TakenRun | str
     known = policy.known_drive(elapsed_s)
     if known is None:
         return ""
-    run = run_known_drive(rig, times_s, known.drives_v, known.true_names)
+    run = run_known_drive(rig, known.drives_v, known.true_names)
     if run.ended is not CompiledLoopEnd.DONE:
         return f"{run.ended.name.lower().replace('_', ' ')} at sample {run.samples + 1}"
     return TakenRun(np.array(elapsed_s), run.columns, np.hstack([known.values, run.true]))

@@ -13,11 +13,10 @@ from ._air import AirModel as AirModel
 from ._air import AirState as AirState
 from ._air import Surroundings as Surroundings
 from ._compiled_loop.kernel import CompiledLoopEnd as CompiledLoopEnd
-from ._compiled_loop.known_drive import run_known_drive as run_known_drive
 from ._compiled_loop.running import CompiledRun as CompiledRun
-from ._compiled_loop.running import LoopTargets as LoopTargets
 from ._compiled_loop.running import LoopTicks as LoopTicks
 from ._compiled_loop.running import run_compiled as run_compiled
+from ._compiled_loop.running import run_known_drive as run_known_drive
 from ._compiled_loop.running import times_on_rig_s as times_on_rig_s
 from ._compiled_loop.running import uncompiled as uncompiled
 from ._configuration import amplitude_is_given as amplitude_is_given

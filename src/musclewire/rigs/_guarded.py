@@ -189,7 +189,7 @@ class GuardedRig:
         return sample
 
     def adopt_compiled_samples(self, drive_voltage_v: float, memory: Rows, time_s: float) -> None:
-        """Take over what sound samples of a simulated device in compiled code have made of the protection.
+        """Go on from sound samples of a simulated device in compiled code.
 
         Parameters
         ----------

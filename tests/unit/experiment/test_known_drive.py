@@ -7,13 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from musclewire.errors import NumericsError, RigError
 from musclewire.experiment._drive import drive_wire
 from musclewire.experiment._open_loop import characterize
-from musclewire.experiment._training import train
 from musclewire.rigs import GuardedRig, RigConfiguration, open_rig, stage_of, true_state_of
 from musclewire.signals import Recording
 
@@ -85,28 +82,6 @@ def test_runs_one_after_another_and_the_rig_after_them_are_those_of_the_loop_in_
     for rig in rigs:
         stage_of(rig).set_pretension(0.9)
     assert both(short_sine, rigs) == ""
-    assert_same_rigs(*rigs)
-
-
-@settings(max_examples=10, deadline=None)
-@given(
-    seed=st.integers(0, 2**31),
-    pretension_n=st.floats(0.3, 3.0),
-    friction_n=st.floats(0.0, 0.5),
-    amplitude_v=st.floats(1.0, 3.3),
-    period_s=st.floats(2.0, 20.0),
-)
-def test_any_slow_sine_is_the_same(
-    seed: int, pretension_n: float, friction_n: float, amplitude_v: float, period_s: float
-) -> None:
-    rigs = two_rigs("simulated", seed=seed, pretension_n=pretension_n, guide_friction_n=friction_n)
-    both(lambda rig, **options: characterize(rig, amplitude_v=amplitude_v, period_s=period_s, **options), rigs)
-    assert_same_rigs(*rigs)
-
-
-def test_training_is_the_same_cycle_by_cycle() -> None:
-    rigs = two_rigs(RigConfiguration(wire="paper-100um", new_wire=True))
-    assert train(rigs[0], max_cycles=3) == train(rigs[1], max_cycles=3, on_sample=seen)
     assert_same_rigs(*rigs)
 
 

@@ -20,6 +20,7 @@ __all__ = [
     "sample_times_s",
     "slack_m",
     "surround",
+    "time_s",
     "wire_arrays",
 ]
 
@@ -67,6 +68,12 @@ def surround(wire: WireArrays, ambient_temperature_k: float, surface_factor_m2: 
     """Change the air's temperature [K], and the wire's surface times its convection factor [m2], from now on."""
     wire.constants[0].ambient_temperature_k = ambient_temperature_k
     wire.constants[0].surface_factor_m2 = surface_factor_m2
+
+
+@compiled
+def time_s(wire: WireArrays) -> float:
+    """Time since the wire was first at rest [s]."""
+    return wire.states[0].time_s
 
 
 @compiled

@@ -11,10 +11,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from musclewire.controllers import (
-    ControllerState,
     DriveLimits,
     Event,
-    FuzzyPid,
     FuzzyPidController,
     FuzzyPidSettings,
     ProtectionLimits,
@@ -76,13 +74,13 @@ class ReferenceTick:
     def __post_init__(self) -> None:
         """Build the controller and start."""
         self._shunt_ohm = self.protection_limits.shunt_resistance_ohm
-        self._controller = FuzzyPidController(FuzzyPid(self.settings, self.limits, self.rule_base))
+        self._controller = FuzzyPidController(self.settings, self.limits, self.rule_base)
         self.start()
 
     def start(self) -> None:
         """Start cold: the drive is the sense voltage, and nothing is known of the wire."""
         self.protection = armed(self.protection_limits)
-        self._pid: ControllerState | None = None
+        self._pid: tuple[float, ...] | None = None
         self._mean, self._block = SampleSums(), SampleSums()
         self._resistance_ohm = 0.0
         self._voltages_v = (0.0, 0.0)
