@@ -22,11 +22,9 @@ def answer(tmp_path_factory: pytest.TempPathFactory) -> subprocess.CompletedProc
 
 
 def test_every_killed_recording_can_be_read_and_holds_no_wrong_row(answer: subprocess.CompletedProcess[str]) -> None:
-    # How much is missing depends on what else the machine does: the benchmark judges it, in CI by itself.
-    rows = [line.split() for line in answer.stdout.splitlines() if line.startswith(("host ", "writer ", "both "))]
-    rows = [row for row in rows if row[1].isdigit()]
-    assert sum(int(row[1]) for row in rows) == 20, answer.stdout + answer.stderr
-    assert all(row[3] == row[1] and row[4] == "0" for row in rows), answer.stdout
+    # The age of what is lost depends on what else the machine does: the benchmark judges it, in CI by itself.
+    assert "kills: 20, 10 of them in the first second" in answer.stdout, answer.stderr
+    assert "files that cannot be read or hold a wrong row: 0\n" in answer.stdout, answer.stdout
     assert "limit " in answer.stdout
 
 
