@@ -20,8 +20,9 @@ import uvicorn
 from musclewire.errors import CallerError
 from musclewire.extras.live._bench_handle import BenchHandle
 from musclewire.extras.live._server.access import Access, is_loopback
-from musclewire.extras.live._server.application import Limits, gated, make_app
+from musclewire.extras.live._server.application import make_app
 from musclewire.extras.live._server.fired_rules import FiredRules
+from musclewire.extras.live._server.gate import Gate
 from musclewire.extras.live._server.json_texts import MAX_BYTES
 from musclewire.extras.live._server.session import Session
 
@@ -74,8 +75,6 @@ class ServerSettings:
         Where the server listens; loopback by default.
     token
         What everybody must show; None for nothing, on loopback only.
-    limits
-        How much one client may send.
     cpu
         Core of the loop, which the server then leaves to it; None if it has none of its own.
     """
@@ -83,7 +82,6 @@ class ServerSettings:
     folder: Path
     address: ListenAddress = field(default_factory=ListenAddress)
     token: str | None = None
-    limits: Limits = field(default_factory=Limits)
     cpu: int | None = None
 
     def __post_init__(self) -> None:
@@ -213,9 +211,8 @@ def configuration(session: Session, settings: ServerSettings, address: ListenAdd
     names = frozenset() if local else frozenset({address.host.lower(), *own_names()})
     access = Access(settings.token, names, any_address=not local)
     cookie = f"musclewire_{address.port}"  # browsers do not keep the cookies of two ports apart
-    app = gated(make_app(session, settings.limits), access, settings.limits, cookie)
     return uvicorn.Config(
-        app,
+        Gate(make_app(session), access, cookie),
         loop="asyncio",
         http="h11",
         ws="websockets-sansio",
