@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 import pytest
 
-from musclewire.errors import CallerError, RecordingNotWrittenError
+from musclewire.errors import CallerError, RecordingError, RecordingNotWrittenError
 from musclewire.experiment import Recorder
 from musclewire.signals._journal import journal_of
 from musclewire.signals._open_journal import OpenJournal
@@ -62,6 +62,8 @@ def test_a_run_without_rows_is_a_file_without_rows(tmp_path: Path) -> None:
     with Recorder(COLUMNS, {}, tmp_path / "run.h5"):
         pass
     assert len(read_hdf5(tmp_path / "run.h5")) == 0
+    with pytest.raises(RecordingError, match="has 0 rows; a recording needs 2 or more"):
+        read_recording(tmp_path / "run.h5")
 
 
 @pytest.mark.parametrize("there", ["run.h5", "run.h5.journal"])

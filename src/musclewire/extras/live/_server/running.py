@@ -13,10 +13,10 @@ from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import uvicorn
 
+from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError
 from musclewire.extras.live._bench_handle import BenchHandle
 from musclewire.extras.live._server.access import Access, is_loopback
@@ -151,7 +151,7 @@ async def serve_until(
 ) -> None:
     """Serve a session until it is to end, as ``serve`` does."""
     # Compiled, or loaded, before anybody has control: later it would take longer than a lease.
-    FiredRules(default_settings(), 0.05).warm_up()
+    FiredRules(FuzzyPidSettings(), 0.05).warm_up()
     with listening_socket(settings.address) as listening:
         address = ListenAddress(settings.address.host, listening.getsockname()[1])
         session = Session(handles, settings.folder, token_needed=settings.token is not None)
@@ -162,13 +162,6 @@ async def serve_until(
             await until_ended(server, session, listening, ended, lambda: on_ready(running(address, settings.token)))
         finally:
             await session.close()
-
-
-def default_settings() -> Any:
-    """Return settings of a fuzzy PID."""
-    from musclewire.controllers import FuzzyPidSettings
-
-    return FuzzyPidSettings()
 
 
 def running(address: ListenAddress, token: str | None) -> RunningServer:
