@@ -1,7 +1,5 @@
 """The list of names that other rooms may use."""
 
-from ._background_writer import AppendingProcess as AppendingProcess
-from ._background_writer import BackgroundWriter as BackgroundWriter
 from ._columns import COLUMNS as COLUMNS
 from ._columns import ISOBAR_TABLE as ISOBAR_TABLE
 from ._columns import columns_called as columns_called
@@ -40,6 +38,7 @@ from ._metadata import MetadataValue as MetadataValue
 from ._metadata import checked_metadata as checked_metadata
 from ._metadata import entry_from_text as entry_from_text
 from ._metadata import value_to_text as value_to_text
+from ._open_journal import OpenJournal as OpenJournal
 from ._open_journal import refuse_unfinished as refuse_unfinished
 from ._plots import PLOTS as PLOTS
 from ._plots import usual_plot as usual_plot

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import replace
 from errno import ENOSPC
@@ -86,13 +87,21 @@ def test_a_run_that_was_cut_off_is_not_replaced_unasked(tmp_path: Path) -> None:
     assert rig.samples == 0
 
 
+def fill_the_disk_later(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the disk take the beginning of a journal and no row."""
+
+    def full(descriptor: int, data: bytes) -> None:
+        if os.lseek(descriptor, 0, os.SEEK_CUR):
+            raise OSError(ENOSPC, "No space left on device")
+        os.write(descriptor, data)
+
+    monkeypatch.setattr("musclewire.signals._open_journal.write_all", full)
+
+
 def test_without_any_other_place_the_journal_is_named_with_the_rows_it_has(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full(*_: object) -> None:
-        raise OSError(ENOSPC, "No space left on device")
-
-    monkeypatch.setattr("musclewire.signals._background_writer.SyncedFile.append", full)
+    fill_the_disk_later(monkeypatch)
     monkeypatch.setattr("musclewire.experiment._run.rescued", lambda *_: None)
     with pytest.raises(RigError) as caught:
         characterize(FakeRig(), period_s=5.0, path=tmp_path / "run.h5")
@@ -102,10 +111,7 @@ def test_without_any_other_place_the_journal_is_named_with_the_rows_it_has(
 def test_a_disk_that_takes_no_more_ends_the_run_safe_with_the_samples_on_the_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full(*_: object) -> None:
-        raise OSError(ENOSPC, "No space left on device")
-
-    monkeypatch.setattr("musclewire.signals._background_writer.SyncedFile.append", full)
+    fill_the_disk_later(monkeypatch)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     rig = FakeRig()
     with pytest.raises(RigError, match=r"cannot write .*run\.h5: No space left on device") as caught:

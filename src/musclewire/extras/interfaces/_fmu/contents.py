@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 from musclewire.extras.board import library_license
 from musclewire.extras.interfaces._fmu.description import ModelDescription, description_text
-from musclewire.extras.interfaces._fmu.documentation import documentation_page
 from musclewire.extras.interfaces._fmu.header import variables_header
 from musclewire.extras.interfaces._fmu.variables import FmuVariables
 
@@ -71,6 +70,5 @@ def fmu_texts(name: str, contents: FmuContents) -> dict[str, str]:
     return {
         "modelDescription.xml": description_text(about, contents.variables),
         **{f"sources/{file}": text for file, text in sorted(sources.items())},
-        "documentation/index.html": documentation_page(about, contents.variables, contents.left_out),
         "documentation/licenses/license.txt": license_text,
     }

@@ -111,8 +111,6 @@ def add_simulation(root: ElementTree.Element, about: ModelDescription) -> None:
             "modelIdentifier": about.name,
             "canHandleVariableCommunicationStepSize": "true",
             "canNotUseMemoryManagementFunctions": "true",
-            "canGetAndSetFMUstate": "true",
-            "canSerializeFMUstate": "true",
         },
     )
     files = ElementTree.SubElement(simulation, "SourceFiles")
