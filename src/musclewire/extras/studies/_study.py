@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +12,9 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.experiment import cores
-from musclewire.extras.studies._evaluation import Chunk, ChunkResult, task_of
+from musclewire.experiment import cores, evaluate_in_processes
+from musclewire.extras.studies._evaluation import Chunk, ChunkResult, evaluate_chunk, task_of
 from musclewire.extras.studies._folder import StudyFolder, unfinished
-from musclewire.extras.studies._local_workers import evaluate_here, evaluate_locally
 from musclewire.extras.studies._plan import Plan, plan_of
 from musclewire.extras.studies._study_file import study_file
 from musclewire.parameters import read_toml
@@ -226,10 +226,16 @@ def evaluate(
         from musclewire.extras.studies._cluster import evaluate_on_cluster
 
         evaluate_on_cluster(task, chunks, on_result, scheduler=workers.scheduler, retries=workers.retries, look=look)
-    elif min(processes, len(chunks)) == 1:
-        evaluate_here(task, chunks, on_result, look=look)
     else:
-        evaluate_locally(task, chunks, on_result, workers=processes, retries=workers.retries, look=look)
+        evaluate_in_processes(
+            partial(evaluate_chunk, task),
+            chunks,
+            lambda _, result: on_result(result),
+            workers=processes,
+            named=lambda chunk: f"the runs {chunk.first} to {chunk.stop - 1}",
+            retries=workers.retries,
+            look=look,
+        )
 
 
 def positive(number: int | None, name: str) -> int | None:

@@ -226,10 +226,12 @@ def robustness(
     jobs = [RobustnessJob(seed, item.name, references, estimators, loops) for seed in seeds for item in conditions]
     places = {(job.seed, job.condition): place for place, job in enumerate(jobs)}
     found: list[JobAnswer | None] = [None] * len(jobs)
-    run = answers_of(jobs, Path(folder), workers=cores() if workers is None else workers, look=look)
-    for done, answer in enumerate(run, 1):
+
+    def on_answer(answer: JobAnswer) -> None:
         found[places[answer.job.seed, answer.job.condition]] = answer
-        on_progress(done, len(jobs))
+        on_progress(sum(one is not None for one in found), len(jobs))
+
+    answers_of(jobs, Path(folder), on_answer, workers=cores() if workers is None else workers, look=look)
     answers = tuple(answer for answer in found if answer is not None)
     rows = estimator_rows(answers, conditions, known)
     runs = loop_rows(answers, conditions, known)
