@@ -1,7 +1,7 @@
 """The one pool of processes: whatever is computed on several cores of this machine is computed here.
 
-The processes are loky's: none runs the caller's own script, so that nothing needs an ``if __name__`` around it, and what
-a script defines can be sent to them. Each has an executor of its own, so that one that dies takes one item along.
+The processes are loky's: none runs the caller's own script, so that nothing needs an ``if __name__`` around it, and
+what a script defines can be sent to them. Each has an executor of its own, so that one that dies takes one item along.
 """
 
 from __future__ import annotations
