@@ -159,7 +159,7 @@ class Pool:
     def end(self) -> None:
         """End all processes, whatever they do."""
         with warnings.catch_warnings():
-            # Where there is no pgrep, loky says that a process's own children are not ended; ours have none.
+            # Without pgrep, loky says that a process's own children are not ended; ours have none.
             warnings.simplefilter("ignore", UserWarning)
             for process in [*self.idle, *(process for _, process in self.running.values())]:
                 process.shutdown(wait=True, kill_workers=True)

@@ -21,7 +21,7 @@ __all__ = [
     "pretensioner_stiffness_n_per_m",
     "range_ratio",
     "reach_mm",
-    "stiffness_ratio",
+    "softness",
     "tendon_zero_um",
     "wire_length_cm",
 ]
@@ -62,7 +62,7 @@ def pretensioner_stiffness_n_per_m(_runs: RunCache) -> float:
     return designed_pretensioner().stiffness_n_per_m
 
 
-def stiffness_ratio(runs: RunCache) -> float:
+def softness(runs: RunCache) -> float:
     """Return the stiffness of the pretensioner over that of the finger."""
     return pretensioner_stiffness_n_per_m(runs) / finger_stiffness_n_per_m(runs)
 
