@@ -42,7 +42,7 @@ QUANTITIES: dict[Which, Quantity] = {
     "spring": Quantity("strain", "estimated_strain", "%", 100.0),
     "finger": Quantity("displacement", "estimated_displacement_m", "mm", 1e3),
 }
-# Digits to which a level is what it was set to.
+# Digits to which a step is what it was set to.
 DIGITS = 9
 
 
@@ -58,7 +58,7 @@ def steps_of(runs: RunCache, of: Which) -> tuple[StepMetrics, ...]:
 
 def level(runs: RunCache, *, of: Which, index: int) -> float:
     """Return a level of the staircase that ran, in the paper's unit."""
-    return float(round(QUANTITIES[of].per_si * steps_of(runs, of)[index].target, DIGITS))
+    return QUANTITIES[of].per_si * steps_of(runs, of)[index].target
 
 
 def step_size(runs: RunCache, *, of: Which) -> float:
