@@ -121,7 +121,9 @@ def quantities(options: RobustnessOptions) -> Mapping[str, Quantity]:
 def evaluate(runs: StudyRuns[RobustnessOptions]) -> Sequence[Outcome]:
     """Return the numbers and the answer of each run; the wires of one chunk are characterised once."""
     if runs.rig.keys:
-        raise CallerError("a wire of the population has its own rig: let run.wire and run.condition vary only")
+        raise CallerError(
+            f"{', '.join(runs.rig.keys)}: a wire of the population has its own rig; let run.wire and run.condition vary"
+        )
     stores: dict[str, ResultStore] = {}
 
     def outcome(options: RobustnessOptions) -> Outcome:
