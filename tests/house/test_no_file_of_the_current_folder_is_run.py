@@ -13,8 +13,6 @@ import h5py
 import numpy as np
 import pytest
 
-from musclewire.experiment import end_worker, start_worker
-
 SOURCES = Path(__file__).parents[2] / "src" / "musclewire"
 # Modules that our processes import, from the standard library and from elsewhere.
 NAMES = ("random", "json", "pickle", "pathlib", "numpy", "h5py", "numba", "musclewire")
@@ -52,14 +50,18 @@ def test_the_marks_are_left_by_a_python_that_looks_into_the_current_folder(stran
     assert marks(strange) == ["random.py.ran"]
 
 
+@pytest.mark.slow
 def test_a_worker_imports_from_this_processs_path_and_not_from_the_current_folder(strange: Path, own: Path) -> None:
-    (own / "own_work.py").write_text("import json, random, sys\nprint(json.dumps(sys.path))\n", encoding="utf-8")
-    worker = start_worker("own_work")
-    try:
-        assert worker.stdout is not None
-        import_path = json.loads(worker.stdout.read())
-    finally:
-        end_worker(worker)
+    """Run apart, by a Python that looks into the current folder itself once it has started: loky's helpers are new."""
+    (own / "own_work.py").write_text("import random, sys\ndef path_of(_): return sys.path\n", encoding="utf-8")
+    code = (
+        "import json, sys\nfrom musclewire.experiment import evaluate_in_processes\n"
+        f"sys.path += {[str(own)]!r}\nimport own_work\nsys.path[:0] = ['', '.']\nfound = {{}}\n"
+        "evaluate_in_processes(own_work.path_of, range(3), found.__setitem__, workers=2, named=str)\n"
+        "print(json.dumps(found[0]))\n"
+    )
+    done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True)
+    import_path = json.loads(done.stdout)
     assert marks(strange) == []
     assert str(own) in import_path
     assert not {"", os.curdir, str(strange)} & set(import_path)
@@ -97,6 +99,6 @@ def test_importing_a_file_runs_nothing_that_lies_next_to_it(strange: Path) -> No
 
 @pytest.mark.slow
 def test_reproducing_runs_nothing_of_the_current_folder(strange: Path) -> None:
-    done = command(strange, "reproduce", "--only", "fig3b", "--seeds", "2", "--workers", "2", "--json")
+    done = command(strange, "reproduce", "--only", "fig3b", "--seeds", "3", "--workers", "2", "--json")
     assert json.loads(done.stdout)
     assert marks(strange) == []

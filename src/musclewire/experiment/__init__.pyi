@@ -60,6 +60,8 @@ from ._open_loop import slow_sine as slow_sine
 from ._open_loop import slow_sine_run as slow_sine_run
 from ._pretension import PretensionSweep as PretensionSweep
 from ._pretension import pretension_sweep as pretension_sweep
+from ._processes import cores as cores
+from ._processes import evaluate_in_processes as evaluate_in_processes
 from ._run import Decision as Decision
 from ._run import OnSample as OnSample
 from ._run import Recorder as Recorder
@@ -82,8 +84,5 @@ from ._timing_facts import timing_json as timing_json
 from ._training import TrainingCycle as TrainingCycle
 from ._training import train as train
 from ._training_figure import training_figure as training_figure
-from ._worker_process import cores as cores
-from ._worker_process import end_worker as end_worker
-from ._worker_process import start_worker as start_worker
 from ._zero_tendon import TendonZero as TendonZero
 from ._zero_tendon import zero_tendon as zero_tendon

@@ -62,7 +62,7 @@ def write_study(result: StudyResult, folder: str | Path) -> list[Path]:
     require_packages()
     kept = StudyFolder(Path(folder), result.plan)
     indices = sensitivity_of(result.plan.design, result.columns, result.plan.file.seed)
-    write_data(kept.data, result.plan, result.columns, result.errors)
+    write_data(kept.data, result.plan, result.columns, result.errors, result.texts)
     write_text_whole(kept.table, sensitivity_text(indices))
     write_text_whole(kept.page, page_text(result, indices))
     kept.remove_chunks()

@@ -90,7 +90,7 @@ def reproduce(
         Seeds of the simulated rigs, all different, each 0 or more; by default 1 to ``DEFAULT_SEEDS``. One seed gives
         the numbers of its own runs.
     workers
-        Number of processes, this one included, by default one on each core. The numbers do not depend on it.
+        Number of processes, by default one on each core. The numbers do not depend on it.
     on_seed
         Called after each seed with how many are done, and of how many.
     on_run
