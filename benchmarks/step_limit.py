@@ -128,6 +128,7 @@ def counted_step() -> tuple[Counter[str], int]:
     """Return the operations of one step of a wire on a spring in the middle of its transformation, and its chain."""
     from musclewire.parameters import load_alloy, load_bench, load_wire
     from musclewire.wire import (
+        VOLTAGE,
         RunningWire,
         SourceOutput,
         accept_step,
@@ -146,7 +147,7 @@ def counted_step() -> tuple[Counter[str], int]:
     constants.convection_w_per_m2_k = table
     moving: Any = CountedRecord(state.row[0])
     running = RunningWire(moving, constants, cells[0], load[0])
-    drive: Any = SourceOutput(Counted(2.5), False)
+    drive: Any = SourceOutput(Counted(2.5), VOLTAGE)
     started = instant_of(constants, drive, moving.resistance_ohm, moving.temperature_k)
     Counted.counts.clear()
     tried = attempt(running, drive, started, 0.01)

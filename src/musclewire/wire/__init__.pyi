@@ -29,7 +29,6 @@ from ._distribution import two_populations as two_populations
 from ._fronts import ShakedownEffects as ShakedownEffects
 from ._fronts import shakedown_of as shakedown_of
 from ._fronts import thresholds_at as thresholds_at
-from ._heated import advance_heated as advance_heated
 from ._loads import ConnectorLoad as ConnectorLoad
 from ._loads import ElasticObject as ElasticObject
 from ._loads import spring_load as spring_load
@@ -40,6 +39,7 @@ from ._pair_step import SERIES as SERIES
 from ._pair_step import PairConnection as PairConnection
 from ._paths import DrivenPath as DrivenPath
 from ._paths import drive_path as drive_path
+from ._paths import heated_state as heated_state
 from ._paths import isobaric_path as isobaric_path
 from ._prescribed import cool_from_hot as cool_from_hot
 from ._prescribed import total_strain as total_strain
@@ -61,6 +61,7 @@ from ._step import phases_at as phases_at
 from ._step import solve as solve
 from ._stepping import CHOSEN as CHOSEN
 from ._stepping import MAX_STEP_ERROR_K as MAX_STEP_ERROR_K
+from ._stepping import VOLTAGE as VOLTAGE
 from ._stepping import SourceOutput as SourceOutput
 from ._stepping import StepControl as StepControl
 from ._stepping import fixed_steps as fixed_steps
@@ -69,7 +70,6 @@ from ._stepping import is_resolved as is_resolved
 from ._stepping import plan_of as plan_of
 from ._stepping import require_resolved as require_resolved
 from ._stepping import steps_within as steps_within
-from ._warming import heated_state as heated_state
 from ._wires import OneWire as OneWire
 from ._wires import SampleMeans as SampleMeans
 from ._wires import SimulatedWires as SimulatedWires
@@ -77,5 +77,6 @@ from ._wires import TwoWires as TwoWires
 from ._wires import WireMeans as WireMeans
 from ._wires import accept_step as accept_step
 from ._wires import advance as advance
+from ._wires import advance_heated as advance_heated
 from ._wires import advance_rows as advance_rows
 from ._wires import attempt as attempt

@@ -19,12 +19,15 @@ from musclewire.wire._step import Equilibrium
 
 __all__ = [
     "CHOSEN",
+    "CURRENT",
     "DURATION",
     "MIN_STEP_S",
+    "POWER",
     "RESISTANCE",
     "STEPS",
     "STRAIN",
     "TEMPERATURE",
+    "VOLTAGE",
     "StepAttempt",
     "SourceOutput",
     "WireInstant",
@@ -138,11 +141,26 @@ def steps_within(stepping: StepControl, duration_s: float) -> int:
 CHOSEN = StepControl()
 
 
+# What a source holds.
+VOLTAGE, CURRENT, POWER = range(3)
+
+
 class SourceOutput(NamedTuple):
-    """What the source holds: a voltage [V], or a current [A]."""
+    """What is held during a sample: a voltage [V] of the circuit, a current [A], or the power in the wire [W].
+
+    Of a power that was measured the circuit does not matter: the wire's voltage is then shown for 1 A, and so its
+    resistance.
+
+    Parameters
+    ----------
+    value
+        The voltage, current or power.
+    kind
+        ``VOLTAGE``, ``CURRENT`` or ``POWER``.
+    """
 
     value: float
-    is_current: bool
+    kind: int
 
 
 class WireInstant(NamedTuple):
@@ -187,8 +205,11 @@ def circuit_at(
     coefficient_w_per_m2_k: float,
 ) -> WireInstant:
     """Return current, power and loss of a wire: the source drives wire, shunt and leads in series."""
-    current_a = drive.value if drive.is_current else drive.value / (resistance_ohm + constants.series_resistance_ohm)
     loss = loss_w(constants, coefficient_w_per_m2_k, temperature_k)
+    if drive.kind == POWER:
+        return WireInstant(1.0, drive.value, loss)
+    in_series_ohm = resistance_ohm + constants.series_resistance_ohm
+    current_a = drive.value if drive.kind == CURRENT else drive.value / in_series_ohm
     return WireInstant(current_a, current_a * current_a * resistance_ohm, loss)
 
 
@@ -209,7 +230,9 @@ def owed_j(started: WireInstant, within: WireInstant, ended: WireInstant, step_s
 
 
 @compiled_inline
-def error_ratio(state: WireState, tried: StepAttempt, started: WireInstant, step_s: float, plan: FloatArray) -> float:
+def error_ratio(
+    state: WireState, tried: StepAttempt, started: WireInstant, step_s: float, plan: FloatArray | tuple[float, ...]
+) -> float:
     """Return the largest error of a step over its tolerance: of temperature, resistance and strain.
 
     Resistance and contraction are also shown as means over a sample: how far the mean of both ends may be from the

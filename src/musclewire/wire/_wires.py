@@ -23,7 +23,9 @@ from musclewire.wire._stepping import (
     CHOSEN,
     DURATION,
     MIN_STEP_S,
+    POWER,
     STEPS,
+    VOLTAGE,
     SourceOutput,
     StepAttempt,
     StepControl,
@@ -50,6 +52,7 @@ __all__ = [
     "owed_j",
     "accept_step",
     "advance",
+    "advance_heated",
     "advance_rows",
     "advance_wire",
     "plan_of",
@@ -58,6 +61,10 @@ __all__ = [
     "SimulatedWires",
     "TwoWires",
 ]
+
+
+# One step a sample up to the paper's 50 ms: a hypothesis needs no more, its power is a mean over the sample anyway.
+LONGEST_HEATED_S = 0.05
 
 
 class WireMeans(NamedTuple):
@@ -158,7 +165,9 @@ def accept_step(wire: RunningWire, tried: StepAttempt, started: WireInstant, ste
 
 
 @compiled_inline
-def advance_wire(wire: RunningWire, drive: SourceOutput, plan: FloatArray) -> tuple[float, float, float, float]:
+def advance_wire(
+    wire: RunningWire, drive: SourceOutput, plan: FloatArray | tuple[float, ...]
+) -> tuple[float, float, float, float]:
     """Advance a wire in place by a duration; return the means of :func:`advance`."""
     state, k = wire.state, wire.constants
     started = instant_of(k, drive, state.resistance_ohm, state.temperature_k)
@@ -211,8 +220,31 @@ def advance_rows(
 ) -> tuple[float, float, float, float]:
     """Advance a wire in place, arrays of one record, (1,); return the means of :func:`advance`."""
     return advance_wire(
-        RunningWire(states[0], constants[0], cells[0], load[0]), SourceOutput(drive_voltage_v, False), plan
+        RunningWire(states[0], constants[0], cells[0], load[0]), SourceOutput(drive_voltage_v, VOLTAGE), plan
     )
+
+
+@compiled
+def advance_heated(wire: RunningWire, power_w: float, duration_s: float) -> tuple[float, float, float]:
+    """Advance a wire in place by a duration at a mean electrical power; return means of what would be measured.
+
+    Parameters
+    ----------
+    wire
+        The wire; its state changes.
+    power_w
+        Electrical power in the wire [W].
+    duration_s
+        The duration [s], in one step up to 50 ms.
+
+    Returns
+    -------
+    Means of resistance [ohm], of the connector's contraction over the leg's length, and of the force of all legs [N].
+    """
+    steps = float(math.ceil(duration_s / LONGEST_HEATED_S - 1e-6))
+    plan = (duration_s, steps, 0.0, 0.0, 0.0)
+    resistance_ohm, _, displacement_m, force_n = advance_wire(wire, SourceOutput(power_w, POWER), plan)
+    return resistance_ohm, displacement_m / wire.constants.leg_length_m, force_n
 
 
 class SampleMeans(NamedTuple):
