@@ -1,5 +1,8 @@
 """The list of names that other rooms may use."""
 
+from ._advance import accept_step as accept_step
+from ._advance import advance_heated as advance_heated
+from ._advance import attempt as attempt
 from ._balance import StrainSlopes as StrainSlopes
 from ._balance import contraction_of as contraction_of
 from ._balance import convection_w_per_m2_k as convection_w_per_m2_k
@@ -75,8 +78,5 @@ from ._wires import SampleMeans as SampleMeans
 from ._wires import SimulatedWires as SimulatedWires
 from ._wires import TwoWires as TwoWires
 from ._wires import WireMeans as WireMeans
-from ._wires import accept_step as accept_step
 from ._wires import advance as advance
-from ._wires import advance_heated as advance_heated
 from ._wires import advance_rows as advance_rows
-from ._wires import attempt as attempt

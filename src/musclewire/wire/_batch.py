@@ -20,6 +20,7 @@ import numpy.typing as npt
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.errors import CallerError
+from musclewire.wire._advance import advance_wire
 from musclewire.wire._building import resting_state
 from musclewire.wire._constants import WireConstants, as_record
 from musclewire.wire._lane_layout import LANES, blocks_of, state_fields
@@ -28,8 +29,7 @@ from musclewire.wire._paths import DrivenPath
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
 from musclewire.wire._step import RunningWire
-from musclewire.wire._stepping import StepControl, require_resolved
-from musclewire.wire._wires import CHOSEN, SourceOutput, advance_wire, plan_of
+from musclewire.wire._stepping import CHOSEN, SourceOutput, StepControl, plan_of, require_resolved
 
 __all__ = ["COLUMNS", "BatchMeans", "WireBatch", "drive_many"]
 

@@ -35,7 +35,7 @@ from musclewire.wire._step import (
     middle_of_step,
     solve,
 )
-from musclewire.wire._wires import SourceOutput, WireInstant, circuit_at, owed_j
+from musclewire.wire._stepping import SourceOutput, WireInstant, circuit_at, owed_j
 
 __all__ = ["advance_block"]
 

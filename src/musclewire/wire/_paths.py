@@ -1,6 +1,6 @@
 """A wire along a whole history in one compiled call: a drive over time, or prescribed temperatures.
 
-Identification, tables and batches need thousands of histories; a rig advances sample by sample instead. A wire of a given
+Identification, tables and batches need thousands of histories; a rig advances sample by sample instead. A wire of given
 temperature takes the same step: without loss and latent heat it is as warm as the power through it says.
 """
 
@@ -14,6 +14,7 @@ from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.errors import CallerError
 from musclewire.physics import REFERENCE_TEMPERATURE_K
+from musclewire.wire._advance import advance_wire
 from musclewire.wire._building import cooled_wire, resting_state
 from musclewire.wire._constants import WireConstants
 from musclewire.wire._fronts import shakedown_of
@@ -21,8 +22,17 @@ from musclewire.wire._prescribed import follow, resistance_of, total_strain
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
 from musclewire.wire._step import RunningWire
-from musclewire.wire._stepping import CURRENT, POWER, VOLTAGE, StepControl, fixed_steps, require_resolved
-from musclewire.wire._wires import CHOSEN, SourceOutput, advance_wire, plan_of
+from musclewire.wire._stepping import (
+    CHOSEN,
+    CURRENT,
+    POWER,
+    VOLTAGE,
+    SourceOutput,
+    StepControl,
+    fixed_steps,
+    plan_of,
+    require_resolved,
+)
 
 __all__ = ["DrivenPath", "IsobaricPath", "drive_path", "heated_state", "isobaric_path"]
 
