@@ -5,12 +5,8 @@ from ._advance import advance_heated as advance_heated
 from ._advance import attempt as attempt
 from ._balance import BalancedWire as BalancedWire
 from ._balance import ConnectorForce as ConnectorForce
-from ._balance import StrainSlopes as StrainSlopes
-from ._balance import contraction_of as contraction_of
 from ._balance import convection_w_per_m2_k as convection_w_per_m2_k
 from ._balance import loss_w as loss_w
-from ._balance import resistance_at as resistance_at
-from ._balance import strain_at as strain_at
 from ._batch import WireBatch as WireBatch
 from ._batch import drive_many as drive_many
 from ._building import SHAPE as SHAPE
@@ -31,7 +27,6 @@ from ._distribution import BarrierClass as BarrierClass
 from ._distribution import OffsetDistribution as OffsetDistribution
 from ._distribution import tabulated_distribution as tabulated_distribution
 from ._distribution import two_populations as two_populations
-from ._fronts import ShakedownEffects as ShakedownEffects
 from ._fronts import shakedown_of as shakedown_of
 from ._fronts import thresholds_at as thresholds_at
 from ._loads import ConnectorLoad as ConnectorLoad
@@ -46,9 +41,7 @@ from ._paths import DrivenPath as DrivenPath
 from ._paths import drive_path as drive_path
 from ._paths import heated_state as heated_state
 from ._paths import isobaric_path as isobaric_path
-from ._prescribed import cool_from_hot as cool_from_hot
 from ._prescribed import total_strain as total_strain
-from ._row import CLASS_SLOPES as CLASS_SLOPES
 from ._row import CLASSES as CLASSES
 from ._row import Field as Field
 from ._row import Row as Row
@@ -56,15 +49,12 @@ from ._row import Rows as Rows
 from ._row import field as field
 from ._state import WireState as WireState
 from ._step import NO_PUSH as NO_PUSH
-from ._step import SOLVED_K as SOLVED_K
 from ._step import Equilibrium as Equilibrium
 from ._step import RunningWire as RunningWire
 from ._step import accept as accept
-from ._step import friction_at as friction_at
 from ._step import guess_after as guess_after
 from ._step import load_at as load_at
 from ._step import middle_of_step as middle_of_step
-from ._step import phases_at as phases_at
 from ._step import solve as solve
 from ._stepping import CHOSEN as CHOSEN
 from ._stepping import DURATION as DURATION

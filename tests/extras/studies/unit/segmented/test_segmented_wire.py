@@ -135,7 +135,9 @@ def test_whatever_jumps_the_wire_is_in_balance_with_its_load(seed: int, segments
 
 def test_half_the_step_changes_less_than_a_thousandth_of_the_stroke() -> None:
     structure = WireStructure(12, classes=CLASSES, grains=GRAINS)
-    coarse, fine, finest = (strains_of(paper(structure, step_s)) for step_s in (2.0 * DEFAULT_STEP_S, DEFAULT_STEP_S, 3.125e-4))
+    coarse, fine, finest = (
+        strains_of(paper(structure, step_s)) for step_s in (2.0 * DEFAULT_STEP_S, DEFAULT_STEP_S, 3.125e-4)
+    )
     assert np.abs(fine - finest).max() < 2e-4 * STROKE
     # Second order: half the step leaves a quarter of the error, on the mean over the run.
     assert np.abs(fine - finest).mean() < 0.4 * np.abs(coarse - finest).mean()
