@@ -74,6 +74,7 @@ from ._stepping import longest_step_s as longest_step_s
 from ._stepping import next_step_s as next_step_s
 from ._stepping import plan_of as plan_of
 from ._stepping import require_resolved as require_resolved
+from ._stepping import rises_over as rises_over
 from ._stepping import shorter_step_s as shorter_step_s
 from ._stepping import steps_within as steps_within
 from ._wires import OneWire as OneWire

@@ -11,11 +11,11 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.errors import CallerError, NumericsError
-from musclewire.wire._balance import convection_w_per_m2_k, loss_w
+from musclewire.wire._balance import BalancedWire, convection_w_per_m2_k, loss_w
 from musclewire.wire._constants import StepConstants
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
-from musclewire.wire._step import Equilibrium
+from musclewire.wire._step import NO_HEAT_J, Equilibrium
 
 __all__ = [
     "CHOSEN",
@@ -28,6 +28,7 @@ __all__ = [
     "STRAIN",
     "TEMPERATURE",
     "VOLTAGE",
+    "HeatSlopes",
     "StepAttempt",
     "SourceOutput",
     "WireInstant",
@@ -37,6 +38,7 @@ __all__ = [
     "error_ratio",
     "is_resolved",
     "require_resolved",
+    "rises_over",
     "fixed_steps",
     "instant_of",
     "longest_step_s",
@@ -59,6 +61,10 @@ SAFETY, MAX_SHRINK, MAX_GROWTH = 0.9, 0.2, 3.0
 MIN_STEP_S = 1e-5
 # A step with a larger estimated error in temperature shows the step, not the wire.
 MAX_STEP_ERROR_K = 2.0
+# Resistance changes by a fifth over the latent heat; the prediction allows for twice as steep a change and more.
+STEEPEST, TEN_K = 0.5, 10.0
+# A smaller motion of a coupled wire is within what its solution may be off.
+MOVED = 1e-11
 
 
 class StepControl(NamedTuple):
@@ -171,6 +177,15 @@ class WireInstant(NamedTuple):
     loss_w: float
 
 
+class HeatSlopes(NamedTuple):
+    """Slopes over heat in a step: of temperature, stress, contraction and resistance."""
+
+    temperature_k_per_j: float
+    stress_pa_per_j: float
+    contraction_per_j: float
+    resistance_ohm_per_j: float
+
+
 class StepAttempt(NamedTuple):
     """A step that was tried.
 
@@ -227,6 +242,39 @@ def owed_j(started: WireInstant, within: WireInstant, ended: WireInstant, step_s
     """Return the heat of a step by the trapezoidal rule less that by its middle [J]."""
     both_w = 0.5 * (started.power_w - started.loss_w + ended.power_w - ended.loss_w)
     return (both_w - (within.power_w - within.loss_w)) * step_s
+
+
+@compiled_inline
+def limited(rise: float, heat_j: float, low: float, high: float) -> float:
+    """Return a rise over a heat, within limits: the next middle is predicted by it.
+
+    A load that jumps, or other wires, change a wire that takes hardly any heat: such a ratio means nothing.
+    """
+    slope = rise / heat_j if abs(heat_j) > NO_HEAT_J else 0.0
+    return min(max(slope, low), high)
+
+
+@compiled_inline
+def rises_over(
+    constants: StepConstants, before: WireState, after: BalancedWire | WireState, heat_j: float
+) -> HeatSlopes:
+    """Return the slopes of a coupled wire over its own heat: what it did in a step, as far as heat can do it.
+
+    Temperature rises as without latent heat at most, stress with it as the phases' balance does; resistance and
+    contraction change within the latent heat by what a whole transformation changes, and by more than twice as much.
+    """
+    k = constants
+    steepest_per_j = STEEPEST / (k.latent_heat_j + TEN_K * k.capacity_j_per_k)
+    ohm_per_j, per_j = after.resistance_ohm * steepest_per_j, 5.0 * k.strain_saturated * steepest_per_j
+    pa_per_j = k.per_capacity_k_per_j / k.martensite_k_per_pa
+    moved = after.contraction - before.connector_contraction
+    moved = moved if abs(moved) > MOVED else 0.0
+    return HeatSlopes(
+        limited(after.temperature_k - before.temperature_k, heat_j, 0.0, k.per_capacity_k_per_j),
+        limited(after.stress_pa - before.stress_pa, heat_j, -pa_per_j, pa_per_j),
+        limited(moved, heat_j, -per_j, per_j),
+        limited(after.resistance_ohm - before.resistance_ohm, heat_j, -ohm_per_j, ohm_per_j),
+    )
 
 
 @compiled_inline

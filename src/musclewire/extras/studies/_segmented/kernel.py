@@ -36,6 +36,7 @@ from musclewire.wire import (
     loss_w,
     middle_of_step,
     next_step_s,
+    rises_over,
     shakedown_of,
     shorter_step_s,
     solve,
@@ -47,8 +48,6 @@ __all__ = ["advance_segments"]
 CLOSE_PA = 10.0
 # After so many trials of plain Newton every second one halves the bracket; after so many the step counts as unsolved.
 PLAIN_TRIALS, MAX_TRIALS = 12, 100
-# Resistance changes by a fifth over the latent heat; the prediction allows for twice as steep a change and more.
-STEEPEST, TEN_K = 0.5, 10.0
 NO_HEAT_J = 1e-12
 
 
@@ -202,24 +201,13 @@ def balance_segments(run: CompiledSegments, guess_pa: float) -> CommonStress:
 
 
 @compiled_inline
-def limited(rise: float, heat_j: float, low: float, high: float) -> float:
-    """Return a rise over a heat, within limits: the next middle is predicted by it.
-
-    A load that jumps, or other segments, change a segment that takes hardly any heat: such a ratio means nothing.
-    """
-    slope = rise / heat_j if abs(heat_j) > NO_HEAT_J else 0.0
-    return min(max(slope, low), high)
-
-
-@compiled_inline
 def judge_segment(run: CompiledSegments, number: int, step_s: float) -> float:
     """Return the error of a segment's temperature in a step [K]; its trial gets what it owes, and its slopes."""
     state, trial, k, place = run.states[number], run.trials[number], run.constants[number], run.places[number]
     trial.carried_heat_j = (0.5 * (place.started_w + place.net_w) - place.within_w) * step_s
-    rise_k, rise_ohm = trial.temperature_k - state.temperature_k, trial.resistance_ohm - state.resistance_ohm
-    trial.temperature_slope_k_per_j = limited(rise_k, place.heat_j, 0.0, k.per_capacity_k_per_j)
-    steepest = STEEPEST * trial.resistance_ohm / (k.latent_heat_j + TEN_K * k.capacity_j_per_k)
-    trial.resistance_slope_ohm_per_j = limited(rise_ohm, place.heat_j, -steepest, steepest)
+    slopes = rises_over(k, state, trial, place.heat_j)
+    trial.temperature_slope_k_per_j = slopes.temperature_k_per_j
+    trial.resistance_slope_ohm_per_j = slopes.resistance_ohm_per_j
     error_k: float = abs(trial.carried_heat_j) * trial.temperature_slope_k_per_j
     return error_k
 
