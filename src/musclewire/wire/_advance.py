@@ -27,7 +27,7 @@ from musclewire.wire._stepping import (
 __all__ = ["accept_step", "advance_heated", "advance_wire", "attempt"]
 
 # One step a sample up to the paper's 50 ms: a hypothesis needs no more, its power is a mean over the sample anyway.
-LONGEST_HEATED_S = 0.05
+MAX_HEATED_S = 0.05
 
 
 @compiled_inline
@@ -122,7 +122,7 @@ def advance_heated(wire: RunningWire, power_w: float, duration_s: float) -> tupl
     -------
     Means of resistance [ohm], of the connector's contraction over the leg's length, and of the force of all legs [N].
     """
-    steps = float(math.ceil(duration_s / LONGEST_HEATED_S - 1e-6))
+    steps = float(math.ceil(duration_s / MAX_HEATED_S - 1e-6))
     plan = (duration_s, steps, 0.0, 0.0, 0.0)
     resistance_ohm, _, displacement_m, force_n = advance_wire(wire, SourceOutput(power_w, POWER), plan)
     return resistance_ohm, displacement_m / wire.constants.leg_length_m, force_n

@@ -80,7 +80,7 @@ class Equilibrium(NamedTuple):
     wire
         The wire there.
     temperature_slope_k_per_j, stress_slope_pa_per_j, contraction_slope_per_j
-        Slopes over heat, the load in balance.
+        Slopes over heat [K/J, Pa/J, 1/J], the load in balance.
     stress_per_contraction_pa
         Slope of the wire's stress over contraction at constant enthalpy [Pa], negative: what a second wire on the same
         connector feels.

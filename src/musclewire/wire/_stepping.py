@@ -261,7 +261,7 @@ def rises_over(
     """Return the slopes of a coupled wire over its own heat: what it did in a step, as far as heat can do it.
 
     Temperature rises as without latent heat at most, stress with it as the phases' balance does; resistance and
-    contraction change within the latent heat by what a whole transformation changes, and by more than twice as much.
+    contraction change over the latent heat as in a whole transformation, or more than twice as steeply.
     """
     k = constants
     steepest_per_j = STEEPEST / (k.latent_heat_j + TEN_K * k.capacity_j_per_k)

@@ -32,7 +32,7 @@ from musclewire.wire import (
 __all__ = ["DEFAULT_STEP_S", "SegmentMeans", "SegmentedState", "SegmentedWire"]
 
 # Half of it changes resistance and strain by less than the instruments show (tests/extras/studies/unit/segmented).
-DEFAULT_STEP_S = 5e-3
+DEFAULT_STEP_S = 2.5e-3
 # The ends of a clamped wire are resolved at the convection of a wire this much above the air.
 WARM_K = 70.0
 # Another table of convection is looked up when the air has changed by as much.
