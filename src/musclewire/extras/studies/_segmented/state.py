@@ -1,4 +1,4 @@
-"""Rows of numbers of a wire in segments in addition to those of a wire: each segment is one, and so is the wire as a whole.
+"""Rows of numbers of a wire in segments in addition to those of a wire, which each segment is, and the whole, too.
 
 Heat, enthalpy and conductances of a segment are stated as if the whole wire were in its state: a segment counts by its
 fraction of the length.
