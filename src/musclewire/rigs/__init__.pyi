@@ -9,8 +9,6 @@ from ._abilities import required_true_state as required_true_state
 from ._abilities import stage_of as stage_of
 from ._abilities import tendon_stage_of as tendon_stage_of
 from ._abilities import true_state_of as true_state_of
-from ._air import AirModel as AirModel
-from ._air import AirState as AirState
 from ._air import Surroundings as Surroundings
 from ._compiled_loop.kernel import CompiledLoopEnd as CompiledLoopEnd
 from ._compiled_loop.running import CompiledRun as CompiledRun
@@ -68,7 +66,6 @@ from ._pulse_width import unsettled_error as unsettled_error
 from ._real_time import pin_to_cpu as pin_to_cpu
 from ._real_time import scheduling as scheduling
 from ._real_time import take_priority as take_priority
-from ._real_time import wake_on_time as wake_on_time
 from ._replay import ReplayConfiguration as ReplayConfiguration
 from ._simulated import MIN_SPREAD_STEPS as MIN_SPREAD_STEPS
 from ._simulated import SimulatedDevice as SimulatedDevice

@@ -104,7 +104,7 @@ class BalancedWire(NamedTuple):
     Parameters
     ----------
     temperature_k, stress_pa, contraction
-        Where it is.
+        Temperature [K], stress [Pa] and contraction.
     friction_n
         Friction of guide and load [N].
     martensite, r_phase
@@ -112,7 +112,7 @@ class BalancedWire(NamedTuple):
     resistance_ohm
         Its resistance [ohm].
     rise_k, rise_pa
-        Last correction, for the fronts.
+        Last correction of temperature [K] and stress [Pa], for the fronts.
     """
 
     temperature_k: float

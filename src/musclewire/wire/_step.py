@@ -79,8 +79,12 @@ class Equilibrium(NamedTuple):
     ----------
     wire
         The wire there.
-    temperature_slope_k_per_j, stress_slope_pa_per_j, contraction_slope_per_j
-        Slopes over heat, the load in balance.
+    temperature_slope_k_per_j
+        Slope of temperature over heat [K/J], the load in balance.
+    stress_slope_pa_per_j
+        Slope of stress over heat [Pa/J].
+    contraction_slope_per_j
+        Slope of contraction over heat [1/J].
     stress_per_contraction_pa
         Slope of the wire's stress over contraction at constant enthalpy [Pa], negative: what a second wire on the same
         connector feels.

@@ -8,6 +8,7 @@ from musclewire.compiled import compiled
 from musclewire.errors import NumericsError
 from musclewire.wire import (
     NO_PUSH,
+    VOLTAGE,
     Rows,
     RunningWire,
     SourceOutput,
@@ -66,7 +67,7 @@ def flow_rows(
     derived: Rows, drive_voltage_v: float, resistance_ohm: float, temperature_k: float
 ) -> tuple[float, float]:
     """Return the electrical power of a wire in its circuit and its loss to the air [W]."""
-    found = instant_of(derived[0], SourceOutput(drive_voltage_v, False), resistance_ohm, temperature_k)
+    found = instant_of(derived[0], SourceOutput(drive_voltage_v, VOLTAGE), resistance_ohm, temperature_k)
     return found.power_w, found.loss_w
 
 
