@@ -11,6 +11,7 @@ from ._contact_detection import AirDisturbance as AirDisturbance
 from ._contact_detection import ContactDetector as ContactDetector
 from ._contact_detection import FreeClosing as FreeClosing
 from ._curve import SHOWN_AS as SHOWN_AS
+from ._curve import ResistanceCurve as ResistanceCurve
 from ._curve import other_wires as other_wires
 from ._estimator import DEFAULT_ESTIMATOR as DEFAULT_ESTIMATOR
 from ._estimator import ESTIMATORS as ESTIMATORS
