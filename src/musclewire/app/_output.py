@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import StringIO
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from musclewire.app._live_numbers import LiveNumbers
 from musclewire.app._stopping import stop_if_asked
@@ -38,7 +38,7 @@ __all__ = [
 Advance = Callable[..., None]
 OnStage = Callable[[str, int, int, float], None]
 OnRuns = Callable[[int, int], None]
-# Columns of characters where nothing ends a line: no row of a table has so many.
+# Characters in a line that nothing ends: no row of a table has so many.
 PIPE_WIDTH = 10_000
 
 
@@ -125,7 +125,7 @@ def tell(text: str) -> None:
 def table(head: Sequence[str], rows: Iterable[Sequence[object]], *, left: Collection[int] = (0,)) -> str:
     """Return a table without lines, whose columns stand to the right but for those that are named.
 
-    In a terminal long cells are folded; elsewhere each row is one line.
+    In a terminal long cells of the last column are folded between words; elsewhere, and where words do not fit, each row is one line.
     """
     from rich.console import Console
     from rich.table import Table
@@ -133,14 +133,16 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]], *, left: Collec
 
     drawn = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=any(head))
     for number, name in enumerate(head):
-        to_the_left = number in left
-        drawn.add_column(
-            Text(name), justify="left" if to_the_left else "right", no_wrap=not to_the_left, overflow="fold"
-        )
+        side: Literal["left", "right"] = "left" if number in left else "right"
+        drawn.add_column(Text(name), justify=side, no_wrap=number < len(head) - 1, overflow="fold")
     for row in rows:
         drawn.add_row(*(Text(str(cell)) for cell in row))
     terminal, text = sys.stdout.isatty(), StringIO()
-    Console(file=text, force_terminal=terminal, width=None if terminal else PIPE_WIDTH).print(drawn)
+    shown = Console(file=text, force_terminal=terminal)
+    least = shown.measure(drawn, options=shown.options.update(max_width=PIPE_WIDTH)).minimum
+    if not terminal or least > shown.width:
+        shown.width = PIPE_WIDTH
+    shown.print(drawn)
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 

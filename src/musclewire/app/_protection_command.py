@@ -58,7 +58,8 @@ def table_text(rows: ProtectionTable) -> str:
                 left=range(3),
             ),
             "",
-            table(["signal, and the state that follows", *(f"in {name}" for name in states)], follow, left=range(9)),
+            "The state that follows a signal:",
+            table(["signal", *(f"in {name}" for name in states)], follow, left=range(9)),
             "",
             f"What is missing: hold at once, sense voltage after {rows.sense_after_s:g} s, off after "
             f"{rows.trip_after_s:g} s. A reading is the mean over {1e3 * rows.reading_period_s:g} ms at least.",

@@ -46,7 +46,7 @@ class TooFast(NamedTuple):
     missed
         Largest distance from the target when that ends, in the quantity's SI unit.
     asked_per_s
-        Largest rate of the reference there, in the quantity per second [1/s], a step counted over the time that it is held.
+        Largest rate of the reference there, [1/s], a step counted over the time that it is held.
     possible_per_s
         Rate of the wire on its branch [1/s] where it misses most.
     turn_s
