@@ -125,7 +125,7 @@ def tell(text: str) -> None:
 def table(head: Sequence[str], rows: Iterable[Sequence[object]], *, left: Collection[int] = (0,)) -> str:
     """Return a table without lines, whose columns stand to the right but for those that are named.
 
-    In a terminal long cells of the last column are folded between words; elsewhere, and where words do not fit, each row is one line.
+    In a terminal long cells of the last column are folded; elsewhere, and where words do not fit, a row is one line.
     """
     from rich.console import Console
     from rich.table import Table

@@ -264,7 +264,7 @@ def test_whatever_the_channels_say_the_answer_is_plain_numbers_and_nothing_is_he
         )
 
     found = examined(garbled)
-    json.dumps(document("rig", found, None), allow_nan=False)
+    json.dumps(document("rig", found, None).model_dump(mode="json"), allow_nan=False)
     assert text(found)
     assert found.highest_v <= 0.3
 
