@@ -72,9 +72,7 @@ def test_control_makes_one_before_or_after_the_run(musclewire: Callable[..., Any
 @pytest.mark.parametrize(
     ("arguments", "named"),
     [
-        (("--home", "sometimes"), "--home: there is no 'sometimes'"),
         (("--home", "idle"), "name its file by --homed-model"),
-        (("--ambient", "22 degC"), "--ambient belongs to a home move"),
         (("--on-board", "--home", "start"), "leave out --home"),
         (("--recalibrate",), "no option --recalibrate any more: make a home move instead, 'musclewire home"),
     ],

@@ -65,7 +65,8 @@ def test_a_loop_that_fails_is_named_and_the_exit_code_is_1(
     ("arguments", "named"),
     [
         (("--runs", 2, "-o", "run.h5"), "--output belongs to a single run"),
-        (("--threads", 2), "--threads belongs to --runs"),
+        (("--runs", 2, "--real-time"), "--real-time belongs to a single run"),
+        (("--in-python",), "--in-python belongs to --runs"),
     ],
 )
 def test_options_of_one_run_and_of_many_do_not_mix(

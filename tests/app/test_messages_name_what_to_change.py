@@ -15,9 +15,6 @@ from musclewire.signals import read_recording
     ("arguments", "option"),
     [
         (("characterize", "simulated", "-o", "x.h5", "--amplitude", "3"), "--amplitude"),
-        (("pretension", "simulated", "--at", "1.9 N", "--at", "2"), "--at"),
-        (("fit", "lan-fan-2010-table-2", "--order", "3", "--leg-length", "70"), "--leg-length"),
-        (("simulate", "--supply", "7"), "--supply"),
         (("grip", "--known-stiffness", "200"), "--known-stiffness"),
     ],
 )

@@ -69,11 +69,8 @@ def test_times_lengths_and_all_other_quantities_have_a_unit() -> None:
     ("old", "new"),
     [
         (("demo", "--out", "{0}", "--seed", "-1"), ("demo", "--output", "{0}", "--seed", "-1")),
-        (("fit", "lan-fan-2010-table-2", "--length", "70"), ("fit", "lan-fan-2010-table-2", "--leg-length", "70")),
         (("fit", "lan-fan-2010-table-2", "--length=7"), ("fit", "lan-fan-2010-table-2", "--leg-length=7")),
         (("simulate", "--length", "0 mm"), ("simulate", "--wire-length", "0 mm")),
-        (("grip", "--stiffness", "-1 N/m"), ("grip", "--known-stiffness", "-1 N/m")),
-        (("train", "simulated", "--most-cycles", "1"), ("train", "simulated", "--max-cycles", "1")),
     ],
 )  # fmt: skip
 def test_an_option_reads_by_its_old_name(
@@ -98,7 +95,6 @@ def test_replacing_reads_by_its_old_name_too(musclewire: Callable[..., Any], tmp
     [
         (("contol",), "Did you mean 'control'?"),
         (("fit", "x.h5", "--ordr", "6"), "--order"),
-        (("characterize", "simulated", "--overwrit"), "--overwrite"),
     ],
 )
 def test_a_typo_gets_the_nearest_name(arguments: tuple[str, ...], hint: str, musclewire: Callable[..., Any]) -> None:

@@ -90,8 +90,6 @@ def test_a_supply_too_small_for_the_current_says_so(musclewire: Callable[..., An
         (["--ambient", "400 degC"], "contracted"),
         (["--duty", "50 %", "--duty-period", "20 ms"], "[pwm]"),
         (["--duty", "0 %"], "above 0"),
-        (["--plot", "drive.gif"], "figure"),
-        (["-o", "drive.csv"], ".h5"),
     ],
 )
 def test_what_cannot_be_is_one_line_and_exit_code_2(

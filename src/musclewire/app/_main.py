@@ -41,10 +41,10 @@ def options(
 ) -> None:
     """Position a shape-memory-alloy wire by its own electrical resistance, without a sensor."""
     if version:
-        from musclewire.app._installation import installation, installation_json, installation_text
+        from musclewire.app._installation import installation, installation_text
 
         found = installation()
-        emit_json(installation_json(found)) if json else show(installation_text(found))
+        emit_json(found) if json else show(installation_text(found))
         raise typer.Exit
     if json:
         raise CallerError(

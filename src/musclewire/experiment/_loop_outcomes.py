@@ -58,13 +58,13 @@ class StepSpread(NamedTuple):
     direction
         "rise" or "return".
     median_pct
-        Median over the loops.
+        Median over the loops [%].
     low_pct, high_pct
-        5th and 95th percentile.
+        5th and 95th percentile [%].
     maximum_pct
-        Largest error of all loops.
+        Largest error of all loops [%].
     median_approached_pct, low_approached_pct, high_approached_pct, maximum_approached_pct
-        The same of the errors after the approach.
+        The same of the errors after the approach [%].
     """
 
     target: float

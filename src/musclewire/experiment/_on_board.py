@@ -18,7 +18,7 @@ from musclewire.experiment._speed_limits import speed_metadata
 from musclewire.experiment._staircases import staircase_within
 from musclewire.experiment._target_range import check_targets
 from musclewire.identify import COLUMN_SUFFIX, settings_for
-from musclewire.rigs import HasOnBoardLoop, Rig, on_board_loop_of
+from musclewire.rigs import HasOnBoardLoop, Rig, ability
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
 from musclewire.signals import Command, RawSample, Target
 
@@ -120,7 +120,7 @@ def control_on_board(
         For a rig without a board, a board that was built for another model or controller, or a target outside the
         model's range.
     """
-    loop = on_board_loop_of(rig)
+    loop = ability(rig, HasOnBoardLoop)
     if loop is None:
         raise CallerError("only a board with musclewire's firmware closes the loop itself: this rig has none")
     checksum = loop.checksum_of(model, settings_for(model, settings or FuzzyPidSettings()), estimator)

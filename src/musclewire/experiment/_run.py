@@ -28,7 +28,7 @@ from musclewire.experiment._extrapolation import extrapolation_metadata
 from musclewire.experiment._health import health_metadata
 from musclewire.experiment._known_drive import TakenRun, run_compiled_drive
 from musclewire.experiment._timing_facts import NO_CLOCK, RunPacing, timing_metadata
-from musclewire.rigs import AdjustableClock, Rig, adjustable_clock_of, exchange_times_of, protection_limits_of
+from musclewire.rigs import AdjustableClock, HasExchangeTimes, Rig, ability, adjustable_clock_of, protection_limits_of
 from musclewire.signals import (
     ELECTRICAL_COLUMNS,
     REFERENCE_COLUMNS,
@@ -281,7 +281,7 @@ def row_of(
 
 def timed_exchange(rig: Rig, timing: LoopTiming) -> Exchange:
     """Return the rig's exchange, with its times recorded: the rig's own if it reports them."""
-    times = exchange_times_of(rig)
+    times = ability(rig, HasExchangeTimes)
     if times is not None:
 
         def exchange(command: Command) -> RawSample:

@@ -1,14 +1,11 @@
 """The list of names that other rooms may use."""
 
+from ._abilities import HasExchangeTimes as HasExchangeTimes
+from ._abilities import ability as ability
 from ._abilities import adjustable_clock_of as adjustable_clock_of
-from ._abilities import exchange_times_of as exchange_times_of
 from ._abilities import keeps_real_time as keeps_real_time
-from ._abilities import on_board_loop_of as on_board_loop_of
 from ._abilities import protection_limits_of as protection_limits_of
 from ._abilities import required_true_state as required_true_state
-from ._abilities import stage_of as stage_of
-from ._abilities import tendon_stage_of as tendon_stage_of
-from ._abilities import true_state_of as true_state_of
 from ._air import Surroundings as Surroundings
 from ._compiled_loop.kernel import CompiledLoopEnd as CompiledLoopEnd
 from ._compiled_loop.running import CompiledRun as CompiledRun
@@ -33,6 +30,7 @@ from ._device import DeviceFacts as DeviceFacts
 from ._device import DeviceFault as DeviceFault
 from ._device import HasOnBoardLoop as HasOnBoardLoop
 from ._device import HasStage as HasStage
+from ._device import HasTendonStage as HasTendonStage
 from ._device import HasTrueState as HasTrueState
 from ._device import Missing as Missing
 from ._driven_wire import drive_varied as drive_varied

@@ -25,6 +25,9 @@ from ._exchange import as_command as as_command
 from ._exchange import drive_voltage_of as drive_voltage_of
 from ._exchange import wire_sample as wire_sample
 from ._hdf5 import describe_recording as describe_recording
+from ._headers import IgnoredHeader as IgnoredHeader
+from ._headers import MatchedHeader as MatchedHeader
+from ._headers import UndecidedHeader as UndecidedHeader
 from ._headers import split_header as split_header
 from ._import_mapping import ImportMapping as ImportMapping
 from ._import_mapping import load_mapping as load_mapping

@@ -11,7 +11,7 @@ import pytest
 from musclewire.errors import NumericsError, RigError
 from musclewire.experiment._drive import drive_wire
 from musclewire.experiment._open_loop import characterize
-from musclewire.rigs import GuardedRig, RigConfiguration, open_rig, stage_of, true_state_of
+from musclewire.rigs import GuardedRig, HasStage, HasTrueState, RigConfiguration, ability, open_rig
 from musclewire.signals import Recording
 
 DRAUGHTY = {"draught": 0.1, "ambient_swing": 2.0}
@@ -42,7 +42,7 @@ def assert_same_rigs(one: GuardedRig, other: GuardedRig) -> None:
     assert one.metadata() == other.metadata()
     for _ in range(3):
         assert one.exchange(1.7) == other.exchange(1.7)
-    states = [true_state_of(rig).wire_state.numbers for rig in (one, other)]
+    states = [ability(rig, HasTrueState).wire_state.numbers for rig in (one, other)]
     np.testing.assert_array_equal(*states)
 
 
@@ -80,7 +80,7 @@ def test_runs_one_after_another_and_the_rig_after_them_are_those_of_the_loop_in_
     assert both(short_sine, rigs) == ""
     assert both(lambda rig, **options: drive_wire(rig, on_s=2.0, duration_s=5.0, supply_v=1.9, **options), rigs) == ""
     for rig in rigs:
-        stage_of(rig).set_pretension(0.9)
+        ability(rig, HasStage).set_pretension(0.9)
     assert both(short_sine, rigs) == ""
     assert_same_rigs(*rigs)
 

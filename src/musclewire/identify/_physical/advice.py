@@ -70,10 +70,6 @@ class ExperimentAdvice:
     narrows: tuple[str, ...]
     gain: float
 
-    def as_dict(self) -> dict[str, object]:
-        """Return plain values for JSON."""
-        return {"title": self.title, "text": self.text, "tells": list(self.identifies), "narrows": list(self.narrows)}
-
 
 @cache
 def texts() -> dict[str, Any]:

@@ -48,19 +48,6 @@ class ParameterEstimate:
         """The 95 % interval, not truncated at the bounds."""
         return self.value - 1.96 * self.std, self.value + 1.96 * self.std
 
-    def as_dict(self) -> dict[str, object]:
-        """Return plain values for JSON."""
-        return {
-            "value": self.value,
-            "unit": self.unit,
-            "std": self.std,
-            "prior_mean": self.prior_mean,
-            "prior_std": self.prior_std,
-            "identifiable": self.identifiable,
-            "at_bound": self.at_bound,
-            "group": self.group,
-        }
-
 
 def excess_variance(residuals: FloatArray, unknowns: int) -> float:
     """Return the variance of normalised residuals, at least 1.

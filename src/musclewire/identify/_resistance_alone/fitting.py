@@ -75,15 +75,6 @@ class ResistanceFit:
     costs: tuple[VarianceShare, ...]
     helps: tuple[HelpfulMeasurement, ...]
 
-    def report(self) -> dict[str, object]:
-        """Return the numbers that ``musclewire fit --wire --json`` adds to those of the model."""
-        return {
-            "stroke_std_pct": 100.0 * self.stroke_std / self.stroke,
-            "misfit": self.misfit,
-            "costs": [{**item._asdict(), "text": item.text} for item in self.costs],
-            "helps": [item._asdict() for item in self.helps],
-        }
-
     def __str__(self) -> str:
         """Return how far the model may be off and what would help, in a few lines."""
         off = 100.0 * self.stroke_std / self.stroke

@@ -8,7 +8,7 @@ import numpy as np
 
 from musclewire.controllers import Event, State, protection_table
 from musclewire.experiment import ControlMetrics, Examination, PretensionSweep
-from musclewire.rigs import GuardedRig, stage_of
+from musclewire.rigs import GuardedRig, HasStage, ability
 from musclewire.sensing import SHOWN_AS, SensingModel, evaluate
 
 __all__ = [
@@ -38,7 +38,7 @@ def described_rig(rig: GuardedRig, name: str, *, simulated: bool) -> dict[str, A
         "drive_amplitude_v": rig.drive_amplitude_v,
         "shunt_resistance_ohm": rig.shunt_resistance_ohm,
         "leg_length_m": rig.leg_length_m,
-        "has_stage": stage_of(rig) is not None,
+        "has_stage": ability(rig, HasStage) is not None,
         "reference_columns": list(rig.reference_columns or ()),
         "limits": rig.protection_limits._asdict(),
         **{key: facts.get(key) for key in FACTS},
