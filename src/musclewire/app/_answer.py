@@ -10,8 +10,6 @@ from typing import Annotated, Any, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetCoreSchemaHandler, create_model
 from pydantic_core import CoreSchema
 
-__all__ = ["ABSENT", "Answer", "Finite", "Record"]
-
 # What a key has as default that is not there where it would be null.
 ABSENT: Any = Field(default=None, exclude_if=lambda value: value is None)
 

@@ -47,8 +47,6 @@ from musclewire.wire import (
     resting_state,
 )
 
-__all__ = ["Benchmark", "bench", "exchange_side", "paper_wire", "period_side", "step_side", "tick_side"]
-
 TURNS, QUICK_TURNS = 15, 5
 # The slow sine of the paper's bench.
 PERIOD_S, SENSE_V, AMPLITUDE_V = 90.0, 0.3, 3.2

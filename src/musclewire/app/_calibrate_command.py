@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from musclewire.identify import Calibration, ExperimentAdvice, SearchSettings
     from musclewire.signals import Recording
 
-__all__ = ["calibrate"]
-
 JOURNAL_SUFFIX = ".search"
 OWN_FORMAT = (".h5", ".hdf5")
 

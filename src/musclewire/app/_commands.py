@@ -13,8 +13,6 @@ from typer.core import TyperCommand
 from musclewire.app._options import Json, renamed
 from musclewire.app._output import Result, run_command
 
-__all__ = ["add_command"]
-
 
 class CommandWithOldNames(TyperCommand):
     """A command that also takes its options by the names they had before (``options.OLD_NAMES``)."""

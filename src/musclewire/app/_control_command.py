@@ -49,8 +49,6 @@ if TYPE_CHECKING:
     from musclewire.rigs import Rig
     from musclewire.sensing import KnownSpring, SensingModel
 
-__all__ = ["control"]
-
 # Steps as a text: "2.5 mm to 6 mm by 0.5 mm".
 STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
 # The paper's controller, whose rule base --rules names.

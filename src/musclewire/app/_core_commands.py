@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from musclewire.manifest import Command, CommandGroup
 
-__all__ = ["COMMANDS", "GROUPS", "PANELS"]
-
 BEGIN = "Begin here, on the simulated wire"
 LOOP = "The basic loop: record, fit, move"
 BENCH = "A wire on a bench"

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from musclewire.experiment import ChannelCalibration, Examination, OnProbe, RigCheck
     from musclewire.signals import RawSample
 
-__all__ = ["doctor"]
-
 
 @dataclass(frozen=True)
 class MeterOptions:

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from musclewire.rigs import RigConfiguration
     from musclewire.wire import ElasticObject
 
-__all__ = ["grip"]
-
 # The gripper is trained on another day than it grips, with other noise and air.
 LEARNING_SEED_STEP = 1000
 

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from musclewire.rigs import GuardedRig
     from musclewire.sensing import SensingModel
 
-__all__ = ["HomeOptions", "home", "home_found", "home_text"]
-
 WHEN = ("start", "idle", "never")
 
 

@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from musclewire.app._answers import ImportAnswer
     from musclewire.signals import FileInterpretation, ImportMapping, JoinedRecordings
 
-__all__ = ["import_recordings"]
-
 
 @dataclasses.dataclass(frozen=True)
 class TableOptions:

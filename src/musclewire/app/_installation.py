@@ -15,8 +15,6 @@ from pydantic import ConfigDict
 from musclewire.app._answer import Answer
 from musclewire.manifest import loaded, offered
 
-__all__ = ["Installation", "installation", "installation_text"]
-
 # Name at the beginning of a requirement, and the extra at its end.
 REQUIREMENT = re.compile(r"([\w.-]+).*?(?:;.*\bextra\s*==\s*['\"]([\w.-]+)['\"])?$")
 # Extras of those who change musclewire.

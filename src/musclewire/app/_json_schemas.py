@@ -21,8 +21,6 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.manifest import folder_of, loaded, manifests, offered
 from musclewire.parameters import TaggedTable
 
-__all__ = ["json_schema", "schema_names"]
-
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 OUTPUT = "output-"
 RIG = "rig-"

@@ -16,8 +16,6 @@ from musclewire.app._output import emit_json, say, show
 from musclewire.app._stopping import STOPPED, StoppedCommand, ignore_signals, listen_for_signals
 from musclewire.errors import CallerError, MusclewireError
 
-__all__ = ["app", "main"]
-
 # Typer carries its own copy of click since 0.26; this finds the base of all usage errors in either.
 UsageProblem: Any = typer.BadParameter.__mro__[2]
 

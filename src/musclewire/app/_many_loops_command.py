@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     from musclewire.controllers import Reference
     from musclewire.experiment import ControlMetrics, LoopOutcome
 
-__all__ = ["MIN_VALID_FRACTION", "ManyLoopsChoice", "refuse_single_run_options", "run_many_loops"]
-
-
 # A closed loop with a smaller fraction of valid estimates was not closed.
 MIN_VALID_FRACTION = 0.8
 

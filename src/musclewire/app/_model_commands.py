@@ -19,8 +19,6 @@ from musclewire.errors import CallerError
 if TYPE_CHECKING:
     from musclewire.identify import EstimateReport
 
-__all__ = ["cite", "estimate", "fit", "rules"]
-
 RecordingPath = Annotated[
     str,
     typer.Argument(

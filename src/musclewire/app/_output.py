@@ -20,21 +20,6 @@ if TYPE_CHECKING:
 
     from musclewire.rigs import GuardedRig
 
-__all__ = [
-    "Result",
-    "console",
-    "emit_json",
-    "progress_bar",
-    "run_bar",
-    "run_command",
-    "say",
-    "show",
-    "step_bar",
-    "table",
-    "tell",
-    "warn",
-]
-
 Advance = Callable[..., None]
 OnStage = Callable[[str, int, int, float], None]
 OnRuns = Callable[[int, int], None]

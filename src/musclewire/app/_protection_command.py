@@ -11,8 +11,6 @@ from musclewire.app._output import Result, table
 if TYPE_CHECKING:
     from musclewire.controllers import ProtectionLimits, ProtectionTable
 
-__all__ = ["protection"]
-
 # Ends of the limits' names and the unit they stand for.
 UNITS = {"_v": "V", "_a": "A", "_w": "W", "_ohm": "ohm", "_k": "K", "_j_per_k": "J/K", "_w_per_k": "W/K"}
 

@@ -12,8 +12,6 @@ from musclewire.app._figure_options import FigureOptions
 from musclewire.app._options import OUTPUT, OVERWRITE
 from musclewire.app._output import Result
 
-__all__ = ["recover"]
-
 
 class RecoverAnswer(Answer):
     """Of ``recover``."""

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from musclewire.rigs import GuardedRig
     from musclewire.signals import Recording
 
-__all__ = ["characterize", "demo", "pretension", "train"]
-
 # What a recording without displacement is good for, which on a board is every recording.
 NO_INSTRUMENT = (
     "this rig measures no movement, so there is no gap to report: the recording has voltages and resistance; for a fit "

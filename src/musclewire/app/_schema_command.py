@@ -12,8 +12,6 @@ from musclewire.app._answer import Answer
 from musclewire.app._completion import complete_schemas
 from musclewire.app._output import Result
 
-__all__ = ["schema"]
-
 SchemaName = Annotated[
     str | None,
     typer.Argument(

@@ -14,8 +14,6 @@ from musclewire.app._options import CLOSED_LOOP_TIME, CONTROLLER, OUTPUT, OVERWR
 from musclewire.app._output import Result
 from musclewire.app._recording_options import ReadingOptions
 
-__all__ = ["tune"]
-
 
 def tune(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],

@@ -47,8 +47,6 @@ if TYPE_CHECKING:
 
     from musclewire.experiment import SupplyRequest, SupplySizing
 
-__all__ = ["catalogue", "simulate"]
-
 
 @dataclass(frozen=True)
 class DriveOptions:

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from musclewire.app._answers import WireTableAnswer
     from musclewire.identify import WireRow
 
-__all__ = ["table_answer", "table_text"]
-
 HEAD = ("wire", "R cold [ohm]", "1 s [mA]", "catalogue", "holds", "for long", "supply [V]", "power [W]", "sense [V]",
         "slow sine [V]", "shunt [ohm]", "[mW]", "buy [W]")  # fmt: skip
 

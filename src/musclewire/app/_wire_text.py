@@ -14,17 +14,6 @@ if TYPE_CHECKING:
     from musclewire.identify import CatalogueComparison, JudgedValue
     from musclewire.parameters import CatalogueCell
 
-__all__ = [
-    "MARKS",
-    "ZERO_DEGC_K",
-    "answer_text",
-    "comparison_answer",
-    "comparison_text",
-    "simulate_answer",
-    "wires",
-    "wires_text",
-]
-
 ZERO_DEGC_K = 273.15
 MARKS = {"corroborated": "", "unverified": "?", "suspect": "??"}
 

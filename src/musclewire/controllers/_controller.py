@@ -18,17 +18,6 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.registry import Registry
 from musclewire.signals import CompiledTick, ControlStep, QuantityEstimate
 
-__all__ = [
-    "CONTROLLERS",
-    "PERCENT_STRAIN",
-    "CompiledController",
-    "Controller",
-    "ControllerFactory",
-    "ControllerSetup",
-    "settings_of_kind",
-    "step_error",
-]
-
 PERCENT_STRAIN = 0.01
 
 

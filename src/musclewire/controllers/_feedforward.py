@@ -35,8 +35,6 @@ from musclewire.controllers._schema import StrictModel
 from musclewire.errors import CallerError
 from musclewire.signals import CONTROLLER_ANSWERS, CompiledTick, ControlStep, Drive, QuantityEstimate
 
-__all__ = ["FeedforwardController", "FeedforwardSettings"]
-
 Positive = Annotated[float, Field(gt=0.0)]
 Table = Annotated[tuple[Positive, ...], Field(min_length=3)]
 # A branch is never taken as flatter or steeper than its median by more than these factors: near the ends of the loop

@@ -14,8 +14,6 @@ from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.signals import Reason
 
-__all__ = ["SETTINGS", "STATE", "TABLES", "feedforward_tick"]
-
 SETTINGS = np.dtype(
     [
         (name, np.float64)

@@ -25,8 +25,6 @@ from musclewire.controllers._rules import (
 )
 from musclewire.errors import CallerError, NumericsError
 
-__all__ = ["FuzzyRatios", "RatioSurface", "infer_ratios", "infer_surface", "input_grades", "packed_rules"]
-
 ALPHA_WEAKEST, ALPHA_STRONGEST = 5.0, 2.0  # the range of Zhao's alpha; a smaller alpha integrates more
 
 

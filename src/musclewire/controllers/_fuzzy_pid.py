@@ -44,8 +44,6 @@ from musclewire.controllers._rules import DEFAULT_RULE_BASE, RuleBase, load_rule
 from musclewire.controllers._schema import StrictModel
 from musclewire.signals import CompiledTick, ControlStep, Drive, QuantityEstimate
 
-__all__ = ["GAIN_COLUMNS", "FuzzyPidController", "FuzzyPidSettings", "fuzzy_pid_controller", "with_error_unit"]
-
 GAIN_COLUMNS = ("proportional_gain", "integral_gain", "derivative_gain")
 
 Range: TypeAlias = tuple[Annotated[float, Field(ge=0.0)], Annotated[float, Field(ge=0.0)]]

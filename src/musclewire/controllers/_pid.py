@@ -15,8 +15,6 @@ from musclewire.controllers._controller import PERCENT_STRAIN, ControllerSetup, 
 from musclewire.controllers._fuzzy_pid import FuzzyPidController, FuzzyPidSettings
 from musclewire.controllers._schema import StrictModel
 
-__all__ = ["PidSettings", "pid_controller"]
-
 
 class PidSettings(StrictModel):
     """The numbers of a plain PID; the gains default to the middles of the paper's ranges.

@@ -18,17 +18,6 @@ from numpy.typing import ArrayLike
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
-__all__ = [
-    "Direction",
-    "HeldTargets",
-    "Reference",
-    "SampledReference",
-    "Staircase",
-    "Step",
-    "sampled_reference",
-    "staircase",
-]
-
 Direction: TypeAlias = Literal["rise", "return"]
 # A clock that adds up ticks may be a rounding error before the time of a step; that counts as the time of the step.
 CLOCK_TOLERANCE_S = 1e-9

@@ -7,8 +7,6 @@ import math
 from musclewire.controllers._references import HeldTargets
 from musclewire.errors import CallerError
 
-__all__ = ["SteeredReference"]
-
 
 class SteeredReference(HeldTargets):
     """A target that another thread may move at any time; the loop follows from its next sample on.

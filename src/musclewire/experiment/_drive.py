@@ -19,8 +19,6 @@ from musclewire.rigs import HasTrueState, Rig, ability
 from musclewire.sensing import dropout_failure
 from musclewire.signals import Command, Drive, MetadataValue, RawSample, Recording
 
-__all__ = ["ALWAYS", "HeldCurrent", "HeldVoltage", "PulseTrain", "WithTruth", "drive_wire", "pulses_of"]
-
 # Samples without current after which a wire counts as broken.
 MAX_DROPOUTS = 5
 

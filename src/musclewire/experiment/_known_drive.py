@@ -15,8 +15,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.rigs import GuardedRig, HasTrueState, Rig, ability
 
-__all__ = ["KnownDrive", "KnownDrivePolicy", "TakenRun", "elapsed_times_s", "run_compiled_drive"]
-
 
 class KnownDrive(NamedTuple):
     """The drive of each sample [V], (n_samples,), and what a policy records in addition, (n_samples, n_columns).

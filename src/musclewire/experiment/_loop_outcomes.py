@@ -13,8 +13,6 @@ from musclewire.experiment._metrics import APPROACHED, FROM_FIRST_TARGET, Contro
 from musclewire.sensing import SHOWN_AS
 from musclewire.signals import Recording
 
-__all__ = ["LoopOutcome", "ManyControlRuns", "StepSpread"]
-
 # The spread that is shown: nine tenths of the loops lie between.
 LOW_PERCENTILE, HIGH_PERCENTILE = 5.0, 95.0
 

@@ -43,8 +43,6 @@ from musclewire.rigs import (
 from musclewire.sensing import DEFAULT_ESTIMATOR, EstimatorFactory, KnownSpring, SensingModel
 from musclewire.signals import MetadataValue, Recording, declared_tick
 
-__all__ = ["ManyLoopsOptions", "control_compiled", "control_many"]
-
 
 class ManyLoopsOptions(TypedDict, total=False):
     """Keywords of :func:`control_many`.

@@ -22,8 +22,6 @@ from musclewire.rigs import HasOnBoardLoop, Rig, ability
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
 from musclewire.signals import Command, RawSample, Target
 
-__all__ = ["control_on_board"]
-
 
 class TargetPolicy:
     """Sends the reference's targets and records the board's estimates; it controls nothing."""

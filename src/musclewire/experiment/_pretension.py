@@ -23,8 +23,6 @@ from musclewire.signals import MetadataValue, Recording, RunFacts
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["PretensionRow", "PretensionSweep", "default_pretensions_n", "pretension_sweep"]
-
 # The paper's Fig. 6 spans force ratios from about a quarter to two thirds of the allowed force.
 FORCE_RATIOS = (0.20, 0.65)
 DEFAULT_POINTS = 8

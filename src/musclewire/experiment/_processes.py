@@ -20,8 +20,6 @@ from typing import Any, NamedTuple, TypeVar
 
 from musclewire.errors import CallerError, NumericsError
 
-__all__ = ["cores", "evaluate_in_processes"]
-
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 # A process computes on one core; the numerical libraries' own threads would only compete.

@@ -40,19 +40,6 @@ from musclewire.signals import (
     refuse_unfinished,
 )
 
-__all__ = [
-    "Decision",
-    "OnSample",
-    "Policy",
-    "Until",
-    "RunOptions",
-    "file_in",
-    "refuse_unusable",
-    "run_on_rig",
-    "Recorder",
-    "LoopTiming",
-]
-
 OnSample = Callable[[Mapping[str, float]], None]
 Until = Callable[[], bool]
 Exchange = Callable[[Command], RawSample]

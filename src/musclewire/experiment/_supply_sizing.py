@@ -47,9 +47,6 @@ from musclewire.parameters import (
 from musclewire.rigs import LimitsTable, RigConfiguration, open_rig, with_settings
 from musclewire.signals import Recording
 
-__all__ = ["BENCH", "SupplySizing", "DriveNumbers", "SupplyRequest", "size_supply", "drive_numbers", "plan_supply"]
-
-
 BENCH = "dead-weight"
 DEFAULT_LENGTH_M = 0.14
 # The fate of the wire is to be shown: a protection that switches off before would hide it.

@@ -13,8 +13,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.rigs import HasTendonStage, Rig, ability
 
-__all__ = ["TendonZero", "zero_tendon"]
-
 FARTHEST_SLACK_M, FARTHEST_PULL_M = 100e-6, 100e-6
 POSITIONS = 21
 SAMPLES_EACH = 10

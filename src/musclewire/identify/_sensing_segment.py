@@ -10,8 +10,6 @@ from musclewire.physics import ArrayReading
 from musclewire.sensing import AMBIGUOUS_ABOVE, SensingModel, segment_course
 from musclewire.signals import Recording
 
-__all__ = ["in_sensing_segment"]
-
 # At the sense voltage the noise of one sample is as large as the change of resistance that counts: means over so many
 # samples are a fifth of it. A loop has to do without, since half of them lie in the future.
 MEAN_SAMPLES = 33

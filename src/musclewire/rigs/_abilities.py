@@ -10,15 +10,6 @@ from musclewire.rigs._device import AdjustableClock, HasAdjustableClock, HasStag
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.rigs._protocol import Rig
 
-__all__ = [
-    "HasExchangeTimes",
-    "ability",
-    "adjustable_clock_of",
-    "keeps_real_time",
-    "protection_limits_of",
-    "required_true_state",
-]
-
 AbilityT = TypeVar("AbilityT")
 
 

@@ -52,20 +52,6 @@ from musclewire.wire import (
     steps_within,
 )
 
-__all__ = [
-    "BenchInstruments",
-    "SimulatedDevice",
-    "SimulatedInside",
-    "SimulatedSpool",
-    "convection_metadata",
-    "force_limit_n",
-    "read_sample",
-    "require_allowed_pull",
-    "simulated_limits",
-    "stepping_of",
-    "wires_of",
-]
-
 
 class SimulatedInside(NamedTuple):
     """What a simulated device is made of, for loops in compiled code. What may change is the device's own."""

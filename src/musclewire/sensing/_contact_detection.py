@@ -36,9 +36,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.sensing._branch_equations import check_resistance_range, evaluate, normalised_resistance
 
-__all__ = ["THRESHOLD", "AirDisturbance", "ContactDetector", "ContactState", "FreeClosing"]
-
-
 # In standard deviations. Of a Gaussian score 4.5 is passed by chance once in 300,000; a closing has some 40 samples.
 THRESHOLD = 4.5
 # In a fast closing one sample may cover half a millimetre: contact may have begun at as many places within it.

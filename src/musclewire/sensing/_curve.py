@@ -21,14 +21,6 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.sensing._branch_equations import average, check_resistance_range, derivative, evaluate
 from musclewire.sensing._curve_tick import CURVE_NUMBERS, curve_estimates
 
-__all__ = [
-    "QUANTITY_UNITS",
-    "SHOWN_AS",
-    "ArrayEstimate",
-    "CurveEstimate",
-    "ResistanceCurve",
-]
-
 Pairs = tuple[tuple[float, float], ...]
 
 QUANTITY_UNITS = {"strain": "1", "displacement": "m", "force": "N"}

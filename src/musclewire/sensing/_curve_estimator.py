@@ -20,16 +20,6 @@ from musclewire.sensing._estimator import MAX_DROPOUTS, dropout_failure
 from musclewire.sensing._known_load import KnownSpring
 from musclewire.signals import ESTIMATOR_ANSWERS, CompiledTick, EstimatorStep, QuantityEstimate, Reason, WireSample
 
-__all__ = [
-    "ESTIMATOR_NUMBERS",
-    "CurveEstimator",
-    "add_friction",
-    "answer_with",
-    "answer_without_current",
-    "estimator_numbers",
-    "resistance_of",
-]
-
 REASONS, VALID = tuple(Reason), Reason.OK
 # The numbers of every such estimator, by name: circuit, own wire, known spring (a stiffness of 0 without one), curve.
 ESTIMATOR_NUMBERS = (

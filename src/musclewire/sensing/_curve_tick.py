@@ -11,8 +11,6 @@ import numpy.typing as npt
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 
-__all__ = ["CURVE_NUMBERS", "Row", "branches", "curve_estimate", "curve_estimates", "row_type"]
-
 # Numbers by name, ``row.normalised_min``, in compiled code and in plain Python alike; mypy knows no fields of it.
 Row = Any
 

@@ -21,19 +21,6 @@ from musclewire.sensing._known_load import KnownSpring
 from musclewire.signals import CompiledTick, EstimatorStep, RawSample, WireSample
 from musclewire.wire import WireConstants
 
-__all__ = [
-    "DEFAULT_ESTIMATOR",
-    "ESTIMATORS",
-    "MAX_DROPOUTS",
-    "PAPER_ESTIMATOR",
-    "CompiledEstimator",
-    "Estimator",
-    "EstimatorFactory",
-    "EstimatorSetup",
-    "SlowPart",
-    "dropout_failure",
-]
-
 # What a closed loop runs unless another is named (docs/explanation/decisions/0041-gated-branches-by-default.md).
 DEFAULT_ESTIMATOR = "gated"
 # The one with which the paper's figures were made.

@@ -34,8 +34,6 @@ from musclewire.sensing._curve_tick import Row, branches, row_type
 from musclewire.sensing._segment_tracking import AMBIGUOUS_ABOVE
 from musclewire.signals import Reason
 
-__all__ = ["GATES", "GATED_NUMBERS", "GateNumbers", "GatedState", "gated_tick"]
-
 
 class GateNumbers(NamedTuple):
     """Numbers of the method, chosen on the tuning seeds 1 to 10 of benchmarks/gated_branches.py.

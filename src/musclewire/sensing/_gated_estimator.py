@@ -14,8 +14,6 @@ from musclewire.sensing._gated_branches import GATED_NUMBERS, GATES, GatedState,
 from musclewire.sensing._known_load import KnownSpring
 from musclewire.signals import CompiledTick
 
-__all__ = ["GatedEstimator", "gated_estimator", "gated_numbers"]
-
 
 class GatedEstimator(CurveEstimator):
     """Estimates by the branch of the direction in which electrical power drives the wire.

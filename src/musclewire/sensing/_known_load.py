@@ -12,8 +12,6 @@ from dataclasses import dataclass, replace
 from musclewire.errors import CallerError
 from musclewire.sensing._model import SensingModel
 
-__all__ = ["TURNING_M", "KnownSpring", "force_model"]
-
 # Over this travel after a reversal the friction reverses. That of a guide does so within some 20 um, but a
 # displacement read from resistance is uncertain by more, and a loop on a force that jumps within it chatters: four
 # times the travel of the simulated guide holds on springs from 294 to 1177 N/m (studies/force_self_sensing.py).

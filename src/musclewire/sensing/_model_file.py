@@ -17,8 +17,6 @@ from musclewire.signals import write_text_whole
 if TYPE_CHECKING:
     from os import PathLike
 
-__all__ = ["MAX_FILE_BYTES", "MODEL_FORMAT", "MODEL_VERSION", "read_fields", "save_model"]
-
 MODEL_FORMAT = "musclewire-sensing-model"
 MODEL_VERSION = 1
 

@@ -26,8 +26,6 @@ from musclewire.sensing._known_load import KnownSpring
 from musclewire.sensing._segment_tracking import begin_segment, segment_numbers, track
 from musclewire.signals import CompiledTick, Reason
 
-__all__ = ["PolynomialEstimator", "PolynomialState", "polynomial_estimator"]
-
 POLYNOMIAL_NUMBERS = (*ESTIMATOR_NUMBERS, "ambiguous_above_ohm", "min_change_ohm")
 OK, COLD = float(Reason.OK), float(Reason.COLD)
 OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)

@@ -17,8 +17,6 @@ from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.sensing._curve_tick import Row, row_type
 
-__all__ = ["AMBIGUOUS_ABOVE", "SegmentCourse", "begin_segment", "segment_course", "segment_numbers", "track"]
-
 # Nearer to R_min than this, as normalised resistance, a wire cannot be in segment A-B: from A to B resistance rises
 # by a few percent, from B to C it falls by more than ten (Lan and Fan 2010, Fig. 3b).
 AMBIGUOUS_ABOVE = 0.8

@@ -13,15 +13,6 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 
-__all__ = [
-    "CONTROLLER_ANSWERS",
-    "CONTROLLER_INPUTS",
-    "ESTIMATOR_ANSWERS",
-    "ESTIMATOR_INPUTS",
-    "CompiledTick",
-    "declared_tick",
-]
-
 # What the arrays `given` and `answer` of a tick hold, in this order; the numbers to record follow the answer.
 ESTIMATOR_INPUTS = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
 ESTIMATOR_ANSWERS = ("value", "std", "valid", "reason", "failed")

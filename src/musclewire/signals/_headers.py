@@ -12,18 +12,6 @@ from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, Column, columns_c
 from musclewire.signals._source_table import SourceColumn
 from musclewire.signals._units import UnitConversion, conversion_to_si, measures
 
-__all__ = [
-    "HeaderMatch",
-    "IgnoredHeader",
-    "MatchedHeader",
-    "UndecidedHeader",
-    "match_columns",
-    "missing_from",
-    "numbered_headers",
-    "split_header",
-]
-
-
 How = Literal["own name", "synonym", "mapped", "values", "unit"]
 
 

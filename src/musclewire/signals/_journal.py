@@ -22,18 +22,6 @@ from musclewire.errors import RecordingError
 from musclewire.signals._columns import COLUMNS
 from musclewire.signals._metadata import MetadataValue
 
-__all__ = [
-    "JournalContents",
-    "encoded_end",
-    "encoded_rows",
-    "encoded_start",
-    "is_journal",
-    "journal_of",
-    "parsed_journal",
-    "recording_of",
-    "unfinished",
-]
-
 JOURNAL_SUFFIX = ".journal"
 FORMAT, FORMAT_VERSION = "musclewire-journal", 1
 ADVICE = "These are the rows of a run that goes on or was cut off. 'musclewire recover FILE' makes plain HDF5 of them."

@@ -24,8 +24,6 @@ from musclewire.signals._metadata import MetadataValue, checked_metadata, one_li
 from musclewire.signals._whole_files import folder_to_disk, remove_parts
 from musclewire.signals._writing import write_columns
 
-__all__ = ["OpenJournal", "refuse_unfinished", "replace_journal"]
-
 # Rows are taken this often [s]: with what a busy machine adds, none that is older than 0.1 s is lost by a kill.
 TAKEN_EVERY_S = 0.02
 # A power cut costs no more [s] than this and what one fsync takes. Once a second is what an SD card bears.

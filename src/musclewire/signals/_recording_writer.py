@@ -11,8 +11,6 @@ from musclewire.signals._columns import known_column, needs_no_clock
 from musclewire.signals._metadata import MetadataValue, one_line
 from musclewire.signals._open_journal import OpenJournal
 
-__all__ = ["RecordingWriter"]
-
 
 class RecordingWriter:
     """Writes a recording during the run; every row appended can be read, whenever the process is killed.

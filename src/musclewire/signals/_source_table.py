@@ -13,17 +13,6 @@ from typing import NamedTuple, Protocol
 from musclewire.arrays import FloatArray
 from musclewire.signals._metadata import MetadataValue
 
-__all__ = [
-    "BLOCK_ROWS",
-    "RowBlock",
-    "Cells",
-    "SourceColumn",
-    "SourceTable",
-    "TableInMemory",
-    "head_of",
-    "stated_period_s",
-]
-
 # Rows that are handed over together: enough to be fast, and few enough to take little memory.
 BLOCK_ROWS = 65_536
 

@@ -16,8 +16,6 @@ from musclewire.signals._text_headers import header_rows, joined_headers, spaced
 from musclewire.signals._text_lines import Line
 from musclewire.signals._units import is_unit
 
-__all__ = ["TextLayout", "layout_of", "split_lines", "too_wide"]
-
 SEPARATOR_WORDS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
 # Tab and semicolon come before the comma, because in a file that they separate a comma may be the decimal sign.
 _SEPARATORS = ("\t", ";", "|", ",", " ")

@@ -11,8 +11,6 @@ from pathlib import Path
 
 from musclewire.errors import RecordingError
 
-__all__ = ["Line", "lines_of"]
-
 # A row of a thousand columns of 20 characters is 50 times shorter.
 _MAX_LINE_LENGTH = 1_000_000
 # A quoted cell may hold line breaks; one that never ends must not swallow the file.

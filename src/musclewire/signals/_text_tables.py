@@ -24,8 +24,6 @@ from musclewire.signals._text_layout import TextLayout, layout_of, split_lines, 
 from musclewire.signals._text_lines import Line, lines_of
 from musclewire.signals._units import is_unit
 
-__all__ = ["TextTable", "fill_csv", "fill_csv_blocks", "read_text_table", "table_of_lines"]
-
 _COMMENT = re.compile(r"\s*(?:#|%|//|!)+\s?(.*)")
 # With what a comment or a blank line begins; any other line needs no closer look.
 _MAY_BE_NO_ROW = frozenset("#%/! \t\f\v\xa0")

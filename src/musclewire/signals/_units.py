@@ -22,16 +22,6 @@ if TYPE_CHECKING:
     import pint
     from pydantic import BeforeValidator
 
-__all__ = [
-    "UnitConversion",
-    "conversion_to_si",
-    "is_unit",
-    "measured_in",
-    "measures",
-    "parse_quantity",
-    "quantity_with_suffix",
-]
-
 
 @dataclass(frozen=True)
 class UnitConversion:

@@ -24,8 +24,6 @@ from musclewire.wire._stepping import (
     shorter_step_s,
 )
 
-__all__ = ["accept_step", "advance_heated", "advance_wire", "attempt"]
-
 # One step a sample up to the paper's 50 ms: a hypothesis needs no more, its power is a mean over the sample anyway.
 MAX_HEATED_S = 0.05
 

@@ -39,8 +39,6 @@ from musclewire.wire._stepping import (
     require_resolved,
 )
 
-__all__ = ["COLUMNS", "BatchMeans", "WireBatch", "drive_many"]
-
 COLUMNS = DrivenPath._fields
 Places = npt.NDArray[np.int64]
 # Drives, plan, columns to fill, and which column goes where.

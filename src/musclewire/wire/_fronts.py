@@ -18,19 +18,6 @@ from musclewire.compiled import compiled_inline
 from musclewire.wire._constants import StepConstants
 from musclewire.wire._row import Rows
 
-__all__ = [
-    "TransformationFronts",
-    "PhaseFractions",
-    "Thresholds",
-    "cumulative_at",
-    "fronts_after",
-    "moved_fronts",
-    "ShakedownEffects",
-    "phases_of_class",
-    "shakedown_of",
-    "thresholds_at",
-]
-
 # A spread that stress made smaller than this is a switch rather than a ramp.
 MIN_SPREAD_K = 1e-6
 

@@ -45,8 +45,6 @@ from musclewire.wire._step import (
 )
 from musclewire.wire._stepping import DURATION, STEPS, VOLTAGE, SourceOutput, WireInstant, circuit_at, owed_j
 
-__all__ = ["LANES", "Workspace", "advance_lanes", "workspace"]
-
 # Wires in a block: two of the widest vector registers. Eight would be unrolled into scalar code.
 LANES = 16
 

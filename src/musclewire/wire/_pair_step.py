@@ -25,22 +25,6 @@ from musclewire.wire._state import WireState
 from musclewire.wire._step import Equilibrium, RunningWire, accept, guess_after, middle_of_step
 from musclewire.wire._stepping import StepAttempt, WireInstant, error_ratio, owed_j, rises_over
 
-__all__ = [
-    "OWN_SUPPLY",
-    "PARALLEL",
-    "SERIES",
-    "RunningPair",
-    "PairConnection",
-    "PairAttempt",
-    "PairInstant",
-    "PairSetting",
-    "attempt_both",
-    "error_ratio_of_both",
-    "instant_of_both",
-    "present",
-    "accept_pair_step",
-]
-
 # Supply of the second wire: its own one, in parallel with the first wire, or in series with it.
 OWN_SUPPLY, PARALLEL, SERIES = 0, 1, 2
 

@@ -14,11 +14,8 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.wire._constants import WireConstants
-from musclewire.wire._coupling import APART, GrippedObject, grip_force_n, no_grip
+from musclewire.wire._coupling import APART, GrippedObject, grip_force_n
 from musclewire.wire._pair_step import (
-    OWN_SUPPLY,
-    PARALLEL,
-    SERIES,
     PairConnection,
     PairInstant,
     PairSetting,
@@ -43,18 +40,6 @@ from musclewire.wire._stepping import (
     plan_of,
     shorter_step_s,
 )
-
-__all__ = [
-    "APART",
-    "OWN_SUPPLY",
-    "PARALLEL",
-    "SERIES",
-    "GrippedObject",
-    "PairConnection",
-    "PairMeans",
-    "advance_pair",
-    "no_grip",
-]
 
 
 class PairMeans(NamedTuple):

@@ -34,8 +34,6 @@ from musclewire.wire._stepping import (
     require_resolved,
 )
 
-__all__ = ["DrivenPath", "IsobaricPath", "drive_path", "heated_state", "isobaric_path"]
-
 # Far below any spread of the grains, so that the balance is found from the stress before in one or two evaluations.
 WARMING_STEP_K = 0.1
 # A prescribed temperature a second, in one step each: the rate does not matter to what loses no heat.

@@ -25,28 +25,6 @@ from musclewire.wire._fronts import PhaseFractions, ShakedownEffects, cumulative
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
 
-__all__ = [
-    "MAX_EVALUATIONS",
-    "NO_HEAT_J",
-    "NO_PUSH",
-    "SMALL_BEND_N",
-    "SOLVED_K",
-    "Equilibrium",
-    "HalfStepWire",
-    "RunningWire",
-    "accept",
-    "equilibrium_of",
-    "friction_at",
-    "guess_after",
-    "load_at",
-    "middle_of_step",
-    "next_stress_pa",
-    "phases_at",
-    "solve",
-    "stress_balanced",
-    "trial_at",
-]
-
 # Newton's last step may be this long: it is applied linearly, and the error that remains is of second order in it.
 SOLVED_K = 1e-3
 # After so many plain Newton steps the safe method begins, and after so many evaluations a step counts as unsolved.

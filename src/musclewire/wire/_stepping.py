@@ -17,38 +17,6 @@ from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
 from musclewire.wire._step import NO_HEAT_J, Equilibrium
 
-__all__ = [
-    "CHOSEN",
-    "CURRENT",
-    "DURATION",
-    "MIN_STEP_S",
-    "POWER",
-    "RESISTANCE",
-    "STEPS",
-    "STRAIN",
-    "TEMPERATURE",
-    "VOLTAGE",
-    "HeatSlopes",
-    "StepAttempt",
-    "SourceOutput",
-    "WireInstant",
-    "StepControl",
-    "circuit_at",
-    "are_resolved",
-    "error_ratio",
-    "is_resolved",
-    "require_resolved",
-    "rises_over",
-    "fixed_steps",
-    "instant_of",
-    "longest_step_s",
-    "next_step_s",
-    "owed_j",
-    "plan_of",
-    "shorter_step_s",
-    "steps_within",
-]
-
 # A fixed step must divide the sample; this much of a step may be left over by rounding.
 RAGGED = 1e-6
 

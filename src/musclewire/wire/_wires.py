@@ -15,7 +15,9 @@ from musclewire.compiled import compiled
 from musclewire.wire._advance import advance_wire
 from musclewire.wire._building import resting_state
 from musclewire.wire._constants import WireConstants
-from musclewire.wire._pairs import APART, GrippedObject, PairConnection, advance_pair
+from musclewire.wire._coupling import APART, GrippedObject
+from musclewire.wire._pair_step import PairConnection
+from musclewire.wire._pairs import advance_pair
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
 from musclewire.wire._step import RunningWire
@@ -28,8 +30,6 @@ from musclewire.wire._stepping import (
     plan_of,
     require_resolved,
 )
-
-__all__ = ["OneWire", "SampleMeans", "SimulatedWires", "TwoWires", "WireMeans", "advance", "advance_rows"]
 
 
 class WireMeans(NamedTuple):

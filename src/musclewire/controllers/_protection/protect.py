@@ -33,24 +33,6 @@ from musclewire.controllers._protection.table import (
     protection_table,
 )
 
-__all__ = [
-    "CONDITION_EVENTS",
-    "LastingConditions",
-    "ProtectionState",
-    "state_after",
-    "allowed_drive_v",
-    "armed",
-    "closed",
-    "packed_memory",
-    "protect_command",
-    "protect_event",
-    "protect_missing",
-    "protect_reading",
-    "rested",
-    "tripped_by",
-    "with_memory",
-]
-
 # A commanded maximum may have been rounded on its way.
 MAXIMUM_ROUNDING = 1.0 + 1e-6
 

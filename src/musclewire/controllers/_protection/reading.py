@@ -16,16 +16,6 @@ from numpy.typing import NDArray
 from musclewire.compiled import compiled
 from musclewire.controllers._protection.table import Event, ProtectionLimits
 
-__all__ = [
-    "REMEMBERED",
-    "SOUND_LIMITS",
-    "SOUND_MEMORY",
-    "Rows",
-    "after_reading",
-    "packed_limits",
-    "sound_reading",
-]
-
 # A voltage counts as saturated from this fraction of its range.
 SATURATED_FRACTION = 0.999
 # Driven means at least this fraction of the sense voltage: below it no current is expected.

@@ -42,8 +42,6 @@ from musclewire.controllers._protection.table import (
     protection_table,
 )
 
-__all__ = ["RunningProtection", "fills_block", "sound_command", "sound_sample"]
-
 # A block of samples counts as full from this much less than the period of readings [s]: its duration is a sum.
 PERIOD_ROUNDING_S = 1e-9
 

@@ -23,8 +23,6 @@ from musclewire.extras.lab_files._excel_export import METADATA_SHEET, RECORDING_
 from musclewire.extras.lab_files._file_table import check_limits, damage_reported, one_line
 from musclewire.signals import Line, MetadataValue, TextTable, entry_from_text, table_of_lines
 
-__all__ = ["read_excel_table"]
-
 MAX_ROWS = 1_048_576
 MAX_COLUMNS = 16_384
 _HEAD_ROWS = 60

@@ -26,23 +26,6 @@ from musclewire.signals import (
     stated_period_s,
 )
 
-__all__ = [
-    "FileColumn",
-    "FilePart",
-    "FileTable",
-    "check_limits",
-    "chosen_part",
-    "clock_column",
-    "damage_reported",
-    "describe",
-    "file_table",
-    "has_clock",
-    "is_clock",
-    "metadata_of",
-    "one_line",
-    "seconds_since",
-]
-
 # A name or text longer than this was not written by a person, and would fill the screen.
 MAX_TEXT_LENGTH = 200
 MAX_METADATA = 200

@@ -20,8 +20,6 @@ from musclewire.extras.lab_files._file_table import (
 )
 from musclewire.extras.lab_files._hdf5_datasets import checked, decoded, numbers_of, opened, text_attribute
 
-__all__ = ["read_hdf5_of_others"]
-
 _UNIT_NAMES = ("unit", "units", "unit_string", "engineeringunits", "uom")
 _NAMES = ("columns", "column_names", "names", "fields", "channels", "labels", "headers", "variables")
 MAX_COLUMNS = 10_000

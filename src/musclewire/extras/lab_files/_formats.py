@@ -8,8 +8,6 @@ from pathlib import Path
 from musclewire.errors import RecordingError
 from musclewire.signals import SourceTable
 
-__all__ = ["LAB_SUFFIXES", "lab_file_reader"]
-
 LAB_SUFFIXES = (".tdms", ".lvm", ".mat", ".xlsx", ".parquet")
 
 _Reader = Callable[[Path, str | None], SourceTable]

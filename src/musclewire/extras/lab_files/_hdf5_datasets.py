@@ -12,8 +12,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.extras.lab_files._file_table import check_limits, damage_reported, one_line
 
-__all__ = ["checked", "decoded", "numbers_of", "opened", "text_attribute"]
-
 
 def opened(path: Path, what: str = "HDF5") -> Any:
     """Return an HDF5 file opened for reading. Raises RecordingError if it is none, or damaged."""

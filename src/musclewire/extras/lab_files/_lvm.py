@@ -16,8 +16,6 @@ from musclewire.errors import RecordingError, nearest_hint
 from musclewire.extras.lab_files._file_table import MAX_NAMED, damage_reported, is_clock, metadata_of, one_line
 from musclewire.signals import Line, TextTable, lines_of, table_of_lines
 
-__all__ = ["is_lvm", "read_lvm_table"]
-
 _TITLE = "LabVIEW Measurement"
 _END = "***End_of_Header***"
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}

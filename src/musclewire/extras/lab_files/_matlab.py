@@ -31,8 +31,6 @@ from musclewire.extras.lab_files._file_table import (
 from musclewire.extras.lab_files._hdf5_datasets import checked, decoded, numbers_of, opened
 from musclewire.signals import MetadataValue
 
-__all__ = ["METADATA_NAME", "read_matlab_table"]
-
 # Our own .mat files keep the metadata, which MATLAB's names cannot all spell, as JSON in this variable.
 METADATA_NAME = "musclewire_metadata"
 

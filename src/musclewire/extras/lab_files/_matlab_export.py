@@ -18,8 +18,6 @@ from musclewire.errors import CallerError
 from musclewire.extras.lab_files._matlab import METADATA_NAME
 from musclewire.signals import COLUMNS, MetadataValue
 
-__all__ = ["MATLAB_VERSIONS", "fill_matlab", "fill_matlab_5", "fill_matlab_73", "fill_of_version"]
-
 Columns = Mapping[str, FloatArray]
 Metadata = Mapping[str, MetadataValue]
 

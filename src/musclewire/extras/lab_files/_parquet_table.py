@@ -15,8 +15,6 @@ from musclewire.errors import MissingExtraError, RecordingError
 from musclewire.extras.lab_files._file_table import check_limits, damage_reported, metadata_of, one_line
 from musclewire.signals import BLOCK_ROWS, Cells, MetadataValue, RowBlock, SourceColumn
 
-__all__ = ["PARQUET_KEY", "ParquetTable", "read_parquet_table"]
-
 # Our files keep the metadata under this key of the schema, as JSON.
 PARQUET_KEY = b"musclewire-recording"
 

@@ -29,8 +29,6 @@ from musclewire.extras.lab_files._file_table import (
 )
 from musclewire.signals import MetadataValue
 
-__all__ = ["read_tdms_table"]
-
 # Properties that describe how LabVIEW keeps or draws a channel, not what was measured.
 _TECHNICAL = ("NI_", "wf_", "unit_string", "ResultStatusTable")
 

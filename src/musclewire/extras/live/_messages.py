@@ -9,8 +9,6 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError,
 
 from musclewire.errors import CallerError
 
-__all__ = ["COMMANDS", "NEEDS_NO_CONTROL", "Answer", "Command", "Record", "Reference", "read_command"]
-
 # A drawn path has this many points at most, and a text this many characters: nothing a page sends may grow without end.
 MAX_POINTS, MAX_TEXT = 10_000, 100
 Positive: TypeAlias = Annotated[float, Field(gt=0.0)]

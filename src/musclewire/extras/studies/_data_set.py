@@ -17,8 +17,6 @@ from musclewire.signals import write_whole
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["data_set_of", "on_grid", "read_columns", "read_study_data", "require_extra", "write_data"]
-
 # Key of the file's own metadata, as JSON: what the study was, with units and meanings.
 KEY = b"musclewire-study"
 ERROR = "error"

@@ -23,8 +23,6 @@ from musclewire.extras.studies._run_kind import (
 from musclewire.parameters import validated
 from musclewire.rigs import RigConfiguration, Value, VariedRig
 
-__all__ = ["Chunk", "ChunkResult", "StudyTask", "evaluate_chunk", "task_of"]
-
 
 @dataclass(frozen=True)
 class StudyTask:

@@ -20,8 +20,6 @@ from musclewire.extras.studies._evaluation import Chunk, ChunkResult
 from musclewire.extras.studies._plan import Plan, engine
 from musclewire.signals import write_text_whole, write_whole
 
-__all__ = ["Chunks", "StudyFolder", "unfinished"]
-
 STUDY, CHUNKS, DATA = "study.json", "chunks", "data.parquet"
 PAGE, TABLE = "report.html", "sensitivity.csv"
 # Names in a chunk's file: a quantity must not have that of an argument of NumPy.

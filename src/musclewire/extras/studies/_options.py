@@ -8,19 +8,6 @@ from pathlib import Path
 
 from musclewire.app import StoppedCommand, option
 
-__all__ = [
-    "CONDITION",
-    "CONTROLLERS",
-    "ESTIMATORS",
-    "PLAN",
-    "RETRIES",
-    "RUNS_PER_CHUNK",
-    "SCHEDULER",
-    "TRACK",
-    "TUNING",
-    "resumable",
-]
-
 SCHEDULER = option(
     "--scheduler", help="A Dask cluster's address, as 'tcp://host:8786'; by default this machine's cores."
 )

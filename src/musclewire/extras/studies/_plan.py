@@ -25,8 +25,6 @@ from musclewire.extras.studies._varied_parameters import GridAxis, SampledParame
 from musclewire.parameters import is_wire_file, validated
 from musclewire.rigs import RigConfiguration, VariedKey, VariedRig, key_unit, simulated_configuration
 
-__all__ = ["Plan", "engine", "plan_of"]
-
 RUN = "run."
 
 

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
     from musclewire.extras.studies._robustness import Robustness, Selection
 
-__all__ = ["robustness"]
-
 
 @dataclass(frozen=True)
 class WhatIsRun:

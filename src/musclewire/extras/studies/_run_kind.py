@@ -15,19 +15,6 @@ from musclewire.extras.studies._design import run_seed
 from musclewire.registry import Registry
 from musclewire.rigs import GuardedRig, Value, VariedRig, VariedWire
 
-__all__ = [
-    "RUN_KINDS",
-    "KindOptions",
-    "Outcome",
-    "Quantity",
-    "StudyRun",
-    "RunKind",
-    "StudyRuns",
-    "column_of",
-    "each",
-    "texts_of",
-]
-
 # The result of a run: a number, an array of numbers for a series, or a text, by quantity; or the error that ended it.
 Outcome = Mapping[str, float | FloatArray | str] | MusclewireError
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from musclewire.extras.studies._sensitivity import Sensitivity
 
-__all__ = ["OnProgress", "StudyResult", "Workers", "read_study", "sweep"]
-
 # Called with the number of runs that are finished, and of all.
 OnProgress = Callable[[int, int], None]
 RETRIES = 5

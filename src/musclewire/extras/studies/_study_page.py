@@ -25,8 +25,6 @@ from musclewire.extras.studies._study_figures import (
 from musclewire.pages import NumberCard, page, svg_in_frame
 from musclewire.signals import write_text_whole
 
-__all__ = ["require_packages", "write_study"]
-
 # A page with more figures than this is read by nobody; the data set has everything.
 MAX_FIGURES = 12
 MAX_FAILURES = 8

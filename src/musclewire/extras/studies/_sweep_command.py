@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from musclewire.extras.studies._plan import Plan
     from musclewire.extras.studies._study import StudyResult, Workers
 
-__all__ = ["sweep"]
-
 
 @dataclass(frozen=True)
 class WorkerOptions:

@@ -22,9 +22,6 @@ from musclewire.identify._physical.uncertainty import ParameterEstimate
 from musclewire.pages import notebook_table
 from musclewire.parameters import Alloy, Bench, PriorSet, Wire
 
-__all__ = ["Calibration", "CalibrationInputs"]
-
-
 CORRELATED = 0.9
 
 

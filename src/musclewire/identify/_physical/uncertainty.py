@@ -9,9 +9,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.identify._physical.candidates import CandidateParameters
 
-__all__ = ["ParameterEstimate", "covariance", "estimates", "excess_variance"]
-
-
 # A parameter is identifiable if its interval is at most half its prior's; a wider one is mostly the prior's.
 IDENTIFIABLE_FRACTION = 0.5
 NEAR_BOUND = 0.02

@@ -33,8 +33,6 @@ from musclewire.parameters import Bench, Parameter, bench_known_with, load_sprea
 from musclewire.sensing import SensingModel, find_segments, fit_loop
 from musclewire.signals import Recording
 
-__all__ = ["ResistanceFit", "fit_resistance"]
-
 PAPER_ORDER = 6
 DRAWN_WIRES = 80
 # Residuals that are so many times their uncertainty are another wire's, or another load's.

@@ -18,8 +18,6 @@ from musclewire.identify._speed_limits.tracking import branches_of, followed
 from musclewire.sensing import SHOWN_AS, SensingModel
 from musclewire.signals import RunFacts
 
-__all__ = ["SpeedLimits", "TooFast", "speed_limits_of"]
-
 # The wire misses its target from this fraction of the model's range on. Chosen: near the largest error in the paper.
 TOLERANCE_FRACTION = 0.02
 # A reference that lasts longer is looked at in longer periods than the rig's.

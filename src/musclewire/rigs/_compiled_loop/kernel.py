@@ -19,8 +19,6 @@ from musclewire.rigs._simulated import read_sample
 from musclewire.signals import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS
 from musclewire.wire import Rows
 
-__all__ = ["CompiledLoopEnd", "LoopArrays", "RIG_COLUMNS", "RigArrays", "no_estimate", "run_loop", "scheduled_drive"]
-
 # A `compiled.Callback`, which only compiled code can call.
 Tick = Any
 

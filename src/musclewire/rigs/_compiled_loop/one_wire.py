@@ -12,18 +12,6 @@ from musclewire.compiled import compiled
 from musclewire.wire import OneWire, Rows, StepControl, advance_rows, plan_of
 from musclewire.wire import is_resolved as state_is_resolved
 
-__all__ = [
-    "WireArrays",
-    "advance_sample",
-    "is_resolved",
-    "places_of",
-    "sample_times_s",
-    "slack_m",
-    "surround",
-    "time_s",
-    "wire_arrays",
-]
-
 
 class WireArrays(NamedTuple):
     """A wire as compiled code takes it, arrays of one record each, and how a sample is divided into steps."""

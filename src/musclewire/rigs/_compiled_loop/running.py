@@ -31,8 +31,6 @@ from musclewire.rigs._simulated import SimulatedDevice, SimulatedInside
 from musclewire.signals import CONTROLLER_ANSWERS, ELECTRICAL_COLUMNS, ESTIMATOR_ANSWERS, CompiledTick
 from musclewire.wire import OneWire
 
-__all__ = ["CompiledRun", "LoopTicks", "run_compiled", "run_known_drive", "times_on_rig_s", "uncompiled"]
-
 
 class LoopTicks(NamedTuple):
     """The ticks of a loop, and the names of the columns that each of them records."""

@@ -28,8 +28,6 @@ from musclewire.sensing._particles.settings import EXPLANATIONS, UNKNOWNS, Parti
 from musclewire.signals import EstimatorStep, QuantityEstimate, Reason, WireSample
 from musclewire.wire import WireConstants, resting_state
 
-__all__ = ["PARTICLE_COLUMNS", "ParticleFilter", "ParticleState", "particle_filter"]
-
 PARTICLE_COLUMNS = (
     "wire_resistance_ohm",
     "estimate_std",

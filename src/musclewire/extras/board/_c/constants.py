@@ -40,8 +40,6 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.physics import MINIMUM_CURRENT_A
 from musclewire.sensing import GATES, PAPER_ESTIMATOR, SensingModel, gated_numbers
 
-__all__ = ["ACTIONS", "CONTROL_HEADINGS", "CConstant", "CConstants", "collect", "control_numbers"]
-
 Kind = Literal["real", "integer"]
 ACTIONS = {"": 0, "trip": 1, "degrade": 2}
 EFFECT_WEIGHT = 16

@@ -29,8 +29,6 @@ from musclewire.physics import wire_resistance
 from musclewire.sensing import PAPER_ESTIMATOR, GatedEstimator, SensingModel
 from musclewire.signals import QuantityEstimate, Reason, WireSample, drive_voltage_of
 
-__all__ = ["TickOutcome", "ReferenceTick"]
-
 TIME_ROUNDING_S = 1e-9
 
 

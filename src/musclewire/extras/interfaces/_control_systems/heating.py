@@ -22,8 +22,6 @@ from musclewire.wire import (
     solve,
 )
 
-__all__ = ["HeatFlow", "heat_flow_of", "heated_to"]
-
 # Half of the width over which the slope of the loss to the air is taken; its table has a point every 2 K.
 LOSS_SLOPE_K = 1.0
 

@@ -12,8 +12,6 @@ from musclewire.extras.interfaces._fmu.description import ModelDescription, desc
 from musclewire.extras.interfaces._fmu.header import variables_header
 from musclewire.extras.interfaces._fmu.variables import FmuVariables
 
-__all__ = ["LOG_OWNERS", "FmuContents", "fmu_sources", "fmu_texts", "c_files"]
-
 # Exports of the same content have the same GUID, those of other content another.
 NAMESPACE = uuid.UUID("6d1e5c1e-6f0b-5b0c-9a53-8f7f2b6a3c10")
 LOG_OWNERS = {

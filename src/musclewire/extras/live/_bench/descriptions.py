@@ -11,16 +11,6 @@ from musclewire.experiment import ControlMetrics, Examination, PretensionSweep
 from musclewire.rigs import GuardedRig, HasStage, ability
 from musclewire.sensing import SHOWN_AS, SensingModel, evaluate
 
-__all__ = [
-    "described_examination",
-    "described_metrics",
-    "described_model",
-    "described_protection",
-    "described_rig",
-    "described_sweep",
-    "wiring",
-]
-
 BRANCH_POINTS = 120
 # Facts of a rig's metadata that a page shows by their own names.
 FACTS = ("wire", "wire_length_m", "wire_diameter_m", "pretension_n", "maximum_force_n")

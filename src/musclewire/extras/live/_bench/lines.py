@@ -10,8 +10,6 @@ from typing import IO, Any
 
 from pydantic_core import to_json
 
-__all__ = ["MessageWriter", "lines_of"]
-
 
 class MessageWriter:
     """Writes messages whole, from any thread; a server that has ended is no error here: the reading end notices it."""

@@ -36,8 +36,6 @@ from musclewire.rigs import GuardedRig, HasStage, ability
 from musclewire.sensing import SensingModel, load_model
 from musclewire.signals import Recording
 
-__all__ = ["RECIPES", "CommandRecipe"]
-
 # A first pulse at this part of the amplitude that completes the transformation: warm enough to be seen, far from harm.
 PULSE_FRACTION = 0.6
 PULSE_REST_S = 2.0

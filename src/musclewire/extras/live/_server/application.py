@@ -15,8 +15,6 @@ from musclewire.extras.live._server.live_socket import live
 from musclewire.extras.live._server.session import Session
 from musclewire.extras.live._server.socket_messages import one_line
 
-__all__ = ["LIVE", "make_app"]
-
 LIVE = "/api/v1/live"
 DESCRIPTION = (
     "State and commands of the rigs that a running 'musclewire serve' has open. All quantities are in SI units. "

@@ -24,8 +24,6 @@ from musclewire.extras.live._server.leases import RequestOutcome
 from musclewire.extras.live._server.requests import PROBLEMS, BenchOf, LeaseOf, SessionOf
 from musclewire.extras.live._server.session import SAFE_PHASES, OnlineBench, Session, name_of
 
-__all__ = ["ROUTES"]
-
 # A stop is answered when the drive is off; after this time in any case.
 STOP_ANSWER_S = 1.0
 # Rows of a request at most, the newest: at 100 a second twenty seconds.

@@ -18,8 +18,6 @@ from musclewire.extras.live._server.http_messages import RecordingList
 from musclewire.extras.live._server.requests import PROBLEMS, SessionOf
 from musclewire.extras.live._server.session_files import RECORDINGS, named_file, session_files
 
-__all__ = ["PAGE", "ROUTES", "PageFiles", "first_page"]
-
 ROUTES = APIRouter(prefix="/api/v1/recordings", responses=PROBLEMS, tags=["recordings"])
 PAGE = Path(str(files("musclewire.extras.live"))) / "page"
 READING_S = 60.0

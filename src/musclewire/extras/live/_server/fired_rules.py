@@ -26,8 +26,6 @@ from musclewire.controllers import (
 from musclewire.errors import MusclewireError
 from musclewire.extras.live._server.socket_messages import FiredRule
 
-__all__ = ["FiredRules", "InputRatios", "fired", "settings_of"]
-
 
 class InputRatios(NamedTuple):
     """The two inputs of the fuzzy tables: the error and its rate, each over its range."""

@@ -11,8 +11,6 @@ from musclewire.arrays import FloatArray
 from musclewire.extras.live._server.fired_rules import FiredRules, settings_of
 from musclewire.extras.live._server.socket_messages import FiredRule
 
-__all__ = ["COMPUTED", "RowFrame", "FrameMaker", "thinned", "with_computed"]
-
 # At most so many rows a second of the clock on the wall; at the paper's 20 Hz every row.
 ROWS_PER_S = 100.0
 COMPUTED = ("current_a", "power_w", "resistance_ohm")

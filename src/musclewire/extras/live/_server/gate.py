@@ -20,8 +20,6 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from musclewire.extras.live._server.access import Access
 from musclewire.extras.live._server.json_texts import MAX_BYTES
 
-__all__ = ["SECURITY_HEADERS", "Gate", "Refusal"]
-
 CONTENT_SECURITY_POLICY = "; ".join(
     (
         "default-src 'none'",

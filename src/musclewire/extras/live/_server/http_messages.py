@@ -7,20 +7,6 @@ from pydantic import Field
 from musclewire.extras.live._messages import Record
 from musclewire.extras.live._server.socket_messages import PersonName
 
-__all__ = [
-    "BenchList",
-    "BenchSummary",
-    "CommandResult",
-    "ControlAnswer",
-    "ControlRequest",
-    "ControlState",
-    "PhaseAnswer",
-    "ProblemAnswer",
-    "RecordingList",
-    "RecordingSummary",
-    "RowsAnswer",
-]
-
 
 class BenchSummary(Record):
     """A bench in short."""

@@ -8,8 +8,6 @@ from pydantic_core import from_json, to_json
 
 from musclewire.errors import CallerError
 
-__all__ = ["MAX_BYTES", "compact", "read_json"]
-
 # A drawn path of 10 000 points with all their digits takes 400 kB.
 MAX_BYTES = 512 * 1024
 

@@ -25,8 +25,6 @@ from musclewire.extras.live._server.socket_messages import (
 )
 from musclewire.extras.live._server.viewers import Viewer, ViewerTooSlowError
 
-__all__ = ["ViewerConnection", "live"]
-
 # A slider sends some dozens of targets a second. A long message counts as one more for each so many characters.
 MESSAGES_A_SECOND, CHARACTERS_EACH = 400, 8192
 # What comes too fast is not read, but for a stop, which is short; a client that does not end is disconnected.

@@ -10,8 +10,6 @@ from musclewire.errors import CallerError
 from musclewire.extras.live._server.http_messages import ProblemAnswer
 from musclewire.extras.live._server.session import OnlineBench, Session
 
-__all__ = ["PROBLEMS", "BenchOf", "LeaseOf", "SessionOf"]
-
 PROBLEMS: dict[int | str, dict[str, Any]] = {
     status: {"model": ProblemAnswer, "description": text}
     for status, text in (

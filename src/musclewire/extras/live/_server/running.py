@@ -26,8 +26,6 @@ from musclewire.extras.live._server.gate import Gate
 from musclewire.extras.live._server.json_texts import MAX_BYTES
 from musclewire.extras.live._server.session import Session
 
-__all__ = ["ListenAddress", "ServerEnd", "RunningServer", "ServerSettings", "listening_socket", "serve", "serve_until"]
-
 # If the usual port is taken, these next to it are tried.
 PORTS_TRIED = 20
 # What a connection may have sent that is not read yet: small, so that a flood is taken in small portions.

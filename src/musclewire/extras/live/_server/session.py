@@ -30,8 +30,6 @@ from musclewire.extras.live._server.viewers import Viewer
 if TYPE_CHECKING:
     from musclewire.extras.live._bench_handle import BenchHandle
 
-__all__ = ["MAX_VIEWERS", "ORDERED", "SAFE_PHASES", "OnlineBench", "Session"]
-
 FRAME_S, LEASE_CHECK_S, PING_S = 1.0 / 30.0, 0.05, 0.15
 MAX_VIEWERS = 32
 ORDERED = "the drive is being switched off; the state says when it is"

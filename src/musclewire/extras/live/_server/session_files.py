@@ -9,8 +9,6 @@ from pathlib import Path
 from musclewire.errors import CallerError
 from musclewire.extras.live._server.http_messages import RecordingSummary
 
-__all__ = ["MODELS", "RECORDINGS", "named_file", "session_files"]
-
 RECORDINGS, MODELS = (".h5",), (".json",)
 # Letters and digits of ASCII first, then also blank, dot, hyphen and underscore: no separator, no drive, no "..".
 NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9 _-]|\.(?!\.)){0,99}")

@@ -10,21 +10,6 @@ from pydantic import Field, TypeAdapter, ValidationError
 from musclewire.errors import CallerError
 from musclewire.extras.live._messages import Command, Record
 
-__all__ = [
-    "FROM_PAGE",
-    "CommandAnswer",
-    "ControlMessage",
-    "FiredRule",
-    "FromPage",
-    "Hello",
-    "Ping",
-    "Problem",
-    "StateMessage",
-    "ToPage",
-    "one_line",
-    "read_message",
-]
-
 BenchName: TypeAlias = Annotated[str, Field(min_length=1, max_length=100)]
 PersonName: TypeAlias = Annotated[str, Field(min_length=1, max_length=60)]
 Number: TypeAlias = Annotated[int, Field(ge=0, le=2**53)]

@@ -15,8 +15,6 @@ from musclewire.errors import MusclewireError
 from musclewire.extras.live._server.json_texts import compact
 from musclewire.signals import Recording, read_hdf5
 
-__all__ = ["main", "thinned_columns"]
-
 
 def main(arguments: list[str]) -> int:
     """Print the columns of a file; return the exit code."""

@@ -34,9 +34,6 @@ if TYPE_CHECKING:
     from musclewire.extras.design import PretensionerDesign
     from musclewire.extras.paper._reproduce import RunCache, SlowSineLoop
 
-__all__ = ["FINGER_FIGURES"]
-
-
 # Settings of the sweep whose loops are drawn; the others would lie on top of them.
 SHOWN_N = (0.15, 0.37, 0.71, 1.15, 1.7)
 ARC_POINTS = 12

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from musclewire.errors import MusclewireError
@@ -35,15 +36,13 @@ from musclewire.extras.paper._reproduce.section2 import (
 from musclewire.extras.paper._reproduce.section3 import strain_at_pct
 from musclewire.extras.paper._reproduce.table1 import WIRES, diameter_label
 from musclewire.identify import mark_points, required_quantity
-from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, Markup, svg
+from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, svg
 from musclewire.parameters import read_published
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from musclewire.extras.paper._reproduce import RunCache, SlowSineLoop
-
-__all__ = ["FIGURES", "drawn"]
 
 ZERO_CELSIUS_K = 273.15
 HELD_OUT = "#3f8f4f"

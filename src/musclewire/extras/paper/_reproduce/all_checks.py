@@ -12,8 +12,6 @@ from musclewire.extras.paper._reproduce.origins import with_origins
 from musclewire.extras.paper._reproduce.paper_checks import PREDICTED_OR_LISTED, PaperCheck
 from musclewire.parameters import read_published, read_toml
 
-__all__ = ["all_checks", "tolerance_of"]
-
 TABLE = Path(__file__).parent / "rows.toml"
 ISOBARS = "isobars."
 # What a row has unless it says otherwise, and what one of a kind has.

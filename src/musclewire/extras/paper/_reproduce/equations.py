@@ -11,18 +11,6 @@ from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.parameters import read_published
 from musclewire.sensing import normalised_resistance
 
-__all__ = [
-    "average_difference_pct",
-    "gain_end",
-    "gain_reach",
-    "gap_difference_pct",
-    "inverse_difference_pct",
-    "mae_difference_pct",
-    "normalised_at",
-    "polyfit_difference_pct",
-    "resistance_error_ohm",
-]
-
 RATIO_OF = {"proportional_gain": "kp", "integral_gain": "ki", "derivative_gain": "kd"}
 ENDS = {"R_min": "resistance_min_ohm", "R_max": "resistance_max_ohm"}
 

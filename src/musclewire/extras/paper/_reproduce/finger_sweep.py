@@ -6,16 +6,6 @@ from musclewire.extras.paper._reproduce.finger_runs import pretension_n
 from musclewire.extras.paper._reproduce.measures import falling_steps, lowest_place, one_sided_fraction
 from musclewire.extras.paper._reproduce.runs import RunCache
 
-__all__ = [
-    "SWEEP_N",
-    "falling_count",
-    "gap_at_choice_pct",
-    "gaps_over_pretension",
-    "grows_again_pct",
-    "one_sided_at_largest",
-    "smallest_gap_at_n",
-]
-
 # From a nearly slack wire to beyond twice the paper's choice, 0.12 N apart about it.
 SWEEP_N = (0.15, 0.25, 0.37, 0.47, 0.59, 0.71, 0.83, 0.95, 1.15, 1.4, 1.7)
 

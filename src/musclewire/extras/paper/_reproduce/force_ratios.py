@@ -10,16 +10,6 @@ from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.extras.paper._reproduce.table1 import WIRES, wire_name
 from musclewire.parameters import load_wire
 
-__all__ = [
-    "FORCE_RATIOS",
-    "MIDDLE_RATIO",
-    "force_less_strain_pct",
-    "gap_rank_correlation",
-    "loops_at_ratio",
-    "ratios_in_order",
-    "smallest_gap_at_ratio",
-]
-
 FORCE_RATIOS = (0.25, 0.35, 0.45, 0.55, 0.65)
 # The force ratio that the smallest gap must lie beyond.
 MIDDLE_RATIO = 0.45

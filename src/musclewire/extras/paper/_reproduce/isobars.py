@@ -6,8 +6,6 @@ from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.identify import half_transformation_slope_pa_per_k
 from musclewire.parameters import read_published
 
-__all__ = ["branch_degc", "largest_stroke_pct", "slope_mpa_per_k", "stroke_pct"]
-
 ZERO_CELSIUS_K = 273.15
 PARTS = ("tenth", "half", "nine_tenths")
 

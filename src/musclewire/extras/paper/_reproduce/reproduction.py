@@ -16,8 +16,6 @@ from musclewire.extras.paper._reproduce.seed_numbers import OnSeed, SeedCallback
 from musclewire.extras.paper._reproduce.verdicts import ReproductionRow, judged
 from musclewire.parameters import require_seed
 
-__all__ = ["DEFAULT_SEEDS", "Reproduction", "reproduce"]
-
 # How many seeds make the verdicts stable: checks/verdicts_over_seeds.py prints what ten such sets agree on.
 DEFAULT_SEEDS = 101
 

@@ -17,31 +17,6 @@ from musclewire.extras.paper._reproduce.measures import (
 from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.parameters import read_published
 
-__all__ = [
-    "STIFFNESS_FACTORS",
-    "SWEEP_WIRE",
-    "amplitude_of",
-    "distance_of_branches_pct",
-    "falling_count",
-    "force_gap_fall",
-    "force_gap_pct",
-    "force_gap_rise_pct",
-    "force_less_strain_at_largest_pct",
-    "gap_ratio",
-    "loop_of_amplitude",
-    "loop_of_stiffness",
-    "outside_pct",
-    "segment_ab_pct",
-    "segment_bc_cooling_pct",
-    "segment_bc_pct",
-    "smallest_force_gap_at_n",
-    "stiffness_force_ratio",
-    "strain_distance_pct",
-    "strain_gap_pct",
-    "stroke_ratio",
-    "sweep_settings_n",
-]
-
 MAIN_WIRE, SWEEP_WIRE = "paper-100um", "paper-125um"
 SWEEP_POINTS = 13
 STIFFNESS_FACTORS = (0.5, 1.0, 2.0)

@@ -10,19 +10,6 @@ from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.identify import required_quantity
 from musclewire.parameters import read_published
 
-__all__ = [
-    "fit_rms_pct",
-    "order",
-    "outside_band_pct",
-    "required_ohm",
-    "resistance_ohm",
-    "strain_at_pct",
-    "strain_gap_pct",
-    "strain_gap_plainly_pct",
-    "strain_of_table_pct",
-    "strain_rms_pct",
-]
-
 
 def resistance_ohm(runs: RunCache, *, end: str) -> float:
     """Return R_min or R_max of our model [ohm]."""

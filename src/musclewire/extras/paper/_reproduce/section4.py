@@ -11,21 +11,6 @@ from musclewire.extras.paper._reproduce.finger_runs import pretension_n
 from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.rigs import simulated_configuration
 
-__all__ = [
-    "columns",
-    "deflection_mm",
-    "designed_size_mm",
-    "eq8_error_n",
-    "finger_stiffness_n_per_m",
-    "length_mm",
-    "pretensioner_stiffness_n_per_m",
-    "range_ratio",
-    "reach_mm",
-    "softness",
-    "tendon_zero_um",
-    "wire_length_cm",
-]
-
 # Eq. 8 is evaluated between the ends of the connector's motion: at the ends friction has yet to reverse.
 EQUATION_8_SPAN = (0.05, 0.95)
 SIDES = ("across", "along", "out of plane")

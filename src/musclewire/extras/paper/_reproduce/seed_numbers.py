@@ -15,8 +15,6 @@ from musclewire.extras.paper._reproduce.paper_checks import PaperCheck, SeedResu
 from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.extras.paper._reproduce.seedless_runs import NeedsSeedError, SeedlessRuns
 
-__all__ = ["OnSeed", "SeedNumbers", "SeedCallbacks", "numbers_of_seeds"]
-
 OnSeed = Callable[[int, int], None]
 
 

@@ -12,20 +12,6 @@ from musclewire.extras.paper._reproduce.finger_runs import staircase_of_fig18
 from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.identify import required_quantity
 
-__all__ = [
-    "error_pct",
-    "estimate_rms",
-    "first_error_pct",
-    "from_first_target_pct",
-    "hold_s",
-    "largest_beyond_pct",
-    "largest_but_last_pct",
-    "level",
-    "sample_period_s",
-    "step_error_pct",
-    "step_size",
-]
-
 Which = Literal["spring", "finger"]
 
 

@@ -5,18 +5,6 @@ from __future__ import annotations
 from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.parameters import load_wire
 
-__all__ = [
-    "WIRES",
-    "cold_resistance",
-    "diameter_label",
-    "force_ratio",
-    "main_frequency_hz",
-    "noted",
-    "stress_spread_pct",
-    "wire_name",
-    "wire_number",
-]
-
 WIRES = ("paper-100um", "paper-125um", "paper-200um")
 
 

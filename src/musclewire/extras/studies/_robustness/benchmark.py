@@ -22,8 +22,6 @@ from musclewire.extras.studies._robustness.verdicts import BarVerdict, verdicts_
 from musclewire.extras.studies._study import Workers, read_study, sweep
 from musclewire.sensing import ESTIMATORS
 
-__all__ = ["Robustness", "Selection", "robustness"]
-
 OnProgress = Callable[[int, int], None]
 
 

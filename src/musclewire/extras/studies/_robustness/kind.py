@@ -20,8 +20,6 @@ from musclewire.extras.studies._robustness.store import FOLDER, ResultStore, kno
 from musclewire.extras.studies._run_kind import KindOptions, Outcome, Quantity, RunKind, StudyRuns, each
 from musclewire.sensing import ESTIMATORS
 
-__all__ = ["ANSWER", "ROBUSTNESS", "JobAnswer", "RobustnessOptions", "answer_of_text"]
-
 # The whole answer of a run, as JSON text.
 ANSWER = "answer"
 

@@ -13,8 +13,6 @@ from musclewire.extras.studies._robustness.kind import JobAnswer
 from musclewire.extras.studies._robustness.scoring import ErrorSums, pooled
 from musclewire.extras.studies._robustness.settings import Condition
 
-__all__ = ["EstimatorRow", "LoopRow", "WireError", "estimator_rows", "loop_rows"]
-
 
 @dataclass(frozen=True)
 class WireError:

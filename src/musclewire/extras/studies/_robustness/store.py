@@ -17,8 +17,6 @@ from musclewire.identify import users_wire
 from musclewire.sensing import SensingModel, load_model
 from musclewire.wire import WireConstants
 
-__all__ = ["FOLDER", "BenchmarkRun", "ResultStore", "digest", "known_wire", "runs_of", "sources"]
-
 # Where runs are kept by default.
 FOLDER = Path("robustness")
 # Rooms whose sources and data decide what a wire does and what its user knows of it: an edit of any runs all again. An

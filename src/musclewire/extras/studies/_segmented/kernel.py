@@ -42,8 +42,6 @@ from musclewire.wire import (
     solve,
 )
 
-__all__ = ["advance_segments"]
-
 # The stress is found to within this: the force to some 2e-7 N.
 CLOSE_PA = 10.0
 # After so many trials of plain Newton every second one halves the bracket; after so many the step counts as unsolved.

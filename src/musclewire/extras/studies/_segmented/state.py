@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from musclewire.wire import Row, field
 
-__all__ = ["SegmentPlace", "SegmentSums"]
-
 
 class SegmentPlace(Row):
     """Where a segment lies, and its numbers of the step in progress."""

@@ -29,8 +29,6 @@ from musclewire.wire import (
     total_strain,
 )
 
-__all__ = ["DEFAULT_STEP_S", "SegmentMeans", "SegmentedState", "SegmentedWire"]
-
 # Half of it changes resistance and strain by less than the instruments show (tests/extras/studies/unit/segmented).
 DEFAULT_STEP_S = 2.5e-3
 # The ends of a clamped wire are resolved at the convection of a wire this much above the air.
