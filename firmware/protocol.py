@@ -148,16 +148,11 @@ def protocol() -> Protocol:
 def python_text(of: Protocol) -> str:
     """Return the text of message_types.py."""
     made = [row for row in of.message if row.type_name]
-    names = [*(row.type_name for row in of.enumeration), *(row.type_name for row in made)]
-    exported = sorted([*names, "LAYOUTS", "MAXIMUM_BODY_BYTES", "MessageKind", "PROTOCOL_VERSION"])
     parts = [
         '"""Messages of the serial protocol: numbers, fields and layouts.\n\n'
         'Written by `python firmware/protocol.py` from data/protocol.toml; a test holds this file to it.\n"""\n\n'
         "from __future__ import annotations\n\n"
         "import struct\nfrom enum import IntEnum\nfrom typing import NamedTuple\n\n"
-        + "__all__ = [\n"
-        + "".join(f'    "{name}",\n' for name in exported)
-        + "]\n\n"
         + f"PROTOCOL_VERSION = {of.version}\nMAXIMUM_BODY_BYTES = {of.maximum_body_bytes}\n",
         'class MessageKind(IntEnum):\n    """Types of frames; those of the board have the highest bit set."""\n\n'
         + "".join(f"    {row.name.upper()} = 0x{row.number:02X}\n" for row in of.message),

@@ -25,7 +25,7 @@ from ._fitting import fit_branches as fit_branches
 from ._fitting import fit_loop as fit_loop
 from ._gaps import hysteresis_gap as hysteresis_gap
 from ._gaps import signed_hysteresis_gap as signed_hysteresis_gap
-from ._gated_branches import GATES as GATES
+from ._gated_estimator import GATES as GATES
 from ._gated_estimator import GatedEstimator as GatedEstimator
 from ._gated_estimator import gated_numbers as gated_numbers
 from ._grip_force import GripCurve as GripCurve

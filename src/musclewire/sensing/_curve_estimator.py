@@ -14,8 +14,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import callback, compiled
 from musclewire.physics import MINIMUM_CURRENT_A, friction_force_n, series_resistance_ohm
-from musclewire.sensing._curve import ResistanceCurve
-from musclewire.sensing._curve_tick import CURVE_NUMBERS, Row
+from musclewire.sensing._curve import CURVE_NUMBERS, ResistanceCurve, Row
 from musclewire.sensing._estimator import MAX_DROPOUTS, dropout_failure
 from musclewire.sensing._known_load import KnownSpring
 from musclewire.signals import ESTIMATOR_ANSWERS, CompiledTick, EstimatorStep, QuantityEstimate, Reason, WireSample

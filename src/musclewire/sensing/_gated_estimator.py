@@ -1,4 +1,4 @@
-"""The gated estimator: Eq. 1, then the branch of the direction in which the wire is driven (``_gated_branches``).
+"""The gated estimator: Eq. 1, then the branch of the direction in which the wire is driven.
 
 Samples without current are bridged, another wire's resistance is detected, and on a known spring the guide's
 friction is added, all as the paper's estimator does. In contrast to it a reading that no wire of this model can have,
@@ -7,12 +7,287 @@ as a contact that jumps gives it, leaves the estimate as it is; and a wire that 
 
 from __future__ import annotations
 
-from musclewire.sensing._curve import ResistanceCurve
-from musclewire.sensing._curve_estimator import CurveEstimator, estimator_numbers
+import math
+from typing import NamedTuple
+
+from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled
+from musclewire.sensing._curve import ResistanceCurve, Row, branches, row_type
+from musclewire.sensing._curve_estimator import (
+    ESTIMATOR_NUMBERS,
+    CurveEstimator,
+    add_friction,
+    answer_with,
+    answer_without_current,
+    estimator_numbers,
+    resistance_of,
+)
 from musclewire.sensing._estimator import EstimatorSetup
-from musclewire.sensing._gated_branches import GATED_NUMBERS, GATES, GatedState, gated_tick
 from musclewire.sensing._known_load import KnownSpring
-from musclewire.signals import CompiledTick
+from musclewire.sensing._segment_tracking import AMBIGUOUS_ABOVE
+from musclewire.signals import CompiledTick, Reason
+
+
+class GateNumbers(NamedTuple):
+    """Numbers of the method, chosen on the tuning seeds 1 to 10 of a population of wires (decision 41).
+
+    Resistance counts in units of R_max - R_min, the quantity in units of the model's range, times in seconds.
+    """
+
+    # Direction: time constant of the mean power, and by how much power must differ from it.
+    mean_power_s: float = 3.0
+    turning_fraction: float = 0.1
+    # Filter: variance that a still wire gains per second, one whose power differs from the mean by all of the mean, and
+    # the part of an unexpected change; time over which noise is learnt.
+    still_per_s: float = 2.5e-7
+    driven_per_s: float = 0.16
+    surprise_per_s: float = 0.15
+    noise_s: float = 10.0
+    # Motion: resistance moves if it differs from its value a time constant ago by more than noise and a least change.
+    lagging_s: float = 0.25
+    motion_deviations: float = 1.7
+    min_motion_variance: float = 1e-4
+    # Without motion: approach of the branch while power is beyond its mean in that direction by a fraction (below 0: a
+    # little less than the mean will do), and of the mean of both branches otherwise. Back to the branch from beyond.
+    supporting_fraction: float = -0.01
+    approach_s: float = 1.0
+    middle_s: float = 8.0
+    return_s: float = 1.0
+    # How far beyond the branches the quantity may be.
+    beyond: float = 0.015
+    # Standard deviation: part of the distance of the branches, and of the range (squared).
+    gap_fraction: float = 0.2
+    range_variance: float = 1.0e-5
+    # Nearer to R_min than this a wire cannot be before B, as for the paper's estimator.
+    ambiguous_above: float = AMBIGUOUS_ABOVE
+    # Readings have at least the noise of a good converter, so that a gain never divides by nothing.
+    min_noise: float = 1e-10
+    # A power [W] beyond it is none of a wire; it keeps the mean finite whatever the channels say. The same for others.
+    max_power_w: float = 1e6
+    max_ratio: float = 10.0
+    max_noise_v2: float = 1.0
+
+
+GATES = GateNumbers()
+# What follows for a curve and a sample period, by name: see ``gated_numbers`` in ``_gated_estimator``.
+GATED_NUMBERS = (*ESTIMATOR_NUMBERS, "dt_s", "beyond", "min_variance", "first_variance")
+OK, COLD = float(Reason.OK), float(Reason.COLD)
+OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
+
+
+class GatedState(NamedTuple):
+    """State of the gated estimator between two samples; all are numbers.
+
+    Parameters
+    ----------
+    value
+        The last value: the quantity, and on a known spring the friction.
+    friction_n
+        The friction [N] on a known spring.
+    dropouts, mismatches
+        Samples in a row without current, and with another wire's resistance.
+    followed
+        1 once there has been a sample; before it the numbers below do not count.
+    quantity
+        The quantity by the branches.
+    resistance, lagging, variance
+        Filtered resistance, its value about ``lagging_s`` ago, and the variance of the first; normalised.
+    before, before_last
+        The last two readings of the normalised resistance.
+    noise_v2, learnt_s
+        Variance of a reading, referred to the shunt's voltage [V2], and the time from which it is known [s]; -1 if only
+        one reading is.
+    mean_power_w
+        Slow mean of the electrical power [W].
+    heating
+        1 if the wire was last heating, 0 if it was cooling.
+    sensing
+        1 between B and C, 0 before B, where resistance does not determine the quantity.
+    spring_known, spring_force_n
+        1 once the force of a known spring has been estimated, and the last one [N].
+    """
+
+    value: float
+    friction_n: float
+    dropouts: float = 0.0
+    mismatches: float = 0.0
+    followed: float = 0.0
+    quantity: float = 0.0
+    resistance: float = 0.0
+    lagging: float = 0.0
+    variance: float = 0.0
+    before: float = 0.0
+    before_last: float = 0.0
+    noise_v2: float = 0.0
+    learnt_s: float = 0.0
+    mean_power_w: float = 0.0
+    heating: float = 0.0
+    sensing: float = 0.0
+    spring_known: float = 0.0
+    spring_force_n: float = 0.0
+
+
+NUMBERS_ROW, STATE_ROW, N_NUMBERS = row_type(GATED_NUMBERS), row_type(GatedState._fields), len(GATED_NUMBERS)
+
+
+@compiled
+def gated_tick(constants: FloatArray, state_array: FloatArray, given: FloatArray, answer: FloatArray) -> None:
+    """Estimate one sample; see ``signals._compiled_tick`` for the arrays."""
+    numbers, state = constants[:N_NUMBERS].view(NUMBERS_ROW)[0], state_array.view(STATE_ROW)[0]
+    wire_voltage_v, shunt_voltage_v = given[2], given[3]
+    resistance_ohm = resistance_of(numbers, wire_voltage_v, shunt_voltage_v)
+    if resistance_ohm == 0.0:
+        answer_without_current(numbers, state, answer)
+        return
+    state.dropouts = 0.0
+    if not numbers.own_low_ohm <= resistance_ohm <= numbers.own_high_ohm:
+        state.mismatches += 1.0
+        answer_with(answer, state.value, numbers.quantity_span, MISMATCH, state.mismatches, resistance_ohm)
+        return
+    state.mismatches = 0.0
+    power_w = min(wire_voltage_v * wire_voltage_v / resistance_ohm, GATES.max_power_w)
+    if state.followed == 0.0:
+        variance, on_curve = begin(numbers, state, constants[N_NUMBERS:], resistance_ohm, power_w)
+    else:
+        variance, on_curve = follow(numbers, state, constants[N_NUMBERS:], resistance_ohm, power_w, shunt_voltage_v)
+    if numbers.stiffness_n_per_m > 0.0:
+        add_friction(numbers, state, state.quantity)
+    reason = OUT_OF_RANGE
+    if on_curve:
+        reason = OK if state.sensing != 0.0 else COLD
+    state.value = state.quantity + state.friction_n
+    std = math.sqrt(variance + numbers.scale_variance * state.quantity * state.quantity)
+    answer_with(answer, state.value, min(std, numbers.quantity_span), reason, 0.0, resistance_ohm)
+
+
+@compiled
+def begin(
+    numbers: Row, state: Row, coefficients: FloatArray, resistance_ohm: float, power_w: float
+) -> tuple[float, bool]:
+    """Take the first sample, as the mean of the branches, heating; return variance, and whether it is on the curve."""
+    read = (resistance_ohm - numbers.resistance_min_ohm) * numbers.per_ohm
+    inside = min(max(read, numbers.normalised_min), numbers.normalised_max)
+    hot, cold, slope = branches(coefficients, inside)
+    state.followed = 1.0
+    state.quantity = (hot + cold) / 2.0
+    state.resistance = state.lagging = state.before = state.before_last = read
+    state.variance, state.noise_v2, state.learnt_s = numbers.first_variance, 0.0, -1.0
+    state.mean_power_w, state.heating = power_w, 1.0
+    state.sensing = 0.0 if read >= GATES.ambiguous_above else 1.0
+    half_gap, away = (hot - cold) / 2.0, slope / 2.0 * (read - inside)
+    return half_gap * half_gap + away * away + numbers.min_variance, is_on_curve(numbers, read, 0.0)
+
+
+@compiled
+def follow(
+    numbers: Row,
+    state: Row,
+    coefficients: FloatArray,
+    resistance_ohm: float,
+    power_w: float,
+    shunt_voltage_v: float,
+) -> tuple[float, bool]:
+    """Follow the branches by one sample; return variance, and whether the reading is on the curve."""
+    read = (resistance_ohm - numbers.resistance_min_ohm) * numbers.per_ohm
+    # What one volt of noise at the shunt is in normalised resistance.
+    per_volt = resistance_ohm * numbers.per_ohm / shunt_voltage_v
+    noise = state.noise_v2 * per_volt * per_volt + GATES.min_noise
+    on_curve = is_on_curve(numbers, read, noise)
+    state.mean_power_w += (power_w - state.mean_power_w) * gain(numbers.dt_s, GATES.mean_power_s)
+    ratio = min(power_w / state.mean_power_w - 1.0, GATES.max_ratio)
+    filter_resistance(numbers.dt_s, state, read, noise, ratio)
+    learn_noise(numbers.dt_s, state, read, per_volt)
+    # By how much power is beyond its mean in the direction of the wire.
+    support = ratio if state.heating != 0.0 else -ratio
+    if support < -GATES.turning_fraction:  # motion counts from the turn
+        support = -support
+        state.heating, state.lagging = 1.0 - state.heating, state.resistance
+    moved = state.resistance - state.lagging
+    if not moved * moved > GATES.motion_deviations * state.variance + GATES.min_motion_variance:
+        moved = 0.0
+    locate(numbers, state, moved)
+    inside = min(max(state.resistance, numbers.normalised_min), numbers.normalised_max)
+    hot, cold, slope = branches(coefficients, inside)
+    move(numbers, state, hot, cold, moved, support)
+    gap = GATES.gap_fraction * (hot - cold)
+    slope = slope / 2.0
+    off = slope * (state.resistance - inside)
+    return gap * gap + slope * slope * state.variance + off * off + numbers.min_variance, on_curve
+
+
+@compiled
+def gain(dt_s: float, time_constant_s: float) -> float:
+    """Return the part of a difference that is gone after a time."""
+    return dt_s / (dt_s + time_constant_s)
+
+
+@compiled
+def is_on_curve(numbers: Row, read: float, noise: float) -> bool:
+    """Return whether a reading can be one of the valid range, within three deviations of its noise."""
+    below = numbers.normalised_min - numbers.normalised_margin - read
+    above = read - numbers.normalised_max - numbers.normalised_margin
+    outside = max(below, above, 0.0)
+    return bool(outside * outside <= 9.0 * noise)
+
+
+@compiled
+def filter_resistance(dt_s: float, state: Row, read: float, noise: float, ratio: float) -> None:
+    """Filter the resistance, of a wire whose power is beyond its mean by a ratio."""
+    away = read - state.resistance
+    surprise = max(away * away - noise - state.variance, 0.0)
+    variance = state.variance + dt_s * (
+        GATES.still_per_s + GATES.driven_per_s * ratio * ratio + GATES.surprise_per_s * surprise
+    )
+    weight = variance / (variance + noise)
+    state.resistance += weight * away
+    state.variance = variance - weight * variance
+    state.lagging += (state.resistance - state.lagging) * gain(dt_s, GATES.lagging_s)
+
+
+@compiled
+def learn_noise(dt_s: float, state: Row, read: float, per_volt: float) -> None:
+    """Learn the noise from the second difference of the readings."""
+    bend_v = ((read - state.before) - (state.before - state.before_last)) / per_volt
+    state.before_last = state.before
+    state.before = read
+    if state.learnt_s < 0.0 or dt_s <= 0.0:
+        state.learnt_s = 0.0
+        return
+    state.learnt_s = min(state.learnt_s + dt_s, GATES.noise_s)
+    noise_v2 = min(bend_v * bend_v / 6.0, GATES.max_noise_v2)
+    state.noise_v2 += (noise_v2 - state.noise_v2) * (dt_s / state.learnt_s)
+
+
+@compiled
+def locate(numbers: Row, state: Row, moved: float) -> None:
+    """Follow whether the wire is between B and C: lost at the cold end, found where heating lowers resistance.
+
+    From A to B resistance rises while the wire heats, from B to C it falls.
+    """
+    below = GATES.ambiguous_above - state.resistance
+    if state.resistance > numbers.normalised_max:
+        state.sensing = 0.0
+    elif (state.heating != 0.0 and moved < 0.0) or (below > 0.0 and below * below > 9.0 * state.variance):
+        state.sensing = 1.0
+
+
+@compiled
+def move(numbers: Row, state: Row, hot: float, cold: float, moved: float, support: float) -> None:
+    """Move the quantity towards its branch and keep it within both."""
+    quantity = state.quantity
+    if state.heating != 0.0:
+        branch, ahead, towards = hot, hot - quantity, -moved
+    else:
+        branch, ahead, towards = cold, quantity - cold, moved
+    if ahead < 0.0:
+        quantity += (branch - quantity) * gain(numbers.dt_s, GATES.return_s)
+    elif towards > 0.0:
+        quantity = branch
+    elif support > GATES.supporting_fraction:
+        quantity += (branch - quantity) * gain(numbers.dt_s, GATES.approach_s)
+    else:
+        quantity += ((hot + cold) / 2.0 - quantity) * gain(numbers.dt_s, GATES.middle_s)
+    state.quantity = min(max(quantity, min(hot, cold) - numbers.beyond), max(hot, cold) + numbers.beyond)
 
 
 class GatedEstimator(CurveEstimator):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.sensing._curve import ResistanceCurve
+from musclewire.sensing._curve import ResistanceCurve, curve_estimate, row_type
 from musclewire.sensing._curve_estimator import (
     ESTIMATOR_NUMBERS,
     CurveEstimator,
@@ -20,7 +20,6 @@ from musclewire.sensing._curve_estimator import (
     estimator_numbers,
     resistance_of,
 )
-from musclewire.sensing._curve_tick import curve_estimate, row_type
 from musclewire.sensing._estimator import EstimatorSetup
 from musclewire.sensing._known_load import KnownSpring
 from musclewire.sensing._segment_tracking import begin_segment, segment_numbers, track

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.sensing._curve_tick import Row, row_type
+from musclewire.sensing._curve import Row, row_type
 
 # Nearer to R_min than this, as normalised resistance, a wire cannot be in segment A-B: from A to B resistance rises
 # by a few percent, from B to C it falls by more than ten (Lan and Fan 2010, Fig. 3b).

@@ -26,9 +26,16 @@ from musclewire.controllers._protection import (
     rested,
     tripped_by,
 )
-from musclewire.controllers._protection.protect import packed_memory
-from musclewire.controllers._protection.reading import after_reading, packed_limits, sound_reading
-from musclewire.controllers._protection.running import RunningProtection, fills_block, sound_command, sound_sample
+from musclewire.controllers._protection.protect import (
+    RunningProtection,
+    after_reading,
+    fills_block,
+    packed_limits,
+    packed_memory,
+    sound_command,
+    sound_reading,
+    sound_sample,
+)
 
 
 class ByFunctions:

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.sensing._estimator import EstimatorSetup
-from musclewire.sensing._gated_branches import GATES
-from musclewire.sensing._gated_estimator import gated_estimator
+from musclewire.sensing._gated_estimator import GATES, gated_estimator
 from musclewire.sensing._model import SensingModel
 from musclewire.sensing._slow_corrections import estimates
 from musclewire.signals import QuantityEstimate, Reason, WireSample

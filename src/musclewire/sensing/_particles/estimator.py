@@ -11,8 +11,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.sensing._estimator import EstimatorSetup
-from musclewire.sensing._gated_branches import GatedState
-from musclewire.sensing._gated_estimator import GatedEstimator, gated_estimator
+from musclewire.sensing._gated_estimator import GatedEstimator, GatedState, gated_estimator
 from musclewire.sensing._health import ChangeEvidence, ChangeState, after_evidence, change_of
 from musclewire.sensing._home_move import HomeMove
 from musclewire.sensing._particles.cloud import cloud_at_rest, cloud_of, state_of

@@ -44,7 +44,7 @@ def test_with_all_numbers_zero_the_policy_is_the_plain_pid() -> None:
     policy = example().Policies(np.zeros((1, 8)), observed[:1], (0.3, 3.6))
     pid = pid_controller(ControllerSetup(DriveLimits(0.3, 3.6)))
     state = pid.step(pid.start(0.3), targets[0], QuantityEstimate(estimates[0], 0.0, True), 0.05).state
-    state = state._replace(drive_voltage_v=0.3)
+    state = (state[0], 0.3, *state[2:])  # the second is the drive voltage
     for row in range(1, 200):
         action = policy.act(observed[row : row + 1])[0, 0]
         step = pid.step(state, targets[row], QuantityEstimate(estimates[row], 0.0, True), 0.05)

@@ -28,16 +28,8 @@ from test_pairs import (
 
 from musclewire.wire._building import resting_state
 from musclewire.wire._loads import spring_load
-from musclewire.wire._pairs import (
-    APART,
-    OWN_SUPPLY,
-    PARALLEL,
-    SERIES,
-    PairConnection,
-    PairMeans,
-    advance_pair,
-    no_grip,
-)
+from musclewire.wire._pair_step import OWN_SUPPLY, PARALLEL, SERIES
+from musclewire.wire._pairs import APART, PairConnection, PairMeans, advance_pair, no_grip
 from musclewire.wire._state import WireState
 from musclewire.wire._stepping import StepControl, fixed_steps
 from musclewire.wire._wires import advance

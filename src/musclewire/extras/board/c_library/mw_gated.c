@@ -1,6 +1,6 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* Direction-gated branches: the quantity moves towards the branch of the direction in which power drives the wire. The
- * arithmetic is that of musclewire.sensing._gated_branches, operation by operation. */
+ * arithmetic is that of musclewire.sensing._gated_estimator, operation by operation. */
 #include "musclewire.h"
 
 #if defined(MW_GATED)
