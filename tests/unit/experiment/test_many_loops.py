@@ -119,21 +119,18 @@ def test_whatever_becomes_of_a_loop_it_is_the_same_in_python(
         assert_same(fast, slow)
 
 
-def test_a_plain_pid_too(model: SensingModel) -> None:
-    assert_same(*both("simulated", model, seeds=[7], controller="pid", settings=PidSettings(kp=0.1)))
-
-
-def test_force_on_a_known_spring_too(model: SensingModel) -> None:
-    fast, slow = both("simulated", model, staircase(1.0, 1.2, 0.1, 1.0), seeds=[7], load=KnownSpring(588.6, 0.05))
+@pytest.mark.parametrize(
+    ("reference", "how"),
+    [
+        (None, {}),
+        (SHORT, {"controller": "pid", "settings": PidSettings(kp=0.1)}),
+        (staircase(1.0, 1.2, 0.1, 1.0), {"load": KnownSpring(588.6, 0.05)}),
+    ],
+    ids=["a full staircase", "a plain PID", "force on a known spring"],
+)
+def test_other_references_controllers_and_loads_too(model: SensingModel, reference: Any, how: dict[str, Any]) -> None:
+    fast, slow = both("simulated", model, reference, seeds=[7], **how)
     assert fast.compiled
-    assert_same(fast, slow)
-
-
-def test_a_full_staircase_in_every_column(model: SensingModel) -> None:
-    fast, slow = both("simulated", model, None, seeds=[1, 2])
-    assert fast.compiled
-    assert fast.run is not None
-    assert len(fast.run) == 1560
     assert_same(fast, slow)
 
 
@@ -188,20 +185,18 @@ def test_a_compiled_loop_closes_its_rig_and_fails_as_in_python(model: SensingMod
             control_compiled(rig, model, SHORT)
 
 
-def test_a_wire_of_another_resistance_ends_as_in_python(model: SensingModel) -> None:
-    fast, slow = both(RigConfiguration(settings={"resistivity_factor": 1.2}), model, seeds=[7])
-    assert "is not this model's wire" in fast.ended
+@pytest.mark.parametrize(
+    ("setting", "ended"),
+    [({"resistivity_factor": 1.2}, "is not this model's wire"), ({"acquisition_noise_v": 0.2}, "ProtectionTripError")],
+)
+def test_another_wire_and_a_trip_end_as_in_python(model: SensingModel, setting: dict[str, float], ended: str) -> None:
+    fast, slow = both(RigConfiguration(settings=setting), model, seeds=[7])
+    assert ended in fast.ended
     assert fast.ended == slow.ended
     assert (fast.compiled, fast.metrics) == (False, None)
     assert fast.run is not None
     assert slow.run is not None
     assert len(fast.run) == len(slow.run) > 0
-
-
-def test_a_trip_of_the_protection_ends_as_in_python(model: SensingModel) -> None:
-    fast, slow = both(RigConfiguration(settings={"acquisition_noise_v": 0.2}), model, seeds=[7])
-    assert "ProtectionTripError" in fast.ended
-    assert fast.ended == slow.ended
 
 
 def test_what_some_loops_came_to_is_shown_for_all(model: SensingModel) -> None:
@@ -296,14 +291,9 @@ def test_parts_that_compute_otherwise_have_no_tick(model: SensingModel) -> None:
     assert declared_tick(FuzzyPidController(HalvedLaw(FuzzyPidSettings(), limits)), 1.0) is None
 
 
-def test_lists_must_be_as_long_as_the_seeds(model: SensingModel) -> None:
+def test_lists_must_be_as_long_as_the_seeds_and_each_loop_opens_its_own_rig(model: SensingModel) -> None:
     with pytest.raises(CallerError, match="2 rigs for 3 seeds"):
         control_many(["simulated", "simulated"], model, seeds=[1, 2, 3])
-    with pytest.raises(CallerError, match="no seeds"):
-        control_many("simulated", model, seeds=[])
-
-
-def test_an_open_rig_is_one_rig_and_not_many(model: SensingModel) -> None:
     with open_rig() as rig, pytest.raises(CallerError, match="each loop opens its own"):
         control_many(rig, model, seeds=[1, 2])  # type: ignore[arg-type]
 
