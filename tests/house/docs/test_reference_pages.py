@@ -18,30 +18,26 @@ from musclewire.signals import COLUMNS
 DOCS = CHECKOUT / "docs"
 
 
-def column_of(page: str, header: str) -> list[str]:
+def rows_with(header: str, page: str = "reference/files.md") -> list[dict[str, str]]:
+    """Return the rows of a page that have a header."""
     tables = tables_of((DOCS / page).read_text("utf-8"))
-    return [word for table in tables for row in table if header in row for word in code_words(row[header])]
+    return [row for table in tables for row in table if header in row]
 
 
-def test_every_column_is_listed_and_no_other() -> None:
+def column_of(page: str, header: str) -> list[str]:
+    return [word for row in rows_with(header, page) for word in code_words(row[header])]
+
+
+def test_every_column_is_listed_with_its_unit_and_no_other() -> None:
     assert sorted(column_of("reference/files.md", "Column")) == sorted(COLUMNS)
-
-
-def test_the_units_of_the_columns_are_theirs() -> None:
-    for row in (row for table in tables_of((DOCS / "reference/files.md").read_text("utf-8")) for row in table):
-        for name, unit in zip(code_words(row.get("Column", "")), row.get("Unit", "").split(", "), strict=False):
+    for row in rows_with("Column"):
+        for name, unit in zip(code_words(row["Column"]), row.get("Unit", "").split(", "), strict=False):
             if not name.endswith("_gain"):
                 assert (COLUMNS[name].unit or "1") == unit
 
 
 def test_every_setting_of_a_rig_is_listed_with_its_unit() -> None:
-    rows = [
-        row
-        for table in tables_of((DOCS / "reference/files.md").read_text("utf-8"))
-        for row in table
-        if "Setting" in row
-    ]
-    listed = {code_words(row["Setting"])[0]: row["Unit"] for row in rows}
+    listed = {code_words(row["Setting"])[0]: row["Unit"] for row in rows_with("Setting")}
     settable = dict(load_bench("paper").items()) | dict(load_wire("paper-100um").items())
     assert listed == {name: parameter.unit for name, parameter in settable.items()}
 
@@ -52,28 +48,19 @@ def test_every_key_of_rig_and_model_files_is_listed() -> None:
     )
 
 
-def rows_with(header: str) -> list[dict[str, str]]:
-    """Return the rows of files.md that have a header."""
-    tables = tables_of((DOCS / "reference/files.md").read_text("utf-8"))
-    return [row for table in tables for row in table if header in row]
-
-
-def test_every_key_of_every_part_of_a_load_is_listed_with_its_default() -> None:
+def test_every_key_of_every_part_of_a_load_is_listed_with_its_default_and_unit() -> None:
+    """One of the printed unit is one in SI; a key without a unit is a name."""
     shown = {None: "none", 0.0: "0", 1e6: "1e6", PydanticUndefined: "needed"}
     listed = {
         (code_words(row["Part"])[0], code_words(row["Part key"])[0]): row["Default"] for row in rows_with("Part key")
     }
+    kinds = {name: LOAD_PARTS.find(name) for name in LOAD_PARTS.names()}
     assert listed == {
         (name, key): shown[field.default]
-        for name in LOAD_PARTS.names()
-        for key, field in LOAD_PARTS.find(name).model_fields.items()
+        for name, kind in kinds.items()
+        for key, field in kind.model_fields.items()
         if key != "part"
     }
-
-
-def test_the_units_of_the_parts_are_those_they_are_read_in() -> None:
-    """One of the printed unit is one in SI; a key without a unit is a name."""
-    kinds = {name: LOAD_PARTS.find(name) for name in LOAD_PARTS.names()}
     for row in rows_with("Part key"):
         key, kind = code_words(row["Part key"])[0], kinds[code_words(row["Part"])[0]]
         given = {name: 1.0 for name, field in kind.model_fields.items() if field.is_required()}
