@@ -46,13 +46,6 @@ def test_with_the_object_away_nothing_is_found_and_the_exit_code_says_so(
     assert "no contact" in answer.out
 
 
-def test_target_and_error_are_said(musclewire: Callable[..., Any], learned: Path) -> None:
-    said = musclewire("grip", "--known-stiffness", "200 N/m", "--learned", learned).out
-    assert "target 0.3 N" in said
-    assert "estimate off by" in said
-    assert "target missed by" in said
-
-
 @pytest.mark.slow
 @pytest.mark.xfail(
     strict=True,
@@ -103,35 +96,7 @@ def test_the_same_seed_gives_the_same_answer(musclewire: Callable[..., Any]) -> 
     assert first == second
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["grip", "simulated"], "nothing to grip"),
-        (["grip", "no-such-rig"], "no rig"),
-        (["grip", "--target", "0 N"], "above 0"),
-        (["grip", "--target", "3 V"], "V"),
-        (["grip", "--known-stiffness", "-5 N/m"], "above 0"),
-        (["grip", "--object-stiffness", "0 N/m"], "above 0"),
-        (["grip", "--no-object", "--clearance", "3 mm"], "--no-object"),
-        (["grip", "--learned", "learned.txt"], ".json"),
-        (["grip", "--learned", "nowhere/learned.json"], "nowhere"),
-        (["grip", "-o", "grip.csv"], ".h5"),
-        (["grip", "--plot", "grip.bmp"], ".svg"),
-    ],
-)
-def test_what_cannot_be_is_one_line_and_exit_code_2(
-    musclewire: Callable[..., Any], arguments: list[str], said: str
-) -> None:
-    answer = musclewire(*arguments)
-    assert answer.code == 2
-    assert said in answer.err
-    assert len(answer.err.strip().splitlines()) == 1
-
-
-def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[..., Any], tmp_path: Path) -> None:
-    loop, model = tmp_path / "loop.h5", tmp_path / "strain.json"
-    assert musclewire("characterize", "simulated", "-o", loop).code == 0
-    assert musclewire("fit", loop, "-o", model).code == 0
+def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[..., Any], model: Path) -> None:
     said = musclewire(
         "control", "simulated", model, "--quantity", "force", "--known-stiffness", "588.6 N/m", "--json"
     ).json
@@ -139,15 +104,12 @@ def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[...
     assert said["known_friction_n"] == pytest.approx(load_bench("paper").guide_friction_n.value, abs=0.002)
     assert said["mae_max_approached_pct"] <= 5.0
     assert len(said["steps"]) == 11
-    without = musclewire("control", "simulated", model, "--quantity", "force")
-    assert (without.code, "--known-stiffness" in without.err) == (2, True)
-    wrong = musclewire("control", "simulated", model, "--known-stiffness", "588.6 N/m")
-    assert (wrong.code, "--quantity force" in wrong.err) == (2, True)
 
 
 def test_a_held_force_beyond_its_tolerance_ends_with_1(musclewire: Callable[..., Any], learned: Path) -> None:
     known = ("grip", "--known-stiffness", "200 N/m", "--learned", learned)
-    assert musclewire(*known, "--tolerance", "0.2 N").code == 0
+    held = musclewire(*known, "--tolerance", "0.2 N")
+    assert (held.code, "target 0.3 N" in held.out) == (0, True)
     answer = musclewire(*known, "--tolerance", "0.0001 N")
     assert answer.code == 1
     assert "the held force misses its target by" in answer.err

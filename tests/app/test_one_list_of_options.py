@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 
 from musclewire.app import OPTIONS, every_command
-from musclewire.errors import CallerError
 
 
 def kind_of(option: Any) -> tuple[Any, bool]:
@@ -93,28 +92,8 @@ def test_replacing_reads_by_its_old_name_too(musclewire: Callable[..., Any], tmp
     assert codes == [0, 2, 0, 0]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "hint"),
-    [
-        (("contol",), "Did you mean 'control'?"),
-        (("fit", "x.h5", "--ordr", "6"), "--order"),
-        (("characterize", "simulated", "--overwrit"), "--overwrite"),
-    ],
-)
-def test_a_typo_gets_the_nearest_name(arguments: tuple[str, ...], hint: str, musclewire: Callable[..., Any]) -> None:
-    answer = musclewire(*arguments)
-    assert answer.code == CallerError("").exit_code
-    assert hint in answer.err
-    assert len(answer.err.strip().splitlines()) == 1
-
-
 @pytest.mark.parametrize(("text", "seconds"), [("20 s", 20.0), ("0.5 min", 30.0), ("20", 20.0)])
 def test_a_period_is_a_time_with_a_unit_and_a_bare_number_means_seconds(text: str, seconds: float) -> None:
     from musclewire.app import in_si
 
     assert in_si("--period", text) == seconds
-
-
-def test_a_period_outside_what_is_allowed_is_wrong_input(musclewire: Callable[..., Any], tmp_path: Path) -> None:
-    answer = musclewire("characterize", "simulated", "-o", tmp_path / "x.h5", "--period", "0.1 s")
-    assert (answer.code, answer.err) == (2, "musclewire: --period: 0.1 s is outside 1 to 86400 s\n")

@@ -36,11 +36,3 @@ def test_a_pretension_beside_weight_and_spring_is_set(musclewire: Callable[..., 
     rig.write_text('[settings]\npretension_n = "1 N"\n' + PRETENSIONER + WEIGHT, "utf-8")
     answer = musclewire("characterize", rig, "-o", tmp_path / "l.h5", "--cycles", "1", "--period", "20", "--json")
     assert answer.code == 0, answer.err
-
-
-def test_a_quantity_that_is_none_is_named(musclewire: Callable[..., Any], tmp_path: Path) -> None:
-    model = tmp_path / "model.json"
-    assert musclewire("fit", "lan-fan-2010-table-2", "--order", "3", "-o", model).code == 0
-    answer = musclewire("control", "simulated", model, "--quantity", "displacment")
-    assert answer.code == 2
-    assert "there is no quantity 'displacment'; did you mean 'displacement'?" in answer.err

@@ -74,36 +74,6 @@ def test_a_supply_too_small_for_the_current_says_so(musclewire: Callable[..., An
     assert any("does not reach" in warning for warning in answer.json["warnings"])
 
 
-@pytest.mark.parametrize(
-    ("arguments", "word"),
-    [
-        (["--wire", "flexinol-0.1-lt"], "'flexinol-0.10-lt'"),
-        (["--supply", "5"], "unit"),
-        (["--current", "5 V"], "'0.5 A'"),
-        (["--load", "1 N", "--stress", "172 MPa"], "not both"),
-        (["--wire", "paper-100um"], "--supply or --current"),
-        (["--wire-length", "0 mm"], "length"),
-        (["--off-after", "3", "--duration", "1"], "ends before"),
-        (["--supply", "10 mV"], "to measure"),
-        (["--load", "100 N"], "4.75"),
-        (["--stress", "-5 MPa"], "0 or more"),
-        (["--ambient", "400 degC"], "contracted"),
-        (["--duty", "50 %", "--duty-period", "20 ms"], "[pwm]"),
-        (["--duty", "0 %"], "above 0"),
-        (["--plot", "drive.gif"], "figure"),
-        (["-o", "drive.csv"], ".h5"),
-    ],
-)
-def test_what_cannot_be_is_one_line_and_exit_code_2(
-    arguments: list[str], word: str, musclewire: Callable[..., Any]
-) -> None:
-    answer = musclewire("simulate", *arguments)
-    assert answer.code == 2
-    assert word in answer.err
-    assert len(answer.err.strip().splitlines()) == 1
-    assert answer.out == ""
-
-
 def test_the_list_has_every_wire(musclewire: Callable[..., Any]) -> None:
     text = musclewire("simulate", "--list").out
     wires, alloys = text.strip().split("\n\n")
@@ -120,14 +90,6 @@ def test_the_catalogue_fails_where_a_judged_cell_fails(musclewire: Callable[...,
     assert said["ok"] is not bool(failing)
     assert (len(said["rows"]), said["judged"]) == (24, 8)
     assert all(row["contraction_ok"] is None and row["cooling_ok"] is None for row in said["rows"][1::2])
-
-
-def test_the_catalogue_table_shows_all_sizes(musclewire: Callable[..., Any]) -> None:
-    text = musclewire("catalogue").out
-    for size in ("0.025", "0.10", "0.51"):
-        assert any(line.split()[:1] == [size] for line in text.splitlines())
-    assert "200?" in text
-    assert "660 " in text
 
 
 def test_the_table_answers_for_every_wire_at_a_length(musclewire: Callable[..., Any]) -> None:
@@ -165,13 +127,6 @@ def test_the_lasting_current_settles_at_the_working_limit(musclewire: Callable[.
         "--json",
     ).json
     assert said["settled_temperature_degc"] == pytest.approx(150.0, abs=3.0)
-
-
-@pytest.mark.parametrize("option", [("--supply", "5 V"), ("--load", "1 N"), ("--shunt", "1 ohm")])
-def test_the_table_refuses_what_belongs_to_one_wire(musclewire: Callable[..., Any], option: tuple[str, str]) -> None:
-    answer = musclewire("simulate", "--table", *option)
-    assert answer.code == 2
-    assert option[0] in answer.err
 
 
 def test_a_duty_heats_in_pulses_and_shows_largest_and_final_contraction(musclewire: Callable[..., Any]) -> None:

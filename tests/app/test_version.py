@@ -33,15 +33,6 @@ def test_the_version_is_an_attribute_as_everywhere() -> None:
     assert mw.__version__ == importlib.metadata.version("musclewire")
 
 
-@pytest.mark.parametrize("arguments", [["--json"], ["--json", "rules"]])
-def test_json_before_a_command_is_one_line_and_exit_code_2(
-    musclewire: Callable[..., Any], arguments: list[str]
-) -> None:
-    answer = musclewire(*arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert "musclewire COMMAND ... --json" in answer.err
-
-
 @pytest.mark.parametrize(
     ("requirement", "name", "extra"),
     [
