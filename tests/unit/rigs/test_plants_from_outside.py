@@ -158,7 +158,6 @@ def test_a_class_without_a_schema_has_the_keys_of_every_real_rig(tmp_path: Path)
     [
         ("python:my_plant", "python:module:Class"),
         ("python:../my_plant:Resistor", "python:module:Class"),
-        ("python:my_plant:Resistor()", "python:module:Class"),
         ("python:my_missing_plant:Resistor", "there is no module 'my_missing_plant': put my_missing_plant.py next to"),
         ("python:my_plant:Resistr", "no class 'Resistr'.*Resistor"),
         ("python:my_plant:number", "must be a class"),
