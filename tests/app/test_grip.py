@@ -90,12 +90,6 @@ def test_another_object_may_be_put_in(musclewire: Callable[..., Any], learned: P
     assert said["opening_m"] == pytest.approx(7e-3, abs=0.5e-3)
 
 
-@pytest.mark.slow
-def test_the_same_seed_gives_the_same_answer(musclewire: Callable[..., Any]) -> None:
-    first, second = (musclewire("grip", "--seed", "3", "--json").out for _ in range(2))
-    assert first == second
-
-
 def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[..., Any], model: Path) -> None:
     said = musclewire(
         "control", "simulated", model, "--quantity", "force", "--known-stiffness", "588.6 N/m", "--json"

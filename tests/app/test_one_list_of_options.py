@@ -43,12 +43,6 @@ def test_the_same_name_takes_the_same_kind_of_value_everywhere() -> None:
     assert {name: kind for name, kind in kinds.items() if len(kind) > 1} == {}
 
 
-def test_every_option_is_spelled_out_in_plain_words() -> None:
-    unwanted = ("most-", "least-", "largest-", "share")
-    assert [name for name in OPTIONS if any(word in name for word in unwanted)] == []
-    assert all(definition.help.endswith(".") for definition in OPTIONS.values())
-
-
 @pytest.mark.parametrize("name", COMMANDS)
 def test_what_a_command_writes_goes_to_o(name: str) -> None:
     names = {text for option in COMMANDS[name].params for text in option.opts}

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import musclewire as mw
-from musclewire.app import REQUIREMENT, commit_of
+from musclewire.app import commit_of
 
 
 def test_the_first_line_is_the_version_alone(musclewire: Callable[..., Any]) -> None:
@@ -33,25 +33,6 @@ def test_the_version_is_an_attribute_as_everywhere() -> None:
     assert mw.__version__ == importlib.metadata.version("musclewire")
 
 
-@pytest.mark.parametrize(
-    ("requirement", "name", "extra"),
-    [
-        ("numpy>=1.26", "numpy", None),
-        ("pyarrow>=15; extra == 'parquet'", "pyarrow", "parquet"),
-        ('nidaqmx[grpc]<2,>=1.7; python_version < "4" and extra == "nidaq"', "nidaqmx", "nidaq"),
-        ("scikit-fem", "scikit-fem", None),
-    ],
-)
-def test_a_requirement_is_a_name_and_an_extra(requirement: str, name: str, extra: str | None) -> None:
-    match = REQUIREMENT.match(requirement)
-    assert match is not None
-    assert match.groups() == (name, extra)
-
-
-def test_a_folder_that_is_no_checkout_has_no_commit(tmp_path: Path) -> None:
-    assert commit_of(tmp_path) is None
-
-
 @pytest.mark.slow
 def test_the_commit_of_a_checkout_and_whether_it_was_changed(tmp_path: Path) -> None:
     def git(*arguments: str) -> str:
@@ -63,6 +44,7 @@ def test_the_commit_of_a_checkout_and_whether_it_was_changed(tmp_path: Path) -> 
     git("init", "-q")
     git("add", "-A")
     git("commit", "-q", "-m", "first")
+    assert commit_of(tmp_path / "no checkout") is None
     name = git("rev-parse", "--short=12", "HEAD")
     assert commit_of(tmp_path) == name
     (tmp_path / "another").touch()

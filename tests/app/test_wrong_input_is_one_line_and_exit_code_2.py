@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -134,11 +135,15 @@ def test_a_header_of_another_program_is_taken_by_an_explicit_mapping(
         ("characterize simulated -o x.h5 --amplitude 3N", "V"),
         ("characterize simulated -o x.h5 --amplitude 3", "--amplitude: '3' has no unit; write it with one, as "),
         ("characterize simulated -o x.h5 --period 0.1s", "is outside 1 to 86400 s"),
+        ("characterize simulated -o x.h5 --real-time-priority", "add --real-time"),
+        ("characterize simulated -o x.h5 --cpu 4096", "core 4096" if sys.platform == "linux" else sys.platform),
         ("rules zhao1993", "zhao-1993"),
         ("pretension simulated --at -1N", "pretension"),
         ("pretension simulated --at 20N", "4.601"),
         ("pretension simulated --at 1.9N --at 2", "--at: '2' has no unit"),
         ("demo --seed -1", "seed"),
+        ("doctor simulated --write", "rig file of your own"),
+        ("bench --only stap", "did you mean 'step'"),
         ("grip simulated", "nothing to grip"),
         ("grip --target 0N", "above 0"),
         ("grip --known-stiffness 200", "--known-stiffness: '200' has no unit"),

@@ -174,14 +174,24 @@ def test_a_model_of_another_wire_is_stopped_before_it_can_overheat_this_one() ->
     assert rig.drive_voltage_v == rig.sense_voltage_v
 
 
-def test_a_model_that_names_another_wire_is_refused_before_anything_moves() -> None:
+@pytest.mark.parametrize(
+    ("fitted_to", "said"),
+    [
+        ({"wire": "paper-200um"}, "fitted to wire paper-200um, the rig has paper-100um"),
+        ({"wire_length_m": 0.07}, "fitted to a wire of 70 mm, the rig has one of 80 mm"),
+        ({"finger": "another"}, "finger another, the rig has lan-fan-2010"),
+    ],
+)
+def test_a_model_of_another_wire_length_or_finger_is_refused_before_anything_moves(
+    fitted_to: dict[str, str | float], said: str
+) -> None:
     class Named(FakeRig):
         def metadata(self):
-            return {**super().metadata(), "wire": "paper-100um"}
+            return {**super().metadata(), "wire": "paper-100um", "wire_length_m": 0.08, "finger": "lan-fan-2010"}
 
     rig = Named()
-    with pytest.raises(CallerError, match="fitted to wire paper-200um, the rig has paper-100um"):
-        control(rig, replace(straight_model(), wire={"wire": "paper-200um"}))
+    with pytest.raises(CallerError, match=said):
+        control(rig, replace(straight_model(), quantity="displacement", wire=fitted_to))
     assert rig.samples == 0
 
 

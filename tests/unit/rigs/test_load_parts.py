@@ -20,8 +20,8 @@ def configuration(*parts: Any, **keys: Any) -> RigConfiguration:
     return validated(RigConfiguration, {"load": list(parts), **keys}, "rig file my_rig.toml")
 
 
-def opened(*parts: Any) -> None:
-    open_rig(configuration(*parts))
+def opened(*parts: Any, **keys: Any) -> None:
+    open_rig(configuration(*parts, **keys))
 
 
 def refusal(*parts: Any, ask: Callable[..., Any] = configuration, **keys: Any) -> str:
@@ -76,10 +76,24 @@ def test_parts_that_do_not_fit_together_are_refused_with_the_reason(parts: list[
 
 def test_several_springs_and_weights_add_up() -> None:
     parts = [{"part": "spring", "stiffness": 100.0}, PRETENSIONER, {"part": "weight", "force": 0.2}]
-    facts = open_rig(configuration(*parts, {"part": "weight", "force": 0.3}, bench="finger")).metadata()
+    settings = {"pretension_n": 0.9}
+    facts = open_rig(configuration(*parts, {"part": "weight", "force": 0.3}, settings=settings)).metadata()
     assert facts["spring_stiffness_n_per_m"] == pytest.approx(486.2)
-    assert facts["pretension_n"] == pytest.approx(0.71 + 0.5)
+    assert facts["pretension_n"] == pytest.approx(0.9 + 0.5)
     assert facts["load"] == "spring, pretensioner, weight, weight"
+
+
+@pytest.mark.parametrize(
+    ("part", "setting", "reason"),
+    [
+        (PRETENSIONER, "spring_stiffness_n_per_m", "give a part 'spring' with a stiffness"),
+        ({"part": "weight", "force": "1.5 N"}, "pretension_n", "the part 'weight' is the pretension"),
+    ],
+)
+def test_a_setting_that_the_load_leaves_without_effect_is_refused(
+    part: dict[str, Any], setting: str, reason: str
+) -> None:
+    assert reason in refusal(part, ask=opened, settings={setting: 1.0})
 
 
 @pytest.mark.parametrize(
