@@ -96,9 +96,7 @@ CASES = {
     "the wrong sign": (lambda strain: -strain, (), "(--invert)"),
     "another zero": (lambda strain: strain + 0.01, (), "--zero"),
     "an unknown number": (lambda strain: strain, ("--set", "pretention_n=1 N"), "did you mean 'pretension_n'"),
-    "an unknown wire": (lambda strain: strain, ("--wire", "flexinol-0.10-hr"), "did you mean 'flexinol-0.10-ht'"),
     "an unknown effort": (lambda strain: strain, ("--effort", "most"), "there is no effort 'most'"),
-    "no folder": (lambda strain: strain, ("--report", "none/page.html"), "there is no folder"),
     "not a page": (lambda strain: strain, ("--report", "page.pdf"), "a report is a .html file"),
 }
 
