@@ -68,20 +68,6 @@ def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name() -> N
     assert not by_time.texts
 
 
-def test_what_another_gripper_learned_is_refused(musclewire: Callable[..., Any], learned: Path, tmp_path: Path) -> None:
-    musclewire("grip", "--known-stiffness", "200 N/m", "--learned", learned)
-    rig = tmp_path / "other.toml"
-    rig.write_text(
-        'wire = "finger-100um"\nbench = "finger"\n[settings]\nmaximum_voltage_v = 5.5\n'
-        '[[load]]\npart = "pretensioner"\nstiffness = "386.2 N/m"\n[[load]]\npart = "finger"\n'
-        'finger = "lan-fan-2010"\n[[load]]\npart = "contact"\nstiffness = "200 N/m"\nclearance = "2 mm"\n'
-    )
-    answer = musclewire("grip", rig, "--learned", learned)
-    assert answer.code == 2
-    assert "fingers: 2 there, fingers: 1 here" in answer.err
-    assert len(answer.err.strip().splitlines()) == 1
-
-
 def test_another_object_may_be_put_in(musclewire: Callable[..., Any], learned: Path) -> None:
     said = musclewire(
         "grip", "--object-stiffness", "1 N/mm", "--clearance", "7 mm", "--learned", learned, "--seed", "4", "--json"

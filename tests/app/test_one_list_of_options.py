@@ -23,8 +23,6 @@ USES = [
     for option in command.params
     if option.param_type_name == "option" and option.opts[0] != "--help"
 ]
-# What a command writes that is not its main output has a name of its own; these write nothing else.
-WITHOUT_OUTPUT = {"flash", "bench", "doctor", "catalogue", "rules", "protection", "cite", "linearise", "schema"}
 
 
 @pytest.mark.parametrize("use", USES)
@@ -41,12 +39,6 @@ def test_the_same_name_takes_the_same_kind_of_value_everywhere() -> None:
         use = parameter.values[0]
         kinds.setdefault(use.opts[0], set()).add(kind_of(use))
     assert {name: kind for name, kind in kinds.items() if len(kind) > 1} == {}
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_what_a_command_writes_goes_to_o(name: str) -> None:
-    names = {text for option in COMMANDS[name].params for text in option.opts}
-    assert ("-o" in names) == (name not in WITHOUT_OUTPUT)
 
 
 def test_times_lengths_and_all_other_quantities_have_a_unit() -> None:

@@ -125,20 +125,17 @@ def test_every_error_message_explained_is_one_that_the_code_says() -> None:
     assert [text for text in explained if text not in joined] == []
 
 
-def test_table_1_is_in_the_wire_files_as_printed() -> None:
-    printed = {
-        "paper-100um": (126, 4.601, 0.275),
-        "paper-125um": (75, 7.220, 0.422),
-        "paper-200um": (29, 18.247, 1.079),
-    }
-    for name, numbers in printed.items():
-        values = load_wire(name).values()
-        assert (
-            values["resistance_per_metre_ohm_per_m"],
-            values["maximum_force_n"],
-            values["nominal_force_n"],
-        ) == numbers
-        assert f"{1e6 * values['diameter_m']:.0f}um" in name
+@pytest.mark.parametrize(
+    ("diameter_um", "resistance_ohm_per_m", "maximum_n", "nominal_n"),
+    [(100, 126.0, 4.601, 0.275), (125, 75.0, 7.220, 0.422), (200, 29.0, 18.247, 1.079)],
+)
+def test_table_1_is_in_the_wire_files_as_printed(
+    diameter_um: int, resistance_ohm_per_m: float, maximum_n: float, nominal_n: float
+) -> None:
+    values = load_wire(f"paper-{diameter_um}um").values()
+    assert values["diameter_m"] == pytest.approx(diameter_um * 1e-6, rel=1e-12)
+    assert values["resistance_per_metre_ohm_per_m"] == resistance_ohm_per_m
+    assert (values["maximum_force_n"], values["nominal_force_n"]) == (maximum_n, nominal_n)
 
 
 def test_the_bench_has_the_spring_and_the_length_of_the_paper() -> None:

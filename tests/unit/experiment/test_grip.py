@@ -14,7 +14,6 @@ from musclewire.experiment._gripper_training import (
     GripperKnowledge,
     close_fingers,
     load_knowledge,
-    object_of,
     train_gripper,
     with_object,
 )
@@ -39,11 +38,6 @@ def gripped(
 ) -> GripRun:
     with open_rig(with_object("gripper", block), seed=seed) as rig:
         return grip(rig, knowledge, target_n=target_n, stiffness_n_per_m=stiffness)
-
-
-def test_the_gripper_comes_with_moving_air_and_foam() -> None:
-    assert object_of("gripper") == ElasticObject(200.0, 4e-3)
-    assert not with_object("gripper", None).surroundings.still
 
 
 @pytest.mark.slow

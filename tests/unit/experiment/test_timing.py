@@ -96,18 +96,13 @@ def test_a_run_too_short_to_time_says_only_its_pace(samples: int) -> None:
     assert json.dumps(timing_json(found), allow_nan=False)
 
 
-def test_every_recording_tells_its_timing_in_memory_and_in_its_file(tmp_path: Path) -> None:
+def test_every_recording_tells_its_timing_and_its_limits_in_memory_and_in_its_file(tmp_path: Path) -> None:
     with mw.open_rig("simulated") as rig:
         policy = WaveformPolicy(lambda _: 0.5, 1.0)
         recording = run_on_rig(rig, policy, 1.0, path=tmp_path / "run.h5", on_sample=lambda _: None)
+        for name, value in rig.protection_limits._asdict().items():
+            assert recording.metadata[f"limit_{name}"] == value
     stored = mw.read_recording(tmp_path / "run.h5")
     assert stored.metadata["compute_p99_us"] == recording.metadata["compute_p99_us"] > 0.0
     assert stored.metadata["deadline_misses"] == 0
     assert stored == recording
-
-
-def test_a_recording_tells_the_limits_its_rig_was_protected_by() -> None:
-    with mw.open_rig("simulated") as rig:
-        recording = run_on_rig(rig, WaveformPolicy(lambda _: 0.5, 1.0), 0.5)
-        for name, value in rig.protection_limits._asdict().items():
-            assert recording.metadata[f"limit_{name}"] == value

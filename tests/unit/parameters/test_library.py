@@ -11,9 +11,6 @@ from musclewire.errors import CallerError
 from musclewire.parameters._library import load_alloy, load_bench, load_wire, names, published_text, read_published
 from musclewire.parameters._parameter_groups import Alloy, Bench, Wire
 
-# Lan and Fan 2010, Table 1: diameter [um], linear resistance [ohm/m], maximal allowable and nominal force [N].
-TABLE_1 = [(100, 126.0, 4.601, 0.275), (125, 75.0, 7.220, 0.422), (200, 29.0, 18.247, 1.079)]
-
 
 def everything() -> list[Alloy | Bench | Wire]:
     load = {"alloy": load_alloy, "bench": load_bench, "wire": load_wire}
@@ -40,17 +37,6 @@ def test_every_number_has_a_source_and_the_unit_that_its_name_says(group: Alloy 
         assert math.isfinite(item.value), key
         assert len(item.source) > 5, key
     assert group.values() == {key: item.value for key, item in group.items()}
-
-
-@pytest.mark.parametrize(("diameter_um", "linear_ohm_per_m", "maximum_n", "nominal_n"), TABLE_1)
-def test_the_papers_wires_are_its_table_1(
-    diameter_um: int, linear_ohm_per_m: float, maximum_n: float, nominal_n: float
-) -> None:
-    wire = load_wire(f"paper-{diameter_um}um").values()
-    assert wire["diameter_m"] == pytest.approx(diameter_um * 1e-6, rel=1e-12)
-    assert wire["resistance_per_metre_ohm_per_m"] == linear_ohm_per_m
-    assert wire["maximum_force_n"] == maximum_n
-    assert wire["nominal_force_n"] == nominal_n
 
 
 @pytest.mark.parametrize("name", names("wire"))
