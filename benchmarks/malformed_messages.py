@@ -200,7 +200,7 @@ async def attack_over_http(link: str, makes: Makes, count: int, client: int) -> 
                 seen[str((await http.request(method, path, headers=headers, content=body)).status_code)] += 1
             except (httpx.TransportError, httpx.InvalidURL, UnicodeEncodeError) as error:
                 seen[f"connection: {type(error).__name__}"] += 1
-            await asyncio.sleep(1.0 / 200.0)  # within the limit: what comes faster is answered unread
+            await asyncio.sleep(1.0 / 200.0)
     return seen
 
 

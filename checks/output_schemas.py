@@ -1,6 +1,6 @@
-"""JSON Schemas of what commands print with --json, gathered from real answers.
+"""JSON Schemas of what commands without a model of their answer print with --json, gathered from real answers.
 
-    python -m checks.output_schemas              runs every command of CALLS and MORE, and writes the schemas
+    python -m checks.output_schemas              writes every stored schema anew, from CALLS and MORE
     python -m checks.output_schemas --only fit   of one command
 
 The calls are those of ``tests/house/docs/test_command_line.py``, which holds the answers to the keys of
@@ -26,16 +26,7 @@ FOLDER = PACKAGE / "app/data/outputs"
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 Schema = dict[str, Any]
 # Further calls, whose answers have what the first ones lack.
-MORE: dict[str, list[list[str]]] = {
-    "characterize": [["simulated", "-o", "third.h5", "--cycles", "1", "--period", "12s"]],
-    "control": [["simulated", "model.json", "--runs", "2"]],
-    "fit": [["short.h5"], ["loop.h5", "--quantity", "force"]],
-    "simulate": [["--list"], []],
-    "rules": [["liu-7x7"]],
-    "estimate": [["model.json", "loop.h5", "-o", "estimated.h5"]],
-    "design pretensioner": [["--list"]],
-    "doctor": [["finger"]],
-}
+MORE: dict[str, list[list[str]]] = {"design pretensioner": [["--list"]]}
 
 
 def shape(value: Any) -> Schema:
@@ -105,18 +96,17 @@ def main() -> None:
     sys.path.insert(0, str(ROOT))
     from tests.house.docs import test_command_line as calls
 
-    FOLDER.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="musclewire-outputs-") as name:
         folder = calls.prepared(Path(name))
         for command, first in calls.CALLS.items():
-            if only and command not in only:
+            target = schema_file(f"{command.replace(' ', '-')}.json")
+            if not target.is_file() or (only and command not in only):
                 continue
             every = [first, *MORE.get(command, [])]
             answers = [
                 json.loads(calls.run(folder, *command.split(), *call, "--json", may_not_hold=True)) for call in every
             ]
             schema = document_schema(command, answers, calls.SECTIONS[command])
-            target = schema_file(f"{command.replace(' ', '-')}.json")
             target.write_text(json.dumps(schema, indent=1, ensure_ascii=False) + "\n", "utf-8")
             print(f"{command}: {len(answers)} answers, {len(schema['properties'])} keys", flush=True)
 

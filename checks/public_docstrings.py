@@ -36,7 +36,7 @@ PROMISED = frozenset({"GL08", "PR01", "PR02", "PR03", "PR07", "RT01"})
 UNITS = {
     "w_per_m2_k": "W/(m2 K)", "w_per_m_k": "W/(m K)", "n_per_m": "N/m", "m_per_n": "m/N", "ohm_per_m": "ohm/m",
     "ohm_per_j": "ohm/J", "w_per_v": "W/V", "k_per_j": "K/J", "n_per_j": "N/J", "m_per_j": "m/J", "per_j": "1/J",
-    "pa_per_k": "Pa/K", "n_m2": "N m2",
+    "pa_per_j": "Pa/J", "pa_per_k": "Pa/K", "n_m2": "N m2",
     "j_per_kg_k": "J/(kg K)", "j_per_kg": "J/kg", "j_per_k": "J/K", "w_per_k": "W/K", "kg_per_m3": "kg/m3",
     "ohm_m": "ohm m", "pa_s": "Pa s", "v_per_s": "V/s", "per_k": "1/K", "per_pa": "1/Pa", "per_s": "1/s", "m2": "m2",
     "ohm": "ohm", "pct": "%", "degc": "degC", "kg": "kg", "pa": "Pa", "hz": "Hz", "us": "us", "ns": "ns", "ms": "ms",

@@ -26,7 +26,7 @@ import musclewire as mw
 from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError
 from musclewire.extras.studies import Conditions
-from musclewire.rigs import GuardedRig, true_state_of
+from musclewire.rigs import GuardedRig, HasTrueState, ability
 from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel, estimates
 from musclewire.signals import RawSample, wire_sample
 
@@ -99,7 +99,7 @@ def targets(random: np.random.Generator, samples: int, period_s: float) -> Float
 
 def followed(rig: GuardedRig, stroke: float) -> tuple[list[RawSample], FloatArray]:
     """Drive a plant along targets by its displacement sensor; return the samples and the reference strain of each."""
-    truth, period_s = true_state_of(rig), rig.sample_period_s
+    truth, period_s = ability(rig, HasTrueState), rig.sample_period_s
     low, full, high = rig.sense_voltage_v**2, rig.drive_amplitude_v**2, rig.maximum_voltage_v**2
     integral, drive_v, samples, strains = 0.0, rig.sense_voltage_v, [], []
     for target in targets(np.random.default_rng(SEED), round(PERIOD_S / period_s), period_s).tolist():

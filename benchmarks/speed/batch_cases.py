@@ -10,7 +10,6 @@ from time import perf_counter
 import numpy as np
 from benchmarks.speed.compiled_wires import EXPLICIT_STEP_S, numba_batch
 from benchmarks.speed.easier_wire import START
-from benchmarks.speed.numpy_wires import numpy_batch
 from benchmarks.speed.our_wire import different_wires
 
 from musclewire.app import PreparedComparison, TimedProgram, usable_cores
@@ -31,8 +30,6 @@ def batch_cases() -> Iterator[PreparedComparison]:
     work = f"10 ms of one of {WIRES:,} wires (--quick: {QUICK_WIRES:,}), one thread; {differ}"
     loop = f"a Numba loop of explicit steps of {1e3 * EXPLICIT_STEP_S:g} ms"
     yield PreparedComparison("batch[numba]", work, loop, partial(batch_sides, numba_batch, 1))
-    arrays = f"NumPy arrays of all wires, explicit steps of {1e3 * EXPLICIT_STEP_S:g} ms"
-    yield PreparedComparison("batch[numpy]", work, arrays, partial(batch_sides, numpy_batch, 1))
     if cores > 1:
         work = f"10 ms of one of {WIRES:,} wires (--quick: {QUICK_WIRES:,}), {cores} threads; {differ}"
         sides = partial(batch_sides, numba_batch, cores)

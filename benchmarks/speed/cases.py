@@ -9,9 +9,8 @@ from time import perf_counter
 from benchmarks.speed import fuzzy_tick
 from benchmarks.speed.batch_cases import batch_cases
 from benchmarks.speed.compiled_wires import EXPLICIT_STEP_S, numba_cycle
-from benchmarks.speed.easier_wire import PERIOD_S, ScipyLoop, drive_v, scipy_cycle
+from benchmarks.speed.easier_wire import PERIOD_S, ScipyLoop, scipy_cycle
 from benchmarks.speed.loop_cases import loop_cases
-from benchmarks.speed.plain_grains import GRAINS, GrainWire
 from benchmarks.speed.processes import first_period_of_ours, first_period_of_scipy
 
 from musclewire.app import (
@@ -53,8 +52,6 @@ def steps() -> Iterator[PreparedComparison]:
         yield PreparedComparison(f"step[{named}]", work, lsoda, partial(step_and_scipy, step_s))
     work = f"10 ms of wire time along the slow sine; ours is one step, theirs {10e-3 / EXPLICIT_STEP_S:g}; {EASIER}"
     yield PreparedComparison("step[10ms,numba]", work, "a Numba loop of explicit steps of 1 ms", step_and_numba)
-    work = f"1 ms of wire time, one step each; theirs is an easier wire with minor loops: {GRAINS} relays, two phases"
-    yield PreparedComparison("step[1ms,python]", work, "the grains as a list in plain Python", step_and_python)
 
 
 def step_and_scipy(step_s: float, _quick: bool) -> tuple[TimedProgram, TimedProgram]:
@@ -68,18 +65,6 @@ def step_and_numba(_quick: bool) -> tuple[TimedProgram, TimedProgram]:
     steps_a_sample = round(SAMPLE_S / EXPLICIT_STEP_S)
     theirs = TimedProgram(lambda _: numba_cycle(round(PERIOD_S / SAMPLE_S), steps_a_sample), PERIOD_S / 1e-2)
     return step_side(1e-2), theirs
-
-
-def step_and_python(quick: bool) -> tuple[TimedProgram, TimedProgram]:
-    """Return both sides of a step of 1 ms and grains in plain Python, theirs a part of the cycle at its hottest."""
-    theirs = GrainWire()
-    steps = 500 if quick else 5000
-
-    def run(_: object) -> None:
-        for number in range(steps):
-            theirs.advance(drive_v(40.0 + 1e-3 * number), 1e-3)
-
-    return step_side(1e-3), TimedProgram(run, steps)
 
 
 def slow_loop() -> PreparedComparison:

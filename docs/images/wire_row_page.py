@@ -12,9 +12,9 @@ HEAD = """# The row of a wire
 For those who write their own programs around the simulated wire.
 A simulated wire is two rows: its state, which changes from step to step, and its constants. A row is a
 NumPy record: compiled code reads and writes `state.temperature_k` in place, Python reads the same name
-(`true_state_of(rig).wire_state.temperature_k`), and many wires are an array of rows. A state that was handed out never
-changes: a step works on a copy. `state.replace(time_s=0.0)` is another state, `state.values()` every field by name,
-`state.row` the record itself, in an array of one.
+(`required_true_state(rig).wire_state.temperature_k`), and many wires are an array of rows. A state that was handed out
+never changes: a step works on a copy. `state.replace(time_s=0.0)` is another state, `state.values()` every field by
+name, `state.row` the record itself, in an array of one.
 
 Every number is a double. `classes` is the number of classes of barrier, 1 unless whoever builds the constants gives
 more; each number of them has a layout of its own, for which the kernels are compiled once and kept on disk. What a step

@@ -46,6 +46,9 @@ class Command:
         Name of the group it belongs to, "export" for example; "" for none.
     before
         Command or group of the same panel before which it is listed; last of its panel if that one is not there.
+    answer
+        "module:model" of what it prints with --json, for ``musclewire schema``; "" if :attr:`Manifest.outputs` has the
+        schema.
     """
 
     name: str
@@ -54,6 +57,7 @@ class Command:
     panel: str = ""
     group: str = ""
     before: str = ""
+    answer: str = ""
 
 
 @dataclass(frozen=True)

@@ -92,12 +92,9 @@ def test_what_exists_is_not_replaced(loop: Path, musclewire: Callable[..., Any],
 
 
 CASES = {
-    "nothing transforms": (lambda strain: 1e-3 * strain, (), "no transformation"),
     "the wrong sign": (lambda strain: -strain, (), "(--invert)"),
-    "another zero": (lambda strain: strain + 0.01, (), "--zero"),
     "an unknown number": (lambda strain: strain, ("--set", "pretention_n=1 N"), "did you mean 'pretension_n'"),
-    "an unknown effort": (lambda strain: strain, ("--effort", "most"), "there is no effort 'most'"),
-    "not a page": (lambda strain: strain, ("--report", "page.pdf"), "a report is a .html file"),
+    "no folder": (lambda strain: strain, ("--report", "none/page.html"), "there is no folder"),
 }
 
 

@@ -22,9 +22,8 @@ def test_every_loop_is_the_single_run_of_its_seed(musclewire: Callable[..., Any]
     assert many["runs"][1]["mae_approached_pct"] == [step["mae_approached_pct"] for step in alone["steps"]]
     assert many["approach_s"] == alone["approach_s"] == 12.0
     assert many["runs"][1]["ended"] == "done"
-    in_python = musclewire(
-        "control", "simulated", model, *STEPS, "--runs", 3, "--seed", 4, "--in-python", "--json"
-    ).json
+    runs = ("--runs", 3, "--seed", 4, "--in-python")
+    in_python = musclewire("control", "simulated", model, *STEPS, *runs, "--json").json
     assert in_python["steps"] == many["steps"]
 
 

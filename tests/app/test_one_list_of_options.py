@@ -54,11 +54,8 @@ def test_times_lengths_and_all_other_quantities_have_a_unit() -> None:
     ("old", "new"),
     [
         (("demo", "--out", "{0}", "--seed", "-1"), ("demo", "--output", "{0}", "--seed", "-1")),
-        (("fit", "lan-fan-2010-table-2", "--length", "70"), ("fit", "lan-fan-2010-table-2", "--leg-length", "70")),
         (("fit", "lan-fan-2010-table-2", "--length=7"), ("fit", "lan-fan-2010-table-2", "--leg-length=7")),
         (("simulate", "--length", "0 mm"), ("simulate", "--wire-length", "0 mm")),
-        (("grip", "--stiffness", "-1 N/m"), ("grip", "--known-stiffness", "-1 N/m")),
-        (("train", "simulated", "--most-cycles", "1"), ("train", "simulated", "--max-cycles", "1")),
     ],
 )  # fmt: skip
 def test_an_option_reads_by_its_old_name(

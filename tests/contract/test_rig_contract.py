@@ -16,7 +16,7 @@ from tests.contract.rig_subject import RigSubject
 from tests.subjects import subjects_of
 
 from musclewire.errors import CallerError, RigError
-from musclewire.rigs import GuardedRig, Rig, open_rig, stage_of
+from musclewire.rigs import GuardedRig, HasStage, Rig, ability, open_rig
 from musclewire.signals import REFERENCE_COLUMNS, RawSample
 
 METADATA_KEYS = {
@@ -200,7 +200,7 @@ def test_the_metadata_say_what_a_recording_needs(rig: Rig) -> None:
 
 def test_a_rig_with_a_stage_takes_another_pretension(rig: Rig, subject: RigSubject) -> None:
     """Rigs without a stage that software can move say so, or one whose parts leave none by refusing."""
-    stage = stage_of(rig)
+    stage = ability(rig, HasStage)
     if stage is None:
         return
     if subject.fixed_pretension:
@@ -232,7 +232,7 @@ def test_a_refused_voltage_latches_the_drive_off(rig: Rig) -> None:
 def test_moving_the_stage_switches_the_drive_off_and_more_than_the_wire_allows_is_refused(
     rig: Rig, subject: RigSubject
 ) -> None:
-    stage = stage_of(rig)
+    stage = ability(rig, HasStage)
     if subject.fixed_pretension or stage is None:
         return
     with rig:

@@ -37,15 +37,6 @@ def name_of(entry: dict[str, Any]) -> str:
     return "-".join([entry["name"], *(key for key in ("mapping", "ignore", "sample_period") if key in entry)])
 
 
-def cases(chosen: list[dict[str, Any]]) -> list[Any]:
-    """Return entries as parameters; others' HDF5, which is first opened in a process of its own, is slow."""
-    in_a_process = (".h5", ".hdf5", ".mat")
-    slow = {True: pytest.mark.slow, False: ()}
-    return [
-        pytest.param(entry, id=name_of(entry), marks=slow[entry["name"].endswith(in_a_process)]) for entry in chosen
-    ]
-
-
 def path_of(entry: dict[str, Any]) -> Path:
     path: Path = entry["beside"] / entry["folder"] / entry["name"]
     return path
@@ -63,7 +54,7 @@ def mapping_of(entry: dict[str, Any]) -> ImportMapping:
     )
 
 
-@pytest.mark.parametrize("entry", cases(READ))
+@pytest.mark.parametrize("entry", READ, ids=name_of)
 def test_a_file_is_read_with_the_columns_and_numbers_it_holds(entry: dict[str, Any]) -> None:
     recording = read_recording(path_of(entry), mapping=mapping_of(entry))
     assert set(recording.names) == set(entry["columns"])
@@ -73,7 +64,7 @@ def test_a_file_is_read_with_the_columns_and_numbers_it_holds(entry: dict[str, A
             assert recording[name][row] == pytest.approx(value, rel=1e-6, abs=1e-6), (place, name)
 
 
-@pytest.mark.parametrize("entry", cases(READ))
+@pytest.mark.parametrize("entry", READ, ids=name_of)
 def test_a_preview_finds_no_problem_and_its_mapping_reads_the_same(entry: dict[str, Any]) -> None:
     understood = import_recording(path_of(entry), mapping=mapping_of(entry))
     assert understood.problem == ""
@@ -82,7 +73,7 @@ def test_a_preview_finds_no_problem_and_its_mapping_reads_the_same(entry: dict[s
     assert again == read_recording(path_of(entry), mapping=mapping_of(entry))
 
 
-@pytest.mark.parametrize("entry", cases(REFUSED))
+@pytest.mark.parametrize("entry", REFUSED, ids=name_of)
 def test_a_file_is_refused_in_one_line_that_names_the_cure(entry: dict[str, Any]) -> None:
     with pytest.raises((RecordingError, CallerError)) as caught:
         read_recording(path_of(entry), mapping=mapping_of(entry))

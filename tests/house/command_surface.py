@@ -182,19 +182,42 @@ def json_keys(name: str) -> list[str]:
     return [key for key in keys_of_schema(schema) if not key.startswith(ANY_DOCUMENT.get(name, "\0"))]
 
 
-def keys_of_schema(schema: Listing, before: str = "") -> Iterator[str]:
+def keys_of_schema(schema: Listing, before: str = "", kinds: Listing | None = None) -> Iterator[str]:
     """Yield the keys of a schema; objects by name that all have the same keys have them once, under "*"."""
-    named = schema.get("properties", {})
-    below = {tuple(one.get("properties", ())) for one in named.values()}
-    alike = len(named) > 2 and len(below) == 1 and below != {()}
-    for number, (name, one) in enumerate(named.items()):
+    kinds = schema.get("$defs", {}) if kinds is None else kinds
+    named: dict[str, list[Listing]] = {}
+    among, by_any_name = [], []
+    for kind in alternatives(schema, kinds):
+        for name, one in kind.get("properties", {}).items():
+            named.setdefault(name, []).append(one)
+        among += [kind["items"]] if "items" in kind else []
+        by_any_name += [kind["additionalProperties"]] if isinstance(kind.get("additionalProperties"), dict) else []
+    below = {name: list(keys_of_schema({"anyOf": each}, "", kinds)) for name, each in named.items()}
+    alike = len(named) > 2 and len({tuple(keys) for keys in below.values()}) == 1
+    for name, keys in below.items():
         yield before + name
-        if not alike:
-            yield from keys_of_schema(one, f"{before}{name}.")
-        elif number == len(named) - 1:
-            yield from keys_of_schema(one, f"{before}*.")
-    if "items" in schema:
-        yield from keys_of_schema(schema["items"], f"{before.removesuffix('.')}[].")
+        yield from () if alike else keys_with(f"{before}{name}.", keys)
+    if alike:
+        yield from keys_with(f"{before}*.", next(iter(below.values())))
+    if by_any_name:
+        yield from keys_with(f"{before}*.", keys_of_schema({"anyOf": by_any_name}, "", kinds))
+    if among:
+        yield from keys_with(f"{before.removesuffix('.')}[].", keys_of_schema({"anyOf": among}, "", kinds))
+
+
+def keys_with(before: str, keys: Iterable[str]) -> Iterator[str]:
+    """Yield keys with what leads to them."""
+    for key in keys:
+        yield f"{before.removesuffix('.')}{key}" if key.startswith("[") else before + key
+
+
+def alternatives(schema: Listing, kinds: Listing) -> Iterator[Listing]:
+    """Yield the schemas of which a value has one."""
+    if "$ref" in schema:
+        yield from alternatives(kinds[schema["$ref"].rpartition("/")[2]], kinds)
+    for one in (*schema.get("anyOf", ()), *schema.get("oneOf", ())):
+        yield from alternatives(one, kinds)
+    yield schema
 
 
 def exit_codes(name: str) -> list[int]:

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from musclewire.app._bench_measure import MachinePeaks
     from musclewire.app._bench_rows import Benchmark
 
-__all__ = ["bench"]
-
 
 def bench(
     only: Annotated[str | None, ONLY] = None,

@@ -20,21 +20,6 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 
-__all__ = [
-    "PreparedComparison",
-    "Comparison",
-    "MachinePeaks",
-    "TimedProgram",
-    "arithmetic_side",
-    "comparison",
-    "fixed_arithmetic",
-    "fixed_python",
-    "paired_us",
-    "processor_name",
-    "python_side",
-    "usable_cores",
-]
-
 ARITHMETIC_ROUNDS, PYTHON_ROUNDS = 100_000, 2_000
 
 

@@ -47,8 +47,6 @@ from musclewire.wire import (
     resting_state,
 )
 
-__all__ = ["Benchmark", "bench", "exchange_side", "paper_wire", "period_side", "step_side", "tick_side"]
-
 TURNS, QUICK_TURNS = 15, 5
 # The slow sine of the paper's bench.
 PERIOD_S, SENSE_V, AMPLITUDE_V = 90.0, 0.3, 3.2
@@ -62,12 +60,10 @@ CHECKOUT_ROWS = (
     "step[1ms]",
     "step[10ms]",
     "step[10ms,numba]",
-    "step[1ms,python]",
     "slow_loop",
     "closed_loop_period",
     "exchange",
     "batch[numba]",
-    "batch[numpy]",
     "closed_loops",
     "vector_environment",
     "fuzzy_pid_tick[zhao-1993]",
@@ -252,16 +248,18 @@ def sample_voltages(quick: bool) -> list[float]:
 
 def tick_side(quick: bool, rule_base: str = "zhao-1993") -> TimedProgram:
     """Return ticks of the fuzzy PID with measurements that differ; a unit is a tick."""
-    from musclewire.controllers import DriveLimits, FuzzyPid, FuzzyPidSettings
+    from musclewire.controllers import DriveLimits, FuzzyPidController, FuzzyPidSettings
+    from musclewire.signals import QuantityEstimate
 
     ticks = 2000 if quick else 20_000
-    controller = FuzzyPid(FuzzyPidSettings(rule_base=rule_base), DriveLimits(0.3, 3.2))
-    measured_strains = np.random.default_rng(1).uniform(0.014, 0.022, ticks).tolist()
+    controller = FuzzyPidController(FuzzyPidSettings(rule_base=rule_base), DriveLimits(0.3, 3.2))
+    strains = np.random.default_rng(1).uniform(0.014, 0.022, ticks).tolist()
+    estimates = [QuantityEstimate(strain, 0.0, True) for strain in strains]
 
     def run(_: object) -> None:
-        state = controller.start(1.0, 0.015, 0.018)
-        for strain in measured_strains:
-            state = controller.step(state, 0.018, strain, 0.05).state
+        state = controller.start(1.0)
+        for estimate in estimates:
+            state = controller.step(state, 0.018, estimate, 0.05).state
 
     return TimedProgram(run, ticks)
 

@@ -25,21 +25,19 @@ from musclewire.app._options import (
     STARTS,
     THREADS,
     WIRE,
-    Json,
     mapping,
 )
-from musclewire.app._output import emit_json, say, show, step_bar, warn
+from musclewire.app._output import Result, step_bar, warn
 from musclewire.app._recording_options import ReadingOptions
 from musclewire.app._stopping import StoppedCommand, stop_if_asked, stops_between_samples
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, MusclewireError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from musclewire.app._answers import CalibrateAnswer
     from musclewire.identify import Calibration, ExperimentAdvice, SearchSettings
     from musclewire.signals import Recording
-
-__all__ = ["calibrate"]
 
 JOURNAL_SUFFIX = ".search"
 OWN_FORMAT = (".h5", ".hdf5")
@@ -84,8 +82,7 @@ def calibrate(
     output: Annotated[Path | None, OUTPUT] = None,
     report: Annotated[Path | None, REPORT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Identify the physical parameters of your wire from recordings of it, with uncertainty."""
     from musclewire.experiment import extrapolation_warnings
     from musclewire.identify import calibrate as run_calibrate
@@ -98,7 +95,7 @@ def calibrate(
     settings = search.settings()
     given = {name: read_one(name, reading) for name in distinct(recordings)}
     journal = None if output is None else output.with_name(output.name + JOURNAL_SUFFIX)
-    with resumable(journal), stops_between_samples(), step_bar("descents", json) as on_progress:
+    with resumable(journal), stops_between_samples(), step_bar("descents") as on_progress:
         found = run_calibrate(
             given,
             wire=known.wire,
@@ -118,12 +115,8 @@ def calibrate(
 
         write_report(found, page, advice)
     figure.draw(partial(drawn, found))
-    if json:
-        emit_json({**document(found, advice, output, page), "warnings": warnings})
-    else:
-        show_result(found, advice, output, page)
-    if not found.holds:
-        raise typer.Exit(1)
+    answer = calibrate_answer(found, advice, output, page, warnings)
+    return Result(answer, result_text(found, advice, output, page), error=why_not(found))
 
 
 def drawn(found: Calibration, *, style: str) -> Axes:
@@ -183,34 +176,57 @@ def resumable(journal: Path | None) -> Iterator[None]:
         raise StoppedCommand(stop.code if isinstance(stop.code, int) else 1, rest) from None
 
 
-def document(
-    found: Calibration, advice: Sequence[ExperimentAdvice], output: Path | None, page: Path | None
-) -> dict[str, Any]:
-    """Return the answer under the keys of the interface."""
-    return {
-        **found.as_dict(),
-        "advice": [item.as_dict() for item in advice],
-        "recordings": list(found.inputs.sources),
-        "started_from": found.inputs.wire,
-        "priors": found.inputs.priors.name,
-        "wire": None if output is None else str(output),
-        "report": None if page is None else str(page),
-    }
+def calibrate_answer(
+    found: Calibration, advice: Sequence[ExperimentAdvice], output: Path | None, page: Path | None, warnings: list[str]
+) -> CalibrateAnswer:
+    """Return a calibration, what to measure next, and what was written."""
+    from musclewire.app._answers import AdvisedExperiment, CalibrateAnswer, CalibratedChannel, CalibratedParameter
+
+    return CalibrateAnswer.of(
+        found,
+        found.inputs,
+        parameters={item.name: CalibratedParameter.of(item) for item in found.estimates},
+        not_identifiable=[item.name for item in found.not_identifiable],
+        channels=[
+            CalibratedChannel.of(
+                pair,
+                recording=title,
+                channel=pair.channel.name,
+                unit=pair.channel.unit,
+                rms_in_uncertainties=pair.normalised_rms,
+            )
+            for title, pair in found.comparisons()
+        ],
+        correlated=[{"parameters": (one, other), "r": r} for one, other, r in found.correlated],
+        simulations=found.search_result.simulations,
+        descent_costs=found.search_result.costs,
+        seed=found.inputs.settings.seed,
+        advice=[AdvisedExperiment.of(item, tells=item.identifies) for item in advice],
+        recordings=found.inputs.sources,
+        started_from=found.inputs.wire,
+        priors=found.inputs.priors.name,
+        wire=None if output is None else str(output),
+        report=None if page is None else str(page),
+        warnings=warnings,
+    )
 
 
-def show_result(found: Calibration, advice: Sequence[ExperimentAdvice], output: Path | None, page: Path | None) -> None:
-    """Print what was found and what to measure next on stdout."""
-    show(str(found))
-    if advice:
-        show("\nwhat to measure next:")
-    for item in advice:
-        show(f"  {item.title}: {advice_text(item)}")
-    if output is not None:
-        show(f"\nwire written to {output}")
-    if page is not None:
-        show(f"open {page}")
-    if not found.holds:
-        say("warning: the fit does not hold; the report shows where")
+def why_not(found: Calibration) -> MusclewireError | None:
+    """Return that a calibration does not hold, None if it does."""
+    return None if found.holds else MusclewireError("the fit does not hold: --report shows where")
+
+
+def result_text(found: Calibration, advice: Sequence[ExperimentAdvice], output: Path | None, page: Path | None) -> str:
+    """Return what was found and what to measure next in words."""
+    return "\n".join(
+        [
+            str(found),
+            *(["", "what to measure next:"] if advice else []),
+            *(f"  {item.title}: {advice_text(item)}" for item in advice),
+            *([] if output is None else ["", f"wire written to {output}"]),
+            *([] if page is None else ["", f"open {page}"]),
+        ]
+    )
 
 
 def advice_text(item: ExperimentAdvice) -> str:

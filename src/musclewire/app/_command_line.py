@@ -16,8 +16,6 @@ from musclewire.app._commands import add_command
 from musclewire.app._core_commands import COMMANDS, GROUPS, PANELS
 from musclewire.manifest import Command, CommandGroup, absent_part, loaded, manifests
 
-__all__ = ["CommandLine", "every_command", "listed_commands"]
-
 Listed = Command | CommandGroup
 
 

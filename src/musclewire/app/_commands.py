@@ -10,9 +10,8 @@ from typing import Any, get_type_hints
 import typer
 from typer.core import TyperCommand
 
-from musclewire.app._options import renamed
-
-__all__ = ["add_command"]
+from musclewire.app._options import Json, renamed
+from musclewire.app._output import Result, run_command
 
 
 class CommandWithOldNames(TyperCommand):
@@ -25,14 +24,18 @@ class CommandWithOldNames(TyperCommand):
         return super().parse_args(ctx, [*(renamed(argument, known) for argument in args[:end]), *args[end:]])
 
 
-def add_command(app: typer.Typer, function: Callable[..., None], name: str | None = None) -> None:
+def add_command(app: typer.Typer, function: Callable[..., Result | None], name: str | None = None) -> None:
     """Add a function as a command. A parameter that is a dataclass becomes one option for each of its fields."""
     app.command(name, cls=CommandWithOldNames)(flat(function))
 
 
-def flat(function: Callable[..., None]) -> Callable[..., None]:
-    """Return the function with the fields of its dataclasses as parameters of their own, as typer reads them."""
+def flat(function: Callable[..., Result | None]) -> Callable[..., None]:
+    """Return the function with the fields of its dataclasses as parameters of their own, as typer reads them.
+
+    One that returns its result has the option --json, too, and the result is printed here.
+    """
     signature = inspect.signature(function, eval_str=True)
+    answers = signature.return_annotation is Result
     groups: dict[str, Any] = {
         name: one.annotation for name, one in signature.parameters.items() if is_dataclass(one.annotation)
     }
@@ -44,7 +47,7 @@ def flat(function: Callable[..., None]) -> Callable[..., None]:
             else values[name]
             for name in signature.parameters
         }
-        function(**given)
+        run_command(function, values.get("json", False), **given)
 
     run.__name__, run.__doc__, run.__module__ = function.__name__, function.__doc__, function.__module__
     parameters = [
@@ -52,7 +55,9 @@ def flat(function: Callable[..., None]) -> Callable[..., None]:
         for name, one in signature.parameters.items()
         for part in (parameters_of(groups[name]) if name in groups else [keyword(name, one.annotation, one.default)])
     ]
-    run.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    if answers:
+        parameters.append(keyword("json", Json, False))
+    run.__signature__ = signature.replace(parameters=parameters, return_annotation=None)  # type: ignore[attr-defined]
     return run
 
 

@@ -9,17 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-__all__ = [
-    "complete_controllers",
-    "complete_estimators",
-    "complete_fingers",
-    "complete_materials",
-    "complete_rigs",
-    "complete_rule_bases",
-    "complete_schemas",
-    "complete_wires",
-]
-
 
 def complete_rigs(incomplete: str) -> list[str]:
     """Return the included rigs and the TOML files that begin so."""

@@ -13,7 +13,7 @@ import typer
 
 from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_recording_file
-from musclewire.app._home_command import HomeOptions
+from musclewire.app._home_command import HomeOptions, home_found, home_text
 from musclewire.app._many_loops_command import (
     MIN_VALID_FRACTION,
     ManyLoopsChoice,
@@ -33,22 +33,21 @@ from musclewire.app._options import (
     RULES,
     SEED,
     WIRE_FILE,
-    Json,
     RigName,
     in_si,
 )
-from musclewire.app._output import emit_json, progress_bar, say, show, warn
+from musclewire.app._output import Result, progress_bar, warn
 from musclewire.app._rig_options import TimingOptions
 from musclewire.app._stopping import stops_between_samples
-from musclewire.errors import CallerError, RecordingError, nearest_hint
+from musclewire.errors import CallerError, MusclewireError, RecordingError, nearest_hint
 
 if TYPE_CHECKING:
+    from musclewire.app._answers import ControlAnswer
     from musclewire.controllers import Reference
-    from musclewire.experiment import ControlMetrics, ControlRun
+    from musclewire.experiment import ControlRun
+    from musclewire.identify import Homing, SpeedLimits
     from musclewire.rigs import Rig
     from musclewire.sensing import KnownSpring, SensingModel
-
-__all__ = ["control", "metrics_json"]
 
 # Steps as a text: "2.5 mm to 6 mm by 0.5 mm".
 STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
@@ -83,8 +82,7 @@ def control(
     output: Annotated[Path | None, OUTPUT] = None,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Closed loop: move the wire by its own resistance; MAE of each step, with --runs for many seeds."""
     from musclewire.experiment import approach_of
     from musclewire.rigs import open_rig
@@ -101,29 +99,47 @@ def control(
         with open_rig(rig, seed=seed) as opened:
             follows = target or staircase_for(loaded, load, opened.leg_length_m)
             said_of_speed(opened, loaded, follows, settings, load)
-        run_many_loops(rig, seed, many, {"model": loaded, **chosen}, follows, json)
-        return
+        return run_many_loops(rig, seed, many, {"model": loaded, **chosen}, follows)
     check_files(figure, output, overwrite)
     follow = loop_of(controller, settings, load, loop)
-    home_answer: dict[str, Any] | None = None
+    homed: Homing | None = None
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         refused = timing.apply(opened)
         if homing.home == "start":
-            loaded, home_answer = homing.homed(opened, loaded, quiet=json)
+            homed = homing.homed(opened, loaded)
+            loaded = homed.model
         if target is None:
             target = staircase_for(loaded, load, opened.leg_length_m)
-        too_fast = said_of_speed(opened, loaded, target, settings, load)
-        with progress_bar("Closed loop", approach_of(controller) + target.duration_s, json, opened) as on_sample:
+        limits = said_of_speed(opened, loaded, target, settings, load)
+        with progress_bar("Closed loop", approach_of(controller) + target.duration_s, opened) as on_sample:
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
         if homing.home == "idle":
-            loaded, home_answer = homing.homed(opened, loaded, quiet=json)
+            homed = homing.homed(opened, loaded)
     figure.draw(run.plot)
-    answer = run_json(run, load, [*refused, *too_fast.pop("warnings")]) | too_fast | {"home": home_answer}
-    if json:
-        emit_json(answer)
-    else:
-        show(str(run.metrics))
-    end_by(run)
+    answer = control_answer(run, load, limits, homed, refused)
+    text = [] if homed is None else [home_text(homed)]
+    return Result(answer, "\n".join([*text, str(run.metrics)]), error=why_not(run))
+
+
+def control_answer(
+    run: ControlRun, load: KnownSpring | None, limits: SpeedLimits | None, homed: Homing | None, refused: list[str]
+) -> ControlAnswer:
+    """Return the answer of a closed loop; its warnings are also printed."""
+    from musclewire.app._answers import ControlAnswer
+    from musclewire.experiment import run_warnings, timing_json
+
+    facts = {"health": "", **run.metadata}
+    return ControlAnswer.of_run(
+        run.metrics,
+        **timing_json(facts),
+        known_stiffness_n_per_m=None if load is None else load.stiffness_n_per_m,
+        known_friction_n=None if load is None else load.friction_n,
+        **{name: facts.get(name) for name in ("estimator", "controller", "health", "ended")},
+        samples=len(run),
+        warnings=[*refused, *warn(run_warnings(run)), *(() if limits is None else limits.warnings)],
+        speed_limits=limits,
+        home=None if homed is None else home_found(homed),
+    )
 
 
 def check_files(figure: FigureOptions, output: Path | None, overwrite: bool) -> None:
@@ -135,31 +151,29 @@ def check_files(figure: FigureOptions, output: Path | None, overwrite: bool) -> 
 
 def said_of_speed(
     opened: Rig, loaded: SensingModel, target: Reference, settings: Any, load: KnownSpring | None
-) -> dict[str, Any]:
-    """Print where a reference is faster than the wire, before it is heated; return the warnings and the numbers.
+) -> SpeedLimits | None:
+    """Print where a reference is faster than the wire, before it is heated; return it.
 
-    The numbers are None if model or rig do not state what they follow from.
+    None if model or rig do not state what it follows from.
     """
     from musclewire.experiment import speed_limits
 
     try:
         limits = speed_limits(opened, loaded, target, settings=settings, load=load)
     except RecordingError:
-        return {"warnings": [], "speed_limits": None}
-    return {"warnings": warn(limits.warnings), "speed_limits": limits.report()}
+        return None
+    warn(limits.warnings)
+    return limits
 
 
-def end_by(run: ControlRun) -> None:
-    """End with 1 where the result of a run does not hold."""
+def why_not(run: ControlRun) -> MusclewireError | None:
+    """Return why the result of a run does not hold, None if it does."""
     from musclewire.experiment import result_holds
 
     if run.metrics.valid_share < MIN_VALID_FRACTION:
         sensed_pct = 100 * run.metrics.valid_share
-        say(f"musclewire: only {sensed_pct:.0f} % of the samples could be sensed; this does not hold")
-        raise typer.Exit(1)
-    if not result_holds(run):
-        say("musclewire: this does not hold: see the warnings above")
-        raise typer.Exit(1)
+        return MusclewireError(f"only {sensed_pct:.0f} % of the samples could be sensed; this does not hold")
+    return None if result_holds(run) else MusclewireError("this does not hold: see the warnings above")
 
 
 def single_run_options(
@@ -176,24 +190,6 @@ def single_run_options(
         "--clock-speed": timing.clock_speed != 1.0,
         "--real-time-priority": timing.real_time_priority,
         "--cpu": timing.cpu is not None,
-    }
-
-
-def run_json(run: ControlRun, load: KnownSpring | None, refused: list[str]) -> dict[str, Any]:
-    """Return a closed loop under the keys of the interface; its warnings are also printed."""
-    from musclewire.experiment import run_warnings, timing_json
-
-    return {
-        **metrics_json(run.metrics),
-        **timing_json(run.metadata),
-        "known_stiffness_n_per_m": None if load is None else load.stiffness_n_per_m,
-        "known_friction_n": None if load is None else load.friction_n,
-        "estimator": run.metadata.get("estimator"),
-        "controller": run.metadata.get("controller"),
-        "health": run.metadata.get("health", ""),
-        "ended": run.metadata["ended"],
-        "samples": len(run),
-        "warnings": [*refused, *warn(run_warnings(run))],
     }
 
 
@@ -257,39 +253,6 @@ def settings_of(loop: ControlledLoopOptions) -> tuple[str, Any]:
     if loop.rules is not None:
         raise CallerError(NO_RULES.format(controller))
     return controller, None
-
-
-def metrics_json(metrics: ControlMetrics) -> dict[str, Any]:
-    """Return the metrics of a closed loop under the keys of the interface."""
-    key, factor = {"strain": ("target_pct", 100.0), "displacement": ("target_m", 1.0), "force": ("target_n", 1.0)}[
-        metrics.quantity
-    ]
-    steps = [
-        {
-            key: round(factor * step.target, 10),
-            "direction": step.direction,
-            "mae_pct": step.mae_pct,
-            "mae_approached_pct": step.mae_approached_pct,
-            "estimate_mae_pct": step.estimate_mae_pct,
-            "estimate_mae_approached_pct": step.estimate_mae_approached_pct,
-            "tracking_mae_pct": step.tracking_mae_pct,
-            "tracking_mae_approached_pct": step.tracking_mae_approached_pct,
-        }
-        for step in metrics.steps
-    ]
-    return {
-        "steps": steps,
-        "mae_max_pct": metrics.mae_max_pct,
-        "mae_mean_pct": metrics.mae_mean_pct,
-        "mae_max_approached_pct": metrics.mae_max_approached_pct,
-        "mae_mean_approached_pct": metrics.mae_mean_approached_pct,
-        "approach_s": metrics.approach_s,
-        "approach": metrics.approach,
-        "valid_share": metrics.valid_share,
-        "rms_pct": metrics.rms_pct,
-        "estimate_rms_pct": metrics.estimate_rms_pct,
-        "tracking_rms_pct": metrics.tracking_rms_pct,
-    }
 
 
 def known_spring(loaded: SensingModel, path: Path, quantity: str, stiffness: float | None) -> KnownSpring | None:

@@ -10,8 +10,6 @@ from musclewire.errors import CallerError
 if TYPE_CHECKING:
     from musclewire.controllers import FuzzyPidSettings
 
-__all__ = ["read_settings"]
-
 
 def read_settings(path: Path | None, rules: str | None) -> FuzzyPidSettings:
     """Return the controller's settings from a TOML file, and the rule base that an option names instead.

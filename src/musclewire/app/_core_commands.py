@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from musclewire.manifest import Command, CommandGroup
 
-__all__ = ["COMMANDS", "GROUPS", "PANELS"]
-
 BEGIN = "Begin here, on the simulated wire"
 LOOP = "The basic loop: record, fit, move"
 BENCH = "A wire on a bench"
@@ -22,103 +20,126 @@ COMMANDS = (
         "musclewire.app._rig_commands:demo",
         "The main job on the simulated rig: characterise, fit, control by resistance, report.",
         panel=BEGIN,
+        answer="musclewire.app._answers:DemoAnswer",
     ),
     Command(
         "characterize",
         "musclewire.app._rig_commands:characterize",
         "Heat and cool the wire slowly (the slow sine) and record it.",
         panel=LOOP,
+        answer="musclewire.app._answers:CharacterizeAnswer",
     ),
     Command(
         "fit",
         "musclewire.app._model_commands:fit",
         "Fit the self-sensing model to a slow loop; with --wire from its resistance alone.",
         panel=LOOP,
+        answer="musclewire.app._answers:FitAnswer",
     ),
     Command(
         "tune",
         "musclewire.app._tune_command:tune",
         "Find a controller's gains from the slow loop, by a published rule; prints plant, gains and margins.",
         panel=LOOP,
+        answer="musclewire.app._answers:TuneAnswer",
     ),
     Command(
         "control",
         "musclewire.app._control_command:control",
         "Closed loop: move the wire by its own resistance; MAE of each step, with --runs for many seeds.",
         panel=LOOP,
+        answer="musclewire.app._answers:ControlAnswers",
     ),
     Command(
         "home",
         "musclewire.app._home_command:home",
         "Sweep the wire once at its known load and write a model that holds for the wire of today.",
         panel=LOOP,
+        answer="musclewire.app._answers:HomeAnswer",
     ),
     Command(
         "grip",
         "musclewire.app._grip_command:grip",
         "Close fingers on an object, find contact and hold a force, all by the wires' resistance.",
         panel=LOOP,
+        answer="musclewire.app._answers:GripAnswer",
     ),
     Command(
         "doctor",
         "musclewire.app._doctor_command:doctor",
         "Check wiring, noise, polarity, sense voltage and sample clock; nothing is heated.",
         panel=BENCH,
+        answer="musclewire.app._answers:DoctorAnswer",
     ),
     Command(
         "pretension",
         "musclewire.app._rig_commands:pretension",
         "Sweep the pretension, compare the hysteresis gaps, name the best for the quantity.",
         panel=BENCH,
+        answer="musclewire.app._answers:PretensionAnswer",
     ),
-    Command("train", "musclewire.app._rig_commands:train", "Cycle a new wire until its loop repeats.", panel=BENCH),
+    Command(
+        "train",
+        "musclewire.app._rig_commands:train",
+        "Cycle a new wire until its loop repeats.",
+        panel=BENCH,
+        answer="musclewire.app._answers:TrainAnswer",
+    ),
     Command(
         "protection",
         "musclewire.app._protection_command:protection",
         "Show the protection table: monitored conditions of a heated wire and the responses; with a rig, its limits.",
         panel=BENCH,
+        answer="musclewire.app._answers:ProtectionAnswer",
     ),
     Command(
         "import",
         "musclewire.app._import_command:import_recordings",
         "Read recordings of other programs and show how they were interpreted; with -o convert one, or join two.",
         panel=RECORDINGS,
+        answer="musclewire.app._answers:ImportAnswer",
     ),
     Command(
         "estimate",
         "musclewire.app._model_commands:estimate",
         "Estimate strain from a recording's resistance; errors where it has a reference.",
         panel=RECORDINGS,
+        answer="musclewire.app._answers:EstimateAnswer",
     ),
     Command(
         "calibrate",
         "musclewire.app._calibrate_command:calibrate",
         "Identify the physical parameters of your wire from recordings of it, with uncertainty.",
         panel=RECORDINGS,
+        answer="musclewire.app._answers:CalibrateAnswer",
     ),
     Command(
         "recover",
         "musclewire.app._recover_command:recover",
         "Make plain HDF5 of the journal that a run left when it was cut off; with -o the journal stays.",
         panel=RECORDINGS,
+        answer="musclewire.app._recover_command:RecoverAnswer",
     ),
     Command(
         "simulate",
         "musclewire.app._wire_commands:simulate",
         "Simulate a drive through a wire: which supply, shunt and current it needs.",
         panel=CHOOSE,
+        answer="musclewire.app._answers:SimulateAnswers",
     ),
     Command(
         "catalogue",
         "musclewire.app._wire_commands:catalogue",
         "Compare the Flexinol catalogue with the simulation: contraction after one second, and cooling times.",
         panel=CHOOSE,
+        answer="musclewire.app._answers:CatalogueAnswer",
     ),
     Command(
         "rules",
         "musclewire.app._model_commands:rules",
         "Show a fuzzy rule base, and its surfaces with --plot.",
         panel=STUDIES,
+        answer="musclewire.app._answers:RulesAnswer",
     ),
     Command(
         "bench",
@@ -126,12 +147,19 @@ COMMANDS = (
         "How fast it is on this machine, as ratios to what one would use instead.",
         panel=STUDIES,
     ),
-    Command("cite", "musclewire.app._model_commands:cite", "Print the references to cite.", panel=STUDIES),
+    Command(
+        "cite",
+        "musclewire.app._model_commands:cite",
+        "Print the references to cite.",
+        panel=STUDIES,
+        answer="musclewire.app._model_commands:CiteAnswer",
+    ),
     Command(
         "schema",
         "musclewire.app._schema_command:schema",
         "Print the JSON Schema of a kind of file, or of what a command prints with --json.",
         panel=ELSEWHERE,
+        answer="musclewire.app._schema_command:SchemaAnswer",
     ),
 )
 # Groups that several parts share; one is listed if any command is in it.

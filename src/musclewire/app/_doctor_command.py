@@ -6,18 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from musclewire.app._options import HOLD, METER_SHUNT, METER_WIRE, REAL_TIME, SEED, WRITE, Json, RigName, in_si
-from musclewire.app._output import emit_json, progress_bar, show
+from musclewire.app._options import HOLD, METER_SHUNT, METER_WIRE, REAL_TIME, SEED, WRITE, RigName, in_si
+from musclewire.app._output import Result, progress_bar, table
 from musclewire.app._stopping import stops_between_samples
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
+    from musclewire.app._answers import DoctorAnswer
     from musclewire.experiment import ChannelCalibration, Examination, OnProbe, RigCheck
     from musclewire.signals import RawSample
-
-__all__ = ["doctor"]
 
 
 @dataclass(frozen=True)
@@ -35,31 +32,24 @@ def doctor(
     write: Annotated[bool, WRITE] = False,
     seed: Annotated[int | None, SEED] = None,
     real_time: Annotated[bool, REAL_TIME] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Check wiring, noise, polarity, sense voltage and sample clock; nothing is heated."""
     from musclewire.experiment import require_calibrated_kind, write_calibration
 
     if write:
         require_calibrated_kind(rig)
-    found = examined(rig, measurement, seed, real_time, quiet=json)
+    found = examined(rig, measurement, seed, real_time)
     written: Path | None = None
     if write:
         refuse_to_write(found)
         written = write_calibration(Path(rig), found.calibration)
-    if json:
-        emit_json(document(rig, found, written))
-    else:
-        show(text(found))
-        if written is not None:
-            show(f"offsets and gains are in {written}; run the doctor again")
-    if found.trouble is not None:
-        raise found.trouble
-    if not found.ok:
-        raise typer.Exit(1)
+    lines = [text(found)]
+    if written is not None:
+        lines.append(f"offsets and gains are in {written}; run the doctor again")
+    return Result(document(rig, found, written), "\n".join(lines), holds=found.ok, error=found.trouble)
 
 
-def examined(rig: str, measurement: MeterOptions, seed: int | None, real_time: bool, *, quiet: bool) -> Examination:
+def examined(rig: str, measurement: MeterOptions, seed: int | None, real_time: bool) -> Examination:
     """Return what the examination of a rig found."""
     from musclewire.experiment import examination_s, examine
     from musclewire.rigs import open_rig
@@ -71,7 +61,7 @@ def examined(rig: str, measurement: MeterOptions, seed: int | None, real_time: b
     with (
         stops_between_samples(),
         open_rig(rig, seed=seed, real_time=real_time) as opened,
-        progress_bar(task, examination_s(hold_s), quiet=quiet) as on_sample,
+        progress_bar(task, examination_s(hold_s)) as on_sample,
     ):
         return examine(
             opened,
@@ -104,29 +94,26 @@ def refuse_to_write(found: Examination) -> None:
         raise CallerError(f"nothing is written: {', '.join(blocking) or 'the readings'} must be corrected first")
 
 
-def document(rig: str, found: Examination, written: Path | None) -> dict[str, Any]:
-    """Return an examination under the keys of the interface."""
-    return {
-        "rig": rig,
-        "ok": found.ok,
-        "checks": [check._asdict() for check in found.findings.checks],
-        "unchecked": [one._asdict() for one in found.findings.unchecked],
-        "calibration": [one._asdict() for one in found.calibration],
-        "highest_drive_voltage_v": found.highest_v,
-        "trouble": None if found.trouble is None else str(found.trouble),
-        "written": None if written is None else str(written),
-    }
+def document(rig: str, found: Examination, written: Path | None) -> DoctorAnswer:
+    """Return the answer of an examination."""
+    from musclewire.app._answers import DoctorAnswer
+
+    return DoctorAnswer.of(
+        found,
+        found.findings,
+        rig=rig,
+        highest_drive_voltage_v=found.highest_v,
+        trouble=None if found.trouble is None else str(found.trouble),
+        written=None if written is None else str(written),
+    )
 
 
 def text(found: Examination) -> str:
     """Return an examination as lines: verdict, name, value, what it means or what to do."""
     checks, unchecked = found.findings
-    width = max(len(name) for name in (*(one.name for one in checks), *(one.name for one in unchecked)))
-    lines = [
-        f"{'ok' if check.ok else 'NO':<4} {check.name:<{width}}  {valued(check):>18}  {explained(check)}"
-        for check in checks
-    ]
-    lines += [f"-    {one.name:<{width}}  {'not checked':>18}  {one.reason}" for one in unchecked]
+    rows = [("ok" if check.ok else "NO", check.name, valued(check), explained(check)) for check in checks]
+    rows += [("-", one.name, "not checked", one.reason) for one in unchecked]
+    lines = [table(["", "", "", ""], rows, left=(0, 1, 3))]
     lines += ["", *(calibrated(one) for one in found.calibration)] if found.calibration else []
     failed = sum(not check.ok for check in checks)
     verdict = f"{len(checks)} checks, {failed} not as they should be, {len(unchecked)} not made"

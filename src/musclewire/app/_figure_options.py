@@ -14,8 +14,6 @@ from musclewire.app._options import PLOT, PLOT_STYLE
 from musclewire.app._output import warn
 from musclewire.errors import CallerError
 
-__all__ = ["FigureOptions"]
-
 
 @dataclass(frozen=True)
 class FigureOptions:

@@ -7,16 +7,6 @@ from typing import Any
 
 from musclewire.errors import CallerError
 
-__all__ = [
-    "require_figure_file",
-    "require_folder",
-    "require_free",
-    "require_model_file",
-    "require_recording_file",
-    "require_zip_file",
-    "save_figure",
-]
-
 FIGURES = (".svg", ".png", ".pdf")
 
 

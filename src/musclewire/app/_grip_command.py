@@ -22,21 +22,19 @@ from musclewire.app._options import (
     SEED,
     TARGET,
     TOLERANCE,
-    Json,
     in_si,
 )
-from musclewire.app._output import emit_json, progress_bar, say, show, warn
+from musclewire.app._output import Result, progress_bar, tell, warn
 from musclewire.app._stopping import stop_if_asked, stops_between_samples
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, MusclewireError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from musclewire.app._answers import GripAnswer
     from musclewire.experiment import GripperKnowledge, GripRun
     from musclewire.rigs import RigConfiguration
     from musclewire.wire import ElasticObject
-
-__all__ = ["grip"]
 
 # The gripper is trained on another day than it grips, with other noise and air.
 LEARNING_SEED_STEP = 1000
@@ -103,8 +101,7 @@ def grip(
     output: Annotated[Path | None, OUTPUT] = None,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Close fingers on an object, find contact and hold a force, all by the wires' resistance."""
     from musclewire.experiment import run_warnings, with_object
 
@@ -115,15 +112,15 @@ def grip(
     simulated = block.of_rig(rig)
     configuration = with_object(rig, simulated)
     with stops_between_samples():
-        knowledge = knowledge_of(configuration, learned, seed, quiet=json)
+        knowledge = knowledge_of(configuration, learned, seed)
         run = gripped(
-            configuration, knowledge, seed, json,
+            configuration, knowledge, seed,
             target_n=target_n, stiffness_n_per_m=known, path=output, overwrite=overwrite,
         )  # fmt: skip
     figure.draw(partial(drawn, run, knowledge))
-    warnings = warn(run_warnings(run))
-    emit_json({**grip_json(run, simulated, known), "warnings": warnings}) if json else show(grip_text(run, known))
-    end_by(run, in_si("--tolerance", goal.tolerance))
+    answer = grip_answer(run, simulated, known, warn(run_warnings(run)))
+    error = missed(run, in_si("--tolerance", goal.tolerance))
+    return Result(answer, grip_text(run, known), holds=run.held, error=error)
 
 
 def drawn(run: GripRun, knowledge: GripperKnowledge, *, style: str) -> Axes:
@@ -133,26 +130,22 @@ def drawn(run: GripRun, knowledge: GripperKnowledge, *, style: str) -> Axes:
     return plot_grip(run, knowledge, style=style)
 
 
-def end_by(run: GripRun, tolerance_n: float | None) -> None:
-    """End with 1 if nothing is held, or the held force misses its tolerance by the instrument.
+def missed(run: GripRun, tolerance_n: float | None) -> MusclewireError | None:
+    """Return by how much the held force misses its tolerance by the instrument, or that there is no instrument.
 
-    Raises CallerError for a tolerance without an instrument that could judge it.
+    None if it is held within the tolerance, and if there is none.
     """
-    if not run.held:
-        raise typer.Exit(1)
-    if tolerance_n is None:
-        return
+    if tolerance_n is None or not run.held:
+        return None
     if run.true_force_n is None:
-        raise CallerError("--tolerance needs a load cell at the endpoint: this rig has none, leave it out")
+        return CallerError("--tolerance needs a load cell at the endpoint: this rig has none, leave it out")
     missed_n = run.true_force_n - run.target_n
-    if abs(missed_n) > tolerance_n:
-        say(f"musclewire: the held force misses its target by {missed_n:+.3f} N, more than {tolerance_n:g} N")
-        raise typer.Exit(1)
+    if abs(missed_n) <= tolerance_n:
+        return None
+    return MusclewireError(f"the held force misses its target by {missed_n:+.3f} N, more than {tolerance_n:g} N")
 
 
-def gripped(
-    configuration: RigConfiguration, knowledge: GripperKnowledge, seed: int | None, quiet: bool, **how: Any
-) -> GripRun:
+def gripped(configuration: RigConfiguration, knowledge: GripperKnowledge, seed: int | None, **how: Any) -> GripRun:
     """Return the grip on a rig; ``how`` goes to the experiment."""
     from musclewire.experiment import CLOSING_S, HOLD_S, REST_S
     from musclewire.experiment import grip as run_grip
@@ -160,14 +153,12 @@ def gripped(
 
     with (
         open_rig(configuration, seed=seed) as opened,
-        progress_bar("Grip", REST_S + CLOSING_S + HOLD_S, quiet, opened) as on_sample,
+        progress_bar("Grip", REST_S + CLOSING_S + HOLD_S, opened) as on_sample,
     ):
         return run_grip(opened, knowledge, on_sample=on_sample, **how)
 
 
-def knowledge_of(
-    configuration: RigConfiguration, file: Path | None, seed: int | None, *, quiet: bool
-) -> GripperKnowledge:
+def knowledge_of(configuration: RigConfiguration, file: Path | None, seed: int | None) -> GripperKnowledge:
     """Return what the gripper has learned: from a file, or learned now and, with a file named, written there."""
     from musclewire.experiment import train_gripper
 
@@ -178,8 +169,7 @@ def knowledge_of(
             raise CallerError(f"{file}: what a gripper has learned is a .json file, end its name so")
         require_folder(file)
     chosen = configuration.seed if seed is None else seed
-    if not quiet:
-        say("training: free closings, and grips of a known block with a load cell")
+    tell("training: free closings, and grips of a known block with a load cell")
     knowledge = train_gripper(configuration, seed=chosen + LEARNING_SEED_STEP, on_closing=lambda _: stop_if_asked())
     if file is not None:
         knowledge.save(file)
@@ -200,30 +190,24 @@ def knowledge_from(file: Path, configuration: RigConfiguration) -> GripperKnowle
     return knowledge
 
 
-def grip_json(run: GripRun, block: ElasticObject | None, known: float | None) -> dict[str, Any]:
-    """Return a grip under the keys of the interface."""
-    error = None
-    if run.estimated_force_n is not None and run.true_force_n is not None:
-        error = run.estimated_force_n - run.true_force_n
-    return {
-        "contact": run.contact_s is not None,
-        "contact_s": run.contact_s,
-        "contact_score": float(run["contact_score"].max()),
-        "true_force_at_contact_n": run.true_force_at_contact_n,
-        "opening_m": run.opening_m,
-        "true_clearance_m": None if block is None else block.clearance_m,
-        "known_stiffness_n_per_m": known,
-        "used_stiffness_n_per_m": run.stiffness_n_per_m,
-        "true_stiffness_n_per_m": None if block is None else block.stiffness_n_per_m,
-        "target_n": run.target_n,
-        "held": run.held,
-        "estimated_force_n": run.estimated_force_n,
-        "true_force_n": run.true_force_n,
-        "error_n": error,
-        "most_force_n": run.most_force_n,
-        "samples": len(run),
-        "ended": run.metadata["ended"],
-    }
+def grip_answer(run: GripRun, block: ElasticObject | None, known: float | None, warnings: list[str]) -> GripAnswer:
+    """Return what is known of a grip: the estimates, and what instruments and the simulation show."""
+    from musclewire.app._answers import GripAnswer
+
+    estimated_n, true_n = run.estimated_force_n, run.true_force_n
+    return GripAnswer.of(
+        run,
+        contact=run.contact_s is not None,
+        contact_score=float(run["contact_score"].max()),
+        true_clearance_m=None if block is None else block.clearance_m,
+        known_stiffness_n_per_m=known,
+        used_stiffness_n_per_m=run.stiffness_n_per_m,
+        true_stiffness_n_per_m=None if block is None else block.stiffness_n_per_m,
+        error_n=None if estimated_n is None or true_n is None else estimated_n - true_n,
+        samples=len(run),
+        ended=run.metadata["ended"],
+        warnings=warnings,
+    )
 
 
 def grip_text(run: GripRun, known: float | None) -> str:

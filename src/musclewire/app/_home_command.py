@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,21 +21,19 @@ from musclewire.app._options import (
     OVERWRITE,
     SEED,
     SWEEP_FILE,
-    Json,
     RigName,
     in_si,
 )
-from musclewire.app._output import emit_json, progress_bar, say, show
+from musclewire.app._output import Result, progress_bar, warn
 from musclewire.app._rig_options import TimingOptions
 from musclewire.app._stopping import stops_between_samples
 from musclewire.errors import CallerError, nearest_hint
 
 if TYPE_CHECKING:
+    from musclewire.app._answers import HomeFound
     from musclewire.identify import Homing
     from musclewire.rigs import GuardedRig
     from musclewire.sensing import SensingModel
-
-__all__ = ["HomeOptions", "home"]
 
 WHEN = ("start", "idle", "never")
 
@@ -70,18 +68,16 @@ class HomeOptions:
         """Return which of these options were given, by name."""
         return {"--home": self.home != "never"}
 
-    def homed(self, rig: GuardedRig, model: SensingModel, *, quiet: bool) -> tuple[SensingModel, dict[str, Any]]:
-        """Make the home move; return its model, and what it found for the answer."""
+    def homed(self, rig: GuardedRig, model: SensingModel) -> Homing:
+        """Make the home move, and write its model if a file is named."""
         from musclewire.experiment import home as run_home
         from musclewire.experiment import home_duration_s
 
-        with progress_bar("Home move", home_duration_s(rig, model), quiet, rig) as on_sample:
+        with progress_bar("Home move", home_duration_s(rig, model), rig) as on_sample:
             found = run_home(rig, model, ambient_k=in_si("--ambient", self.ambient), on_sample=on_sample)
         if self.homed_model is not None:
             found.model.save(self.homed_model)
-        if not quiet:
-            show(home_text(found))
-        return found.model, home_json(found)
+        return found
 
 
 def home(
@@ -96,9 +92,9 @@ def home(
     sweep: Annotated[Path | None, SWEEP_FILE] = None,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Sweep the wire once at its known load and write a model that holds for the wire of today."""
+    from musclewire.app._answers import HomeAnswer
     from musclewire.experiment import home as run_home
     from musclewire.experiment import home_duration_s
     from musclewire.identify import homing_figure
@@ -114,7 +110,7 @@ def home(
     load_n, ambient_k = in_si("--load", load), in_si("--ambient", ambient)
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         refused = timing.apply(opened)
-        with progress_bar("Home move", home_duration_s(opened, loaded), json, opened) as on_sample:
+        with progress_bar("Home move", home_duration_s(opened, loaded), opened) as on_sample:
             found = run_home(
                 opened,
                 loaded,
@@ -127,29 +123,23 @@ def home(
             )
     found.model.save(output)
     figure.draw(partial(homing_figure, loaded, found))
-    for text in refused:
-        say(f"warning: {text}")
-    if json:
-        emit_json({**home_json(found), "model": str(output), "warnings": refused})
-        return
-    show(home_text(found))
-    show(f"model written to {output}")
+    warn(refused)
+    answer = HomeAnswer(**vars(home_found(found)), model=str(output), warnings=tuple(refused))
+    return Result(answer, f"{home_text(found)}\nmodel written to {output}")
 
 
-def home_json(found: Homing) -> dict[str, Any]:
-    """Return a home move under the keys of the interface."""
-    return {
+def home_found(found: Homing) -> HomeFound:
+    """Return what a home move found as an answer has it."""
+    from musclewire.app._answers import HomeFound
+
+    numbers = ("resistance_max_moved_ohm", "resistance_max_moved_std_ohm", "resistance_min_moved_ohm",
+               "resistance_min_moved_std_ohm", "warming_moved_k", "misfit_ohm", "notes")  # fmt: skip
+    return HomeFound(
         **vars(found.home),
-        "resistance_max_moved_ohm": found.resistance_max_moved_ohm,
-        "resistance_max_moved_std_ohm": found.resistance_max_moved_std_ohm,
-        "resistance_min_moved_ohm": found.resistance_min_moved_ohm,
-        "resistance_min_moved_std_ohm": found.resistance_min_moved_std_ohm,
-        "warming_moved_k": found.warming_moved_k,
-        "misfit_ohm": found.misfit_ohm,
-        "saw_b_cooling": found.seen.cooling_b_ohm is not None,
-        "saw_c": found.seen.c_ohm is not None,
-        "notes": list(found.notes),
-    }
+        **{name: getattr(found, name) for name in numbers},
+        saw_b_cooling=found.seen.cooling_b_ohm is not None,
+        saw_c=found.seen.c_ohm is not None,
+    )
 
 
 def home_text(found: Homing) -> str:

@@ -20,19 +20,17 @@ from musclewire.app._options import (
     OVERWRITE,
     SAMPLE_PERIOD,
     SAVE_MAPPING,
-    Json,
     in_si,
 )
-from musclewire.app._output import emit_json, show
+from musclewire.app._output import Result, show
 from musclewire.app._recording_options import ReadingOptions
 from musclewire.errors import CallerError, RecordingError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from musclewire.app._answers import ImportAnswer
     from musclewire.signals import FileInterpretation, ImportMapping, JoinedRecordings
-
-__all__ = ["import_recordings"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -63,8 +61,7 @@ def import_recordings(
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     save_mapping: Annotated[Path | None, SAVE_MAPPING] = None,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Read recordings of other programs and show how they were interpreted; with -o convert one, or join two."""
     from musclewire.signals import mappings_of_files
 
@@ -75,10 +72,9 @@ def import_recordings(
     single, version = None if joining else output, table.matlab_version
     understood = [imported(path, mapping, single, version) for path, mapping in zip(files, mappings, strict=True)]
     problem = next((item.problem for item in understood if item.problem), "")
-    if not json or problem:
-        for item in understood:
-            show(str(item))
+    understanding = "\n".join(str(item) for item in understood)
     if problem:
+        show(understanding)
         raise RecordingError(problem)
     joined = joined_files(files, mappings, join) if joining else None
     if joined is not None and output is not None:
@@ -86,7 +82,9 @@ def import_recordings(
     if save_mapping is not None:
         remember(understood[0], save_mapping)
     figure.draw(partial(drawn, files[0], mappings[0], joined))
-    report(understood, joined, [path for path in (output, save_mapping) if path is not None], json)
+    written = [f"written to {path}" for path in (output, save_mapping) if path is not None]
+    lines = [understanding, *([] if joined is None else joined_lines(joined, understood[1].path)), *written]
+    return Result(import_answer(understood, joined), "\n".join(lines))
 
 
 def require_possible(
@@ -146,34 +144,18 @@ def remember(understood: FileInterpretation, path: Path) -> None:
     save_mapping(understood.mapping, path)
 
 
-def report(
-    understood: list[FileInterpretation], joined: JoinedRecordings | None, written: list[Path], json: bool
-) -> None:
-    """Print how the files were joined and what was written; as JSON all that was found."""
-    if json:
-        emit_json(
-            {
-                "files": [item.as_dict() for item in understood],
-                "join": None
-                if joined is None
-                else {
-                    "delay_s": joined.delay_s,
-                    "delay_std_s": joined.delay_std_s,
-                    "correlation": joined.correlation,
-                    "columns": list(joined.columns),
-                    "rows": len(joined.recording),
-                    "notes": list(joined.notes),
-                },
-            }
-        )
-        return
-    if joined is not None:
-        show(
-            f"{understood[1].path}: its clock is ahead by {joined.delay_s:.6g} s, standard deviation "
-            f"{joined.delay_std_s:.2g} s, by the correlation {joined.correlation:.3f} of "
-            f"{' and '.join(dict.fromkeys(joined.columns))}"
-        )
-        for note in joined.notes:
-            show(f"  {note}")
-    for path in written:
-        show(f"written to {path}")
+def import_answer(understood: list[FileInterpretation], joined: JoinedRecordings | None) -> ImportAnswer:
+    """Return how the files were understood and joined."""
+    from musclewire.app._answers import ImportAnswer, JoinedFiles
+
+    join = None if joined is None else JoinedFiles.of(joined, rows=len(joined.recording))
+    return ImportAnswer.of(files=[item.as_dict() for item in understood], join=join)
+
+
+def joined_lines(joined: JoinedRecordings, second: str) -> list[str]:
+    """Return in words how a second file was joined to the first."""
+    return [
+        f"{second}: its clock is ahead by {joined.delay_s:.6g} s, standard deviation {joined.delay_std_s:.2g} s, by "
+        f"the correlation {joined.correlation:.3f} of {' and '.join(dict.fromkeys(joined.columns))}",
+        *(f"  {note}" for note in joined.notes),
+    ]

@@ -7,14 +7,13 @@ import platform
 import re
 import subprocess
 import sys
-from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
-from typing import Any
 
+from pydantic import ConfigDict
+
+from musclewire.app._answer import Answer
 from musclewire.manifest import loaded, offered
-
-__all__ = ["Installation", "installation", "installation_json", "installation_text"]
 
 # Name at the beginning of a requirement, and the extra at its end.
 REQUIREMENT = re.compile(r"([\w.-]+).*?(?:;.*\bextra\s*==\s*['\"]([\w.-]+)['\"])?$")
@@ -24,12 +23,13 @@ OF_DEVELOPERS = ("test", "dev", "docs")
 COMPILER = "llvmlite"
 
 
-@dataclass(frozen=True)
-class Installation:
+class Installation(Answer):
     """What is installed: our version, and of each package that we need; None for what is not there.
 
-    ``parts`` are versions that parts outside the core state of themselves, as the firmware's protocol.
+    Versions that parts outside the core state of themselves, as the firmware's protocol, are among its keys.
     """
+
+    model_config = ConfigDict(extra="allow")
 
     version: str
     commit: str | None
@@ -38,7 +38,6 @@ class Installation:
     processors: int | None
     packages: dict[str, str | None]
     extras: dict[str, bool]
-    parts: dict[str, int | str]
 
 
 def installation() -> Installation:
@@ -54,7 +53,7 @@ def installation() -> Installation:
         processors=os.cpu_count(),
         packages=packages,
         extras=extras,
-        parts={key: loaded(place) for key, place in offered("versions").items()},
+        **{key: loaded(place) for key, place in offered("versions").items()},
     )
 
 
@@ -101,13 +100,6 @@ def system_text() -> str:
     return f"{release}, {sys.platform}, {platform.machine()}"
 
 
-def installation_json(found: Installation) -> dict[str, Any]:
-    """Return what is installed under the keys of the interface."""
-    document = asdict(found)
-    of_parts = document.pop("parts")
-    return {**document, **of_parts}
-
-
 def installation_text(found: Installation) -> str:
     """Return what is installed as lines for people, the version alone in the first."""
     missing = [name for name, there in found.extras.items() if not there]
@@ -118,6 +110,9 @@ def installation_text(found: Installation) -> str:
         "packages": ", ".join(f"{name} {number}" for name, number in found.packages.items() if number),
         "extras": ", ".join(name for name, there in found.extras.items() if there) or "none",
         "not there": ", ".join(missing),
-        **{key.partition("_")[0]: f"{key.partition('_')[2]} {number}" for key, number in found.parts.items()},
+        **{
+            key.partition("_")[0]: f"{key.partition('_')[2]} {number}"
+            for key, number in (found.model_extra or {}).items()
+        },
     }
     return "\n".join([f"musclewire {found.version}", *(f"{name:11}{text}" for name, text in rows.items() if text)])

@@ -16,11 +16,10 @@ from pydantic import BaseModel, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
+from musclewire.app._core_commands import COMMANDS
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.manifest import folder_of, loaded, manifests, offered
 from musclewire.parameters import TaggedTable
-
-__all__ = ["json_schema", "schema_names"]
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 OUTPUT = "output-"
@@ -75,6 +74,17 @@ def file_models() -> dict[str, type[Any]]:
     }
 
 
+@cache
+def answers() -> dict[str, str]:
+    """Return where the model of what a command prints is, by the schema's name."""
+    commands = [*COMMANDS, *(command for manifest in manifests() for command in manifest.commands)]
+    return {
+        f"{command.group} {command.name}".strip().replace(" ", "-"): command.answer
+        for command in commands
+        if command.answer
+    }
+
+
 def output_files() -> dict[str, Path]:
     """Return the schemas of what commands print, by command: of the core, and of the parts that are there."""
     folders = ["musclewire.app:data/outputs", *(manifest.outputs for manifest in manifests() if manifest.outputs)]
@@ -89,7 +99,7 @@ def schema_names() -> tuple[str, ...]:
     -------
     Names for :func:`json_schema`, such as "model", "rig-serial" and "output-control".
     """
-    return (*file_models(), *(f"{OUTPUT}{name}" for name in sorted(output_files())))
+    return (*file_models(), *(f"{OUTPUT}{name}" for name in sorted({*answers(), *output_files()})))
 
 
 def json_schema(name: str) -> dict[str, Any]:
@@ -112,8 +122,12 @@ def json_schema(name: str) -> dict[str, Any]:
     """
     if name not in schema_names():
         raise CallerError(f"there is no schema '{name}'{nearest_hint(name, schema_names())}")
+    command = name.removeprefix(OUTPUT)
+    if command in answers():
+        schema = TypeAdapter(loaded(answers()[command])).json_schema(mode="serialization")
+        return {"$schema": DIALECT, **schema, "title": f"musclewire {command.replace('-', ' ')} --json"}
     if name.startswith(OUTPUT):
-        found: dict[str, Any] = json.loads(output_files()[name.removeprefix(OUTPUT)].read_text("utf-8"))
+        found: dict[str, Any] = json.loads(output_files()[command].read_text("utf-8"))
         return found
     return {"$schema": DIALECT, **of_model(name, file_models()[name])}
 

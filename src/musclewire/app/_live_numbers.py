@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from musclewire.rigs import GuardedRig
 
-__all__ = ["LiveNumbers", "numbers_text"]
-
 # What a column's name ends in, and how it is shown: factor, unit, digits.
 SHOWN_AS = {"_strain": (100.0, "%", 2), "_m": (1e3, "mm", 3), "_n": (1.0, "N", 3)}
 ZERO_CELSIUS_K = 273.15

@@ -16,8 +16,6 @@ from musclewire.app._output import emit_json, say, show
 from musclewire.app._stopping import STOPPED, StoppedCommand, ignore_signals, listen_for_signals
 from musclewire.errors import CallerError, MusclewireError
 
-__all__ = ["app", "main"]
-
 # Typer carries its own copy of click since 0.26; this finds the base of all usage errors in either.
 UsageProblem: Any = typer.BadParameter.__mro__[2]
 
@@ -41,10 +39,10 @@ def options(
 ) -> None:
     """Position a shape-memory-alloy wire by its own electrical resistance, without a sensor."""
     if version:
-        from musclewire.app._installation import installation, installation_json, installation_text
+        from musclewire.app._installation import installation, installation_text
 
         found = installation()
-        emit_json(installation_json(found)) if json else show(installation_text(found))
+        emit_json(found) if json else show(installation_text(found))
         raise typer.Exit
     if json:
         raise CallerError(

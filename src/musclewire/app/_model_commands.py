@@ -7,18 +7,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from musclewire.app._answer import Answer
 from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_free, require_model_file
-from musclewire.app._options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, QUANTITY, WIRE_FILE, Json
-from musclewire.app._output import emit_json, show, warn
+from musclewire.app._options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, QUANTITY, WIRE_FILE
+from musclewire.app._output import Result, table, warn
 from musclewire.app._recording_options import ReadingOptions
 from musclewire.app._resistance_options import ResistanceOptions
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
     from musclewire.identify import EstimateReport
-
-__all__ = ["cite", "estimate", "fit", "rules"]
 
 RecordingPath = Annotated[
     str,
@@ -37,9 +36,9 @@ def fit(
     order: Annotated[str, ORDER] = "6",
     quantity: Annotated[str, QUANTITY] = "strain",
     cycle: Annotated[str, CYCLE] = "last",
-    json: Json = False,
-) -> None:
+) -> Result:
     """Fit the self-sensing model to a slow loop; with --wire from its resistance alone."""
+    from musclewire.app._answers import FitAnswer
     from musclewire.identify import estimate as run_estimate
     from musclewire.identify import fit as run_fit
 
@@ -54,17 +53,16 @@ def fit(
     if output is not None:
         model.save(output)
     figure.draw(model.plot)
-    if json:
-        more = {} if alone is None else alone.report()
-        written = None if output is None else str(output)
-        emit_json({**model.report(), **error_numbers(on_recording), **more, "model": written})
-        return
-    show(model.summary())
-    if alone is not None:
-        show(str(alone))
+    off_pct = None if alone is None else 100.0 * alone.stroke_std / alone.stroke
+    written = None if output is None else str(output)
+    answer = FitAnswer.of(on_recording, alone, **model.report(), stroke_std_pct=off_pct, model=written)
+    lines = [model.summary(), *([] if alone is None else [str(alone)])]
     if on_recording is not None:
-        show(f"estimate of this recording: {error_text(on_recording)}")
-    show("the model is in no file yet: -o model.json keeps it" if output is None else f"model written to {output}")
+        lines.append(f"estimate of this recording: {error_text(on_recording)}")
+    lines.append(
+        "the model is in no file yet: -o model.json keeps it" if output is None else f"model written to {output}"
+    )
+    return Result(answer, "\n".join(lines))
 
 
 def estimate(
@@ -76,9 +74,9 @@ def estimate(
     wire_file: Annotated[Path | None, WIRE_FILE] = None,
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Estimate strain from a recording's resistance; errors where it has a reference."""
+    from musclewire.app._answers import EstimateAnswer
     from musclewire.identify import estimate as run_estimate
     from musclewire.sensing import load_model
 
@@ -88,19 +86,8 @@ def estimate(
         require_free(output, overwrite)
         report.recording.save(output)
     figure.draw(report.recording.plot)
-    if json:
-        emit_json({"samples": len(report.recording), **error_numbers(report), "warnings": list(report.warnings)})
-        return
-    show(error_text(report))
     warn(report.warnings)
-
-
-def error_numbers(report: EstimateReport | None) -> dict[str, Any]:
-    """Return the errors of an estimate, as both ``fit`` and ``estimate`` print them with --json.
-
-    All are None without an estimate: a printed table of branches is no recording to estimate from.
-    """
-    return {name: getattr(report, name, None) for name in ("valid_share", "rms_pct", "max_pct", "no_reference")}
+    return Result(EstimateAnswer.of(report, samples=len(report.recording)), error_text(report))
 
 
 def error_text(report: EstimateReport) -> str:
@@ -116,27 +103,31 @@ def error_text(report: EstimateReport) -> str:
 def rules(
     figure: FigureOptions,
     name: Annotated[str, typer.Argument(metavar="[RULES]", help="Name of a rule base, or a TOML file.")] = "zhao-1993",
-    json: Json = False,
-) -> None:
+) -> Result:
     """Show a fuzzy rule base, and its surfaces with --plot."""
+    from musclewire.app._answers import RulesAnswer
     from musclewire.controllers import load_rule_base, plot_rule_surfaces, rule_base_names
 
     figure.check()
     rule_base = load_rule_base(name)
     figure.draw(lambda style: plot_rule_surfaces(rule_base, style=style)[0])
-    if json:
-        emit_json({"known": list(rule_base_names()), **rule_base.model_dump(mode="json")})
-        return
-    show(str(rule_base))
-    for table, rows in rule_base.rules.model_dump().items():
+    lines = [str(rule_base)]
+    for name_of_table, rows in rule_base.rules.model_dump().items():
         if isinstance(rows, (list, tuple)):
-            show(f"\n{table}: rows error NB..PB, columns change of error NB..PB")
-            for row in rows:
-                show("  " + " ".join(f"{cell!s:>3}" for cell in row))
-    show(f"\nknown: {', '.join(rule_base_names())}")
+            lines += ["", f"{name_of_table}: rows error NB..PB, columns change of error NB..PB"]
+            lines.append(table([""] * len(rows[0]), rows, left=()))
+    known = rule_base_names()
+    answer = RulesAnswer(known=known, **rule_base.model_dump())
+    return Result(answer, "\n".join([*lines, "", f"known: {', '.join(known)}"]))
 
 
-def cite(json: Json = False) -> None:
+class CiteAnswer(Answer):
+    """Of ``cite``."""
+
+    cite: tuple[str, ...]
+
+
+def cite() -> Result:
     """Print the references to cite."""
     from importlib.metadata import version
 
@@ -151,10 +142,7 @@ def cite(json: Json = False) -> None:
         "S. W. Churchill, H. H. S. Chu, 1975: Correlating equations for laminar and turbulent free convection from a "
         "horizontal cylinder, doi 10.1016/0017-9310(75)90222-7 (simulated wires)",
     ]
-    if json:
-        emit_json({"cite": items})
-    else:
-        show("\n".join(items))
+    return Result(CiteAnswer(cite=tuple(items)), "\n".join(items))
 
 
 def whole_number_or(text: str, *words: str) -> Any:

@@ -11,8 +11,6 @@ from rich.text import Text
 
 from musclewire.app._live_numbers import LiveNumbers
 
-__all__ = ["ProgressWithNumbers"]
-
 
 class ProgressWithNumbers(Progress):
     """A bar, and below it the numbers of the last sample whenever it is drawn."""

@@ -21,8 +21,6 @@ from musclewire.app._completion import (
 )
 from musclewire.errors import CallerError
 
-__all__ = ["OLD_NAMES", "OPTIONS", "Json", "RigName", "in_si", "mapping", "renamed"]
-
 # A number without a unit, which some options take in the unit they had before they took any.
 BARE = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*")
 EXAMPLES = {

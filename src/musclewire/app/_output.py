@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from io import StringIO
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from musclewire.app._live_numbers import LiveNumbers
 from musclewire.app._stopping import stop_if_asked
+from musclewire.errors import MusclewireError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -18,11 +20,11 @@ if TYPE_CHECKING:
 
     from musclewire.rigs import GuardedRig
 
-__all__ = ["console", "emit_json", "progress_bar", "run_bar", "say", "show", "step_bar", "warn"]
-
 Advance = Callable[..., None]
 OnStage = Callable[[str, int, int, float], None]
 OnRuns = Callable[[int, int], None]
+# Characters in a line that nothing ends: no row of a table has so many.
+PIPE_WIDTH = 10_000
 
 
 def console() -> Console:
@@ -50,8 +52,12 @@ def show(text: str) -> None:
     print(text)
 
 
-def emit_json(document: Mapping[str, Any]) -> None:
+def emit_json(document: Any) -> None:
     """Print exactly one JSON document on stdout; numbers that are not finite are a bug and raise."""
+    if not isinstance(document, Mapping):
+        from pydantic import TypeAdapter
+
+        document = TypeAdapter(type(document)).dump_python(document, mode="json", by_alias=True)
     sys.stdout.write(json.dumps(document, indent=2, allow_nan=False, default=plain) + "\n")
 
 
@@ -60,16 +66,79 @@ def plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") else str(value)
 
 
+@dataclass(frozen=True)
+class Result:
+    """What a command found: the answer for programs, and the same in words for people.
+
+    What does not hold ends with exit code 1; an ``error`` is raised when the answer has been printed.
+    """
+
+    answer: Any
+    text: str
+    holds: bool = True
+    error: MusclewireError | None = None
+
+
+class _Shown:
+    """Whether the command that runs shows its progress: not with --json."""
+
+    progress = True
+
+
+def run_command(command: Callable[..., Result | None], with_json: bool, /, **arguments: Any) -> None:
+    """Run a command and print its result, if it returns one and has not printed it itself."""
+    _Shown.progress = not with_json
+    try:
+        found = command(**arguments)
+    finally:
+        _Shown.progress = True
+    if found is None:
+        return
+    emit_json(found.answer) if with_json else show(found.text)
+    if found.error is not None:
+        raise found.error
+    if not found.holds:
+        raise SystemExit(1)
+
+
+def tell(text: str) -> None:
+    """Print what happens meanwhile, unless only the answer is wanted: stderr."""
+    if _Shown.progress:
+        say(text)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[object]], *, left: Collection[int] = (0,)) -> str:
+    """Return a table without lines, whose columns stand to the right but for those that are named.
+
+    In a terminal long cells of the last column are folded; elsewhere, and where words do not fit, a row is one line.
+    """
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    drawn = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=any(head))
+    for number, name in enumerate(head):
+        side: Literal["left", "right"] = "left" if number in left else "right"
+        drawn.add_column(Text(name), justify=side, no_wrap=number < len(head) - 1, overflow="fold")
+    for row in rows:
+        drawn.add_row(*(Text(str(cell)) for cell in row))
+    terminal, text = sys.stdout.isatty(), StringIO()
+    shown = Console(file=text, force_terminal=terminal)
+    least = shown.measure(drawn, options=shown.options.update(max_width=PIPE_WIDTH)).minimum
+    if not terminal or least > shown.width:
+        shown.width = PIPE_WIDTH
+    shown.print(drawn)
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
+
+
 @contextmanager
-def progress_bar(
-    task: str, total_s: float | None, quiet: bool = False, rig: GuardedRig | None = None
-) -> Iterator[Advance]:
+def progress_bar(task: str, total_s: float | None, rig: GuardedRig | None = None) -> Iterator[Advance]:
     """Show a bar over simulated or real seconds, and a rig's numbers below it; yields what to call after each sample.
 
     Without a total only the numbers are shown. Nothing is shown before the first sample, so that wrong input stays one
     line. On a pipe there is no bar, only the line that names the task.
     """
-    if quiet:
+    if not _Shown.progress:
         yield stop_if_asked
         return
     bar = ProgressBar(task, total_s, rig)
@@ -80,13 +149,13 @@ def progress_bar(
 
 
 @contextmanager
-def step_bar(unit: str, quiet: bool = False) -> Iterator[OnStage]:
+def step_bar(unit: str) -> Iterator[OnStage]:
     """Show a bar over the steps of a search; yields what takes stage, steps done, total steps and best cost so far.
 
-    On a pipe each step is a line. Nothing is shown where ``quiet``.
+    On a pipe each step is a line.
     """
     shown = console()
-    if quiet:
+    if not _Shown.progress:
         yield lambda *_: None
     elif not shown.is_terminal:
         yield lambda stage, done, total, cost: say(f"{stage}: {done} of {total} {unit}, sum of squares {cost:.4g}")

@@ -11,8 +11,6 @@ from musclewire.app._options import COLUMN, GROUP, INVERT, LEG_LENGTH, MAPPING, 
 if TYPE_CHECKING:
     from musclewire.signals import ImportMapping, MetadataValue, Recording
 
-__all__ = ["ReadingOptions"]
-
 PUBLISHED = ("lan-fan-2010-table-2",)
 
 

@@ -7,11 +7,19 @@ from typing import Annotated
 
 import typer
 
+from musclewire.app._answer import Answer
 from musclewire.app._figure_options import FigureOptions
-from musclewire.app._options import OUTPUT, OVERWRITE, Json
-from musclewire.app._output import emit_json, show
+from musclewire.app._options import OUTPUT, OVERWRITE
+from musclewire.app._output import Result
 
-__all__ = ["recover"]
+
+class RecoverAnswer(Answer):
+    """Of ``recover``."""
+
+    recording: str
+    rows: int
+    duration_s: float | None
+    ended: str
 
 
 def recover(
@@ -21,8 +29,7 @@ def recover(
     figure: FigureOptions,
     output: Annotated[Path | None, OUTPUT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Make plain HDF5 of the journal that a run left when it was cut off; with -o the journal stays."""
     from musclewire.signals import recording_of, recover_recording
 
@@ -31,7 +38,5 @@ def recover(
     figure.draw(found.plot)
     written, ended = output or recording_of(recording), found.metadata["ended"]
     duration_s = found.duration_s if "time_s" in found else None
-    if json:
-        emit_json({"recording": str(written), "rows": len(found), "duration_s": duration_s, "ended": ended})
-        return
-    show(f"{written}: {len(found)} rows, {duration_s or 0.0:g} s, ended: {ended}")
+    answer = RecoverAnswer(recording=str(written), rows=len(found), duration_s=duration_s, ended=str(ended))
+    return Result(answer, f"{written}: {len(found)} rows, {duration_s or 0.0:g} s, ended: {ended}")

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from musclewire.identify import Marks, ResistanceFit
     from musclewire.signals import Recording
 
-__all__ = ["ResistanceOptions"]
-
 MARKS = {"cold": "cold_m", "hot": "hot_m", "stop": "end_stop_m"}
 
 

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
 from math import isclose
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from musclewire.app._control_command import metrics_json
 from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_model_file, require_recording_file
 from musclewire.app._options import (
@@ -24,21 +21,19 @@ from musclewire.app._options import (
     PERIOD,
     QUANTITY,
     SEED,
-    Json,
     RigName,
     in_si,
 )
-from musclewire.app._output import emit_json, progress_bar, say, show, warn
+from musclewire.app._output import Result, progress_bar, say, table, tell, warn
 from musclewire.app._rig_options import SlowSineOptions, TimingOptions
 from musclewire.app._stopping import stop_if_asked, stops_between_samples
 from musclewire.errors import RecordingError
 
 if TYPE_CHECKING:
-    from musclewire.experiment import DemoResult, OnSample, PretensionSweep
+    from musclewire.app._answers import CharacterizeAnswer
+    from musclewire.experiment import OnSample, PretensionSweep
     from musclewire.rigs import GuardedRig
     from musclewire.signals import Recording
-
-__all__ = ["characterize", "demo", "pretension", "train"]
 
 # What a recording without displacement is good for, which on a board is every recording.
 NO_INSTRUMENT = (
@@ -52,12 +47,12 @@ def demo(
     figure: FigureOptions,
     output: Annotated[Path, OUTPUT] = Path("musclewire-demo"),
     seed: Annotated[int, SEED] = 1,
-    json: Json = False,
-) -> None:
+) -> Result:
     """The main job on the simulated rig: characterise, fit, control by resistance, report."""
     started = time.perf_counter()
+    from musclewire.app._answers import DemoAnswer
     from musclewire.app._report.page import write_report
-    from musclewire.experiment import run_demo
+    from musclewire.experiment import run_demo, run_warnings
 
     figure.check()
     report = output / "report.html"
@@ -66,35 +61,29 @@ def demo(
     if report.is_file():
         report.unlink()  # an interrupted demo must not leave an old report with new recordings
     with stops_between_samples():
-        result = run_demo(output, seed=seed, progress=lambda task, total_s: progress_bar(task, total_s, quiet=json))
+        result = run_demo(output, seed=seed, progress=lambda task, total_s: progress_bar(task, total_s))
     write_report(result, report, time.perf_counter() - started)
     figure.draw(result.run.plot)
     wall_s = time.perf_counter() - started
-    numbers = demo_json(result)
-    warn(numbers["warnings"])
-    if json:
-        emit_json({**numbers, "seed": seed, "wall_s": wall_s, "report": str(report)})
-        return
-    model = result.model
-    show(f"strain gap {100 * result.gaps.strain_gap:.3f} %, R {model.resistance_min_ohm:.3f} to "
-        f"{model.resistance_max_ohm:.3f} ohm")  # fmt: skip
-    show(str(result.run.metrics))
-    show(f"{wall_s:.1f} s; open {report}")
-
-
-def demo_json(result: DemoResult) -> dict[str, Any]:
-    """Return a demo's results under the keys of the interface."""
-    from musclewire.experiment import run_warnings
-
-    return {
-        "strain_gap_pct": 100 * result.gaps.strain_gap,
-        "resistance_min_ohm": result.model.resistance_min_ohm,
-        "resistance_max_ohm": result.model.resistance_max_ohm,
-        **metrics_json(result.run.metrics),
-        "best_pretension_n": result.sweep.best.pretension_n,
-        "time_step_s": result.run.metadata["time_step_s"],
-        "warnings": list(dict.fromkeys((*result.model.warnings, *result.sweep.warnings, *run_warnings(result.run)))),
-    }
+    model, run, sweep = result.model, result.run, result.sweep
+    warnings = warn(dict.fromkeys((*model.warnings, *sweep.warnings, *run_warnings(run))))
+    answer = DemoAnswer.of_run(
+        run.metrics,
+        strain_gap_pct=100 * result.gaps.strain_gap,
+        resistance_min_ohm=model.resistance_min_ohm,
+        resistance_max_ohm=model.resistance_max_ohm,
+        best_pretension_n=sweep.best.pretension_n,
+        time_step_s=run.metadata["time_step_s"],
+        warnings=warnings,
+        seed=seed,
+        wall_s=wall_s,
+        report=str(report),
+    )
+    text = (
+        f"strain gap {answer.strain_gap_pct:.3f} %, R {model.resistance_min_ohm:.3f} to {model.resistance_max_ohm:.3f} "
+        f"ohm\n{run.metrics}\n{wall_s:.1f} s; open {report}"
+    )
+    return Result(answer, text)
 
 
 def characterize(
@@ -105,8 +94,7 @@ def characterize(
     figure: FigureOptions,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Heat and cool the wire slowly (the slow sine) and record it."""
     from musclewire.experiment import characterize as run_characterize
     from musclewire.experiment import run_warnings
@@ -119,7 +107,7 @@ def characterize(
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         amplitude_v = sine.amplitude_v
         refused = timing.apply(opened)
-        with progress_bar("Slow sine", sine.cycles * period_s, json, opened) as on_sample:
+        with progress_bar("Slow sine", sine.cycles * period_s, opened) as on_sample:
             recording = run_characterize(
                 opened,
                 amplitude_v=amplitude_v,
@@ -131,72 +119,64 @@ def characterize(
                 on_sample=on_sample,
             )
     figure.draw(recording.plot)
-    answer: dict[str, Any] = {
-        "recording": str(output),
-        "samples": len(recording),
-        **loop_json(recording),
-        **hot_end_json(recording),
-        "warnings": [*refused, *warn(run_warnings(recording))],
-    }
-    if json:
-        emit_json(answer)
-    else:
-        show(f"{len(recording)} samples in {output}")
-        show(answer.get("problem") or answer.get("note") or loop_text(answer))
-        if said := hot_end_text(answer):
-            show(said)
-    if "problem" in answer:
-        raise typer.Exit(1)
+    answer = loop_answer(
+        recording,
+        recording=str(output),
+        samples=len(recording),
+        **{name: recording.metadata.get(name) for name in ("amplitude_v", "amplitude_raised", "shows_c")},
+        warnings=[*refused, *warn(run_warnings(recording))],
+    )
+    said = answer.problem or answer.note or loop_text(answer)
+    lines = [f"{len(recording)} samples in {output}", said, *hot_end_lines(answer)]
+    return Result(answer, "\n".join(lines), holds=answer.problem is None)
 
 
-def hot_end_json(recording: Recording) -> dict[str, Any]:
-    """Return the amplitude of a slow loop, what stopped it from being raised, and whether the loop shows C."""
-    facts = recording.metadata
-    return {name: facts.get(name) for name in ("amplitude_v", "amplitude_raised", "shows_c")}
-
-
-def hot_end_text(answer: Mapping[str, Any]) -> str:
-    """Return in words how far the amplitude was raised and whether the hot end is C; "" if there is nothing to say."""
-    raised, amplitude_v = answer["amplitude_raised"], answer["amplitude_v"]
+def hot_end_lines(answer: CharacterizeAnswer) -> list[str]:
+    """Return in words how far the amplitude was raised and whether the hot end is C; none if nothing is to be said."""
+    raised, amplitude_v = answer.amplitude_raised, answer.amplitude_v
     lines = [] if raised is None else [f"amplitude raised to {amplitude_v:.2f} V: {raised}"]
-    if answer["shows_c"] is False:
+    if answer.shows_c is False:
         lines.append(
             f"C is only the turning point of the drive: the resistance still falls at {amplitude_v:.2f} V, and strain "
             "beyond is unknown"
         )
-    return "\n".join(lines)
+    return lines
 
 
-def loop_json(recording: Recording) -> dict[str, Any]:
+def loop_answer(measured: Recording, **facts: Any) -> CharacterizeAnswer:
     """Return what the last loop of a recording shows, or under ``problem`` why it shows none.
 
     Without an instrument for the movement there is nothing to show, which is no problem: ``note`` says how to go on.
     """
+    from musclewire.app._answers import CharacterizeAnswer
     from musclewire.identify import loop_gaps, reference_quantity
 
-    keys = ("strain_gap_pct", "displacement_gap_pct", "force_gap_pct", "stroke_pct")
-    nothing = {**dict.fromkeys(keys), "no_force_gap": "no loop"}
-    if reference_quantity(recording, "strain") is None and "displacement_m" not in recording:
-        return {**nothing, "note": NO_INSTRUMENT}
+    if reference_quantity(measured, "strain") is None and "displacement_m" not in measured:
+        return CharacterizeAnswer(**facts, note=NO_INSTRUMENT)
     try:
-        gaps = loop_gaps(recording)
+        gaps = loop_gaps(measured)
     except RecordingError as error:
         # The recording is sound and kept; it only shows no loop, which is worth knowing now.
-        return {**nothing, "problem": str(error)}
-    fractions = (gaps.strain_gap, gaps.displacement_gap, gaps.force_gap, gaps.segments.strain_max)
-    found = {key: None if one is None else 100 * one for key, one in zip(keys, fractions, strict=True)}
-    return {**found, "no_force_gap": gaps.no_force_gap}
+        return CharacterizeAnswer(**facts, problem=str(error))
+    return CharacterizeAnswer(
+        **facts,
+        strain_gap_pct=100 * gaps.strain_gap,
+        displacement_gap_pct=None if gaps.displacement_gap is None else 100 * gaps.displacement_gap,
+        force_gap_pct=None if gaps.force_gap is None else 100 * gaps.force_gap,
+        stroke_pct=100 * gaps.segments.strain_max,
+        no_force_gap=gaps.no_force_gap,
+    )
 
 
-def loop_text(answer: Mapping[str, Any]) -> str:
+def loop_text(answer: CharacterizeAnswer) -> str:
     """Return the gaps of a loop in words; of the displacement only where it is not the wire's own."""
-    gaps = [("strain", answer["strain_gap_pct"]), ("displacement", answer["displacement_gap_pct"])]
-    if answer["displacement_gap_pct"] is not None and isclose(answer["displacement_gap_pct"], answer["strain_gap_pct"]):
+    gaps = [("strain", answer.strain_gap_pct), ("displacement", answer.displacement_gap_pct)]
+    if answer.displacement_gap_pct is not None and isclose(answer.displacement_gap_pct, answer.strain_gap_pct or 0.0):
         gaps.pop()
-    gaps.append(("force", answer["force_gap_pct"]))
+    gaps.append(("force", answer.force_gap_pct))
     said = (f"{name} gap {gap:.3f} %" for name, gap in gaps if gap is not None)
-    why = [f"no force gap: {answer['no_force_gap']}"] if answer["no_force_gap"] else []
-    return "\n".join([", ".join([*said, f"stroke {answer['stroke_pct']:.2f} %"]), *why])
+    why = [f"no force gap: {answer.no_force_gap}"] if answer.no_force_gap else []
+    return "\n".join([", ".join([*said, f"stroke {answer.stroke_pct:.2f} %"]), *why])
 
 
 def pretension(
@@ -207,12 +187,12 @@ def pretension(
     quantity: Annotated[str, QUANTITY] = "strain",
     output: Annotated[Path | None, OUTPUT] = None,
     seed: Annotated[int | None, SEED] = None,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Sweep the pretension, compare the hysteresis gaps, name the best for the quantity.
 
     The output is a folder for the recording of each setting.
     """
+    from musclewire.app._answers import PretensionAnswer
     from musclewire.experiment import pretension_sweep
     from musclewire.rigs import open_rig
 
@@ -222,13 +202,12 @@ def pretension(
 
     def say_setting(force_n: float) -> None:
         stop_if_asked()
-        if not json:
-            say(f"pretension {force_n:.2f} N")
+        tell(f"pretension {force_n:.2f} N")
 
     with (
         stops_between_samples(),
         open_rig(rig, seed=seed) as opened,
-        watched_runs("Pretension sweep", opened, json) as on_sample,
+        watched_runs("Pretension sweep", opened) as on_sample,
     ):
         sweep = pretension_sweep(
             opened,
@@ -243,51 +222,41 @@ def pretension(
         )
     for failure in sweep.failures:
         say(f"not usable: {failure}")
-    warnings = warn(sweep.warnings)
+    warn(sweep.warnings)
     figure.draw(sweep.plot)
-    if json:
-        emit_json({**sweep_json(sweep), "warnings": warnings})
-    else:
-        show(sweep_text(sweep, quantity))
+    best_n, largest_n = sweep.best.pretension_n, sweep.largest_n
+    answer = PretensionAnswer.of(sweep, best_pretension_n=best_n, largest_pretension_n=largest_n)
+    return Result(answer, sweep_text(sweep, quantity))
 
 
 @contextmanager
-def watched_runs(task: str, rig: GuardedRig, quiet: bool) -> Iterator[OnSample | None]:
+def watched_runs(task: str, rig: GuardedRig) -> Iterator[OnSample | None]:
     """Show a rig's numbers during runs of any length, and stop within one.
 
     Without a clock a run is short, and whole ones can be compiled: then nothing looks at its samples.
     """
     if rig.paced:
-        with progress_bar(task, None, quiet, rig) as on_sample:
+        with progress_bar(task, None, rig) as on_sample:
             yield on_sample
     else:
         yield None
 
 
-SWEEP_KEYS = ("pretension_n", "strain_gap_pct", "force_gap_pct", "displacement_gap_pct", "stroke_pct")
-
-
-def sweep_json(sweep: PretensionSweep) -> dict[str, Any]:
-    """Return a sweep of the pretension under the keys of the interface."""
-    return {
-        "rows": [{key: getattr(row, key) for key in (*SWEEP_KEYS, "no_force_gap")} for row in sweep.rows],
-        "best_pretension_n": sweep.best.pretension_n,
-        "largest_pretension_n": sweep.largest_n,
-        "failures": list(sweep.failures),
-    }
-
-
 def sweep_text(sweep: PretensionSweep, quantity: str) -> str:
     """Return a line for each pretension with its gaps, and the best one."""
-    lines = []
-    for row in sweep.rows:
-        gaps = {name: row.gap_pct(name) for name in dict.fromkeys((quantity, "strain", "force"))}
-        shown = (f"{name} gap {gap:6.3f} %" for name, gap in gaps.items() if gap is not None)
-        lines.append(f"{row.pretension_n:6.2f} N   {'   '.join(shown)}")
+    names = dict.fromkeys((quantity, "strain", "force"))
+    shown = [name for name in names if any(row.gap_pct(name) is not None for row in sweep.rows)]
+    rows = ([f"{row.pretension_n:.2f} N", *(percent(row.gap_pct(name)) for name in shown)] for row in sweep.rows)
+    lines = [table(["pretension", *(f"{name} gap" for name in shown)], rows, left=())]
     level = {f"{row.pretension_n:.2f}": row.no_force_gap for row in sweep.rows if row.no_force_gap}
     why = [f"no force gap at {', '.join(level)} N: {next(iter(level.values()))}"] if level else []
     limit = "" if sweep.largest_n is None else f"; at most {sweep.largest_n:.2f} N by the vendor's stress"
     return "\n".join([*lines, *why, f"best: {sweep.best.pretension_n:.2f} N{limit}"])
+
+
+def percent(gap_pct: float | None) -> str:
+    """Return a percentage, a dash for none."""
+    return "-" if gap_pct is None else f"{gap_pct:.3f} %"
 
 
 def train(
@@ -298,22 +267,20 @@ def train(
     max_cycles: Annotated[int, MAX_CYCLES] = 60,
     output: Annotated[Path | None, OUTPUT] = None,
     seed: Annotated[int | None, SEED] = None,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Cycle a new wire until its loop repeats.
 
     The output is a folder for the recording of each cycle.
     """
+    from musclewire.app._answers import TrainAnswer
     from musclewire.experiment import TrainingCycle, training_figure
     from musclewire.experiment import train as run_train
     from musclewire.rigs import open_rig
 
     def say_cycle(cycle: TrainingCycle) -> None:
         stop_if_asked()
-        if json:
-            return
         change = "" if cycle.change is None else f", moved by {100 * cycle.change:.2f} % over five cycles"
-        say(f"cycle {cycle.number}: R {cycle.resistance_min_ohm:.3f} to {cycle.resistance_max_ohm:.3f} ohm, "
+        tell(f"cycle {cycle.number}: R {cycle.resistance_min_ohm:.3f} to {cycle.resistance_max_ohm:.3f} ohm, "
             f"stroke {100 * cycle.stroke:.3f} %{change}")  # fmt: skip
 
     figure.check()
@@ -321,7 +288,7 @@ def train(
     with (
         stops_between_samples(),
         open_rig(rig, seed=seed) as opened,
-        watched_runs("Training", opened, json) as on_sample,
+        watched_runs("Training", opened) as on_sample,
     ):
         training = run_train(
             opened,
@@ -333,11 +300,6 @@ def train(
             on_sample=on_sample,
         )
     figure.draw(partial(training_figure, training))
-    warnings = warn(training.warnings)
-    if json:
-        cycles = [vars(cycle) for cycle in training.cycles]
-        emit_json({"settled": training.settled, "cycles": cycles, "warnings": warnings})
-    else:
-        show("settled" if training.settled else f"not settled after {len(training.cycles)} cycles")
-    if not training.settled:
-        raise typer.Exit(1)
+    warn(training.warnings)
+    text = "settled" if training.settled else f"not settled after {len(training.cycles)} cycles"
+    return Result(TrainAnswer.of(training), text, holds=training.settled)

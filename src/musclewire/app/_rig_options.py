@@ -12,8 +12,6 @@ from musclewire.errors import CallerError
 if TYPE_CHECKING:
     from musclewire.rigs import GuardedRig
 
-__all__ = ["SlowSineOptions", "TimingOptions"]
-
 
 @dataclass(frozen=True)
 class SlowSineOptions:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from json import dumps
+from typing import Annotated, Any
 
 import typer
+from pydantic import Field
 
+from musclewire.app._answer import Answer
 from musclewire.app._completion import complete_schemas
-from musclewire.app._options import Json
-from musclewire.app._output import emit_json, show
-
-__all__ = ["schema"]
+from musclewire.app._output import Result
 
 SchemaName = Annotated[
     str | None,
@@ -23,14 +23,17 @@ SchemaName = Annotated[
 ]
 
 
-def schema(name: SchemaName = None, json: Json = False) -> None:
+class SchemaAnswer(Answer):
+    """Of ``schema``: all names, and the schema of the one that was given."""
+
+    names: tuple[str, ...]
+    schema_: dict[str, Any] | None = Field(serialization_alias="schema")
+
+
+def schema(name: SchemaName = None) -> Result:
     """Print the JSON Schema of a kind of file, or of what a command prints with --json."""
     from musclewire.app._json_schemas import json_schema, schema_names
 
     found = None if name is None else json_schema(name)
-    if json:
-        emit_json({"names": schema_names(), "schema": found})
-    elif found is None:
-        show("\n".join(schema_names()))
-    else:
-        emit_json(found)
+    text = "\n".join(schema_names()) if found is None else dumps(found, indent=2)
+    return Result(SchemaAnswer(names=schema_names(), schema_=found), text)

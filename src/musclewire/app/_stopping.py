@@ -13,15 +13,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
 
-__all__ = [
-    "STOPPED",
-    "StoppedCommand",
-    "ignore_signals",
-    "listen_for_signals",
-    "stop_if_asked",
-    "stops_between_samples",
-]
-
 # An ending takes this long at most; after that a further signal counts again.
 PATIENCE_S = 2.0
 STOPPED = {130: "Ctrl-C", 143: "SIGTERM"}

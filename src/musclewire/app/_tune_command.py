@@ -10,11 +10,9 @@ import typer
 from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_free
 from musclewire.app._model_commands import RecordingPath
-from musclewire.app._options import CLOSED_LOOP_TIME, CONTROLLER, OUTPUT, OVERWRITE, RULES, Json, in_si
-from musclewire.app._output import emit_json, show
+from musclewire.app._options import CLOSED_LOOP_TIME, CONTROLLER, OUTPUT, OVERWRITE, RULES, in_si
+from musclewire.app._output import Result
 from musclewire.app._recording_options import ReadingOptions
-
-__all__ = ["tune"]
 
 
 def tune(
@@ -27,9 +25,9 @@ def tune(
     rules: Annotated[str | None, RULES] = None,
     closed_loop_time: Annotated[str | None, CLOSED_LOOP_TIME] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Find a controller's gains from the slow loop, by a published rule; prints plant, gains and margins."""
+    from musclewire.app._answers import TuneAnswer
     from musclewire.identify import tune as run_tune
     from musclewire.sensing import load_model
 
@@ -46,9 +44,5 @@ def tune(
     if output is not None:
         found.save(output)
     figure.draw(found.plot)
-    if json:
-        emit_json({**found.report(), "gains": None if output is None else str(output)})
-        return
-    show(str(found))
-    if output is not None:
-        show(f"gains written to {output}")
+    answer = TuneAnswer(**found.report(), gains=None if output is None else str(output))
+    return Result(answer, str(found) if output is None else f"{found}\ngains written to {output}")

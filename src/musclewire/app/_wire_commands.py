@@ -7,8 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_recording_file
 from musclewire.app._options import (
@@ -30,17 +28,16 @@ from musclewire.app._options import (
     TABLE,
     WIRE,
     WIRE_LENGTH,
-    Json,
     in_si,
 )
-from musclewire.app._output import emit_json, progress_bar, show, warn
+from musclewire.app._output import Result, progress_bar, warn
 from musclewire.app._stopping import stops_between_samples
 from musclewire.app._wire_text import (
-    answer_json,
     answer_text,
-    comparison_json,
+    comparison_answer,
     comparison_text,
-    wires_json,
+    simulate_answer,
+    wires,
     wires_text,
 )
 from musclewire.errors import CallerError
@@ -49,8 +46,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from musclewire.experiment import SupplyRequest, SupplySizing
-
-__all__ = ["catalogue", "simulate"]
 
 
 @dataclass(frozen=True)
@@ -109,32 +104,26 @@ def simulate(
     list_wires: Annotated[bool, LIST] = False,
     table: Annotated[bool, TABLE] = False,
     overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Simulate a drive through a wire: which supply, shunt and current it needs."""
     if list_wires:
-        emit_json(wires_json()) if json else show(wires_text())
-        return
+        found = wires()
+        return Result(found, wires_text(found))
     if table:
         refuse_with_table(drive, mounting, output, figure.plot)
-        show_table(mounting, json)
-        return
+        return table_of_wires(mounting)
     from musclewire.experiment import plan_supply, size_supply
 
     request = request_of(wire, drive, mounting, seed)
     if output is not None:
         require_recording_file(output, overwrite)
     figure.check()
-    with stops_between_samples(), progress_bar("Drive", plan_supply(request).duration_s, quiet=json) as on_sample:
-        answer = size_supply(request, path=output, overwrite=overwrite, on_sample=on_sample)
-    figure.draw(partial(drawn, answer))
-    if json:
-        emit_json(answer_json(answer, output))
-    else:
-        show(answer_text(answer))
-        warn(answer.warnings)
-    if answer.numbers.melted:
-        raise typer.Exit(1)
+    with stops_between_samples(), progress_bar("Drive", plan_supply(request).duration_s) as on_sample:
+        sizing = size_supply(request, path=output, overwrite=overwrite, on_sample=on_sample)
+    figure.draw(partial(drawn, sizing))
+    warn(sizing.warnings)
+    answer = simulate_answer(sizing, output)
+    return Result(answer, answer_text(sizing, answer.catalogue), holds=not sizing.numbers.melted)
 
 
 def drawn(answer: SupplySizing, *, style: str) -> Axes:
@@ -161,9 +150,9 @@ def refuse_with_table(drive: DriveOptions, mounting: MountingOptions, output: Pa
             raise CallerError(f"{name} is for one wire: with --table give --wire-length, --stress and --ambient only")
 
 
-def show_table(mounting: MountingOptions, json: bool) -> None:
-    """Print what every wire of the catalogue needs at a length."""
-    from musclewire.app._wire_table_text import table_json, table_text
+def table_of_wires(mounting: MountingOptions) -> Result:
+    """Return what every wire of the catalogue needs at a length."""
+    from musclewire.app._wire_table_text import table_answer, table_text
     from musclewire.identify import PULL_STRESS_PA, wire_table
 
     length_m = in_si("--wire-length", mounting.wire_length)
@@ -175,20 +164,14 @@ def show_table(mounting: MountingOptions, json: bool) -> None:
             "--table needs the first two above 0 and air of -73 to 57 degC"
         )
     rows = wire_table(length_m, stress_pa, ambient_k)
-    if json:
-        emit_json(table_json(rows, length_m, stress_pa, ambient_k))
-    else:
-        show(table_text(rows, length_m, stress_pa, ambient_k))
+    answer = table_answer(rows, length_m, stress_pa, ambient_k)
+    return Result(answer, table_text(rows, length_m, stress_pa, ambient_k))
 
 
-def catalogue(json: Json = False) -> None:
+def catalogue() -> Result:
     """Compare the Flexinol catalogue with the simulation: contraction after one second, and cooling times."""
     from musclewire.identify import compare_catalogue
 
     compared = compare_catalogue()
-    if json:
-        emit_json(comparison_json(compared))
-    else:
-        show(comparison_text(compared))
-    if not all(one.ok for one in compared):
-        raise typer.Exit(1)
+    answer = comparison_answer(compared)
+    return Result(answer, comparison_text(compared, answer), holds=answer.ok)

@@ -4,71 +4,64 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from musclewire.app._output import table
 
 if TYPE_CHECKING:
+    from musclewire.app._answers import CatalogueAnswer, CatalogueSide, SimulateAnswer, WiresAnswer
     from musclewire.experiment import SupplyPlan, SupplySizing
     from musclewire.identify import CatalogueComparison, JudgedValue
     from musclewire.parameters import CatalogueCell
-
-__all__ = ["answer_json", "answer_text", "comparison_json", "comparison_text", "wires_json", "wires_text"]
 
 ZERO_DEGC_K = 273.15
 MARKS = {"corroborated": "", "unverified": "?", "suspect": "??"}
 
 
-def answer_json(answer: SupplySizing, recording: Path | None) -> dict[str, Any]:
-    """Return a drive's answer under the keys of the interface."""
+def simulate_answer(sizing: SupplySizing, recording: Path | None) -> SimulateAnswer:
+    """Return a drive's answer in SI and percent."""
+    from musclewire.app._answers import SimulateAnswer, SuggestedParts
     from musclewire.experiment import catalogue_side
 
-    numbers, plan, best = answer.numbers, answer.plan, answer.one_second
-    return {
-        "wire": plan.request.wire,
-        "simulated": True,
-        "length_m": plan.request.length_m,
-        "load_n": plan.load_n,
-        "spring_stiffness_n_per_m": plan.request.spring_n_per_m,
-        "ambient_temperature_degc": plan.request.ambient_k - ZERO_DEGC_K,
-        "supply_v": plan.supply_v,
-        "current_a": plan.current_a,
-        "shunt_resistance_ohm": plan.shunt_ohm,
-        "on_s": plan.request.on_s,
-        "duty": plan.pulses.on / plan.pulses.period,
-        "duty_period_s": None if plan.request.duty is None else plan.request.duty_period_s,
-        "contraction_pct": 100 * numbers.contraction,
-        "largest_contraction_pct": 100 * numbers.max_contraction,
-        "final_contraction_pct": 100 * numbers.final_contraction,
-        "last_period_pct": None
-        if plan.request.duty is None
-        else [100 * numbers.last_period_lowest, 100 * numbers.last_period_highest],
-        "contraction_m": numbers.contraction * plan.request.length_m,
-        "stroke_pct": 100 * best.stroke,
-        "contraction_share_pct": 100 * numbers.contraction / best.stroke,
-        "contracted_s": numbers.contracted_s,
-        "cooling_s": numbers.cooling_s,
-        "true_peak_temperature_degc": numbers.temperature_peak_k - ZERO_DEGC_K,
-        "settled_temperature_degc": answer.settled_k - ZERO_DEGC_K,
-        "current_mean_a": numbers.current_mean_a,
-        "drive_voltage_peak_v": numbers.voltage_peak_v,
-        "power_peak_w": numbers.power_peak_w,
-        "energy_j": numbers.energy_j,
-        "suggested": {
-            "one_second_current_a": best.current_a,
-            "holding_current_a": best.holding_current_a,
-            "supply_v": answer.supply_needed_v,
-            "shunt_resistance_ohm": answer.shunt.resistance_ohm,
-            "shunt_power_w": answer.shunt.power_w,
-            "shunt_rating_w": answer.shunt.rating_w,
-        },
-        "catalogue": catalogue_side(plan),
-        "warnings": list(answer.warnings),
-        "samples": len(answer.recording),
-        "seed": plan.request.seed,
-        "recording": None if recording is None else str(recording),
-    }
+    numbers, plan, best, shunt = sizing.numbers, sizing.plan, sizing.one_second, sizing.shunt
+    pulsed = plan.request.duty is not None
+    return SimulateAnswer.of(
+        numbers,
+        plan,
+        plan.request,
+        sizing,
+        simulated=True,
+        spring_stiffness_n_per_m=plan.request.spring_n_per_m,
+        ambient_temperature_degc=plan.request.ambient_k - ZERO_DEGC_K,
+        shunt_resistance_ohm=plan.shunt_ohm,
+        wire=plan.request.wire,
+        duty=plan.pulses.on / plan.pulses.period,
+        duty_period_s=plan.request.duty_period_s if pulsed else None,
+        contraction_pct=100 * numbers.contraction,
+        largest_contraction_pct=100 * numbers.max_contraction,
+        final_contraction_pct=100 * numbers.final_contraction,
+        last_period_pct=(100 * numbers.last_period_lowest, 100 * numbers.last_period_highest) if pulsed else None,
+        contraction_m=numbers.contraction * plan.request.length_m,
+        stroke_pct=100 * best.stroke,
+        contraction_share_pct=100 * numbers.contraction / best.stroke,
+        true_peak_temperature_degc=numbers.temperature_peak_k - ZERO_DEGC_K,
+        settled_temperature_degc=sizing.settled_k - ZERO_DEGC_K,
+        drive_voltage_peak_v=numbers.voltage_peak_v,
+        suggested=SuggestedParts(
+            one_second_current_a=best.current_a,
+            holding_current_a=best.holding_current_a,
+            supply_v=sizing.supply_needed_v,
+            shunt_resistance_ohm=shunt.resistance_ohm,
+            shunt_power_w=shunt.power_w,
+            shunt_rating_w=shunt.rating_w,
+        ),
+        catalogue=catalogue_side(plan),
+        samples=len(sizing.recording),
+        recording=None if recording is None else str(recording),
+    )
 
 
-def answer_text(answer: SupplySizing) -> str:
+def answer_text(answer: SupplySizing, printed: CatalogueSide | None) -> str:
     """Return a drive's answer as lines for people."""
     numbers, plan, best, shunt = answer.numbers, answer.plan, answer.one_second, answer.shunt
     length_mm = 1e3 * plan.request.length_m
@@ -91,7 +84,7 @@ def answer_text(answer: SupplySizing) -> str:
         f"  supply        {answer.supply_needed_v:.2f} V across wire and shunt, plus what the switch drops",
         f"  shunt         {shunt.resistance_ohm:g} ohm, {1e3 * shunt.power_w:.0f} mW: buy one for {shunt.rating_w:g} W",
     ]
-    return "\n".join(lines + catalogue_lines(plan))
+    return "\n".join(lines + ([] if printed is None else catalogue_lines(printed)))
 
 
 def headline(plan: SupplyPlan) -> str:
@@ -138,28 +131,27 @@ def cooling_words(answer: SupplySizing) -> str:
     return "not cooled by the end of the run: give a longer --duration"
 
 
-def catalogue_lines(plan: SupplyPlan) -> list[str]:
+def catalogue_lines(side: CatalogueSide) -> list[str]:
     """Return what the catalogue prints for the wire, each number with its standing."""
-    from musclewire.experiment import catalogue_side
-
-    side = catalogue_side(plan)
-    if side is None:
-        return []
-    shown = {
-        "for one second": ("one_second_current_a", amperes(side["one_second_current_a"]["value"])),
-        "cooling": ("cooling_s", f"{side['cooling_s']['value']:g} s"),
-        "resistance": ("resistance_ohm_per_m", f"{side['resistance_ohm_per_m']['value']:g} ohm/m"),
-        "pull": ("pull_force_n", f"{side['pull_force_n']['value']:.3g} N"),
-    }
-    lines = [f"  {label:<14}  {text} ({side[key]['status']})" for label, (key, text) in shown.items()]
-    ours, theirs = side["test_cooling_s"], side["cooling_s"]["value"]
+    current, cooling, ours = side.one_second_current_a, side.cooling_s, side.test_cooling_s
+    rows = (
+        ("for one second", amperes(current.value), current),
+        ("cooling", f"{cooling.value:g} s", cooling),
+        ("resistance", f"{side.resistance_ohm_per_m.value:g} ohm/m", side.resistance_ohm_per_m),
+        ("pull", f"{side.pull_force_n.value:.3g} N", side.pull_force_n),
+    )
     compared = (
         "the simulated wire does not cool below the last 0.5 % within that test"
         if ours is None
-        else f"the simulated wire takes {ours:.2f} s in the vendor's test, {ours / theirs:.2f} times the catalogue's"
+        else f"the simulated wire takes {ours:.2f} s in the vendor's test, {ours / cooling.value:.2f} times the "
+        "catalogue's"
     )
-    test = f"  (172 MPa, {amperes(side['one_second_current_a']['value'])} for one second, still air)"
-    return ["", "the catalogue prints", *lines, f"  {'cooling':<14}  {compared}{test}"]
+    return [
+        "",
+        "the catalogue prints",
+        *(f"  {label:<14}  {text} ({cell.status})" for label, text, cell in rows),
+        f"  {'cooling':<14}  {compared}  (172 MPa, {amperes(current.value)} for one second, still air)",
+    ]
 
 
 def amperes(current_a: float) -> str:
@@ -167,31 +159,30 @@ def amperes(current_a: float) -> str:
     return f"{1e3 * current_a:.0f} mA" if current_a < 1.0 else f"{current_a:.2f} A"
 
 
-def wires_json() -> dict[str, Any]:
+def wires() -> WiresAnswer:
     """Return all wires that come with musclewire."""
+    from musclewire.app._answers import WireOfLibrary, WiresAnswer
     from musclewire.parameters import load_alloy, load_wire, names, validity_of
 
-    return {
-        "wires": [
-            {
-                "name": name,
-                "description": load_wire(name).description,
-                "alloy": load_wire(name).alloy,
-                "diameter_m": load_wire(name).diameter_m.value,
-                "resistance_per_metre_ohm_per_m": load_wire(name).resistance_per_metre_ohm_per_m.value,
-            }
-            for name in names("wire")
+    loaded = [load_wire(name) for name in names("wire")]
+    return WiresAnswer.of(
+        wires=[
+            WireOfLibrary.of(
+                wire,
+                diameter_m=wire.diameter_m.value,
+                resistance_per_metre_ohm_per_m=wire.resistance_per_metre_ohm_per_m.value,
+            )
+            for wire in loaded
         ],
-        "alloys": {name: validity_of(load_alloy(name)).facts() for name in names("alloy")},
-    }
+        alloys={name: validity_of(load_alloy(name)).facts() for name in names("alloy")},
+    )
 
 
-def wires_text() -> str:
+def wires_text(found: WiresAnswer) -> str:
     """Return all wires as lines: name, what it is; then what the data of their alloys cover."""
-    document = wires_json()
-    lines = [f"{row['name']:<18} {row['description']}" for row in document["wires"]]
-    covered = [f"alloy {name}: {covered_words(limits)}" for name, limits in document["alloys"].items()]
-    return "\n".join([*lines, "", *covered])
+    covered = [f"alloy {name}: {covered_words(limits.model_dump())}" for name, limits in found.alloys.items()]
+    rows = ((wire.name, wire.description) for wire in found.wires)
+    return "\n".join([table(["", ""], rows, left=(0, 1)), "", *covered])
 
 
 def covered_words(limits: dict[str, float]) -> str:
@@ -208,72 +199,76 @@ def covered_words(limits: dict[str, float]) -> str:
     )
 
 
-def comparison_json(compared: Sequence[CatalogueComparison]) -> dict[str, Any]:
+def comparison_answer(compared: Sequence[CatalogueComparison]) -> CatalogueAnswer:
     """Return the comparison with the catalogue: a row for each wire, in order."""
+    from musclewire.app._answers import CatalogueAnswer, ComparedWire
     from musclewire.identify import BARS
 
-    return {
-        "bars": BARS,
-        "rows": [row_json(one) for one in compared],
-        "judged": sum(verdict is not None for one in compared for verdict in (one.contraction.ok, one.cooling.ok)),
-        "failed": sum(verdict is False for one in compared for verdict in (one.contraction.ok, one.cooling.ok)),
-        "ok": all(one.ok for one in compared),
-    }
+    verdicts = [one.ok for each in compared for one in (each.contraction, each.cooling)]
+    rows = [
+        ComparedWire.of(
+            one,
+            one.row,
+            one.run,
+            current_status=one.row.current_ma.status,
+            stroke_pct=100 * one.run.stroke,
+            contraction_share_pct=100 * one.run.contraction_fraction,
+            contraction_ok=one.contraction.ok,
+            true_temperature_degc=one.run.temperature_k - ZERO_DEGC_K,
+            catalogue_cooling_s=one.cooling.cell.value,
+            cooling_status=one.cooling.cell.status,
+            cooling_ok=one.cooling.ok,
+        )
+        for one in compared
+    ]
+    judged, failed = sum(ok is not None for ok in verdicts), verdicts.count(False)
+    return CatalogueAnswer.of(bars=BARS, rows=rows, judged=judged, failed=failed, ok=all(one.ok for one in compared))
 
 
-def row_json(one: CatalogueComparison) -> dict[str, Any]:
-    """Return one wire of the comparison."""
-    return {
-        "wire": one.wire,
-        "diameter_m": one.row.diameter_m,
-        "current_a": one.row.current_a,
-        "current_status": one.row.current_ma.status,
-        "stroke_pct": 100 * one.run.stroke,
-        "contraction_share_pct": 100 * one.run.contraction_fraction,
-        "contraction_ok": one.contraction.ok,
-        "true_temperature_degc": one.run.temperature_k - ZERO_DEGC_K,
-        "cooling_s": one.run.cooling_s,
-        "catalogue_cooling_s": one.cooling.cell.value,
-        "cooling_status": one.cooling.cell.status,
-        "cooling_ok": one.cooling.ok,
-        "ok": one.ok,
-    }
-
-
-def comparison_text(compared: Sequence[CatalogueComparison]) -> str:
+def comparison_text(compared: Sequence[CatalogueComparison], answer: CatalogueAnswer) -> str:
     """Return the comparison as a table: a line for each size, 70 C wire and 90 C wire side by side."""
-    from musclewire.identify import BARS
     from musclewire.parameters import load_catalogue
 
-    lines = [
-        "172 MPa dead weight, the catalogue's current for one second, still air of 22 C; simulated wires",
-        "",
-        "             | 70 C wire (LT)                       | 90 C wire (HT), not judged",
-        "  mm      mA | % of stroke     cooling s  catalogue | % of stroke  cooling s  catalogue",
-    ]
-    for low, high in zip(compared[::2], compared[1::2], strict=True):
-        current = marked(low.row.current_ma.value, low.row.current_ma)
-        lines.append(
-            f"{low.row.name:>5} {current:>7} | {judged_text(low.contraction, 100.0, 1):>11} "
-            f"{judged_text(low.cooling, 1.0, 2):>14}  {marked(low.cooling.cell.value, low.cooling.cell):>8} | "
-            f"{judged_text(high.contraction, 100.0, 1):>11} {judged_text(high.cooling, 1.0, 2):>10}  "
-            f"{marked(high.cooling.cell.value, high.cooling.cell):>8}".rstrip()
-        )
-    document = comparison_json(compared)
-    missed = f"{document['failed']} missed, marked FAIL" if document["failed"] else "all within the bars"
-    lines += [
-        "",
-        f"{document['judged']} judged, {missed}. {BARS}.",
-        "? the catalogue's number is not corroborated. Cooling: from switching off after the second until 0.5 % of",
-        "strain is left; - where the wire did not contract by that much.",
-        f"Catalogue: {load_catalogue().source}.",
-    ]
-    return "\n".join(lines)
+    head = (
+        "mm",
+        "mA",
+        *(f"{wire} {what}" for wire in ("LT", "HT") for what in ("% of stroke", "cooling s", "catalogue")),
+    )
+    rows = (
+        [
+            low.row.name,
+            marked(low.row.current_ma.value, low.row.current_ma),
+            *(
+                text
+                for one in (low, high)
+                for text in (
+                    judged_text(one.contraction, 100.0, 1),
+                    judged_text(one.cooling, 1.0, 2),
+                    marked(one.cooling.cell.value, one.cooling.cell),
+                )
+            ),
+        ]
+        for low, high in zip(compared[::2], compared[1::2], strict=True)
+    )
+    missed = f"{answer.failed} missed, marked FAIL" if answer.failed else "all within the bars"
+    return "\n".join(
+        [
+            "172 MPa dead weight, the catalogue's current for one second, still air of 22 C; simulated wires: 70 C",
+            "wire (LT), and 90 C wire (HT), which is not judged",
+            "",
+            table(head, rows, left=()),
+            "",
+            f"{answer.judged} judged, {missed}. {answer.bars}.",
+            "? the catalogue's number is not corroborated. Cooling: from switching off after the second until 0.5 % of",
+            "strain is left; - where the wire did not contract by that much.",
+            f"Catalogue: {load_catalogue().source}.",
+        ]
+    )
 
 
 def marked(value: float, cell: CatalogueCell) -> str:
     """Return a catalogue number with a question mark where it is not corroborated."""
-    return f"{value:g}{MARKS[cell.status]}" if MARKS[cell.status] else f"{value:g} "
+    return f"{value:g}{MARKS[cell.status]}"
 
 
 def judged_text(one: JudgedValue, scale: float, digits: int) -> str:

@@ -14,19 +14,9 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from musclewire.controllers._drive_limits import DriveLimits
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, NumericsError
 from musclewire.registry import Registry
 from musclewire.signals import CompiledTick, ControlStep, QuantityEstimate
-
-__all__ = [
-    "CONTROLLERS",
-    "PERCENT_STRAIN",
-    "CompiledController",
-    "Controller",
-    "ControllerFactory",
-    "ControllerSetup",
-    "settings_of_kind",
-]
 
 PERCENT_STRAIN = 0.01
 
@@ -93,7 +83,7 @@ class CompiledController(Controller, Protocol):
     """A controller whose tick can also run in compiled code, in loops that run as a batch (``mw.control_many``)."""
 
     def compiled_tick(self, drive_voltage_v: float) -> CompiledTick | None:
-        """Return ``step`` as a compiled function, with the state of ``start``: the same numbers, to the bit.
+        """Return ``step`` as a compiled function, with the state of ``start``: the same arithmetic.
 
         It counts only in the class that declares it: one that inherits another step declares its own tick.
 
@@ -152,3 +142,13 @@ def settings_of_kind(setup: ControllerSetup, kind: type[Any]) -> Any:
             "those, or name the controller they belong to"
         )
     return setup.settings
+
+
+def step_error(target: float, measured: float, dt_s: float) -> CallerError | NumericsError:
+    """Return the error of a step whose tick failed: of its caller, or of numbers that no drive follows from."""
+    if not dt_s > 0.0:
+        return CallerError(f"controller step with dt_s {dt_s}: the time since the last step must be above zero")
+    return NumericsError(
+        f"controller step with target {target}, measured {measured}, dt_s {dt_s}: every input must be finite "
+        "and no rate may overflow; hold the drive until the measurement is back, or check the units"
+    )

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from musclewire.errors import CallerError, NumericsError
 
-__all__ = ["DriveLimits"]
-
 
 @dataclass(frozen=True, slots=True)
 class DriveLimits:

@@ -23,20 +23,17 @@ References: Skogestad 2003, doi 10.1016/S0959-1524(02)00062-8, for the rule of K
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
-from typing import Annotated, Any, NamedTuple, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from musclewire.arrays import FloatArray
-from musclewire.controllers._controller import ControllerSetup
+from musclewire.controllers._controller import ControllerSetup, settings_of_kind, step_error
 from musclewire.controllers._schema import StrictModel
-from musclewire.errors import CallerError, NumericsError
+from musclewire.errors import CallerError
 from musclewire.signals import CONTROLLER_ANSWERS, CompiledTick, ControlStep, Drive, QuantityEstimate
-
-__all__ = ["FeedforwardController", "FeedforwardSettings"]
 
 Positive = Annotated[float, Field(gt=0.0)]
 Table = Annotated[tuple[Positive, ...], Field(min_length=3)]
@@ -149,12 +146,6 @@ def smoothed_slope(power_w: tuple[float, ...], levels: FloatArray) -> FloatArray
     return np.asarray(np.clip(slope, FLATTEST * middle, STEEPEST * middle))
 
 
-class FeedforwardState(NamedTuple):
-    """The numbers of ``feedforward_kernel.STATE``."""
-
-    numbers: tuple[float, ...]
-
-
 class FeedforwardController:
     """Feedforward of steady power and heat, and a gain-scheduled PI; brings a cold wire to its first target at once.
 
@@ -182,14 +173,11 @@ class FeedforwardController:
                 "the controller feedforward needs the gains of its wire: find them by 'musclewire tune MODEL RECORDING "
                 "-o gains.toml' and give --gains gains.toml, or settings=tune(model, recording).settings"
             )
-        if not isinstance(setup.settings, FeedforwardSettings):
-            raise CallerError(
-                f"the controller needs settings of the kind FeedforwardSettings, not {type(setup.settings).__name__}: "
-                "give those, or name the controller they belong to"
-            )
-        self.settings, self.limits = setup.settings, setup.limits
+        self.settings: FeedforwardSettings = settings_of_kind(setup, FeedforwardSettings)
+        self.limits = setup.limits
         self._kernel: Any = feedforward_kernel
         self._constants = self._packed()
+        self.step(self.start(self.limits.sense_voltage_v), 0.0, QuantityEstimate(0.0, 0.0, True), 1.0)
 
     def _packed(self) -> FloatArray:
         """Return limits, settings and tables as the array that the tick reads."""
@@ -200,40 +188,28 @@ class FeedforwardController:
             "maximum_voltage_v": self.limits.maximum_voltage_v,
             "response_s": settings.closed_loop_time_s + settings.dead_time_s,
             "spacing": (settings.highest - settings.lowest) / (len(settings.heating_power_w) - 1),
-            "n_levels": float(len(settings.heating_power_w)),
         }
-        numbers = [known[name] for name in kernel.NUMBERS.names]
-        tables = (
-            settings.heating_power_w,
-            settings.cooling_power_w,
-            settings.resistance_ohm,
-            *settings.branch_slopes(),
-        )
-        return np.concatenate([numbers, *tables])
+        known["heating_slope"], known["cooling_slope"] = settings.branch_slopes()
+        numbers = [known[name] for name in kernel.SETTINGS.names]
+        return np.concatenate([numbers, *(known[name] for name in kernel.TABLES)])
 
-    def start(self, drive_voltage_v: float) -> FeedforwardState:
+    def start(self, drive_voltage_v: float) -> tuple[float, ...]:
         """Return the state before the first estimate: the applied drive [V], within the limits."""
         state = np.zeros(1, self._kernel.STATE)
         state["drive_voltage_v"] = self.limits.clamp(float(drive_voltage_v))
-        return FeedforwardState(tuple(state.view(np.float64).tolist()))
+        return tuple(state.view(np.float64).tolist())
 
-    def step(self, state: FeedforwardState, target: float, estimate: QuantityEstimate, dt_s: float) -> ControlStep:
+    def step(self, state: tuple[float, ...], target: float, estimate: QuantityEstimate, dt_s: float) -> ControlStep:
         """Return the drive for an estimate; without current the last one."""
-        numbers = np.array(state.numbers)
-        answer = np.zeros(len(CONTROLLER_ANSWERS) + len(self.columns))
-        given = [target, estimate.value, estimate.std, float(estimate.valid), float(estimate.reason), dt_s]
-        self._kernel.feedforward_tick(self._constants, numbers, np.array(given), answer)
-        if answer[1] != 0.0:
-            if not (dt_s > 0.0 and math.isfinite(dt_s)):
-                raise CallerError(f"controller step with dt_s {dt_s}: the time since the last step must be above zero")
-            raise NumericsError(f"controller step with target {target}, measured {estimate.value}: both must be finite")
-        return ControlStep(
-            Drive(float(answer[0])),
-            FeedforwardState(tuple(numbers.tolist())),
-            (float(answer[2]), float(answer[3])),
-        )
+        numbers, answer = np.array(state), np.zeros(len(CONTROLLER_ANSWERS) + len(self.columns))
+        value, std, valid, reason, _ = estimate
+        given = np.array((float(target), float(value), float(std), float(valid), float(reason), float(dt_s)))
+        self._kernel.feedforward_tick(self._constants, numbers, given, answer)
+        drive_voltage_v, failed, *recorded = answer.tolist()
+        if failed:
+            raise step_error(target, value, dt_s)
+        return ControlStep(Drive(drive_voltage_v), tuple(numbers.tolist()), tuple(recorded))
 
     def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
         """Return ``step`` as a compiled function."""
-        numbers = np.array(self.start(drive_voltage_v).numbers)
-        return CompiledTick(self._kernel.feedforward_tick, self._constants, numbers)
+        return CompiledTick(self._kernel.feedforward_tick, self._constants, np.array(self.start(drive_voltage_v)))

@@ -1,9 +1,12 @@
-"""The tick of the feedforward controller, compiled; ``feedforward`` says what each number is for."""
+"""The tick of the feedforward controller, compiled; ``_feedforward`` says what each number is for.
+
+``state`` is a record of ``STATE``, which is changed in place.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,15 +14,13 @@ from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.signals import Reason
 
-__all__ = ["NUMBERS", "STATE", "TABLES", "feedforward_tick"]
-
-NUMBERS = np.dtype(
+SETTINGS = np.dtype(
     [
         (name, np.float64)
         for name in (
             "sense_voltage_v", "maximum_voltage_v", "shunt_resistance_ohm", "thermal_time_constant_s", "heat_per_unit",
             "response_s", "integral_time_s", "pulse_time_s", "tolerance", "gap_fraction", "maximum_steady_power_w",
-            "lowest", "spacing", "n_levels",
+            "lowest", "spacing",
         )
     ]
 )  # fmt: skip
@@ -32,192 +33,189 @@ STATE = np.dtype(
         )
     ]
 )  # fmt: skip
-# The tables follow the numbers, each with a value for every level.
 TABLES = ("heating_power_w", "cooling_power_w", "resistance_ohm", "heating_slope", "cooling_slope")
-HEATING, COOLING, RESISTANCE, HEATING_SLOPE, COOLING_SLOPE = range(len(TABLES))
-N_NUMBERS = len(NUMBERS.names or ())
+N_TABLES = len(TABLES)
+HEATING, COOLING, RESISTANCE, HEATING_SLOPE, COOLING_SLOPE = range(N_TABLES)
+N_SETTINGS = len(SETTINGS.names or ())
 NO_CURRENT, COLD, NOT_READY = float(Reason.NO_CURRENT), float(Reason.COLD), float(Reason.NOT_READY)
 # A wire counts as still that has moved by less than half the tolerance for this long [s]: two samples of 50 ms, so
 # motion that has just turned does not count as standing.
 STILL_S = 0.09
 PowerLimits = tuple[float, float, float]
+# A record; mypy knows no fields of one.
+Row = Any
+
+
+class KnownWire(NamedTuple):
+    """What is known of a wire: a record of ``SETTINGS``, and the tables, a row each with a number for every level."""
+
+    settings: Row
+    tables: FloatArray
 
 
 @compiled
-def table_value(constants: FloatArray, table: int, value: float) -> float:
+def table_value(wire: KnownWire, table: int, value: float) -> float:
     """Return a table at a value of the quantity, linear between its levels and constant beyond them."""
-    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
-    last = int(scalars["n_levels"]) - 1
-    place = min(max((value - scalars["lowest"]) / scalars["spacing"], 0.0), float(last))
+    levels = wire.tables[table]
+    last = levels.size - 1
+    place = min(max((value - wire.settings["lowest"]) / wire.settings["spacing"], 0.0), float(last))
     left = min(int(place), last - 1)
-    first = N_NUMBERS + table * (last + 1) + left
-    return float(constants[first] + (place - left) * (constants[first + 1] - constants[first]))
+    return float(levels[left] + (place - left) * (levels[left + 1] - levels[left]))
 
 
 @compiled
-def edge_w(constants: FloatArray, place: float, value: float) -> float:
+def edge_w(wire: KnownWire, place: float, value: float) -> float:
     """Return the power that holds a value at a place between the cooling branch (-1) and the heating branch (1)."""
-    heating, cooling = table_value(constants, HEATING, value), table_value(constants, COOLING, value)
+    heating, cooling = table_value(wire, HEATING, value), table_value(wire, COOLING, value)
     return float(0.5 * ((1.0 + place) * heating + (1.0 - place) * cooling))
 
 
 @compiled
-def power_w(constants: FloatArray, drive_voltage_v: float, value: float) -> float:
+def power_w(wire: KnownWire, drive_voltage_v: float, value: float) -> float:
     """Return the electrical power in the wire at a drive voltage."""
-    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
-    resistance = table_value(constants, RESISTANCE, value)
-    current = drive_voltage_v / (resistance + scalars["shunt_resistance_ohm"])
+    resistance = table_value(wire, RESISTANCE, value)
+    current = drive_voltage_v / (resistance + wire.settings["shunt_resistance_ohm"])
     return float(current * current * resistance)
 
 
 @compiled
-def power_limits_w(constants: FloatArray, value: float) -> PowerLimits:
+def power_limits_w(wire: KnownWire, value: float) -> PowerLimits:
     """Return the power of the lowest and of the highest drive, and the highest steady one of the temperature limit."""
-    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
-    lowest_w = power_w(constants, scalars["sense_voltage_v"], value)
-    highest_w = power_w(constants, scalars["maximum_voltage_v"], value)
-    return lowest_w, highest_w, max(min(highest_w, scalars["maximum_steady_power_w"]), lowest_w)
+    lowest_w = power_w(wire, wire.settings["sense_voltage_v"], value)
+    highest_w = power_w(wire, wire.settings["maximum_voltage_v"], value)
+    return lowest_w, highest_w, max(min(highest_w, wire.settings["maximum_steady_power_w"]), lowest_w)
 
 
 @compiled
-def heat_per_value(constants: FloatArray, table: int, value: float) -> float:
+def heat_per_value(wire: KnownWire, table: int, value: float) -> float:
     """Return the heat that moves the quantity by one on a branch: to warm the wire and to transform it."""
-    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
-    return float(scalars["thermal_time_constant_s"] * table_value(constants, table, value) + scalars["heat_per_unit"])
+    return float(
+        wire.settings["thermal_time_constant_s"] * table_value(wire, table, value) + wire.settings["heat_per_unit"]
+    )
 
 
 @compiled
 def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
     """Control by feedforward of power and heat, and by a PI on what that leaves."""
     state_row = state.view(STATE)[0]
+    wire = KnownWire(constants[:N_SETTINGS].view(SETTINGS)[0], constants[N_SETTINGS:].reshape(N_TABLES, -1))
     target, value, valid, reason, dt_s = given[0], given[1], given[3], given[4], given[5]
-    answer[0], answer[1], answer[2], answer[3] = (
-        state_row["drive_voltage_v"],
-        0.0,
-        state_row["steady_w"],
-        state_row["pulse_j"],
-    )
+    answer[0], answer[1] = state_row["drive_voltage_v"], 0.0
+    answer[2], answer[3] = state_row["steady_w"], state_row["pulse_j"]
     if reason == NO_CURRENT:
         return
     if not math.isfinite(target - value) or not dt_s > 0.0 or not math.isfinite(dt_s):
         answer[1] = 1.0
         return
-    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
     if reason in (COLD, NOT_READY):
-        value = min(value, scalars["lowest"])
-    limits_w = power_limits_w(constants, value)
+        value = min(value, wire.settings["lowest"])
+    limits_w = power_limits_w(wire, value)
     first = state_row["started"] == 0.0
     if first:
-        take_over(constants, state_row, value)
+        take_over(wire, state_row, value)
     if target != state_row["target"]:
-        new_target(constants, state_row, target, value, first and valid == 0.0, limits_w)
-    error = expected(constants, state_row, target) - value
-    cross_the_gap(constants, state_row, value, error, dt_s, valid, limits_w)
-    command(constants, state_row, value, error, dt_s, limits_w)
+        new_target(wire, state_row, target, value, first and valid == 0.0, limits_w)
+    error = expected(wire, state_row, target) - value
+    cross_the_gap(wire, state_row, value, error, dt_s, valid, limits_w)
+    command(wire, state_row, value, error, dt_s, limits_w)
     answer[0], answer[2], answer[3] = state_row["drive_voltage_v"], state_row["steady_w"], state_row["pulse_j"]
 
 
 @compiled
-def take_over(constants: FloatArray, state: Any, value: float) -> None:
+def take_over(wire: KnownWire, state: Row, value: float) -> None:
     """Start from the drive that is applied, as one that has been there for long."""
     state["started"] = 1.0
-    state["power_w"] = power_w(constants, state["drive_voltage_v"], value)
+    state["power_w"] = power_w(wire, state["drive_voltage_v"], value)
     state["steady_w"] = state["balance_w"] = state["power_w"]
     state["target"] = state["start_value"] = state["anchor"] = value
 
 
 @compiled
-def new_target(
-    constants: FloatArray, state: Any, target: float, value: float, cold: bool, limits_w: PowerLimits
-) -> None:
+def new_target(wire: KnownWire, state: Row, target: float, value: float, cold: bool, limits_w: PowerLimits) -> None:
     """Add what a new target takes: steady power of its branch, and the heat for the way there."""
     lowest_w, _, steady_limit_w = limits_w
-    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
     side = 1.0 if target > state["target"] else -1.0
     place = state["place"] if state["place"] != 0.0 else side
     if cold:  # no branch is known of a cold wire: all that the target takes
-        change_w = edge_w(constants, 1.0, target) - state["steady_w"]
+        change_w = edge_w(wire, 1.0, target) - state["steady_w"]
     else:
-        here_w = edge_w(constants, side, state["target"])
-        gap_w = here_w - edge_w(constants, place, state["target"])
-        change_w = edge_w(constants, side, target) - here_w + gap_w
+        here_w = edge_w(wire, side, state["target"])
+        gap_w = here_w - edge_w(wire, place, state["target"])
+        change_w = edge_w(wire, side, target) - here_w + gap_w
     steady_w = min(max(state["steady_w"] + change_w, lowest_w), steady_limit_w)
-    warming_j = scalars["thermal_time_constant_s"] * (steady_w - state["steady_w"])
-    state["pulse_j"] += warming_j + scalars["heat_per_unit"] * (target - state["target"])
+    warming_j = wire.settings["thermal_time_constant_s"] * (steady_w - state["steady_w"])
+    state["pulse_j"] += warming_j + wire.settings["heat_per_unit"] * (target - state["target"])
     state["steady_w"], state["start_value"], state["place"], state["target"] = steady_w, value, side, target
 
 
 @compiled
-def expected(constants: FloatArray, state: Any, target: float) -> float:
+def expected(wire: KnownWire, state: Row, target: float) -> float:
     """Return where the wire should be by now: short of its target by the heat that is still to come."""
     table = HEATING_SLOPE if state["place"] >= 0.0 else COOLING_SLOPE
-    short = target - state["pulse_j"] / heat_per_value(constants, table, target)
+    short = target - state["pulse_j"] / heat_per_value(wire, table, target)
     return float(min(max(short, min(state["start_value"], target)), max(state["start_value"], target)))
 
 
 @compiled
 def cross_the_gap(
-    constants: FloatArray, state: Any, value: float, error: float, dt_s: float, valid: float, limits_w: PowerLimits
+    wire: KnownWire, state: Row, value: float, error: float, dt_s: float, valid: float, limits_w: PowerLimits
 ) -> None:
     """Let a wire that stands on the wrong side of its target jump over most of the gap between the branches."""
     lowest_w, _, steady_limit_w = limits_w
-    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
-    watch(constants, state, value, dt_s)
+    watch(wire, state, value, dt_s)
     side = 1.0 if error > 0.0 else -1.0
     table = HEATING_SLOPE if state["place"] >= 0.0 else COOLING_SLOPE
-    pulse_over = abs(state["pulse_j"]) < scalars["tolerance"] * heat_per_value(constants, table, state["target"])
+    pulse_over = abs(state["pulse_j"]) < wire.settings["tolerance"] * heat_per_value(wire, table, state["target"])
     still = state["still_s"] >= STILL_S
-    if valid != 0.0 and pulse_over and still and abs(error) > scalars["tolerance"] and state["place"] * side <= 0.0:
-        gap_w = scalars["gap_fraction"] * (edge_w(constants, side, value) - edge_w(constants, state["place"], value))
+    far = abs(error) > wire.settings["tolerance"]
+    if valid != 0.0 and pulse_over and still and far and state["place"] * side <= 0.0:
+        gap_w = wire.settings["gap_fraction"] * (edge_w(wire, side, value) - edge_w(wire, state["place"], value))
         state["steady_w"] = min(max(state["balance_w"] + gap_w, lowest_w), steady_limit_w)
-        state["pulse_j"] += scalars["thermal_time_constant_s"] * gap_w
+        state["pulse_j"] += wire.settings["thermal_time_constant_s"] * gap_w
         state["place"] = side
 
 
 @compiled
-def watch(constants: FloatArray, state: Any, value: float, dt_s: float) -> None:
+def watch(wire: KnownWire, state: Row, value: float, dt_s: float) -> None:
     """Measure for how long the wire has stood still."""
-    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
-    if abs(value - state["anchor"]) > 0.5 * scalars["tolerance"]:
+    if abs(value - state["anchor"]) > 0.5 * wire.settings["tolerance"]:
         state["anchor"], state["still_s"] = value, 0.0
     else:
         state["still_s"] += dt_s
 
 
 @compiled
-def command(constants: FloatArray, state: Any, value: float, error: float, dt_s: float, limits_w: PowerLimits) -> None:
+def command(wire: KnownWire, state: Row, value: float, error: float, dt_s: float, limits_w: PowerLimits) -> None:
     """Set the drive voltage, then advance integral, pulse and heat balance with the power within the limits."""
     lowest_w, highest_w, steady_limit_w = limits_w
-    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
-    tau_s = scalars["thermal_time_constant_s"]
-    gain = heat_per_value(constants, HEATING_SLOPE if error > 0.0 else COOLING_SLOPE, value) / scalars["response_s"]
+    tau_s = wire.settings["thermal_time_constant_s"]
+    gain = heat_per_value(wire, HEATING_SLOPE if error > 0.0 else COOLING_SLOPE, value) / wire.settings["response_s"]
     # With this power the heat balance is at the limit after this sample, not above it.
     warmest_w = steady_limit_w + max(0.0, steady_limit_w - state["balance_w"]) * tau_s / dt_s
     limit_w = max(min(highest_w, warmest_w), lowest_w)
     without_pulse_w = state["steady_w"] + gain * error
-    wanted_w = without_pulse_w + state["pulse_j"] / scalars["pulse_time_s"]
+    wanted_w = without_pulse_w + state["pulse_j"] / wire.settings["pulse_time_s"]
     given_w = min(max(wanted_w, lowest_w), limit_w)
     by_pulse_w = given_w - min(max(without_pulse_w, lowest_w), limit_w)
     state["pulse_j"] -= dt_s * (by_pulse_w + state["pulse_j"] / tau_s)
-    integral_w = gain * error * dt_s / scalars["integral_time_s"]
+    integral_w = gain * error * dt_s / wire.settings["integral_time_s"]
     if not ((wanted_w > limit_w and integral_w > 0.0) or (wanted_w < lowest_w and integral_w < 0.0)):
         state["steady_w"] = min(max(state["steady_w"] + integral_w, lowest_w), steady_limit_w)
     state["balance_w"] += min(dt_s / tau_s, 1.0) * (given_w - state["balance_w"])
-    set_drive(constants, state, value, given_w, lowest_w, highest_w)
+    set_drive(wire, state, value, given_w, lowest_w, highest_w)
 
 
 @compiled
-def set_drive(
-    constants: FloatArray, state: Any, value: float, given_w: float, lowest_w: float, highest_w: float
-) -> None:
+def set_drive(wire: KnownWire, state: Row, value: float, given_w: float, lowest_w: float, highest_w: float) -> None:
     """Set the drive voltage of a power; at a limit of the power exactly that of the drive."""
-    scalars = constants[:N_NUMBERS].view(NUMBERS)[0]
     if given_w == lowest_w:
-        state["drive_voltage_v"] = scalars["sense_voltage_v"]
+        state["drive_voltage_v"] = wire.settings["sense_voltage_v"]
     elif given_w == highest_w:
-        state["drive_voltage_v"] = scalars["maximum_voltage_v"]
+        state["drive_voltage_v"] = wire.settings["maximum_voltage_v"]
     elif given_w != state["power_w"]:
-        resistance = table_value(constants, RESISTANCE, value)
-        drive_v = math.sqrt(given_w / resistance) * (resistance + scalars["shunt_resistance_ohm"])
-        state["drive_voltage_v"] = min(max(drive_v, scalars["sense_voltage_v"]), scalars["maximum_voltage_v"])
+        resistance = table_value(wire, RESISTANCE, value)
+        drive_v = math.sqrt(given_w / resistance) * (resistance + wire.settings["shunt_resistance_ohm"])
+        state["drive_voltage_v"] = min(
+            max(drive_v, wire.settings["sense_voltage_v"]), wire.settings["maximum_voltage_v"]
+        )
     state["power_w"] = given_w

@@ -25,8 +25,6 @@ from musclewire.controllers._rules import (
 )
 from musclewire.errors import CallerError, NumericsError
 
-__all__ = ["FuzzyRatios", "RatioSurface", "infer_ratios", "infer_surface", "input_grades", "packed_rules"]
-
 ALPHA_WEAKEST, ALPHA_STRONGEST = 5.0, 2.0  # the range of Zhao's alpha; a smaller alpha integrates more
 
 
@@ -154,10 +152,10 @@ def input_grades(rule_base: RuleBase, ratio: float) -> dict[str, float]:
 
 
 def packed_rules(rule_base: RuleBase) -> NDArray[np.void]:
-    """Return a rule base as the structured array of length 1 that the compiled kernels read (``kernels.RULES``)."""
+    """Return a rule base as the structured array of length 1 that the compiled kernels read (``kernels.FUZZY_PID``)."""
     from musclewire.controllers import _kernels as kernels
 
-    packed = np.zeros(1, kernels.RULES)
+    packed = np.zeros(1, kernels.FUZZY_PID)
     row, rules = packed[0], rule_base.rules
     row["inference"] = {
         "constant": kernels.CONSTANT,

@@ -10,8 +10,6 @@ from musclewire.controllers._feedforward import FeedforwardSettings
 from musclewire.controllers._fuzzy_pid import FuzzyPidSettings
 from musclewire.errors import CallerError, nearest_hint
 
-__all__ = ["Gains", "load_gains", "save_gains"]
-
 FORMAT = "musclewire-gains"
 KINDS: dict[str, type[Any]] = {"feedforward": FeedforwardSettings, "fuzzy-pid": FuzzyPidSettings}
 

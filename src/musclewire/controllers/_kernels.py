@@ -1,22 +1,23 @@
-"""The arithmetic of one controller tick, compiled: memberships, inference, Eq. 6 and the velocity-form PID.
+"""The arithmetic of the fuzzy-tuned PID, compiled: memberships, inference, Eq. 6 and one tick of the velocity form.
 
 Everything is in this one file, in strict IEEE arithmetic and without allocation of unknown size, so that
-a C translation can equal it to the bit. Rule base and settings are passed as a structured array of
-length 1 each, whose fields ``RULES`` and ``SETTINGS`` name: every array passed from Python costs about 60 ns of the
-tick, so there are two and not nine. (A field is read as ``row["name"]``, which Numba and plain NumPy both understand.)
-``fuzzy.packed_rules`` and ``fuzzy_pid.packed_settings`` fill them.
+a C translation can equal it to the bit. Rule base, settings and limits are passed as one structured array of length 1,
+whose fields ``FUZZY_PID`` names: every array passed from Python costs about 100 ns of the tick. (A field is read as
+``row["name"]``, which Numba and plain NumPy both understand.) ``_fuzzy.packed_rules`` fills in the rule base and
+``_fuzzy_pid`` the rest.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
+from musclewire.signals import Reason
 
 # A structured array of length 1, or its only row; mypy knows no fields of either.
 Rows = NDArray[np.void]
@@ -27,7 +28,7 @@ UNIVERSE_POINTS = 101
 CONSTANT, PRODUCT_WEIGHTED_SUM, MIN_MAX_CENTROID = 0, 1, 2
 TRIANGLE, FALLING, RISING = 0, 1, 2
 
-RULES = np.dtype(
+FUZZY_PID = np.dtype(
     [
         ("inference", np.int64),  # CONSTANT, PRODUCT_WEIGHTED_SUM or MIN_MAX_CENTROID
         ("mirrored", np.float64),  # +1 or -1: the half of the tables that is read; 0: all of them
@@ -37,17 +38,52 @@ RULES = np.dtype(
         ("ki_table", np.float64, (7, 7)),
         ("kd_table", np.float64, (7, 7)),
         ("output_sets", np.float64, (7, UNIVERSE_POINTS)),  # sampled
-    ]
-)
-SETTINGS = np.dtype(
-    [
-        (name, np.float64)
-        for name in (
-            "kp_minimum", "kp_maximum", "ki_minimum", "ki_maximum", "kd_minimum", "kd_maximum", "input_scale",
-            "error_unit", "error_range", "change_range", "derivative_filter_s", "sense_voltage_v", "maximum_voltage_v",
-        )
+        *(
+            (name, np.float64)
+            for name in (
+                "kp_minimum", "kp_maximum", "ki_minimum", "ki_maximum", "kd_minimum", "kd_maximum", "input_scale",
+                "error_unit", "error_range", "change_range", "derivative_filter_s", "sense_voltage_v",
+                "maximum_voltage_v",
+            )
+        ),
     ]
 )  # fmt: skip
+NO_CURRENT = float(Reason.NO_CURRENT)
+
+
+class PidState(NamedTuple):
+    """What a PID remembers; errors and measurements in the unit of the controlled quantity, all numbers floats.
+
+    In compiled code it is a plain tuple in this order.
+
+    Parameters
+    ----------
+    started
+        1 once there has been an estimate; until then only the drive counts.
+    drive_voltage_v
+        The last drive [V], as it was clamped.
+    error
+        The last error.
+    measured
+        The last measured value.
+    measured_rate
+        Its filtered rate, per second.
+    error_rate
+        The filtered rate of the error, per second.
+    rates_known
+        0 after a sample without current: the last measurement is then too old to make a rate with.
+    """
+
+    started: float
+    drive_voltage_v: float
+    error: float
+    measured: float
+    measured_rate: float
+    error_rate: float
+    rates_known: float
+
+
+Numbers = tuple[float, float, float, float, float, float, float]
 
 
 @compiled
@@ -210,33 +246,38 @@ def gain_from_ratio(ratio: float, minimum: float, maximum: float) -> float:
 
 
 @compiled
-def tick(
-    state: tuple[float, float, float, float, float, bool],
-    target: float,
-    measured: float,
-    dt_s: float,
-    settings: Rows,
-    rules: Rows,
-) -> tuple[float, float, float, float, float, bool, float, float, float]:
-    """Advance the controller by one tick; return the six numbers of its next state, and the three gains used.
+def fuzzy_pid_step(
+    state: Numbers, target: float, measured: float, reason: float, dt_s: float, constants: Rows
+) -> tuple[Numbers, float, tuple[float, float, float]]:
+    """Advance by one tick; return the next state, whether it failed (0 or 1), and the three gains used.
 
-    ``state`` is a plain tuple in the order of ``fuzzy_pid.ControllerState``. Errors and measurements are in the
-    caller's unit; the paper's percent strain enters by the error unit. See ``fuzzy_pid`` for the law and its reasons.
+    ``state`` is a plain tuple in the order of ``PidState``, ``reason`` that of the estimate. Without current the drive
+    stays, the rates are forgotten and no gains are used. The paper's percent strain enters by the error unit. See
+    ``_fuzzy_pid`` for the law and its reasons.
     """
-    drive_voltage_v, error_before, measured_before, measured_rate_before, error_rate_before, rates_known = state
-    setting = settings[0]
+    started, drive_voltage_v, error_before, measured_before, measured_rate_before, error_rate_before, rates_known = (
+        state
+    )
+    if reason == NO_CURRENT:
+        return (started, drive_voltage_v, error_before, measured_before, 0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0)
+    if not (math.isfinite(target + measured) and 0.0 < dt_s < math.inf):
+        return state, 1.0, (0.0, 0.0, 0.0)
+    setting = constants[0]
     error = target - measured
+    if started == 0.0:
+        error_before, measured_before, rates_known = error, measured, 1.0
     measured_rate = 0.0
     error_rate = 0.0
-    if rates_known:
+    if rates_known != 0.0:
         # Backward Euler of a first-order lag: stable whatever the tick length, and no lag at all for a zero
         # constant.
         weight = dt_s / (setting["derivative_filter_s"] + dt_s)
         measured_rate = measured_rate_before + weight * ((measured - measured_before) / dt_s - measured_rate_before)
         error_rate = error_rate_before + weight * ((error - error_before) / dt_s - error_rate_before)
+    failed = 0.0 if math.isfinite(measured_rate + error_rate) else 1.0
     unit = setting["error_unit"]
     kp_ratio, ki_ratio, kd_ratio = infer(
-        rules, error / unit / setting["error_range"], error_rate / unit / setting["change_range"]
+        constants, error / unit / setting["error_range"], error_rate / unit / setting["change_range"]
     )
     kp = gain_from_ratio(kp_ratio, setting["kp_minimum"], setting["kp_maximum"])
     ki = gain_from_ratio(ki_ratio, setting["ki_minimum"], setting["ki_maximum"])
@@ -249,4 +290,14 @@ def tick(
     # In this order a drive that lost its meaning falls to the sense voltage, never to the maximum.
     drive = drive if drive > setting["sense_voltage_v"] else setting["sense_voltage_v"]
     drive = drive if drive < setting["maximum_voltage_v"] else setting["maximum_voltage_v"]
-    return drive, error, measured, measured_rate, error_rate, True, kp, ki, kd
+    return (1.0, drive, error, measured, measured_rate, error_rate, 1.0), failed, (kp, ki, kd)
+
+
+@compiled
+def fuzzy_tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
+    """Run ``fuzzy_pid_step`` on the arrays of a ``signals.CompiledTick``."""
+    before = (state[0], state[1], state[2], state[3], state[4], state[5], state[6])
+    after, failed, gains = fuzzy_pid_step(before, given[0], given[1], given[4], given[5], constants.view(FUZZY_PID))
+    for place in range(len(before)):
+        state[place] = after[place]
+    answer[0], answer[1], answer[2], answer[3], answer[4] = after[1], failed, gains[0], gains[1], gains[2]

@@ -14,8 +14,6 @@ from musclewire.errors import CallerError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["plot_rule_surfaces"]
-
 GRID_POINTS = 181
 TITLES = ("$K_p'$ (proportional)", "$K_I'$ (integral)", "$K_D'$ (derivative)")
 

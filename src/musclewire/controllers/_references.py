@@ -18,20 +18,9 @@ from numpy.typing import ArrayLike
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
-__all__ = [
-    "Direction",
-    "Reference",
-    "SampledReference",
-    "Staircase",
-    "Step",
-    "sampled_reference",
-    "staircase",
-]
-
 Direction: TypeAlias = Literal["rise", "return"]
 # A clock that adds up ticks may be a rounding error before the time of a step; that counts as the time of the step.
 CLOCK_TOLERANCE_S = 1e-9
-NO_TIME = "asked for the target at time {} s; give a finite time"
 
 
 class Reference(Protocol):
@@ -68,6 +57,59 @@ class Reference(Protocol):
         """
 
 
+class HeldTargets:
+    """Targets, each held from its time on until the next (zero-order hold); before the first time the first holds."""
+
+    # Each reference sets them: rising times [s], and the targets that hold from them on.
+    _starts_s: list[float]
+    _held: list[float]
+
+    def target_at(self, time_s: float) -> float:
+        """Return the target at a time.
+
+        Parameters
+        ----------
+        time_s
+            Time since the reference began [s].
+
+        Returns
+        -------
+        The target.
+
+        Raises
+        ------
+        CallerError
+            For a time that is not finite.
+        """
+        if not math.isfinite(time_s):
+            raise CallerError(f"asked for the target at time {time_s} s; give a finite time")
+        index = bisect_right(self._starts_s, time_s + CLOCK_TOLERANCE_S) - 1
+        return self._held[index if index > 0 else 0]
+
+    def targets_at(self, time_s: ArrayLike) -> FloatArray:
+        """Return the targets at many times.
+
+        Parameters
+        ----------
+        time_s
+            Times since the reference began [s], of any shape.
+
+        Returns
+        -------
+        The targets, of the shape of the times.
+
+        Raises
+        ------
+        CallerError
+            For a time that is not finite.
+        """
+        times = np.asarray(time_s, dtype=np.float64)
+        if not np.isfinite(times).all():
+            raise CallerError(f"asked for the target at {times[~np.isfinite(times)][0]} s; give finite times")
+        places = np.searchsorted(self._starts_s, times + CLOCK_TOLERANCE_S, side="right") - 1
+        return np.asarray(self._held, dtype=np.float64)[np.maximum(places, 0)]
+
+
 @dataclass(frozen=True, slots=True)
 class Step:
     """One level of a staircase.
@@ -94,7 +136,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Staircase:
+class Staircase(HeldTargets):
     """Levels held for the same time each, from time zero on.
 
     Before time zero the target is the first level, after the end the last.
@@ -122,7 +164,8 @@ class Staircase:
             raise CallerError(f"a staircase needs a list of finite levels, not {self.levels}")
         if not (math.isfinite(self.hold_s) and self.hold_s > 0.0):
             raise CallerError(f"hold_s is {self.hold_s} and must be above zero")
-        object.__setattr__(self, "levels", tuple(levels.tolist()))
+        starts_s = [index * self.hold_s for index in range(levels.size)]
+        vars(self).update(levels=tuple(levels.tolist()), _held=levels.tolist(), _starts_s=starts_s)
 
     @property
     def duration_s(self) -> float:
@@ -140,54 +183,9 @@ class Staircase:
             steps.append(Step(index, level, direction, index * self.hold_s, (index + 1) * self.hold_s))
         return tuple(steps)
 
-    @cached_property
-    def _starts_s(self) -> list[float]:
-        return [step.start_s for step in self.steps]
-
-    def target_at(self, time_s: float) -> float:
-        """Return the level at a time.
-
-        Parameters
-        ----------
-        time_s
-            Time since the staircase began [s].
-
-        Returns
-        -------
-        The level.
-
-        Raises
-        ------
-        CallerError
-            For a time that is not finite.
-        """
-        if not math.isfinite(time_s):
-            raise CallerError(NO_TIME.format(time_s))
-        index = bisect_right(self._starts_s, time_s + CLOCK_TOLERANCE_S) - 1
-        return self.levels[index if index > 0 else 0]
-
-    def targets_at(self, time_s: ArrayLike) -> FloatArray:
-        """Return the levels at many times.
-
-        Parameters
-        ----------
-        time_s
-            Times since the staircase began [s], of any shape.
-
-        Returns
-        -------
-        The levels, of the shape of the times.
-
-        Raises
-        ------
-        CallerError
-            For a time that is not finite.
-        """
-        return _zero_order_hold(np.asarray(self._starts_s), np.asarray(self.levels), time_s)
-
 
 @dataclass(frozen=True, eq=False)
-class SampledReference:
+class SampledReference(HeldTargets):
     """A target given at certain times and held until the next (zero-order hold).
 
     Before the first time the target is the first value, after the last time the last.
@@ -203,51 +201,14 @@ class SampledReference:
     time_s: FloatArray
     target: FloatArray
 
+    def __post_init__(self) -> None:
+        """Keep the columns as plain numbers, too."""
+        vars(self).update(_starts_s=self.time_s.tolist(), _held=self.target.tolist())
+
     @property
     def duration_s(self) -> float:
         """The last given time [s]."""
         return float(self.time_s[-1])
-
-    def target_at(self, time_s: float) -> float:
-        """Return the target at a time.
-
-        Parameters
-        ----------
-        time_s
-            Time since the reference began [s].
-
-        Returns
-        -------
-        The target.
-
-        Raises
-        ------
-        CallerError
-            For a time that is not finite.
-        """
-        if not math.isfinite(time_s):
-            raise CallerError(NO_TIME.format(time_s))
-        index = bisect_right(self.time_s, time_s + CLOCK_TOLERANCE_S) - 1
-        return float(self.target[max(index, 0)])
-
-    def targets_at(self, time_s: ArrayLike) -> FloatArray:
-        """Return the targets at many times.
-
-        Parameters
-        ----------
-        time_s
-            Times since the reference began [s], of any shape.
-
-        Returns
-        -------
-        The targets, of the shape of the times.
-
-        Raises
-        ------
-        CallerError
-            For a time that is not finite.
-        """
-        return _zero_order_hold(self.time_s, self.target, time_s)
 
 
 def staircase(
@@ -345,13 +306,3 @@ def sampled_reference(time_s: ArrayLike, target: ArrayLike) -> SampledReference:
         row = int(np.argmax(np.diff(times) <= 0.0)) + 1
         raise CallerError(f"the times of the reference must increase; row {row} has {times[row]} s; sort the rows")
     return SampledReference(times, targets)
-
-
-def _zero_order_hold(starts_s: FloatArray, levels: FloatArray, time_s: ArrayLike) -> FloatArray:
-    """Return the level that holds at each time."""
-    times = np.asarray(time_s, dtype=np.float64)
-    if not np.isfinite(times).all():
-        raise CallerError(f"asked for the target at {times[~np.isfinite(times)][0]} s; give finite times")
-    indices = np.searchsorted(starts_s, times + CLOCK_TOLERANCE_S, side="right") - 1
-    held: FloatArray = levels[np.maximum(indices, 0)]
-    return held

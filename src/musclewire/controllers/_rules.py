@@ -28,19 +28,6 @@ from pydantic import BeforeValidator, Field, model_validator
 from musclewire.controllers._schema import StrictModel
 from musclewire.errors import CallerError, nearest_hint
 
-__all__ = [
-    "DEFAULT_RULE_BASE",
-    "SET_NAMES",
-    "ConstantRules",
-    "MamdaniRules",
-    "MembershipSet",
-    "RuleBase",
-    "ZhaoRules",
-    "load_rule_base",
-    "parse_rule_base",
-    "rule_base_names",
-]
-
 DEFAULT_RULE_BASE = "zhao-1993"
 SetName: TypeAlias = Literal["NB", "NM", "NS", "ZO", "PS", "PM", "PB"]
 SET_NAMES: tuple[SetName, ...] = get_args(SetName)

@@ -8,8 +8,6 @@ from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
 from musclewire.errors import CallerError, nearest_hint
 
-__all__ = ["StrictModel", "caller_error"]
-
 
 class StrictModel(BaseModel):
     """A frozen record without unknown keys; errors are reported as ``CallerError``."""

@@ -3,19 +3,12 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from musclewire.arrays import FloatArray
-from musclewire.controllers._references import CLOCK_TOLERANCE_S, NO_TIME
+from musclewire.controllers._references import HeldTargets
 from musclewire.errors import CallerError
 
-__all__ = ["SteeredReference"]
 
-
-class SteeredReference:
+class SteeredReference(HeldTargets):
     """A target that another thread may move at any time; the loop follows from its next sample on.
 
     It keeps each target with the time from which the loop followed it: a run is judged by the targets of its own time.
@@ -53,7 +46,7 @@ class SteeredReference:
             raise CallerError(f"longest_s is {longest_s} and must be above zero")
         self.lowest, self.highest, self._longest_s = lowest, highest, longest_s
         self._wanted = self._checked(start)
-        self._times_s, self._targets = [0.0], [self._wanted]
+        self._starts_s, self._held = [0.0], [self._wanted]
         # How far the loop has come; a target that is asked for again is the one that held then.
         self._front_s = 0.0
 
@@ -99,30 +92,12 @@ class SteeredReference:
         CallerError
             For a time that is not finite.
         """
-        if not math.isfinite(time_s):
-            raise CallerError(NO_TIME.format(time_s))
-        if time_s > self._front_s:
+        if time_s > self._front_s and math.isfinite(time_s):
             self._front_s, wanted = time_s, self._wanted
-            if wanted != self._targets[-1]:
-                self._targets.append(wanted)
-                self._times_s.append(time_s)
-        return self._targets[max(bisect_right(self._times_s, time_s + CLOCK_TOLERANCE_S) - 1, 0)]
-
-    def targets_at(self, time_s: ArrayLike) -> FloatArray:
-        """Return the targets that held at many times; after the last that the loop has reached, the last one.
-
-        Parameters
-        ----------
-        time_s
-            Times since the reference began [s], of any shape.
-
-        Returns
-        -------
-        The targets, of the shape of the times.
-        """
-        times = np.asarray(time_s, dtype=np.float64)
-        places = np.searchsorted(self._times_s, times + CLOCK_TOLERANCE_S, side="right") - 1
-        return np.asarray(self._targets, dtype=np.float64)[np.maximum(places, 0)]
+            if wanted != self._held[-1]:
+                self._held.append(wanted)
+                self._starts_s.append(time_s)
+        return super().target_at(time_s)
 
     def _checked(self, target: float) -> float:
         """Return a target. Raises CallerError outside the range."""

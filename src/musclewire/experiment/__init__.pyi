@@ -12,6 +12,7 @@ from ._doctor.examine import Examination as Examination
 from ._doctor.examine import examination_s as examination_s
 from ._doctor.examine import examine as examine
 from ._doctor.findings import RigCheck as RigCheck
+from ._doctor.findings import SkippedCheck as SkippedCheck
 from ._doctor.probing import OnProbe as OnProbe
 from ._doctor.rig_file import require_calibrated_kind as require_calibrated_kind
 from ._doctor.rig_file import write_calibration as write_calibration
@@ -40,7 +41,7 @@ from ._home import home_duration_s as home_duration_s
 from ._home import plan_for as plan_for
 from ._home_sweep import HomeSweep as HomeSweep
 from ._loop_outcomes import LoopOutcome as LoopOutcome
-from ._loop_outcomes import ManyControlRuns as ManyControlRuns
+from ._loop_outcomes import StepSpread as StepSpread
 from ._many_loops import control_compiled as control_compiled
 from ._many_loops import control_many as control_many
 from ._metrics import APPROACHED as APPROACHED
@@ -58,8 +59,11 @@ from ._open_loop import WaveformPolicy as WaveformPolicy
 from ._open_loop import characterize as characterize
 from ._open_loop import slow_sine as slow_sine
 from ._open_loop import slow_sine_run as slow_sine_run
+from ._pretension import PretensionRow as PretensionRow
 from ._pretension import PretensionSweep as PretensionSweep
 from ._pretension import pretension_sweep as pretension_sweep
+from ._processes import cores as cores
+from ._processes import evaluate_in_processes as evaluate_in_processes
 from ._run import Decision as Decision
 from ._run import OnSample as OnSample
 from ._run import Recorder as Recorder
@@ -82,8 +86,5 @@ from ._timing_facts import timing_json as timing_json
 from ._training import TrainingCycle as TrainingCycle
 from ._training import train as train
 from ._training_figure import training_figure as training_figure
-from ._worker_process import cores as cores
-from ._worker_process import end_worker as end_worker
-from ._worker_process import start_worker as start_worker
 from ._zero_tendon import TendonZero as TendonZero
 from ._zero_tendon import zero_tendon as zero_tendon

@@ -39,8 +39,6 @@ from musclewire.sensing import (
 )
 from musclewire.signals import Command, Drive, EstimatorStep, MetadataValue, RawSample, WireSample, wire_sample
 
-__all__ = ["SelfSensingPolicy", "approach_of", "control", "controller_for", "default_estimator"]
-
 # A wire at rest is cold, where resistance does not determine strain; it gets this long to come to the first target
 # before the first step begins. Eq. 7 is given from the first target on, and after this approach.
 APPROACH_S = 12.0

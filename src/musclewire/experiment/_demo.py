@@ -18,8 +18,6 @@ from musclewire.rigs import Rig, open_rig
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
 from musclewire.signals import Recording
 
-__all__ = ["DemoResult", "run_demo"]
-
 # Fig. 3: the major loop first, then two inside it.
 AMPLITUDES_V = (3.2, 2.9, 2.75)
 CYCLES = 2

@@ -15,11 +15,9 @@ from musclewire.errors import CallerError, RigError
 from musclewire.experiment._known_drive import KnownDrive, KnownDrivePolicy
 from musclewire.experiment._run import Decision, OnSample, Policy, run_on_rig
 from musclewire.physics import wire_resistance
-from musclewire.rigs import HasTrueState, Rig, true_state_of
+from musclewire.rigs import HasTrueState, Rig, ability
 from musclewire.sensing import dropout_failure
 from musclewire.signals import Command, Drive, MetadataValue, RawSample, Recording
-
-__all__ = ["ALWAYS", "HeldCurrent", "HeldVoltage", "PulseTrain", "WithTruth", "drive_wire", "pulses_of"]
 
 # Samples without current after which a wire counts as broken.
 MAX_DROPOUTS = 5
@@ -210,7 +208,7 @@ def policy_for(rig: Rig, on_s: float, limit_v: float, current_a: float | None, p
         policy = HeldCurrent(
             current_a, rig.sense_voltage_v, limit_v, rig.shunt_resistance_ohm, rig.sample_period_s, on_s, pulses
         )
-    truth = true_state_of(rig)
+    truth = ability(rig, HasTrueState)
     return policy if truth is None else WithTruth(policy, truth, {"wire_temperature_k": "temperature_k"})
 
 

@@ -11,8 +11,6 @@ from pathlib import Path
 from musclewire.errors import MusclewireError
 from musclewire.signals import Recording
 
-__all__ = ["cause_of", "first_line", "rescued", "software_version"]
-
 
 @cache
 def software_version() -> str:

@@ -9,8 +9,6 @@ from musclewire.parameters import ReachedConditions, ValidityLimits, beyond_vali
 from musclewire.sensing import noise_level
 from musclewire.signals import Recording, RunFacts
 
-__all__ = ["extrapolation_metadata", "extrapolation_warnings", "reached_in"]
-
 # Readings of a load cell are taken for as many standard deviations of its noise less extreme than they are.
 NOISES = 4.0
 

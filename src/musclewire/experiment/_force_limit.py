@@ -7,8 +7,6 @@ import numpy as np
 from musclewire.sensing import noise_level
 from musclewire.signals import Recording
 
-__all__ = ["force_warnings"]
-
 # A reading counts as above the limit if it exceeds it by this many standard deviations of the load cell's noise.
 NOISES = 4.0
 

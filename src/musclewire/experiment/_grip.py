@@ -21,8 +21,6 @@ from musclewire.rigs import Rig
 from musclewire.sensing import AirDisturbance, ContactDetector, dropout_failure, evaluate, fall_by_cooling
 from musclewire.signals import Command, Drive, MetadataValue, RawSample, Recording
 
-__all__ = ["GripPolicy", "GripRun", "grip"]
-
 TARGET_N = 0.3
 HOLD_S = 5.0
 # A wire that cools a little keeps its contraction, by its hysteresis. So the hold needs no controller, only a drive

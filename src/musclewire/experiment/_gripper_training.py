@@ -19,20 +19,6 @@ from musclewire.sensing import FreeClosing, GripCurve
 from musclewire.signals import MetadataValue, Recording, RunFacts, write_text_whole
 from musclewire.wire import ElasticObject
 
-__all__ = [
-    "CLOSING_S",
-    "Gripper",
-    "GripperKnowledge",
-    "close_fingers",
-    "closing_waveform",
-    "fingers_of",
-    "gripper_of",
-    "train_gripper",
-    "load_knowledge",
-    "object_of",
-    "with_object",
-]
-
 # How long a closing lasts. Fast enough that a draught of some seconds hardly changes meanwhile, slow enough that a
 # sample of 50 ms is a small part of it (docs/explanation/force_self_sensing.md compares).
 CLOSING_S = 2.5

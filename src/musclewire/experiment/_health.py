@@ -11,8 +11,6 @@ from musclewire.identify import COLUMN_SUFFIX
 from musclewire.sensing import CAUSE_TEXT, Cause
 from musclewire.signals import Recording
 
-__all__ = ["TimedFinding", "findings", "health_metadata", "health_warnings", "result_holds"]
-
 NAMES = {
     Cause.SATURATION: "saturation",
     Cause.CHANGED_LOAD: "changed load",

@@ -12,8 +12,6 @@ from musclewire.rigs import Rig
 from musclewire.sensing import SensingModel
 from musclewire.signals import MetadataValue
 
-__all__ = ["home", "home_duration_s"]
-
 # Springs that differ by less are one spring.
 SAME_SPRING = 0.02
 

@@ -19,8 +19,6 @@ from musclewire.rigs import Rig, protection_limits_of
 from musclewire.sensing import dropout_failure
 from musclewire.signals import Command, Drive, RawSample
 
-__all__ = ["HomeSweep", "SweepPlan"]
-
 # About 20 s for a thin wire, whose time constant is 0.8 s: 5 s cold, at most 15 s up, 6 s down. A thicker one gets the
 # same number of its time constants.
 REST_LAGS, UP_LAGS, DOWN_LAGS = 6.0, 12.0, 8.0

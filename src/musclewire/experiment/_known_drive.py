@@ -1,7 +1,7 @@
 """Runs whose whole drive is known beforehand: on a simulated rig they are taken in compiled code.
 
-The recording is that of the loop in Python, to the bit, and the rig goes on from the same state. Where that is not
-possible, the loop in Python runs, and the recording states why in ``not_compiled``.
+The recording is that of the loop in Python, and the rig goes on from the same state. Where that is not possible, the
+loop in Python runs, and the recording states why in ``not_compiled``.
 """
 
 from __future__ import annotations
@@ -13,9 +13,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.rigs import GuardedRig, Rig, true_state_of
-
-__all__ = ["KnownDrive", "KnownDrivePolicy", "TakenRun", "elapsed_times_s", "run_compiled_drive"]
+from musclewire.rigs import GuardedRig, HasTrueState, Rig, ability
 
 
 class KnownDrive(NamedTuple):
@@ -73,7 +71,7 @@ def run_compiled_drive(rig: Rig, policy: object, samples: int) -> TakenRun | str
     The reason is empty if the drive is not known, or if no simulation runs: then nobody expects it. The rig is left as
     the samples leave it, without them as it was.
     """
-    if not (isinstance(policy, KnownDrivePolicy) and isinstance(rig, GuardedRig)) or true_state_of(rig) is None:
+    if not (isinstance(policy, KnownDrivePolicy) and isinstance(rig, GuardedRig)) or ability(rig, HasTrueState) is None:
         return ""
     # Only now: a real rig does without the simulator.
     from musclewire.rigs import CompiledLoopEnd, run_known_drive, times_on_rig_s, uncompiled
@@ -86,7 +84,7 @@ def run_compiled_drive(rig: Rig, policy: object, samples: int) -> TakenRun | str
     known = policy.known_drive(elapsed_s)
     if known is None:
         return ""
-    run = run_known_drive(rig, times_s, known.drives_v, known.true_names)
+    run = run_known_drive(rig, known.drives_v, known.true_names)
     if run.ended is not CompiledLoopEnd.DONE:
         return f"{run.ended.name.lower().replace('_', ' ')} at sample {run.samples + 1}"
     return TakenRun(np.array(elapsed_s), run.columns, np.hstack([known.values, run.true]))

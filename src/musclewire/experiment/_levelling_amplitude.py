@@ -11,8 +11,6 @@ from musclewire.experiment._run import OnSample, run_on_rig
 from musclewire.parameters import ValidityLimits
 from musclewire.rigs import Rig, protection_limits_of
 
-__all__ = ["LevellingAmplitude", "levelling_amplitude"]
-
 # A transformation takes a tenth of a wire's resistance and more; a smaller fall is not judged.
 MIN_FALL_FRACTION = 0.06
 # Below the highest temperature at which the alloy was measured by so much [K], in both estimated from the power.

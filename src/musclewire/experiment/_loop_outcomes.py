@@ -13,8 +13,6 @@ from musclewire.experiment._metrics import APPROACHED, FROM_FIRST_TARGET, Contro
 from musclewire.sensing import SHOWN_AS
 from musclewire.signals import Recording
 
-__all__ = ["LoopOutcome", "ManyControlRuns", "StepSpread"]
-
 # The spread that is shown: nine tenths of the loops lie between.
 LOW_PERCENTILE, HIGH_PERCENTILE = 5.0, 95.0
 
@@ -58,13 +56,13 @@ class StepSpread(NamedTuple):
     direction
         "rise" or "return".
     median_pct
-        Median over the loops.
+        Median over the loops [%].
     low_pct, high_pct
-        5th and 95th percentile.
+        5th and 95th percentile [%].
     maximum_pct
-        Largest error of all loops.
+        Largest error of all loops [%].
     median_approached_pct, low_approached_pct, high_approached_pct, maximum_approached_pct
-        The same of the errors after the approach.
+        The same of the errors after the approach [%].
     """
 
     target: float

@@ -34,7 +34,6 @@ from musclewire.rigs import (
     CompiledRun,
     DeviceConfiguration,
     GuardedRig,
-    LoopTargets,
     LoopTicks,
     open_rig,
     rig_configuration,
@@ -43,17 +42,6 @@ from musclewire.rigs import (
 )
 from musclewire.sensing import DEFAULT_ESTIMATOR, EstimatorFactory, KnownSpring, SensingModel
 from musclewire.signals import MetadataValue, Recording, declared_tick
-
-__all__ = ["ManyLoopsOptions", "control_compiled", "control_many"]
-
-# If a compiled loop ended like this, the loop in Python must end with an error. After a reading that is not sound the
-# protection may also hold the drive and go on.
-ENDS_A_RUN = (
-    CompiledLoopEnd.COMMAND_NOT_SOUND,
-    CompiledLoopEnd.WIRE_NOT_RESOLVED,
-    CompiledLoopEnd.ESTIMATOR_FAILED,
-    CompiledLoopEnd.CONTROLLER_FAILED,
-)
 
 
 class ManyLoopsOptions(TypedDict, total=False):
@@ -87,7 +75,7 @@ class CompiledLoop(NamedTuple):
     choice: LoopChoice
     prepared: PreparedLoop
     ticks: LoopTicks
-    targets: LoopTargets
+    targets: FloatArray
     elapsed_s: FloatArray
     first_drive_v: float
 
@@ -107,9 +95,9 @@ def control_many(
     """Run many closed loops of simulated rigs as one call: for each seed what ``control`` runs on a rig of that seed.
 
     Wire, instruments, protection, estimator and controller are stepped in compiled code, one loop on each core at a
-    time. All recorded numbers are those of ``control`` to the bit, whatever the number of threads and loops. A loop in
-    which the protection finds a reading that is not sound, or in which the estimator or the controller ends the run, is
-    run again by ``control``; its error, if it has one, is its outcome.
+    time. All recorded numbers are those of ``control``, whatever the number of threads and loops. A loop in which the
+    protection finds a reading that is not sound, or in which the estimator or the controller ends the run, is run again
+    by ``control``; its error, if it has one, is its outcome.
 
     Parameters
     ----------
@@ -142,8 +130,6 @@ def control_many(
     CallerError
         If estimator, controller or rig has no compiled form and ``in_python`` is not set; and as ``control`` and
         ``open_rig`` do.
-    NumericsError
-        If a compiled tick ends a run that its ``step`` in Python does not end.
 
     References
     ----------
@@ -186,8 +172,8 @@ def control_compiled(
 ) -> ControlRun:
     """Run the loop of ``control`` from the present state of a simulated rig in compiled code, and close the rig.
 
-    For studies that open a rig, do something with it, and end with a closed loop. The recording is that of ``control``,
-    to the bit. Where something unusual happens, ``control`` runs the loop.
+    For studies that open a rig, do something with it, and end with a closed loop. The recording is that of ``control``.
+    Where something unusual happens, ``control`` runs the loop.
 
     Parameters
     ----------
@@ -219,7 +205,7 @@ def control_compiled(
     RigError
         As ``control`` does.
     NumericsError
-        As ``control`` does, and if a compiled tick ends a run that its ``step`` in Python does not end.
+        As ``control`` does.
     """
     choice = LoopChoice(estimator, controller, settings, load, approach_of(controller, approach_s))
     with rig:
@@ -227,10 +213,7 @@ def control_compiled(
         run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
         if run.ended is CompiledLoopEnd.DONE:
             return control_run(rig, loop, run)
-        in_python = control(rig, model, loop.prepared.reference, **choice.options)
-        if run.ended in ENDS_A_RUN:
-            raise NumericsError(unlike(run.ended))
-        return in_python
+        return control(rig, model, loop.prepared.reference, **choice.options)
 
 
 def cases_of(rigs: Any, models: SensingModel | Sequence[SensingModel], seeds: tuple[int, ...]) -> list[LoopCase]:
@@ -297,7 +280,7 @@ def compiled_loop_on(
     held = np.maximum(elapsed_s - rig.sample_period_s - choice.approach_s, 0.0)
     following = np.maximum(elapsed_s - choice.approach_s, 0.0)
     values = np.array([prepared.reference.targets_at(held), prepared.reference.targets_at(following)])
-    return CompiledLoop(model, choice, prepared, ticks, LoopTargets(times_s, values), elapsed_s, first_drive_v)
+    return CompiledLoop(model, choice, prepared, ticks, values, elapsed_s, first_drive_v)
 
 
 def ticks_of(prepared: PreparedLoop, choice: LoopChoice, first_drive_v: float) -> LoopTicks:
@@ -329,18 +312,7 @@ def outcome_on(rig: GuardedRig, loop: CompiledLoop, seed: int) -> LoopOutcome:
     if run.ended is CompiledLoopEnd.DONE:
         whole = control_run(rig, loop, run)
         return LoopOutcome(seed, "done", True, whole.metrics, whole, run_warnings(whole))
-    outcome = outcome_in_python(rig, loop.model, loop.prepared.reference, loop.choice, seed)
-    if outcome.ended == "done" and run.ended in ENDS_A_RUN:
-        raise NumericsError(unlike(run.ended, f"of seed {seed} "))
-    return outcome
-
-
-def unlike(ended: CompiledLoopEnd, which: str = "") -> str:
-    """Return the message on a compiled loop that ended where the loop in Python goes on."""
-    return (
-        f"the compiled loop {which}ended by {ended.name.lower()}, the loop in Python did not: a compiled tick differs "
-        "from its step; run the loops in Python (in_python=True, --in-python)"
-    )
+    return outcome_in_python(rig, loop.model, loop.prepared.reference, loop.choice, seed)
 
 
 def control_run(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> ControlRun:
@@ -355,15 +327,9 @@ def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Recor
     suffix = COLUMN_SUFFIX[loop.prepared.model.quantity]
     renamed = {"target": f"target_{suffix}", "estimated": f"estimated_{suffix}"}
     columns = {renamed.get(name, name): column for name, column in run.columns.items()}
-    stated = rig.metadata()
-    held_m = stated["friction_held_m"]
-    assert isinstance(held_m, float)
     metadata: dict[str, MetadataValue] = {
         **what_protects(rig),
-        **stated,
-        # The rig itself has not run.
-        "friction_held_m": max(held_m, run.friction_held_m),
-        "step_error_k": run.step_error_k,
+        **rig.metadata(),
         **loop.prepared.metadata,
         "software_version": software_version(),
         "start_time": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -18,24 +18,14 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from markupsafe import Markup
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers import Reference, Staircase, Step
 from musclewire.errors import RecordingError
 from musclewire.identify import COLUMN_SUFFIX, reference_quantity
-from musclewire.pages import Markup
 from musclewire.sensing import SHOWN_AS
 from musclewire.signals import Recording
-
-__all__ = [
-    "ControlMetrics",
-    "ControlRun",
-    "StepMetrics",
-    "control_metrics",
-    "determined",
-    "elapsed",
-    "mean_absolute_error",
-]
 
 # Eq. 7 counts "sequentially after one second of each step (till the end of each step)".
 SETTLE_S = 1.0

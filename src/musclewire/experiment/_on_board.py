@@ -18,11 +18,9 @@ from musclewire.experiment._speed_limits import speed_metadata
 from musclewire.experiment._staircases import staircase_within
 from musclewire.experiment._target_range import check_targets
 from musclewire.identify import COLUMN_SUFFIX, settings_for
-from musclewire.rigs import HasOnBoardLoop, Rig, on_board_loop_of
+from musclewire.rigs import HasOnBoardLoop, Rig, ability
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
 from musclewire.signals import Command, RawSample, Target
-
-__all__ = ["control_on_board"]
 
 
 class TargetPolicy:
@@ -40,6 +38,7 @@ class TargetPolicy:
         """Begin with the reference's first target, which the approach holds."""
         self._loop, self._model, self._reference = loop, model, reference
         self._sample_period_s, self._approach_s = sample_period_s, approach_s
+        model.estimate(model.resistance_max_ohm)  # compiled here, and not in the first sample
         suffix = COLUMN_SUFFIX[model.quantity]
         self._target_name, self._estimated_name = f"target_{suffix}", f"estimated_{suffix}"
 
@@ -119,7 +118,7 @@ def control_on_board(
         For a rig without a board, a board that was built for another model or controller, or a target outside the
         model's range.
     """
-    loop = on_board_loop_of(rig)
+    loop = ability(rig, HasOnBoardLoop)
     if loop is None:
         raise CallerError("only a board with musclewire's firmware closes the loop itself: this rig has none")
     checksum = loop.checksum_of(model, settings_for(model, settings or FuzzyPidSettings()), estimator)

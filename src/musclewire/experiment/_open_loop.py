@@ -19,8 +19,6 @@ from musclewire.identify import shows_c
 from musclewire.rigs import Rig
 from musclewire.signals import Command, Drive, MetadataValue, RawSample, Recording, describe_recording
 
-__all__ = ["SlowSine", "Waveform", "WaveformPolicy", "characterize", "slow_sine", "slow_sine_run"]
-
 Waveform = Callable[[float], float]
 PAPER_PERIOD_S = 90.0
 

@@ -17,13 +17,11 @@ from musclewire.experiment._run import OnSample, file_in
 from musclewire.experiment._run_warnings import instrument_warnings
 from musclewire.identify import QUANTITIES, LoopGaps, loop_gaps
 from musclewire.parameters import ValidityLimits
-from musclewire.rigs import HasStage, Rig, stage_of
+from musclewire.rigs import HasStage, Rig, ability
 from musclewire.signals import MetadataValue, Recording, RunFacts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-__all__ = ["PretensionRow", "PretensionSweep", "default_pretensions_n", "pretension_sweep"]
 
 # The paper's Fig. 6 spans force ratios from about a quarter to two thirds of the allowed force.
 FORCE_RATIOS = (0.20, 0.65)
@@ -284,7 +282,7 @@ def checked_stage(rig: Rig, quantity: str) -> HasStage:
     """Return the stage of a rig. Raises CallerError for a rig without one, or an unknown quantity."""
     if quantity not in QUANTITIES:
         raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
-    stage = stage_of(rig)
+    stage = ability(rig, HasStage)
     if stage is None:
         raise CallerError(
             "the stage of this rig is moved by hand: set each pretension, run 'musclewire characterize', and "

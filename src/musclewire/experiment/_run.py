@@ -28,36 +28,21 @@ from musclewire.experiment._extrapolation import extrapolation_metadata
 from musclewire.experiment._health import health_metadata
 from musclewire.experiment._known_drive import TakenRun, run_compiled_drive
 from musclewire.experiment._timing_facts import NO_CLOCK, RunPacing, timing_metadata
-from musclewire.rigs import AdjustableClock, Rig, adjustable_clock_of, exchange_times_of, protection_limits_of
+from musclewire.rigs import AdjustableClock, HasExchangeTimes, Rig, ability, adjustable_clock_of, protection_limits_of
 from musclewire.signals import (
     ELECTRICAL_COLUMNS,
     REFERENCE_COLUMNS,
-    BackgroundWriter,
     Command,
     MetadataValue,
+    OpenJournal,
     RawSample,
     Recording,
     refuse_unfinished,
 )
 
-__all__ = [
-    "Decision",
-    "OnSample",
-    "Policy",
-    "Until",
-    "RunOptions",
-    "file_in",
-    "refuse_unusable",
-    "run_on_rig",
-    "Recorder",
-    "LoopTiming",
-]
-
 OnSample = Callable[[Mapping[str, float]], None]
 Until = Callable[[], bool]
 Exchange = Callable[[Command], RawSample]
-# An fsync keeps a core busy for some hundred microseconds: in shorter periods another process writes, on any core.
-MIN_PERIOD_FOR_DISK_S = 0.02
 
 
 class RunOptions(TypedDict, total=False):
@@ -206,7 +191,7 @@ def run_on_rig(
             instruments = tuple(name for name in REFERENCE_COLUMNS if getattr(first, name) is not None)
         measured = (*ELECTRICAL_COLUMNS, *instruments)
         columns = (*measured, *policy.columns)
-        with recorder_for(rig, columns, described, path, overwrite) as recorder, few_collections():
+        with Recorder(columns, described, path, overwrite=overwrite) as recorder, few_collections():
             taken: TakenRun | str = ""
             try:
                 # A callback may look at the rig after each sample: then samples are taken one by one.
@@ -283,7 +268,7 @@ def row_of(
 
 def timed_exchange(rig: Rig, timing: LoopTiming) -> Exchange:
     """Return the rig's exchange, with its times recorded: the rig's own if it reports them."""
-    times = exchange_times_of(rig)
+    times = ability(rig, HasExchangeTimes)
     if times is not None:
 
         def exchange(command: Command) -> RawSample:
@@ -299,14 +284,6 @@ def timed_exchange(rig: Rig, timing: LoopTiming) -> Exchange:
             return sample
 
     return exchange
-
-
-def recorder_for(
-    rig: Rig, columns: Sequence[str], metadata: Mapping[str, MetadataValue], path: str | Path | None, overwrite: bool
-) -> Recorder:
-    """Return a recorder that a rig's pace does not have to wait for."""
-    apart = rig.paced and rig.sample_period_s < MIN_PERIOD_FOR_DISK_S
-    return Recorder(columns, metadata, path, overwrite=overwrite, apart=apart)
 
 
 def what_protects(rig: Rig) -> dict[str, MetadataValue]:
@@ -340,21 +317,16 @@ class Recorder:
         path: str | Path | None = None,
         *,
         overwrite: bool = False,
-        apart: bool = False,
     ) -> None:
-        """Start an empty recording.
-
-        With ``apart`` another process writes, for a loop that is too fast to share its core with a disk.
-        Raises CallerError if ``path`` cannot be written, or exists and may not be replaced.
-        """
+        """Start an empty recording. CallerError if ``path`` cannot be written, or exists and may not be replaced."""
         self._columns = tuple(columns)
         start_time = datetime.now(UTC).isoformat(timespec="seconds")
         self._metadata = {**metadata, "software_version": software_version(), "start_time": start_time}
-        self._writer: BackgroundWriter | None = None
+        self._journal: OpenJournal | None = None
         if path is not None:
-            self._writer = BackgroundWriter(path, columns, self._metadata, overwrite, apart)
+            self._journal = OpenJournal(path, columns, self._metadata, overwrite, in_background=True)
         # Plain numbers in one block: a million rows make no objects for the garbage collector to walk through.
-        self._values = array("d") if self._writer is None else self._writer.values
+        self._values = array("d") if self._journal is None else self._journal.values
         self._ended = "running"
 
     def append(self, row: list[float | None]) -> None:
@@ -371,8 +343,8 @@ class Recorder:
             self._values.fromlist(row)  # type: ignore[arg-type]  # unless an instrument has no reading
         except TypeError:
             self._values.fromlist([nan if value is None else value for value in row])
-        if self._writer is not None and self._writer.failure is not None:
-            raise not_written(self._writer.path, self._writer.failure)
+        if self._journal is not None and self._journal.failure is not None:
+            raise not_written(self._journal.path, self._journal.failure)
 
     def append_all(self, rows: FloatArray) -> None:
         """Keep rows of a finished run, (n_samples, n_columns)."""
@@ -413,26 +385,26 @@ class Recorder:
             raise problem
 
     def _close_file(self) -> RecordingNotWrittenError | None:
-        if self._writer is None:
+        if self._journal is None:
             return None
         try:
-            self._writer.close(self._ended, self._metadata)
+            self._journal.close(self._ended, self._metadata)
         except RecordingNotWrittenError as problem:
             return problem
         except OSError as problem:
-            return not_written(self._writer.path, problem)
+            return not_written(self._journal.path, problem)
         return None
 
     def _where(self, problem: RecordingNotWrittenError | None) -> str:
         """Return where the rows are, as the end of a note; saved elsewhere if their file has not all of them."""
-        if self._writer is None:
+        if self._journal is None:
             return ""
         if problem is None:
-            return f" and in {self._writer.path}"
-        journal, rows = self._writer.leave(self._ended)
+            return f" and in {self._journal.path}"
+        rows, journal = self._journal.leave(self._ended), self._journal.journal
         if rows == len(self):
             return f" and in {journal}"
-        saved = rescued(self.recording(), self._writer.path.stem)
+        saved = rescued(self.recording(), self._journal.path.stem)
         return f" and in {saved}" if saved else f" and in {journal} (the first {rows})"
 
 

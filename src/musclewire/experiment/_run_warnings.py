@@ -7,8 +7,6 @@ from musclewire.experiment._force_limit import force_warnings
 from musclewire.experiment._health import health_warnings
 from musclewire.signals import Recording
 
-__all__ = ["friction_warnings", "instrument_warnings", "run_warnings", "step_warnings"]
-
 # Friction counts as holding the wire from this fraction of a leg's length on: 0.01 points of strain.
 HELD_FRACTION = 1e-4
 # A step's error counts from here on: twenty times the tolerance of chosen steps. From 2 K on the rig itself refuses.

@@ -14,8 +14,6 @@ from musclewire.rigs import Rig
 from musclewire.sensing import KnownSpring, SensingModel, force_model
 from musclewire.signals import RunFacts
 
-__all__ = ["speed_limits", "speed_metadata"]
-
 
 def speed_limits(
     rig: Rig,

@@ -8,8 +8,6 @@ from musclewire.controllers import Staircase, staircase
 from musclewire.errors import CallerError
 from musclewire.sensing import SHOWN_AS, SensingModel
 
-__all__ = ["staircase_within"]
-
 # The paper's staircase goes to 3.0 % where its wire reaches 3.6 %, from half of that, in five steps.
 TOP_FRACTION = 0.84
 STEPS = 5

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from musclewire.experiment._supply_sizing import SupplySizing
 
-__all__ = ["drive_axes"]
-
 
 def drive_axes(sizing: SupplySizing, *, style: str = "screen") -> Axes:
     """Draw contraction [%], temperature [°C] and current [mA] over time [s], one above the other, with pyplot.

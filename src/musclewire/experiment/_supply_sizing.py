@@ -47,9 +47,6 @@ from musclewire.parameters import (
 from musclewire.rigs import LimitsTable, RigConfiguration, open_rig, with_settings
 from musclewire.signals import Recording
 
-__all__ = ["BENCH", "SupplySizing", "DriveNumbers", "SupplyRequest", "size_supply", "drive_numbers", "plan_supply"]
-
-
 BENCH = "dead-weight"
 DEFAULT_LENGTH_M = 0.14
 # The fate of the wire is to be shown: a protection that switches off before would hide it.
@@ -401,8 +398,5 @@ def catalogue_side(plan: SupplyPlan) -> dict[str, Any] | None:
         "pull_force_n": (plan.row.pull_force_g, 9.80665e-3),
         "cooling_s": (cooling, 1.0),
     }
-    printed = {
-        name: {"value": cell.value * to_si, "status": cell.status, "source": cell.source, "note": cell.note}
-        for name, (cell, to_si) in cells.items()
-    }
+    printed = {name: cell.model_copy(update={"value": cell.value * to_si}) for name, (cell, to_si) in cells.items()}
     return {**printed, "test_cooling_s": ours}

@@ -6,8 +6,6 @@ from musclewire.controllers import Reference, SteeredReference
 from musclewire.errors import CallerError
 from musclewire.sensing import SHOWN_AS, SensingModel
 
-__all__ = ["check_targets"]
-
 
 def check_targets(model: SensingModel, reference: Reference, sample_period_s: float) -> None:
     """Raise CallerError if a reference leaves the range in which the model senses."""

@@ -11,8 +11,6 @@ from musclewire.arrays import FloatArray, IntArray
 from musclewire.rigs import AdjustableClock, scheduling
 from musclewire.signals import MetadataValue
 
-__all__ = ["NO_CLOCK", "RunPacing", "timing_json", "timing_metadata"]
-
 NO_CLOCK = "none: samples came as fast as they were computed"
 CLOCK = "real time"
 CHANGED_CLOCK = "a clock whose speed was changed during the run"

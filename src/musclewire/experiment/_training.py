@@ -20,8 +20,6 @@ from musclewire.rigs import Rig
 from musclewire.sensing import find_segments
 from musclewire.signals import Recording
 
-__all__ = ["Training", "TrainingCycle", "train"]
-
 TRAINING_PERIOD_S = 30.0
 # A loop that has moved by less than this, of resistance span and of stroke, over so many cycles has settled.
 SETTLED_FRACTION = 0.003

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["training_figure"]
-
 
 def training_figure(training: Training, *, settled_fraction: float = SETTLED_FRACTION, style: str = "screen") -> Figure:
     """Draw how far resistance and strain have moved since the first cycle, and the change over five cycles.

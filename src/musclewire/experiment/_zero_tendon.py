@@ -11,9 +11,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
-from musclewire.rigs import Rig, tendon_stage_of
-
-__all__ = ["TendonZero", "zero_tendon"]
+from musclewire.rigs import HasTendonStage, Rig, ability
 
 FARTHEST_SLACK_M, FARTHEST_PULL_M = 100e-6, 100e-6
 POSITIONS = 21
@@ -72,7 +70,7 @@ def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:
     ----------
     Lan and Fan 2010, section 4.2.
     """
-    stage = tendon_stage_of(rig)
+    stage = ability(rig, HasTendonStage)
     if stage is None:
         raise CallerError("the finger's stage of this rig is moved by hand: turn it until the force begins to rise")
     positions = start_slack_m + np.linspace(FARTHEST_SLACK_M, -FARTHEST_PULL_M, POSITIONS)

@@ -12,8 +12,6 @@ from typing import Any
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.pages import STYLE
 
-__all__ = ["FigureStyle", "SubstituteFontWarning", "figure_style", "figure_style_names"]
-
 # A figure at least so wide has its panels side by side; it lies between one column and two of every journal here.
 WIDE_MM = 120.0
 # A panel is as high as so many lines of its letters.

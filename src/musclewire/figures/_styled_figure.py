@@ -20,16 +20,6 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-__all__ = [
-    "StyledFigure",
-    "axes_to_draw_on",
-    "new_figure",
-    "one_panel",
-    "panel_grid",
-    "panel_rows",
-    "panels_side_by_side",
-]
-
 INCH_MM = 25.4
 NOTEBOOK_DPI = 110.0
 # Whose code lies between a figure and whoever asked for it.

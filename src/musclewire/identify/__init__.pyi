@@ -59,10 +59,14 @@ from ._recordings import resistance_reading as resistance_reading
 from ._resistance_alone.fitting import ResistanceFit as ResistanceFit
 from ._resistance_alone.fitting import fit_resistance as fit_resistance
 from ._resistance_alone.marks import Marks as Marks
+from ._resistance_alone.what_helps import HelpfulMeasurement as HelpfulMeasurement
+from ._resistance_alone.what_helps import VarianceShare as VarianceShare
 from ._sensing_model import EstimateReport as EstimateReport
 from ._sensing_model import estimate as estimate
 from ._sensing_model import fit as fit
+from ._speed_limits.help import SufficientChanges as SufficientChanges
 from ._speed_limits.limits import SpeedLimits as SpeedLimits
+from ._speed_limits.limits import TooFast as TooFast
 from ._speed_limits.limits import speed_limits_of as speed_limits_of
 from ._tuning import Tuning as Tuning
 from ._tuning import tune as tune

@@ -17,9 +17,6 @@ from musclewire.errors import NumericsError
 from musclewire.parameters import Alloy, Bench, Wire
 from musclewire.wire import DrivenPath, WireConstants, WireState, constants_from, drive_path, isobaric_path
 
-__all__ = ["PULL_STRESS_PA", "UNCOUNTED_STRAIN", "CatalogueRun", "dead_weight_bench", "run_catalogue_test"]
-
-
 PULL_STRESS_PA = 172e6
 HEATING_S = 1.0
 UNCOUNTED_STRAIN = 0.005

@@ -19,8 +19,6 @@ from musclewire.parameters import (
     load_wire,
 )
 
-__all__ = ["BARS", "CatalogueComparison", "JudgedValue", "compare_catalogue"]
-
 JUDGED_CLASS = "lt"
 JUDGED_SIZES_MM = (0.05, 0.31)
 CONTRACTION_RANGE = (0.8, 1.0)

@@ -16,9 +16,6 @@ from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.sensing import AirDisturbance, ContactDetector, FreeClosing, GripCurve
 from musclewire.signals import Recording
 
-__all__ = ["KnownGrip", "fit_free_closing", "fit_grip_curve", "thermal_time_s"]
-
-
 # Between these normalised resistances the slope is steep enough to locate a closing. Below, the grains that transform
 # last take much heat for little resistance: with 0.08 free closings of the wire 'finger-100um' raise alarms there,
 # in 15 of 20 draughty runs, and with 0.2 in none.

@@ -15,19 +15,6 @@ from musclewire.parameters import Alloy, Bench, Wire
 from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.wire import DrivenPath, WireConstants, WireState, constants_from, drive_path, resting_state
 
-__all__ = [
-    "OVERHEATED_K",
-    "OneSecondDrive",
-    "ShuntChoice",
-    "one_second_current",
-    "relaxation_time_s",
-    "full_stroke",
-    "convective_loss_w_per_m",
-    "steady_temperature_k",
-    "suggested_shunt",
-]
-
-
 # A working limit, assumed: the vendor warns of overheating, but no number of the vendor's could be checked. 150 C is
 # above the end of the transformation of 90 C wire under 172 MPa, and far below what anneals NiTi.
 OVERHEATED_K = 423.15

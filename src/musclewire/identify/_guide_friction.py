@@ -7,8 +7,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.signals import Recording
 
-__all__ = ["guide_friction_n"]
-
 # The middle of the stroke is compared: near its ends the friction has not reversed yet.
 MIDDLE = (0.25, 0.75)
 PLACES = 101

@@ -12,14 +12,6 @@ from musclewire.errors import RecordingError
 from musclewire.parameters import Alloy, Bench, Wire
 from musclewire.wire import constants_from, isobaric_path
 
-__all__ = [
-    "IsobaricLoop",
-    "IsobarSummary",
-    "half_transformation_slope_pa_per_k",
-    "simulated_isobar",
-    "summarize_isobar",
-]
-
 COLDEST_K, HOTTEST_K = 303.15, 413.15
 FRACTIONS = (0.1, 0.5, 0.9)
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from musclewire.signals import Recording
 
-__all__ = ["halves", "loop_figure", "mark_points", "table_figure"]
-
 KELVIN_AT_0_DEGC = 273.15
 
 

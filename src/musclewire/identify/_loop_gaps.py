@@ -13,8 +13,6 @@ from musclewire.physics import ArrayReading
 from musclewire.sensing import LoopSegments, find_segments, hysteresis_gap, noise_level
 from musclewire.signals import Recording
 
-__all__ = ["LoopGaps", "force_is_level", "gap_in", "loop_gaps"]
-
 # A force rises with the contraction if it rises by more than this many standard deviations of the load cell's noise,
 NOISES = 4.0
 # and by more than this part of the difference between the branches: under a weight a rubbing guide makes a loop, too.

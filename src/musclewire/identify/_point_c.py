@@ -10,8 +10,6 @@ from musclewire.identify._home.warming import HeatCourse
 from musclewire.identify._recordings import resistance_reading
 from musclewire.signals import Recording
 
-__all__ = ["shows_c"]
-
 
 def shows_c(recording: Recording) -> bool | None:
     """Return whether the last cycle of a slow loop shows C.

@@ -9,16 +9,6 @@ from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.physics import ArrayReading, wire_resistance, wire_resistance_from_current
 from musclewire.signals import ElectricalSource, Recording, require_electrical
 
-__all__ = [
-    "COLUMN_SUFFIX",
-    "QUANTITIES",
-    "reference_quantity",
-    "required_quantity",
-    "resistance_reading",
-    "why_no_reference",
-    "without_loop",
-]
-
 QUANTITIES = ("strain", "displacement", "force")
 # Endings of the columns of each quantity: target_strain, estimated_displacement_m, target_force_n.
 COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}

@@ -41,8 +41,6 @@ from musclewire.wire import WireConstants
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["EstimateReport", "estimate", "fit"]
-
 PAPER_ORDER = 6
 # The estimator that can process a recording as a whole.
 WHOLE_RECORDING = "polynomial"

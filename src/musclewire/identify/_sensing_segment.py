@@ -7,10 +7,8 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.physics import ArrayReading
-from musclewire.sensing import AMBIGUOUS_ABOVE, SegmentTracker, SensingModel
+from musclewire.sensing import AMBIGUOUS_ABOVE, SensingModel, segment_course
 from musclewire.signals import Recording
-
-__all__ = ["in_sensing_segment"]
 
 # At the sense voltage the noise of one sample is as large as the change of resistance that counts: means over so many
 # samples are a fifth of it. A loop has to do without, since half of them lie in the future.
@@ -27,14 +25,13 @@ def in_sensing_segment(model: SensingModel, recording: Recording, reading: Array
         return reading.resistance_ohm < model.resistance_min_ohm + AMBIGUOUS_ABOVE * span
     some_ohm = np.where(reading.valid, reading.resistance_ohm, 1.0)
     power_w = recording["wire_voltage_v"] ** 2 / some_ohm
-    tracker = SegmentTracker(model.resistance_min_ohm, model.resistance_max_ohm)
-    return dated_back(tracker, reading.resistance_ohm, power_w, reading.valid)
+    return dated_back(model, reading.resistance_ohm, power_w, reading.valid)
 
 
 def dated_back(
-    tracker: SegmentTracker, resistance_ohm: FloatArray, power_w: FloatArray, valid: NDArray[np.bool_]
+    model: SensingModel, resistance_ohm: FloatArray, power_w: FloatArray, valid: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Return what the tracker finds, with each change of segment dated back to the extreme it is counted from.
+    """Return where the wire is sensed, with each change of segment dated back to the extreme it is counted from.
 
     A loop learns that B is behind it only when the resistance has moved away from there by 2 % of its span, which takes
     a slowly cooling wire a quarter of a minute. In a whole recording it is known when the resistance turned.
@@ -43,18 +40,14 @@ def dated_back(
     rows = np.flatnonzero(valid)
     if rows.size == 0:
         return sensing
-    calm_ohm, calm_w = (centred_mean(values[rows]).tolist() for values in (resistance_ohm, power_w))
-    state = tracker.start(calm_ohm[0], calm_w[0])
-    turned_at = 0
-    found = np.zeros(rows.size, dtype=np.bool_)
-    for row, (ohm, watt) in enumerate(zip(calm_ohm, calm_w, strict=True)):
-        before, state = state, tracker.step(state, ohm, watt)
-        if state.sensing != before.sensing:
-            found[turned_at + 1 : row] = state.sensing
-        if state.resistance_anchor_ohm != before.resistance_anchor_ohm:
-            turned_at = row
-        found[row] = state.sensing
-    sensing[rows] = found
+    calm_ohm, calm_w = (centred_mean(values[rows]) for values in (resistance_ohm, power_w))
+    found, anchor_ohm = segment_course(model.resistance_min_ohm, model.resistance_max_ohm, calm_ohm, calm_w)
+    turns = np.append(0, 1 + np.flatnonzero(np.diff(anchor_ohm)))
+    dated = found.copy()
+    for row in 1 + np.flatnonzero(np.diff(found)):
+        turned_at = turns[turns < row][-1]
+        dated[turned_at + 1 : row] = found[row]
+    sensing[rows] = dated
     return sensing
 
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from musclewire.signals import Recording
 
-__all__ = ["control_figure", "time_figure"]
-
 
 class TrackingSeries(NamedTuple):
     """Target, estimate and measurement of a run in the unit that is shown; None for what was not recorded."""

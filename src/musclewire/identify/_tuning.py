@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
@@ -30,15 +31,12 @@ from musclewire.controllers import (
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.identify._recordings import reference_quantity, resistance_reading
 from musclewire.identify._use_of_model import error_unit_for
-from musclewire.pages import Markup
 from musclewire.parameters import Alloy, load_alloy, load_wire, names
 from musclewire.sensing import SHOWN_AS, SensingModel, evaluate
 from musclewire.signals import Recording, RunFacts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-__all__ = ["Tuning", "tune"]
 
 LEVELS = 33
 # Samples within this many spacings of a level determine it, by a straight line through them.

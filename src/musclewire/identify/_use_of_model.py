@@ -9,8 +9,6 @@ from musclewire.errors import CallerError
 from musclewire.sensing import KnownSpring, SensingModel
 from musclewire.signals import MetadataValue, RunFacts
 
-__all__ = ["check_made_for", "error_unit_for", "settings_for"]
-
 # Lengths that differ by less are one length, measured twice.
 SAME_LENGTH_FRACTION = 0.005
 # What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.

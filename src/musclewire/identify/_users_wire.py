@@ -10,8 +10,6 @@ from musclewire.parameters import bench_known_with, is_wire_file, load_alloy, lo
 from musclewire.signals import MetadataValue, RunFacts
 from musclewire.wire import WireConstants, constants_of, measured_grains
 
-__all__ = ["users_wire"]
-
 # Numbers of the bench that a rig or a recording may state; they count before those of the wire file.
 STATED = ("wire_length_m", "pretension_n", "spring_stiffness_n_per_m", "shunt_resistance_ohm", "guide_friction_n")
 # Without these the load is not known.

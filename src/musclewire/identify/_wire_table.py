@@ -26,8 +26,6 @@ from musclewire.parameters import (
     load_wire,
 )
 
-__all__ = ["WireRow", "wire_table"]
-
 BENCH = "dead-weight"
 # A tenth of the holding current heats by a hundredth of the holding power: about a kelvin.
 SENSE_FRACTION = 0.1

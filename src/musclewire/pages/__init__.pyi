@@ -6,7 +6,6 @@ from ._page import HEATING as HEATING
 from ._page import PAPER as PAPER
 from ._page import STYLE as STYLE
 from ._page import TARGET as TARGET
-from ._page import Markup as Markup
 from ._page import NumberCard as NumberCard
 from ._page import notebook_table as notebook_table
 from ._page import page as page

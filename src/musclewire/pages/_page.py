@@ -15,21 +15,6 @@ if TYPE_CHECKING:
     from jinja2 import Environment
     from matplotlib.figure import Figure
 
-__all__ = [
-    "AVERAGE",
-    "COOLING",
-    "HEATING",
-    "PAPER",
-    "STYLE",
-    "TARGET",
-    "Markup",
-    "NumberCard",
-    "notebook_table",
-    "page",
-    "svg",
-    "svg_in_frame",
-]
-
 HEATING, COOLING, AVERAGE, PAPER, TARGET = "#c8553d", "#1f6f8b", "#2b2b2b", "#8a5fbf", "#9aa0a6"
 STYLE: Mapping[str, object] = {
     "font.family": "sans-serif",

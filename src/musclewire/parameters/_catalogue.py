@@ -18,19 +18,6 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters._parameter_groups import Parameter, Wire
 from musclewire.parameters._validation import validated
 
-__all__ = [
-    "CLASSES",
-    "CatalogueCell",
-    "CatalogueRow",
-    "WireRules",
-    "catalogue_names",
-    "catalogue_row",
-    "catalogue_wire",
-    "class_of",
-    "load_catalogue",
-    "same_size_hint",
-]
-
 Status = Literal["corroborated", "unverified", "suspect"]
 # Wires that start to contract near 70 C and near 90 C.
 CLASSES = {"lt": "70 C (LT)", "ht": "90 C (HT)"}

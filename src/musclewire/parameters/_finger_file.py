@@ -32,8 +32,6 @@ from musclewire.parameters._parameter_groups import Parameter
 from musclewire.parameters._validation import read_toml, validated
 from musclewire.parameters._wire_file import parameter_lines, quoted
 
-__all__ = ["FingerCurve", "FingerFile", "finger_file_text", "finger_names", "load_finger"]
-
 MIN_POINTS = 5
 EVEN_TOLERANCE = 1e-6
 

@@ -13,8 +13,6 @@ from musclewire.parameters._parameter_groups import Alloy, Bench, Parameter, Wir
 from musclewire.parameters._validation import validated
 from musclewire.parameters._wire_file import is_wire_file, read_wire_file
 
-__all__ = ["bench_known_with", "load_alloy", "load_bench", "load_wire", "names", "published_text", "read_published"]
-
 FOLDERS = {"wire": "wires", "alloy": "alloys", "bench": "benches"}
 
 

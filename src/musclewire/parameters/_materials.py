@@ -28,8 +28,6 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters._parameter_groups import Parameter, ParameterGroup, parameter
 from musclewire.parameters._validation import read_toml, validated
 
-__all__ = ["Material", "load_material", "material_names"]
-
 SUFFIX = ".toml"
 # What printers' owners call the processes.
 SYNONYMS = {"fdm": "print", "fff": "print", "sls": "sinter"}

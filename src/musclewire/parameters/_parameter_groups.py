@@ -15,21 +15,6 @@ from pydantic.fields import FieldInfo
 
 from musclewire.errors import nearest_hint
 
-__all__ = [
-    "Alloy",
-    "Bench",
-    "CoveredRange",
-    "GrainQuantiles",
-    "Kind",
-    "Numbers",
-    "Parameter",
-    "ParameterGroup",
-    "Validity",
-    "Wire",
-    "checked",
-    "key_hint",
-]
-
 Kind = Literal["measured", "datasheet", "fitted", "derived", "assumed"]
 
 # Keys that files of earlier versions have, and what became of them.

@@ -25,8 +25,6 @@ from musclewire.errors import CallerError
 from musclewire.parameters._parameter_groups import Parameter
 from musclewire.parameters._validation import read_toml, validated
 
-__all__ = ["FileGeometry", "PretensionerFile", "read_pretensioner"]
-
 
 class FileGeometry(BaseModel):
     """The dimensions in a file [m]."""

@@ -14,8 +14,6 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters._parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters._validation import validated
 
-__all__ = ["Prior", "PriorSet", "load_priors", "prior_set_names"]
-
 SCHEMAS: dict[str, type[Alloy] | type[Wire] | type[Bench]] = {"alloy": Alloy, "wire": Wire, "bench": Bench}
 
 

@@ -13,17 +13,6 @@ from musclewire.parameters._library import load_alloy, load_wire, names, read_pu
 from musclewire.parameters._parameter_groups import Alloy, Bench, Parameter, Wire
 from musclewire.parameters._validation import validated
 
-__all__ = [
-    "REFERENCE_WIRE",
-    "PublishedRange",
-    "PublishedRanges",
-    "outside",
-    "outside_as_a_spool",
-    "published_ranges",
-    "spool_ranges",
-    "spool_values",
-]
-
 # The wire whose resistance per metre the alloy's resistivities belong to.
 REFERENCE_WIRE = "paper-100um"
 

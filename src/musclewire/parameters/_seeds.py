@@ -6,8 +6,6 @@ from operator import index
 
 from musclewire.errors import CallerError
 
-__all__ = ["require_seed"]
-
 
 def require_seed(seed: object, name: str = "seed") -> int:
     """Return a seed as NumPy takes it. Raises CallerError unless it is a whole number of 0 or more."""

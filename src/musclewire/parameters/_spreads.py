@@ -14,8 +14,6 @@ from musclewire.parameters._parameter_groups import Alloy, Bench, Wire
 from musclewire.parameters._priors import SCHEMAS, Prior, PriorSet, load_priors
 from musclewire.parameters._validation import read_toml, validated
 
-__all__ = ["Spread", "WireSpreads", "load_spreads", "priors_around"]
-
 Kind = Literal["alloy", "wire", "bench"]
 # A normal distribution is cut off at so many standard deviations.
 CUT_OFF = 4.0

@@ -11,8 +11,6 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticKnownError, core
 from musclewire.errors import CallerError
 from musclewire.registry import Registry
 
-__all__ = ["TaggedTable"]
-
 
 @dataclass(frozen=True)
 class TaggedTable:

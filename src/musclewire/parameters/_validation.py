@@ -16,8 +16,6 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters._parameter_groups import key_hint
 from musclewire.parameters._tagged_tables import TaggedTable
 
-__all__ = ["CheckedFile", "first_problem", "read_toml", "validated"]
-
 Model = TypeVar("Model", bound=BaseModel)
 
 # Messages by pydantic's name of the error; braces are filled from the violated rule, u is the unit.

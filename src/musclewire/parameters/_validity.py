@@ -12,8 +12,6 @@ from typing import Any, NamedTuple
 
 from musclewire.parameters._parameter_groups import Alloy
 
-__all__ = ["ReachedConditions", "ValidityLimits", "beyond_validity", "section_m2", "validity_of"]
-
 # Stress counts as beyond a limit from this fraction on: diameters are known to one or two percent.
 STRESS_SLACK = 0.02
 ZERO_DEGC_K = 273.15

@@ -47,8 +47,6 @@ from musclewire.parameters._parameter_groups import (
 )
 from musclewire.parameters._validation import read_toml, validated
 
-__all__ = ["WireFile", "is_wire_file", "read_wire_file", "wire_file_text"]
-
 SUFFIX = ".toml"
 # Texts of a wire and an alloy that the file says once, at its head.
 HEAD = ("name", "description")

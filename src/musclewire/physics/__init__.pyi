@@ -13,7 +13,6 @@ from ._resistance import ELASTIC_POISSON_RATIO as ELASTIC_POISSON_RATIO
 from ._resistance import MINIMUM_CURRENT_A as MINIMUM_CURRENT_A
 from ._resistance import REFERENCE_TEMPERATURE_K as REFERENCE_TEMPERATURE_K
 from ._resistance import ArrayReading as ArrayReading
-from ._resistance import ResistanceReading as ResistanceReading
 from ._resistance import phase_resistivity_ohm_m as phase_resistivity_ohm_m
 from ._resistance import series_resistance_ohm as series_resistance_ohm
 from ._resistance import wire_resistance as wire_resistance

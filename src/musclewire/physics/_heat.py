@@ -9,18 +9,6 @@ import math
 
 from musclewire.compiled import compiled
 
-__all__ = [
-    "air_dynamic_viscosity_pa_s",
-    "air_thermal_conductivity_w_per_m_k",
-    "air_prandtl",
-    "rayleigh_of_wire",
-    "nusselt_churchill_chu",
-    "nusselt_morgan",
-    "convection_coefficient_w_per_m2_k",
-    "churchill_chu_from_k",
-    "convection_range_note",
-]
-
 STANDARD_GRAVITY_M_PER_S2 = 9.80665
 STANDARD_PRESSURE_PA = 101325.0
 AIR_GAS_CONSTANT_J_PER_KG_K = 287.05

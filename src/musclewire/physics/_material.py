@@ -10,14 +10,6 @@ import math
 
 from musclewire.compiled import compiled
 
-__all__ = [
-    "advantage_k",
-    "maximum_transformation_strain",
-    "maximum_transformation_strain_slope_per_pa",
-    "reuss_modulus_pa",
-    "friction_force_n",
-]
-
 
 @compiled
 def advantage_k(

@@ -12,18 +12,6 @@ from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.errors import CallerError
 
-__all__ = [
-    "MINIMUM_CURRENT_A",
-    "ArrayReading",
-    "ResistanceReading",
-    "series_resistance_ohm",
-    "wire_resistance",
-    "wire_resistance_from_current",
-    "phase_resistivity_ohm_m",
-    "wire_resistance_ohm",
-    "REFERENCE_TEMPERATURE_K",
-]
-
 # The minimum current [A] of a valid reading: well above the offsets of usual converters.
 MINIMUM_CURRENT_A = 1e-3
 

@@ -1,23 +1,17 @@
 """The list of names that other rooms may use."""
 
+from ._abilities import HasExchangeTimes as HasExchangeTimes
+from ._abilities import ability as ability
 from ._abilities import adjustable_clock_of as adjustable_clock_of
-from ._abilities import exchange_times_of as exchange_times_of
 from ._abilities import keeps_real_time as keeps_real_time
-from ._abilities import on_board_loop_of as on_board_loop_of
 from ._abilities import protection_limits_of as protection_limits_of
 from ._abilities import required_true_state as required_true_state
-from ._abilities import stage_of as stage_of
-from ._abilities import tendon_stage_of as tendon_stage_of
-from ._abilities import true_state_of as true_state_of
-from ._air import AirModel as AirModel
-from ._air import AirState as AirState
 from ._air import Surroundings as Surroundings
 from ._compiled_loop.kernel import CompiledLoopEnd as CompiledLoopEnd
-from ._compiled_loop.known_drive import run_known_drive as run_known_drive
 from ._compiled_loop.running import CompiledRun as CompiledRun
-from ._compiled_loop.running import LoopTargets as LoopTargets
 from ._compiled_loop.running import LoopTicks as LoopTicks
 from ._compiled_loop.running import run_compiled as run_compiled
+from ._compiled_loop.running import run_known_drive as run_known_drive
 from ._compiled_loop.running import times_on_rig_s as times_on_rig_s
 from ._compiled_loop.running import uncompiled as uncompiled
 from ._configuration import amplitude_is_given as amplitude_is_given
@@ -36,6 +30,7 @@ from ._device import DeviceFacts as DeviceFacts
 from ._device import DeviceFault as DeviceFault
 from ._device import HasOnBoardLoop as HasOnBoardLoop
 from ._device import HasStage as HasStage
+from ._device import HasTendonStage as HasTendonStage
 from ._device import HasTrueState as HasTrueState
 from ._device import Missing as Missing
 from ._driven_wire import drive_varied as drive_varied
@@ -69,7 +64,6 @@ from ._pulse_width import unsettled_error as unsettled_error
 from ._real_time import pin_to_cpu as pin_to_cpu
 from ._real_time import scheduling as scheduling
 from ._real_time import take_priority as take_priority
-from ._real_time import wake_on_time as wake_on_time
 from ._replay import ReplayConfiguration as ReplayConfiguration
 from ._simulated import MIN_SPREAD_STEPS as MIN_SPREAD_STEPS
 from ._simulated import SimulatedDevice as SimulatedDevice

@@ -2,37 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 from musclewire.controllers import ProtectionLimits
 from musclewire.errors import CallerError
-from musclewire.rigs._device import (
-    AdjustableClock,
-    HasAdjustableClock,
-    HasOnBoardLoop,
-    HasStage,
-    HasTendonStage,
-    HasTrueState,
-)
+from musclewire.rigs._device import AdjustableClock, HasAdjustableClock, HasStage, HasTendonStage, HasTrueState
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.rigs._protocol import Rig
 
-__all__ = [
-    "ExchangeTimes",
-    "adjustable_clock_of",
-    "exchange_times_of",
-    "keeps_real_time",
-    "on_board_loop_of",
-    "protection_limits_of",
-    "required_true_state",
-    "stage_of",
-    "tendon_stage_of",
-    "true_state_of",
-]
+AbilityT = TypeVar("AbilityT")
 
 
 @runtime_checkable
-class ExchangeTimes(Protocol):
+class HasExchangeTimes(Protocol):
     """A rig that notes when its drive went out and when its sample was there (``time.perf_counter_ns``)."""
 
     drive_at_ns: int
@@ -49,10 +31,10 @@ class HasProtection(Protocol):
         ...
 
 
-class GuardedStage:
-    """The stage of a guarded device: after a move the protection compares no reading with one before."""
+class GuardedStages:
+    """The stages of a guarded device: after a move the protection compares no reading with one before."""
 
-    def __init__(self, rig: GuardedRig, stage: HasStage) -> None:
+    def __init__(self, rig: GuardedRig, stage: Any) -> None:
         """Keep rig and stage; no move yet."""
         self._rig, self._stage = rig, stage
 
@@ -61,75 +43,32 @@ class GuardedStage:
         self._stage.set_pretension(pretension_n)
         self._rig.forget_readings()
 
-
-class GuardedTendonStage:
-    """The finger's stage of a guarded device, after whose moves no reading is compared with one before either."""
-
-    def __init__(self, rig: GuardedRig, stage: HasTendonStage) -> None:
-        """Keep rig and stage; no move yet."""
-        self._rig, self._stage = rig, stage
-
     def set_tendon_slack(self, slack_m: float) -> None:
         """Give the tendon this slack [m], as ``HasTendonStage`` says."""
         self._stage.set_tendon_slack(slack_m)
         self._rig.forget_readings()
 
 
-def able(rig: Rig) -> object:
-    """Return the object with the abilities of a rig: the guarded device, or a rig of another class itself."""
-    return rig.device if isinstance(rig, GuardedRig) else rig
-
-
-def stage_of(rig: Rig) -> HasStage | None:
-    """Return the stage that sets the pretension of a rig's wire.
+def ability(rig: Rig, kind: type[AbilityT]) -> AbilityT | None:
+    """Return what a rig, or the device that it guards, can do beyond exchanging samples.
 
     Parameters
     ----------
     rig
         Any rig, open.
+    kind
+        One of the protocols of :mod:`musclewire.rigs` whose names begin with "Has": ``HasStage`` is a stage that
+        software moves, ``HasTrueState`` the true state of a simulation, to judge a result and never for an estimator.
 
     Returns
     -------
-    The stage; None if software cannot move one.
+    An object with the ability, None for a rig without it.
     """
-    found = able(rig)
-    if not isinstance(found, HasStage):
-        return None
-    return GuardedStage(rig, found) if isinstance(rig, GuardedRig) else found
-
-
-def tendon_stage_of(rig: Rig) -> HasTendonStage | None:
-    """Return the stage that carries a rig's finger.
-
-    Parameters
-    ----------
-    rig
-        Any rig, open.
-
-    Returns
-    -------
-    The stage; None if software cannot move one.
-    """
-    found = able(rig)
-    if not isinstance(found, HasTendonStage):
-        return None
-    return GuardedTendonStage(rig, found) if isinstance(rig, GuardedRig) else found
-
-
-def true_state_of(rig: Rig) -> HasTrueState | None:
-    """Return the true state of a simulated rig, for judging a result; never for an estimator.
-
-    Parameters
-    ----------
-    rig
-        Any rig, open.
-
-    Returns
-    -------
-    An object with the true state at any time, None for a rig that is not simulated.
-    """
-    found = able(rig)
-    return found if isinstance(found, HasTrueState) else None
+    able = (rig, rig.device) if isinstance(rig, GuardedRig) else (rig,)
+    found: Any = next((one for one in able if isinstance(one, kind)), None)
+    if found is not None and isinstance(rig, GuardedRig) and kind in (HasStage, HasTendonStage):
+        found = GuardedStages(rig, found)
+    return found  # type: ignore[no-any-return]
 
 
 def required_true_state(rig: Rig) -> HasTrueState:
@@ -149,7 +88,7 @@ def required_true_state(rig: Rig) -> HasTrueState:
     CallerError
         If the rig is not simulated.
     """
-    found = true_state_of(rig)
+    found = ability(rig, HasTrueState)
     if found is None:
         raise CallerError("only a simulated rig knows its wire's true state, and this one is not: open a simulated one")
     return found
@@ -167,67 +106,17 @@ def adjustable_clock_of(rig: Rig) -> AdjustableClock | None:
     -------
     The clock; None for hardware, whose clock is its own, and for a rig without a clock.
     """
-    found = able(rig)
-    return found.adjustable_clock if isinstance(found, HasAdjustableClock) else None
+    found = ability(rig, HasAdjustableClock)
+    return None if found is None else found.adjustable_clock
 
 
 def keeps_real_time(rig: Rig) -> bool:
-    """Return whether a second of a rig's samples is a second of the computer's clock.
-
-    Parameters
-    ----------
-    rig
-        Any rig, open.
-
-    Returns
-    -------
-    True for hardware and for a simulation that is paced in real time, at this moment.
-    """
+    """Return whether a second of an open rig's samples is one of the computer's clock: hardware, or paced so now."""
     clock = adjustable_clock_of(rig)
     return rig.paced and (clock is None or clock.speed == 1.0)
 
 
-def on_board_loop_of(rig: Rig) -> HasOnBoardLoop | None:
-    """Return the closed loop on a rig's device.
-
-    Parameters
-    ----------
-    rig
-        Any rig, open.
-
-    Returns
-    -------
-    The loop with its model's checksum and its last estimate, None if the device follows no targets.
-    """
-    found = able(rig)
-    return found if isinstance(found, HasOnBoardLoop) else None
-
-
 def protection_limits_of(rig: Rig) -> ProtectionLimits | None:
-    """Return the limits that a rig is protected by.
-
-    Parameters
-    ----------
-    rig
-        Any rig, open.
-
-    Returns
-    -------
-    The limits, None for a rig without a protection table.
-    """
-    return rig.protection_limits if isinstance(rig, HasProtection) else None
-
-
-def exchange_times_of(rig: Rig) -> ExchangeTimes | None:
-    """Return the times of a rig's exchanges.
-
-    Parameters
-    ----------
-    rig
-        Any rig, open.
-
-    Returns
-    -------
-    The rig itself, None if it notes none and the caller has to look at the clock.
-    """
-    return rig if isinstance(rig, ExchangeTimes) else None
+    """Return the limits that a rig is protected by, None for a rig without a protection table."""
+    found = ability(rig, HasProtection)
+    return None if found is None else found.protection_limits

@@ -10,8 +10,6 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.signals import measured_in
 
-__all__ = ["AirState", "Surroundings", "AirModel"]
-
 # Draughts are limited to this many standard deviations, so that convection never becomes negative.
 STRONGEST = 3.0
 STREAM = 7919

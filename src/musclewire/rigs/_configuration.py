@@ -13,16 +13,6 @@ from musclewire.rigs._kinds import DEVICES, DeviceConfiguration
 from musclewire.rigs._outside import imported_kind, is_outside, known_kind
 from musclewire.rigs._simulated_configuration import RigConfiguration
 
-__all__ = [
-    "RigConfiguration",
-    "amplitude_is_given",
-    "open_rig",
-    "read_rig_file",
-    "rig_names",
-    "shipped_rig_files",
-    "simulated_configuration",
-]
-
 SIMULATED = "simulated"
 # Rig files that ship with musclewire, each known by its name.
 FOLDER = Path(str(files("musclewire.parameters"))) / "data" / "rigs"

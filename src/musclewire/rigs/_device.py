@@ -14,22 +14,6 @@ from musclewire.rigs._protocol import Metadata
 from musclewire.sensing import SensingModel
 from musclewire.signals import Command, RawSample
 
-__all__ = [
-    "SWITCHED_OFF",
-    "AdjustableClock",
-    "Answer",
-    "Device",
-    "DeviceFacts",
-    "DeviceFault",
-    "HasAdjustableClock",
-    "HasOnBoardLoop",
-    "HasStage",
-    "HasTendonStage",
-    "HasTrueState",
-    "Missing",
-    "TrueState",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class DeviceFacts:

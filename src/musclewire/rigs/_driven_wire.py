@@ -10,8 +10,6 @@ from musclewire.rigs._simulated import stepping_of
 from musclewire.rigs._varied_rig import VariedWire
 from musclewire.wire import DrivenPath, drive_path
 
-__all__ = ["drive_varied"]
-
 
 def drive_varied(wire: VariedWire, drive_v: FloatArray) -> tuple[FloatArray, DrivenPath]:
     """Return the drive of a wire as its bench puts it out, and the wire's response; cold at the start.

@@ -13,8 +13,6 @@ from musclewire.rigs._device import Device, HasOnBoardLoop, Missing
 from musclewire.rigs._protocol import Metadata
 from musclewire.signals import Command, Drive, RawSample, Target, as_command, drive_voltage_of
 
-__all__ = ["GuardedRig", "ProtectionTripError"]
-
 # No more is known of a device that does not answer.
 NOT_CONFIRMED = (
     "0 V was ordered and nothing confirms it: a board's drive expires by itself, a card's guardian has tried to switch "
@@ -189,7 +187,7 @@ class GuardedRig:
         return sample
 
     def adopt_compiled_samples(self, drive_voltage_v: float, memory: Rows, time_s: float) -> None:
-        """Take over what sound samples of a simulated device in compiled code have made of the protection.
+        """Go on from sound samples of a simulated device in compiled code.
 
         Parameters
         ----------

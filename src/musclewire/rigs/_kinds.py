@@ -12,8 +12,6 @@ from musclewire.parameters import CheckedFile, is_wire_file
 from musclewire.registry import Registry
 from musclewire.rigs._device import Device
 
-__all__ = ["DeviceConfiguration", "DeviceKind", "DEVICES"]
-
 
 class DeviceConfiguration(CheckedFile):
     """A rig file, checked by its schema; plain data.

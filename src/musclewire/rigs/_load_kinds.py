@@ -10,8 +10,6 @@ from musclewire.parameters import TaggedTable
 from musclewire.registry import Registry
 from musclewire.rigs._load_part import LoadPart
 
-__all__ = ["Part", "Parts", "LOAD_PARTS"]
-
 LOAD_PARTS: Registry[type[LoadPart]] = Registry(
     "part of a load",
     "musclewire.load_parts",

@@ -14,18 +14,6 @@ from musclewire.rigs._protocol import Metadata
 from musclewire.signals import measured_in
 from musclewire.wire import ElasticObject
 
-__all__ = [
-    "FloatArray",
-    "Force",
-    "Length",
-    "LoadPart",
-    "Pull",
-    "SecondWire",
-    "Stiffness",
-    "Supply",
-    "Voltage",
-]
-
 Stiffness = Annotated[float, measured_in("N/m"), Field(gt=0.0, allow_inf_nan=False)]
 Length = Annotated[float, measured_in("m"), Field(ge=0.0, allow_inf_nan=False)]
 Force = Annotated[float, measured_in("N"), Field(gt=0.0, allow_inf_nan=False)]

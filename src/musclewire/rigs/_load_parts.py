@@ -24,18 +24,6 @@ from musclewire.rigs._load_part import Force, Length, LoadPart, Pull, SecondWire
 from musclewire.rigs._protocol import Metadata
 from musclewire.wire import ElasticObject
 
-__all__ = [
-    "Antagonist",
-    "Blocked",
-    "Contact",
-    "Finger",
-    "ParallelWire",
-    "Pretensioner",
-    "SecondFinger",
-    "Spring",
-    "Weight",
-]
-
 
 class Spring(LoadPart):
     """A spring at the connector; with ``slack`` it begins to pull only after that much contraction."""

@@ -15,8 +15,6 @@ from musclewire.rigs._load_part import LoadPart
 from musclewire.rigs._protocol import Metadata
 from musclewire.wire import ConnectorLoad, ElasticObject, spring_load, with_table
 
-__all__ = ["SimulatedLoad", "FingerTendon", "load_metadata", "mechanism_of"]
-
 # A wire contracts by at most about 8 %; tables reach a little further.
 MAX_CONTRACTION = 0.10
 TABLE_POINTS = 2001

@@ -14,31 +14,6 @@ from musclewire.rigs._protocol import Metadata
 from musclewire.rigs._wire_limits import WireCircuit, limits_of
 from musclewire.signals import measured_in
 
-__all__ = [
-    "AirKelvins",
-    "AmbientTemperature",
-    "DriveAmplitude",
-    "Legs",
-    "LimitsTable",
-    "LivePeriod",
-    "MaximumVoltage",
-    "MountedWire",
-    "Ohms",
-    "Pretension",
-    "SETTINGS",
-    "SamplePeriod",
-    "SenseVoltage",
-    "Shunt",
-    "SiName",
-    "Volts",
-    "WireKeys",
-    "WireLength",
-    "may_be_left_out",
-    "notes_of",
-    "numbers_given",
-    "si_name",
-]
-
 
 @dataclass(frozen=True)
 class SiName:

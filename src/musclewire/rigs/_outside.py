@@ -19,8 +19,6 @@ from musclewire.rigs._device import Device, DeviceFacts
 from musclewire.rigs._kinds import DeviceConfiguration, DeviceKind
 from musclewire.rigs._mounted_wire import MountedWire
 
-__all__ = ["OutsideConfiguration", "imported_kind", "is_outside", "known_kind"]
-
 FORM = re.compile(r"python:([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*):([A-Za-z_]\w*)")
 METHODS = ("metadata", "exchange", "sense", "off")
 PROPERTIES = ("facts", "drive_voltage_v")

@@ -8,8 +8,6 @@ from threading import Event
 
 from musclewire.rigs._real_time import wake_on_time
 
-__all__ = ["NAP_S", "SPIN_S", "SamplePacer"]
-
 # A sleeping thread is woken some 40 us late, and more on a busy machine: for the last part the thread stays awake. This
 # costs processor time in every sample period: 10 % of a core at 1 kHz, 0.2 % at the paper's 20 Hz.
 SPIN_S = 1e-4

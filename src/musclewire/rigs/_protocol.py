@@ -7,8 +7,6 @@ from typing import Protocol, Self
 
 from musclewire.signals import Command, RawSample
 
-__all__ = ["Metadata", "Rig"]
-
 Metadata = dict[str, str | int | float | bool | None]
 
 

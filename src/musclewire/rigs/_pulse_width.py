@@ -10,8 +10,6 @@ from pydantic import BaseModel, ConfigDict, Field
 from musclewire.errors import CallerError
 from musclewire.signals import measured_in
 
-__all__ = ["APERTURE_S", "PulseWidth", "duty_of", "left_over", "pulse_width_problems", "sampling_problem"]
-
 Seconds = Annotated[float, measured_in("s"), Field(ge=0.0, allow_inf_nan=False)]
 
 # A converter's sample-and-hold follows its input for about this long before it holds.

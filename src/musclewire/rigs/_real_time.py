@@ -8,8 +8,6 @@ import sys
 
 from musclewire.errors import CallerError
 
-__all__ = ["pin_to_cpu", "scheduling", "take_priority", "wake_on_time"]
-
 # Above ordinary real-time work such as sound, below the kernel's own threads for interrupts, which have 50.
 PRIORITY = 40
 # prctl(2), mlockall(2): numbers of the kernel's interface.

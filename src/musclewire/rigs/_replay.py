@@ -39,8 +39,6 @@ from musclewire.signals import (
     read_recording,
 )
 
-__all__ = ["REPLAY", "ReplayConfiguration", "ReplayDevice"]
-
 # Metadata that describe a recording's own run and not its rig: the run on the replay sets its own.
 OF_THE_RUN = {"experiment", "ended", "start_time", "software_version", "pace", "scheduling", "deadline_misses"}
 OF_THE_RUN_TOO = ("limit_", "drift_", "compute_", "latency_", "jitter_", "replay_")

@@ -52,20 +52,6 @@ from musclewire.wire import (
     steps_within,
 )
 
-__all__ = [
-    "BenchInstruments",
-    "SimulatedDevice",
-    "SimulatedInside",
-    "SimulatedSpool",
-    "convection_metadata",
-    "force_limit_n",
-    "read_sample",
-    "require_allowed_pull",
-    "simulated_limits",
-    "stepping_of",
-    "wires_of",
-]
-
 
 class SimulatedInside(NamedTuple):
     """What a simulated device is made of, for loops in compiled code. What may change is the device's own."""
@@ -90,36 +76,15 @@ MIN_SPREAD_STEPS = 3.0
 DIRECTIONS = {Pull.ALONG: 1.0, Pull.AGAINST: -1.0, Pull.APART: APART}
 FEEDS = {Supply.OWN: OWN_SUPPLY, Supply.PARALLEL: PARALLEL, Supply.SERIES: SERIES}
 
-# NumPy sums up to this many numbers in eight rows, and more of them in two halves.
-PAIRWISE_NUMBERS = 128
-
-
-@compiled
-def summed(readings_v: FloatArray) -> float:
-    """Return the sum of readings, added in the order of ``numpy.sum``; the first eight are overwritten."""
-    count = readings_v.size
-    if count > PAIRWISE_NUMBERS:
-        half = count // 2 - count // 2 % 8
-        return summed(readings_v[:half]) + summed(readings_v[half:])
-    total, rows = 0.0, count - count % 8
-    if rows:
-        sums = readings_v[:8]
-        for start in range(8, rows, 8):
-            for place in range(8):
-                sums[place] += readings_v[start + place]
-        total = ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]))
-    for place in range(rows, count):
-        total += readings_v[place]
-    return total
-
 
 @compiled
 def converted(noise: FloatArray, voltage_v: float, noise_v: float, step_v: float, range_v: float) -> float:
-    """Return the mean of a converter's readings with noise, steps and a range; they overwrite the noise."""
+    """Return the mean of a converter's readings with noise, steps and a range."""
+    total_v = 0.0
     for place in range(noise.size):
         reading_v = np.rint((voltage_v + noise_v * noise[place]) / step_v) * step_v
-        noise[place] = min(max(reading_v, -range_v), range_v)
-    return summed(noise) / noise.size
+        total_v += min(max(reading_v, -range_v), range_v)
+    return total_v / noise.size
 
 
 @compiled
@@ -132,8 +97,8 @@ def read_sample(
     """Return what a converter, a displacement sensor and a load cell read in one sample.
 
     ``true`` holds the voltages of wire and shunt, displacement and force; ``noise`` independent standard normal
-    numbers, ``readings`` for each voltage and one for each of the others, and is overwritten; ``scales`` the
-    converter's noise, step and range, then the noise of displacement and force.
+    numbers, ``readings`` for each voltage and one for each of the others; ``scales`` the converter's noise, step and
+    range, then the noise of displacement and force.
     """
     wire_v, shunt_v, displacement_m, force_n = true
     noise_v, step_v, range_v, displacement_noise_m, force_noise_n = scales
@@ -152,19 +117,19 @@ class BenchInstruments:
         """Take noise, steps and ranges from the bench's numbers; ``at_endpoint`` with instruments at an endpoint."""
         self._generator = np.random.default_rng(seed)
         self._draw = self._generator.standard_normal
-        self._readings = int(bench["acquisition_readings"])
-        self._noise: FloatArray = np.empty(2 * self._readings + (4 if at_endpoint else 2))
+        self.readings = int(bench["acquisition_readings"])
+        self._noise: FloatArray = np.empty(2 * self.readings + (4 if at_endpoint else 2))
         voltage_range_v = bench["acquisition_range_v"]
-        self._scales = (
+        self.scales = (
             bench["acquisition_noise_v"],
             2.0 * voltage_range_v / 2.0 ** bench["acquisition_bits"],
             voltage_range_v,
             bench["displacement_noise_m"],
             bench["force_noise_n"],
         )
-        self._endpoint_noise = (bench["endpoint_noise_m"], bench["endpoint_force_noise_n"])
+        self.endpoint_noise = (bench["endpoint_noise_m"], bench["endpoint_force_noise_n"])
         # Compiled here: a rig that keeps the pace of a clock would be late if the first sample waited for it.
-        read_sample(np.zeros_like(self._noise), self._readings, (0.0, 0.0, 0.0, 0.0), self._scales)
+        read_sample(np.zeros_like(self._noise), self.readings, (0.0, 0.0, 0.0, 0.0), self.scales)
 
     def sample(
         self, wire_voltage_v: float, shunt_voltage_v: float, displacement_m: float, force_n: float
@@ -173,12 +138,12 @@ class BenchInstruments:
         # All numbers that one sample takes are drawn at once.
         self._draw(out=self._noise)
         true = (wire_voltage_v, shunt_voltage_v, displacement_m, force_n)
-        readings: tuple[float, float, float, float] = read_sample(self._noise, self._readings, true, self._scales)
+        readings: tuple[float, float, float, float] = read_sample(self._noise, self.readings, true, self.scales)
         return readings
 
     def endpoint(self, displacement_m: float, force_n: float) -> tuple[float, float]:
         """Return readings of displacement and force at a finger's endpoint, of the sample that was read last."""
-        displacement_noise_m, force_noise_n = self._endpoint_noise
+        displacement_noise_m, force_noise_n = self.endpoint_noise
         return (
             displacement_m + displacement_noise_m * self._noise.item(-2),
             force_n + force_noise_n * self._noise.item(-1),
@@ -192,21 +157,6 @@ class BenchInstruments:
     def take_generator(self, generator: np.random.Generator) -> None:
         """Draw all further noise from this generator, as after samples that were taken in compiled code."""
         self._generator, self._draw = generator, generator.standard_normal
-
-    @property
-    def readings(self) -> int:
-        """How many readings of a voltage are averaged."""
-        return self._readings
-
-    @property
-    def scales(self) -> tuple[float, float, float, float, float]:
-        """What ``read_sample`` takes."""
-        return self._scales
-
-    @property
-    def endpoint_noise(self) -> tuple[float, float]:
-        """Noise of displacement [m] and force [N] at a finger's endpoint."""
-        return self._endpoint_noise
 
 
 class SimulatedSpool(NamedTuple):
@@ -373,7 +323,7 @@ class SimulatedDevice:
         )
 
     def adopt(self, drive_voltage_v: float, rng: np.random.Generator, air: AirModel | None, held_m: float) -> None:
-        """Take over what samples in compiled code have left behind, except for the wires' own state.
+        """Go on from samples in compiled code; the wires' own state is theirs.
 
         Parameters
         ----------

@@ -36,17 +36,6 @@ from musclewire.signals import parse_quantity
 if TYPE_CHECKING:
     from musclewire.rigs._simulated import SimulatedDevice, SimulatedSpool
 
-__all__ = [
-    "SIMULATED",
-    "RigConfiguration",
-    "changed_group",
-    "device_of",
-    "open_simulated",
-    "parameters_of",
-    "with_numbers",
-    "with_settings",
-]
-
 Group = TypeVar("Group", bound=ParameterGroup)
 
 

@@ -19,8 +19,6 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from musclewire.signals import measured_in
 
-__all__ = ["OLD_KINDS", "CircuitState", "SimulatedFault", "SimulatedFaults"]
-
 # Earlier names of kinds in rig files, before they were those of the protection's events; they can still be read.
 OLD_KINDS = {
     "broken wire": "wire_open",

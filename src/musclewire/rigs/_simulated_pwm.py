@@ -20,8 +20,6 @@ from musclewire.rigs._simulated import SimulatedDevice, SimulatedInside, Simulat
 from musclewire.signals import RawSample
 from musclewire.wire import SampleMeans
 
-__all__ = ["PulsedDevice"]
-
 
 class PulsePhase(NamedTuple):
     """A piece of a pulse: how long, at which voltage, and which voltages are read at its end."""

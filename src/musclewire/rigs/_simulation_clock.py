@@ -6,8 +6,6 @@ from musclewire.errors import CallerError
 from musclewire.rigs._pacing import SamplePacer
 from musclewire.rigs._protocol import Metadata
 
-__all__ = ["MAXIMUM_SPEED", "MINIMUM_SPEED", "SimulationClock", "checked_speed"]
-
 # A wire that is slower than this is watched better in its recording; faster than this no machine computes one.
 MINIMUM_SPEED, MAXIMUM_SPEED = 0.01, 1000.0
 

@@ -30,8 +30,6 @@ from musclewire.rigs._simulated import require_allowed_pull
 from musclewire.rigs._simulated_configuration import RigConfiguration, changed_group, device_of, parameters_of
 from musclewire.wire import SHAPE, OffsetDistribution, WireConstants, constants_of, measured_grains, spring_load
 
-__all__ = ["Value", "VariedKey", "VariedRig", "VariedWire", "key_unit", "keys_of"]
-
 Value = float | str | bool
 GROUPS: Mapping[str, type[ParameterGroup]] = {"wire": Wire, "alloy": Alloy, "bench": Bench}
 # Keys of a rig file that have no unit: names, and whether the wire is new.

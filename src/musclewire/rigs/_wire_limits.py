@@ -11,8 +11,6 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters import Alloy, Wire, validity_of
 from musclewire.physics import convection_coefficient_w_per_m2_k
 
-__all__ = ["WireCircuit", "limits_of"]
-
 # A wire's resistance by the maker's ohm per metre is within 15 %, and falls by up to a fifth when it contracts.
 WINDOW_LOW, WINDOW_HIGH = 0.55, 1.5
 # Neither a variation between wires nor a draught explains more current or power than the maximum voltage drives.

@@ -9,8 +9,6 @@ from typing import overload
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
-__all__ = ["average", "check_resistance_range", "derivative", "evaluate", "normalised_resistance"]
-
 
 @overload
 def normalised_resistance(resistance_ohm: float, resistance_min_ohm: float, resistance_max_ohm: float) -> float: ...

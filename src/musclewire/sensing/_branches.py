@@ -11,9 +11,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.sensing._smoothing import noise_level, smooth, smoothing_window
 
-__all__ = ["Branch", "checked_branch", "single_valued"]
-
-
 # Maximum smoothing window as a fraction of the branch, so that the bends of a loop are kept.
 MAX_WINDOW_FRACTION = 0.03
 # Below this rank correlation of position and resistance the samples are not in the order of the branch.

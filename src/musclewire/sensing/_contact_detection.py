@@ -34,10 +34,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.sensing._branch_equations import check_resistance_range, evaluate
-
-__all__ = ["THRESHOLD", "AirDisturbance", "ContactDetector", "ContactState", "FreeClosing"]
-
+from musclewire.sensing._branch_equations import check_resistance_range, evaluate, normalised_resistance
 
 # In standard deviations. Of a Gaussian score 4.5 is passed by chance once in 300,000; a closing has some 40 samples.
 THRESHOLD = 4.5
@@ -120,7 +117,7 @@ class FreeClosing:
         -------
         0 at C, 1 at B.
         """
-        return (resistance_ohm - self.resistance_min_ohm) / (self.resistance_max_ohm - self.resistance_min_ohm)
+        return normalised_resistance(resistance_ohm, self.resistance_min_ohm, self.resistance_max_ohm)
 
 
 class AirDisturbance(NamedTuple):

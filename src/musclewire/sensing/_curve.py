@@ -1,7 +1,7 @@
 """The resistance curve of a wire: strain from resistance, and the resistance a strain requires (Eqs. 3 to 5).
 
-An estimator evaluates it at every tick: a few numbers and plain arithmetic, the same for one resistance and for an
-array of them. The report of the fit that found these numbers is in ``fit_report``.
+An estimator evaluates it at every tick, by the arithmetic in ``_curve_tick``. The report of the fit that found these
+numbers is in ``_fit_report``.
 """
 
 from __future__ import annotations
@@ -9,8 +9,9 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import inf, isfinite, sqrt
-from typing import NamedTuple, TypeVar, cast, overload
+from functools import cached_property
+from math import inf, isfinite
+from typing import NamedTuple, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -18,17 +19,9 @@ import numpy.typing as npt
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.sensing._branch_equations import average, check_resistance_range, derivative, evaluate
-
-__all__ = [
-    "QUANTITY_UNITS",
-    "SHOWN_AS",
-    "ArrayEstimate",
-    "CurveEstimate",
-    "ResistanceCurve",
-]
+from musclewire.sensing._curve_tick import CURVE_NUMBERS, curve_estimates
 
 Pairs = tuple[tuple[float, float], ...]
-Number = TypeVar("Number", float, FloatArray)
 
 QUANTITY_UNITS = {"strain": "1", "displacement": "m", "force": "N"}
 # Display of each quantity: factor from SI, and unit.
@@ -129,11 +122,6 @@ class ResistanceCurve:
     average_coefficients: tuple[float, ...] = field(init=False, repr=False, compare=False)
     quantity_min: float = field(init=False, repr=False, compare=False)
     quantity_max: float = field(init=False, repr=False, compare=False)
-    # Computed once for the estimate, which is made at every tick of a loop: plain floats, highest powers first.
-    _per_ohm: float = field(init=False, repr=False, compare=False)
-    _both_falling: Pairs = field(init=False, repr=False, compare=False)
-    _residual_variance: float = field(init=False, repr=False, compare=False)
-    _scale_variance: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         """Derive g_a and the range of the quantity, and check that the parts agree."""
@@ -141,12 +129,6 @@ class ResistanceCurve:
         mean = average(self.heating_coefficients, self.cooling_coefficients)
         object.__setattr__(self, "average_coefficients", mean)
         self._check()
-        both = zip(self.heating_coefficients, self.cooling_coefficients, strict=True)
-        object.__setattr__(self, "_both_falling", tuple(both)[::-1])
-        object.__setattr__(self, "_per_ohm", 1.0 / (self.resistance_max_ohm - self.resistance_min_ohm))
-        residual = (self.rmse_heating**2 + self.rmse_cooling**2) / 2.0
-        object.__setattr__(self, "_residual_variance", residual + self.offset_std**2)
-        object.__setattr__(self, "_scale_variance", self.scale_std**2)
         object.__setattr__(self, "quantity_min", evaluate(mean, self.normalised_max))
         object.__setattr__(self, "quantity_max", evaluate(mean, self.normalised_min))
 
@@ -193,12 +175,14 @@ class ResistanceCurve:
         return low, self.resistance_min_ohm + self.normalised_max * span
 
     @property
-    def falling_coefficients(self) -> Pairs:
-        """Coefficients of heating and cooling branch side by side, highest powers first, as an estimate reads them."""
-        return self._both_falling
+    def own_resistance_ohm(self) -> tuple[float, float]:
+        """Minimum and maximum resistance [ohm] that can be this wire's; one beyond is another wire's, or a fault."""
+        margin = MISMATCH_FRACTION * (self.resistance_max_ohm - self.resistance_min_ohm)
+        return self.resistance_min_ohm - margin, self.resistance_max_ohm + margin
 
-    def tick_constants(self) -> dict[str, float]:
-        """Return the numbers that an estimate reads, by their names in ``polynomial_tick.CONSTANTS``."""
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The numbers that compiled code reads, by name."""
         return {
             "resistance_min_ohm": self.resistance_min_ohm,
             "per_ohm": self._per_ohm,
@@ -206,11 +190,27 @@ class ResistanceCurve:
             "normalised_max": self.normalised_max,
             "normalised_margin": MARGIN,
             "noise_ohm": self.resistance_noise_ohm,
-            "residual_variance": self._residual_variance,
-            "scale_variance": self._scale_variance,
+            "residual_variance": (self.rmse_heating**2 + self.rmse_cooling**2) / 2.0 + self.offset_std**2,
+            "scale_variance": self.scale_std**2,
             "quantity_max": self.quantity_max,
             "quantity_span": self.quantity_max - self.quantity_min,
         }
+
+    @property
+    def coefficients_in_turns(self) -> FloatArray:
+        """The coefficients of both branches in turns, heating first, from the highest power on: (2 (order + 1),)."""
+        return np.column_stack([self.heating_coefficients, self.cooling_coefficients])[::-1].reshape(-1)
+
+    @cached_property
+    def _per_ohm(self) -> float:
+        """Normalised resistance per ohm."""
+        return 1.0 / (self.resistance_max_ohm - self.resistance_min_ohm)
+
+    @cached_property
+    def _constants(self) -> FloatArray:
+        """The array that compiled code reads."""
+        numbers = self.numbers
+        return np.concatenate([[numbers[name] for name in CURVE_NUMBERS], self.coefficients_in_turns])
 
     @overload
     def estimate(self, resistance_ohm: float, resistance_std_ohm: float | None = ...) -> CurveEstimate: ...
@@ -239,54 +239,13 @@ class ResistanceCurve:
         the span, or not finite. A resistance that is not finite reads as fully contracted, as does the 0.0 ohm of "no
         current": a loop that ignores validity then cools.
         """
-        noise = self.resistance_noise_ohm if resistance_std_ohm is None else resistance_std_ohm
+        noise_ohm = self.resistance_noise_ohm if resistance_std_ohm is None else resistance_std_ohm
+        value = np.array(resistance_ohm, dtype=np.float64, order="C")
+        std, valid = np.empty(value.shape), np.empty(value.shape, dtype=np.bool_)
+        curve_estimates(self._constants, noise_ohm, value.reshape(-1), std.reshape(-1), valid.reshape(-1))
         if isinstance(resistance_ohm, (float, int)):
-            return self._estimate_one(float(resistance_ohm), noise)
-        return self._estimate_many(np.asarray(resistance_ohm, dtype=np.float64), noise)
-
-    def _branches(self, inside: Number) -> tuple[Number, Number, Number]:
-        """Return g_h, g_c and the slope of their sum at a normalised resistance: one pass by Horner's rule."""
-        heating = cooling = slope = 0.0 * inside
-        for h, c in self._both_falling:
-            slope = slope * inside + heating + cooling
-            heating = heating * inside + h
-            cooling = cooling * inside + c
-        return heating, cooling, slope
-
-    def _estimate_one(self, resistance_ohm: float, noise_ohm: float) -> CurveEstimate:
-        """Return the estimate of one resistance, in plain floats."""
-        per_ohm = self._per_ohm
-        fraction = (resistance_ohm - self.resistance_min_ohm) * per_ohm
-        low, high = self.normalised_min, self.normalised_max
-        valid = low - MARGIN <= fraction <= high + MARGIN
-        if not isfinite(fraction):
-            return CurveEstimate(self.quantity_max, self.quantity_max - self.quantity_min, False)
-        inside = low if fraction < low else high if fraction > high else fraction
-        heating, cooling, slope = self._branches(inside)
-        half = (heating - cooling) / 2.0
-        spread = slope / 2.0 * (abs(fraction - inside) + noise_ohm * per_ohm)
-        value = (heating + cooling) / 2.0
-        variance = half * half + self._residual_variance + spread * spread + self._scale_variance * value * value
-        std = sqrt(variance)
-        return CurveEstimate(value, min(std, self.quantity_max - self.quantity_min), valid)
-
-    def _estimate_many(self, resistance_ohm: FloatArray, noise_ohm: float) -> ArrayEstimate:
-        """Return the estimates of an array: the same arithmetic as for one resistance, so the same bits."""
-        per_ohm = self._per_ohm
-        fraction = (resistance_ohm - self.resistance_min_ohm) * per_ohm
-        low, high = self.normalised_min, self.normalised_max
-        valid = (fraction >= low - MARGIN) & (fraction <= high + MARGIN)
-        finite = np.isfinite(fraction)
-        known = np.where(finite, fraction, low)
-        inside = np.clip(known, low, high)
-        heating, cooling, slope = self._branches(inside)
-        half = (heating - cooling) / 2.0
-        spread = slope / 2.0 * (np.abs(known - inside) + noise_ohm * per_ohm)
-        value = (heating + cooling) / 2.0
-        variance = half * half + self._residual_variance + spread * spread + self._scale_variance * value * value
-        std = np.sqrt(variance)
-        full = self.quantity_max - self.quantity_min
-        return ArrayEstimate(value, np.where(finite, np.minimum(std, full), full), valid)
+            return CurveEstimate(value.item(), std.item(), valid.item())
+        return ArrayEstimate(value, std, valid)
 
     @overload
     def value(self, resistance_ohm: float) -> float: ...
@@ -434,24 +393,14 @@ class ResistanceCurve:
             fraction = following
         return cast(FloatArray, fraction)
 
-    @overload
-    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float) -> float: ...
-    @overload
-    def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: FloatArray) -> FloatArray: ...
-    @overload
-    def _branch_value(
-        self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray
-    ) -> float | FloatArray: ...
     def _branch_value(self, coefficients: tuple[float, ...], resistance_ohm: float | FloatArray) -> float | FloatArray:
         """Return a polynomial of the clipped normalised resistance, at its lower end if that is not finite."""
         low, high = self.normalised_min, self.normalised_max
-        fraction = (resistance_ohm - self.resistance_min_ohm) * self._per_ohm
-        if isinstance(fraction, float):
-            if not -MISMATCH_FRACTION <= fraction <= 1.0 + MISMATCH_FRACTION:
-                self._warn_of_other_wires(resistance_ohm)
-            return evaluate(coefficients, min(max(low, fraction), high) if isfinite(fraction) else low)
         self._warn_of_other_wires(resistance_ohm)
-        return evaluate(coefficients, np.clip(np.where(np.isfinite(fraction), fraction, low), low, high))
+        with np.errstate(over="ignore"):
+            fraction = (np.asarray(resistance_ohm, dtype=np.float64) - self.resistance_min_ohm) * self._per_ohm
+        value = evaluate(coefficients, np.clip(np.where(np.isfinite(fraction), fraction, low), low, high))
+        return float(value) if np.ndim(resistance_ohm) == 0 else value
 
     def _warn_of_other_wires(self, resistance_ohm: float | FloatArray) -> None:
         """Warn of resistances that are no readings of this wire, and read as an end of its range all the same."""
@@ -484,8 +433,7 @@ class ResistanceCurve:
 
 def other_wires(curve: ResistanceCurve, resistance_ohm: FloatArray) -> npt.NDArray[np.bool_]:
     """Return which resistances are no reading of a curve's wire; what is not finite is no reading at all."""
-    margin = MISMATCH_FRACTION * (curve.resistance_max_ohm - curve.resistance_min_ohm)
-    low, high = curve.resistance_min_ohm - margin, curve.resistance_max_ohm + margin
+    low, high = curve.own_resistance_ohm
     return np.isfinite(resistance_ohm) & ((resistance_ohm < low) | (resistance_ohm > high))
 
 

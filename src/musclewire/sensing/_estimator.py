@@ -21,19 +21,6 @@ from musclewire.sensing._known_load import KnownSpring
 from musclewire.signals import CompiledTick, EstimatorStep, RawSample, WireSample
 from musclewire.wire import WireConstants
 
-__all__ = [
-    "DEFAULT_ESTIMATOR",
-    "ESTIMATORS",
-    "MAX_DROPOUTS",
-    "PAPER_ESTIMATOR",
-    "CompiledEstimator",
-    "Estimator",
-    "EstimatorFactory",
-    "EstimatorSetup",
-    "SlowPart",
-    "dropout_failure",
-]
-
 # What a closed loop runs unless another is named (docs/explanation/decisions/0041-gated-branches-by-default.md).
 DEFAULT_ESTIMATOR = "gated"
 # The one with which the paper's figures were made.
@@ -147,7 +134,7 @@ class CompiledEstimator(Estimator, Protocol):
     """An estimator whose tick can also run in compiled code, in loops that run as a batch (``mw.control_many``)."""
 
     def compiled_tick(self) -> CompiledTick | None:
-        """Return ``step`` as a compiled function, with the state of ``start``: the same numbers, to the bit.
+        """Return ``step`` as a compiled function, with the state of ``start``. Our own estimators run it in ``step``.
 
         It counts only in the class that declares it: one that inherits another step declares its own tick. A slow part
         has no compiled form.

@@ -9,8 +9,6 @@ from math import hypot
 from musclewire.sensing._curve import Pairs, ResistanceCurve, require_in_range
 from musclewire.sensing._home_move import DRIFT_FRACTION, HomeMove
 
-__all__ = ["FittedCurve"]
-
 Rows = tuple[tuple[float, float, float], ...]
 
 

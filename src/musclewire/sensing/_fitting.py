@@ -27,8 +27,6 @@ from musclewire.sensing._polynomial_fit import (
 )
 from musclewire.sensing._segments import LoopSegments, find_segments
 
-__all__ = ["fit_branches", "fit_loop", "fit_segments"]
-
 AnyBranch = tuple[npt.ArrayLike, npt.ArrayLike]
 
 # g_a must fall over at least this fraction of the range of the data to serve as a sensor.

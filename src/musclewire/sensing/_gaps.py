@@ -9,8 +9,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.sensing._branches import Branch, single_valued
 
-__all__ = ["hysteresis_gap", "shared_resistances", "signed_hysteresis_gap"]
-
 AnyBranch = tuple[npt.ArrayLike, npt.ArrayLike]
 
 

@@ -24,9 +24,6 @@ from musclewire.errors import CallerError
 from musclewire.sensing._branch_equations import evaluate
 from musclewire.sensing._contact_detection import ContactState
 
-__all__ = ["GripCurve", "fall_by_cooling"]
-
-
 # An object counts as rigid from the first stiffness, and is never softer than the second.
 MAX_STIFFNESS_N_PER_M, MIN_STIFFNESS_N_PER_M = 1e6, 1.0
 # Stiffnesses of unknown objects: from that of a sponge to one that the fingers can hardly distinguish from a stone's.

@@ -11,8 +11,6 @@ from typing import NamedTuple
 
 from musclewire.signals import Reason
 
-__all__ = ["CAUSE_TEXT", "Cause", "ChangeEvidence", "ChangeState", "after_evidence", "change_of"]
-
 
 class Cause(IntEnum):
     """Why a result may not hold; the number is what a recording holds."""

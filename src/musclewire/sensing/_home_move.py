@@ -7,8 +7,6 @@ from math import isfinite
 
 from musclewire.errors import CallerError
 
-__all__ = ["DRIFT_FRACTION", "DRIFT_SOURCE", "HomeMove"]
-
 # Drift of the resistance that is allowed for, as a fraction of its span from B to C.
 DRIFT_FRACTION = 0.003
 DRIFT_SOURCE = "a wire counts as trained when five cycles move its loop by less than 0.3 % (musclewire train)"

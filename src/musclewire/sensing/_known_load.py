@@ -10,10 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from musclewire.errors import CallerError
-from musclewire.physics import friction_force_n
 from musclewire.sensing._model import SensingModel
-
-__all__ = ["TURNING_M", "KnownSpring", "force_model"]
 
 # Over this travel after a reversal the friction reverses. That of a guide does so within some 20 um, but a
 # displacement read from resistance is uncertain by more, and a loop on a force that jumps within it chatters: four
@@ -53,23 +50,6 @@ class KnownSpring:
             raise CallerError(
                 f"friction of {self.friction_n:g} N over {self.turning_m:g} m: it must be at least 0, the travel above"
             )
-
-    def friction_after(self, friction_n: float, spring_force_change_n: float) -> float:
-        """Return the friction after the spring's force has changed.
-
-        Parameters
-        ----------
-        friction_n
-            Friction before [N].
-        spring_force_change_n
-            Change of the spring's force [N], of either sign.
-
-        Returns
-        -------
-        Friction after [N].
-        """
-        moved_m = spring_force_change_n / self.stiffness_n_per_m
-        return float(friction_force_n(friction_n, moved_m, self.friction_n, self.turning_m))
 
 
 def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: float) -> SensingModel:

@@ -10,8 +10,6 @@ from musclewire.arrays import FloatArray
 from musclewire.sensing._resistance_maximum import ResistanceMaximum, resistance_maximum
 from musclewire.sensing._turning_points import HalfCycle, SmoothedRecording
 
-__all__ = ["LoopPoints", "fall_from_b_to_c", "points_of"]
-
 # The maximum next to C is B if the resistance falls from it by this fraction of the largest fall: the cold end of a
 # recording may read more than B does.
 MAIN_FALL = 0.8

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-__all__ = ["SensingModel", "load_model"]
-
 
 @dataclass(frozen=True, repr=False)
 class SensingModel(FittedCurve):

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import secrets
-from contextlib import suppress
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -15,11 +12,10 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._home_move import HomeMove
+from musclewire.signals import write_text_whole
 
 if TYPE_CHECKING:
     from os import PathLike
-
-__all__ = ["MAX_FILE_BYTES", "MODEL_FORMAT", "MODEL_VERSION", "read_fields", "save_model"]
 
 MODEL_FORMAT = "musclewire-sensing-model"
 MODEL_VERSION = 1
@@ -107,19 +103,7 @@ def save_model(model: FittedCurve, path: str | PathLike[str]) -> None:
     text = json.dumps(_contents(model), indent=1, allow_nan=False) + "\n"
     if len(text) > MAX_FILE_BYTES:
         raise CallerError(f"model file {target} would take {len(text)} bytes: shorten the wire notes")
-    temporary = target.with_name(f".{target.name}.{secrets.token_hex(6)}.part")
-    try:
-        with temporary.open("x", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, target)  # noqa: PTH105 - the call whose atomicity is documented
-    except OSError as error:
-        raise CallerError(f"cannot write model file {target}: {error.strerror or error}") from error
-    finally:
-        # After the replacement there is no file of this name.
-        with suppress(OSError):
-            temporary.unlink(missing_ok=True)
+    write_text_whole(target, text)
 
 
 def read_fields(path: str | PathLike[str]) -> dict[str, Any]:

@@ -14,8 +14,6 @@ from musclewire.sensing._fit_report import FittedCurve
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["html", "plot_model", "report", "rows", "summary"]
-
 # How names of notes end, and how their numbers are shown: factor and unit. Longer endings come first.
 NOTE_UNITS = (("_n_per_m", 1.0, "N/m"), ("_ohm", 1.0, "ohm"), ("_m", 1e3, "mm"), ("_n", 1.0, "N"), ("_v", 1.0, "V"))
 

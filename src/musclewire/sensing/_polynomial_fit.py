@@ -13,16 +13,6 @@ from musclewire.errors import CallerError, RecordingError
 from musclewire.sensing._branch_equations import normalised_resistance
 from musclewire.sensing._branches import Branch
 
-__all__ = [
-    "MAX_ORDER",
-    "FitPoints",
-    "PolynomialFit",
-    "choose_order",
-    "fit_points",
-    "fit_polynomial",
-]
-
-
 # Beyond this order power coefficients lose their digits.
 MAX_ORDER = 15
 # A branch of more points than this is averaged in so many equal slices of normalised resistance.

@@ -14,9 +14,6 @@ from musclewire.sensing._loop_points import fall_from_b_to_c
 from musclewire.sensing._resistance_maximum import ResistanceMaximum, resistance_maximum
 from musclewire.sensing._smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
-__all__ = ["ResistanceExtremes", "find_resistance_extremes"]
-
-
 MIN_SAMPLES = 20
 # A fall smaller than this fraction of the resistance is drift; the transformation takes about a tenth.
 MIN_FALL_FRACTION = 0.01

@@ -11,9 +11,6 @@ from scipy.special import fdtri
 
 from musclewire.arrays import FloatArray
 
-__all__ = ["ResistanceMaximum", "parabola_maximum", "resistance_maximum"]
-
-
 # The widest window: where the resistance is within this fraction of the fall from B to C below its maximum. A wider
 # one gains little, as a polynomial follows the curve's bends over a part of it only.
 APEX_FRACTION = 0.03

@@ -23,9 +23,6 @@ from musclewire.sensing._turning_points import (
     turning_points,
 )
 
-__all__ = ["LoopSegments", "find_loops", "find_segments"]
-
-
 MIN_SAMPLES = 20
 MIN_BRANCH_SAMPLES = 8
 # A cycle is complete if it ends within this fraction of its stroke from its start.

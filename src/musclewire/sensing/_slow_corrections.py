@@ -20,8 +20,6 @@ from musclewire.errors import CallerError
 from musclewire.sensing._estimator import Estimator, SlowPart
 from musclewire.signals import MetadataValue, QuantityEstimate, WireSample
 
-__all__ = ["CORRECTION_COLUMN", "SlowCorrection", "InLine", "InThread", "SlowCorrections", "SlowStatus", "estimates"]
-
 CORRECTION_COLUMN = "slow_correction"
 # While a slow part computes in Python, the tick gets the interpreter back after at most this; Python's default is 5 ms.
 SWITCH_INTERVAL_S = 0.0005

@@ -8,9 +8,6 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 
-__all__ = ["noise_level", "smooth", "smoothed_noise", "smoothing_window"]
-
-
 # Smoothing suffices when the remaining noise is this fraction of the span of the curve.
 NOISE_GOAL = 1e-3
 # A local parabola over w samples leaves about sqrt(2.25 / w) of the noise in the middle of the window.

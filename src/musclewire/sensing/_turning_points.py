@@ -13,9 +13,6 @@ from musclewire.compiled import compiled
 from musclewire.sensing._branches import MAX_WINDOW_FRACTION
 from musclewire.sensing._smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
-__all__ = ["HalfCycle", "SmoothedRecording", "half_cycles", "smoothed", "turning_points"]
-
-
 # A swing of less than this fraction of the whole stroke is a ripple of a branch and not a cycle.
 MIN_SWING = 0.2
 # Samples within this fraction of the stroke from an end may belong to the dwell there.

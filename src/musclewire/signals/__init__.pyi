@@ -1,7 +1,5 @@
 """The list of names that other rooms may use."""
 
-from ._background_writer import AppendingProcess as AppendingProcess
-from ._background_writer import BackgroundWriter as BackgroundWriter
 from ._columns import COLUMNS as COLUMNS
 from ._columns import ISOBAR_TABLE as ISOBAR_TABLE
 from ._columns import columns_called as columns_called
@@ -27,7 +25,9 @@ from ._exchange import as_command as as_command
 from ._exchange import drive_voltage_of as drive_voltage_of
 from ._exchange import wire_sample as wire_sample
 from ._hdf5 import describe_recording as describe_recording
-from ._headers import numbered_headers as numbered_headers
+from ._headers import IgnoredHeader as IgnoredHeader
+from ._headers import MatchedHeader as MatchedHeader
+from ._headers import UndecidedHeader as UndecidedHeader
 from ._headers import split_header as split_header
 from ._import_mapping import ImportMapping as ImportMapping
 from ._import_mapping import load_mapping as load_mapping
@@ -41,6 +41,7 @@ from ._metadata import MetadataValue as MetadataValue
 from ._metadata import checked_metadata as checked_metadata
 from ._metadata import entry_from_text as entry_from_text
 from ._metadata import value_to_text as value_to_text
+from ._open_journal import OpenJournal as OpenJournal
 from ._open_journal import refuse_unfinished as refuse_unfinished
 from ._plots import PLOTS as PLOTS
 from ._plots import usual_plot as usual_plot
@@ -60,11 +61,15 @@ from ._source_table import RowBlock as RowBlock
 from ._source_table import SourceColumn as SourceColumn
 from ._source_table import SourceTable as SourceTable
 from ._source_table import TableInMemory as TableInMemory
+from ._source_table import stated_period_s as stated_period_s
+from ._text_lines import Line as Line
+from ._text_lines import lines_of as lines_of
+from ._text_tables import TextTable as TextTable
+from ._text_tables import table_of_lines as table_of_lines
 from ._understanding import FileInterpretation as FileInterpretation
 from ._units import measured_in as measured_in
 from ._units import measures as measures
 from ._units import parse_quantity as parse_quantity
-from ._units import quantity_with_suffix as quantity_with_suffix
 from ._whole_files import write_text_whole as write_text_whole
 from ._whole_files import write_whole as write_whole
 from ._writing import FileWriter as FileWriter

@@ -8,8 +8,6 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 
-__all__ = ["AbsoluteClock", "absolute_clock"]
-
 # A clock beyond this does not count from the beginning of a recording: it would have lasted three years.
 ABSOLUTE_FROM_S = 1e8
 

@@ -13,8 +13,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 
-__all__ = ["ClockTexts", "is_clock_text", "is_date", "is_time_of_day"]
-
 _MICROSECONDS = 1_000_000
 _DAY_US = 86_400 * _MICROSECONDS
 _TIME = (

@@ -16,18 +16,6 @@ from typing import Any, Literal
 
 from musclewire.errors import CallerError, nearest_hint
 
-__all__ = [
-    "Column",
-    "ColumnKind",
-    "COLUMNS",
-    "known_column",
-    "key_of_header",
-    "columns_called",
-    "BRANCH_TABLE",
-    "ISOBAR_TABLE",
-    "needs_no_clock",
-]
-
 ColumnKind = Literal["time", "electrical", "reference", "control", "table"]
 
 

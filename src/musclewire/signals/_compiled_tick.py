@@ -1,7 +1,7 @@
 """A tick of an estimator or a controller as a compiled function: numbers in arrays, for loops that run as a batch.
 
-An implementation that can be compiled declares its tick by a method ``compiled_tick``; it computes the very numbers of
-``step``, to the bit. ``tests/contract`` compares both for every implementation that has one.
+An implementation that can be compiled declares its tick by a method ``compiled_tick``; it is what ``step`` runs, or
+gives the same numbers. ``tests/contract`` compares both for every implementation that has one.
 """
 
 from __future__ import annotations
@@ -12,15 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-
-__all__ = [
-    "CONTROLLER_ANSWERS",
-    "CONTROLLER_INPUTS",
-    "ESTIMATOR_ANSWERS",
-    "ESTIMATOR_INPUTS",
-    "CompiledTick",
-    "declared_tick",
-]
 
 # What the arrays `given` and `answer` of a tick hold, in this order; the numbers to record follow the answer.
 ESTIMATOR_INPUTS = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")

@@ -7,8 +7,6 @@ from enum import StrEnum
 from musclewire.errors import RecordingError
 from musclewire.signals._recording import Recording
 
-__all__ = ["ElectricalSource", "require_electrical"]
-
 
 class ElectricalSource(StrEnum):
     """The columns from which the resistance of the wire can be computed."""

@@ -7,23 +7,6 @@ from typing import Any, NamedTuple
 
 from musclewire.errors import CallerError
 
-__all__ = [
-    "Command",
-    "Drive",
-    "Target",
-    "as_command",
-    "drive_voltage_of",
-    "ELECTRICAL_COLUMNS",
-    "REFERENCE_COLUMNS",
-    "ControlStep",
-    "EstimatorStep",
-    "QuantityEstimate",
-    "RawSample",
-    "Reason",
-    "WireSample",
-    "wire_sample",
-]
-
 
 class Drive(NamedTuple):
     """A drive voltage that is applied for one sample period.

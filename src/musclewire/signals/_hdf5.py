@@ -20,8 +20,6 @@ from musclewire.signals._columns import COLUMNS
 from musclewire.signals._metadata import RESERVED, MetadataValue, checked_metadata
 from musclewire.signals._whole_files import write_whole
 
-__all__ = ["describe_recording", "fill_hdf5", "is_recording", "read_hdf5_columns"]
-
 FORMAT = "musclewire-recording"
 FORMAT_VERSION = 1
 

@@ -12,8 +12,6 @@ from musclewire.signals._columns import COLUMNS
 from musclewire.signals._hdf5 import FORMAT, FORMAT_VERSION
 from musclewire.signals._metadata import MetadataValue
 
-__all__ = ["fill_hdf5_blocks"]
-
 _CHUNK_ROWS = 16_384
 
 

@@ -12,19 +12,6 @@ from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, Column, columns_c
 from musclewire.signals._source_table import SourceColumn
 from musclewire.signals._units import UnitConversion, conversion_to_si, measures
 
-__all__ = [
-    "HeaderMatch",
-    "IgnoredHeader",
-    "MatchedHeader",
-    "UndecidedHeader",
-    "match_columns",
-    "missing_from",
-    "numbered_headers",
-    "split_header",
-    "understand_headers",
-]
-
-
 How = Literal["own name", "synonym", "mapped", "values", "unit"]
 
 
@@ -100,19 +87,6 @@ def split_header(header: str) -> tuple[str, str | None]:
         return header.strip(), None
     parts = match.groupdict()
     return parts["name"], (parts["unit"] if parts["unit"] is not None else parts["other"]).strip()
-
-
-def understand_headers(
-    headers: Sequence[str], mapping: Mapping[str, str] | None, path: str
-) -> tuple[tuple[MatchedHeader, ...], tuple[IgnoredHeader, ...]]:
-    """Return the headers that match a column, and those that are ignored.
-
-    Raises the first RecordingError that :func:`match_columns` leaves undecided, and its own errors.
-    """
-    match = match_columns([SourceColumn(header) for header in headers], mapping, path)
-    if match.undecided:
-        raise RecordingError(match.undecided[0].message)
-    return match.taken, match.ignored
 
 
 def match_columns(

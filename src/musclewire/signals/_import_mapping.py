@@ -32,8 +32,6 @@ from musclewire.signals._metadata import MetadataValue, checked_metadata
 from musclewire.signals._units import parse_quantity
 from musclewire.signals._whole_files import write_text_whole
 
-__all__ = ["ImportMapping", "load_mapping", "save_mapping"]
-
 _FORMAT = "musclewire-mapping"
 _SWITCHES = ("drop_missing", "zero", "invert")
 _KEYS = ("format", "version", "sample_period", "ignore", "group", *_SWITCHES, "columns", "metadata")

@@ -29,8 +29,6 @@ from musclewire.signals._side_by_side import stacked_branches
 from musclewire.signals._source_table import Cells, RowBlock, SourceTable, head_of
 from musclewire.signals._units import conversion_to_si
 
-__all__ = ["ImportPlan", "CheckedBlocks", "checked_blocks", "plan_import"]
-
 # Our own runs hold NaN in samples without an estimate; in any other column NaN is a gap in the data.
 _MAY_BE_NAN = frozenset(name for name in COLUMNS if name.startswith("estimated_"))
 # A wire that shortens by its whole length does not exist: larger numbers are percent, not fractions.

@@ -14,9 +14,8 @@ from scipy import signal
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.signals._columns import known_column
-from musclewire.signals._recording import MetadataValue, Recording
-
-__all__ = ["JoinedRecordings", "join_recordings"]
+from musclewire.signals._metadata import MetadataValue
+from musclewire.signals._recording import Recording
 
 # Below this correlation the two columns do not show the same thing.
 MIN_CORRELATION = 0.7

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import struct
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,18 +21,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.signals._columns import COLUMNS
 from musclewire.signals._metadata import MetadataValue
-
-__all__ = [
-    "JournalContents",
-    "encoded_end",
-    "encoded_rows",
-    "encoded_start",
-    "is_journal",
-    "journal_of",
-    "parsed_journal",
-    "recording_of",
-    "unfinished",
-]
 
 JOURNAL_SUFFIX = ".journal"
 FORMAT, FORMAT_VERSION = "musclewire-journal", 1
@@ -112,45 +100,41 @@ class JournalContents:
 
 def parsed_journal(data: bytes, path: Path) -> JournalContents:
     """Return what a journal's bytes hold, up to the first record that is not whole. Raises RecordingError."""
-    records = JournalRecords(memoryview(data), _records_begin(data, path))
-    columns, metadata = _start_of(next(iter(records), None), path)
-    blocks, ended = [], ""
-    for kind, body in records:
+    rest = memoryview(data)[_records_begin(data, path) :]
+    first = _whole_record(rest)
+    columns, metadata = _start_of(first, path)
+    blocks, ended, record = [np.empty(0)], "", first
+    while record is not None:
+        kind, body = record
         if kind == ROWS and len(body) % (8 * len(columns)) == 0:
             blocks.append(np.frombuffer(body, dtype="<f8"))
         elif kind == END:
             last = _facts_of(body, path)
             ended, metadata = str(last.get("ended", "")), {**metadata, **dict(last.get("metadata", {}))}
-    values = np.concatenate([np.empty(0), *blocks]).reshape(-1, len(columns))
-    return JournalContents(columns, values, metadata, ended, records.damaged_bytes())
+        rest = rest[HEAD.size + len(body) :]
+        record = _whole_record(rest)
+    values = np.concatenate(blocks).reshape(-1, len(columns))
+    return JournalContents(columns, values, metadata, ended, _damaged_bytes(rest))
 
 
-class JournalRecords:
-    """The whole records of a journal, one after the other."""
+def _whole_record(rest: memoryview) -> tuple[int, memoryview] | None:
+    """Return kind and body of the first record of some bytes, None if it is not whole."""
+    if len(rest) < HEAD.size:
+        return None
+    kind, size, checksum = HEAD.unpack_from(rest)
+    body = rest[HEAD.size :][:size]
+    whole = kind in (START, ROWS, END) and len(body) == size and _checksum(kind, body) == checksum
+    return (kind, body) if whole else None
 
-    def __init__(self, data: memoryview, place: int) -> None:
-        """Begin at a place in the bytes."""
-        self._data, self.place = data, place
 
-    def __iter__(self) -> Iterator[tuple[int, memoryview]]:
-        """Give kind and body of the next record, as long as they are whole."""
-        while self.place + HEAD.size <= len(self._data):
-            kind, size, checksum = HEAD.unpack_from(self._data, self.place)
-            body = self._data[self.place + HEAD.size :][:size]
-            if kind not in (START, ROWS, END) or len(body) < size or _checksum(kind, body) != checksum:
-                return
-            self.place += HEAD.size + size
-            yield kind, body
-
-    def damaged_bytes(self) -> int:
-        """Return how many bytes are after the last whole record, 0 if a torn one or empty blocks explain them."""
-        rest = self._data[self.place :]
-        if len(rest) >= HEAD.size:
-            kind, size, _ = HEAD.unpack_from(rest)
-            torn = kind in (ROWS, END) and len(rest) < HEAD.size + size
-            # A power cut may leave the length of a file without its last blocks, which then read as zeros.
-            return 0 if torn or not np.frombuffer(rest, dtype=np.uint8).any() else len(rest)
+def _damaged_bytes(rest: memoryview) -> int:
+    """Return how many bytes are after the last whole record, 0 if a torn one or empty blocks explain them."""
+    if len(rest) < HEAD.size:
         return 0
+    kind, size, _ = HEAD.unpack_from(rest)
+    torn = kind in (ROWS, END) and len(rest) < HEAD.size + size
+    # A power cut may leave the length of a file without its last blocks, which then read as zeros.
+    return 0 if torn or not np.frombuffer(rest, dtype=np.uint8).any() else len(rest)
 
 
 def _records_begin(data: bytes, path: Path) -> int:

@@ -6,8 +6,6 @@ import os
 import sys
 from pathlib import Path
 
-__all__ = ["lock", "locked_by_another"]
-
 
 def lock(descriptor: int) -> None:
     """Lock an open file for as long as it is open in any process. Does nothing where the system has no such locks."""

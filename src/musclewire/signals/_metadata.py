@@ -12,8 +12,6 @@ import numpy as np
 from musclewire.errors import CallerError
 from musclewire.signals._units import quantity_with_suffix
 
-__all__ = ["MetadataValue", "checked_metadata", "one_line", "value_to_text", "entry_from_text"]
-
 MetadataValue = str | int | float | bool | None
 
 _KEY = re.compile(r"[a-z][a-z0-9_.]*")

@@ -6,8 +6,6 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-__all__ = ["NumberStyle", "is_missing", "looks_numeric", "style_of"]
-
 # Cells without a number, in lower case: blank, not a number, not available, overload of a meter, nothing.
 _MISSING = frozenset({
     "", "nan", "+nan", "-nan", "1.#qnan", "-1.#ind", "1.#ind", "n/a", "#n/a", "na", "n.a.", "null", "none", "nil",
@@ -40,11 +38,6 @@ class NumberStyle:
 
     decimal: str = "."
     thousands: str = ""
-
-    @property
-    def is_plain(self) -> bool:
-        """Whether numbers are written as programs write them."""
-        return self.decimal == "." and not self.thousands
 
     def __str__(self) -> str:
         """Return the style in words, "" if it is plain."""

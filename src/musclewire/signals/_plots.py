@@ -11,8 +11,6 @@ from musclewire.signals._columns import needs_no_clock
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["PLOTS", "PlotKind", "usual_plot"]
-
 # Takes the recording and the name of a figure style.
 PlotKind = Callable[[Any, str], "Figure"]
 

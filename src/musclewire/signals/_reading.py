@@ -20,9 +20,6 @@ from musclewire.signals._source_table import SourceColumn, SourceTable, TableInM
 from musclewire.signals._understanding import FileInterpretation, understanding_of
 from musclewire.signals._writing import require_streamable, write_blocks
 
-__all__ = ["has_headers", "import_recording", "mappings_of_files", "read_hdf5", "read_recording", "understand"]
-
-
 # Suffixes that need no part outside the core.
 OWN_SUFFIXES = (".h5", ".hdf5", ".csv", ".tsv", ".txt", ".dat", ".asc")
 

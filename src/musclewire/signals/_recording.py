@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["Recording", "MetadataValue"]
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording:

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
-from array import array
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
 from musclewire.errors import CallerError, RecordingNotWrittenError, nearest_hint
 from musclewire.signals._columns import known_column, needs_no_clock
-from musclewire.signals._journal import parsed_journal
-from musclewire.signals._metadata import MetadataValue, checked_metadata, one_line
+from musclewire.signals._metadata import MetadataValue, one_line
 from musclewire.signals._open_journal import OpenJournal
-from musclewire.signals._synced_file import SyncedFile
-
-__all__ = ["RecordingWriter"]
 
 
 class RecordingWriter:
@@ -59,12 +53,8 @@ class RecordingWriter:
             raise CallerError(f"block_rows is {block_rows}; give 1 or more")
         self._names = _checked_names(columns)
         self._block_rows = block_rows
-        # Rows that are in the file, and those after them.
-        self._emptied_rows, self._buffer = 0, array("d")
         self._ended = "running"
-        known = checked_metadata(metadata or {})
-        self._journal = OpenJournal(Path(path), self._names, known, overwrite)
-        self._file = SyncedFile(self._journal.descriptor)
+        self._journal = OpenJournal(path, self._names, metadata or {}, overwrite)
 
     @property
     def path(self) -> Path:
@@ -74,7 +64,7 @@ class RecordingWriter:
     @property
     def rows_written(self) -> int:
         """Rows that survive a kill."""
-        return self._journal.rows_noted
+        return self._journal.rows_written
 
     @property
     def ended(self) -> str:
@@ -98,11 +88,13 @@ class RecordingWriter:
         """
         if self._ended != "running":
             raise CallerError(f"{self.path}: the recording is closed ('{self._ended}'); start another one")
-        self._buffer.fromlist(_checked_row(row, self._names))
-        if len(self._buffer) >= self._block_rows * len(self._names):
-            self._write(self._buffer)
-            # One statement: a Ctrl-C falls before it or after it.
-            self._emptied_rows, self._buffer = self.rows_written, array("d")
+        # One call: a Ctrl-C falls before it or after it.
+        self._journal.values.fromlist(_checked_row(row, self._names))
+        if len(self._journal.values) >= (self.rows_written + self._block_rows) * len(self._names):
+            try:
+                self._journal.write_rows()
+            except OSError as problem:
+                raise self._given_up(problem) from None
 
     def close(self, ended: str = "done", metadata: Mapping[str, MetadataValue] | None = None) -> None:
         """Write the remaining rows and why the recording ended, as plain HDF5. Closing twice does nothing.
@@ -123,11 +115,7 @@ class RecordingWriter:
             return
         self._ended = one_line(ended) or "done"
         try:
-            self._write_rest()
-            self._file.close()
-            whole = parsed_journal(self._journal.journal.read_bytes(), self._journal.journal)
-            columns = {name: whole.values[:, place] for place, name in enumerate(self._names)}
-            self._journal.finish(columns, checked_metadata(metadata or {}), self._ended)
+            self._journal.close(self._ended, metadata or {})
         except OSError as problem:
             raise self._given_up(problem) from None
 
@@ -146,25 +134,8 @@ class RecordingWriter:
         else:
             self.close(f"{kind.__name__}: {problem}")
 
-    def _write(self, values: array[float]) -> None:
-        row = 0
-        try:
-            while row < len(values) // len(self._names):
-                before = self.rows_written
-                self._file.append(self._journal.next_record(values, row))
-                row += self.rows_written - before
-        except OSError as problem:
-            raise self._given_up(problem) from None
-
-    def _write_rest(self) -> None:
-        """Write what is in the buffer and not in the file: a Ctrl-C may have come between the two."""
-        written = self._journal.cut_to_whole_records() - self._emptied_rows
-        self._write(self._buffer[written * len(self._names) :])
-
     def _given_up(self, problem: OSError) -> RecordingNotWrittenError:
         self._ended = one_line(f"OSError: {problem.strerror or problem}")
-        with contextlib.suppress(OSError):
-            self._file.close()
         rows = self._journal.leave(self._ended)
         kept = f"; {rows} rows are in {self._journal.journal}"
         return RecordingNotWrittenError(f"cannot write {self.path}: {problem.strerror or problem}{kept}")

@@ -15,8 +15,6 @@ from typing import Self, overload
 from musclewire.errors import RecordingError
 from musclewire.signals._metadata import MetadataValue
 
-__all__ = ["RunFacts"]
-
 
 @dataclass(frozen=True)
 class NumberFact:

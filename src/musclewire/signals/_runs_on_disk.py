@@ -21,8 +21,6 @@ from musclewire.signals._open_journal import replace_journal
 from musclewire.signals._recording import Recording
 from musclewire.signals._writing import write_columns
 
-__all__ = ["read_run", "recover_recording"]
-
 RUNNING, CUT_OFF = "running", "cut off"
 
 

@@ -12,8 +12,6 @@ from musclewire.signals._columns import columns_called
 from musclewire.signals._headers import split_header
 from musclewire.signals._source_table import SourceColumn, SourceTable, TableInMemory
 
-__all__ = ["stacked_branches"]
-
 _BRANCHES = (
     ("heating", re.compile(r"(?:heating|heat-up|warming|aufheizen|erwärmen)", re.IGNORECASE)),
     ("cooling", re.compile(r"(?:cooling|cool-down|abkühlen)", re.IGNORECASE)),

@@ -5,6 +5,7 @@ Every reader of a format returns one, and ``headers.py`` matches its columns wha
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
@@ -12,10 +13,12 @@ from typing import NamedTuple, Protocol
 from musclewire.arrays import FloatArray
 from musclewire.signals._metadata import MetadataValue
 
-__all__ = ["BLOCK_ROWS", "RowBlock", "Cells", "SourceColumn", "SourceTable", "TableInMemory", "head_of"]
-
 # Rows that are handed over together: enough to be fast, and few enough to take little memory.
 BLOCK_ROWS = 65_536
+
+# Under which keys programs state the time between rows, or how many there are in a second.
+_PERIOD = re.compile(r"((?:sampl\w*_)?(?:interval|period|time|time_step)|dt|ts|delta_[tx])(_s)?")
+_RATE = re.compile(r"((?:sampl\w*_)?(?:rate|frequency|freq)|samplerate|fs)(_hz)?")
 
 # The cells of one column: numbers (NaN in an empty cell), or text as it is written.
 Cells = FloatArray | list[str]
@@ -162,3 +165,28 @@ def head_of(table: SourceTable, index: int) -> Cells:
     """Return the first cells of a column, none if the table is empty."""
     first = next(iter(table.blocks([index])), None)
     return [] if first is None else first.values[0]
+
+
+def stated_period_s(metadata: Mapping[str, MetadataValue], unit_stated: bool) -> float | None:
+    """Return the time between two rows [s] that the metadata of a file state, or None.
+
+    Parameters
+    ----------
+    metadata
+        The metadata; those of a text file carry their unit at the end of the name.
+    unit_stated
+        Whether only keys with a unit count; MATLAB's ``Fs`` and ``dt`` are in Hz and s without one.
+
+    Returns
+    -------
+    The period [s].
+    """
+    for key, value in metadata.items():
+        if isinstance(value, bool) or not isinstance(value, float | int) or not 0.0 < value < float("inf"):
+            continue
+        period, rate = _PERIOD.fullmatch(key), _RATE.fullmatch(key)
+        if period is not None and (period[2] or not unit_stated):
+            return float(value)
+        if rate is not None and (rate[2] or not unit_stated) and 1.0 / value < float("inf"):
+            return 1.0 / float(value)
+    return None

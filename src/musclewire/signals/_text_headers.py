@@ -7,8 +7,6 @@ from collections.abc import Callable, Sequence
 
 from musclewire.errors import RecordingError
 
-__all__ = ["header_rows", "joined_headers", "spaced_headers"]
-
 _SPACED_HEADER = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
 _BRACKETED = re.compile(r"\s*[\[(<{](.*)[\])>}]\s*")
 # Words of two groups of columns next to each other.

@@ -7,17 +7,14 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from musclewire.errors import RecordingError
 from musclewire.signals._clock_texts import is_clock_text
 from musclewire.signals._number_style import NumberStyle, is_missing, looks_numeric, style_of
 from musclewire.signals._text_headers import header_rows, joined_headers, spaced_headers
+from musclewire.signals._text_lines import Line
 from musclewire.signals._units import is_unit
-
-__all__ = ["Line", "TextLayout", "layout_of", "split_line", "too_wide"]
-
-# The number of a line, from 1, and its text.
-Line = tuple[int, str]
 
 SEPARATOR_WORDS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
 # Tab and semicolon come before the comma, because in a file that they separate a comma may be the decimal sign.
@@ -48,28 +45,31 @@ class TextLayout:
     def __str__(self) -> str:
         """Return the layout in words."""
         style = f", {self.style}" if str(self.style) else ""
-        return f"text, separated by {SEPARATOR_WORDS[self.separator]}{style}"
+        return f"separated by {SEPARATOR_WORDS[self.separator]}{style}"
 
 
-def split_line(line: str, separator: str) -> list[str]:
-    """Return the cells of a line."""
+def split_lines(lines: Sequence[str], separator: str) -> list[list[str]]:
+    """Return the cells of each line."""
     if separator == " ":
-        return line.split()
+        return [line.split() for line in lines]
+    how: dict[str, Any] = {"delimiter": separator, "skipinitialspace": separator != "\t"}
     try:
-        return next(csv.reader([line], delimiter=separator, skipinitialspace=separator != "\t"), [])
+        rows = list(csv.reader(lines, **how))
+        # A quote that does not end would take the next lines into its cell.
+        return rows if len(rows) == len(lines) else [next(csv.reader([line], **how), []) for line in lines]
     except csv.Error:
-        return line.split(separator)
+        return [line.split(separator) for line in lines]
 
 
-def layout_of(lines: Sequence[Line], comments: Sequence[str], suffix: str, path: str) -> TextLayout:
+def layout_of(lines: Sequence[Line], comments: Sequence[str], separator: str | None, path: str) -> TextLayout:
     """Return the layout of a table from its first lines, without comments and blank lines.
 
-    ``comments`` are the lines before the table that begin with a sign of a comment. Raises RecordingError if there are
-    no rows of numbers, or the headers do not fit them.
+    ``comments`` are the lines before the table that begin with a sign of a comment; a separator that is None is found.
+    Raises RecordingError if there are no rows of numbers, or the headers do not fit them.
     """
-    sample = [text for _, text in lines[-_SAMPLE_LINES:]]
-    separator = "\t" if suffix == ".tsv" else _separator(sample)
-    rows = [split_line(text, separator) for _, text in lines]
+    if separator is None:
+        separator = _separator([text for _, text in lines[-_SAMPLE_LINES:]])
+    rows = split_lines([text for _, text in lines], separator)
     width, numeric = _numeric_columns(rows[-_SAMPLE_LINES:])
     if not numeric:
         raise RecordingError(f"{path}: has no rows of numbers below its headers; a recording needs 2 or more")
@@ -102,7 +102,7 @@ def _separator(sample: Sequence[str]) -> str:
 
 
 def _score(sample: Sequence[str], separator: str) -> tuple[bool, float]:
-    rows = [split_line(text, separator) for text in sample]
+    rows = split_lines(sample, separator)
     width, numeric = _numeric_columns(rows)
     like = [row for row in rows if len(_stripped(row)) == width and _count(row)]
     cells = sum(len(row) for row in like)
@@ -153,7 +153,7 @@ def _is_row(row: Sequence[str], width: int, numeric: frozenset[int]) -> bool:
 
 
 def _too_wide(path: str, line: Line, separator: str, headers: int) -> str:
-    cells = len(_stripped(split_line(line[1], separator)))
+    cells = len(_stripped(split_lines([line[1]], separator)[0]))
     return too_wide(f"{path}: line {line[0]} has {cells} cells for {headers} headers", line[1], separator)
 
 
@@ -169,7 +169,7 @@ def _commented_headers(comments: Sequence[str], separator: str, width: int, path
     last = comments[-1] if comments else ""
     if not last or "=" in last:
         return ()
-    headers = split_line(last, separator) if separator != " " else _spaced_or_none(last, width, path)
+    headers = split_lines([last], separator)[0] if separator != " " else _spaced_or_none(last, width, path)
     found = joined_headers([headers])
     return found if len(found) == width and not all(map(looks_numeric, found)) else ()
 

@@ -1,23 +1,21 @@
-"""The lines of a text file, decoded piece by piece, so that no file is too large and no line endless."""
+"""The lines of a text file in any usual encoding, one after another: no file is too large, and no line endless."""
 
 from __future__ import annotations
 
 import codecs
+import itertools
 import re
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
 
 from musclewire.errors import RecordingError
 
-__all__ = ["ConsecutiveLines", "lines_of"]
-
-# Read at once: large enough for speed, small against the 500 MiB that an import may take.
-_PIECE_BYTES = 1 << 22
 # A row of a thousand columns of 20 characters is 50 times shorter.
 _MAX_LINE_LENGTH = 1_000_000
 # A quoted cell may hold line breaks; one that never ends must not swallow the file.
 _MAX_LINES_OF_A_CELL = 30
+_CONTROL = re.compile(rb"[\x01-\x08\x0b\x0e-\x19\x1b-\x1f]")
 _OPEN_QUOTE = re.compile(r'(?:^|[,;\t|] ?)"(?:[^"]|"")*$')
 
 # What files begin with that only pretend to be text, and what to do.
@@ -38,69 +36,63 @@ _BINARY = (
 )
 
 
-class ConsecutiveLines(NamedTuple):
-    """Some consecutive lines without their ends, and the number of the first, from 1.
-
-    ``ends`` is False for the last lines of a file whose last line has no end, as a recording has that was cut off.
-    """
-
-    first: int
-    texts: list[str]
-    ends: bool = True
+# The number of a line, from 1, and its text without its end.
+Line = tuple[int, str]
 
 
-def lines_of(path: Path) -> Iterator[ConsecutiveLines]:
-    """Yield the lines of a text file, piece by piece.
+def lines_of(path: Path) -> Iterator[Line]:
+    """Yield the lines of a text file; those over which a quoted cell extends as one, with the number of the first.
 
     UTF-8 (with single bytes of Windows-1252), UTF-16 and UTF-32 are recognised. Raises RecordingError if the file
     cannot be read, is no text, or has a line longer than any row of a table.
     """
     try:
         with path.open("rb") as file:
-            yield from _lines(file, path)
+            encoding = _encoding(file.read(4096), path)
+        # Only these end a line, whatever the system: \n, \r\n and \r, as newline=None means.
+        with path.open(encoding=encoding, errors="musclewire-windows-1252", newline=None) as stream:
+            yield from _whole_rows(enumerate(iter(partial(stream.readline, _MAX_LINE_LENGTH), ""), start=1), path)
     except OSError as problem:
         raise RecordingError(f"{path}: cannot be read: {problem.strerror}; check the file") from None
+    except UnicodeError:
+        raise RecordingError(f"{path}: is not a text file; export it as CSV") from None
 
 
-def _lines(file: BinaryIO, path: Path) -> Iterator[ConsecutiveLines]:
-    decoder = _decoder(file.read(4096), path)
-    file.seek(0)
-    number, carried = 1, ""
-    while True:
-        raw = file.read(_PIECE_BYTES)
-        text = carried + _decoded(decoder, raw, path)
-        _check_no_nul(text, number, path)
-        # The other half of a line's end may be in the next piece.
-        half = "\r" if raw and text.endswith("\r") else ""
-        texts, last = _split(text[: len(text) - len(half)])
-        _check_lengths([*texts, last] if len(text) > _MAX_LINE_LENGTH else (), number, path)
-        if not raw:
-            yield ConsecutiveLines(number, [*texts, last] if last else texts, ends=not last)
-            return
-        yield ConsecutiveLines(number, texts)
-        number += len(texts) + (sum(text.count("\n") for text in texts) if '"' in text else 0)
-        carried = last + half
+def _whole_rows(lines: Iterator[Line], path: Path) -> Iterator[Line]:
+    for number, line in lines:
+        if len(line) == _MAX_LINE_LENGTH or "\0" in line:
+            raise _no_row(number, line, path)
+        text = line.rstrip("\n\x1a")
+        # A quote inside of a cell is an inch; only one that begins a cell has to end.
+        if '"' not in text or _OPEN_QUOTE.search(text) is None:
+            yield number, text
+            continue
+        cell = [(number, text)]
+        for following, more in itertools.islice(lines, _MAX_LINES_OF_A_CELL):
+            if "\0" in more:
+                raise _no_row(following, more, path)
+            cell.append((following, more.rstrip("\n")))
+            if more.count('"') % 2:
+                break
+        if len(cell) > _MAX_LINES_OF_A_CELL:
+            yield from cell
+        else:
+            yield number, "\n".join(each for _, each in cell)
 
 
-def _split(text: str) -> tuple[list[str], str]:
-    """Return the complete lines of a text, and what follows the last line's end."""
-    # Only these end a line: str.splitlines would also split at form feeds and at U+2028.
-    if "\r" in text:
-        text = text.replace("\r\n", "\n").replace("\r", "\n")
-    # Old systems end a file by this sign.
-    text = text.rstrip("\x1a") if text.endswith("\x1a") else text
-    *texts, last = text.split("\n")
-    return _whole_quotes(texts, last) if '"' in text else (texts, last)
+def _no_row(number: int, line: str, path: Path) -> RecordingError:
+    if "\0" not in line:
+        what = f"has more than {_MAX_LINE_LENGTH:,} characters, which is no row of a table; write one row a line"
+    else:
+        what = "holds NUL characters, as a logger leaves them that lost its power: delete everything from that line on"
+    return RecordingError(f"{path}: line {number} {what}")
 
 
-def _decoder(head: bytes, path: Path) -> codecs.IncrementalDecoder:
+def _encoding(head: bytes, path: Path) -> str:
+    """Return the encoding of a text by its first bytes. Raises RecordingError for what only pretends to be text."""
     for beginning, cure in _BINARY:
         if head.startswith(beginning):
             raise RecordingError(f"{path}: {cure}")
-    return codecs.getincrementaldecoder(_encoding(head))(errors="musclewire-windows-1252")
-
-
-def _encoding(head: bytes) -> str:
     if head.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
         return "utf-32"
     if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
@@ -111,14 +103,9 @@ def _encoding(head: bytes) -> str:
         return "utf-16-le"
     if even and even.count(0) > 0.8 * len(even) and not odd.count(0):
         return "utf-16-be"
+    if b"\0" in head and (_CONTROL.search(head.partition(b"\0")[0]) or head.startswith(b"\0")):
+        raise RecordingError(f"{path}: is not a text file; export it as CSV")
     return "utf-8-sig"
-
-
-def _decoded(decoder: codecs.IncrementalDecoder, raw: bytes, path: Path) -> str:
-    try:
-        return decoder.decode(raw, final=not raw)
-    except UnicodeError:
-        raise RecordingError(f"{path}: is not a text file; export it as CSV") from None
 
 
 def _single_bytes(problem: UnicodeError) -> tuple[str, int]:
@@ -130,43 +117,3 @@ def _single_bytes(problem: UnicodeError) -> tuple[str, int]:
 
 
 codecs.register_error("musclewire-windows-1252", _single_bytes)
-
-
-def _check_no_nul(text: str, number: int, path: Path) -> None:
-    found = text.find("\0")
-    if found < 0:
-        return
-    before = text[max(0, found - 1000) : found]
-    if number == 1 and (not before.strip() or any(sign < " " and sign not in "\t\n\r\f\x1a" for sign in before)):
-        raise RecordingError(f"{path}: is not a text file; export it as CSV")
-    line = number + text.count("\n", 0, found)
-    raise RecordingError(
-        f"{path}: line {line} holds NUL characters, as a logger leaves them that lost its power: "
-        "delete everything from that line on"
-    )
-
-
-def _check_lengths(texts: list[str] | tuple[()], number: int, path: Path) -> None:
-    for offset, text in enumerate(texts):
-        if len(text) > _MAX_LINE_LENGTH:
-            raise RecordingError(
-                f"{path}: line {number + offset} has more than {_MAX_LINE_LENGTH:,} characters, which is no row of a "
-                "table; write one row a line"
-            )
-
-
-def _whole_quotes(texts: list[str], last: str) -> tuple[list[str], str]:
-    """Join lines of which a quoted cell holds the end; the beginning of a cell at the end stays in ``last``."""
-    joined: list[str] = []
-    waiting: list[str] = []
-    for text in texts:
-        waiting.append(text)
-        # A quote inside of a cell is an inch; only one that begins a cell has to end.
-        opens = bool(waiting[1:]) or _OPEN_QUOTE.search(text) is not None
-        if not opens or (waiting[1:] and text.count('"') % 2):
-            joined.append("\n".join(waiting))
-            waiting = []
-        elif len(waiting) > _MAX_LINES_OF_A_CELL:
-            joined += waiting
-            waiting = []
-    return joined, "\n".join([*waiting, last])

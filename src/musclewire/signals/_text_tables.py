@@ -1,12 +1,15 @@
-"""Tables in text files: CSV in its dialects, tab-separated and space-separated columns, read block after block."""
+"""Tables in text: CSV in its dialects, tab-separated and space-separated columns, read block after block.
+
+Blocks of plain numbers are read by NumPy, the others by Python's csv; what is ours is the layout and what messages say.
+"""
 
 from __future__ import annotations
 
-import csv
 import itertools
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,102 +19,109 @@ from musclewire.errors import RecordingError
 from musclewire.signals._clock_texts import is_date, is_time_of_day
 from musclewire.signals._metadata import MetadataValue, entry_from_text, value_to_text
 from musclewire.signals._number_style import is_missing
-from musclewire.signals._source_table import Cells, RowBlock, SourceColumn
-from musclewire.signals._text_layout import Line, TextLayout, layout_of, split_line, too_wide
-from musclewire.signals._text_lines import lines_of
-
-__all__ = ["TextTable", "fill_csv", "fill_csv_blocks", "read_text_table"]
+from musclewire.signals._source_table import BLOCK_ROWS, Cells, RowBlock, SourceColumn, stated_period_s
+from musclewire.signals._text_layout import TextLayout, layout_of, split_lines, too_wide
+from musclewire.signals._text_lines import Line, lines_of
+from musclewire.signals._units import is_unit
 
 _COMMENT = re.compile(r"\s*(?:#|%|//|!)+\s?(.*)")
+# With what a comment or a blank line begins; any other line needs no closer look.
+_MAY_BE_NO_ROW = frozenset("#%/! \t\f\v\xa0")
 _ONLY_SEPARATORS = " \t;,|"
 _SEPARATOR_LINE = re.compile(r"\s*\"?sep=.\"?\s*", re.IGNORECASE)
-# Keys under which programs state the time between rows, without the unit that metadata append.
-_PERIOD_KEY = re.compile(r"(?:sampl\w*_)?(?:interval|period|time_step|dt|delta_[tx])_s|sample_time_s")
-_RATE_KEY = re.compile(r"(?:sampl\w*_)?(?:rate|frequency|freq)_hz|fs_hz")
 _MAX_TITLE_LENGTH = 200
+# The layout follows from the first lines, of which there are few if they are long.
+_HEAD_LINES = 2000
+_HEAD_LENGTH = 1 << 22
+# Rows of wide tables are handed over in smaller blocks.
+_BLOCK_LENGTH = 1 << 22
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table in a text file, of which only the first lines have been read. Its rows come from the file, in blocks."""
+    """A table in lines of text, of which only the first have been read. ``lines`` begins with the first of them again.
+
+    ``row_word`` is what messages call a line, ``parts`` which of the cells of a line each column is.
+    """
 
     path: str
-    file: Path
+    lines: Callable[[], Iterator[Line]]
     text_layout: TextLayout
+    layout: str
+    row_word: str
     columns: tuple[SourceColumn, ...]
     parts: tuple[tuple[int, ...], ...]
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
     sample_period_s: float | None = None
     notes: tuple[str, ...] = ()
 
-    @property
-    def layout(self) -> str:
-        """How the file is built, in words."""
-        return str(self.text_layout)
-
     def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, block after block; each call begins again."""
-        for numbers, texts in _rows_of(self.file, self.text_layout.first_line):
-            yield RowBlock(self._values(numbers, texts, indices), _place(numbers))
+        first_line = self.text_layout.first_line
+        below = itertools.dropwhile(lambda line: line[0] < first_line, self.lines())
+        first = next(below, (0, ""))
+        count = max(1, min(BLOCK_ROWS, _BLOCK_LENGTH // (len(first[1]) + 1)))
+        rows = itertools.chain([first], below)
+        held: list[Line] = []
+        while block := list(itertools.islice(rows, count)):
+            # Spreadsheets end with lines of separators only; in the middle such a line is a gap in the data.
+            block, held = held + block, []
+            while block and not block[-1][1].strip(_ONLY_SEPARATORS):
+                held.insert(0, block.pop())
+            if block:
+                numbers, texts = zip(*block, strict=True)
+                yield RowBlock(self._values(numbers, list(texts), indices), self._place(numbers))
+
+    def _place(self, numbers: Sequence[int]) -> Callable[[int], str]:
+        return lambda row: f"{self.row_word} {numbers[row]}"
 
     def _values(self, numbers: Sequence[int], texts: list[str], indices: Sequence[int]) -> tuple[Cells, ...]:
-        plain = self._plain_numbers(texts, indices)
-        if plain is not None:
-            return plain
-        rows = self._split(texts)
+        plain = self._plain_numbers(texts, [index for index in indices if not self.columns[index].is_text])
+        if plain is not None and not any(self.columns[index].is_text for index in indices):
+            return tuple(plain[index] for index in indices)
+        rows = split_lines(texts, self.text_layout.separator)
         width = len(self.text_layout.headers)
         for number, row in zip(numbers, rows, strict=True):
-            self._check_width(number, row, width)
-        return tuple(self._cells(index, rows, numbers) for index in indices)
+            if len(row) > width and any(cell.strip() for cell in row[width:]):
+                beginning = f"{self.path}: {self.row_word} {number} has {len(row)} cells for {width} headers"
+                raise RecordingError(too_wide(beginning, ",".join(row), self.text_layout.separator))
+        return tuple(
+            plain[index] if plain and index in plain else self._cells(index, rows, numbers) for index in indices
+        )
 
-    def _plain_numbers(self, texts: list[str], indices: Sequence[int]) -> tuple[FloatArray, ...] | None:
+    def _plain_numbers(self, texts: list[str], indices: Sequence[int]) -> dict[int, FloatArray] | None:
         """Return columns of numbers that NumPy reads at once; None if cells have to be looked at one by one."""
         layout, source = self.text_layout, [self.parts[index][0] for index in indices]
-        swaps = layout.style.decimal == ","
-        if not source or any(self.columns[index].is_text for index in indices) or layout.style.thousands:
+        if not source or layout.style.thousands:
             return None
-        if not _is_regular(texts, layout.separator, len(layout.headers)):
+        # A line with other cells than the others, or with quotes, is not for NumPy.
+        counts = {text.count(layout.separator) for text in texts} if layout.separator != " " else {0}
+        if len(counts) > 1 or counts > {len(layout.headers)} or any('"' in text for text in texts):
             return None
-        lines = [text.replace(",", ".") for text in texts] if swaps else texts
+        lines = [text.replace(",", ".") for text in texts] if layout.style.decimal == "," else texts
         separator = None if layout.separator == " " else layout.separator
         try:
             # A blank cell or any word but nan and inf ends this; what NumPy reads is what float() reads.
             found = np.loadtxt(lines, delimiter=separator, usecols=source, comments=None, ndmin=2, unpack=True)
         except ValueError:
             return None
-        return tuple(found) if found.shape == (len(source), len(texts)) else None
-
-    def _split(self, texts: list[str]) -> list[list[str]]:
-        separator = self.text_layout.separator
-        if separator != " ":
-            try:
-                return list(csv.reader(texts, delimiter=separator, skipinitialspace=separator != "\t"))
-            except csv.Error:
-                pass
-        return [split_line(text, separator) for text in texts]
-
-    def _check_width(self, number: int, row: Sequence[str], width: int) -> None:
-        if len(row) <= width or not any(cell.strip() for cell in row[width:]):
-            return
-        beginning = f"{self.path}: line {number} has {len(row)} cells for {width} headers"
-        raise RecordingError(too_wide(beginning, ",".join(row), self.text_layout.separator))
+        return dict(zip(indices, found, strict=True)) if found.shape == (len(source), len(texts)) else None
 
     def _cells(self, index: int, rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> Cells:
         parts = self.parts[index]
         if self.columns[index].is_text:
             return [" ".join(row[part].strip() for part in parts if part < len(row)) for row in rows]
-        return self._numbers(index, [row[parts[0]] if parts[0] < len(row) else "" for row in rows], numbers)
-
-    def _numbers(self, index: int, cells: Sequence[str], numbers: Sequence[int]) -> FloatArray:
-        style, values = self.text_layout.style, np.full(len(cells), np.nan)
-        for row, cell in enumerate(cells):
+        style, values = self.text_layout.style, np.full(len(rows), np.nan)
+        for place, row in enumerate(rows):
+            cell = row[parts[0]] if parts[0] < len(row) else ""
             try:
-                values[row] = style.number(cell)
+                values[place] = style.number(cell)
             except ValueError:
                 if not is_missing(cell):
-                    where = f"{self.path}: line {numbers[row]}, column '{self.columns[index].header}'"
+                    where = f"{self.path}: {self.row_word} {numbers[place]}, column '{self.columns[index].header}'"
                     shown = " ".join(cell.split())[:40]
-                    raise RecordingError(f"{where}: '{shown}' is not a number; correct it or remove the line") from None
+                    cure = f"correct it or remove the {self.row_word}"
+                    raise RecordingError(f"{where}: '{shown}' is not a number; {cure}") from None
         return values
 
 
@@ -121,15 +131,69 @@ def read_text_table(path: Path) -> TextTable:
     Separator, decimal sign, rows of headers and units are found in the first lines; titles and comments as
     ``key = value`` become metadata. Raises RecordingError if the file is no text, or holds no table.
     """
-    comments, lines = _first_lines(path)
-    if not lines:
+    comments: list[str] = []
+    for number, text in lines_of(path):
+        comment = _COMMENT.fullmatch(text)
+        if comment is not None:
+            comments.append(comment[1].strip())
+        elif text.strip(_ONLY_SEPARATORS) and not (number < 3 and _SEPARATOR_LINE.fullmatch(text)):
+            break
+    separator = "\t" if path.suffix.lower() == ".tsv" else None
+    return table_of_lines(str(path), partial(_without_comments, path), "text", separator, "line", comments)
+
+
+def table_of_lines(
+    path: str,
+    lines: Callable[[], Iterator[Line]],
+    what: str,
+    separator: str | None = None,
+    row_word: str = "row",
+    comments: Sequence[str] = (),
+) -> TextTable:
+    """Return the table in lines of text, wherever they come from.
+
+    Parameters
+    ----------
+    path
+        The file, as messages name it.
+    lines
+        Returns the numbered lines, without comments, from the first on.
+    what
+        How the file is built, in words.
+    separator
+        The sign between cells; None, the default, finds it.
+    row_word
+        What messages call a line.
+    comments
+        Comments above the table; none by default.
+
+    Returns
+    -------
+    The table.
+
+    Raises
+    ------
+    RecordingError
+        If there are no rows of numbers, or the headers do not fit them.
+    """
+    head: list[Line] = []
+    length = 0
+    for number, text in itertools.islice(lines(), _HEAD_LINES):
+        length += len(text)
+        if text.strip(_ONLY_SEPARATORS):
+            head.append((number, text))
+        if length > _HEAD_LENGTH:
+            break
+    if not head:
         raise RecordingError(f"{path}: has no rows; the first line names the columns, the others hold numbers")
-    layout = layout_of(lines, comments, path.suffix.lower(), str(path))
+    layout = layout_of(head, comments, separator, path)
+    words = what if separator is not None and row_word == "row" else f"{what}, {layout}"
     metadata = {**_metadata(comments, " "), **_metadata(layout.titles, layout.separator)}
-    columns, parts = _with_dates_joined(layout, lines)
+    columns, parts = _with_dates_joined(layout, head)
     titles = len(layout.titles)
-    notes = (f"{titles} line{'s' if titles > 1 else ''} above the headers skipped",) if titles else ()
-    return TextTable(str(path), path, layout, columns, parts, metadata, _sample_period_s(metadata), notes)
+    notes = (f"{titles} {row_word}{'s' if titles > 1 else ''} above the headers skipped",) if titles else ()
+    period_s = stated_period_s(metadata, unit_stated=True)
+    return TextTable(path, lines, layout, words, row_word, columns, parts, metadata, period_s, notes)
 
 
 def fill_csv(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
@@ -153,60 +217,20 @@ def fill_csv_blocks(
             file.writelines(",".join(map(repr, row)) + "\n" for row in zip(*numbers, strict=True))
 
 
-def _place(numbers: Sequence[int]) -> Callable[[int], str]:
-    return lambda row: f"line {numbers[row]}"
-
-
-def _is_regular(texts: Sequence[str], separator: str, width: int) -> bool:
-    """Return whether every line has the same number of cells, none of them in quotes."""
-    if separator == " ":
-        return True
-    counts = {text.count(separator) for text in texts}
-    return len(counts) == 1 and counts <= {width - 1, width} and not any('"' in text for text in texts)
-
-
-def _rows_of(path: Path, first_line: int) -> Iterator[tuple[Sequence[int], list[str]]]:
-    """Yield the lines of the table's rows with their numbers: no comments, no blank ones, no separators at the end."""
-    held: list[Line] = []
-    for lines in lines_of(path):
-        kept = [
-            (number, text)
-            for number, text in enumerate(lines.texts, start=lines.first)
-            if number >= first_line and text and not text.isspace() and not _is_comment(text)
-        ]
-        # Spreadsheets end with lines of separators only; in the middle such a line is a gap in the data.
-        kept, held = held + kept, []
-        while kept and not kept[-1][1].strip(_ONLY_SEPARATORS):
-            held.insert(0, kept.pop())
-        if kept:
-            numbers, texts = zip(*kept, strict=True)
-            yield numbers, list(texts)
-
-
-def _is_comment(text: str) -> bool:
-    return text[0] in "#%/! \t" and _COMMENT.fullmatch(text) is not None
-
-
-def _first_lines(path: Path) -> tuple[list[str], list[Line]]:
-    """Return the comments above the table, and the first lines of the file without them."""
-    comments: list[str] = []
-    kept: list[Line] = []
-    for lines in itertools.islice(lines_of(path), 1):
-        for number, text in enumerate(lines.texts, start=lines.first):
-            comment = _COMMENT.fullmatch(text)
-            if comment is not None:
-                comments += [] if kept else [comment[1].strip()]
-            elif text.strip(_ONLY_SEPARATORS) and not (number < 3 and _SEPARATOR_LINE.fullmatch(text)):
-                kept.append((number, text))
-    # The layout follows from the first thousands of characters; the piece that was read is much larger.
-    return comments, kept[:2000]
+def _without_comments(path: Path) -> Iterator[Line]:
+    """Yield the lines of a file that may be rows of a table, its titles or headers."""
+    for number, text in lines_of(path):
+        if not text or (text[0] in _MAY_BE_NO_ROW and (text.isspace() or _COMMENT.match(text))):
+            continue
+        if number > 2 or not _SEPARATOR_LINE.fullmatch(text):
+            yield number, text
 
 
 def _with_dates_joined(
     layout: TextLayout, lines: Sequence[Line]
 ) -> tuple[tuple[SourceColumn, ...], tuple[tuple[int, ...], ...]]:
     """Return the columns, a date and the time of day next to it as one, and which columns of the file each one is."""
-    first = split_line(next(text for number, text in lines if number == layout.first_line), layout.separator)
+    first = split_lines([text for number, text in lines if number == layout.first_line], layout.separator)[0]
     columns: list[SourceColumn] = []
     parts: list[tuple[int, ...]] = []
     for index, (header, unit, kind) in enumerate(zip(layout.headers, layout.units, layout.kinds, strict=True)):
@@ -235,19 +259,9 @@ def _pair(text: str, separator: str) -> tuple[str, str] | None:
     key, sign, value = text.partition("=")
     if sign:
         return key, value
-    cells = [cell.strip() for cell in split_line(text, separator) if cell.strip()] if separator != " " else [text]
-    if len(cells) == 2 and ":" not in cells[0][:-1]:
-        return cells[0].rstrip(":"), cells[1]
+    cells = [cell.strip() for cell in split_lines([text], separator)[0] if cell.strip()] if separator != " " else [text]
+    with_unit = len(cells) == 3 and is_unit(cells[2])
+    if (len(cells) == 2 or with_unit) and ":" not in cells[0][:-1]:
+        return cells[0].rstrip(": "), " ".join(cells[1:])
     key, sign, value = text.partition(": ")
     return (key, value.strip(_ONLY_SEPARATORS)) if sign and len(cells) == 1 else None
-
-
-def _sample_period_s(metadata: Mapping[str, MetadataValue]) -> float | None:
-    """Return the time between two rows [s] that the file's head states, or None."""
-    for key, value in metadata.items():
-        if isinstance(value, float | int) and value > 0:
-            if _PERIOD_KEY.fullmatch(key):
-                return float(value)
-            if _RATE_KEY.fullmatch(key):
-                return 1.0 / float(value)
-    return None

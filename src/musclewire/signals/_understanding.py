@@ -12,8 +12,6 @@ from musclewire.signals._importing import CheckedBlocks, ImportPlan
 from musclewire.signals._metadata import MetadataValue
 from musclewire.signals._units import measures
 
-__all__ = ["FileInterpretation", "understanding_of"]
-
 # What a column with an unknown name is offered as, by its unit; the likeliest first.
 _OFFERED = (
     *("time_s", "wire_voltage_v", "shunt_voltage_v", "drive_voltage_v", "wire_current_a", "wire_resistance_ohm"),

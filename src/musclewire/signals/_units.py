@@ -22,17 +22,6 @@ if TYPE_CHECKING:
     import pint
     from pydantic import BeforeValidator
 
-__all__ = [
-    "UnitConversion",
-    "conversion_to_si",
-    "is_unit",
-    "measured_in",
-    "measures",
-    "parse_quantity",
-    "quantity_with_suffix",
-    "to_si",
-]
-
 
 @dataclass(frozen=True)
 class UnitConversion:
@@ -51,34 +40,11 @@ class _UnitError(ValueError):
     """The text is no unit, or a unit of another quantity. It is reported as the caller's or the recording's error."""
 
 
-def to_si(values: ArrayLike, unit_text: str, column: str, where: str) -> FloatArray:
-    """Convert ``values`` given in ``unit_text`` to the SI unit of ``column``.
-
-    Parameters
-    ----------
-    values
-        Numbers of any shape, in the unit ``unit_text``.
-    unit_text
-        As found in a header: "mm", "mV", "kOhm", "°C", "%", "gf", "" for a plain number.
-    column
-        The name of one of ``COLUMNS``.
-    where
-        Beginning of a message, such as "loop.csv: column 'Force [mm]'".
-
-    Returns
-    -------
-    The numbers in SI, of the same shape.
-
-    Raises
-    ------
-    RecordingError
-        If the unit is unknown, or is a unit of another quantity.
-    """
-    return conversion_to_si(unit_text, column, where).apply(values)
-
-
 def conversion_to_si(unit_text: str, column: str, where: str) -> UnitConversion:
-    """Return the conversion from ``unit_text`` to SI for ``column``. Raises RecordingError as ``to_si`` does."""
+    """Return the conversion to SI of numbers for ``column``, given in a unit as found in a header: "mm", "°C", "".
+
+    Raises RecordingError, which begins with ``where``, if the unit is unknown or of another quantity.
+    """
     unit_si = COLUMNS[column].unit
     try:
         return _conversion(unit_text, unit_si)

@@ -10,8 +10,6 @@ from pathlib import Path
 
 from musclewire.errors import CallerError
 
-__all__ = ["folder_to_disk", "remove_parts", "write_text_whole", "write_whole"]
-
 
 def write_whole(path: Path, write: Callable[[Path], None]) -> None:
     """Call ``write`` on a temporary file next to ``path``, then rename it in one step.

@@ -14,8 +14,6 @@ from musclewire.manifest import absent_part, loaded, offered
 from musclewire.signals._metadata import MetadataValue
 from musclewire.signals._whole_files import write_whole
 
-__all__ = ["FileWriter", "require_streamable", "write_blocks", "write_columns"]
-
 Columns = Mapping[str, FloatArray]
 Metadata = Mapping[str, MetadataValue]
 Blocks = Iterable[tuple[FloatArray, ...]]

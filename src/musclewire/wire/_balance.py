@@ -14,23 +14,6 @@ from musclewire.wire._constants import StepConstants
 from musclewire.wire._fronts import PhaseFractions, ShakedownEffects
 from musclewire.wire._row import Rows
 
-__all__ = [
-    "BalanceResidual",
-    "LoadPoint",
-    "ConnectorForce",
-    "BalancedWire",
-    "StrainSlopes",
-    "TrialPoint",
-    "balance_at",
-    "contraction_of",
-    "convection_w_per_m2_k",
-    "decay",
-    "loss_w",
-    "resistance_at",
-    "settled",
-    "strain_at",
-]
-
 # Beyond this exponent martensite is oriented to 13 digits.
 MAX_EXPONENT = 32.0
 SEVEN_HALVINGS = 1.0 / 128.0
@@ -104,7 +87,7 @@ class BalancedWire(NamedTuple):
     Parameters
     ----------
     temperature_k, stress_pa, contraction
-        Where it is.
+        Temperature [K], stress [Pa] and contraction.
     friction_n
         Friction of guide and load [N].
     martensite, r_phase
@@ -112,7 +95,7 @@ class BalancedWire(NamedTuple):
     resistance_ohm
         Its resistance [ohm].
     rise_k, rise_pa
-        Last correction, for the fronts.
+        Last correction of temperature [K] and stress [Pa], for the fronts.
     """
 
     temperature_k: float

@@ -20,6 +20,7 @@ import numpy.typing as npt
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.errors import CallerError
+from musclewire.wire._advance import advance_wire
 from musclewire.wire._building import resting_state
 from musclewire.wire._constants import WireConstants, as_record
 from musclewire.wire._lanes import LANES, advance_lanes, workspace
@@ -27,10 +28,16 @@ from musclewire.wire._paths import DrivenPath
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
 from musclewire.wire._step import RunningWire
-from musclewire.wire._stepping import CHOSEN, DURATION, STEPS, SourceOutput, StepControl, plan_of, require_resolved
-from musclewire.wire._wires import advance_wire
-
-__all__ = ["COLUMNS", "BatchMeans", "WireBatch", "drive_many"]
+from musclewire.wire._stepping import (
+    CHOSEN,
+    DURATION,
+    STEPS,
+    VOLTAGE,
+    SourceOutput,
+    StepControl,
+    plan_of,
+    require_resolved,
+)
 
 COLUMNS = DrivenPath._fields
 Places = npt.NDArray[np.int64]
@@ -353,7 +360,7 @@ def run_one_by_one(places: Places, states: Rows, derived: Rows, tables: tuple[Ro
         state, wire = states[at], places[at]
         row = wire if drive_v.shape[0] > 1 else 0
         for sample in range(drive_v.shape[1]):
-            means = advance_wire(running, SourceOutput(drive_v[row, sample], False), plan)
+            means = advance_wire(running, SourceOutput(drive_v[row, sample], VOLTAGE), plan)
             keep(kept, columns, (wire, sample), means, state)
 
 

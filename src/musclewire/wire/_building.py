@@ -28,16 +28,6 @@ from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
 from musclewire.wire._step import RunningWire
 
-__all__ = [
-    "SHAPE",
-    "constants_from",
-    "constants_of",
-    "cooled_wire",
-    "measured_grains",
-    "resting_state",
-    "with_pretension",
-]
-
 # Stresses at which the spreads must be positive: none, and about the strength of the wire.
 STRESSES_PA = (0.0, 1e9)
 MIN_SPREAD_K = 1e-3

@@ -14,8 +14,6 @@ from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.wire._row import CLASSES, Row, Rows, field
 
-__all__ = ["CONVECTION_POINTS", "NO_LOAD_TABLE", "StepConstants", "WireConstants", "derive"]
-
 CONVECTION_POINTS = 301
 NO_LOAD_TABLE = np.zeros((2, 2))
 NO_CELLS = np.zeros((1, 1, 4))

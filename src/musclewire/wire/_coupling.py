@@ -17,17 +17,6 @@ from musclewire.wire._balance import ConnectorForce
 from musclewire.wire._fronts import ShakedownEffects
 from musclewire.wire._step import NO_PUSH, Equilibrium, RunningWire, connector_after, load_at, solve
 
-__all__ = [
-    "APART",
-    "GrippedObject",
-    "CoupledBalance",
-    "BalanceGuess",
-    "grip_force_n",
-    "hold_object",
-    "no_grip",
-    "balance_connector",
-]
-
 # Direction of a second wire that has a connector of its own.
 APART = 0.0
 # Connector and endpoint are found to within this: a wire's force changes by about 1e-9 N over it.

@@ -14,18 +14,6 @@ from scipy.special import ndtr, ndtri
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
-__all__ = [
-    "BarrierClass",
-    "OffsetDistribution",
-    "of_classes",
-    "quantile_distribution",
-    "signed_power",
-    "signed_power_distribution",
-    "tabulated_distribution",
-    "two_population_distribution",
-    "two_populations",
-]
-
 # Half-width of the linear core, in normal quantiles: without one the middle grains would all switch at one temperature.
 CORE = 0.3
 # The table ends at these normal quantiles: 3 grains in a million lie beyond each, and count as those at its end.

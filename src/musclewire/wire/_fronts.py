@@ -18,19 +18,6 @@ from musclewire.compiled import compiled_inline
 from musclewire.wire._constants import StepConstants
 from musclewire.wire._row import Rows
 
-__all__ = [
-    "TransformationFronts",
-    "PhaseFractions",
-    "Thresholds",
-    "cumulative_at",
-    "fronts_after",
-    "moved_fronts",
-    "ShakedownEffects",
-    "phases_of_class",
-    "shakedown_of",
-    "thresholds_at",
-]
-
 # A spread that stress made smaller than this is a switch rather than a ramp.
 MIN_SPREAD_K = 1e-6
 
@@ -212,20 +199,22 @@ def thresholds_at(
     r_phase_austenite = (-force_r - k.r_phase_barrier_k) * per_r
     martensite_r_phase = (-preference - preference_barrier) * per_p
     return Thresholds(
-        austenite_martensite,
-        austenite_r_phase,
-        r_phase_martensite,
-        martensite_austenite,
-        r_phase_austenite,
-        martensite_r_phase,
-        (barrier_per_pa - force_m_per_pa - austenite_martensite * widening) * per_m,
-        -ratio * k.r_phase_k_per_pa * per_r,
-        (preference_barrier_per_pa - preference_per_pa - r_phase_martensite * widening) * per_p,
-        (-barrier_per_pa - force_m_per_pa - martensite_austenite * widening) * per_m,
-        (-preference_barrier_per_pa - preference_per_pa - martensite_r_phase * widening) * per_p,
-        per_m,
-        ratio * per_r,
-        (1.0 - ratio) * per_p,
+        austenite_martensite=austenite_martensite,
+        austenite_r_phase=austenite_r_phase,
+        r_phase_martensite=r_phase_martensite,
+        martensite_austenite=martensite_austenite,
+        r_phase_austenite=r_phase_austenite,
+        martensite_r_phase=martensite_r_phase,
+        austenite_martensite_per_pa=(barrier_per_pa - force_m_per_pa - austenite_martensite * widening) * per_m,
+        austenite_r_phase_per_pa=-ratio * k.r_phase_k_per_pa * per_r,
+        r_phase_martensite_per_pa=(preference_barrier_per_pa - preference_per_pa - r_phase_martensite * widening)
+        * per_p,
+        martensite_austenite_per_pa=(-barrier_per_pa - force_m_per_pa - martensite_austenite * widening) * per_m,
+        martensite_r_phase_per_pa=(-preference_barrier_per_pa - preference_per_pa - martensite_r_phase * widening)
+        * per_p,
+        m_per_k=per_m,
+        r_per_k=ratio * per_r,
+        p_per_k=(1.0 - ratio) * per_p,
     )
 
 

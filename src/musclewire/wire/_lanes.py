@@ -43,9 +43,7 @@ from musclewire.wire._step import (
     middle_of_step,
     solve,
 )
-from musclewire.wire._stepping import DURATION, STEPS, SourceOutput, WireInstant, circuit_at, owed_j
-
-__all__ = ["LANES", "Workspace", "advance_lanes", "workspace"]
+from musclewire.wire._stepping import DURATION, STEPS, VOLTAGE, SourceOutput, WireInstant, circuit_at, owed_j
 
 # Wires in a block: two of the widest vector registers. Eight would be unrolled into scalar code.
 LANES = 16
@@ -134,7 +132,7 @@ def begin(wires: Rows, constants: Rows, work: Workspace) -> None:
         work.temperature_k[lane] = wires[lane].temperature_k
     look_up_air(constants, work, work.temperature_k)
     for lane in range(LANES):
-        state, drive = wires[lane], SourceOutput(work.drive_v[lane], False)
+        state, drive = wires[lane], SourceOutput(work.drive_v[lane], VOLTAGE)
         now = circuit_at(constants[lane], drive, state.resistance_ohm, state.temperature_k, work.coefficient[lane])
         work.current_a[lane], work.power_w[lane], work.loss_w[lane] = now.current_a, now.power_w, now.loss_w
         work.voltage_sum[lane] = work.current_sum[lane] = work.moved_sum[lane] = work.stress_sum[lane] = 0.0
@@ -155,7 +153,7 @@ def look_ahead(wires: Rows, constants: Rows, work: Workspace, step_s: float) -> 
 def guess(wires: Rows, constants: Rows, work: Workspace, step_s: float) -> None:
     """Take the heat of the step, and guess temperature and stress at its end, in all lanes."""
     for lane in range(LANES):
-        drive = SourceOutput(work.drive_v[lane], False)
+        drive = SourceOutput(work.drive_v[lane], VOLTAGE)
         within = circuit_at(constants[lane], drive, work.middle_ohm[lane], work.middle_k[lane], work.coefficient[lane])
         heat_j = (within.power_w - within.loss_w) * step_s + wires[lane].carried_heat_j
         middle = HalfStepWire(
@@ -297,7 +295,7 @@ def solve_lane(state: WireState, constants: StepConstants, cells: Rows, load: Ro
 def finish(wires: Rows, constants: Rows, work: Workspace, step_s: float) -> None:
     """Move all wires by the step, and make up its accounts: heat, what it owes, error and sums."""
     for lane in range(LANES):
-        state, drive, heat_j = wires[lane], SourceOutput(work.drive_v[lane], False), work.heat_j[lane]
+        state, drive, heat_j = wires[lane], SourceOutput(work.drive_v[lane], VOLTAGE), work.heat_j[lane]
         resistance_ohm, temperature_slope = work.resistance_ohm[lane], work.temperature_slope[lane]
         ended = circuit_at(constants[lane], drive, resistance_ohm, work.temperature_k[lane], work.coefficient[lane])
         started = WireInstant(work.current_a[lane], work.power_w[lane], work.loss_w[lane])

@@ -13,8 +13,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
-__all__ = ["ElasticObject", "ConnectorLoad", "spring_load", "with_table"]
-
 NOTHING = np.zeros(2)
 
 

@@ -22,27 +22,8 @@ from musclewire.wire._coupling import (
 )
 from musclewire.wire._fronts import shakedown_of
 from musclewire.wire._state import WireState
-from musclewire.wire._step import NO_HEAT_J, Equilibrium, RunningWire, accept, guess_after, middle_of_step
-from musclewire.wire._stepping import RESISTANCE, STRAIN, TEMPERATURE, StepAttempt, WireInstant, error_ratio, owed_j
-
-__all__ = [
-    "OWN_SUPPLY",
-    "PARALLEL",
-    "SERIES",
-    "RunningPair",
-    "HeatDirection",
-    "PairConnection",
-    "PairAttempt",
-    "PairInstant",
-    "PairSetting",
-    "attempt_both",
-    "course_of",
-    "error_ratio_of_both",
-    "instant_of_both",
-    "present",
-    "remember",
-    "accept_pair_step",
-]
+from musclewire.wire._step import Equilibrium, RunningWire, accept, guess_after, middle_of_step
+from musclewire.wire._stepping import StepAttempt, WireInstant, error_ratio, owed_j, rises_over
 
 # Supply of the second wire: its own one, in parallel with the first wire, or in series with it.
 OWN_SUPPLY, PARALLEL, SERIES = 0, 1, 2
@@ -92,25 +73,6 @@ class PairInstant(NamedTuple):
     second: WireInstant
     terminals_v: float
     shunt_a: float
-
-
-class HeatDirection(NamedTuple):
-    """Direction of a pair's last step: the heat of each wire over that of both, as a vector of length 1.
-
-    Where wires are joined each feels the other's heat. Slopes over the pair's heat along that direction are what both
-    remember, and the rest of the heat only warms a wire.
-
-    Parameters
-    ----------
-    joined
-        Whether the wires feel each other; otherwise their slopes are over their own heat, as a single wire's.
-    own, other
-        Components of the direction; both 0 before the first step.
-    """
-
-    joined: bool
-    own: float
-    other: float
 
 
 class PredictedWire(NamedTuple):
@@ -180,53 +142,12 @@ def present(state: WireState) -> PredictedWire:
 
 
 @compiled_inline
-def course_of(first: WireState, second: WireState, joined: bool) -> HeatDirection:
-    """Return the direction of the last step of a pair."""
-    together_j = math.hypot(first.last_heat_j, second.last_heat_j)
-    if not joined or together_j == 0.0:
-        return HeatDirection(joined, 0.0, 0.0)
-    return HeatDirection(joined, first.last_heat_j / together_j, second.last_heat_j / together_j)
-
-
-@compiled_inline
-def along(course: HeatDirection, heat_j: float, other_j: float) -> float:
-    """Return the part of a pair's heat along its course [J]; 0 after a turn, when no phase changes at first."""
-    return max(course.own * heat_j + course.other * other_j, 0.0)
-
-
-@compiled_inline
-def ahead(
-    state: WireState, constants: StepConstants, joined: bool, heat_j: float, half_j: float, along_j: float, unit: float
-) -> PredictedWire:
-    """Return a wire after some heat, by the slopes of the last step.
-
-    ``half_j`` is half of the step's heat at the rate of its start, ``along_j`` the part of the pair's heat along its
-    course, and ``unit`` this wire's component of the course.
-    """
-    if not joined:
-        middle = middle_of_step(state, constants, half_j)
-        temperature_k, stress_pa = guess_after(state, middle, heat_j)
-        return PredictedWire(temperature_k, middle.resistance_ohm, stress_pa, state.connector_contraction)
-    warming_k = constants.per_capacity_k_per_j * (heat_j - along_j * unit)
-    return PredictedWire(
-        state.temperature_k + state.temperature_slope_k_per_j * along_j + warming_k,
-        state.resistance_ohm + state.resistance_slope_ohm_per_j * along_j,
-        max(state.stress_pa + state.stress_slope_pa_per_j * along_j, 0.0),
-        state.connector_contraction + state.contraction_slope_per_j * along_j,
-    )
-
-
-@compiled_inline
-def ahead_of_both(
-    wires: RunningPair, course: HeatDirection, heats_j: tuple[float, float], halves_j: tuple[float, float]
-) -> tuple[PredictedWire, PredictedWire]:
-    """Return both wires after some heat, by the slopes of the last step."""
-    one, two = wires
-    along_j = along(course, heats_j[0], heats_j[1])
-    return (
-        ahead(one.state, one.constants, course.joined, heats_j[0], halves_j[0], along_j, course.own),
-        ahead(two.state, two.constants, course.joined, heats_j[1], halves_j[1], along_j, course.other),
-    )
+def ahead(state: WireState, constants: StepConstants, half_j: float, heat_j: float) -> PredictedWire:
+    """Return a wire after some heat, by the slopes of the last step; ``half_j`` is half of the heat at its start."""
+    middle = middle_of_step(state, constants, half_j)
+    temperature_k, stress_pa = guess_after(state, middle, heat_j)
+    moved = 0.0 if half_j * state.last_heat_j < 0.0 else state.contraction_slope_per_j * heat_j
+    return PredictedWire(temperature_k, middle.resistance_ohm, stress_pa, state.connector_contraction + moved)
 
 
 @compiled_inline
@@ -253,31 +174,47 @@ def tried_of(
     step_s: float,
     joined: bool,
 ) -> StepAttempt:
-    """Return the attempt of one wire from start, middle and end of the step, as that of a single wire is made."""
+    """Return the attempt of one wire from start, middle and end of the step, as that of a single wire is made.
+
+    Of a wire that feels the other one the slopes are those of what both did.
+    """
     began, within, ended = instants
     state, k = wire.state, wire.constants
     owes_j = owed_j(began, within, ended, step_s)
     turned = joined or half_j * state.last_heat_j < 0.0
     before = k.per_capacity_k_per_j if turned else state.temperature_slope_k_per_j
-    return StepAttempt(found, within, ended, heat_j, owes_j, abs(owes_j) * max(found.temperature_slope_k_per_j, before))
+    error_k = abs(owes_j) * max(found.temperature_slope_k_per_j, before)
+    if joined:
+        slopes = rises_over(k, state, found.wire, heat_j)
+        found = Equilibrium(
+            found.wire,
+            slopes.temperature_k_per_j,
+            slopes.stress_pa_per_j,
+            slopes.contraction_per_j,
+            found.stress_per_contraction_pa,
+            found.evaluations,
+            found.solved,
+        )
+    return StepAttempt(found, within, ended, heat_j, owes_j, error_k)
 
 
 @compiled_inline
 def attempt_both(
-    wires: RunningPair, setting: PairSetting, course: HeatDirection, began: PairInstant, grip_n: float, step_s: float
+    wires: RunningPair, setting: PairSetting, joined: bool, began: PairInstant, grip_n: float, step_s: float
 ) -> PairAttempt:
     """Return a step of both wires, which do not move yet: the method of a single wire, with both solved at once.
 
     ``grip_n`` is the force on the object [N] at the start.
     """
     first, second = wires
-    halves_j = (0.5 * step_s * net_w(began.first), 0.5 * step_s * net_w(began.second))
-    middle, other_middle = ahead_of_both(wires, course, halves_j, halves_j)
+    half_j, other_half_j = 0.5 * step_s * net_w(began.first), 0.5 * step_s * net_w(began.second)
+    middle = ahead(first.state, first.constants, half_j, half_j)
+    other_middle = ahead(second.state, second.constants, other_half_j, other_half_j)
     within = instant_of_both(wires, setting, middle, other_middle)
     heat_j = net_w(within.first) * step_s + first.state.carried_heat_j
     other_j = net_w(within.second) * step_s + second.state.carried_heat_j
-    expected, other_expected = ahead_of_both(wires, course, (heat_j, other_j), halves_j)
-    start = start_of(first.state, first.constants, heat_j, expected)
+    start = start_of(first.state, first.constants, heat_j, ahead(first.state, first.constants, half_j, heat_j))
+    other_expected = ahead(second.state, second.constants, other_half_j, other_j)
     other_start = start_of(second.state, second.constants, other_j, other_expected)
     if setting.pair.direction != APART:
         joint = balance_connector(first, second, setting.pair.direction, start, other_start)
@@ -287,8 +224,8 @@ def attempt_both(
     instants = (began.first, within.first, ended.first)
     others = (began.second, within.second, ended.second)
     return PairAttempt(
-        tried_of(first, joint.first, instants, halves_j[0], heat_j, step_s, course.joined),
-        tried_of(second, joint.second, others, halves_j[1], other_j, step_s, course.joined),
+        tried_of(first, joint.first, instants, half_j, heat_j, step_s, joined),
+        tried_of(second, joint.second, others, other_half_j, other_j, step_s, joined),
         joint,
         ended,
     )
@@ -303,11 +240,14 @@ def settled_ahead(found: Equilibrium) -> PredictedWire:
 
 @compiled_inline
 def accept_coupled_step(
-    wire: RunningWire, tried: StepAttempt, push: ConnectorForce, began: WireInstant, step_s: float
+    wire: RunningWire, tried: StepAttempt, push: ConnectorForce, began: WireInstant, step_s: float, joined: bool
 ) -> None:
     """Move a wire by a step that was tried, in place."""
     state = wire.state
+    slopes = rises_over(wire.constants, state, tried.found.wire, tried.heat_j)
     accept(wire, tried.found, tried.heat_j, push)
+    if joined:
+        state.resistance_slope_ohm_per_j = slopes.resistance_ohm_per_j
     state.carried_heat_j = tried.owed_j
     state.heat_in_j += 0.5 * (began.power_w + tried.ended.power_w) * step_s
     state.heat_out_j += 0.5 * (began.loss_w + tried.ended.loss_w) * step_s
@@ -316,7 +256,12 @@ def accept_coupled_step(
 
 @compiled_inline
 def accept_pair_step(
-    wires: RunningPair, setting: PairSetting, tried: PairAttempt, began: PairInstant, step_s: float
+    wires: RunningPair,
+    setting: PairSetting,
+    tried: PairAttempt,
+    began: PairInstant,
+    step_s: float,
+    joined: bool,
 ) -> None:
     """Move both wires by a step that was tried, in place."""
     first, second = wires
@@ -324,8 +269,8 @@ def accept_pair_step(
     direction = setting.pair.direction
     if direction != APART:  # the common connector, set below, does not follow a single slack wire
         one.connector_contraction, two.connector_contraction = -math.inf, -math.inf
-    accept_coupled_step(first, tried.first, joint.push, began.first, step_s)
-    accept_coupled_step(second, tried.second, joint.other_push, began.second, step_s)
+    accept_coupled_step(first, tried.first, joint.push, began.first, step_s, joined)
+    accept_coupled_step(second, tried.second, joint.other_push, began.second, step_s, joined)
     if direction != APART:
         lengths = first.constants.leg_length_m / second.constants.leg_length_m
         one.connector_contraction, one.friction_n = joint.contraction, joint.friction_n
@@ -338,61 +283,12 @@ def accept_pair_step(
 
 
 @compiled_inline
-def remember(state: WireState, before: PredictedWire, together_j: float) -> None:
-    """Set the slopes of a joined wire to those of its last step over the heat of the pair, in place."""
-    if together_j > NO_HEAT_J:
-        per_j = 1.0 / together_j
-        state.temperature_slope_k_per_j = (state.temperature_k - before.temperature_k) * per_j
-        state.stress_slope_pa_per_j = (state.stress_pa - before.stress_pa) * per_j
-        state.contraction_slope_per_j = (state.connector_contraction - before.contraction) * per_j
-        state.resistance_slope_ohm_per_j = (state.resistance_ohm - before.resistance_ohm) * per_j
-
-
-@compiled_inline
-def joined_error_ratio(
-    state: WireState,
-    tried: StepAttempt,
-    rates_w: tuple[float, float],
-    together_j: tuple[float, float],
-    step_and_plan: tuple[float, FloatArray],
-) -> float:
-    """Return the largest error of a joined wire's step over its tolerance, as ``error_ratio`` of a single wire."""
-    step_s, plan = step_and_plan
-    before_w, after_w = rates_w
-    heat_j, owing_j = together_j
-    per_j = 1.0 / heat_j if heat_j > NO_HEAT_J else 0.0
-    after = tried.found.wire
-    resistance_slope = (after.resistance_ohm - state.resistance_ohm) * per_j
-    slope = (after.contraction - state.contraction) * per_j
-    bend_ohm = abs(state.resistance_slope_ohm_per_j * before_w - resistance_slope * after_w)
-    bend = abs(state.contraction_slope_per_j * before_w - slope * after_w)
-    mean = step_s / 12.0
-    resistance_ohm = max(abs(owing_j * resistance_slope), bend_ohm * mean)
-    strain = max(abs(owing_j * slope), bend * mean)
-    return max(
-        tried.error_k / plan[TEMPERATURE],
-        max(resistance_ohm / (plan[RESISTANCE] * state.resistance_ohm), strain / plan[STRAIN]),
-    )
-
-
-@compiled_inline
 def error_ratio_of_both(
-    wires: RunningPair, course: HeatDirection, tried: PairAttempt, began: PairInstant, step_s: float, plan: FloatArray
+    wires: RunningPair, tried: PairAttempt, began: PairInstant, step_s: float, plan: FloatArray
 ) -> float:
     """Return the largest error of a step of both wires over its tolerance."""
-    one, two = wires.first.state, wires.second.state
-    first, second = tried.first, tried.second
-    if not course.joined:
-        return max(
-            error_ratio(one, first, began.first, step_s, plan), error_ratio(two, second, began.second, step_s, plan)
-        )
-    heat_j, owing_j = math.hypot(first.heat_j, second.heat_j), math.hypot(first.owed_j, second.owed_j)
-    before_w = along(course, net_w(began.first), net_w(began.second))
-    after_w = 0.0
-    if heat_j > 0.0:
-        after_w = (first.heat_j * net_w(tried.ended.first) + second.heat_j * net_w(tried.ended.second)) / heat_j
-    rates_w, together_j, step_and_plan = (before_w, after_w), (heat_j, owing_j), (step_s, plan)
+    first, second = wires.first.state, wires.second.state
     return max(
-        joined_error_ratio(one, first, rates_w, together_j, step_and_plan),
-        joined_error_ratio(two, second, rates_w, together_j, step_and_plan),
+        error_ratio(first, tried.first, began.first, step_s, plan),
+        error_ratio(second, tried.second, began.second, step_s, plan),
     )

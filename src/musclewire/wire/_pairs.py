@@ -14,24 +14,17 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.wire._constants import WireConstants
-from musclewire.wire._coupling import APART, GrippedObject, grip_force_n, no_grip
+from musclewire.wire._coupling import APART, GrippedObject, grip_force_n
 from musclewire.wire._pair_step import (
-    OWN_SUPPLY,
-    PARALLEL,
-    SERIES,
-    HeatDirection,
-    PairAttempt,
     PairConnection,
     PairInstant,
     PairSetting,
     RunningPair,
     accept_pair_step,
     attempt_both,
-    course_of,
     error_ratio_of_both,
     instant_of_both,
     present,
-    remember,
 )
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
@@ -47,18 +40,6 @@ from musclewire.wire._stepping import (
     plan_of,
     shorter_step_s,
 )
-
-__all__ = [
-    "APART",
-    "OWN_SUPPLY",
-    "PARALLEL",
-    "SERIES",
-    "GrippedObject",
-    "PairConnection",
-    "PairMeans",
-    "advance_pair",
-    "no_grip",
-]
 
 
 class PairMeans(NamedTuple):
@@ -130,30 +111,6 @@ def add_both(sums: FloatArray, step_s: float, before: AveragedQuantities, after:
 
 
 @compiled_inline
-def move_both(
-    wires: RunningPair,
-    setting: PairSetting,
-    course: HeatDirection,
-    tried: PairAttempt,
-    began: PairInstant,
-    step_s: float,
-) -> AveragedQuantities:
-    """Move both wires by a step that was tried, with the slopes for the next one; return what is then seen."""
-    one, two = wires.first.state, wires.second.state
-    before, other_before = present(one), present(two)
-    accept_pair_step(wires, setting, tried, began, step_s)
-    seen = shown(wires, setting, tried.ended)
-    if setting.pair.direction != APART or seen.grip_n > 0.0:
-        together_j = math.hypot(tried.first.heat_j, tried.second.heat_j)
-        remember(one, before, together_j)
-        remember(two, other_before, together_j)
-    elif course.joined:  # fingers that have just let go: what they felt of each other is no slope over their own heat
-        one.resistance_slope_ohm_per_j = 0.0
-        two.resistance_slope_ohm_per_j = 0.0
-    return seen
-
-
-@compiled_inline
 def advance_both(wires: RunningPair, setting: PairSetting, plan: FloatArray, sums: FloatArray) -> None:
     """Advance both wires in place by a duration, and add up what is averaged over it, (7,)."""
     one, two = wires.first.state, wires.second.state
@@ -166,15 +123,16 @@ def advance_both(wires: RunningPair, setting: PairSetting, plan: FloatArray, sum
     while steps_left > 0 if fixed else left_s > 0.0:
         if not fixed:  # equal steps over what is left, none longer than the tolerance asks for
             step_s = left_s / math.ceil(left_s / step_s * (1.0 - 1e-9))
-        course = course_of(one, two, setting.pair.direction != APART or seen.grip_n > 0.0)
-        tried = attempt_both(wires, setting, course, began, seen.grip_n, step_s)
+        joined = setting.pair.direction != APART or seen.grip_n > 0.0
+        tried = attempt_both(wires, setting, joined, began, seen.grip_n, step_s)
         if not fixed:
-            ratio = error_ratio_of_both(wires, course, tried, began, step_s, plan)
+            ratio = error_ratio_of_both(wires, tried, began, step_s, plan)
             if ratio > 1.0 and step_s > MIN_STEP_S:
                 step_s = shorter_step_s(step_s, ratio)
                 continue
             one.step_s = two.step_s = next_step_s(step_s, ratio)
-        after = move_both(wires, setting, course, tried, began, step_s)
+        accept_pair_step(wires, setting, tried, began, step_s, joined)
+        after = shown(wires, setting, tried.ended)
         add_both(sums, step_s, seen, after)
         began, seen = tried.ended, after
         left_s -= step_s

@@ -1,6 +1,7 @@
-"""A wire along a whole history in one compiled call: a drive over time, or temperatures at constant stress.
+"""A wire along a whole history in one compiled call: a drive over time, or prescribed temperatures.
 
-Identification, tables and batches need thousands of histories; a rig advances sample by sample instead.
+Identification, tables and batches need thousands of histories; a rig advances sample by sample instead. A wire of given
+temperature takes the same step: without loss and latent heat it is as warm as the power through it says.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.errors import CallerError
+from musclewire.physics import REFERENCE_TEMPERATURE_K
+from musclewire.wire._advance import advance_wire
 from musclewire.wire._building import cooled_wire, resting_state
 from musclewire.wire._constants import WireConstants
 from musclewire.wire._fronts import shakedown_of
@@ -19,10 +22,27 @@ from musclewire.wire._prescribed import follow, resistance_of, total_strain
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
 from musclewire.wire._step import RunningWire
-from musclewire.wire._stepping import StepControl, require_resolved
-from musclewire.wire._wires import CHOSEN, SourceOutput, advance_wire, plan_of
+from musclewire.wire._stepping import (
+    CHOSEN,
+    CURRENT,
+    POWER,
+    VOLTAGE,
+    SourceOutput,
+    StepControl,
+    fixed_steps,
+    plan_of,
+    require_resolved,
+)
 
-__all__ = ["DrivenPath", "IsobaricPath", "drive_path", "isobaric_path"]
+# Far below any spread of the grains, so that the balance is found from the stress before in one or two evaluations.
+WARMING_STEP_K = 0.1
+# A prescribed temperature a second, in one step each: the rate does not matter to what loses no heat.
+A_SECOND = plan_of(fixed_steps(1.0), 1.0)
+# What a wire at rest does not remember of how it was heated.
+OF_THE_WAY = (
+    "time_s", "heat_in_j", "heat_out_j", "last_heat_j", "carried_heat_j", "step_error_k", "stress_slope_pa_per_j",
+    "contraction_slope_per_j", "resistance_slope_ohm_per_j",
+)  # fmt: skip
 
 
 class DrivenPath(NamedTuple):
@@ -58,7 +78,7 @@ def drive_rows(
     cells: Rows,
     load: Rows,
     drive: FloatArray,
-    is_current: bool,
+    kind: int,
     plan: FloatArray,
 ) -> FloatArray:
     """Drive a wire in place on arrays of one record; return the columns of a :class:`DrivenPath`."""
@@ -66,7 +86,7 @@ def drive_rows(
     state = wire.state
     shown = np.empty((9, drive.shape[0]))
     for sample in range(drive.shape[0]):
-        means = advance_wire(wire, SourceOutput(drive[sample], is_current), plan)
+        means = advance_wire(wire, SourceOutput(drive[sample], kind), plan)
         shown[0, sample] = means[0]
         shown[1, sample] = means[1]
         shown[2, sample] = means[2]
@@ -122,7 +142,8 @@ def drive_path(
     before = resting_state(constants) if state is None else state
     after = before.copy()
     held = np.ascontiguousarray(drive, dtype=np.float64)
-    shown = drive_rows(after.row, *constants.step_arrays(), held, regulated_current, plan)
+    kind = CURRENT if regulated_current else VOLTAGE
+    shown = drive_rows(after.row, *constants.step_arrays(), held, kind, plan)
     require_resolved(after, stepping, sample_s, before)
     return DrivenPath(*shown), after
 
@@ -162,3 +183,47 @@ def isobaric_path(constants: WireConstants, stress_pa: float, temperature_k: Flo
     path = np.ascontiguousarray(temperature_k, dtype=np.float64)
     state = cooled_wire(constants, stress_pa, float(path[0]))
     return IsobaricPath(*isobaric_rows(state.row, *constants.step_arrays(), stress_pa, path))
+
+
+def heated_state(constants: WireConstants, temperature_k: float) -> WireState:
+    """Return a wire on its load, heated from cold to a temperature so slowly that it is in equilibrium throughout.
+
+    It is on the heating branch of its loop: austenite above the end of the transformation, partly martensite below.
+
+    Parameters
+    ----------
+    constants
+        The wire on its load.
+    temperature_k
+        Temperature to which it was heated [K], above that of the air.
+
+    Returns
+    -------
+    The state at that temperature, at rest.
+
+    Raises
+    ------
+    CallerError
+        If the temperature is not above that of the air.
+    """
+    ambient = constants.ambient_temperature_k
+    if not temperature_k > ambient:
+        raise CallerError(
+            f"a heated wire must be above the {ambient - 273.15:.1f} C of the air around it, not at "
+            f"{temperature_k - 273.15:.1f} C"
+        )
+    state = resting_state(constants)
+    derived, cells, load = constants.step_arrays()
+    only_capacity = derived.copy()
+    only_capacity["latent_heat_j"] = only_capacity["surface_factor_m2"] = 0.0
+    sensible_j = constants.heat_capacity_j_per_k * (temperature_k - REFERENCE_TEMPERATURE_K)
+    state.row["enthalpy_j"] = constants.heat_capacity_j_per_k * (ambient - REFERENCE_TEMPERATURE_K)
+    steps = int((temperature_k - ambient) / WARMING_STEP_K) + 1
+    power_w = np.full(steps, (sensible_j - state.enthalpy_j) / steps)
+    drive_rows(state.row, only_capacity, cells, load, power_w, POWER, A_SECOND)
+    transformed = state.martensite_fraction + constants.r_phase_entropy_ratio * state.r_phase_fraction
+    return state.replace(
+        temperature_k=temperature_k,
+        enthalpy_j=sensible_j - constants.latent_heat_j * transformed,
+        **dict.fromkeys(OF_THE_WAY, 0.0),
+    )

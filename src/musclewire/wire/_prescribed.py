@@ -10,8 +10,6 @@ from musclewire.wire._constants import StepConstants
 from musclewire.wire._fronts import ShakedownEffects, shakedown_of
 from musclewire.wire._step import RunningWire, phases_at
 
-__all__ = ["cool_from_hot", "follow", "resistance_of", "total_strain"]
-
 
 @compiled
 def follow(wire: RunningWire, shakedown: ShakedownEffects, temperature_k: float, stress_pa: float) -> None:

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
-__all__ = ["CLASSES", "CLASS_SLOPES", "Field", "Row", "Rows", "field"]
-
 # Records as compiled code takes them, (n_wires,); each element has the fields of its Row as attributes.
 Rows = Any
 

@@ -9,8 +9,6 @@ from __future__ import annotations
 from musclewire.arrays import FloatArray
 from musclewire.wire._row import CLASS_SLOPES, CLASSES, Row, field
 
-__all__ = ["WireState"]
-
 
 class WireState(Row):
     """All that a wire remembers from one step to the next.

@@ -25,28 +25,6 @@ from musclewire.wire._fronts import PhaseFractions, ShakedownEffects, cumulative
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
 
-__all__ = [
-    "MAX_EVALUATIONS",
-    "NO_HEAT_J",
-    "NO_PUSH",
-    "SMALL_BEND_N",
-    "SOLVED_K",
-    "Equilibrium",
-    "HalfStepWire",
-    "RunningWire",
-    "accept",
-    "equilibrium_of",
-    "friction_at",
-    "guess_after",
-    "load_at",
-    "middle_of_step",
-    "next_stress_pa",
-    "phases_at",
-    "solve",
-    "stress_balanced",
-    "trial_at",
-]
-
 # Newton's last step may be this long: it is applied linearly, and the error that remains is of second order in it.
 SOLVED_K = 1e-3
 # After so many plain Newton steps the safe method begins, and after so many evaluations a step counts as unsolved.
@@ -79,8 +57,12 @@ class Equilibrium(NamedTuple):
     ----------
     wire
         The wire there.
-    temperature_slope_k_per_j, stress_slope_pa_per_j, contraction_slope_per_j
-        Slopes over heat, the load in balance.
+    temperature_slope_k_per_j
+        Slope of temperature over heat [K/J], the load in balance.
+    stress_slope_pa_per_j
+        Slope of stress over heat [Pa/J].
+    contraction_slope_per_j
+        Slope of contraction over heat [1/J].
     stress_per_contraction_pa
         Slope of the wire's stress over contraction at constant enthalpy [Pa], negative: what a second wire on the same
         connector feels.

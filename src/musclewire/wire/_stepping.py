@@ -11,38 +11,11 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.errors import CallerError, NumericsError
-from musclewire.wire._balance import convection_w_per_m2_k, loss_w
+from musclewire.wire._balance import BalancedWire, convection_w_per_m2_k, loss_w
 from musclewire.wire._constants import StepConstants
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
-from musclewire.wire._step import Equilibrium
-
-__all__ = [
-    "CHOSEN",
-    "DURATION",
-    "MIN_STEP_S",
-    "RESISTANCE",
-    "STEPS",
-    "STRAIN",
-    "TEMPERATURE",
-    "StepAttempt",
-    "SourceOutput",
-    "WireInstant",
-    "StepControl",
-    "circuit_at",
-    "are_resolved",
-    "error_ratio",
-    "is_resolved",
-    "require_resolved",
-    "fixed_steps",
-    "instant_of",
-    "longest_step_s",
-    "next_step_s",
-    "owed_j",
-    "plan_of",
-    "shorter_step_s",
-    "steps_within",
-]
+from musclewire.wire._step import NO_HEAT_J, Equilibrium
 
 # A fixed step must divide the sample; this much of a step may be left over by rounding.
 RAGGED = 1e-6
@@ -56,6 +29,10 @@ SAFETY, MAX_SHRINK, MAX_GROWTH = 0.9, 0.2, 3.0
 MIN_STEP_S = 1e-5
 # A step with a larger estimated error in temperature shows the step, not the wire.
 MAX_STEP_ERROR_K = 2.0
+# Resistance changes by a fifth over the latent heat; the prediction allows for twice as steep a change and more.
+STEEPEST, TEN_K = 0.5, 10.0
+# A smaller motion of a coupled wire is within what its solution may be off.
+MOVED = 1e-11
 
 
 class StepControl(NamedTuple):
@@ -138,11 +115,26 @@ def steps_within(stepping: StepControl, duration_s: float) -> int:
 CHOSEN = StepControl()
 
 
+# What a source holds.
+VOLTAGE, CURRENT, POWER = range(3)
+
+
 class SourceOutput(NamedTuple):
-    """What the source holds: a voltage [V], or a current [A]."""
+    """What is held during a sample: a voltage [V] of the circuit, a current [A], or the power in the wire [W].
+
+    Of a power that was measured the circuit does not matter: the wire's voltage is then shown for 1 A, and so its
+    resistance.
+
+    Parameters
+    ----------
+    value
+        The voltage, current or power.
+    kind
+        ``VOLTAGE``, ``CURRENT`` or ``POWER``.
+    """
 
     value: float
-    is_current: bool
+    kind: int
 
 
 class WireInstant(NamedTuple):
@@ -151,6 +143,15 @@ class WireInstant(NamedTuple):
     current_a: float
     power_w: float
     loss_w: float
+
+
+class HeatSlopes(NamedTuple):
+    """Slopes over heat in a step: of temperature, stress, contraction and resistance."""
+
+    temperature_k_per_j: float
+    stress_pa_per_j: float
+    contraction_per_j: float
+    resistance_ohm_per_j: float
 
 
 class StepAttempt(NamedTuple):
@@ -187,8 +188,11 @@ def circuit_at(
     coefficient_w_per_m2_k: float,
 ) -> WireInstant:
     """Return current, power and loss of a wire: the source drives wire, shunt and leads in series."""
-    current_a = drive.value if drive.is_current else drive.value / (resistance_ohm + constants.series_resistance_ohm)
     loss = loss_w(constants, coefficient_w_per_m2_k, temperature_k)
+    if drive.kind == POWER:
+        return WireInstant(1.0, drive.value, loss)
+    in_series_ohm = resistance_ohm + constants.series_resistance_ohm
+    current_a = drive.value if drive.kind == CURRENT else drive.value / in_series_ohm
     return WireInstant(current_a, current_a * current_a * resistance_ohm, loss)
 
 
@@ -209,7 +213,42 @@ def owed_j(started: WireInstant, within: WireInstant, ended: WireInstant, step_s
 
 
 @compiled_inline
-def error_ratio(state: WireState, tried: StepAttempt, started: WireInstant, step_s: float, plan: FloatArray) -> float:
+def limited(rise: float, heat_j: float, low: float, high: float) -> float:
+    """Return a rise over a heat, within limits: the next middle is predicted by it.
+
+    A load that jumps, or other wires, change a wire that takes hardly any heat: such a ratio means nothing.
+    """
+    slope = rise / heat_j if abs(heat_j) > NO_HEAT_J else 0.0
+    return min(max(slope, low), high)
+
+
+@compiled_inline
+def rises_over(
+    constants: StepConstants, before: WireState, after: BalancedWire | WireState, heat_j: float
+) -> HeatSlopes:
+    """Return the slopes of a coupled wire over its own heat: what it did in a step, as far as heat can do it.
+
+    Temperature rises as without latent heat at most, stress with it as the phases' balance does; resistance and
+    contraction change over the latent heat as in a whole transformation, or more than twice as steeply.
+    """
+    k = constants
+    steepest_per_j = STEEPEST / (k.latent_heat_j + TEN_K * k.capacity_j_per_k)
+    ohm_per_j, per_j = after.resistance_ohm * steepest_per_j, 5.0 * k.strain_saturated * steepest_per_j
+    pa_per_j = k.per_capacity_k_per_j / k.martensite_k_per_pa
+    moved = after.contraction - before.connector_contraction
+    moved = moved if abs(moved) > MOVED else 0.0
+    return HeatSlopes(
+        limited(after.temperature_k - before.temperature_k, heat_j, 0.0, k.per_capacity_k_per_j),
+        limited(after.stress_pa - before.stress_pa, heat_j, -pa_per_j, pa_per_j),
+        limited(moved, heat_j, -per_j, per_j),
+        limited(after.resistance_ohm - before.resistance_ohm, heat_j, -ohm_per_j, ohm_per_j),
+    )
+
+
+@compiled_inline
+def error_ratio(
+    state: WireState, tried: StepAttempt, started: WireInstant, step_s: float, plan: FloatArray | tuple[float, ...]
+) -> float:
     """Return the largest error of a step over its tolerance: of temperature, resistance and strain.
 
     Resistance and contraction are also shown as means over a sample: how far the mean of both ends may be from the

@@ -11,53 +11,25 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled, compiled_inline
+from musclewire.compiled import compiled
+from musclewire.wire._advance import advance_wire
 from musclewire.wire._building import resting_state
 from musclewire.wire._constants import WireConstants
-from musclewire.wire._fronts import shakedown_of
-from musclewire.wire._pairs import APART, GrippedObject, PairConnection, advance_pair
+from musclewire.wire._coupling import APART, GrippedObject
+from musclewire.wire._pair_step import PairConnection
+from musclewire.wire._pairs import advance_pair
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
-from musclewire.wire._step import NO_PUSH, RunningWire, accept, guess_after, middle_of_step, solve
+from musclewire.wire._step import RunningWire
 from musclewire.wire._stepping import (
     CHOSEN,
-    DURATION,
-    MIN_STEP_S,
-    STEPS,
+    VOLTAGE,
     SourceOutput,
-    StepAttempt,
     StepControl,
-    WireInstant,
     are_resolved,
-    circuit_at,
-    error_ratio,
-    instant_of,
-    longest_step_s,
-    next_step_s,
-    owed_j,
     plan_of,
     require_resolved,
-    shorter_step_s,
 )
-
-__all__ = [
-    "CHOSEN",
-    "SourceOutput",
-    "WireInstant",
-    "WireMeans",
-    "attempt",
-    "circuit_at",
-    "owed_j",
-    "accept_step",
-    "advance",
-    "advance_rows",
-    "advance_wire",
-    "plan_of",
-    "SampleMeans",
-    "OneWire",
-    "SimulatedWires",
-    "TwoWires",
-]
 
 
 class WireMeans(NamedTuple):
@@ -127,79 +99,6 @@ def advance(
     return after, WireMeans(*means)
 
 
-@compiled_inline
-def attempt(wire: RunningWire, drive: SourceOutput, started: WireInstant, step_s: float) -> StepAttempt:
-    """Return a step of a wire; the wire itself does not move yet.
-
-    Power and loss in the middle of the step give its heat. The trapezoidal rule with the end as found would give a
-    little more or less: that is made good in the next step, and is the estimate of this one's error.
-    """
-    state, k = wire.state, wire.constants
-    middle = middle_of_step(state, k, 0.5 * step_s * (started.power_w - started.loss_w))
-    within = instant_of(k, drive, middle.resistance_ohm, middle.temperature_k)
-    heat_j = (within.power_w - within.loss_w) * step_s + state.carried_heat_j
-    shakedown = shakedown_of(k, state.cycles)
-    found = solve(wire, shakedown, state.enthalpy_j + heat_j, guess_after(state, middle, heat_j), NO_PUSH)
-    ended = instant_of(k, drive, found.wire.resistance_ohm, found.wire.temperature_k)
-    owes_j = owed_j(started, within, ended, step_s)
-    slope = max(found.temperature_slope_k_per_j, middle.temperature_slope_k_per_j)
-    return StepAttempt(found, within, ended, heat_j, owes_j, abs(owes_j) * slope)
-
-
-@compiled_inline
-def accept_step(wire: RunningWire, tried: StepAttempt, started: WireInstant, step_s: float) -> None:
-    """Move a wire by a step that was tried, in place."""
-    state = wire.state
-    accept(wire, tried.found, tried.heat_j, NO_PUSH)
-    state.carried_heat_j = tried.owed_j
-    state.heat_in_j += 0.5 * (started.power_w + tried.ended.power_w) * step_s
-    state.heat_out_j += 0.5 * (started.loss_w + tried.ended.loss_w) * step_s
-    state.step_error_k = max(state.step_error_k, tried.error_k)
-
-
-@compiled_inline
-def advance_wire(wire: RunningWire, drive: SourceOutput, plan: FloatArray) -> tuple[float, float, float, float]:
-    """Advance a wire in place by a duration; return the means of :func:`advance`."""
-    state, k = wire.state, wire.constants
-    started = instant_of(k, drive, state.resistance_ohm, state.temperature_k)
-    fixed = plan[STEPS] > 0.0
-    left_s = duration_s = plan[DURATION]
-    step_s = duration_s / plan[STEPS] if fixed else longest_step_s(state, duration_s)
-    steps_left = int(plan[STEPS])
-    voltage_sum = current_sum = moved_sum = stress_sum = 0.0
-    while steps_left > 0 if fixed else left_s > 0.0:
-        if not fixed:  # equal steps over what is left, none longer than the tolerance asks for
-            step_s = left_s / math.ceil(left_s / step_s * (1.0 - 1e-9))
-        tried = attempt(wire, drive, started, step_s)
-        if not fixed:
-            ratio = error_ratio(state, tried, started, step_s, plan)
-            if ratio > 1.0 and step_s > MIN_STEP_S:
-                step_s = shorter_step_s(step_s, ratio)
-                continue
-            state.step_s = next_step_s(step_s, ratio)
-        resistance_ohm, connector, stress_pa = state.resistance_ohm, state.connector_contraction, state.stress_pa
-        accept_step(wire, tried, started, step_s)
-        # The trapezoidal rule for all four alike: otherwise strain would be late or early compared with resistance.
-        ended = tried.ended
-        voltage_sum += step_s * (started.current_a * resistance_ohm + ended.current_a * state.resistance_ohm)
-        current_sum += step_s * (started.current_a + ended.current_a)
-        moved_sum += step_s * (connector + state.connector_contraction)
-        stress_sum += step_s * (stress_pa + state.stress_pa)
-        started = ended
-        left_s -= step_s
-        steps_left -= 1
-        step_s = step_s if fixed else state.step_s
-    # Adding up time step by step would accumulate rounding errors.
-    state.time_s += duration_s
-    mean = 0.5 / duration_s
-    return (
-        mean * voltage_sum,
-        mean * current_sum * k.shunt_resistance_ohm,
-        mean * moved_sum * k.leg_length_m,
-        mean * stress_sum * k.section_m2,
-    )
-
-
 @compiled
 def advance_rows(
     states: Rows,
@@ -211,7 +110,7 @@ def advance_rows(
 ) -> tuple[float, float, float, float]:
     """Advance a wire in place, arrays of one record, (1,); return the means of :func:`advance`."""
     return advance_wire(
-        RunningWire(states[0], constants[0], cells[0], load[0]), SourceOutput(drive_voltage_v, False), plan
+        RunningWire(states[0], constants[0], cells[0], load[0]), SourceOutput(drive_voltage_v, VOLTAGE), plan
     )
 
 

@@ -17,7 +17,6 @@ sys.path.insert(0, str(Path(__file__).parent))  # for bench_stand_in
 
 from bench_stand_in import BenchStandIn
 
-from musclewire.extras.live._server.application import Limits
 from musclewire.extras.live._server.running import (
     ListenAddress,
     RunningServer,
@@ -76,5 +75,5 @@ def serving(tmp_path: Path) -> Iterator[Callable[..., Served]]:
 
 @pytest.fixture
 def server(serving: Callable[..., Served]) -> Served:
-    """A server on loopback with limits that no test of something else reaches."""
-    return serving(limits=Limits(1e6, 1e6, 1e6, 1e6))
+    """A server on loopback."""
+    return serving()

@@ -6,7 +6,6 @@ events and messages, so that no clock judges.
 
 from __future__ import annotations
 
-import json
 import os
 import queue
 import threading
@@ -16,6 +15,7 @@ from types import TracebackType
 from typing import Any
 
 import pytest
+from pydantic_core import from_json, to_json
 
 from musclewire.errors import CallerError, RigError
 from musclewire.extras.live import _messages as messages
@@ -44,7 +44,7 @@ class Kept(MessageWriter):
 
     def send(self, message: dict[str, Any]) -> None:
         """Keep a message."""
-        self.messages.put(json.loads(json.dumps(message, allow_nan=False)))
+        self.messages.put(from_json(to_json(message, inf_nan_mode="null")))
 
 
 class Bench:

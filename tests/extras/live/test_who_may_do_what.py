@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import stat
 from collections.abc import Callable
 from contextlib import suppress
@@ -15,7 +16,6 @@ from websockets.sync.client import ClientConnection, connect
 
 from musclewire.errors import CallerError
 from musclewire.extras.live._server.access import read_token
-from musclewire.extras.live._server.application import Limits
 from musclewire.extras.live._server.json_texts import MAX_BYTES
 from musclewire.extras.live._server.running import ListenAddress, ServerSettings
 
@@ -86,6 +86,39 @@ def test_a_body_that_is_too_large_is_refused_whether_it_says_so_or_not(server: A
     assert server.http.post(f"{BENCH}/commands", content=chunks, headers=kind).status_code == 413
 
 
+@pytest.mark.parametrize(
+    "body",
+    [
+        *(b'{"do":"control","reference":{"kind":"steer"},"settings":{"kp":NaN}}', b"[" * 100_000, b"{", b"\xff"),
+        *(
+            b'{"do":"target","value":Infinity}',
+            b'{"do":"target","value":"1"}',
+            b'{"do":"switch_on","rig":"x"}',
+            b"null",
+        ),
+    ],
+)
+def test_what_is_no_command_is_one_line_and_reaches_no_bench(server: Any, body: bytes) -> None:
+    lease = server.http.post(f"{BENCH}/control").json()["lease"]
+    headers = {"Content-Type": "application/json", "Musclewire-Lease": lease}
+    answer = server.http.post(f"{BENCH}/commands", content=body, headers=headers)
+    assert answer.status_code in (400, 422)
+    assert len(answer.json()["problem"].splitlines()) == 1
+    assert server.bench.told == [("start", None)]
+
+
+def test_a_body_that_does_not_come_is_not_waited_for(server: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("musclewire.extras.live._server.gate.BODY_S", 0.1)
+
+    address = server.running.address
+    with socket.create_connection((address.host, address.port), timeout=60.0) as connection:
+        connection.sendall(
+            f"POST {BENCH}/commands HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+            "Content-Length: 20\r\n\r\n{".encode()
+        )
+        assert b" 408 " in connection.recv(1000)
+
+
 def test_every_answer_carries_the_headers_that_keep_a_browser_safe(server: Any) -> None:
     for path, host in (("/", None), (BENCH, None), ("/nothing", None), ("/", "evil.example")):
         headers = server.http.get(path, headers={} if host is None else {"Host": host}).headers
@@ -137,22 +170,15 @@ def test_a_program_shows_its_token_in_a_header(guarded: Any) -> None:
         assert '"hello"' in socket.recv()
 
 
-def test_requests_that_come_too_fast_wait_but_a_stop_never_does(serving: Callable[..., Any]) -> None:
-    server = serving(limits=Limits(requests_per_s=1e-6, request_burst=5.0))
-    codes = [server.http.get(BENCH).status_code for _ in range(8)]
-    assert codes == [200] * 5 + [429] * 3
-    assert server.http.post(f"{BENCH}/stop").status_code == 200
-
-
 def read_all(socket: ClientConnection) -> None:
     while True:
         socket.recv(timeout=10)
 
 
 def test_a_flood_of_messages_is_not_read_but_a_stop_in_it_is_and_its_sender_is_disconnected(
-    serving: Callable[..., Any],
+    server: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    server = serving(limits=Limits(messages_per_s=1e-6, message_burst=5.0))
+    monkeypatch.setattr("musclewire.extras.live._server.live_socket.MESSAGES_A_SECOND", 5)
     with connect(server.socket) as flooding, connect(server.socket) as other:
         for _ in range(20):
             flooding.send('{"type":"ask_control","bench":"simulated"}')

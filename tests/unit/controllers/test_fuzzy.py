@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from skfuzzy import control
 
-from musclewire.controllers import _kernels as kernels
-from musclewire.controllers._fuzzy import infer_ratios, infer_surface, input_grades, packed_rules
+from musclewire.controllers._fuzzy import infer_ratios, infer_surface, input_grades
 from musclewire.controllers._rules import (
     SET_NAMES,
     MamdaniRules,
@@ -238,13 +237,6 @@ def test_the_surface_equals_the_scalar_inference_to_the_bit(name: str) -> None:
         for column in range(5):
             expected = infer_ratios(rule_base, errors[row, 0], changes[column])
             assert tuple(ratio[row, column] for ratio in surface) == expected
-
-
-@given(names, ratios, ratios)
-def test_compiled_inference_equals_plain_python_to_the_bit(name: str, error: float, change: float) -> None:
-    values = packed_rules(load_rule_base(name))
-    plain: Any = kernels.infer
-    assert plain.py_func(values, error, change) == kernels.infer(values, error, change)
 
 
 def test_nan_is_refused() -> None:

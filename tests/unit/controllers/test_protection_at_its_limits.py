@@ -1,6 +1,6 @@
 """Each limit of the protection is exact: at the limit as it says, and on the other side of it one rounding further.
 
-The numbers are powers of two, so that no arithmetic rounds; the functions and the compiled judgement are held to both.
+The numbers are powers of two, so that no arithmetic rounds.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from musclewire.controllers._protection import (
     protection_table,
 )
 from musclewire.controllers._protection.protect import CONDITION_EVENTS, ProtectionState
-from musclewire.controllers._protection.running import packed_limits, packed_memory, sound_reading
 
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.5,
@@ -59,13 +58,11 @@ def settled_at(resistance_ohm: float) -> ProtectionState:
     return state._replace(settled_ohm=resistance_ohm, wire_voltage_v=9.0, shunt_voltage_v=9.0)
 
 
-def seen(state: ProtectionState, limits: ProtectionLimits, reading: Reading) -> tuple[set[Event], bool]:
-    """Return the conditions that a reading shows, and whether the compiled judgement calls it sound."""
+def seen(state: ProtectionState, limits: ProtectionLimits, reading: Reading) -> set[Event]:
+    """Return what a reading shows."""
     after = protect_reading(state, limits, *reading, 0.01)
     lasting = {event for event, lasts_s in zip(CONDITION_EVENTS, after.lasting_s, strict=True) if lasts_s > 0.0}
-    missing = {after.event} if after.state is State.HOLD else set()
-    sound = sound_reading(packed_memory(state)[0], packed_limits(limits)[0], *reading, 0.01)
-    return lasting | missing, bool(sound)
+    return lasting | ({after.event} if after.state is State.HOLD else set())
 
 
 def beyond(reading: Reading, place: int, way: float) -> Reading:
@@ -80,10 +77,8 @@ def beyond(reading: Reading, place: int, way: float) -> Reading:
 def test_at_its_limit_a_reading_is_sound_and_beyond_it_is_not(name: str) -> None:
     reading, place, way, event = AT[name]
     state = settled_at(16.0 if "jump" in name or name == "more than commanded" else reading[1] / reading[2])
-    assert seen(state, LIMITS, reading) == (set(), True)
-    found, sound = seen(state, LIMITS, beyond(reading, place, way))
-    assert event in found
-    assert not sound
+    assert seen(state, LIMITS, reading) == set()
+    assert event in seen(state, LIMITS, beyond(reading, place, way))
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0], ids=["positive", "negative"])
@@ -92,35 +87,35 @@ def test_a_channel_is_saturated_from_a_thousandth_below_its_range(channel: int, 
     ranges = LIMITS._replace(wire_range_v=4.0 / 0.999) if channel == 1 else LIMITS._replace(shunt_range_v=0.25 / 0.999)
     reading = (4.25, 4.0 * (way if channel == 1 else 1.0), 0.25 * (way if channel == 2 else 1.0))
     state = settled_at(16.0)
-    assert Event.CHANNEL_SATURATED in seen(state, ranges, beyond(reading, channel, way))[0]
-    assert Event.CHANNEL_SATURATED not in seen(state, ranges, beyond(beyond(reading, channel, -way), channel, -way))[0]
+    assert Event.CHANNEL_SATURATED in seen(state, ranges, beyond(reading, channel, way))
+    assert Event.CHANNEL_SATURATED not in seen(state, ranges, beyond(beyond(reading, channel, -way), channel, -way))
 
 
 def test_a_current_or_a_supply_that_is_just_enough_is_a_reading() -> None:
     wide = LIMITS._replace(resistance_high_ohm=1000.0)
     state = settled_at(16.0)
     least = (0.53125, 0.5, 0.03125)
-    assert seen(state, LIMITS, least) == (set(), True)
-    assert seen(state._replace(settled_ohm=0.0), wide, beyond(least, 2, -1.0)) == ({Event.WIRE_OPEN}, False)
+    assert seen(state, LIMITS, least) == set()
+    assert seen(state._replace(settled_ohm=0.0), wide, beyond(least, 2, -1.0)) == {Event.WIRE_OPEN}
     half = (4.25, 2.0, 0.125)
-    assert seen(state, LIMITS, half) == (set(), True)
-    assert seen(state, LIMITS, beyond(half, 0, 1.0)) == ({Event.SUPPLY_MISSING}, False)
+    assert seen(state, LIMITS, half) == set()
+    assert seen(state, LIMITS, beyond(half, 0, 1.0)) == {Event.SUPPLY_MISSING}
 
 
 def test_from_half_the_sense_voltage_on_a_wire_without_current_is_missing() -> None:
     state = settled_at(16.0)
     nothing = (0.25, 0.125, 0.0)
-    assert seen(state, LIMITS, nothing) == ({Event.WIRE_OPEN}, False)
-    assert seen(state, LIMITS, beyond(nothing, 0, -1.0)) == (set(), True)
+    assert seen(state, LIMITS, nothing) == {Event.WIRE_OPEN}
+    assert seen(state, LIMITS, beyond(nothing, 0, -1.0)) == set()
 
 
 def test_the_highest_temperature_is_allowed_and_no_more() -> None:
     state = settled_at(16.0)._replace(temperature_k=LIMITS.maximum_temperature_k)
     no_loss = LIMITS._replace(heat_loss_w_per_k=0.0, heat_capacity_j_per_k=1.0)
     idle = (0.0, 0.0, 0.0)
-    assert seen(state, no_loss, idle) == (set(), True)
+    assert seen(state, no_loss, idle) == set()
     hotter = state._replace(temperature_k=LIMITS.maximum_temperature_k + 1e-9)
-    assert seen(hotter, no_loss, idle) == ({Event.OVER_TEMPERATURE}, False)
+    assert seen(hotter, no_loss, idle) == {Event.OVER_TEMPERATURE}
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 from pydantic import ValidationError
+from tests.unit.controllers.protected_wire import LIMITS as WIRE
 
 from musclewire.controllers._protection import (
     Event,
-    ProtectionLimits,
     ProtectionState,
     ProtectionTable,
     Signal,
@@ -28,24 +28,7 @@ from musclewire.controllers._protection import (
 from musclewire.controllers._protection.protect import CONDITION_EVENTS, LastingConditions, state_after
 from musclewire.controllers._protection.table import AllowedDrive, Effect
 
-LIMITS = ProtectionLimits(
-    sense_voltage_v=0.3,
-    maximum_voltage_v=3.6,
-    shunt_resistance_ohm=1.0,
-    minimum_current_a=0.001,
-    maximum_current_a=0.4,
-    maximum_power_w=1.4,
-    resistance_low_ohm=10.0,
-    resistance_high_ohm=26.0,
-    jump_share=0.1,
-    wire_range_v=10.0,
-    shunt_range_v=10.0,
-    readings_noisy=0.0,
-    heat_capacity_j_per_k=5.4e-3,
-    heat_loss_w_per_k=6e-3,
-    ambient_temperature_k=295.15,
-    maximum_temperature_k=473.15,
-)
+LIMITS = WIRE._replace(wire_range_v=10.0, shunt_range_v=10.0, readings_noisy=0.0, maximum_temperature_k=473.15)
 SOUND = (32.0 / 17.0, 2.0 / 17.0)
 TABLE = protection_table()
 OFF = tuple(state for state in State if TABLE.output_drives[state] is AllowedDrive.NONE)

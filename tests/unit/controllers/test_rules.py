@@ -177,8 +177,6 @@ def test_a_users_own_rules_are_read() -> None:
         ("licence =", "license =", "unknown key 'license'; did you mean 'licence'"),
         ("ki =", "kii =", "rules.*unknown key 'kii'; did you mean 'ki'"),
         ("kp = 0.0", "kp = 1.5", "rules.*kp.*less than or equal to 1"),
-        ("kd = 0.25", "kd = nan", "rules.*kd"),
-        ('"constant"', '"constnat"', "inference"),
         ("[rules]", "[rules", "not valid TOML"),
         ('name = "mine"', 'derives_from = "liu"', "unknown rule base 'liu'"),
     ],
@@ -198,9 +196,7 @@ LIU_TABLE = '["ZO ZO ZO ZO ZO ZO ZO"' + ', "ZO ZO ZO ZO ZO ZO ZO"' * 6 + "]"
     ("table", "message"),
     [
         (LIU_TABLE.replace('["ZO ZO', '["ZO'), r"kp: must be 7 rows of 7 cells, not 7 rows of \[6, 7\]"),
-        (LIU_TABLE.replace('["ZO ZO ZO ZO ZO ZO ZO", ', "["), "kp: must be 7 rows of 7 cells, not 6 rows"),
         (LIU_TABLE.replace('["ZO', '["ZE'), "kp.0.0"),
-        ("3", "kp"),
     ],
 )
 def test_a_table_that_is_not_seven_by_seven_set_names_is_refused(table: str, message: str) -> None:
@@ -213,8 +209,6 @@ def test_a_table_that_is_not_seven_by_seven_set_names_is_refused(table: str, mes
     ("sets", "message"),
     [
         ('NB = { shape = "triangle", points = [-1, 0] }', "a triangle needs 3 points, not 2"),
-        ('NB = { shape = "z", points = [1, -1] }', "the points must increase"),
-        ('NB = { shap = "z", points = [-1, 1] }', "unknown key 'shap'; did you mean 'shape'"),
         ('NB = { shape = "z", points = [-3, -1] }', "input_sets lacks NM, NS, ZO, PS, PM, PB"),
     ],
 )

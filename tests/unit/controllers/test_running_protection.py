@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.unit.controllers.protected_wire import LIMITS, Reading, of_wire
 
 from musclewire.controllers._protection import (
     Event,
-    ProtectionLimits,
     ProtectionState,
     State,
     allowed_drive_v,
@@ -25,26 +26,9 @@ from musclewire.controllers._protection import (
     rested,
     tripped_by,
 )
-from musclewire.controllers._protection.running import RunningProtection, fills_block, sound_sample
-
-LIMITS = ProtectionLimits(
-    sense_voltage_v=0.3,
-    maximum_voltage_v=3.6,
-    shunt_resistance_ohm=1.0,
-    minimum_current_a=0.001,
-    maximum_current_a=0.4,
-    maximum_power_w=1.4,
-    resistance_low_ohm=10.0,
-    resistance_high_ohm=26.0,
-    jump_share=0.1,
-    wire_range_v=5.0,
-    shunt_range_v=0.3,
-    readings_noisy=1.0,
-    heat_capacity_j_per_k=5.4e-3,
-    heat_loss_w_per_k=6e-3,
-    ambient_temperature_k=295.15,
-    maximum_temperature_k=373.15,
-)
+from musclewire.controllers._protection.protect import packed_memory
+from musclewire.controllers._protection.reading import after_reading, packed_limits, sound_reading
+from musclewire.controllers._protection.running import RunningProtection, fills_block, sound_command, sound_sample
 
 
 class ByFunctions:
@@ -89,8 +73,8 @@ Act = Callable[[Protection], None]
 
 def sample_of(drive_v: float, ohm: float, noise_v: float) -> Act:
     """A sample of a wire with a resistance."""
-    current_a = drive_v / (ohm + 1.0)
-    return lambda protection: protection.sample(drive_v, current_a * ohm + noise_v, current_a + noise_v)
+    _, wire_v, shunt_v = of_wire(drive_v, ohm)
+    return lambda protection: protection.sample(drive_v, wire_v + noise_v, shunt_v + noise_v)
 
 
 volts = st.floats(0.0, 3.6) | st.sampled_from([-0.1, 3.6, 4.0, math.nan, math.inf])
@@ -132,15 +116,14 @@ def test_every_state_on_the_way_is_that_of_the_functions(period_s: float, acts: 
 
 
 def test_a_sample_of_whole_numbers_is_judged_as_floats_and_compiles_nothing() -> None:
-    running, by_functions = RunningProtection(LIMITS, 0.05), ByFunctions(0.05)
-    known = set(sound_sample.signatures), set(fills_block.signatures)
+    running = RunningProtection(LIMITS, 0.05)
+    functions: list[Any] = [sound_sample, fills_block, after_reading]
+    known = [set(one.signatures) for one in functions]
     assert all(known)
-    for protection in (running, by_functions):
-        protection.command(2)
-        protection.sample(2, 1, 1)
-        protection.sample(2, 1, 1)
-    assert numbers_of(running.state) == numbers_of(by_functions.state)
-    assert (set(sound_sample.signatures), set(fills_block.signatures)) == known
+    running.command(2)
+    running.sample(2, 1, 1)
+    assert running.state.lasting_s.channel_saturated == 0.05
+    assert [set(one.signatures) for one in functions] == known
 
 
 def test_a_reading_that_trips_is_kept_for_the_message() -> None:
@@ -180,12 +163,6 @@ def test_a_block_of_fast_samples_covers_their_time_and_holds_their_means(samples
     assert full == [count >= BLOCK for count in range(1, len(samples) + 1)]
 
 
-def of_wire(drive_v: float, ohm: float) -> tuple[float, float, float]:
-    """Drive, wire and shunt voltage of a wire with a resistance."""
-    current_a = drive_v / (ohm + 1.0)
-    return drive_v, current_a * ohm, current_a
-
-
 @pytest.mark.parametrize("sound_one", range(BLOCK))
 def test_a_fault_in_all_fast_samples_but_one_is_seen_whichever_sample_is_sound(sound_one: int) -> None:
     running = RunningProtection(LIMITS, FAST_S)
@@ -206,3 +183,21 @@ def test_noise_in_one_fast_sample_of_each_reading_trips_nothing(noisy_one: int) 
         drive_v, wire_v, shunt_v = of_wire(1.0 + 1e-5 * tick, 16.0)
         running.sample(drive_v, wire_v * (1.7 if tick % BLOCK == noisy_one else 1.0), shunt_v)
     assert running.state.state is State.RUN
+
+
+@pytest.mark.parametrize(
+    ("reading", "sound"), [(of_wire(1.0, 16.0), True), (of_wire(1.0, 40.0), False), ((1.0, math.nan, 0.1), False)]
+)
+def test_a_sound_reading_is_remembered_and_another_one_is_not(reading: Reading, sound: bool) -> None:
+    state = protect_command(armed(LIMITS), LIMITS, 1.0)
+    memory = packed_memory(state)
+    assert sound_reading(memory[0], packed_limits(LIMITS)[0], *reading, 0.05) == sound
+    after = protect_reading(state, LIMITS, *reading, 0.05)
+    assert memory == packed_memory(after if sound else state)
+    assert (after.state is State.RUN and after.lasting_s == state.lasting_s) == sound
+
+
+@pytest.mark.parametrize("volts", [0.0, 1.0, 3.6, 3.6 * (1.0 + 1e-7), 3.7, -0.1, math.nan, math.inf])
+def test_a_command_is_sound_if_the_protection_follows_it(volts: float) -> None:
+    followed = protect_command(armed(LIMITS), LIMITS, volts).state is State.RUN
+    assert sound_command(packed_limits(LIMITS)[0], volts) == followed

@@ -29,7 +29,7 @@ def test_a_sample_is_judged_by_the_target_that_its_controller_had(moves: list[fl
     times_s = np.arange(len(had)) * PERIOD_S
     np.testing.assert_array_equal(reference.targets_at(times_s), had)
     assert [reference.target_at(float(time_s)) for time_s in times_s] == had
-    assert all(earlier < later for earlier, later in pairwise(reference._times_s))
+    assert all(earlier < later for earlier, later in pairwise(reference._starts_s))
 
 
 @pytest.mark.parametrize("target", [-0.01, 1.01, float("nan"), float("inf")])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import replace
 from errno import ENOSPC
@@ -80,10 +81,14 @@ def test_a_recording_that_cannot_be_put_anywhere_is_refused_before_anything_is_h
 
 @pytest.fixture
 def _disk_full(monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: object) -> None:
-        raise OSError(ENOSPC, "No space left on device")
+    """Let the disk take the beginning of a journal and no row."""
 
-    monkeypatch.setattr("musclewire.signals._background_writer.SyncedFile.append", full)
+    def full(descriptor: int, data: bytes) -> None:
+        if os.lseek(descriptor, 0, os.SEEK_CUR):
+            raise OSError(ENOSPC, "No space left on device")
+        os.write(descriptor, data)
+
+    monkeypatch.setattr("musclewire.signals._open_journal.write_all", full)
 
 
 @pytest.mark.usefixtures("_disk_full")

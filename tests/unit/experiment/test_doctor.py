@@ -14,7 +14,7 @@ import musclewire as mw
 from musclewire.app import document, text
 from musclewire.errors import CallerError
 from musclewire.experiment._doctor import Examination, examine
-from musclewire.rigs import Answer, true_state_of
+from musclewire.rigs import Answer, HasTrueState, ability
 from musclewire.signals import RawSample
 
 Altered = Callable[[RawSample, int], RawSample]
@@ -165,16 +165,16 @@ def test_a_sound_rig_of_a_thousand_samples_a_second_passes_too() -> None:
 
 def test_the_wire_stays_cold() -> None:
     with mw.open_rig("simulated") as rig:
-        start_k = true_state_of(rig).wire_state.temperature_k
+        start_k = ability(rig, HasTrueState).wire_state.temperature_k
         examine(rig)
-        assert true_state_of(rig).wire_state.temperature_k - start_k < 1.5
+        assert ability(rig, HasTrueState).wire_state.temperature_k - start_k < 1.5
 
 
 def test_the_warming_it_computes_is_what_the_wire_shows() -> None:
     with mw.open_rig("simulated") as rig:
-        start_k = true_state_of(rig).wire_state.temperature_k
+        start_k = ability(rig, HasTrueState).wire_state.temperature_k
         found = examine(rig)
-        warmer_k = true_state_of(rig).wire_state.temperature_k - start_k
+        warmer_k = ability(rig, HasTrueState).wire_state.temperature_k - start_k
     said = next(check.value for check in found.findings.checks if check.name == "sense_warming_k")
     assert said == pytest.approx(warmer_k, rel=0.15)
 
@@ -258,7 +258,7 @@ def test_whatever_the_channels_say_the_answer_is_plain_numbers_and_nothing_is_he
         )
 
     found = examined(garbled)
-    json.dumps(document("rig", found, None), allow_nan=False)
+    json.dumps(document("rig", found, None).model_dump(mode="json"), allow_nan=False)
     assert text(found)
     assert found.highest_v <= 0.3
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,14 +17,9 @@ from musclewire.compiled import compiled
 from musclewire.controllers import (
     CONTROLLERS,
     ControllerSetup,
-    DriveLimits,
-    FuzzyPid,
-    FuzzyPidController,
-    FuzzyPidSettings,
-    PidSettings,
     staircase,
 )
-from musclewire.errors import CallerError, NumericsError, RigError
+from musclewire.errors import CallerError, RigError
 from musclewire.experiment._closed_loop import control
 from musclewire.experiment._loop_outcomes import LoopOutcome, ManyControlRuns
 from musclewire.experiment._many_loops import control_compiled, control_many
@@ -32,8 +27,8 @@ from musclewire.experiment._open_loop import characterize
 from musclewire.experiment._run_warnings import friction_warnings
 from musclewire.identify import fit
 from musclewire.rigs import RigConfiguration, Surroundings, open_rig
-from musclewire.sensing import EstimatorSetup, KnownSpring, PolynomialEstimator, ResistanceCurve, SensingModel
-from musclewire.signals import CompiledTick, ControlStep, Drive, QuantityEstimate, declared_tick
+from musclewire.sensing import EstimatorSetup, KnownSpring, PolynomialEstimator, SensingModel
+from musclewire.signals import CompiledTick, ControlStep, Drive, QuantityEstimate
 
 pytestmark = pytest.mark.slow
 
@@ -92,7 +87,7 @@ def test_friction_that_holds_the_wire_is_said_by_both(model: SensingModel) -> No
     assert shown == tuple(f"in 1 of 2 loops, the first of them that of seed 1: {text}" for text in fast.warnings)
 
 
-# The feedforward controller needs its wire's gains; the contract test of controllers compares its two ticks.
+# The feedforward controller needs its wire's gains.
 WITH_DEFAULTS = [name for name in CONTROLLERS.names() if name != "feedforward"]
 any_rig = st.fixed_dictionaries(
     {
@@ -107,7 +102,7 @@ any_rig = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(any_rig, st.integers(0, 1000), st.booleans(), st.sampled_from(WITH_DEFAULTS))
 def test_whatever_becomes_of_a_loop_it_is_the_same_in_python(
     model: SensingModel, numbers: dict[str, float], seed: int, new_wire: bool, controller: str
@@ -119,17 +114,8 @@ def test_whatever_becomes_of_a_loop_it_is_the_same_in_python(
         assert_same(fast, slow)
 
 
-@pytest.mark.parametrize(
-    ("reference", "how"),
-    [
-        (None, {}),
-        (SHORT, {"controller": "pid", "settings": PidSettings(kp=0.1)}),
-        (staircase(1.0, 1.2, 0.1, 1.0), {"load": KnownSpring(588.6, 0.05)}),
-    ],
-    ids=["a full staircase", "a plain PID", "force on a known spring"],
-)
-def test_other_references_controllers_and_loads_too(model: SensingModel, reference: Any, how: dict[str, Any]) -> None:
-    fast, slow = both("simulated", model, reference, seeds=[7], **how)
+def test_force_on_a_known_spring_too(model: SensingModel) -> None:
+    fast, slow = both("simulated", model, staircase(1.0, 1.2, 0.1, 1.0), seeds=[7], load=KnownSpring(588.6, 0.05))
     assert fast.compiled
     assert_same(fast, slow)
 
@@ -143,20 +129,14 @@ def test_a_finger_with_its_endpoint_in_every_column() -> None:
 
 
 def test_neither_the_number_of_threads_nor_that_of_loops_changes_a_digit(model: SensingModel) -> None:
-    many = control_many("simulated", model, SHORT, seeds=range(1, 9), threads=3)
-    one_by_one = control_many("simulated", model, SHORT, seeds=range(1, 9), threads=1)
-    alone = control_many("simulated", model, SHORT, seeds=[5])
+    rigs = [RigConfiguration(settings={"pretension_n": 1.7 + 0.05 * number}) for number in range(8)]
+    models = [replace(model, scale_std=0.01 * number) for number in range(8)]
+    many = control_many(rigs, models, SHORT, seeds=range(1, 9), threads=3)
+    one_by_one = control_many(rigs, models, SHORT, seeds=range(1, 9), threads=1)
+    alone = control_many(rigs[4], models[4], SHORT, seeds=[5])
     assert many.metrics == one_by_one.metrics
     assert many.outcomes[4] == alone.outcomes[0]
     assert many.mae_pct.shape == (8, 3)
-
-
-def test_each_loop_may_have_its_own_rig_and_model(model: SensingModel) -> None:
-    rigs = [RigConfiguration(settings={"pretension_n": force_n}) for force_n in (1.7, 1.9)]
-    models = [model, replace(model, resistance_noise_ohm=0.0, scale_std=0.05, offset_std=1e-4)]
-    found = control_many(rigs, models, SHORT, seeds=[1, 1])
-    for rig, own, outcome in zip(rigs, models, found.outcomes, strict=True):
-        assert control_many(rig, own, SHORT, seeds=[1]).outcomes == (outcome,)
 
 
 @pytest.mark.parametrize("air", [Surroundings(), Surroundings(ambient_swing=2.0, draught=0.1)], ids=["still", "moving"])
@@ -186,12 +166,11 @@ def test_a_compiled_loop_closes_its_rig_and_fails_as_in_python(model: SensingMod
 
 
 @pytest.mark.parametrize(
-    ("setting", "ended"),
-    [({"resistivity_factor": 1.2}, "is not this model's wire"), ({"acquisition_noise_v": 0.2}, "ProtectionTripError")],
+    ("wrong", "end"), [({"resistivity_factor": 1.2}, "this model's wire"), ({"acquisition_noise_v": 0.2}, "Trip")]
 )
-def test_another_wire_and_a_trip_end_as_in_python(model: SensingModel, setting: dict[str, float], ended: str) -> None:
-    fast, slow = both(RigConfiguration(settings=setting), model, seeds=[7])
-    assert ended in fast.ended
+def test_a_loop_that_fails_ends_as_in_python(model: SensingModel, wrong: dict[str, float], end: str) -> None:
+    fast, slow = both(RigConfiguration(settings=wrong), model, seeds=[7])
+    assert end in fast.ended
     assert fast.ended == slow.ended
     assert (fast.compiled, fast.metrics) == (False, None)
     assert fast.run is not None
@@ -216,7 +195,7 @@ def half_way_tick(constants: FloatArray, state: FloatArray, given: FloatArray, a
     wanted_v = constants[0] + constants[1] * (given[0] - given[1])
     state[0] += 0.5 * (min(max(wanted_v, constants[2]), constants[3]) - state[0])
     answer[0] = state[0]
-    answer[1] = 1.0 if constants[4] > 0.0 and given[5] * constants[4] > state[0] else 0.0
+    answer[1] = 0.0
     answer[2] = wanted_v
 
 
@@ -225,8 +204,8 @@ class HalfWay:
 
     columns = ("proportional_gain",)
 
-    def __init__(self, setup: ControllerSetup, fails: float = 0.0) -> None:
-        self.limits, self._fails = setup.limits, fails
+    def __init__(self, setup: ControllerSetup) -> None:
+        self.limits = setup.limits
 
     def start(self, drive_voltage_v: float) -> float:
         return self.limits.clamp(drive_voltage_v)
@@ -237,7 +216,7 @@ class HalfWay:
         return ControlStep(Drive(drive_v), drive_v, (wanted_v,))
 
     def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
-        constants = [2.0, 100.0, self.limits.sense_voltage_v, self.limits.maximum_voltage_v, self._fails]
+        constants = [2.0, 100.0, self.limits.sense_voltage_v, self.limits.maximum_voltage_v]
         return CompiledTick(half_way_tick, np.array(constants), np.array([self.start(drive_voltage_v)]))
 
 
@@ -245,11 +224,6 @@ def test_a_controller_from_outside_brings_its_own_tick(model: SensingModel) -> N
     fast, slow = both("simulated", model, seeds=[7], controller=HalfWay)
     assert fast.compiled
     assert_same(fast, slow)
-
-
-def test_a_tick_that_ends_a_run_which_its_step_does_not_is_an_error_of_the_numbers(model: SensingModel) -> None:
-    with pytest.raises(NumericsError, match="differs from its step"):
-        control_many("simulated", model, SHORT, seeds=[7], controller=lambda setup: HalfWay(setup, fails=1e9))
 
 
 class Cautious(PolynomialEstimator):
@@ -268,32 +242,11 @@ def test_without_a_tick_of_its_own_an_estimator_is_refused_by_its_name(model: Se
     assert done.metrics == control_many("simulated", model, SHORT, seeds=[7], estimator="polynomial").metrics
 
 
-class Halved(ResistanceCurve):
-    """A curve that estimates otherwise than the one whose arithmetic is compiled."""
-
-    def estimate(self, resistance_ohm: Any, resistance_std_ohm: float | None = None) -> Any:
-        read = super().estimate(resistance_ohm, resistance_std_ohm)
-        return read._replace(value=0.5 * read.value)
-
-
-class HalvedLaw(FuzzyPid):
-    """A law that steps otherwise than the one that is compiled."""
-
-
-def test_parts_that_compute_otherwise_have_no_tick(model: SensingModel) -> None:
-    curve = model.curve()
-    numbers = {one.name: getattr(curve, one.name) for one in fields(curve) if one.init}
-    assert declared_tick(PolynomialEstimator(curve, 1.0)) is not None
-    assert declared_tick(PolynomialEstimator(model, 1.0)) is not None
-    assert declared_tick(PolynomialEstimator(Halved(**numbers), 1.0)) is None
-    limits = DriveLimits(0.3, 3.6)
-    assert declared_tick(FuzzyPidController(FuzzyPid(FuzzyPidSettings(), limits)), 1.0) is not None
-    assert declared_tick(FuzzyPidController(HalvedLaw(FuzzyPidSettings(), limits)), 1.0) is None
-
-
-def test_lists_must_be_as_long_as_the_seeds_and_each_loop_opens_its_own_rig(model: SensingModel) -> None:
+def test_lists_must_be_as_long_as_the_seeds(model: SensingModel) -> None:
     with pytest.raises(CallerError, match="2 rigs for 3 seeds"):
         control_many(["simulated", "simulated"], model, seeds=[1, 2, 3])
+    with pytest.raises(CallerError, match="no seeds"):
+        control_many("simulated", model, seeds=[])
     with open_rig() as rig, pytest.raises(CallerError, match="each loop opens its own"):
         control_many(rig, model, seeds=[1, 2])  # type: ignore[arg-type]
 

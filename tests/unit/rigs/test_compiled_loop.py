@@ -11,25 +11,11 @@ import pytest
 from musclewire.controllers import staircase
 from musclewire.errors import RigError
 from musclewire.experiment import control_many, drive_wire
-from musclewire.parameters import load_bench
 from musclewire.rigs._compiled_loop.running import uncompiled
 from musclewire.rigs._configuration import RigConfiguration, open_rig
 from musclewire.rigs._guarded import GuardedRig
-from musclewire.rigs._simulated import BenchInstruments, read_sample
 from musclewire.sensing import SensingModel
 from musclewire.signals import Recording
-
-
-@pytest.mark.parametrize("at_endpoint", [False, True])
-def test_noise_is_drawn_beforehand_as_it_is_from_sample_to_sample(at_endpoint: bool) -> None:
-    bench = load_bench("paper").values()
-    python, ahead = (BenchInstruments(bench, 3, at_endpoint) for _ in range(2))
-    true = (1.2345, 0.0789, 1e-3, 2.0)
-    for noise in ahead.noise_ahead(5)[0]:
-        assert read_sample(noise, ahead.readings, true, ahead.scales) == python.sample(*true)
-        if at_endpoint:
-            wide = zip((1e-3, 2.0), ahead.endpoint_noise, noise[-2:], strict=True)
-            assert python.endpoint(1e-3, 2.0) == tuple(true + scale * one for true, scale, one in wide)
 
 
 def test_what_has_no_compiled_form_says_why() -> None:

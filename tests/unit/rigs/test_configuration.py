@@ -20,8 +20,9 @@ from musclewire.parameters import (
     validated,
     wire_file_text,
 )
-from musclewire.rigs._abilities import true_state_of
+from musclewire.rigs._abilities import ability
 from musclewire.rigs._configuration import RigConfiguration, open_rig, read_rig_file, rig_names
+from musclewire.rigs._device import HasTrueState
 
 
 @pytest.fixture
@@ -76,8 +77,8 @@ def test_a_setting_is_in_si_or_carries_its_unit(given: float | str, newton: floa
 
 def test_a_temperature_may_be_given_in_celsius() -> None:
     cold, warm = (open_rig("simulated", ambient_temperature_k=t) for t in ("15 degC", 300.0))
-    assert true_state_of(cold).wire_state.temperature_k == pytest.approx(288.15)
-    assert true_state_of(warm).wire_state.temperature_k == pytest.approx(300.0)
+    assert ability(cold, HasTrueState).wire_state.temperature_k == pytest.approx(288.15)
+    assert ability(warm, HasTrueState).wire_state.temperature_k == pytest.approx(300.0)
 
 
 @pytest.mark.parametrize("given", ["1.7", "1.7 mm", "1.7 newtonns", "much", "nan N"])

@@ -9,9 +9,19 @@ import pytest
 
 from musclewire.controllers import Event, State
 from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.rigs._abilities import on_board_loop_of, required_true_state, stage_of, tendon_stage_of, true_state_of
+from musclewire.rigs._abilities import ability, required_true_state
 from musclewire.rigs._configuration import open_rig
-from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
+from musclewire.rigs._device import (
+    SWITCHED_OFF,
+    Answer,
+    DeviceFacts,
+    DeviceFault,
+    HasOnBoardLoop,
+    HasStage,
+    HasTendonStage,
+    HasTrueState,
+    Missing,
+)
 from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs._protocol import Metadata
 from musclewire.signals import Command, Drive, RawSample, Target
@@ -206,10 +216,16 @@ def test_a_simulated_rig_that_waits_for_its_clock_may_be_closed_meanwhile() -> N
 
 def test_what_a_rig_can_do_besides_is_asked_for_and_not_guessed() -> None:
     simulated, plain = open_rig("finger"), GuardedRig(Scripted())
-    assert stage_of(simulated) is not None
-    assert tendon_stage_of(simulated) is not None
-    assert true_state_of(simulated) is not None
-    assert on_board_loop_of(simulated) is None
-    assert stage_of(plain) is tendon_stage_of(plain) is true_state_of(plain) is on_board_loop_of(plain) is None
+    assert ability(simulated, HasStage) is not None
+    assert ability(simulated, HasTendonStage) is not None
+    assert ability(simulated, HasTrueState) is not None
+    assert ability(simulated, HasOnBoardLoop) is None
+    assert (
+        ability(plain, HasStage)
+        is ability(plain, HasTendonStage)
+        is ability(plain, HasTrueState)
+        is ability(plain, HasOnBoardLoop)
+        is None
+    )
     with pytest.raises(CallerError, match="only a simulated rig knows"):
         required_true_state(plain)

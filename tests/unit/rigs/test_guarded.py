@@ -7,9 +7,9 @@ from tests.contract.altered_device import AlteredDevice
 
 from musclewire.controllers import Event, State
 from musclewire.errors import RigError
-from musclewire.rigs._abilities import stage_of
+from musclewire.rigs._abilities import ability
 from musclewire.rigs._configuration import RigConfiguration, open_rig
-from musclewire.rigs._device import Answer
+from musclewire.rigs._device import Answer, HasStage
 from musclewire.rigs._guarded import NOT_CONFIRMED, GuardedRig, ProtectionTripError
 
 
@@ -31,7 +31,7 @@ def test_a_wire_that_was_cooled_between_two_runs_has_not_jumped() -> None:
     with open_rig("simulated") as rig:
         for _ in range(60):
             hot = rig.exchange(rig.drive_amplitude_v)
-        stage_of(rig).set_pretension(1.0)
+        ability(rig, HasStage).set_pretension(1.0)
         cold = rig.exchange(rig.sense_voltage_v)
         ratio = cold.wire_voltage_v / cold.shunt_voltage_v / (hot.wire_voltage_v / hot.shunt_voltage_v)
         assert ratio > 1.0 + rig.protection_limits.jump_share

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RigError
-from musclewire.rigs._abilities import stage_of, true_state_of
+from musclewire.rigs._abilities import ability
 from musclewire.rigs._configuration import RigConfiguration, open_rig, rig_names
+from musclewire.rigs._device import HasStage, HasTrueState
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.signals import RawSample
 
@@ -111,15 +112,18 @@ def test_beyond_the_fingers_curve_the_rig_stops_with_the_drive_off() -> None:
 def test_moving_the_stage_keeps_clock_and_cycles_of_every_wire(name: str) -> None:
     opened = rig(*LOADS[name], new_wire=True, **SILENT)
     held(opened, 3.2 if name == "two fingers" else 1.8)
-    time_s, cycles = true_state_of(opened).wire_state.time_s, true_state_of(opened).wire_state.cycles
-    partner = true_state_of(opened).partner_state
-    stage_of(opened).set_pretension(1.1)
+    time_s, cycles = ability(opened, HasTrueState).wire_state.time_s, ability(opened, HasTrueState).wire_state.cycles
+    partner = ability(opened, HasTrueState).partner_state
+    ability(opened, HasStage).set_pretension(1.1)
     assert cycles > 0.1
-    assert (true_state_of(opened).wire_state.time_s, true_state_of(opened).wire_state.cycles) == (time_s, cycles)
-    assert (partner is None) == (true_state_of(opened).partner_state is None)
-    if partner is not None and true_state_of(opened).partner_state is not None:
-        assert true_state_of(opened).partner_state.cycles == partner.cycles
-        assert true_state_of(opened).partner_state.time_s == time_s
+    assert (ability(opened, HasTrueState).wire_state.time_s, ability(opened, HasTrueState).wire_state.cycles) == (
+        time_s,
+        cycles,
+    )
+    assert (partner is None) == (ability(opened, HasTrueState).partner_state is None)
+    if partner is not None and ability(opened, HasTrueState).partner_state is not None:
+        assert ability(opened, HasTrueState).partner_state.cycles == partner.cycles
+        assert ability(opened, HasTrueState).partner_state.time_s == time_s
     sample = opened.exchange(0.0)
     assert sample.time_s == pytest.approx(time_s + opened.sample_period_s)
     assert sample.force_n == pytest.approx(1.1, rel=1e-3)
@@ -130,13 +134,13 @@ def test_a_rig_on_which_only_a_weight_hangs_refuses_the_stage() -> None:
     opened = rig({"part": "weight", "force": "70 gf"})
     assert opened.metadata()["pretension_n"] == pytest.approx(0.6864655)
     with pytest.raises(CallerError, match="a hanging weight is the pretension: change the part 'weight'"):
-        stage_of(opened).set_pretension(1.0)
+        ability(opened, HasStage).set_pretension(1.0)
 
 
 def test_a_refused_setting_leaves_the_rig_at_the_one_before() -> None:
     opened = rig(FINGER, **SILENT)
     with pytest.raises(CallerError, match="add a part 'pretensioner'"):
-        stage_of(opened).set_pretension(3.0)
+        ability(opened, HasStage).set_pretension(3.0)
     assert opened.metadata()["pretension_n"] == 0.71
     assert opened.exchange(0.0).force_n == pytest.approx(0.71, rel=1e-6)
 
@@ -146,7 +150,7 @@ def test_a_weight_beside_a_stage_counts_to_what_the_cold_wire_carries() -> None:
     assert opened.metadata()["pretension_n"] == pytest.approx(3.71)
     assert opened.exchange(0.0).force_n == pytest.approx(3.71, rel=1e-6)
     with pytest.raises(CallerError, match=r"N more than the 4\.601 N it allows"):
-        stage_of(opened).set_pretension(2.0)
+        ability(opened, HasStage).set_pretension(2.0)
 
 
 def test_parallel_wires_are_read_as_one_of_half_the_resistance_and_twice_the_force() -> None:

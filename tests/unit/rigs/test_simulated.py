@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.rigs._abilities import stage_of, true_state_of
+from musclewire.rigs._abilities import ability
 from musclewire.rigs._configuration import open_rig
+from musclewire.rigs._device import HasStage, HasTrueState
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.signals import RawSample
 
@@ -24,7 +25,9 @@ def test_another_seed_gives_other_noise_on_the_same_wire() -> None:
     ours, others = samples(first), samples(second)
     for field in ("wire_voltage_v", "shunt_voltage_v", "displacement_m", "force_n"):
         assert [getattr(s, field) for s in ours] != [getattr(s, field) for s in others], field
-    assert true_state_of(first).wire_state.temperature_k == true_state_of(second).wire_state.temperature_k
+    assert (
+        ability(first, HasTrueState).wire_state.temperature_k == ability(second, HasTrueState).wire_state.temperature_k
+    )
 
 
 def test_the_noise_of_displacement_and_force_is_as_the_bench_says() -> None:
@@ -57,11 +60,11 @@ def test_the_drive_goes_out_in_steps_of_the_amplifier() -> None:
 
 def test_the_stage_sets_the_pretension_and_zeroes_the_instruments() -> None:
     rig = open_rig("simulated", force_noise_n=0.0, displacement_noise_m=0.0)
-    assert stage_of(rig) is not None
+    assert ability(rig, HasStage) is not None
     with rig:
         for _ in range(40):
             warm = rig.exchange(3.2)
-        stage_of(rig).set_pretension(2.5)
+        ability(rig, HasStage).set_pretension(2.5)
         sample = rig.exchange(0.0)
     assert warm.displacement_m > 1e-4
     assert sample.force_n == pytest.approx(2.5, abs=1e-6)
@@ -77,13 +80,13 @@ def test_a_new_wire_goes_on_settling_when_the_stage_moves() -> None:
     with rig:
         for _ in range(100):
             rig.exchange(rig.maximum_voltage_v)
-        cycles = true_state_of(rig).wire_state.cycles
-        stage_of(rig).set_pretension(2.5)
+        cycles = ability(rig, HasTrueState).wire_state.cycles
+        ability(rig, HasStage).set_pretension(2.5)
     assert cycles > 0.1
-    assert true_state_of(rig).wire_state.cycles == cycles
+    assert ability(rig, HasTrueState).wire_state.cycles == cycles
 
 
 @pytest.mark.parametrize("pretension_n", [-1.0, float("nan")])
 def test_the_stage_refuses_what_no_stage_can_do(pretension_n: float) -> None:
     with pytest.raises(CallerError, match="pretension"):
-        stage_of(open_rig("simulated")).set_pretension(pretension_n)
+        ability(open_rig("simulated"), HasStage).set_pretension(pretension_n)

@@ -12,7 +12,8 @@ from musclewire import open_rig
 from musclewire.errors import CallerError
 from musclewire.experiment import run_warnings
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.rigs._abilities import true_state_of
+from musclewire.rigs._abilities import ability
+from musclewire.rigs._device import HasTrueState
 from musclewire.rigs._pulse_width import PulseWidth, duty_of, pulse_width_problems, unsettled_error
 from musclewire.rigs._simulated import SimulatedSpool
 from musclewire.rigs._simulated_configuration import RigConfiguration
@@ -26,7 +27,7 @@ DRIVES_V = [0.3] * 5 + [2.0] * 20 + [2.8] * 30 + [1.0] * 20
 def ran(pwm: PulseWidth | None, settings: dict[str, float] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
     """Return read and true resistance, true temperature, displacement, power and drive of each sample; and metadata."""
     with open_rig(RigConfiguration(pwm=pwm, settings=settings or {})) as rig:
-        rows, truth = [], true_state_of(rig)
+        rows, truth = [], ability(rig, HasTrueState)
         assert truth is not None
         for drive_v in DRIVES_V:
             sample, state = rig.exchange(Drive(drive_v)), truth.wire_state

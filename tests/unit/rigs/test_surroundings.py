@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.parameters import load_wire
-from musclewire.rigs._abilities import true_state_of
+from musclewire.rigs._abilities import ability
 from musclewire.rigs._air import AirModel, AirState, Surroundings
 from musclewire.rigs._configuration import RigConfiguration, open_rig
+from musclewire.rigs._device import HasTrueState
 from musclewire.signals import RawSample
 
 DT_S = 0.05
@@ -107,6 +108,6 @@ def test_a_wire_without_drive_follows_the_airs_temperature() -> None:
     with open_rig(RigConfiguration(surroundings=swing), seed=3) as rig:
         for _ in range(1200):
             rig.exchange(0.0)
-            found.append(true_state_of(rig).wire_state.temperature_k - 295.15)
+            found.append(ability(rig, HasTrueState).wire_state.temperature_k - 295.15)
     assert max(found) == pytest.approx(3.0, rel=0.03)
     assert min(found) == pytest.approx(-3.0, rel=0.03)

@@ -74,30 +74,12 @@ def test_a_large_gap_and_an_unusual_start_are_warned_of() -> None:
     assert any("A-B takes 3" in warning for warning in late.warnings)
 
 
-def test_warnings_speak_of_the_quantity_at_hand_in_its_unit() -> None:
-    late = LoopMaker(a_to_b=0.35).record()
-    force = fit_loop(late.resistance_ohm, 60.0 * late.strain, quantity="force").warnings
-    assert any("force below 0.7" in warning and "N cannot be determined" in warning for warning in force)
-    minor = MAKER.record(2000, top=0.7)
-    moved = fit_loop(minor.resistance_ohm, 0.2 * minor.strain, quantity="displacement").warnings
-    assert any("displacement above 4.99 mm is unknown; harmless if more drive" in one for one in moved)
-    assert not any("strain" in warning for warning in (*force, *moved))
-
-
 def test_a_short_segment_a_to_b_costs_nothing_and_is_no_warning() -> None:
     for share in (0.01, 0.03):
         loop = LoopMaker(a_to_b=share).record()
         segments = find_segments(loop.resistance_ohm, loop.strain)
         assert segments.transformation_fraction > 0.95
         assert fit_segments(segments).warnings == ()
-
-
-def test_a_wide_gap_points_to_the_sweep_and_not_to_one_direction() -> None:
-    """More pretension narrows the loop on a spring and widens it against a second wire."""
-    wide = fitted(LoopMaker(middle_gap=0.004).record())
-    gap = next(warning for warning in wide.warnings if "gap" in warning)
-    assert "'musclewire pretension' finds the pretension" in gap
-    assert "more pretension" not in gap
 
 
 def test_notes_on_the_wire_are_shown_with_units_and_four_digits() -> None:

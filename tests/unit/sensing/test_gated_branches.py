@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.sensing._estimator import EstimatorSetup
-from musclewire.sensing._gated_branches import NUMBERS
+from musclewire.sensing._gated_branches import GATES
 from musclewire.sensing._gated_estimator import gated_estimator
 from musclewire.sensing._model import SensingModel
 from musclewire.sensing._slow_corrections import estimates
@@ -18,7 +18,7 @@ from musclewire.signals import QuantityEstimate, Reason, WireSample
 GAP = 0.002
 MODEL = SensingModel(13.5, 17.5, (0.04 + GAP / 2, -0.04), (0.04 - GAP / 2, -0.04), 0.05, 0.95)
 SPAN = MODEL.quantity_max - MODEL.quantity_min
-BEYOND = NUMBERS["beyond"] * SPAN
+BEYOND = GATES.beyond * SPAN
 
 
 def followed(readings: list[tuple[float, float]], period_s: float = 0.05) -> list[QuantityEstimate]:

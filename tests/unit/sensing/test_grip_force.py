@@ -120,19 +120,8 @@ def test_a_known_stiffness_picks_the_place_from_which_power_grows_as_it_should()
     # Two candidates that explain the power alike well, by a steep slope from near and by a flat one from far.
     near, far, here = 0.6, 0.8, 0.5
     slopes = [0.05 * 5.0 * CURVE.force_n(here, place, stiffness) / (place - here) for place, stiffness in
-              ((near, 1000.0), (far, 100.0))]  # fmt: skip
-    weights = np.array([4.0 / slope**2 for slope in slopes])
-    state = (
-        ContactDetector(FREE)
-        .start()
-        ._replace(
-            normalised=here,
-            places=np.array([near, far]),
-            overlaps=weights * np.array(slopes),
-            weights=weights,
-            place=far,
-        )
-    )
+              ((far, 100.0), (near, 1000.0))]  # fmt: skip
+    state = seen(here, [far, near], slopes, 2.0)
     assert CURVE.contact_place(state, 1000.0) == near
     assert CURVE.contact_place(state, 100.0) == far
 

@@ -1,13 +1,16 @@
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
+from musclewire.sensing._curve import ResistanceCurve
 from musclewire.sensing._known_load import KnownSpring, force_model
 from musclewire.sensing._model import SensingModel
+from musclewire.sensing._polynomial_estimator import PolynomialEstimator
+from musclewire.sensing._slow_corrections import estimates
+from musclewire.signals import WireSample
 
 STRAIN = SensingModel(15.0, 17.0, (0.0352, -0.03), (0.0348, -0.03), 0.0, 1.0, rmse_heating=1e-4)
 
@@ -37,25 +40,26 @@ def test_a_stiffness_that_cannot_be_is_refused(stiffness: float) -> None:
         KnownSpring(stiffness)
 
 
+def forces(spring: KnownSpring, course_n: list[float]) -> list[float]:
+    """Return the estimated forces [N] of a wire whose spring is pulled with these, friction included."""
+    curve = ResistanceCurve(15.0, 17.0, (10.0, -10.0), (10.0, -10.0), 0.0, 1.0, quantity="force")
+    samples = [WireSample(0.0, 2.0, curve.resistance_ohm(force_n), 1.0) for force_n in course_n]
+    found = estimates(PolynomialEstimator(curve, 1.0, spring), samples)
+    return [estimate.value - force_n for (estimate, _), force_n in zip(found, course_n, strict=True)]
+
+
 def test_friction_follows_the_direction_of_motion_and_stays_when_the_wire_stops() -> None:
     spring = KnownSpring(500.0, friction_n=0.05, turning_m=1e-4)
-    up = spring.friction_after(-0.05, 500.0 * 5e-4)
-    assert up == 0.05
-    assert spring.friction_after(up, 0.0) == up
     # Half of the turning travel takes half of the way from one limit to zero and no more.
-    assert spring.friction_after(up, -500.0 * 5e-5) == pytest.approx(0.025)
-    assert spring.friction_after(up, -500.0 * 5e-3) == -0.05
+    course_n = [5.0, 5.25, 5.25, 5.225, 2.725, 2.725, 2.975]
+    expected_n = [0.05, 0.05, 0.05, 0.025, -0.05, -0.05, 0.05]
+    assert forces(spring, course_n) == pytest.approx(expected_n, abs=1e-9)
 
 
-@given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=30))
-def test_friction_never_exceeds_its_limit(changes: list[float]) -> None:
-    spring = KnownSpring(300.0, friction_n=0.03)
-    friction = 0.03
-    for change in changes:
-        friction = spring.friction_after(friction, change)
-        assert abs(friction) <= 0.03
+@given(st.lists(st.floats(0.0, 10.0), min_size=1, max_size=30))
+def test_friction_never_exceeds_its_limit(course_n: list[float]) -> None:
+    assert max(map(abs, forces(KnownSpring(300.0, friction_n=0.03), course_n))) <= 0.03 + 1e-9
 
 
 def test_without_friction_there_is_none() -> None:
-    assert KnownSpring(300.0).friction_after(0.0, 1.0) == 0.0
-    assert np.isfinite(force_model(STRAIN, 300.0, 0.07).quantity_max)
+    assert forces(KnownSpring(300.0), [2.0, 4.0, 3.0]) == pytest.approx([0.0] * 3, abs=1e-9)

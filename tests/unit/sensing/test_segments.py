@@ -184,15 +184,6 @@ def test_what_is_wrong_with_a_force_is_said_of_the_force() -> None:
     resistance = 16.0 + 0.1 * loop.strain / loop.strain.max()
     with pytest.raises(RecordingError, match=r"as the force rises over a change of 4\.65 N .*hardly contract"):
         find_segments(resistance, 4.65 * loop.strain / loop.strain.max(), quantity="force")
-    with pytest.raises(RecordingError, match=r"the force moves by 0 N.*check the load cell"):
-        find_segments(resistance, 0 * loop.strain, quantity="force")
-    with pytest.raises(
-        RecordingError, match=r"displacement of the wrong sign: over a stroke of 7 mm .*negate the disp"
-    ):
-        find_segments(loop.resistance_ohm, -0.2 * loop.strain, quantity="displacement")
-    half = MAKER.record(cycles=0.5)
-    with pytest.raises(RecordingError, match=r"heating from 0 to 2\.1 N \(force\)"):
-        find_segments(half.resistance_ohm, 60 * half.strain, quantity="force")
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -203,11 +194,6 @@ def test_a_resistance_that_is_only_noise_is_no_transformation(seed: int) -> None
         found(noisy(flat, 2e-3, 1e-3, seed))
     with pytest.raises(RecordingError, match=r"^no transformation"):
         found(flat)
-
-
-def test_a_recording_at_rest_is_no_transformation() -> None:
-    with pytest.raises(RecordingError, match=r"^no transformation"):
-        find_segments(np.full(100, 16.0), np.zeros(100))
 
 
 def test_too_few_samples_say_how_many_are_needed() -> None:

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from musclewire.sensing._curve import ResistanceCurve
-from musclewire.sensing._polynomial_estimator import PolynomialEstimator, SegmentTracker
+from musclewire.sensing._polynomial_estimator import PolynomialEstimator
+from musclewire.sensing._segment_tracking import segment_course
+from musclewire.sensing._slow_corrections import estimates
 from musclewire.signals import Reason, WireSample
 
 R_MIN, R_MAX = 15.0, 17.3
@@ -26,22 +28,11 @@ def slow_loop(noise_ohm: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarra
 @pytest.mark.parametrize("noise_ohm", [0.0, 0.005, 0.02])
 def test_a_cold_wire_is_told_from_a_contracting_one(noise_ohm: float) -> None:
     resistance, power, contraction = slow_loop(noise_ohm)
-    sensing = SegmentTracker(R_MIN, R_MAX).track(resistance, power, np.ones(SAMPLES, dtype=bool))
+    sensing = segment_course(R_MIN, R_MAX, resistance, power).sensing
     assert sensing[contraction > 0.2].all()
     first, last = SAMPLES // 10, SAMPLES - SAMPLES // 10
     assert not sensing[:first].any()
     assert not sensing[last:].any()
-
-
-def test_one_sample_at_a_time_gives_what_the_array_gives() -> None:
-    resistance, power, _ = slow_loop(0.005)
-    tracker = SegmentTracker(R_MIN, R_MAX)
-    state = tracker.start(float(resistance[0]), float(power[0]))
-    one_by_one = [state.sensing]
-    for ohm, watt in zip(resistance[1:], power[1:], strict=True):
-        state = tracker.step(state, float(ohm), float(watt))
-        one_by_one.append(state.sensing)
-    assert (tracker.track(resistance, power, np.ones(SAMPLES, dtype=bool)) == one_by_one).all()
 
 
 def test_a_step_of_power_held_from_cold_is_followed_through_b() -> None:
@@ -51,19 +42,9 @@ def test_a_step_of_power_held_from_cold_is_followed_through_b() -> None:
     resistance = 17.0 + 1.0 * heat - 3.0 * contraction
     power = np.full(400, 0.6)
     power[0] = 0.005
-    sensing = SegmentTracker(R_MIN, R_MAX).track(resistance, power, np.ones(400, dtype=bool))
+    sensing = segment_course(R_MIN, R_MAX, resistance, power).sensing
     assert not sensing[:40].any()
     assert sensing[contraction > 0.3].all()
-
-
-def test_samples_without_current_are_skipped() -> None:
-    resistance, power, contraction = slow_loop()
-    valid = np.ones(SAMPLES, dtype=bool)
-    valid[600:650] = False
-    resistance[600:650] = 0.0
-    sensing = SegmentTracker(R_MIN, R_MAX).track(resistance, power, valid)
-    assert not sensing[600:650].any()
-    assert sensing[(contraction > 0.2) & valid].all()
 
 
 BEGINS_OHM = {"in A-B": 17.0, "between B and C": 16.8}
@@ -88,32 +69,18 @@ def test_in_a_b_resistance_moves_with_the_temperature_and_between_b_and_c_agains
     resistance, power = moved(begins_ohm, by_ohm, 2.0 if warmer else 0.5)
     # The wire first rests where its segment is certain, then is led to the resistance at which the change begins.
     led = np.linspace(BEGINS_OHM[begins], begins_ohm, 30)
-    tracker = SegmentTracker(R_MIN, R_MAX)
     watt = np.concatenate([np.full(60, 0.3), power])
-    sensing = tracker.track(np.concatenate([before, led, resistance]), watt, np.ones(watt.size, dtype=bool))
-    assert sensing[-1] == (warmer != rises)
+    course = segment_course(R_MIN, R_MAX, np.concatenate([before, led, resistance]), watt)
+    assert course.sensing[-1] == (warmer != rises)
 
 
-@pytest.mark.parametrize("compiled", [False, True], ids=["step", "tick"])
 @pytest.mark.parametrize("warmer", [True, False], ids=["heated", "cooled"])
 @pytest.mark.parametrize("rises", [True, False], ids=["rising", "falling"])
-def test_a_cold_wire_is_sensed_once_power_and_resistance_move_in_opposite_directions(
-    rises: bool, warmer: bool, compiled: bool
-) -> None:
+def test_a_cold_wire_is_sensed_once_power_and_resistance_move_in_opposite_directions(rises: bool, warmer: bool) -> None:
     estimator = PolynomialEstimator(ResistanceCurve(R_MIN, R_MAX, (0.03, -0.03), (0.03, -0.03), 0.0, 1.0), 1.0)
     resistance, power = moved(17.0 if rises else 17.25, 0.25 if rises else -0.25, 2.0 if warmer else 0.5)
-    reasons, state, tick = [], estimator.start(), estimator.compiled_tick()
-    assert tick is not None
-    answer = np.zeros(6)
-    for ohm, watt in zip(resistance.tolist(), power.tolist(), strict=True):
-        wire_v = float(np.sqrt(watt * ohm))
-        given = np.array([0.0, 1.1 * wire_v, wire_v, wire_v / ohm])
-        if compiled:
-            tick.function(tick.constants, tick.state, given, answer)
-            reasons.append(Reason(int(answer[3])))
-        else:
-            step = estimator.step(state, WireSample(*given.tolist()))
-            state = step.state
-            reasons.append(step.estimate.reason)
+    wire_v = np.sqrt(power * resistance)
+    samples = [WireSample(0.0, 2.0, *pair) for pair in np.column_stack([wire_v, wire_v / resistance]).tolist()]
+    reasons = [estimate.reason for estimate, _ in estimates(estimator, samples)]
     assert reasons[0] is Reason.COLD
     assert (reasons[-1] is Reason.OK) == (warmer != rises)

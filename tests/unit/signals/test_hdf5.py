@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals._reading import read_hdf5, read_recording
+from musclewire.signals._reading import read_hdf5
 from musclewire.signals._recording import Recording
 from musclewire.signals._recording_writer import RecordingWriter
 
@@ -82,15 +82,6 @@ def test_the_caller_may_give_the_cause_and_closing_twice_changes_nothing(tmp_pat
         writer.append(row(1))
 
 
-def test_an_existing_file_is_refused_unless_it_may_be_replaced(tmp_path):
-    write_rows(tmp_path / "run.h5", 5)
-    with pytest.raises(CallerError, match=r"run\.h5 exists: give another name, or allow replacing it"):
-        RecordingWriter(tmp_path / "run.h5", NAMES, {})
-    assert len(read_hdf5(tmp_path / "run.h5")) == 5
-    write_rows(tmp_path / "run.h5", 2, overwrite=True)
-    assert len(read_hdf5(tmp_path / "run.h5")) == 2
-
-
 def test_a_writer_that_is_wrong_from_the_start_leaves_no_file(tmp_path):
     for columns, message in [
         (["time_s", "wire_volts"], "unknown column 'wire_volts'"),
@@ -126,13 +117,6 @@ def test_a_wrong_row_is_refused_and_the_recording_goes_on(tmp_path, wrong, messa
             writer.append(wrong)
         writer.append(row(1))
     assert len(read_hdf5(tmp_path / "run.h5")) == 2
-
-
-def test_a_run_killed_before_its_first_block_reads_as_no_rows_and_is_no_use(tmp_path):
-    write_rows(tmp_path / "run.h5", 0)
-    assert len(read_hdf5(tmp_path / "run.h5")) == 0
-    with pytest.raises(RecordingError, match="has 0 rows; a recording needs 2 or more"):
-        read_recording(tmp_path / "run.h5")
 
 
 def test_a_file_that_another_program_writes_is_said_to_be(tmp_path):

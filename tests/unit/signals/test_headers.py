@@ -1,7 +1,16 @@
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals._headers import split_header, understand_headers
+from musclewire.signals._headers import match_columns, split_header
+from musclewire.signals._source_table import SourceColumn
+
+
+def understand_headers(headers, mapping, path):
+    """Return what is taken and ignored of headers. Raises the first RecordingError that is left undecided."""
+    match = match_columns([SourceColumn(header) for header in headers], mapping, path)
+    if match.undecided:
+        raise RecordingError(match.undecided[0].message)
+    return match.taken, match.ignored
 
 
 def taken_as(headers, mapping=None):

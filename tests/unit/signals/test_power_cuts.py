@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from musclewire.signals import _synced_file as synced_file
+from musclewire.errors import RecordingNotWrittenError
+from musclewire.signals import _open_journal
 from musclewire.signals._recording_writer import RecordingWriter
-from musclewire.signals._synced_file import SyncedFile
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc which file a descriptor is")
 ROW = {"time_s": 0.0, "force_n": 1.0}
@@ -58,17 +58,16 @@ def test_a_journal_goes_only_when_the_file_and_its_name_are_on_the_disk(
 def test_what_grows_is_synced_again_and_again_and_what_does_not_is_not(
     tmp_path: Path, synced: list[tuple[str, tuple[str, ...]]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert synced_file.SYNCED_EVERY_S <= 1.0
-    monkeypatch.setattr(synced_file, "SYNCED_EVERY_S", 1e-3)
-    descriptor = os.open(tmp_path / "grows", os.O_WRONLY | os.O_CREAT | os.O_APPEND)
-    file = SyncedFile(descriptor)
+    assert _open_journal.SYNCED_EVERY_S <= 1.0
+    monkeypatch.setattr(_open_journal, "SYNCED_EVERY_S", 1e-3)
+    writer = RecordingWriter(tmp_path / "run.h5", ["time_s", "force_n"])
+    synced.clear()
     for times in (1, 2, 3):
-        file.append(b"row")
+        writer.append(ROW)
         while len(synced) < times:
-            assert file._syncer.is_alive()
-    file.close()
-    os.close(descriptor)
-    assert [name for name, _ in synced] == ["grows"] * 3
+            assert writer._journal.failure is None
+    assert [name for name, _ in synced] == ["run.h5.journal"] * 3
+    writer.close()
 
 
 def test_a_disk_that_fails_at_fsync_is_an_error_of_the_next_row(
@@ -77,14 +76,10 @@ def test_a_disk_that_fails_at_fsync_is_an_error_of_the_next_row(
     def removed(_: int) -> None:
         raise OSError(5, "Input/output error")
 
-    monkeypatch.setattr(synced_file, "SYNCED_EVERY_S", 1e-3)
-    descriptor = os.open(tmp_path / "grows", os.O_WRONLY | os.O_CREAT | os.O_APPEND)
-    file = SyncedFile(descriptor)
+    monkeypatch.setattr(_open_journal, "SYNCED_EVERY_S", 1e-3)
+    writer = RecordingWriter(tmp_path / "run.h5", ["time_s", "force_n"])
     monkeypatch.setattr(os, "fsync", removed)
-    file.append(b"row")
-    file._syncer.join()
-    with pytest.raises(OSError, match="Input/output error"):
-        file.append(b"row")
-    with pytest.raises(OSError, match="Input/output error"):
-        file.close()
-    os.close(descriptor)
+    writer.append(ROW)
+    writer._journal._threads[0].join()
+    with pytest.raises(RecordingNotWrittenError, match=r"Input/output error; 1 rows are in .*run\.h5\.journal"):
+        writer.append(ROW)

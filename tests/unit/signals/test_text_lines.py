@@ -1,4 +1,4 @@
-"""Lines come out of a file the same however it is divided into pieces, and no line is endless."""
+"""Lines come out of a file the same in every encoding and with every end, and no line is endless."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
-from musclewire.signals import _text_lines as text_lines
 from musclewire.signals._reading import read_recording
 from musclewire.signals._text_lines import lines_of
 
@@ -19,25 +18,13 @@ endings = st.sampled_from(["\n", "\r\n", "\r"])
 texts = st.lists(st.sampled_from(["a", "b,c", "", "é;ü", '"x"', "1,2"]), min_size=1, max_size=30)
 
 
-def lines(path: Path) -> list[str]:
-    return [text for piece in lines_of(path) for text in piece.texts]
-
-
 @settings(max_examples=60, deadline=None)
-@given(texts, endings, st.sampled_from(["utf-8", "utf-16", "cp1252"]), st.integers(1, 40))
-def test_pieces_of_any_size_give_the_same_lines(found: list[str], end: str, encoding: str, size: int) -> None:
-    with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+@given(texts, endings, st.sampled_from(["utf-8", "utf-16", "cp1252"]))
+def test_encoding_and_ends_change_neither_lines_nor_numbers(found: list[str], end: str, encoding: str) -> None:
+    with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.csv"
         path.write_bytes(("".join(text + end for text in found)).encode(encoding))
-        patch.setattr(text_lines, "_PIECE_BYTES", size)
-        assert lines(path) == found
-
-
-def test_lines_are_numbered_over_the_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "a.csv").write_text("".join(f"{number}\n" for number in range(1, 200)))
-    monkeypatch.setattr(text_lines, "_PIECE_BYTES", 17)
-    for piece in lines_of(tmp_path / "a.csv"):
-        assert [int(text) for text in piece.texts] == list(range(piece.first, piece.first + len(piece.texts)))
+        assert list(lines_of(path)) == list(enumerate(found, start=1))
 
 
 @pytest.mark.parametrize("text", [PLAIN + "1" * 1_100_000, "1" * 9_000_000, PLAIN + "2,3\n" + "x" * 5_000_000 + "\n"])
@@ -47,12 +34,11 @@ def test_an_endless_line_is_refused(tmp_path: Path, text: str) -> None:
         read_recording(tmp_path / "a.csv")
 
 
-def test_a_damaged_row_far_into_a_file_is_found_by_its_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    rows = [f"{number},{2 * number}\n" for number in range(5000)]
-    rows[4321] = "4321,x\n"
+def test_a_damaged_row_far_into_a_file_is_found_by_its_line(tmp_path: Path) -> None:
+    rows = [f"{number},{2 * number}\n" for number in range(80_000)]
+    rows[74321] = "74321,x\n"
     (tmp_path / "a.csv").write_text("time_s,force_n\n" + "".join(rows))
-    monkeypatch.setattr(text_lines, "_PIECE_BYTES", 4096)
-    with pytest.raises(RecordingError, match="line 4323, column 'force_n': 'x' is not a number"):
+    with pytest.raises(RecordingError, match="line 74323, column 'force_n': 'x' is not a number"):
         read_recording(tmp_path / "a.csv")
 
 

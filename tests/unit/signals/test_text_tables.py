@@ -31,40 +31,6 @@ def refusal(path, **options):
     return message.replace(f"{path}: ", "", 1)
 
 
-@pytest.mark.parametrize(
-    ("name", "text"),
-    [
-        ("a.csv", PLAIN),
-        ("a.csv", PLAIN.replace("\n", "\r\n")),
-        ("a.csv", PLAIN.replace("\n", "\r")),
-        ("a.csv", "\ufeff" + PLAIN),
-        ("a.csv", PLAIN.rstrip()),
-        ("a.csv", PLAIN + "\n,\n\n"),
-        ("a.csv", "sep=;\n" + PLAIN.replace(",", ";")),
-        ("a.csv", PLAIN.replace(",", ";")),
-        ("a.csv", PLAIN.replace(",", ";").replace(".", ",")),
-        ("a.csv", PLAIN.replace(",", "\t").replace(".", ",")),
-        ("a.csv", '"time_s","force_n"\n"0","1.5"\n"1","2.5"\n'),
-        ("a.csv", "time_s, force_n\n0, 1.5\n1, 2.5\n"),
-        ("a.csv", "time_s,force_n,\n0,1.5,\n1,2.5,\n"),
-        ("a.csv", "time_s;force_n;note\n0;1.5;a, b\n1;2.5;c\n"),
-        ("a.csv", "Time [s];Force, measured\n0;1,5\n1;2,5\n".replace("Force, measured", "Force [N]")),
-        ("a.csv", "# time_s,force_n\n0,1.5\n1,2.5\n"),
-        ("a.csv", "time_s,force_n\n0,1.5\n# a remark\n1,2.5\n"),
-        ("a.tsv", PLAIN.replace(",", "\t")),
-        ("a.TXT", PLAIN.replace(",", "\t")),
-        ("a.txt", "  time_s   force_n\n  0.0    1.5\n  1.0    2.5\n"),
-        ("a.txt", "Time [s] Force (N)\n0.0 1.5\n1.0 2.5\n"),
-        ("a.txt", "Time / s   Force / N\n0.0 1.5\n1.0 2.5\n"),
-        ("a.txt", "# t [s] Force [N]\n0.0 1.5\n1.0 2.5\n"),
-    ],
-)
-def test_every_dialect_of_the_same_table_reads_the_same(file, name, text):
-    recording = read_recording(file(text, name))
-    assert recording["time_s"].tolist() == [0.0, 1.0]
-    assert recording["force_n"].tolist() == [1.5, 2.5]
-
-
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
 def test_a_degree_sign_is_read_in_every_usual_encoding(file, encoding):
     recording = read_recording(file("time [s],T [°C]\n0,25\n1,26\n", encoding=encoding))
@@ -123,44 +89,12 @@ def test_a_missing_number_is_found_and_left_out_if_asked_for(file, cell):
     assert read_recording(path, mapping=ImportMapping(drop_missing=True))["time_s"].tolist() == [0.0, 2.0]
 
 
-@pytest.mark.parametrize("cell", ["inf", "-Infinity"])
-def test_a_number_that_is_not_finite_is_found_by_line_and_column(file, cell):
-    message = refusal(file(f"time_s,force_n\n0,1\n1,{cell}\n2,3\n"))
-    assert message.startswith("line 3, column 'force_n': ")
-    assert "is not a finite number" in message
-
-
 def test_a_bad_cell_in_a_column_nobody_uses_does_no_harm(file):
     assert len(read_recording(file("time_s,force_n,remark\n0,1,good\n1,2,\n2,3\n"))) == 3
 
 
-def test_a_clock_that_does_not_rise_is_found_with_both_times(file):
-    message = refusal(file("time [ms],force_n\n0,1\n500,2\n500,3\n"))
-    assert message.startswith("line 4, column time_s: the clock does not rise, 0.5 s is followed by 0.5 s")
-
-
-def test_more_cells_than_headers_are_refused_before_a_decimal_comma_is_misread(file):
-    assert refusal(file("time_s,force_n\n0,1,5\n1,2,5\n")).startswith("line 2 has 3 cells for 2 headers")
-
-
 def test_a_table_without_headers_is_told_what_to_write(file):
     assert refusal(file("0,1\n1,2\n2,3\n")).startswith("has no headers; name the columns in the first line")
-
-
-@pytest.mark.parametrize("text", ["", "\n\n", "# only = a comment\n"])
-def test_an_empty_file_is_said_to_be_empty(file, text):
-    assert refusal(file(text)).startswith("has no rows")
-
-
-@pytest.mark.parametrize("text", ["time_s,force_n\n", "time_s,force_n\n0,1\n"])
-def test_fewer_than_two_rows_are_no_recording(file, text):
-    assert "a recording needs 2 or more" in refusal(file(text))
-
-
-def test_what_is_no_text_is_refused(file):
-    path = file("")
-    path.write_bytes(bytes(range(256)) * 4)
-    assert "is not a text file; export it as CSV" in refusal(path)
 
 
 def test_headers_that_do_not_fit_their_numbers_are_refused(file):

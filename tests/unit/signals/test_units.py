@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals._units import measures, parse_quantity, quantity_with_suffix, to_si
+from musclewire.signals._units import conversion_to_si, measures, parse_quantity, quantity_with_suffix
 
 WHERE = "loop.csv: column 'Force'"
 
@@ -51,15 +51,15 @@ WHERE = "loop.csv: column 'Force'"
     ],
 )
 def test_a_unit_as_people_spell_it_becomes_si(unit, column, value, expected):
-    assert to_si([value], unit, column, WHERE) == pytest.approx([expected], rel=1e-12)
+    assert conversion_to_si(unit, column, WHERE).apply([value]) == pytest.approx([expected], rel=1e-12)
 
 
 def test_the_case_of_a_symbol_is_kept_because_it_is_worth_a_thousand_million():
-    assert to_si([1.0], "MV", "wire_voltage_v", WHERE)[0] == pytest.approx(1e9 * 1e-3)
+    assert conversion_to_si("MV", "wire_voltage_v", WHERE).apply([1.0])[0] == pytest.approx(1e9 * 1e-3)
 
 
 def test_conversion_keeps_the_shape():
-    assert to_si(np.ones((4, 2)), "mm", "displacement_m", WHERE).shape == (4, 2)
+    assert conversion_to_si("mm", "displacement_m", WHERE).apply(np.ones((4, 2))).shape == (4, 2)
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def test_conversion_keeps_the_shape():
 )
 def test_a_unit_of_something_else_is_refused_with_both_named(unit, column, message):
     with pytest.raises(RecordingError) as caught:
-        to_si([1.0], unit, column, WHERE)
+        conversion_to_si(unit, column, WHERE).apply([1.0])
     assert str(caught.value) == f"{WHERE}: {message}"
 
 
@@ -83,19 +83,19 @@ def test_a_unit_of_something_else_is_refused_with_both_named(unit, column, messa
 def test_what_is_no_unit_is_refused_in_one_line(unit):
     for column in ("force_n", "reference_strain"):
         with pytest.raises(RecordingError, match="unknown unit"):
-            to_si([1.0], unit, column, WHERE)
+            conversion_to_si(unit, column, WHERE).apply([1.0])
         assert not measures(unit, column)
 
 
 def test_decibels_are_no_fraction_of_anything():
     with pytest.raises(RecordingError, match="unknown unit 'dB'"):
-        to_si([1.0], "dB", "reference_strain", WHERE)
+        conversion_to_si("dB", "reference_strain", WHERE).apply([1.0])
 
 
 @given(st.text(max_size=12), st.sampled_from(["time_s", "force_n", "reference_strain", "wire_temperature_k"]))
 def test_any_text_at_all_is_a_unit_or_a_recording_error(unit, column):
     try:
-        values = to_si([1.0], unit, column, WHERE)
+        values = conversion_to_si(unit, column, WHERE).apply([1.0])
     except RecordingError:
         return
     assert np.isfinite(values).all()
@@ -103,7 +103,7 @@ def test_any_text_at_all_is_a_unit_or_a_recording_error(unit, column):
 
 @given(st.floats(-200.0, 2000.0))
 def test_a_degree_celsius_is_exactly_one_kelvin_wide(temperature_degc):
-    kelvin = to_si([temperature_degc], "degC", "wire_temperature_k", WHERE)[0]
+    kelvin = conversion_to_si("degC", "wire_temperature_k", WHERE).apply([temperature_degc])[0]
     assert kelvin == temperature_degc + 273.15
 
 

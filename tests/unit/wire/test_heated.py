@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
+from musclewire.wire._advance import advance_heated
 from musclewire.wire._building import constants_from, resting_state
-from musclewire.wire._heated import advance_heated
 from musclewire.wire._paths import drive_path
 from musclewire.wire._step import RunningWire
 

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from musclewire.identify import LoopGaps, halves, mark_points, required_quantity, resistance_reading
-from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, TARGET, Markup, svg
+from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, TARGET, svg
 from musclewire.parameters import read_published
 from musclewire.signals import Recording
 
@@ -19,22 +20,6 @@ if TYPE_CHECKING:
 
     from musclewire.experiment import ControlRun, DemoResult, PretensionSweep
     from musclewire.sensing import SensingModel
-
-__all__ = [
-    "AVERAGE",
-    "COOLING",
-    "HEATING",
-    "PAPER",
-    "STYLE",
-    "TARGET",
-    "fit_figure",
-    "loops_figure",
-    "report_figures",
-    "staircase_figure",
-    "svg",
-    "sweep_figure",
-    "trace_figure",
-]
 
 MINOR_SHADES = ("#5c6670", "#aab2ba")
 # Widths of a figure across the page, and across a phone: there its letters are as large as the text.

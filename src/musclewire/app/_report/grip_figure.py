@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from musclewire.experiment import GripperKnowledge, GripRun
 
-__all__ = ["plot_grip"]
-
 MEASURED, FREE, FOUND = COOLING, TARGET, HEATING
 SHOWN_BEFORE_S = 0.3
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from markupsafe import Markup
+
 from musclewire.app._report.figures import report_figures
 from musclewire.experiment import APPROACHED, FROM_FIRST_TARGET
-from musclewire.pages import Markup, NumberCard, page
+from musclewire.pages import NumberCard, page
 from musclewire.parameters import load_alloy, load_bench, load_wire, read_published
 from musclewire.signals import write_text_whole
 
@@ -15,8 +17,6 @@ if TYPE_CHECKING:
 
     from musclewire.experiment import DemoResult, StepMetrics
     from musclewire.parameters import Parameter
-
-__all__ = ["write_report"]
 
 MINIMUM, MAXIMUM = Markup("R<sub>min</sub>"), Markup("R<sub>max</sub>")
 

@@ -1,10 +1,9 @@
 """The protection of one rig, sample by sample: what ``protect.py`` makes of its state, quickly while all is sound.
 
-A reading is sound if nothing is missing and no condition of the protection table holds; compiled code judges that.
-While every reading of a driven rig is sound, the state is ``run``, nothing lasts, and the protection changes only what
-it remembers of readings and the estimated temperature. A rig (``RunningProtection``) and a loop in compiled code go on
-as long as that is so; what ``protect.py`` does when it is not, is written there and nowhere else. The tests hold both
-to the same verdicts and the same numbers.
+A reading is sound if nothing is missing and no condition of the protection table holds. While every reading of a driven
+rig is sound, the state is ``run``, nothing lasts, and the protection changes only what it remembers of readings. A rig
+(``RunningProtection``) and a loop in compiled code go on as long as that is so; anything else is decided in
+``protect.py``.
 """
 
 from __future__ import annotations
@@ -13,31 +12,25 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.controllers._protection.protect import (
-    DRIVEN_FRACTION,
-    FROZEN_READINGS,
-    FROZEN_S,
     MAXIMUM_ROUNDING,
-    MOVED_FRACTION,
     NOTHING_LASTS,
-    SATURATED_FRACTION,
-    STUCK_FRACTION,
-    SUPPLY_FRACTION,
-    TIME_ROUNDING_S,
     ProtectionState,
     allowed_drive_v,
     armed,
     closed,
+    packed_memory,
     protect_command,
     protect_missing,
     protect_reading,
     rested,
     tripped_by,
+    with_memory,
 )
+from musclewire.controllers._protection.reading import Rows, after_reading, packed_limits, sound_reading
 from musclewire.controllers._protection.table import (
     AllowedDrive,
     Effect,
@@ -49,113 +42,14 @@ from musclewire.controllers._protection.table import (
     protection_table,
 )
 
-__all__ = [
-    "REMEMBERED",
-    "Rows",
-    "RunningProtection",
-    "SOUND_LIMITS",
-    "SOUND_MEMORY",
-    "fills_block",
-    "packed_limits",
-    "packed_memory",
-    "sound_command",
-    "sound_reading",
-    "sound_sample",
-]
-
-SOUND_LIMITS = np.dtype([(name, np.float64) for name in ProtectionLimits._fields])
-# What the protection remembers of readings, by the names of its state.
-REMEMBERED = (
-    "temperature_k", "settled_ohm", "wire_voltage_v", "shunt_voltage_v", "wire_repeats", "shunt_repeats",
-    "repeats_drive_v",
-)  # fmt: skip
-SOUND_MEMORY = np.dtype([(name, np.float64) for name in REMEMBERED])
 # A block of samples counts as full from this much less than the period of readings [s]: its duration is a sum.
 PERIOD_ROUNDING_S = 1e-9
-# A structured array, and a row of one; mypy knows no fields of either.
-Rows = NDArray[np.void]
-Row = Any
-
-
-def packed_limits(limits: ProtectionLimits) -> Rows:
-    """Return the limits as a structured array of length 1."""
-    return np.array([tuple(limits)], SOUND_LIMITS)
-
-
-def packed_memory(state: ProtectionState) -> Rows:
-    """Return what a state remembers of readings as a structured array of length 1."""
-    return np.array([tuple(getattr(state, name) for name in REMEMBERED)], SOUND_MEMORY)
 
 
 @compiled
-def sound_command(limits: Row, drive_voltage_v: float) -> bool:
+def sound_command(limits: Any, drive_voltage_v: float) -> bool:
     """Whether a commanded drive voltage is one that the protection follows."""
     return math.isfinite(drive_voltage_v) and 0.0 <= drive_voltage_v <= limits["maximum_voltage_v"] * MAXIMUM_ROUNDING
-
-
-@compiled
-def sound_reading(
-    memory: Row, limits: Row, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float, dt_s: float
-) -> bool:
-    """Whether a reading of ``dt_s`` seconds is sound; if it is, ``memory`` has taken it."""
-    shunt_ohm = limits["shunt_resistance_ohm"]
-    minimum_v = limits["minimum_current_a"] * shunt_ohm
-    driven = drive_voltage_v >= DRIVEN_FRACTION * limits["sense_voltage_v"]
-    if not (math.isfinite(wire_voltage_v) and math.isfinite(shunt_voltage_v)):
-        return False
-    if driven and abs(wire_voltage_v) + abs(shunt_voltage_v) < SUPPLY_FRACTION * drive_voltage_v:
-        return False
-    if driven and abs(shunt_voltage_v) < minimum_v:
-        return False
-    current_a = shunt_voltage_v / shunt_ohm
-    power_w = wire_voltage_v * current_a
-    settled_ohm = memory["settled_ohm"]
-    if driven:
-        resistance_ohm = wire_voltage_v / shunt_voltage_v * shunt_ohm
-        if not limits["resistance_low_ohm"] <= resistance_ohm <= limits["resistance_high_ohm"]:
-            return False
-        if settled_ohm > 0.0 and abs(resistance_ohm - settled_ohm) > limits["jump_share"] * settled_ohm:
-            return False
-        settled_ohm = resistance_ohm
-    if (
-        abs(wire_voltage_v) >= SATURATED_FRACTION * limits["wire_range_v"]
-        or abs(shunt_voltage_v) >= SATURATED_FRACTION * limits["shunt_range_v"]
-        or abs(current_a) > limits["maximum_current_a"]
-        or power_w > limits["maximum_power_w"]
-        or wire_voltage_v + shunt_voltage_v > drive_voltage_v + STUCK_FRACTION * limits["maximum_voltage_v"]
-    ):
-        return False
-    temperature_k = temperature_after(memory, limits, power_w, dt_s)
-    wire_repeats = memory["wire_repeats"] + 1.0 if wire_voltage_v == memory["wire_voltage_v"] else 0.0
-    shunt_repeats = memory["shunt_repeats"] + 1.0 if shunt_voltage_v == memory["shunt_voltage_v"] else 0.0
-    repeats_drive_v = memory["repeats_drive_v"] if wire_repeats + shunt_repeats > 0.0 else drive_voltage_v
-    moved_v = abs(drive_voltage_v - repeats_drive_v)
-    if temperature_k > limits["maximum_temperature_k"]:
-        return False
-    if driven and is_frozen(limits, max(wire_repeats, shunt_repeats), moved_v, dt_s):
-        return False
-    memory["temperature_k"], memory["settled_ohm"] = temperature_k, settled_ohm
-    memory["wire_voltage_v"], memory["shunt_voltage_v"] = wire_voltage_v, shunt_voltage_v
-    memory["wire_repeats"], memory["shunt_repeats"] = wire_repeats, shunt_repeats
-    memory["repeats_drive_v"] = repeats_drive_v
-    return True
-
-
-@compiled
-def temperature_after(memory: Row, limits: Row, power_w: float, dt_s: float) -> float:
-    """Return the estimated temperature [K] after a power in the wire."""
-    rate = limits["heat_loss_w_per_k"] / limits["heat_capacity_j_per_k"] * dt_s
-    rise = dt_s * power_w / limits["heat_capacity_j_per_k"]
-    ambient_k = limits["ambient_temperature_k"]
-    return ambient_k + (memory["temperature_k"] - ambient_k + rise) / (1.0 + rate)
-
-
-@compiled
-def is_frozen(limits: Row, repeats: float, moved_v: float, dt_s: float) -> bool:
-    """Whether so many equal numbers in a row cannot be chance, after the drive has moved by ``moved_v``."""
-    moved = moved_v > MOVED_FRACTION * limits["maximum_voltage_v"]
-    long = repeats >= FROZEN_READINGS and repeats * dt_s > FROZEN_S - TIME_ROUNDING_S
-    return long and (limits["readings_noisy"] > 0.0 or moved)
 
 
 @compiled
@@ -227,6 +121,7 @@ class RunningProtection:
         self._become(armed(limits))
         sound_sample(self._block.copy(), self._memory.copy(), self._packed, 0.0, 0.0, 0.0, *self._periods_s)
         fills_block(self._block.copy(), 0.0, 0.0, 0.0, *self._periods_s)
+        after_reading(self._memory, self._packed, 0.0, 0.0, 0.0, self._periods_s[0])
 
     def _become(self, state: ProtectionState) -> None:
         """Take a state as a whole."""
@@ -239,8 +134,7 @@ class RunningProtection:
         """State of the protection, with the last event and the estimated temperature."""
         if not self._quick:
             return self._state
-        remembered = dict(zip(REMEMBERED, self._memory[0].item(), strict=True))
-        return self._state._replace(drive_voltage_v=self._drive_voltage_v, **remembered)
+        return with_memory(self._state, self._memory[0].item())._replace(drive_voltage_v=self._drive_voltage_v)
 
     def command(self, drive_voltage_v: float) -> bool:
         """Take a commanded drive voltage; whether it is what may be applied. If not, ``allowed`` says what may."""
@@ -275,8 +169,7 @@ class RunningProtection:
     def adopt_compiled_samples(self, drive_voltage_v: float, memory: Rows) -> None:
         """Take over what sound samples in compiled code have made of the memory, and the last drive of theirs."""
         self.command(drive_voltage_v)
-        remembered = dict(zip(REMEMBERED, memory[0].item(), strict=True))
-        self._become(self.state._replace(**remembered))
+        self._become(with_memory(self.state, memory[0].item()))
 
     def missing(self, event: Event, missing_s: float) -> None:
         """Take note that something has been missing for so long in total [s]: hold, then sense, then trip."""

@@ -14,22 +14,6 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import CallerError
 
-__all__ = [
-    "ProtectionLimits",
-    "Action",
-    "AllowedDrive",
-    "Effect",
-    "Event",
-    "EventRow",
-    "ProtectionTable",
-    "ReservedRow",
-    "Signal",
-    "State",
-    "StateRow",
-    "Transition",
-    "protection_table",
-]
-
 
 class ProtectionLimits(NamedTuple):
     """Limits of a wire and ranges of its circuit, all SI. Plain numbers: the C library carries the same list.

@@ -8,8 +8,6 @@ from musclewire.errors import CallerError
 from musclewire.experiment._doctor.evidence import Evidence
 from musclewire.experiment._doctor.probing import VoltageLevel
 
-__all__ = ["ChannelCalibration", "calibrations"]
-
 # A meter and a channel that differ by more do not measure the same voltage.
 MAX_GAIN_ERROR = 0.2
 

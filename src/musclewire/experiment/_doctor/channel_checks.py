@@ -11,8 +11,6 @@ from musclewire.experiment._doctor.evidence import Evidence, LinearFit, noise_v
 from musclewire.experiment._doctor.findings import Findings, RigCheck, SkippedCheck
 from musclewire.experiment._doctor.probing import VoltageLevel
 
-__all__ = ["finite_check", "hum_check", "moving_checks", "offset_checks", "quiet_checks", "range_check"]
-
 # An offset may be this fraction of the reading at the sense voltage: it shifts resistance by the same fraction there.
 OFFSET_FRACTION = 0.01
 # Noise may be this fraction of it; resistance then scatters by about a fifth of a percent of strain. Judged as the mean

@@ -8,8 +8,6 @@ from typing import NamedTuple
 from musclewire.experiment._doctor.evidence import Evidence
 from musclewire.experiment._doctor.findings import Findings, RigCheck, SkippedCheck
 
-__all__ = ["ExpectedWire", "circuit_findings"]
-
 # Eq. 1 treats less than 1 mA as no current; a sense current must be twice that.
 MIN_SENSE_CURRENT_A = 2e-3
 # Spools, length measured by a ruler, pretension and the R-phase: the right wire is this close to the catalogue's value.

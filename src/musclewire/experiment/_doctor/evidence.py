@@ -11,8 +11,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.experiment._doctor.probing import VoltageLevel
 
-__all__ = ["Evidence", "LinearFit", "evidence_of", "noise_v"]
-
 # A smaller slope [V/V] counts as none, however significant statistically.
 MIN_SLOPE = 1e-5
 SIGMAS = 6.0

@@ -27,8 +27,6 @@ from musclewire.parameters import Wire, load_wire
 from musclewire.rigs import Metadata, ProtectionTripError, Rig, keeps_real_time, protection_limits_of
 from musclewire.signals import RunFacts
 
-__all__ = ["Examination", "examine", "examination_s"]
-
 ZERO_S, LOW_S, SENSE_S = 2.0, 1.0, 5.0
 AMBIENT_K = 295.15
 # With one of these the sense voltage is not put out: the wiring is not what the rig file says.

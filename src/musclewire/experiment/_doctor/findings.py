@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["RigCheck", "Findings", "SkippedCheck"]
-
 
 class RigCheck(NamedTuple):
     """One check: measured value, whether it is acceptable, and advice: what to do if not, else what it means."""

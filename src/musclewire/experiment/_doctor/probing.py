@@ -16,8 +16,6 @@ from musclewire.errors import CallerError, RigError
 from musclewire.rigs import Rig
 from musclewire.signals import RawSample
 
-__all__ = ["LOW_FRACTIONS", "VoltageLevel", "OnProbe", "VoltageProbe", "samples_of"]
-
 Clock = Callable[[], float]
 OnProbe = Callable[[RawSample], None]
 

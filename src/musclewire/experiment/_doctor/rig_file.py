@@ -13,8 +13,6 @@ from musclewire.experiment._doctor.calibration import ChannelCalibration
 from musclewire.rigs import read_rig_file
 from musclewire.signals import parse_quantity, write_whole
 
-__all__ = ["require_calibrated_kind", "with_calibration", "write_calibration"]
-
 # Kinds of rigs whose files hold the calibration of their channels: volts on the circuit = gain * terminal + offset.
 CALIBRATED_KINDS = ("nidaq",)
 SECTIONS = {"wire": "inputs.wire_voltage", "shunt": "inputs.shunt_voltage"}

@@ -12,8 +12,6 @@ from musclewire.experiment._doctor.probing import VoltageLevel
 from musclewire.identify import steady_temperature_k
 from musclewire.parameters import Wire
 
-__all__ = ["clock_findings", "protection_findings", "warmth_findings"]
-
 # The sense voltage must not heat the wire by more.
 MAX_RISE_K = 8.0
 # Allowed drift of resistance while the sense voltage is held.

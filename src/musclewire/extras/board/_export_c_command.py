@@ -24,8 +24,6 @@ from musclewire.app import (
 )
 from musclewire.extras.board._options import ARDUINO_ZIP, DOUBLE
 
-__all__ = ["export_c"]
-
 
 @dataclass(frozen=True)
 class ControllerOptions:

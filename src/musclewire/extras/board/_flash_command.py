@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from musclewire.extras.board._serial.flash import FlashLoader
     from musclewire.extras.board._serial.images import FirmwareImage
 
-__all__ = ["flash"]
-
 # What stands for the port in a command that is only shown.
 NO_PORT = "PORT"
 

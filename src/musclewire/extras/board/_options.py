@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from musclewire.app import option
 
-__all__ = ["ARDUINO_ZIP", "DOUBLE", "DRY_RUN", "OLD_BOOTLOADER", "SERIAL_PORT"]
-
 SERIAL_PORT = option("--serial-port", help="The board's port: /dev/ttyACM0, /dev/ttyUSB0, COM3. Default: found.")
 OLD_BOOTLOADER = option(
     "--old-bootloader", help="The board is a Nano of before 2018: its boot loader takes 57600 baud."

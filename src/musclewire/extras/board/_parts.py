@@ -16,8 +16,6 @@ from pydantic import BaseModel, ConfigDict, Field
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters import read_toml, validated
 
-__all__ = ["CircuitPart", "CircuitPin", "PartsList", "load_parts", "parts_names"]
-
 Checked = ConfigDict(extra="forbid", frozen=True)
 
 

@@ -9,8 +9,6 @@ from musclewire.errors import CallerError
 from musclewire.extras.board._serial.configuration import SerialConfiguration
 from musclewire.rigs import Metadata, RigConfiguration, open_rig, rig_configuration
 
-__all__ = ["limits_of_rig"]
-
 
 def limits_of_rig(rig: str | Path) -> tuple[ProtectionLimits, Metadata]:
     """Return limits and facts of a rig without driving anything: a simulated one, or a board's rig file.

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["DesignCheck"]
-
 
 class DesignCheck(NamedTuple):
     """A number of a design, compared with a reference.

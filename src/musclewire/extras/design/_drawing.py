@@ -20,20 +20,6 @@ from musclewire.errors import CallerError
 from musclewire.extras.design._packages import require_dxf
 from musclewire.signals import write_whole
 
-__all__ = [
-    "FORMATS",
-    "DrawnHole",
-    "Drawing",
-    "OutlineVertex",
-    "polyline_m",
-    "ring_area_m2",
-    "rounded",
-    "svg_text",
-    "write_drawing",
-    "write_dxf",
-    "write_svg",
-]
-
 FORMATS = (".svg", ".dxf")
 MM = 1e3
 MARGIN_MM = 2.0

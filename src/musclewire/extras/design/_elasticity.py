@@ -21,16 +21,6 @@ from musclewire.arrays import FloatArray, IntArray
 from musclewire.errors import CallerError, NumericsError
 from musclewire.extras.design._plane_body import PlaneBody
 
-__all__ = [
-    "BodyEquilibrium",
-    "ExternalPotential",
-    "BodyLoad",
-    "PotentialChange",
-    "load_path",
-    "solve_large",
-    "solve_linear",
-]
-
 # Forces are in balance if the residual is this fraction of the largest force in the body, or if the last correction
 # moved no node by more than this fraction of the body's size: under tiny loads only rounding remains.
 BALANCE, STILL = 1e-8, 1e-10

@@ -15,8 +15,6 @@ from scipy.sparse.linalg import splu
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
-__all__ = ["chain_stiffness_n_per_m"]
-
 
 def chain_stiffness_n_per_m(
     joints_m: FloatArray, bending_n_m2: float, stretching_n: float, *, guided: bool = False

@@ -6,39 +6,6 @@ from math import inf
 
 from musclewire.app import complete_fingers, complete_materials, option, quantity
 
-__all__ = [
-    "BEAMS",
-    "COLUMNS",
-    "COLUMN_WIDTH",
-    "COMPARE",
-    "CORNER_RADIUS",
-    "DEPTH",
-    "DRAWING",
-    "ENDPOINT",
-    "ENVELOPE",
-    "FINGER",
-    "FINGER_STIFFNESS",
-    "FRICTION",
-    "HALF_LENGTH",
-    "INWARD_ANGLE",
-    "MATERIAL",
-    "MAX_DEPTH",
-    "OFFSET",
-    "OVERALL_LENGTH",
-    "PITCH",
-    "PLATE",
-    "PRETENSION",
-    "PRETENSIONER",
-    "PROCESS",
-    "REFINED",
-    "SOLID",
-    "STIFFNESS",
-    "STROKE",
-    "TENDON_HOLE",
-    "THICKNESS",
-    "TRAVEL",
-]
-
 DRAWING = option("--drawing", help="Drawing to cut, 1:1 (.svg, .dxf). Repeatable.")
 SOLID = option("--solid", help="Solid to print, in millimetres (.stl, .step; extra 'cad'). Repeatable.")
 PRETENSION = quantity("--pretension", "N", "Pretension of the wire, both legs of a V together, as '0.71 N'.")

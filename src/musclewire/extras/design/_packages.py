@@ -6,8 +6,6 @@ from typing import Any
 
 from musclewire.errors import MissingExtraError
 
-__all__ = ["require_dxf", "require_finite_elements"]
-
 EXTRA = "design"
 
 

@@ -20,8 +20,6 @@ from musclewire.arrays import FloatArray, IntArray
 from musclewire.errors import CallerError
 from musclewire.extras.design._packages import require_finite_elements
 
-__all__ = ["InnerForces", "PlaneBody"]
-
 # Gauss rules that integrate the stiffness of undistorted quadratic elements exactly.
 QUADRATURE_ORDER = 4
 

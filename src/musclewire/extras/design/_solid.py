@@ -17,8 +17,6 @@ from musclewire.errors import CallerError, MissingExtraError
 from musclewire.extras.design._drawing import MM, Drawing, DrawnHole, OutlineVertex
 from musclewire.signals import write_whole
 
-__all__ = ["SOLID_FORMATS", "StraightBore", "Solid", "write_solid"]
-
 SOLID_FORMATS = (".stl", ".step")
 # Largest distance of a facet from the surface, and the angle between neighbouring facets.
 FACET_MM, FACET_RAD = 0.005, 0.1

@@ -15,8 +15,6 @@ from musclewire.extras.interfaces._options import SOURCES_ONLY
 if TYPE_CHECKING:
     from musclewire.extras.interfaces._fmu import Fmu
 
-__all__ = ["export_fmu"]
-
 
 @dataclass(frozen=True)
 class ControllerRigOptions:

@@ -12,8 +12,6 @@ from musclewire.extras.interfaces._options import DISPLACEMENT, SENSED_BY
 if TYPE_CHECKING:
     from musclewire.extras.interfaces._control_systems import Linearisation, LinearisedLoop, OperatingPoint
 
-__all__ = ["linearise"]
-
 ZERO_DEGC_K = 273.15
 
 

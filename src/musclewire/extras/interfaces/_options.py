@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from musclewire.app import option, quantity
 
-__all__ = ["DISPLACEMENT", "SENSED_BY", "SOURCES_ONLY"]
-
 DISPLACEMENT = quantity(
     "--displacement", "m", "Displacement of the connector at which the wire rests, as '2 mm'.", 0.0, 1.0
 )

@@ -11,8 +11,6 @@ from musclewire.errors import CallerError
 from musclewire.rigs import RigConfiguration, open_simulated, simulated_configuration
 from musclewire.wire import OneWire, StepControl, WireConstants
 
-__all__ = ["SimulatedWire", "simulated_wire"]
-
 
 @dataclass(frozen=True)
 class SimulatedWire:

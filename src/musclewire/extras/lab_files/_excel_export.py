@@ -11,8 +11,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, MissingExtraError
 from musclewire.signals import MetadataValue, value_to_text
 
-__all__ = ["fill_excel", "METADATA_SHEET", "RECORDING_SHEET"]
-
 RECORDING_SHEET, METADATA_SHEET = "recording", "metadata"
 MAX_ROWS = 1_048_575
 

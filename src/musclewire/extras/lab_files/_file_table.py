@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,38 +23,20 @@ from musclewire.signals import (
     key_of_header,
     measures,
     split_header,
+    stated_period_s,
 )
-
-__all__ = [
-    "FileColumn",
-    "FilePart",
-    "FileTable",
-    "chosen_part",
-    "clock_column",
-    "damage_reported",
-    "describe",
-    "file_table",
-    "has_clock",
-    "metadata_of",
-    "one_line",
-    "seconds_since",
-    "try_columns",
-]
 
 # A name or text longer than this was not written by a person, and would fill the screen.
 MAX_TEXT_LENGTH = 200
 MAX_METADATA = 200
 MAX_NAMED = 8
 
-# What programs call the rate [Hz] and the period [s] of samples that have no column of time.
-_RATES = frozenset({
-    "fs", "fs_hz", "sample_rate", "sample_rate_hz", "samplerate", "sampling_rate", "sampling_rate_hz",
-    "sampling_frequency", "sampling_frequency_hz", "sample_frequency",
-})  # fmt: skip
-_PERIODS = frozenset({
-    "dt", "dt_s", "ts", "ts_s", "sample_period", "sample_period_s", "sampling_period", "sampling_period_s",
-    "sample_time", "sample_time_s", "sample_interval", "sample_interval_s",
-})  # fmt: skip
+# Of a file that is read as a whole, and of what its parts unpack to.
+MAX_BYTES_AT_ONCE = 2**29
+MAX_BYTES_UNPACKED = 2**30
+# A file may state far more numbers than its bytes hold; what is read as a whole needs memory for all of them.
+MAX_CELLS_AT_ONCE = 2**27
+MAX_CELLS = 2**32
 
 
 @dataclass(frozen=True)
@@ -115,6 +98,26 @@ class FileTable:
             return values
 
 
+def check_limits(path: Path, cells: int = 0, at_once: bool = False) -> None:
+    """Raise RecordingError for a file that is larger than is read.
+
+    ``cells`` is how many numbers it states, ``at_once`` whether they are all kept in memory; of a zip file, the sizes
+    that its members state count, too.
+    """
+    most = MAX_CELLS_AT_ONCE if at_once else MAX_CELLS
+    if cells > most:
+        raise RecordingError(f"{path}: states {cells} numbers, of which {most} are read; export a part of it")
+    if at_once and path.stat().st_size > MAX_BYTES_AT_ONCE:
+        cure = "save it in parts, or as a format that is read in parts (HDF5, MATLAB's -v7.3)"
+        raise RecordingError(f"{path}: has more than {MAX_BYTES_AT_ONCE // 2**20} MiB; {cure}")
+    if zipfile.is_zipfile(path):
+        with zipfile.ZipFile(path) as members:
+            unpacked = sum(member.file_size for member in members.infolist())
+        if unpacked > MAX_BYTES_UNPACKED:
+            limit = f"unpacks to more than {MAX_BYTES_UNPACKED // 2**20} MiB"
+            raise RecordingError(f"{path}: {limit}; save the sheet as CSV")
+
+
 @contextlib.contextmanager
 def damage_reported(path: str | Path, what: str) -> Iterator[None]:
     """Turn whatever a reader of another package raises about a file into one line; our own errors pass.
@@ -154,35 +157,11 @@ def chosen_part(parts: Sequence[FilePart], wanted: str | None, path: str | Path,
 
 def file_table(path: Path, layout: str, part: FilePart) -> FileTable:
     """Return the table of a part of a file."""
-    stated = None if has_clock(part.columns) else _stated_period(part.metadata)
+    period_s = None if has_clock(part.columns) else stated_period_s(part.metadata, unit_stated=False)
     notes = part.notes
-    if stated is not None:
-        key, period_s = stated
-        notes = (
-            *notes,
-            f"no column is the time: rows are {period_s:g} s apart, as {key} = {part.metadata[key]} states",
-        )
-    return FileTable(str(path), layout, part.columns, part.row_count, part.metadata, notes, stated and stated[1])
-
-
-def _stated_period(metadata: Mapping[str, MetadataValue]) -> tuple[str, float] | None:
-    """Return the name of the entry that states the rate or the period of the samples, and the period [s]."""
-    for key, value in metadata.items():
-        number = float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else 0.0
-        if number <= 0.0 or not np.isfinite(number):
-            continue
-        if key in _RATES and np.isfinite(1.0 / number):
-            return key, 1.0 / number
-        if key in _PERIODS:
-            return key, number
-    return None
-
-
-def try_columns(part: FilePart) -> None:
-    """Read the first and the last block of every column, as a trial."""
-    for column in part.columns:
-        column.read(0, min(part.row_count, BLOCK_ROWS))
-        column.read(max(part.row_count - BLOCK_ROWS, 0), part.row_count)
+    if period_s is not None:
+        notes = (*notes, f"no column is the time: rows are {period_s:g} s apart, as the file states")
+    return FileTable(str(path), layout, part.columns, part.row_count, part.metadata, notes, period_s)
 
 
 def describe(part: FilePart) -> str:
@@ -194,10 +173,11 @@ def describe(part: FilePart) -> str:
 
 def has_clock(columns: Sequence[FileColumn]) -> bool:
     """Return whether a column is the time by its name and unit."""
-    return any(_is_time(column.header) for column in columns)
+    return any(is_clock(column.header) for column in columns)
 
 
-def _is_time(header: str) -> bool:
+def is_clock(header: str) -> bool:
+    """Return whether a header is that of the time, by its name and unit."""
     name, unit = split_header(header)
     named = name == "time_s" or any(column.name == "time_s" for column in columns_called(name))
     return named and (unit is None or measures(unit, "time_s"))

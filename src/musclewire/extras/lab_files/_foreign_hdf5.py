@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from musclewire.errors import RecordingError
 from musclewire.extras.lab_files._file_table import (
     FileColumn,
     FilePart,
@@ -18,16 +17,11 @@ from musclewire.extras.lab_files._file_table import (
     file_table,
     metadata_of,
     one_line,
-    try_columns,
 )
-from musclewire.extras.lab_files._hdf5_layout import check_readable, decoded, opened, rows_reader, text_attribute
-from musclewire.extras.lab_files._hdf5_trial import check_by_trial
-
-__all__ = ["read_hdf5_of_others"]
+from musclewire.extras.lab_files._hdf5_datasets import checked, decoded, numbers_of, opened, text_attribute
 
 _UNIT_NAMES = ("unit", "units", "unit_string", "engineeringunits", "uom")
 _NAMES = ("columns", "column_names", "names", "fields", "channels", "labels", "headers", "variables")
-MAX_DATASETS = 10_000
 MAX_COLUMNS = 10_000
 
 
@@ -36,24 +30,16 @@ def read_hdf5_of_others(path: Path, group: str | None = None) -> FileTable:
 
     Data sets of a group that have equal lengths are one table, each a column; so are the fields of a table of records,
     and the columns of a matrix. Only hard links within the file are followed. Raises RecordingError for data outside
-    the file, unknown filters, and an unclear choice.
+    the file and an unclear choice.
     """
-    check_by_trial(path, __name__)
     with opened(path) as file, damage_reported(path, "HDF5"):
         part = chosen_part(list(_parts(file, path)), group, path)
     return file_table(path, f"HDF5, group '{one_line(part.name)}'", part)
 
 
-def try_to_read(path: Path) -> None:
-    """Read names, attributes and the first block of every column, as a trial. Raises RecordingError as reading does."""
-    with opened(path) as file, damage_reported(path, "HDF5"):
-        for part in _parts(file, path):
-            try_columns(part)
-
-
 def _parts(file: Any, path: Path) -> Iterator[FilePart]:
     folders: dict[str, list[Any]] = {"/": []}
-    for dataset in _datasets(file, path):
+    for dataset in _datasets(file):
         folder = dataset.name.rpartition("/")[0] or "/"
         folders.setdefault(folder, []).append(dataset)
     for folder, datasets in folders.items():
@@ -64,29 +50,18 @@ def _parts(file: Any, path: Path) -> Iterator[FilePart]:
             yield FilePart(part.name, part.columns, part.row_count, metadata)
 
 
-def _datasets(file: Any, path: Path) -> Iterator[Any]:
-    """Yield every data set that a hard link reaches, each once."""
+def _datasets(file: Any) -> list[Any]:
+    """Return every data set that a hard link reaches, each once."""
     import h5py
 
     found: list[Any] = []
-
-    def visit(_: str, item: Any) -> bool | None:
-        if isinstance(item, h5py.Dataset):
-            found.append(item)
-        return True if len(found) > MAX_DATASETS else None
-
-    file.visititems(visit)
-    if len(found) > MAX_DATASETS:
-        raise RecordingError(f"{path}: has more than {MAX_DATASETS} data sets; export one table of them")
-    yield from found
+    file.visititems(lambda _, item: found.append(item) if isinstance(item, h5py.Dataset) else None)
+    return found
 
 
 def _scalar(dataset: Any, path: Path) -> object:
     # Text of variable length could point to anything large; a number cannot.
-    if dataset.dtype.kind not in "biuf":
-        return None
-    check_readable(dataset, path)
-    return np.asarray(dataset[()]).reshape(-1)[0]
+    return np.asarray(checked(dataset, path)[()]).reshape(-1)[0] if dataset.dtype.kind in "biuf" else None
 
 
 def _parts_of_folder(folder: str, datasets: list[Any], path: Path) -> Iterator[FilePart]:
@@ -105,26 +80,22 @@ def _parts_of_folder(folder: str, datasets: list[Any], path: Path) -> Iterator[F
 
 def _vector(dataset: Any, path: Path) -> FileColumn:
     axis = int(np.argmax(dataset.shape))
-
-    def pick(item: Any, start: int, stop: int) -> Any:
-        check_readable(item, path)
-        return item[tuple(slice(start, stop) if each == axis else 0 for each in range(item.ndim))]
-
     name = text_attribute(dataset, "long_name", "label") or dataset.name.rpartition("/")[2]
-    return FileColumn(name, text_attribute(dataset, *_UNIT_NAMES), rows_reader(path, dataset.name, pick))
+    index = (None if each == axis else 0 for each in range(dataset.ndim))
+    return FileColumn(name, text_attribute(dataset, *_UNIT_NAMES), numbers_of(path, dataset, *index))
 
 
 def _records(dataset: Any, path: Path) -> FilePart:
-    def column(field: str) -> FileColumn:
-        def pick(item: Any, start: int, stop: int) -> Any:
-            check_readable(item, path)
-            return item.fields(field)[start:stop]
-
-        unit = text_attribute(dataset, *(f"{field.lower()}_{name}" for name in _UNIT_NAMES))
-        return FileColumn(field, unit, rows_reader(path, dataset.name, pick))
-
     fields = [name for name in dataset.dtype.names if dataset.dtype[name].kind in "biuf"]
-    return FilePart(dataset.name, tuple(column(name) for name in fields[:MAX_COLUMNS]), dataset.shape[0])
+    columns = (
+        FileColumn(
+            field,
+            text_attribute(dataset, *(f"{field.lower()}_{name}" for name in _UNIT_NAMES)),
+            numbers_of(path, dataset, field=field),
+        )
+        for field in fields[:MAX_COLUMNS]
+    )
+    return FilePart(dataset.name, tuple(columns), dataset.shape[0])
 
 
 def _matrix(dataset: Any, path: Path) -> FilePart:
@@ -134,19 +105,15 @@ def _matrix(dataset: Any, path: Path) -> FilePart:
     rows, width = dataset.shape if rows_first else dataset.shape[::-1]
     units = _texts(dataset, _UNIT_NAMES)
     stem = dataset.name.rpartition("/")[2]
-    if width > MAX_COLUMNS:
-        return FilePart(dataset.name, (), 0)
-
-    def column(index: int) -> FileColumn:
-        def pick(item: Any, start: int, stop: int) -> Any:
-            check_readable(item, path)
-            return item[start:stop, index] if rows_first else item[index, start:stop]
-
-        name = names[index] if len(names) == width else f"{stem} {index + 1}"
-        unit = units[index] if len(units) == width else None
-        return FileColumn(name, unit, rows_reader(path, dataset.name, pick))
-
-    return FilePart(dataset.name, tuple(column(index) for index in range(width)), rows)
+    columns = (
+        FileColumn(
+            names[index] if len(names) == width else f"{stem} {index + 1}",
+            units[index] if len(units) == width else None,
+            numbers_of(path, dataset, *((None, index) if rows_first else (index, None))),
+        )
+        for index in range(min(width, MAX_COLUMNS))
+    )
+    return FilePart(dataset.name, tuple(columns), rows)
 
 
 def _names_of(dataset: Any) -> list[str]:

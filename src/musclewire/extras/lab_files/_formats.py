@@ -8,13 +8,10 @@ from pathlib import Path
 from musclewire.errors import RecordingError
 from musclewire.signals import SourceTable
 
-__all__ = ["LAB_SUFFIXES", "lab_file_reader"]
-
 LAB_SUFFIXES = (".tdms", ".lvm", ".mat", ".xlsx", ".parquet")
 
 _Reader = Callable[[Path, str | None], SourceTable]
 _TEXT = frozenset({".csv", ".tsv", ".txt", ".dat", ".asc"})
-_MATLAB73 = b"MATLAB 7.3"
 
 # Formats that are near one that is read, with what their program saves instead.
 _NEIGHBOURS = {
@@ -65,17 +62,11 @@ def _binary_reader(suffix: str) -> _Reader | None:
         from musclewire.extras.lab_files._parquet_table import read_parquet_table
 
         return read_parquet_table
-    return _read_matlab if suffix == ".mat" else None
+    if suffix == ".mat":
+        from musclewire.extras.lab_files._matlab import read_matlab_table
 
-
-def _read_matlab(path: Path, group: str | None) -> SourceTable:
-    """Read a MATLAB file by the version that it states in its first line."""
-    from musclewire.extras.lab_files._matlab5 import read_matlab5_table
-    from musclewire.extras.lab_files._matlab73 import read_matlab73_table
-
-    start = _start(path, 16)
-    read = read_matlab73_table if start.startswith((_MATLAB73, b"\x89HDF")) else read_matlab5_table
-    return read(path, group)
+        return read_matlab_table
+    return None
 
 
 def _is_labview_text(path: Path) -> bool:

@@ -15,10 +15,8 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.extras.lab_files._matlab_variables import METADATA_NAME
+from musclewire.extras.lab_files._matlab import METADATA_NAME
 from musclewire.signals import COLUMNS, MetadataValue
-
-__all__ = ["MATLAB_VERSIONS", "fill_matlab", "fill_matlab_5", "fill_matlab_73", "fill_of_version"]
 
 Columns = Mapping[str, FloatArray]
 Metadata = Mapping[str, MetadataValue]

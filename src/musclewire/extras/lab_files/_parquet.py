@@ -12,8 +12,6 @@ from musclewire.errors import MissingExtraError
 from musclewire.extras.lab_files._parquet_table import PARQUET_KEY
 from musclewire.signals import COLUMNS, MetadataValue
 
-__all__ = ["fill_parquet", "fill_parquet_blocks"]
-
 
 def fill_parquet(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
     """Write columns to ``path`` with our names, units as field metadata, and the metadata as JSON."""

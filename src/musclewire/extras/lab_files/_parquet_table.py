@@ -12,18 +12,13 @@ from typing import Any
 import numpy as np
 
 from musclewire.errors import MissingExtraError, RecordingError
-from musclewire.extras.lab_files._file_table import damage_reported, metadata_of, one_line
+from musclewire.extras.lab_files._file_table import check_limits, damage_reported, metadata_of, one_line
 from musclewire.signals import BLOCK_ROWS, Cells, MetadataValue, RowBlock, SourceColumn
-
-__all__ = ["PARQUET_KEY", "ParquetTable", "read_parquet_table"]
 
 # Our files keep the metadata under this key of the schema, as JSON.
 PARQUET_KEY = b"musclewire-recording"
 
 _UNIT_KEYS = ("unit", "units", "uom")
-# Equal numbers take almost no bytes in Parquet: a file of a kilobyte may state thousands of millions of rows.
-MAX_ROWS = 2**28
-MAX_ROWS_PER_BYTE = 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +28,6 @@ class ParquetTable:
     path: str
     columns: tuple[SourceColumn, ...]
     sources: tuple[int, ...]
-    starts: Mapping[int, np.datetime64]
     metadata: Mapping[str, MetadataValue]
     notes: tuple[str, ...] = ()
     layout: str = "Parquet"
@@ -42,24 +36,22 @@ class ParquetTable:
     def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, batch after batch; each call begins again."""
         row = 1
-        for batch in _batches(Path(self.path), sorted({self.sources[index] for index in indices})):
+        for batch in _batches(Path(self.path), [self.sources[index] for index in indices]):
             with damage_reported(self.path, "Parquet"):
-                order = {source: place for place, source in enumerate(sorted({self.sources[i] for i in indices}))}
-                values = tuple(self._cells(batch.column(order[self.sources[index]]), index) for index in indices)
+                values = tuple(self._cells(batch.column(place), index) for place, index in enumerate(indices))
             yield RowBlock(values, lambda number, first=row: f"row {first + number}")  # type: ignore[misc]
             row += batch.num_rows
 
     def _cells(self, column: Any, index: int) -> Cells:
-        """Return the cells of a batch: NaN or "" where one is null, times in seconds since the first."""
+        """Return the cells of a batch: NaN or "" where one is null, times as text in ISO 8601."""
         import pyarrow as pa
 
         kind = column.type
+        if pa.types.is_timestamp(kind) or pa.types.is_date(kind):
+            # Through a number, which leaves out the time zone: all times are in the same one.
+            column = column.cast(pa.timestamp("us"), safe=False).cast(pa.int64()).cast(pa.timestamp("us"))
         if self.columns[index].is_text:
             return [one_line(value) if value is not None else "" for value in column.cast(pa.string()).to_pylist()]
-        if pa.types.is_timestamp(kind) or pa.types.is_date(kind):
-            times = column.cast(pa.timestamp("ns"), safe=False).cast(pa.int64()).to_numpy(zero_copy_only=False)
-            first_ns = self.starts[index].astype("datetime64[ns]").astype(np.int64)
-            return np.asarray(times - first_ns, dtype=np.float64) * 1e-9
         if pa.types.is_duration(kind):
             column = column.cast(pa.duration("ns"), safe=False).cast(pa.int64())
             return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64) * 1e-9
@@ -77,18 +69,13 @@ def read_parquet_table(path: Path, group: str | None = None) -> ParquetTable:
         raise RecordingError(f"{path}: a Parquet file holds one table; leave --group out")
     with damage_reported(path, "Parquet"), _parquet_file(path) as file:
         schema, rows = file.schema_arrow, file.metadata.num_rows
-        if rows > min(MAX_ROWS, MAX_ROWS_PER_BYTE * path.stat().st_size):
-            size = path.stat().st_size
-            raise RecordingError(f"{path}: states {rows} rows in {size} bytes; it is damaged, use another copy")
+        check_limits(path, cells=rows * len(schema))
         metadata = _metadata(schema.metadata or {}, path)
         found = [(index, column) for index, each in enumerate(schema) if (column := _column(each)) is not None]
         left_out = [one_line(each.name) for each in schema if _column(each) is None]
-    starts = _starts(path, [(place, index) for place, (index, _) in enumerate(found)], schema)
-    for first in starts.values():
-        metadata.setdefault("start_time", str(first.astype("datetime64[ms]")))
     columns = tuple(column for _, column in found)
     notes = tuple(f"column '{name}' was left out: it holds neither numbers nor text" for name in left_out)
-    return ParquetTable(str(path), columns, tuple(index for index, _ in found), starts, metadata, notes)
+    return ParquetTable(str(path), columns, tuple(index for index, _ in found), metadata, notes)
 
 
 def _parquet_file(path: Path) -> Any:
@@ -119,8 +106,10 @@ def _column(field: Any) -> SourceColumn | None:
     kind, types = field.type, pa.types
     kind = kind.value_type if types.is_dictionary(kind) else kind
     name = one_line(field.name) or "unnamed"
-    if types.is_timestamp(kind) or types.is_date(kind) or types.is_duration(kind):
+    if types.is_duration(kind):
         return SourceColumn(name, "s")
+    if types.is_timestamp(kind) or types.is_date(kind):
+        return SourceColumn(name, is_text=True)
     if types.is_string(kind) or types.is_large_string(kind) or types.is_string_view(kind):
         return SourceColumn(name, is_text=True)
     if types.is_integer(kind) or types.is_floating(kind) or types.is_decimal(kind) or types.is_boolean(kind):
@@ -131,25 +120,6 @@ def _column(field: Any) -> SourceColumn | None:
 def _unit(metadata: Mapping[bytes, bytes]) -> str | None:
     texts = {key.decode("utf-8", "replace").lower(): value for key, value in metadata.items()}
     return next((texts[key].decode("utf-8", "replace") for key in _UNIT_KEYS if key in texts), None)
-
-
-def _starts(path: Path, places: Sequence[tuple[int, int]], schema: Any) -> dict[int, np.datetime64]:
-    """Return the first time of each column of times, by its place in the table."""
-    import pyarrow as pa
-
-    times = [(place, source) for place, source in places if pa.types.is_temporal(schema.field(source).type)]
-    times = [(place, source) for place, source in times if not pa.types.is_duration(schema.field(source).type)]
-    if not times:
-        return {}
-    batch = next(_batches(path, [source for _, source in times]), None)
-    starts: dict[int, np.datetime64[Any]] = {}
-    for number, (place, _) in enumerate(times):
-        column = None if batch is None else batch.column(number).drop_null()
-        first = 0
-        if column is not None and len(column):
-            first = column.cast(pa.timestamp("ns"), safe=False).cast(pa.int64())[0].as_py()
-        starts[place] = np.datetime64(first, "ns")
-    return starts
 
 
 def _metadata(schema_metadata: Mapping[bytes, bytes], path: Path) -> dict[str, MetadataValue]:

@@ -17,6 +17,7 @@ from musclewire.extras.lab_files._file_table import (
     FileColumn,
     FilePart,
     FileTable,
+    check_limits,
     chosen_part,
     clock_column,
     damage_reported,
@@ -28,13 +29,8 @@ from musclewire.extras.lab_files._file_table import (
 )
 from musclewire.signals import MetadataValue
 
-__all__ = ["read_tdms_table"]
-
 # Properties that describe how LabVIEW keeps or draws a channel, not what was measured.
 _TECHNICAL = ("NI_", "wf_", "unit_string", "ResultStatusTable")
-
-# More scales than this no channel has; nptdms would loop over any number that a damaged file states.
-MAX_SCALES = 100
 
 
 def read_tdms_table(path: Path, group: str | None = None) -> FileTable:
@@ -47,30 +43,12 @@ def read_tdms_table(path: Path, group: str | None = None) -> FileTable:
     """
     file = _opened(path)
     with damage_reported(path, "TDMS"):
-        _check_lengths(file, path)
+        channels = [channel for item in file.groups() for channel in item.channels()]
+        check_limits(path, cells=sum(map(len, channels)))
         parts = [part for item in file.groups() for part in _parts_of_group(item, file)]
         part = chosen_part(parts, group, path)
         end = ", cut off" if file.file_status.incomplete_final_segment else ""
         return file_table(path, f"LabVIEW TDMS, group '{one_line(part.name)}'{end}", part)
-
-
-def _check_lengths(file: Any, path: Path) -> None:
-    """Raise RecordingError for channels that state more values than the file can hold, or scales without end."""
-    size = path.stat().st_size
-    stated = {each.path: len(each) for group in file.groups() for each in group.channels()}
-    for name, status in (file.file_status.channel_statuses or {}).items():
-        stated[name] = max(stated.get(name, 0), status.expected_length)
-    for name, length in stated.items():
-        # Eight digital lines may share a byte.
-        if length > 8 * size:
-            what = f"channel {one_line(name)} states {length} values, more than the file can hold"
-            raise RecordingError(f"{path}: {what}; use another copy")
-    for group in file.groups():
-        for channel in group.channels():
-            if _number(channel.properties.get("NI_Number_Of_Scales")) > MAX_SCALES:
-                raise RecordingError(
-                    f"{path}: channel {one_line(channel.path)} states too many scales; use another copy"
-                )
 
 
 def _opened(path: Path) -> Any:

@@ -7,8 +7,6 @@ from musclewire.extras.lab_files._matlab_export import fill_of_version
 from musclewire.extras.lab_files._parquet import fill_parquet, fill_parquet_blocks
 from musclewire.signals import FileWriter
 
-__all__ = ["EXCEL", "MATLAB", "PARQUET"]
-
 MATLAB = FileWriter(fill_of_version)
 EXCEL = FileWriter(lambda _version: fill_excel)
 PARQUET = FileWriter(lambda _version: fill_parquet, fill_parquet_blocks)

@@ -1,8 +1,10 @@
 """The list of names that other rooms may use."""
 
 from ._client import LiveClient as LiveClient
-from ._server.api_pages import markdown_page as markdown_page
-from ._server.application import Limits as Limits
+from ._messages import Command as Command
+from ._messages import Reference as Reference
+from ._server.application import LIVE as LIVE
 from ._server.application import make_app as make_app
-from ._server.documents import openapi_document as openapi_document
 from ._server.session import Session as Session
+from ._server.socket_messages import FromPage as FromPage
+from ._server.socket_messages import ToPage as ToPage

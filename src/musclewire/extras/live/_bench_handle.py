@@ -16,8 +16,6 @@ from musclewire.errors import RigError
 from musclewire.extras.live._messages import Answer, Command
 from musclewire.extras.live._ring import RingRows, RowRing, create_ring
 
-__all__ = ["BenchHandle", "BenchSettings"]
-
 # A command is answered with its first sample: after compiling, and after the slowest of samples.
 MAX_ANSWER_S = 60.0
 # How long a process may take to switch off before it is ended, and then killed.

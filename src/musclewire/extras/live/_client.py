@@ -20,8 +20,6 @@ try:
 except ImportError:
     raise MissingExtraError("LiveClient", "live") from None
 
-__all__ = ["LiveClient"]
-
 # A lease ends without a sign of life for 0.6 s: four fit into that.
 SIGN_OF_LIFE_S = 0.15
 POLL_S = 0.05

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, field_validator
 
 from musclewire.errors import CallerError
-
-__all__ = ["COMMANDS", "NEEDS_NO_CONTROL", "Answer", "Command", "Reference", "read_command"]
 
 # A drawn path has this many points at most, and a text this many characters: nothing a page sends may grow without end.
 MAX_POINTS, MAX_TEXT = 10_000, 100
@@ -131,6 +130,16 @@ class Control(Record):
     controller: Name | None = None
     estimator: Name | None = None
     settings: Annotated[dict[str, Any], Field(max_length=50)] | None = None
+
+    @field_validator("settings")
+    @classmethod
+    def finite(cls, settings: dict[str, Any] | None) -> dict[str, Any] | None:
+        """Refuse numbers that are not finite, however deep they are."""
+        try:
+            json.dumps(settings, allow_nan=False)
+        except RecursionError:
+            raise ValueError("'settings' is nested too deeply: send it flatter") from None
+        return settings
 
 
 class SetTarget(Record):

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from musclewire.app import option
 
-__all__ = ["HOST", "OPEN", "PORT", "TOKEN_FILE"]
-
 HOST = option("--host", help="Name or address to listen at; any but loopback needs a token.")
 PORT = option("--port", help="Port to listen at; if it is taken, the next that is free.", min=1, max=65535)
 TOKEN_FILE = option(

@@ -17,8 +17,6 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 
-__all__ = ["MAX_COLUMNS", "RowRing", "RingRows", "create_ring"]
-
 MAX_COLUMNS = 48
 # At 1 kHz sixteen seconds, at the paper's 20 Hz a quarter of an hour.
 SLOTS = 16_384

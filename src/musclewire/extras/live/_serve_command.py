@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from musclewire.extras.live._bench_handle import BenchHandle
     from musclewire.extras.live._server.running import RunningServer, ServerSettings
 
-__all__ = ["serve"]
-
 Rigs = Annotated[
     list[str] | None,
     typer.Argument(

@@ -7,8 +7,6 @@ from importlib.resources import files
 
 from musclewire.errors import CallerError
 
-__all__ = ["known_failures", "parsed_known_failures"]
-
 FILE = "known_failures.toml"
 
 

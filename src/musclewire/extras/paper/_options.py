@@ -4,7 +4,5 @@ from __future__ import annotations
 
 from musclewire.app import option
 
-__all__ = ["FIRST_SEED", "SEEDS"]
-
 SEEDS = option("--seeds", help="Number of seeds over which medians are taken.", min=1)
 FIRST_SEED = option("--first-seed", help="First of the seeds; the others follow it one by one.", min=0)

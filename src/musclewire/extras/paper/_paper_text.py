@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from musclewire.extras.paper._reproduce import Reproduction
 
-__all__ = ["print_rows", "print_summary"]
-
 TABLE_WIDTH = 150
 
 

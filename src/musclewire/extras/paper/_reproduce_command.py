@@ -31,8 +31,6 @@ from musclewire.extras.paper._paper_text import print_rows, print_summary
 if TYPE_CHECKING:
     from musclewire.extras.paper._reproduce import Reproduction, ReproductionRow
 
-__all__ = ["reproduce"]
-
 
 @dataclass(frozen=True)
 class SeedOptions:

@@ -20,8 +20,6 @@ from musclewire.rigs import VariedWire
 from musclewire.sensing import find_segments, hysteresis_gap
 from musclewire.signals import Recording, measured_in
 
-__all__ = ["CHARACTERIZE", "CharacterizeOptions", "swing"]
-
 NUMBERS = {
     "strain_gap": Quantity("1", "gap of strain between heating and cooling (Eq. 2)"),
     "force_gap": Quantity("1", "gap of force, NaN if it does not rise with the contraction"),

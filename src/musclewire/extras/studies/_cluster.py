@@ -14,8 +14,6 @@ from typing import Any
 from musclewire.errors import CallerError, MissingExtraError, NumericsError
 from musclewire.extras.studies._evaluation import Chunk, ChunkResult, StudyTask, evaluate_chunk
 
-__all__ = ["evaluate_on_cluster"]
-
 # Chunks on the cluster for each of its threads: one is computed, the next waits there.
 CHUNKS_PER_THREAD = 2
 # While a cluster has no worker, as many chunks wait.

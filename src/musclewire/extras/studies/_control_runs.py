@@ -18,8 +18,6 @@ from musclewire.rigs import GuardedRig, uncompiled
 from musclewire.sensing import DEFAULT_ESTIMATOR, SensingModel, load_model
 from musclewire.signals import measured_in
 
-__all__ = ["CONTROL", "ControlOptions"]
-
 NUMBERS = {
     "mae_max_pct": Quantity(
         "1",

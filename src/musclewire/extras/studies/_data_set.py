@@ -17,8 +17,6 @@ from musclewire.signals import write_whole
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["data_set_of", "on_grid", "read_columns", "read_study_data", "require_extra", "write_data"]
-
 # Key of the file's own metadata, as JSON: what the study was, with units and meanings.
 KEY = b"musclewire-study"
 ERROR = "error"
@@ -35,7 +33,13 @@ def require_extra(what: str, *packages: str) -> None:
         raise MissingExtraError(what, EXTRA)
 
 
-def write_data(path: Path, plan: Plan, columns: Mapping[str, FloatArray], errors: Sequence[str]) -> None:
+def write_data(
+    path: Path,
+    plan: Plan,
+    columns: Mapping[str, FloatArray],
+    errors: Sequence[str],
+    texts: Mapping[str, Sequence[str]],
+) -> None:
     """Write all runs as one Parquet file, whole or not at all: a row for each run, a list in a row for a series.
 
     Parameters
@@ -48,6 +52,8 @@ def write_data(path: Path, plan: Plan, columns: Mapping[str, FloatArray], errors
         The kept quantities over the runs.
     errors
         The message of each run's error, "" for one that went well.
+    texts
+        The kept quantities that are texts.
 
     Raises
     ------
@@ -67,6 +73,7 @@ def write_data(path: Path, plan: Plan, columns: Mapping[str, FloatArray], errors
         else:
             flat = pa.array(np.ascontiguousarray(values).ravel())
             named[quantity_name(name, plan)] = pa.FixedSizeListArray.from_arrays(flat, values.shape[1])
+    named |= {quantity_name(name, plan): pa.array(list(found)) for name, found in texts.items()}
     named[ERROR] = pa.array(list(errors))
     table = pa.table(named).replace_schema_metadata({KEY: json.dumps(description(plan)).encode()})
     # One writer, no time of day: the same study gives the same bytes.
@@ -93,15 +100,19 @@ def description(plan: Plan) -> dict[str, Any]:
         "samples": len(design.samples),
         "parameters": design.units,
         "quantities": {
-            quantity_name(name, plan): {"unit": item.unit, "meaning": item.meaning} for name, item in plan.keep.items()
+            quantity_name(name, plan): {"unit": item.unit, "meaning": item.meaning, "text": item.is_text}
+            for name, item in plan.keep.items()
         },
     }
 
 
-def data_set_of(plan: Plan, columns: Mapping[str, FloatArray], errors: Sequence[str]) -> xr.Dataset:
+def data_set_of(
+    plan: Plan, columns: Mapping[str, FloatArray], errors: Sequence[str], texts: Mapping[str, Sequence[str]]
+) -> xr.Dataset:
     """Return all runs as xarray, as ``read_study_data`` returns them from the file."""
     values = {name: plan.design.column(name) for name in plan.design.names}
-    quantities = {quantity_name(name, plan): column for name, column in columns.items()}
+    found: dict[str, Any] = {**columns, **{name: np.array(column, dtype=str) for name, column in texts.items()}}
+    quantities = {quantity_name(name, plan): found[name] for name in plan.keep}
     return built(description(plan), values, quantities, list(errors))
 
 
@@ -128,15 +139,23 @@ def read_study_data(path: str | Path) -> xr.Dataset:
     require_extra("a study's data set", "xarray")
     table, known = read_table(Path(path) / DATA if Path(path).is_dir() else Path(path))
     values = {name: table.column(name).to_numpy() for name in known["parameters"]}
-    quantities = {name: numbers(table.column(name)) for name in known["quantities"]}
+    quantities = {
+        name: np.array(table.column(name).to_pylist(), dtype=str) if item.get("text") else numbers(table.column(name))
+        for name, item in known["quantities"].items()
+    }
     return built(known, values, quantities, table.column(ERROR).to_pylist())
 
 
-def read_columns(file: Path) -> tuple[dict[str, FloatArray], tuple[str, ...]]:
-    """Return the quantities over the runs, by their names in the study, and the message of each run's error."""
+def read_columns(file: Path) -> tuple[dict[str, FloatArray], tuple[str, ...], dict[str, tuple[str, ...]]]:
+    """Return the quantities over the runs, by their names in the study, each run's error, and texts over the runs."""
     table, known = read_table(file)
-    columns = {name.removesuffix(RESULT): numbers(table.column(name)) for name in known["quantities"]}
-    return columns, tuple(table.column(ERROR).to_pylist())
+    columns, texts = {}, {}
+    for name, item in known["quantities"].items():
+        if item.get("text"):
+            texts[name.removesuffix(RESULT)] = tuple(table.column(name).to_pylist())
+        else:
+            columns[name.removesuffix(RESULT)] = numbers(table.column(name))
+    return columns, tuple(table.column(ERROR).to_pylist()), texts
 
 
 def read_table(file: Path) -> tuple[Any, dict[str, Any]]:
@@ -166,7 +185,7 @@ def numbers(column: Any) -> FloatArray:
 
 
 def built(
-    known: Mapping[str, Any], values: Mapping[str, Any], quantities: Mapping[str, FloatArray], errors: list[str]
+    known: Mapping[str, Any], values: Mapping[str, Any], quantities: Mapping[str, Any], errors: list[str]
 ) -> xr.Dataset:
     """Return a data set from its parts."""
     require_extra("a study's data set", "xarray")

@@ -13,8 +13,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.extras.studies._varied_parameters import GridAxis, SampledParameter, Value
 
-__all__ = ["METHODS", "StudyDesign", "design_of", "run_seed"]
-
 # How the unit cube of the sampled parameters is filled.
 METHODS = ("random", "latin-hypercube", "sobol", "halton", "saltelli")
 MAX_RUNS = 10_000_000

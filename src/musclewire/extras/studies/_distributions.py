@@ -10,8 +10,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, nearest_hint
 
-__all__ = ["quantile_function"]
-
 
 class DistributionFamily(NamedTuple):
     """A usual distribution: the keys that it needs, those that it may have, and how scipy.stats makes it."""

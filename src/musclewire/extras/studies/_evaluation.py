@@ -18,11 +18,10 @@ from musclewire.extras.studies._run_kind import (
     StudyRuns,
     column_of,
     each,
+    texts_of,
 )
 from musclewire.parameters import validated
 from musclewire.rigs import RigConfiguration, Value, VariedRig
-
-__all__ = ["Chunk", "ChunkResult", "StudyTask", "evaluate_chunk", "task_of"]
 
 
 @dataclass(frozen=True)
@@ -82,11 +81,14 @@ class ChunkResult(NamedTuple):
         Each kept quantity, (n_runs,), or (n_runs, n_samples) for a series; NaN for runs that failed.
     errors
         The message of each run's error, "" for a run that went well.
+    texts
+        Each kept quantity that is a text.
     """
 
     first: int
     columns: Mapping[str, FloatArray]
     errors: tuple[str, ...]
+    texts: Mapping[str, tuple[str, ...]]
 
     @property
     def stop(self) -> int:
@@ -134,9 +136,10 @@ def evaluate_chunk(task: StudyTask, chunk: Chunk) -> ChunkResult:
     possible = [run for run in runs if not isinstance(run, MusclewireError)]
     found = iter(task.kind.evaluate(StudyRuns(rig, possible, frozenset(task.keep))))
     outcomes: list[Outcome] = [run if isinstance(run, MusclewireError) else next(found) for run in runs]
-    columns = {name: column_of(name, quantity, outcomes) for name, quantity in task.keep.items()}
+    columns = {name: column_of(name, item, outcomes) for name, item in task.keep.items() if not item.is_text}
+    texts = {name: texts_of(name, outcomes) for name, item in task.keep.items() if item.is_text}
     errors = tuple(message(one) if isinstance(one, MusclewireError) else "" for one in outcomes)
-    return ChunkResult(chunk.first, columns, errors)
+    return ChunkResult(chunk.first, columns, errors, texts)
 
 
 def run_of(task: StudyTask, number: int, values: Sequence[Value]) -> StudyRun[Any]:

@@ -20,12 +20,10 @@ from musclewire.extras.studies._evaluation import Chunk, ChunkResult
 from musclewire.extras.studies._plan import Plan, engine
 from musclewire.signals import write_text_whole, write_whole
 
-__all__ = ["Chunks", "StudyFolder", "unfinished"]
-
 STUDY, CHUNKS, DATA = "study.json", "chunks", "data.parquet"
 PAGE, TABLE = "report.html", "sensitivity.csv"
 # Names in a chunk's file: a quantity must not have that of an argument of NumPy.
-ERRORS, OF_QUANTITY = "errors", "quantity "
+ERRORS, OF_QUANTITY, OF_TEXT = "errors", "quantity ", "text "
 
 
 class StudyFolder:
@@ -112,7 +110,8 @@ class StudyFolder:
     def write(self, result: ChunkResult) -> None:
         """Write a finished chunk; it is on the disk when this returns. Raises CallerError if that fails."""
         named = {f"{OF_QUANTITY}{name}": column for name, column in result.columns.items()}
-        columns: Any = {**named, ERRORS: np.array(result.errors)}
+        texts = {f"{OF_TEXT}{name}": np.array(found) for name, found in result.texts.items()}
+        columns: Any = {**named, **texts, ERRORS: np.array(result.errors)}
         (self.path / CHUNKS).mkdir(exist_ok=True)
 
         def write(part: Path) -> None:
@@ -152,8 +151,16 @@ def read_chunk(file: Path, first: int) -> ChunkResult:
     """Return a finished chunk."""
     try:
         with file.open("rb") as opened, np.load(opened, allow_pickle=False) as stored:
-            columns = {name.removeprefix(OF_QUANTITY): stored[name] for name in stored.files if name != ERRORS}
-            return ChunkResult(first, columns, tuple(str(text) for text in stored[ERRORS]))
+            columns, texts = (
+                {name.removeprefix(kind): stored[name] for name in stored.files if name.startswith(kind)}
+                for kind in (OF_QUANTITY, OF_TEXT)
+            )
+            return ChunkResult(
+                first,
+                columns,
+                tuple(stored[ERRORS].tolist()),
+                {name: tuple(found.tolist()) for name, found in texts.items()},
+            )
     except (OSError, EOFError, ValueError, KeyError, BadZipFile) as problem:
         raise CallerError(f"{file} cannot be read ({problem}): delete it, and its runs are repeated") from None
 

@@ -15,8 +15,6 @@ from musclewire.arrays import FloatArray
 from musclewire.rigs import VariedWire, drive_varied
 from musclewire.signals import Recording
 
-__all__ = ["IdealRun", "Readings", "ideal_run"]
-
 # Whether a wire is read without errors, or through the rig's instruments and protection.
 Readings = Literal["ideal", "rig"]
 

@@ -1,20 +1,12 @@
-"""Options of the commands that run studies."""
+"""Options of the commands that run studies, and what they say when they are interrupted."""
 
 from __future__ import annotations
 
-from musclewire.app import option
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
-__all__ = [
-    "CONDITION",
-    "CONTROLLERS",
-    "ESTIMATORS",
-    "PLAN",
-    "RETRIES",
-    "RUNS_PER_CHUNK",
-    "SCHEDULER",
-    "TRACK",
-    "TUNING",
-]
+from musclewire.app import StoppedCommand, option
 
 SCHEDULER = option(
     "--scheduler", help="A Dask cluster's address, as 'tcp://host:8786'; by default this machine's cores."
@@ -31,3 +23,13 @@ ESTIMATORS = option("--estimators", help="An estimator to compare, by name. Repe
 CONTROLLERS = option(
     "--controllers", help="A controller to compare, by name; 'none' for no closed loops. Repeatable.", metavar="NAME"
 )
+
+
+@contextmanager
+def resumable(folder: Path) -> Iterator[None]:
+    """Say to whoever interrupts a study how to continue it."""
+    try:
+        yield
+    except SystemExit as stop:
+        code = stop.code if isinstance(stop.code, int) else 1
+        raise StoppedCommand(code, f"finished runs are kept in {folder}, and the same command continues") from None

@@ -25,8 +25,6 @@ from musclewire.extras.studies._varied_parameters import GridAxis, SampledParame
 from musclewire.parameters import is_wire_file, validated
 from musclewire.rigs import RigConfiguration, VariedKey, VariedRig, key_unit, simulated_configuration
 
-__all__ = ["Plan", "engine", "plan_of"]
-
 RUN = "run."
 
 
@@ -219,7 +217,7 @@ def kept(file: StudyFile, quantities: Mapping[str, Quantity], where: str) -> dic
     """Return the quantities that a study keeps; by default every one that is a number."""
     given = file.run.get("keep")
     if given is None:
-        return {name: item for name, item in quantities.items() if not item.is_series}
+        return {name: item for name, item in quantities.items() if not item.is_series and not item.is_text}
     if not isinstance(given, list) or not given or not all(isinstance(name, str) for name in given):
         raise CallerError(f"{where}: run.keep must be a list of quantities; known: {', '.join(quantities)}")
     for name in given:

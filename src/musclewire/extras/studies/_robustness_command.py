@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json as json_text
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -19,21 +17,18 @@ from musclewire.app import (
     WORKERS,
     FigureOptions,
     Json,
-    StoppedCommand,
     emit_json,
     run_bar,
     show,
     stop_if_asked,
     stops_between_samples,
 )
-from musclewire.extras.studies._options import CONDITION, CONTROLLERS, ESTIMATORS, TRACK, TUNING
+from musclewire.extras.studies._options import CONDITION, CONTROLLERS, ESTIMATORS, TRACK, TUNING, resumable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from musclewire.extras.studies._robustness import Robustness, Selection
-
-__all__ = ["robustness"]
 
 
 @dataclass(frozen=True)
@@ -102,16 +97,6 @@ def robustness(
         show(f"{result.wall_s:.0f} s; open {page}")
     if result.missed:
         raise typer.Exit(1)
-
-
-@contextmanager
-def resumable(folder: Path) -> Iterator[None]:
-    """Say to whoever interrupts a benchmark how to continue it."""
-    try:
-        yield
-    except SystemExit as stop:
-        code = stop.code if isinstance(stop.code, int) else 1
-        raise StoppedCommand(code, f"finished runs are kept in {folder}, and the same command continues") from None
 
 
 def drawn(result: Robustness, *, style: str) -> Figure:

@@ -15,10 +15,8 @@ from musclewire.extras.studies._design import run_seed
 from musclewire.registry import Registry
 from musclewire.rigs import GuardedRig, Value, VariedRig, VariedWire
 
-__all__ = ["RUN_KINDS", "KindOptions", "Outcome", "Quantity", "StudyRun", "RunKind", "StudyRuns", "column_of", "each"]
-
-# The result of a run: a number, or an array of numbers for a series, by quantity; or the error that ended it.
-Outcome = Mapping[str, float | FloatArray] | MusclewireError
+# The result of a run: a number, an array of numbers for a series, or a text, by quantity; or the error that ended it.
+Outcome = Mapping[str, float | FloatArray | str] | MusclewireError
 
 
 class KindOptions(BaseModel):
@@ -38,11 +36,14 @@ class Quantity(NamedTuple):
         What it is, in a few words.
     is_series
         Whether it has a value for every sample of the run, instead of one for the run.
+    is_text
+        Whether it is a text and no number; such a quantity is kept only if the study names it.
     """
 
     unit: str
     meaning: str
     is_series: bool = False
+    is_text: bool = False
 
 
 Options = TypeVar("Options", bound=KindOptions)
@@ -144,6 +145,7 @@ RUN_KINDS: Registry[RunKind[Any]] = Registry(
         "characterize": "musclewire.extras.studies._characterize_runs:CHARACTERIZE",
         "simulate": "musclewire.extras.studies._simulate_runs:SIMULATE",
         "control": "musclewire.extras.studies._control_runs:CONTROL",
+        "robustness": "musclewire.extras.studies._robustness.kind:ROBUSTNESS",
     },
 )
 
@@ -178,19 +180,27 @@ def each(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Resu
 
 
 def column_of(name: str, quantity: Quantity, outcomes: Sequence[Outcome]) -> FloatArray:
-    """Return a quantity over some runs, NaN for runs that failed: (n_runs,), or (n_runs, n_samples) for a series.
+    """Return a quantity over some runs, NaN for runs that failed: (n_runs,), or (n_runs, n_samples) for a series."""
+    values = values_of(name, outcomes)
+    if not quantity.is_series:
+        return np.array([np.nan if value is None else float(value) for value in values])
+    rows = [np.empty(0) if value is None else np.asarray(value) for value in values]
+    found = np.full((len(rows), max((row.size for row in rows), default=0)), np.nan)
+    for row, samples in zip(found, rows, strict=True):
+        row[: samples.size] = samples
+    return found
 
-    Raises CallerError for a kind of run that has not computed it.
-    """
+
+def texts_of(name: str, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
+    """Return a quantity that is a text over some runs, "" for runs that failed."""
+    return tuple("" if value is None else str(value) for value in values_of(name, outcomes))
+
+
+def values_of(name: str, outcomes: Sequence[Outcome]) -> list[Any]:
+    """Return a quantity of each run, None of one that failed. Raises CallerError if the kind has not computed it."""
     for outcome in outcomes:
         if not isinstance(outcome, MusclewireError) and name not in outcome:
             raise CallerError(
                 f"the kind of run has computed no '{name}', which is among its quantities: let it return that, too"
             )
-    if not quantity.is_series:
-        return np.array([np.nan if isinstance(one, MusclewireError) else float(one[name]) for one in outcomes])
-    rows = [np.empty(0) if isinstance(one, MusclewireError) else np.asarray(one[name]) for one in outcomes]
-    found = np.full((len(rows), max((row.size for row in rows), default=0)), np.nan)
-    for row, values in zip(found, rows, strict=True):
-        row[: values.size] = values
-    return found
+    return [None if isinstance(one, MusclewireError) else one[name] for one in outcomes]

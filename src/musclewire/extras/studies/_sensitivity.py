@@ -22,8 +22,6 @@ from musclewire.arrays import FloatArray
 from musclewire.extras.studies._data_set import require_extra
 from musclewire.extras.studies._design import StudyDesign
 
-__all__ = ["Sensitivity", "sensitivity_of", "sensitivity_text"]
-
 # Fewer runs estimate no index.
 MIN_RUNS = 64
 # A quantity that varies by less than this fraction of itself does not depend on anything.

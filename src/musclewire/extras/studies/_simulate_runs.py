@@ -18,8 +18,6 @@ from musclewire.identify import required_quantity, resistance_reading
 from musclewire.rigs import VariedWire
 from musclewire.signals import Recording, measured_in
 
-__all__ = ["SIMULATE", "SimulateOptions"]
-
 # A wire counts as contracted at this fraction of its largest contraction, and as relaxed at the rest of it.
 CONTRACTED, RELAXED = 0.9, 0.1
 NUMBERS = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +12,9 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.experiment import cores
-from musclewire.extras.studies._evaluation import Chunk, ChunkResult, task_of
+from musclewire.experiment import cores, evaluate_in_processes
+from musclewire.extras.studies._evaluation import Chunk, ChunkResult, evaluate_chunk, task_of
 from musclewire.extras.studies._folder import StudyFolder, unfinished
-from musclewire.extras.studies._local_workers import evaluate_here, evaluate_locally
 from musclewire.extras.studies._plan import Plan, plan_of
 from musclewire.extras.studies._study_file import study_file
 from musclewire.parameters import read_toml
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from musclewire.extras.studies._sensitivity import Sensitivity
-
-__all__ = ["OnProgress", "StudyResult", "Workers", "read_study", "sweep"]
 
 # Called with the number of runs that are finished, and of all.
 OnProgress = Callable[[int, int], None]
@@ -67,12 +65,15 @@ class StudyResult:
         The message of each run's error, "" for a run that went well, (n_runs,).
     evaluated
         Runs that were evaluated now; all others were finished before.
+    texts
+        Each kept quantity that is a text, over the runs.
     """
 
     plan: Plan = field(repr=False)
     columns: Mapping[str, FloatArray] = field(repr=False)
     errors: tuple[str, ...] = field(repr=False)
     evaluated: int = 0
+    texts: Mapping[str, tuple[str, ...]] = field(default_factory=dict, repr=False)
 
     @property
     def failed(self) -> int:
@@ -101,7 +102,7 @@ class StudyResult:
         """Return parameters and quantities as an xarray data set over the runs. Needs the extra ``sweep``."""
         from musclewire.extras.studies._data_set import data_set_of
 
-        return data_set_of(self.plan, self.columns, self.errors)
+        return data_set_of(self.plan, self.columns, self.errors, self.texts)
 
     def sensitivity(self) -> list[Sensitivity]:
         """Return how much each quantity depends on each parameter. Needs the extra ``sweep``."""
@@ -192,7 +193,8 @@ def sweep(
     if store is not None and store.data.exists():  # it has been written, and its chunks were deleted
         from musclewire.extras.studies._data_set import read_columns
 
-        return StudyResult(plan, *read_columns(store.data))
+        columns, errors, texts = read_columns(store.data)
+        return StudyResult(plan, columns, errors, texts=texts)
     kept = FinishedChunks(plan, store)
     chunks = unfinished(
         plan, kept.finished, positive(chosen.runs_per_chunk, "runs_per_chunk") or plan.kind.runs_per_chunk
@@ -206,8 +208,8 @@ def sweep(
         say(kept.runs, len(plan.design))
 
     evaluate(plan, chunks, on_result, chosen, look)
-    columns, errors = kept.all()
-    return StudyResult(plan, columns, errors, evaluated=len(plan.design) - before)
+    columns, errors, texts = kept.all()
+    return StudyResult(plan, columns, errors, evaluated=len(plan.design) - before, texts=texts)
 
 
 def evaluate(
@@ -226,10 +228,16 @@ def evaluate(
         from musclewire.extras.studies._cluster import evaluate_on_cluster
 
         evaluate_on_cluster(task, chunks, on_result, scheduler=workers.scheduler, retries=workers.retries, look=look)
-    elif min(processes, len(chunks)) == 1:
-        evaluate_here(task, chunks, on_result, look=look)
     else:
-        evaluate_locally(task, chunks, on_result, workers=processes, retries=workers.retries, look=look)
+        evaluate_in_processes(
+            partial(evaluate_chunk, task),
+            chunks,
+            lambda _, result: on_result(result),
+            workers=processes,
+            named=lambda chunk: f"the runs {chunk.first} to {chunk.stop - 1}",
+            retries=workers.retries,
+            look=look,
+        )
 
 
 def positive(number: int | None, name: str) -> int | None:
@@ -257,18 +265,20 @@ class FinishedChunks:
             self._folder.write(result)
         self.runs += len(result.errors)
 
-    def all(self) -> tuple[dict[str, FloatArray], tuple[str, ...]]:
-        """Return all quantities over all runs, and all errors, in the order of the runs."""
+    def all(self) -> tuple[dict[str, FloatArray], tuple[str, ...], dict[str, tuple[str, ...]]]:
+        """Return all quantities over all runs, all errors and all texts, in the order of the runs."""
         results = (
             sorted(self._results, key=lambda one: one.first) if self._folder is None else list(self._folder.read())
         )
-        columns = {name: joined([one.columns[name] for one in results]) for name in self._plan.keep}
-        return columns, tuple(text for one in results for text in one.errors)
-
-
-def first_of(result: ChunkResult) -> int:
-    """Return the number of a chunk's first run."""
-    return result.first
+        numbers = [name for name, item in self._plan.keep.items() if not item.is_text]
+        columns = {name: joined([one.columns[name] for one in results]) for name in numbers}
+        errors = tuple(text for one in results for text in one.errors)
+        texts = {
+            name: tuple(text for one in results for text in one.texts[name])
+            for name in self._plan.keep
+            if name not in numbers
+        }
+        return columns, errors, texts
 
 
 def joined(parts: list[FloatArray]) -> FloatArray:

@@ -16,8 +16,6 @@ from musclewire.extras.studies._study import StudyResult
 from musclewire.figures import panel_grid
 from musclewire.pages import AVERAGE, COOLING, HEATING, STYLE, TARGET
 
-__all__ = ["distribution_figure", "distributions", "index_figure", "over_parameters_figure", "series_figure"]
-
 WIDTH, ROW_HEIGHT, COLUMNS = 9.6, 2.5, 4
 # The look of all pages, with powers of ten for numbers as small as a diameter in metres.
 LOOK: Mapping[Any, Any] = {**STYLE, "axes.formatter.limits": (-3, 5)}

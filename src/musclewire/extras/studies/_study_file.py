@@ -11,8 +11,6 @@ from musclewire.errors import CallerError
 from musclewire.extras.studies._varied_parameters import ParameterTable
 from musclewire.parameters import read_toml, validated
 
-__all__ = ["Sampling", "StudyFile", "read_study_file", "study_file"]
-
 
 class Sampling(BaseModel):
     """The table ``[sampling]``: how the distributions of the parameters are sampled.

@@ -25,8 +25,6 @@ from musclewire.extras.studies._study_figures import (
 from musclewire.pages import NumberCard, page, svg_in_frame
 from musclewire.signals import write_text_whole
 
-__all__ = ["require_packages", "write_study"]
-
 # A page with more figures than this is read by nobody; the data set has everything.
 MAX_FIGURES = 12
 MAX_FAILURES = 8
@@ -62,7 +60,7 @@ def write_study(result: StudyResult, folder: str | Path) -> list[Path]:
     require_packages()
     kept = StudyFolder(Path(folder), result.plan)
     indices = sensitivity_of(result.plan.design, result.columns, result.plan.file.seed)
-    write_data(kept.data, result.plan, result.columns, result.errors)
+    write_data(kept.data, result.plan, result.columns, result.errors, result.texts)
     write_text_whole(kept.table, sensitivity_text(indices))
     write_text_whole(kept.page, page_text(result, indices))
     kept.remove_chunks()

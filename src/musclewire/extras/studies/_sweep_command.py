@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -19,7 +17,6 @@ from musclewire.app import (
     WORKERS,
     FigureOptions,
     Json,
-    StoppedCommand,
     emit_json,
     run_bar,
     show,
@@ -28,13 +25,11 @@ from musclewire.app import (
     warn,
 )
 from musclewire.errors import CallerError
-from musclewire.extras.studies._options import PLAN, RETRIES, RUNS_PER_CHUNK, SCHEDULER
+from musclewire.extras.studies._options import PLAN, RETRIES, RUNS_PER_CHUNK, SCHEDULER, resumable
 
 if TYPE_CHECKING:
     from musclewire.extras.studies._plan import Plan
     from musclewire.extras.studies._study import StudyResult, Workers
-
-__all__ = ["sweep"]
 
 
 @dataclass(frozen=True)
@@ -113,16 +108,6 @@ def run_study(
         warn([f"{result.failed} of {len(result)} runs failed; the first: {first}"])
     if result.failed == len(result):
         raise typer.Exit(1)
-
-
-@contextmanager
-def resumable(folder: Path) -> Iterator[None]:
-    """Say to whoever interrupts a study how to continue it."""
-    try:
-        yield
-    except SystemExit as stop:
-        code = stop.code if isinstance(stop.code, int) else 1
-        raise StoppedCommand(code, f"finished runs are kept in {folder}, and the same command continues") from None
 
 
 def show_plan(plan: Plan, json: bool) -> None:

@@ -15,8 +15,6 @@ from musclewire.extras.studies._distributions import quantile_function
 from musclewire.parameters import load_priors
 from musclewire.signals import parse_quantity
 
-__all__ = ["GridAxis", "ParameterTable", "SampledParameter", "Value", "resolved"]
-
 Value = float | str | bool
 Quantity = float | str
 # Keys of a distribution that have the parameter's unit, and of these the differences, for which a zero is no matter.

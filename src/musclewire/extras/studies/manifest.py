@@ -52,7 +52,6 @@ MANIFEST = Manifest(
     outputs="musclewire.extras.studies:outputs",
     kernels=(
         "musclewire.extras.studies._segmented.kernel",
-        "musclewire.extras.studies._segmented.solution",
         "musclewire.extras.studies._segmented.state",
     ),
 )

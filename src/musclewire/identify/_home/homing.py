@@ -15,8 +15,6 @@ from musclewire.identify._home.warming import HeatCourse, WireHeat, course_of, w
 from musclewire.sensing import DRIFT_FRACTION, HomeMove, SensingModel
 from musclewire.signals import Recording
 
-__all__ = ["Homing", "homed_model"]
-
 # Error of the resistance found at B, as a fraction of it: 0.025 % on the same air, 0.01 % more for each kelvin that the
 # air has changed (a wire is not quite the same martensite in warmer air), which without a thermometer may be 8 K.
 SAME_AIR_FRACTION, AIR_FRACTION_PER_K = 2.5e-4, 1e-4

@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 from musclewire.arrays import FloatArray
 from musclewire.identify._home.warming import STEPS_PER_LAG, HeatCourse, WarmingBranches, WireHeat, branches_of
 
-__all__ = ["NAMES", "AnchorPoint", "Registration", "RegistrationUnknowns", "register"]
-
 # What is known beforehand, as standard deviations: ageing of a trained wire within a percent, joints and leads within
 # half an ohm; the transformation moves by some kelvins, or by 12 where the load has changed by half, which must show;
 # air of a room; a factor of the loss by ten percent, or by much more in a draught (so the tails are heavy); heat

@@ -11,8 +11,6 @@ from musclewire.errors import RecordingError
 from musclewire.identify._home.warming import HeatCourse
 from musclewire.sensing import ResistanceExtremes, find_resistance_extremes
 
-__all__ = ["SeenPoints", "has_levelled", "seen_points"]
-
 # The resistance has levelled off where it falls with power by less than this fraction of its steepest fall. The shipped
 # wire reaches 0.1 at the highest drive that its file allows.
 LEVEL_FRACTION = 0.1

@@ -15,8 +15,6 @@ from musclewire.errors import RecordingError
 from musclewire.identify._recordings import resistance_reading
 from musclewire.signals import Recording
 
-__all__ = ["WarmingBranches", "HeatCourse", "WireHeat", "branches_of", "course_of", "wire_heat_of"]
-
 # Grid of a branch over its warming: finer than the error of the warming itself.
 BRANCH_POINTS = 160
 # A course is resampled to this fraction of the lag, at which the exponential filter is exact enough.

@@ -32,9 +32,6 @@ from musclewire.identify._physical.uncertainty import IDENTIFIABLE_FRACTION
 from musclewire.parameters import ReachedConditions, ValidityLimits, beyond_validity, section_m2, validity_of
 from musclewire.wire import isobaric_path
 
-__all__ = ["ExperimentAdvice", "CandidateExperiment", "next_experiments", "how_to_identify", "proposed"]
-
-
 MAX_ADVICE = 3
 # Step of a derivative, in prior standard deviations, as in the search (search.py).
 STEP = 0.1
@@ -69,10 +66,6 @@ class ExperimentAdvice:
     identifies: tuple[str, ...]
     narrows: tuple[str, ...]
     gain: float
-
-    def as_dict(self) -> dict[str, object]:
-        """Return plain values for JSON."""
-        return {"title": self.title, "text": self.text, "tells": list(self.identifies), "narrows": list(self.narrows)}
 
 
 @cache

@@ -14,8 +14,6 @@ from musclewire.signals import Recording, parse_quantity
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
 
-__all__ = ["SETTABLE", "assumed_of_bench", "bench_of", "checked_settings", "diameter_of"]
-
 
 def unit_of(field: FieldInfo) -> str:
     """Return the unit that a field of a parameter group declares."""

@@ -39,8 +39,6 @@ from musclewire.parameters import (
 )
 from musclewire.signals import Recording
 
-__all__ = ["calibrate"]
-
 Group = TypeVar("Group", Alloy, Wire, Bench)
 
 

@@ -11,8 +11,6 @@ from musclewire.identify._physical.isobaric import IsobaricObservation
 from musclewire.parameters import Bench, Parameter, is_wire_file, wire_file_text
 from musclewire.signals import write_text_whole
 
-__all__ = ["known_bench", "save_wire"]
-
 # Numbers of a bench that belong to the recording's rig and not to the wire's bench.
 NOT_KEPT = ("sample_period_s",)
 

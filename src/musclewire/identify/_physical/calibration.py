@@ -22,9 +22,6 @@ from musclewire.identify._physical.uncertainty import ParameterEstimate
 from musclewire.pages import notebook_table
 from musclewire.parameters import Alloy, Bench, PriorSet, Wire
 
-__all__ = ["Calibration", "CalibrationInputs"]
-
-
 CORRELATED = 0.9
 
 
@@ -145,30 +142,3 @@ class Calibration:
         rows = [(item.name, number(item.value), number(item.std), item.unit, standing(item)) for item in self.estimates]
         title = f"Calibration ({verdict(self.comparisons(), self.estimates)})"
         return notebook_table(title, ("parameter", "value", "±", "unit", ""), rows)
-
-    def as_dict(self) -> dict[str, object]:
-        """Return plain values for JSON."""
-        return {
-            "parameters": {item.name: item.as_dict() for item in self.estimates},
-            "not_identifiable": [item.name for item in self.not_identifiable],
-            "rmse": self.rmse,
-            "holds": self.holds,
-            "channels": [
-                {
-                    "recording": title,
-                    "channel": pair.channel.name,
-                    "unit": pair.channel.unit,
-                    "rms": pair.rms,
-                    "rms_in_uncertainties": pair.normalised_rms,
-                }
-                for title, pair in self.comparisons()
-            ],
-            "correlated": [{"parameters": [one, other], "r": r} for one, other, r in self.correlated],
-            "not_searched": self.not_searched,
-            "notes": list(self.inputs.notes),
-            "excess_variance": self.excess_variance,
-            "simulations": self.search_result.simulations,
-            "descent_costs": list(self.search_result.costs),
-            "wall_s": self.wall_s,
-            "seed": self.inputs.settings.seed,
-        }

@@ -19,8 +19,6 @@ from musclewire.pages import AVERAGE, HEATING, TARGET
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["channel_axes", "isobar_figure", "loop_figure", "observation_figure"]
-
 ZERO_CELSIUS_K = 273.15
 MEASURED, FITTED = TARGET, HEATING
 # Isobars from the lightest load to the heaviest.

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
+from markupsafe import Markup
 
 from musclewire.errors import CallerError
 from musclewire.identify._physical.advice import ExperimentAdvice, how_to_identify, next_experiments
@@ -15,11 +16,9 @@ from musclewire.identify._physical.calibration_text import number, verdict
 from musclewire.identify._physical.interval_bars import interval_bar, key_of_bars
 from musclewire.identify._physical.observations import ChannelComparison
 from musclewire.identify._physical.uncertainty import ParameterEstimate
-from musclewire.pages import STYLE, Markup, NumberCard, page, svg_in_frame
+from musclewire.pages import STYLE, NumberCard, page, svg_in_frame
 from musclewire.parameters import Alloy, Bench, Wire
 from musclewire.signals import write_text_whole
-
-__all__ = ["write_report"]
 
 FIELDS = {**Alloy.model_fields, **Wire.model_fields, **Bench.model_fields}
 

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from musclewire.identify._physical.observations import ChannelComparison
 from musclewire.identify._physical.uncertainty import ParameterEstimate
 
-__all__ = ["channel_line", "not_followed", "number", "standing", "summary", "verdict"]
-
 # Channels with the title of the observation that each belongs to.
 Comparisons = Sequence[tuple[str, ChannelComparison]]
 # The model does not follow a channel whose residuals exceed this multiple of its stated uncertainty.

@@ -8,8 +8,6 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.identify._physical.candidates import WireValues
 from musclewire.wire import ConnectorLoad, WireConstants, constants_of
 
-__all__ = ["candidate_constants"]
-
 
 def candidate_constants(
     values: WireValues, spool: Mapping[str, float], bench: Mapping[str, float], load: ConnectorLoad | None = None

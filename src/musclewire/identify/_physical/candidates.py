@@ -10,8 +10,6 @@ from musclewire.arrays import FloatArray
 from musclewire.parameters import Alloy, Bench, Prior, PriorSet, Wire
 from musclewire.wire import SHAPE, OffsetDistribution, measured_grains
 
-__all__ = ["CandidateParameters", "WireValues"]
-
 
 class WireValues(NamedTuple):
     """The bare numbers of a wire on a bench, by name, in SI; and its grains, if they were measured."""

@@ -28,9 +28,6 @@ from musclewire.parameters import load_bench
 from musclewire.signals import Recording
 from musclewire.wire import drive_path, fixed_steps, heated_state
 
-__all__ = ["CoolingObservation", "observe_cooling"]
-
-
 # A wire without current cools fast: with larger steps it would warm for a moment as it transforms.
 REFINED_STEP_S = 0.002
 # A curve that falls by less does not determine a rate.

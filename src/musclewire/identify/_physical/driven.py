@@ -29,9 +29,6 @@ from musclewire.sensing import noise_level
 from musclewire.signals import Recording
 from musclewire.wire import ConnectorLoad, DrivenPath, drive_path, fixed_steps
 
-__all__ = ["DrivenObservation", "observe_drive"]
-
-
 # The last descent and the derivative at the end are simulated with the step that a rig uses.
 REFINED_STEP_S = 0.002
 # In a recording of a drive the model's error has about this many independent values.

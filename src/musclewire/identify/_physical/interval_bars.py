@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from musclewire.identify._physical.uncertainty import ParameterEstimate
-from musclewire.pages import Markup
+from markupsafe import Markup
 
-__all__ = ["interval_bar", "key_of_bars"]
+from musclewire.identify._physical.uncertainty import ParameterEstimate
 
 PRIOR, IDENTIFIED, UNIDENTIFIED, BOUND = "#dfe3e8", "#1f6f8b", "#b9a27a", "#c8553d"
 WIDTH, HEIGHT = 190.0, 16.0

@@ -17,9 +17,6 @@ from musclewire.sensing import noise_level
 from musclewire.signals import Recording
 from musclewire.wire import isobaric_path
 
-__all__ = ["IsobaricObservation", "counts_contraction", "in_elongation", "isobars_in", "observe_isobars"]
-
-
 # Error expected of a model of this kind in the strain of an isobar.
 ISOBAR_ERROR = 2e-4
 # Stress whose means differ by less than this fraction, and this much [Pa], belongs to one isobar.

@@ -8,8 +8,6 @@ from pathlib import Path
 
 from musclewire.errors import CallerError
 
-__all__ = ["SearchJournal"]
-
 
 class SearchJournal:
     """A text file with one line of numbers for each descent, after a first line that identifies the search."""

@@ -14,19 +14,6 @@ from musclewire.identify._recordings import required_quantity
 from musclewire.sensing import noise_level
 from musclewire.signals import Recording
 
-__all__ = [
-    "CURVE_STRETCHES",
-    "FIRST_ROWS",
-    "MAX_STEP_S",
-    "RawChannel",
-    "bin_size",
-    "binned_channel",
-    "even_clock",
-    "instruments_of",
-    "require_rows",
-]
-
-
 MAX_BINS = 400
 # Error expected of a model of this kind in addition to noise: fraction of the leg in displacement,
 # fraction of the resistance, fraction of the largest contraction force, kelvins (a sensor on a thin wire cools it).

@@ -17,16 +17,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.identify._physical.candidates import WireValues
 
-__all__ = [
-    "ObservedChannel",
-    "ChannelComparison",
-    "Observation",
-    "binned",
-    "compare",
-    "residuals_of",
-    "with_model_error",
-]
-
 
 @dataclass(frozen=True, eq=False)
 class ObservedChannel:

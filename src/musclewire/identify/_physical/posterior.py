@@ -10,8 +10,6 @@ from musclewire.arrays import FloatArray
 from musclewire.identify._physical.candidates import CandidateParameters
 from musclewire.identify._physical.observations import Observation, residuals_of
 
-__all__ = ["PosteriorProblem"]
-
 
 class PosteriorProblem:
     """Residuals of the observations and of the prior: their least squares are the maximum a posteriori."""

@@ -22,8 +22,6 @@ from musclewire.identify._physical.observations import Observation
 from musclewire.parameters import Alloy, Bench, Parameter, PriorSet, Wire, load_alloy, load_bench, load_wire
 from musclewire.signals import ISOBAR_TABLE, Recording
 
-__all__ = ["StartingPoint", "observations_of", "start_of", "observable_parameters"]
-
 ELECTRICAL = ("drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
 # Parameters on which a kind of observation does not depend, by parts of their names.
 ELECTRICITY, HEAT, GUIDE = ("resistivity",), ("specific_heat", "latent_heat", "convection"), ("guide_friction",)

@@ -24,20 +24,6 @@ from musclewire.errors import CallerError, NumericsError, nearest_hint
 from musclewire.identify._physical.journal import SearchJournal
 from musclewire.parameters import require_seed
 
-__all__ = [
-    "EFFORTS",
-    "SearchResult",
-    "OnProgress",
-    "OnStep",
-    "LeastSquaresProblem",
-    "SearchSettings",
-    "ParallelProblem",
-    "jacobian",
-    "search",
-    "settings_of_effort",
-    "threads",
-]
-
 OnProgress = Callable[[str, int, int, float], None]
 OnStep = Callable[[], None]
 

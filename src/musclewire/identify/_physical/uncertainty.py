@@ -9,9 +9,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.identify._physical.candidates import CandidateParameters
 
-__all__ = ["ParameterEstimate", "covariance", "estimates", "excess_variance"]
-
-
 # A parameter is identifiable if its interval is at most half its prior's; a wider one is mostly the prior's.
 IDENTIFIABLE_FRACTION = 0.5
 NEAR_BOUND = 0.02
@@ -47,19 +44,6 @@ class ParameterEstimate:
     def interval(self) -> tuple[float, float]:
         """The 95 % interval, not truncated at the bounds."""
         return self.value - 1.96 * self.std, self.value + 1.96 * self.std
-
-    def as_dict(self) -> dict[str, object]:
-        """Return plain values for JSON."""
-        return {
-            "value": self.value,
-            "unit": self.unit,
-            "std": self.std,
-            "prior_mean": self.prior_mean,
-            "prior_std": self.prior_std,
-            "identifiable": self.identifiable,
-            "at_bound": self.at_bound,
-            "group": self.group,
-        }
 
 
 def excess_variance(residuals: FloatArray, unknowns: int) -> float:

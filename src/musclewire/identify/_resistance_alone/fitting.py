@@ -33,8 +33,6 @@ from musclewire.parameters import Bench, Parameter, bench_known_with, load_sprea
 from musclewire.sensing import SensingModel, find_segments, fit_loop
 from musclewire.signals import Recording
 
-__all__ = ["ResistanceFit", "fit_resistance"]
-
 PAPER_ORDER = 6
 DRAWN_WIRES = 80
 # Residuals that are so many times their uncertainty are another wire's, or another load's.
@@ -74,15 +72,6 @@ class ResistanceFit:
     misfit: float
     costs: tuple[VarianceShare, ...]
     helps: tuple[HelpfulMeasurement, ...]
-
-    def report(self) -> dict[str, object]:
-        """Return the numbers that ``musclewire fit --wire --json`` adds to those of the model."""
-        return {
-            "stroke_std_pct": 100.0 * self.stroke_std / self.stroke,
-            "misfit": self.misfit,
-            "costs": [{**item._asdict(), "text": item.text} for item in self.costs],
-            "helps": [item._asdict() for item in self.helps],
-        }
 
     def __str__(self) -> str:
         """Return how far the model may be off and what would help, in a few lines."""

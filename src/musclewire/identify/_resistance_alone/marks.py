@@ -7,9 +7,6 @@ from math import inf, isfinite, sqrt
 
 from musclewire.errors import CallerError
 
-__all__ = ["Marks"]
-
-
 # Two readings may lie in the wrong order by chance, by at most this many standard deviations of their difference.
 PLAUSIBLE = 3.0
 

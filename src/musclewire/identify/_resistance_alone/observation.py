@@ -14,8 +14,6 @@ from musclewire.identify._resistance_alone.marks import Marks
 from musclewire.signals import Recording
 from musclewire.wire import ConnectorLoad
 
-__all__ = ["ResistanceAndMarks", "electrical_part", "observe_resistance"]
-
 MARK = "displacement between the marks"
 # What a recording may show of the wire apart from its circuit and its air. It is left out: an instrument that someone
 # has in addition judges the result, and does not enter it.

@@ -11,8 +11,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError, NumericsError
 from musclewire.sensing import SensingModel, evaluate
 
-__all__ = ["PossibleCurves", "possible_curves", "scale_and_offset_std"]
-
 # Normalised resistances at which curves are compared.
 GRID = np.linspace(0.0, 1.0, 25)
 # With fewer curves the spread of a spread is above a tenth of it.

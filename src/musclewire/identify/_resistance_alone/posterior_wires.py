@@ -15,8 +15,6 @@ from musclewire.identify._physical.search import FINAL_STEP, SEARCH_STEP, Parall
 from musclewire.identify._physical.uncertainty import covariance, excess_variance
 from musclewire.identify._resistance_alone.observation import ResistanceAndMarks
 
-__all__ = ["PosteriorWires", "posterior_wires"]
-
 # Factors on the observations' uncertainty, descent by descent; one start suffices, since the prior is a named wire.
 SCALES = (30.0, 5.0, 1.0)
 EVALUATIONS = 15

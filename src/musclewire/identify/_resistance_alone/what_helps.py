@@ -9,8 +9,6 @@ import numpy as np
 from musclewire.identify._physical.candidates import CandidateParameters
 from musclewire.identify._resistance_alone.possible_curves import PossibleCurves
 
-__all__ = ["VarianceShare", "HelpfulMeasurement", "costs_of", "what_helps"]
-
 # What a user can measure better, and how it is called.
 STATED = {
     "wire_length_m": "the wire's length",

@@ -22,8 +22,6 @@ from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.sensing import SensingModel
 from musclewire.signals import RunFacts
 
-__all__ = ["SufficientChanges", "diameter_for", "what_helps"]
-
 Misses = Callable[[SpeedPlant, float], FloatArray]
 
 # Changes by more than this factor are no advice.

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from math import isfinite
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -18,8 +17,6 @@ from musclewire.identify._speed_limits.plant import SpeedPlant, plant_of_gains, 
 from musclewire.identify._speed_limits.tracking import branches_of, followed
 from musclewire.sensing import SHOWN_AS, SensingModel
 from musclewire.signals import RunFacts
-
-__all__ = ["SpeedLimits", "TooFast", "speed_limits_of"]
 
 # The wire misses its target from this fraction of the model's range on. Chosen: near the largest error in the paper.
 TOLERANCE_FRACTION = 0.02
@@ -47,9 +44,9 @@ class TooFast(NamedTuple):
     missed
         Largest distance from the target when that ends, in the quantity's SI unit.
     asked_per_s
-        Largest rate of the reference there [unit/s], a step counted over the time that it is held.
+        Largest rate of the reference there, [1/s], a step counted over the time that it is held.
     possible_per_s
-        Rate of the wire on its branch [unit/s] where it misses most.
+        Rate of the wire on its branch [1/s] where it misses most.
     turn_s
         Time [s] for which the wire stands still when it turns there, from branch to branch; infinite where the voltage
         holds it for good.
@@ -93,11 +90,6 @@ class SpeedLimits:
         """One sentence for cooling and one for heating, if the reference is too fast for it; none otherwise."""
         directions: tuple[Literal["cooling", "heating"], ...] = ("cooling", "heating")
         return tuple(self._warning(one) for one in directions if any(f.direction == one for f in self.findings))
-
-    def report(self) -> dict[str, Any]:
-        """Return the numbers of ``musclewire control --json`` under ``speed_limits``."""
-        known = [{**one._asdict(), "turn_s": one.turn_s if isfinite(one.turn_s) else None} for one in self.findings]
-        return {**asdict(self), "findings": known, "help": self.help._asdict()}
 
     def __str__(self) -> str:
         """Return the warnings, or one line that says that there are none."""

@@ -21,8 +21,6 @@ from musclewire.identify._tuning import LEVELS, heat_balance, heat_of_transforma
 from musclewire.sensing import SensingModel, evaluate
 from musclewire.signals import RunFacts
 
-__all__ = ["SpeedPlant", "plant_of_gains", "plant_of_model"]
-
 # Power [W] that a wire must at least give to the air, or take, to move at all.
 MIN_EXCESS_W = 1e-9
 # A branch at or below the air's temperature is an error of the slow loop.

@@ -10,8 +10,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.identify._speed_limits.plant import SpeedPlant
 
-__all__ = ["TimedBranch", "branches_of", "followed"]
-
 
 class TimedBranch(NamedTuple):
     """One branch for a walk along it: level and time along it [s], steady and driving power [W]."""

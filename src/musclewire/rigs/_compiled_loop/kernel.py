@@ -1,4 +1,4 @@
-"""A closed loop, or a drive known beforehand, in compiled code: the numbers of the loop in Python, to the bit.
+"""A closed loop of a simulated rig in compiled code, made of what the loop in Python runs too.
 
 The loop goes on as long as nothing unusual happens: commands within the range, sound readings, ticks that do not fail.
 It stops at the first sample at which something does; what follows then is decided in Python.
@@ -14,19 +14,14 @@ import numpy as np
 from musclewire.arrays import FloatArray, IntArray
 from musclewire.compiled import compiled
 from musclewire.controllers import sound_command, sound_sample
-from musclewire.rigs._compiled_loop.one_wire import WireArrays, advance_sample, is_resolved, slack_m, surround
+from musclewire.rigs._compiled_loop.one_wire import WireArrays, advance_sample, is_resolved, slack_m, surround, time_s
 from musclewire.rigs._simulated import read_sample
 from musclewire.signals import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS
 from musclewire.wire import Rows
 
-__all__ = ["BENCH", "CompiledLoopEnd", "LoopArrays", "RIG_COLUMNS", "RigArrays", "run_drive", "run_loop"]
-
-# A row of a structured array; mypy knows no fields of it.
-Row = Any
 # A `compiled.Callback`, which only compiled code can call.
 Tick = Any
 
-BENCH = np.dtype([(name, np.float64) for name in ("sample_period_s", "amplifier_resolution_v", "reading_period_s")])
 # The columns that the loop writes first.
 RIG_COLUMNS = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "displacement_m", "force_n")
 
@@ -54,26 +49,30 @@ ESTIMATOR_FAILED, CONTROLLER_FAILED = int(CompiledLoopEnd.ESTIMATOR_FAILED), int
 
 
 class RigArrays(NamedTuple):
-    """All arrays of one simulated rig in compiled code; those that change are its own.
+    """All that compiled code takes of one simulated rig; the arrays that change are its own.
 
-    ``times_s`` are the ends of the samples on the rig's clock [s]. ``noise`` has a row of standard normal numbers for
-    each sample, in the order in which the instruments draw them; ``air`` the temperature [K] and the convection factor
-    of each sample, no rows in still air. ``shown`` has a row for each sample, which begins with ``RIG_COLUMNS``;
-    ``true_displacement_m`` the true mean of the connector's displacement, ``slack_m`` by how much friction holds it
-    ahead of the wire. ``readings`` and ``scales`` are those of the instruments, which overwrite the noise.
+    ``noise`` has a row of standard normal numbers for each sample, in the order in which the instruments draw them;
+    ``air`` the temperature [K] and the convection factor of each sample, no rows in still air.
+    ``readings`` and ``scales`` are those of the instruments. Of the wire's state, the numbers in ``places`` are written
+    into ``true`` after each sample. ``shown`` has a row for each sample, which begins with ``RIG_COLUMNS``;
+    ``true_displacement_m`` the true mean of the connector's displacement, ``held_m`` by how much friction held it ahead
+    of the wire at most, (1,).
     """
 
     wire: WireArrays
-    times_s: FloatArray
-    bench: Rows
+    sample_period_s: float
+    reading_period_s: float
+    amplifier_resolution_v: float
     limits: Rows
     memory: Rows
     noise: FloatArray
     air: FloatArray
     readings: int
     scales: tuple[float, float, float, float, float]
+    places: IntArray
+    true: FloatArray
     true_displacement_m: FloatArray
-    slack_m: FloatArray
+    held_m: FloatArray
     shown: FloatArray
 
 
@@ -95,33 +94,28 @@ class LoopArrays(NamedTuple):
 
 
 @compiled
-def exchange(arrays: RigArrays, row: int, drive_voltage_v: float) -> bool:
+def exchange(rig: RigArrays, row: int, drive_voltage_v: float) -> bool:
     """Hold a drive for one sample and write ``RIG_COLUMNS`` into its row; whether its steps are resolved."""
-    resolution_v, shown = arrays.bench[0]["amplifier_resolution_v"], arrays.shown[row]
+    resolution_v, shown = rig.amplifier_resolution_v, rig.shown[row]
     output_v = resolution_v * np.rint(drive_voltage_v / resolution_v)
-    if arrays.air.shape[0] > 0:
-        surround(arrays.wire, arrays.air[row, 0], arrays.air[row, 1])
-    means = advance_sample(arrays.wire, output_v)
-    shown[0], shown[1] = arrays.times_s[row], output_v
-    shown[2], shown[3], shown[4], shown[5] = read_sample(arrays.noise[row], arrays.readings, means, arrays.scales)
-    arrays.true_displacement_m[row] = means[2]
-    arrays.slack_m[row] = slack_m(arrays.wire)
-    return is_resolved(arrays.wire)
-
-
-@compiled
-def is_sound(arrays: RigArrays, row: int, block: FloatArray) -> bool:
-    """Whether the protection goes on after a sample."""
-    bench, shown = arrays.bench[0], arrays.shown[row]
-    periods_s = bench["sample_period_s"], bench["reading_period_s"]
-    return sound_sample(block, arrays.memory, arrays.limits, shown[1], shown[2], shown[3], *periods_s)
+    if rig.air.shape[0] > 0:
+        surround(rig.wire, rig.air[row, 0], rig.air[row, 1])
+    means = advance_sample(rig.wire, output_v)
+    shown[0], shown[1] = time_s(rig.wire), output_v
+    shown[2], shown[3], shown[4], shown[5] = read_sample(rig.noise[row], rig.readings, means, rig.scales)
+    rig.true_displacement_m[row] = means[2]
+    rig.held_m[0] = max(rig.held_m[0], slack_m(rig.wire))
+    numbers = rig.wire.states.view(np.float64)
+    for column in range(rig.places.size):
+        rig.true[row, column] = numbers[rig.places[column]]
+    return is_resolved(rig.wire)
 
 
 @compiled
 def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: float) -> tuple[int, int]:
     """Run a loop on its arrays; return how it ended and how many samples are complete."""
     rig, estimated, controlled = arrays.rig, arrays.estimator_answer, arrays.controller_answer
-    shown = rig.shown
+    shown, period_s = rig.shown, rig.sample_period_s
     sample, given, block = np.empty(4), np.empty(6), np.zeros(4)
     target_at = 6 + estimated.shape[0] - N_ESTIMATED
     drive_v = first_drive_v
@@ -130,13 +124,14 @@ def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: f
             return COMMAND_NOT_SOUND, row
         if not exchange(rig, row, drive_v):
             return WIRE_NOT_RESOLVED, row
-        if not is_sound(rig, row, block):
-            return READING_NOT_SOUND, row
         sample[:] = shown[row, :4]
+        volts = sample[1], sample[2], sample[3]
+        if not sound_sample(block, rig.memory, rig.limits, *volts, period_s, rig.reading_period_s):
+            return READING_NOT_SOUND, row
         estimate(arrays.estimator_constants, arrays.estimator_state, sample, estimated)
         if estimated[4] != 0.0:
             return ESTIMATOR_FAILED, row
-        given[0], given[5] = arrays.targets[1, row], rig.bench[0]["sample_period_s"]
+        given[0], given[5] = arrays.targets[1, row], period_s
         given[1:5] = estimated[:4]
         control(arrays.controller_constants, arrays.controller_state, given, controlled)
         if controlled[1] != 0.0:
@@ -151,22 +146,13 @@ def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: f
 
 
 @compiled
-def run_drive(
-    rig: RigArrays, drives_v: FloatArray, numbers: FloatArray, places: IntArray, true: FloatArray
-) -> tuple[int, int]:
-    """Hold each drive for a sample; return how the run ended and how many samples are complete.
+def no_estimate(_constants: FloatArray, _state: FloatArray, _given: FloatArray, answer: FloatArray) -> None:
+    """Estimate nothing: for a run whose drive is known beforehand."""
+    answer[:] = 0.0
 
-    ``numbers`` are those of the wire's state, which the run changes; after a sample those in ``places`` are written
-    into its row of ``true``.
-    """
-    block = np.zeros(4)
-    for row in range(drives_v.size):
-        if not sound_command(rig.limits[0], drives_v[row]):
-            return COMMAND_NOT_SOUND, row
-        if not exchange(rig, row, drives_v[row]):
-            return WIRE_NOT_RESOLVED, row
-        if not is_sound(rig, row, block):
-            return READING_NOT_SOUND, row
-        for column in range(places.size):
-            true[row, column] = numbers[places[column]]
-    return DONE, drives_v.size
+
+@compiled
+def scheduled_drive(constants: FloatArray, state: FloatArray, _given: FloatArray, answer: FloatArray) -> None:
+    """Control by a schedule: the drive of each sample in turn, the last one for good."""
+    state[0] = min(state[0] + 1.0, constants.size - 1.0)
+    answer[0], answer[1] = constants[int(state[0])], 0.0

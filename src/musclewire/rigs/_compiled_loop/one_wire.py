@@ -12,17 +12,6 @@ from musclewire.compiled import compiled
 from musclewire.wire import OneWire, Rows, StepControl, advance_rows, plan_of
 from musclewire.wire import is_resolved as state_is_resolved
 
-__all__ = [
-    "WireArrays",
-    "advance_sample",
-    "is_resolved",
-    "places_of",
-    "sample_times_s",
-    "slack_m",
-    "surround",
-    "wire_arrays",
-]
-
 
 class WireArrays(NamedTuple):
     """A wire as compiled code takes it, arrays of one record each, and how a sample is divided into steps."""
@@ -67,6 +56,12 @@ def surround(wire: WireArrays, ambient_temperature_k: float, surface_factor_m2: 
     """Change the air's temperature [K], and the wire's surface times its convection factor [m2], from now on."""
     wire.constants[0].ambient_temperature_k = ambient_temperature_k
     wire.constants[0].surface_factor_m2 = surface_factor_m2
+
+
+@compiled
+def time_s(wire: WireArrays) -> float:
+    """Time since the wire was first at rest [s]."""
+    return wire.states[0].time_s
 
 
 @compiled

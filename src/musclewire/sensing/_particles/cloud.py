@@ -10,17 +10,6 @@ from musclewire.arrays import FloatArray
 from musclewire.sensing._particles.settings import UNKNOWNS, ParticleSettings
 from musclewire.wire import Rows, WireState
 
-__all__ = [
-    "CLOCK",
-    "HISTORY",
-    "ParticleCloud",
-    "SharedPlaces",
-    "SampleHistory",
-    "cloud_at_rest",
-    "cloud_of",
-    "state_of",
-]
-
 N_UNKNOWNS = len(UNKNOWNS)
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.sensing._estimator import EstimatorSetup
-from musclewire.sensing._gated_estimator import GatedEstimator, GatedState, gated_estimator
+from musclewire.sensing._gated_branches import GatedState
+from musclewire.sensing._gated_estimator import GatedEstimator, gated_estimator
 from musclewire.sensing._health import ChangeEvidence, ChangeState, after_evidence, change_of
 from musclewire.sensing._home_move import HomeMove
 from musclewire.sensing._particles.cloud import cloud_at_rest, cloud_of, state_of
@@ -26,8 +27,6 @@ from musclewire.sensing._particles.kernel import (
 from musclewire.sensing._particles.settings import EXPLANATIONS, UNKNOWNS, ParticleSettings
 from musclewire.signals import EstimatorStep, QuantityEstimate, Reason, WireSample
 from musclewire.wire import WireConstants, resting_state
-
-__all__ = ["PARTICLE_COLUMNS", "ParticleFilter", "ParticleState", "particle_filter"]
 
 PARTICLE_COLUMNS = (
     "wire_resistance_ohm",
@@ -131,9 +130,9 @@ class ParticleFilter:
 
     def step(self, state: ParticleState, sample: WireSample) -> EstimatorStep:
         """Return the estimate of one sample."""
-        seen, branches, _ = self._branches.step(state.branches, sample)
+        seen, branches, (resistance_ohm,) = self._branches.step(state.branches, sample)
         readable = seen.reason not in (Reason.NO_CURRENT, Reason.MISMATCH)
-        measured = self._measured(state, sample, readable)
+        measured = self._measured(state, sample, resistance_ohm if readable else None)
         hypotheses, answers = self._followed(state, measured)
         evidence = state.evidence
         if readable:
@@ -194,13 +193,12 @@ class ParticleFilter:
             return Reason.UNEXPLAINED
         return Reason.UNCERTAIN if std > self._settings.largest_std * self._range else Reason.OK
 
-    def _measured(self, state: ParticleState, sample: WireSample, readable: bool) -> ParticleSample:
-        """Return a sample as the hypotheses take it; without a reading the power follows from the drive."""
+    def _measured(self, state: ParticleState, sample: WireSample, resistance_ohm: float | None) -> ParticleSample:
+        """Return a sample as the hypotheses take it; without a resistance the power follows from the drive."""
         duration_s = self._period_s
         if state.time_s is not None and duration_s / ODD_TIME < sample.time_s - state.time_s < duration_s * ODD_TIME:
             duration_s = sample.time_s - state.time_s
-        if readable:
-            resistance_ohm, _ = self._branches.read(sample.wire_voltage_v, sample.shunt_voltage_v)
+        if resistance_ohm is not None:
             power_w = sample.wire_voltage_v * sample.shunt_voltage_v / self._shunt_ohm
             # The calibrated wire has the resistance of its characterisation; a home move says what became of it.
             calibrated_ohm = max((resistance_ohm - self._offset_ohm) / self._scale, MIN_RESISTANCE_OHM)

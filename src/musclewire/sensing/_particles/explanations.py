@@ -14,8 +14,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.sensing._particles.settings import ParticleSettings
 
-__all__ = ["ExplanationEstimate", "after_sample", "combined", "weights_of"]
-
 
 class ExplanationEstimate(NamedTuple):
     """Value and standard deviation of the quantity by one explanation."""

@@ -17,8 +17,6 @@ from musclewire.random_numbers import normal_pair, philox, uniform
 from musclewire.sensing._particles.cloud import CLOCK, HISTORY, ParticleCloud
 from musclewire.wire import Rows, RunningWire, StepConstants, advance_heated
 
-__all__ = ["SUMMARY", "ParticleSample", "ParticleNumbers", "SummaryPlaces", "HypothesisWire", "follow_sample"]
-
 # Places of the unknowns; see settings.UNKNOWNS.
 CONVECTION, AMBIENT, LOAD, STIFFNESS, RESISTANCE, TRANSFORMATION = range(6)
 N_UNKNOWNS = 6

@@ -10,8 +10,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 
-__all__ = ["EXPLANATIONS", "UNKNOWNS", "ParticleSettings"]
-
 # What may differ from the wire file, in the order of every array of unknowns. Convection, stiffness and resistance are
 # logarithms of a factor, ambient and transformation temperature differences [K], load a force over the pretension.
 UNKNOWNS = ("convection", "ambient", "load", "stiffness", "resistance", "transformation")

@@ -15,12 +15,6 @@ fmi2Status my_fmi2EnterInitializationMode(fmi2Component);
 fmi2Status my_fmi2ExitInitializationMode(fmi2Component);
 fmi2Status my_fmi2DoStep(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
 fmi2Status my_fmi2GetReal(fmi2Component, const fmi2ValueReference[], size_t, fmi2Real[]);
-fmi2Status my_fmi2GetFMUstate(fmi2Component, fmi2FMUstate *);
-fmi2Status my_fmi2SetFMUstate(fmi2Component, fmi2FMUstate);
-fmi2Status my_fmi2FreeFMUstate(fmi2Component, fmi2FMUstate *);
-fmi2Status my_fmi2SerializedFMUstateSize(fmi2Component, fmi2FMUstate, size_t *);
-fmi2Status my_fmi2SerializeFMUstate(fmi2Component, fmi2FMUstate, fmi2Byte[], size_t);
-fmi2Status my_fmi2DeSerializeFMUstate(fmi2Component, const fmi2Byte[], size_t, fmi2FMUstate *);
 fmi2Status my_fmi2Terminate(fmi2Component);
 fmi2Status my_fmi2Reset(fmi2Component);
 
@@ -57,33 +51,19 @@ int main(void)
 {
     const fmi2CallbackFunctions none = {0, 0, 0, 0, 0};
     fmi2Component of = my_fmi2Instantiate("life", fmi2CoSimulation, MW_GUID, "", &none, 0, 0);
-    fmi2FMUstate saved = NULL, read = NULL;
     fmi2Real first[MW_REALS], again[MW_REALS];
-    size_t size = 0;
-    char *bytes;
     need(of != NULL, "an instance");
     need(my_fmi2Instantiate("life", fmi2CoSimulation, "{another}", "", &none, 0, 0) == NULL, "another GUID is refused");
     need(my_fmi2Instantiate(NULL, fmi2ModelExchange, MW_GUID, "", NULL, 0, 0) == NULL, "model exchange is refused");
     initialize(of);
     run(of, START, first);
-    need(my_fmi2GetFMUstate(of, &saved) == fmi2OK && my_fmi2GetFMUstate(of, &saved) == fmi2OK, "a state, twice");
-    need(my_fmi2SerializedFMUstateSize(of, saved, &size) == fmi2OK, "its size");
-    bytes = malloc(size);
-    need(bytes && my_fmi2SerializeFMUstate(of, saved, bytes, size) == fmi2OK, "its bytes");
-    run(of, START + 0.05 * STEPS, first);
-    need(my_fmi2DeSerializeFMUstate(of, bytes, size, &read) == fmi2OK, "the state read back");
-    need(my_fmi2SetFMUstate(of, read) == fmi2OK, "the state restored");
-    run(of, START + 0.05 * STEPS, again);
-    need(memcmp(first, again, sizeof first) == 0, "the same values");
-    need(my_fmi2FreeFMUstate(of, &saved) == fmi2OK && my_fmi2FreeFMUstate(of, &read) == fmi2OK, "states freed");
-    need(saved == NULL && my_fmi2FreeFMUstate(of, &saved) == fmi2OK, "nothing freed twice");
     need(my_fmi2Terminate(of) == fmi2OK && my_fmi2DoStep(of, 0.0, 0.05, 0) == fmi2Error, "no step after the end");
     need(my_fmi2Reset(of) == fmi2OK, "reset");
     initialize(of);
     run(of, START, again);
+    need(memcmp(first, again, sizeof first) == 0, "the same values");
     my_fmi2FreeInstance(of);
     my_fmi2FreeInstance(NULL);
-    free(bytes);
     printf("the same to the bit\n");
     return 0;
 }

@@ -1,4 +1,4 @@
-"""The FMU of a controller: FMPy's check, Python's tick, its messages, saved states, its own sources."""
+"""The FMU of a controller: FMPy's check, Python's tick, its messages, its own sources."""
 
 from __future__ import annotations
 
@@ -110,33 +110,6 @@ def test_a_trip_is_a_warning_that_names_its_cause_once(slave: Slave) -> None:
     assert slave.get("protection_event") == Event.READING_NOT_FINITE
     assert [status for status, _ in slave.messages] == [WARNING]
     assert slave.messages[0][1].startswith("protection: at 0.05 s reading_not_finite: the state is now ")
-
-
-def test_a_saved_state_continues_to_the_bit_also_as_bytes_in_another_instance(exported: Fmu, slave: Slave) -> None:
-    ticks = list(exercise(reference(), 5, 60, fault_probability=0.0))
-
-    def run(one: Slave, some: slice) -> list[dict[str, float]]:
-        rows = []
-        for tick in ticks[some]:
-            one.set(wire_voltage_v=tick.wire_voltage_v, shunt_voltage_v=tick.shunt_voltage_v, target=tick.target)
-            one.step(tick.tick_s)
-            rows.append(one.outputs())
-        return rows
-
-    slave.start()
-    run(slave, slice(0, 30))
-    state = slave.fmu.getFMUState()
-    at_s = slave.time_s
-    straight = run(slave, slice(30, 60))
-    assert straight[-1]["drive_voltage_v"] > 0.5
-    slave.fmu.setFMUState(state)
-    slave.time_s = at_s
-    assert run(slave, slice(30, 60)) == straight
-    with Slave(exported.path) as other:
-        other.start()
-        other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(slave.fmu.serializeFMUState(state)))
-        other.time_s = at_s
-        assert run(other, slice(30, 60)) == straight
 
 
 @pytest.mark.parametrize(

@@ -372,31 +372,6 @@ def test_at_rest_the_outputs_are_those_of_the_resting_wire(wires: Callable[[str]
     assert found["wire_voltage_v"] == found["mean_wire_voltage_v"] == current * state.resistance_ohm
 
 
-def test_a_saved_state_continues_to_the_bit_also_as_bytes_in_another_instance(wires: Callable[[str], Wire]) -> None:
-    wire = wires("friction")
-
-    def run(one: Slave) -> dict[str, float]:
-        for voltage in (3.0, 0.0, 2.0, 2.6):
-            one.set(drive_voltage_v=voltage)
-            for _ in range(10):
-                one.step(SAMPLE_S)
-        return one.outputs()
-
-    with Slave(wire.fmu.path) as slave, Slave(wire.fmu.path) as other:
-        slave.start()
-        run(slave)
-        state, at_s = slave.fmu.getFMUState(), slave.time_s
-        straight = run(slave)
-        slave.fmu.setFMUState(state)
-        slave.time_s = other.time_s = at_s
-        assert run(slave) == straight
-        other.start()
-        other.fmu.setFMUState(other.fmu.deSerializeFMUstate(slave.fmu.serializeFMUState(state)))
-        other.time_s = at_s
-        assert run(other) == straight
-        slave.fmu.freeFMUstate(state)
-
-
 @pytest.mark.parametrize(
     ("start", "values", "step_s", "said"),
     [

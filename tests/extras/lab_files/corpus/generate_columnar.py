@@ -115,9 +115,6 @@ def damaged_hdf5(folder: Path, good_folder: Path) -> None:
     with h5py.File(folder / "hdf5_huge_shape.h5", "w") as file:
         for name in ("time_s", "force_n"):
             file.create_dataset(name, (2**60,), "f8", chunks=(1024,))
-    with h5py.File(folder / "hdf5_huge_chunk.h5", "w") as file:
-        for name in ("time_s", "force_n"):
-            file.create_dataset(name, (2**28,), "f8", chunks=(2**28,), compression="gzip")
     unknown_filter(folder / "hdf5_unknown_filter.h5")
 
 
@@ -128,4 +125,6 @@ def unknown_filter(path: Path) -> None:
             plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
             plist.set_chunk((ROWS,))
             plist.set_filter(32001, h5py.h5z.FLAG_OPTIONAL, (1, 2, 3))
-            h5py.h5d.create(file.id, name.encode(), h5py.h5t.NATIVE_DOUBLE, h5py.h5s.create_simple((ROWS,)), plist)
+            space = h5py.h5s.create_simple((ROWS,))
+            dataset = h5py.h5d.create(file.id, name.encode(), h5py.h5t.NATIVE_DOUBLE, space, plist)
+            dataset.write_direct_chunk((0,), b"packed by nobody" * ROWS)

@@ -86,13 +86,14 @@ def damaged(folder: Path, good_folder: Path) -> None:
     sheet = "xl/worksheets/sheet1.xml"
     with zipfile.ZipFile(plain) as workbook:
         content = workbook.read(sheet)
+    # The first number is an entity of the document type.
+    named = content.replace(b"<v>0</v>", b"<v>&j;</v>", 1)
     entities = b'<?xml version="1.0"?><!DOCTYPE z [<!ENTITY a "aaaaaaaaaa">' + b"".join(
         f'<!ENTITY {chr(98 + i)} "{f"&{chr(97 + i)};" * 10}">'.encode() for i in range(9)
     )
-    repacked(folder / "xlsx_entities.xlsx", plain, {sheet: entities + b"]>" + content})
-    outside = b'<?xml version="1.0"?><!DOCTYPE z [<!ENTITY a SYSTEM "file:///etc/passwd">]>' + content
+    repacked(folder / "xlsx_entities.xlsx", plain, {sheet: entities + b"]>" + named})
+    outside = b'<?xml version="1.0"?><!DOCTYPE z [<!ENTITY j SYSTEM "file:///etc/passwd">]>' + named
     repacked(folder / "xlsx_entity_of_a_file.xlsx", plain, {sheet: outside})
-    repacked(folder / "xlsx_bomb_of_texts.xlsx", plain, {"xl/sharedStrings.xml": b" " * (2**26 + 2**20)})
     repacked(folder / "xlsx_row_too_high.xlsx", plain, {sheet: content.replace(b'<row r="2"', b'<row r="999999999"')})
     repacked(folder / "xlsx_xml_cut.xlsx", plain, {sheet: content[: len(content) // 2]})
     repacked(folder / "xlsx_sheet_missing.xlsx", plain, {"xl/_rels/workbook.xml.rels": b"<Relationships/>"})

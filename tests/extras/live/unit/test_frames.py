@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import musclewire as mw
 from musclewire.controllers import ConstantRules, ZhaoRules, infer_ratios, load_rule_base, rule_base_names
 from musclewire.extras.live._server.fired_rules import FiredRules, InputRatios, fired
-from musclewire.extras.live._server.frames import COMPUTED, FrameMaker, json_rows, thinned, with_computed
+from musclewire.extras.live._server.frames import COMPUTED, FrameMaker, thinned, with_computed
 from musclewire.extras.live._server.json_texts import MAX_BYTES, compact, read_json
 
 COLUMNS = ("time_s", "wire_voltage_v", "shunt_voltage_v")
@@ -50,7 +50,7 @@ def test_current_power_and_resistance_are_those_of_ohms_law() -> None:
 @given(st.lists(st.lists(st.floats(), min_size=2, max_size=2), max_size=10))
 def test_rows_as_json_have_null_for_what_is_not_finite_and_else_the_same_numbers(rows: list[list[float]]) -> None:
     array = np.array(rows, float).reshape(-1, 2)
-    back = np.array(json.loads(compact(json_rows(array))), float).reshape(-1, 2)
+    back = np.array(json.loads(compact(array.tolist())), float).reshape(-1, 2)
     assert np.array_equal(back, np.where(np.isfinite(array), array, np.nan), equal_nan=True)
 
 

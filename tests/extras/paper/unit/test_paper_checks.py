@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections import Counter
 from types import SimpleNamespace
@@ -130,6 +131,12 @@ def test_every_row_has_its_own_name_a_reason_and_a_tolerance_that_is_a_number() 
         assert len(item.why) > 15, item.name
         assert 0.0 <= item.tolerance < math.inf, item.name
         assert item.unit, item.name
+
+
+def test_every_key_of_a_row_is_known_to_its_measure() -> None:
+    for item in CHECKS:
+        keys = getattr(item.measure, "keywords", {})
+        inspect.signature(getattr(item.measure, "func", item.measure)).bind(RUNS, **keys)
 
 
 def test_every_equation_figure_and_table_has_rows() -> None:

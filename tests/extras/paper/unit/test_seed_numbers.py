@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
 from typing import Any
 
 import pytest
 
-from musclewire.errors import CallerError, NumericsError, RecordingError
-from musclewire.experiment import start_worker
-from musclewire.extras.paper._reproduce import PaperCheck, RunCache, reproduce, reproduction, seed_numbers, selected
+from musclewire.errors import CallerError, RecordingError
+from musclewire.extras.paper._reproduce import PaperCheck, RunCache, reproduce, reproduction, selected
 from musclewire.extras.paper._reproduce.all_checks import all_checks
 from musclewire.extras.paper._reproduce.paper_checks import SeedResult
 from musclewire.extras.paper._reproduce.seed_numbers import SeedCallbacks, numbers_of_seeds
@@ -70,6 +68,7 @@ def test_whoever_watches_is_told_of_each_seed_and_may_stop() -> None:
         ({"seeds": []}, "no seeds: give at least one"),
         ({"seeds": [1, 2, 1]}, "seed 1 is there twice"),
         ({"seeds": [-1]}, "must be a whole number of 0 or more"),
+        ({"seeds": [1.5]}, "whole number"),
         ({"workers": 0}, "0 workers: at least one process"),
     ],
 )
@@ -93,18 +92,3 @@ def test_a_single_seed_has_the_same_numbers_alone_and_among_others() -> None:
     alone = reproduction.reproduce("table1.resistance", seeds=[6])
     assert alone.single_seed == 6
     assert [row.ours for row in alone.rows] == [many.for_check(row.name, (6,))[0].number for row in alone.rows]
-
-
-@pytest.mark.slow
-def test_a_worker_that_dies_is_an_error_and_no_process_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    started: list[subprocess.Popen[bytes]] = []
-
-    def dying(module: str) -> subprocess.Popen[bytes]:
-        started.append(start_worker(module))
-        started[-1].kill()
-        return started[-1]
-
-    monkeypatch.setattr(seed_numbers, "start_worker", dying)
-    with pytest.raises(NumericsError, match="has died"):
-        reproduce("table1.resistance", seeds=range(1, 40), workers=3)
-    assert [process.poll() is not None for process in started] == [True, True]

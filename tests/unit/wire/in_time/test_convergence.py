@@ -1,7 +1,7 @@
 """Finer steps lead to one answer at order two, and more grains to the fronts: `python benchmarks/convergence.py`.
 
 The distances are those of the benchmark: from a much finer step, and of an ensemble of grains from the fronts. That the
-one answer is the right one is for test_plain_scipy_wire.py.
+one answer is the right one is for the grains of tests/grain_wire (test_kernel_accuracy.py).
 """
 
 from __future__ import annotations

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 import pytest
-from plain_scipy_wire import churchill_chu_w_per_m2_k
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from wire_makers import constants, stepped
 
+from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.wire._building import resting_state
 from musclewire.wire._constants import WireConstants
 from musclewire.wire._state import WireState
@@ -54,7 +54,7 @@ def reference_temperatures_k(wire: WireConstants) -> list[float]:
     def slope(_: float, y: np.ndarray, voltage: float) -> list[float]:
         resistance = resistance_ohm(y[0], wire)
         power = (voltage / (resistance + wire.series_resistance_ohm)) ** 2 * resistance
-        h = wire.convection_factor * churchill_chu_w_per_m2_k(y[0], wire.ambient_temperature_k, diameter)
+        h = wire.convection_factor * convection_coefficient_w_per_m2_k(y[0], wire.ambient_temperature_k, diameter)
         return [(power - h * wire.surface_m2 * (y[0] - wire.ambient_temperature_k)) / wire.heat_capacity_j_per_k]
 
     found = [wire.ambient_temperature_k]

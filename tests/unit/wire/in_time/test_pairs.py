@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -119,17 +118,6 @@ CASES = {
 }
 
 
-def as_one_of_two(single: WireState) -> WireState:
-    """Return a single wire's state as that of one of two like wires.
-
-    Their slopes are over the heat of both along the last step, the length of a vector: positive in cooling, too.
-    """
-    share = math.copysign(2**-0.5, single.last_heat_j)
-    names = ("temperature_slope_k_per_j", "stress_slope_pa_per_j", "contraction_slope_per_j")
-    slopes = {name: getattr(single, name) * share for name in (*names, "resistance_slope_ohm_per_j")}
-    return single.replace(**slopes)
-
-
 def test_two_equal_wires_on_one_connector_are_one_wire_with_half_the_load() -> None:
     """By hand: each carries half of pretension and spring; half the current flows in it, so the shunt counts twice.
 
@@ -151,7 +139,7 @@ def test_two_equal_wires_on_one_connector_are_one_wire_with_half_the_load() -> N
         assert means.force_n + means.partner_force_n == pytest.approx(2.0 * mean.force_n, rel=1e-9)
         # On from where the single wire will be after a tenth of a second.
         single, _ = advance(single, half, voltage, 99e-3, MS)
-        states = (as_one_of_two(single), as_one_of_two(single))
+        states = (single, single)
         contracted.append(single.contraction)
     assert max(contracted) > 0.03
 

@@ -13,10 +13,9 @@ from wire_makers import constants
 
 from musclewire.wire._batch import WireBatch
 from musclewire.wire._constants import WireConstants
-from musclewire.wire._paths import drive_path
+from musclewire.wire._paths import drive_path, heated_state
 from musclewire.wire._state import WireState
 from musclewire.wire._stepping import StepControl, fixed_steps
-from musclewire.wire._warming import heated_state
 from musclewire.wire._wires import WireMeans, advance
 
 WIRE = constants()

@@ -8,8 +8,7 @@ from wire_makers import constants, driven
 
 from musclewire.errors import CallerError
 from musclewire.physics import REFERENCE_TEMPERATURE_K
-from musclewire.wire._paths import isobaric_path
-from musclewire.wire._warming import heated_state
+from musclewire.wire._paths import heated_state, isobaric_path
 
 AMBIENT_K = 295.15
 

@@ -15,8 +15,6 @@ from musclewire.signals import write_whole
 if TYPE_CHECKING:
     from musclewire.extras.board._c.library import CLibrary
 
-__all__ = ["write_arduino_zip"]
-
 # What belongs to an Arduino library; the tests and the CMake project stay in the folder.
 IN_ZIP = ("library.properties", "keywords.txt", "LICENSE", "README.md", "src/", "examples/")
 # The same library gives the same bytes, whenever it is written.

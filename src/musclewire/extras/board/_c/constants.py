@@ -6,7 +6,6 @@ checks and the tests read the same list.
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
@@ -38,18 +37,8 @@ from musclewire.controllers import (
     protection_table,
 )
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.physics import wire_resistance
-from musclewire.sensing import (
-    MARGIN,
-    MISMATCH_FRACTION,
-    NUMBERS,
-    PAPER_ESTIMATOR,
-    GatedBranches,
-    SensingModel,
-    time_step,
-)
-
-__all__ = ["ACTIONS", "CONTROL_HEADINGS", "CConstant", "CConstants", "collect", "control_numbers"]
+from musclewire.physics import MINIMUM_CURRENT_A
+from musclewire.sensing import GATES, PAPER_ESTIMATOR, SensingModel, gated_numbers
 
 Kind = Literal["real", "integer"]
 ACTIONS = {"": 0, "trip": 1, "degrade": 2}
@@ -143,24 +132,23 @@ def control_numbers(
 
 def _gates(model: SensingModel) -> list[CConstant]:
     """Return the numbers of the direction-gated branches; their names are those of ``sensing._gated_branches``."""
-    numbers = GatedBranches(model).tick_constants(time_step(0.0))
-    margin = MISMATCH_FRACTION * (model.resistance_max_ohm - model.resistance_min_ohm)
-    times = {name: value for name, value in NUMBERS.items() if name.endswith("_s") and not name.endswith("_per_s")}
+    numbers = GATES._asdict() | gated_numbers(model)
+    times = {name: value for name, value in numbers.items() if name.endswith("_s") and not name.endswith("_per_s")}
+    own_low_ohm, own_high_ohm = model.own_resistance_ohm
     return [
         _integer("GATED", 1, "the estimate is mw_follow's"),
-        _real("OWN_LOW_OHM", model.resistance_min_ohm - margin, "a resistance beyond is another wire's"),
-        _real("OWN_HIGH_OHM", model.resistance_max_ohm + margin),
+        _real("OWN_LOW_OHM", own_low_ohm, "a resistance beyond is another wire's"),
+        _real("OWN_HIGH_OHM", own_high_ohm),
         *(_real(name.upper(), value, "time constant") for name, value in times.items()),
         *(_real(name.upper(), numbers[name]) for name in GATE_NUMBERS),
     ]
 
 
 def _circuit(limits: ProtectionLimits) -> list[CConstant]:
-    min_current_a = inspect.signature(wire_resistance).parameters["minimum_current_a"].default
     shunt_ohm = limits.shunt_resistance_ohm
     return [
         _real("SHUNT_RESISTANCE_OHM", shunt_ohm, "R of Eq. 1"),
-        _real("LEAST_SHUNT_VOLTAGE_V", min_current_a * shunt_ohm, "below it there is no resistance"),
+        _real("LEAST_SHUNT_VOLTAGE_V", MINIMUM_CURRENT_A * shunt_ohm, "below it there is no resistance"),
         _real("SENSE_VOLTAGE_V", limits.sense_voltage_v, "the drive never falls below it while sensing"),
         _real("MAXIMUM_VOLTAGE_V", limits.maximum_voltage_v),
     ]
@@ -168,15 +156,15 @@ def _circuit(limits: ProtectionLimits) -> list[CConstant]:
 
 def _model(model: SensingModel) -> list[CConstant]:
     heating, cooling = (tuple(reversed(powers)) for powers in (model.heating_coefficients, model.cooling_coefficients))
-    per_ohm = 1.0 / (model.resistance_max_ohm - model.resistance_min_ohm)
+    per_ohm, margin = model.numbers["per_ohm"], model.numbers["normalised_margin"]
     return [
         _real("RESISTANCE_MIN_OHM", model.resistance_min_ohm, "normalised resistance 0"),
         _real("RESISTANCE_MAX_OHM", model.resistance_max_ohm, "normalised resistance 1"),
         _real("SHARE_PER_OHM", per_ohm),
         _real("NORMALISED_MIN", model.normalised_min, "the valid range of normalised resistance"),
         _real("NORMALISED_MAX", model.normalised_max),
-        _real("VALID_FROM", model.normalised_min - MARGIN, "estimates are valid a little beyond it"),
-        _real("VALID_TO", model.normalised_max + MARGIN),
+        _real("VALID_FROM", model.normalised_min - margin, "estimates are valid a little beyond it"),
+        _real("VALID_TO", model.normalised_max + margin),
         _real("QUANTITY_MIN", model.quantity_min, f"{model.quantity} [{model.unit}] at the ends of the range"),
         _real("QUANTITY_MAX", model.quantity_max),
         _integer("COEFFICIENTS", len(heating)),

@@ -11,8 +11,6 @@ import numpy as np
 from musclewire.extras.board._c.reference import ReferenceTick, TickOutcome
 from musclewire.parameters import require_seed
 
-__all__ = ["FAULTS", "ExerciseRow", "exercise"]
-
 # Largest step of the resistance in a control period, as a fraction of the model's span.
 WALK_FRACTION = 0.02
 TARGET_CHANGES_EACH_S = 2.0

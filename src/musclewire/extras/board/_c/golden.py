@@ -7,8 +7,6 @@ from itertools import chain
 from musclewire.extras.board._c.exercise import ExerciseRow, exercise
 from musclewire.extras.board._c.reference import ReferenceTick, TickOutcome
 
-__all__ = ["COLUMNS", "golden_ticks", "golden_vectors"]
-
 SEED = 2010
 # Ticks without faults first, then faults at the control rate, then a converter that is faster than the controller.
 CALM, FAULTY, FAST = 150, 250, 300

@@ -8,8 +8,6 @@ import zlib
 from musclewire.extras.board._c.constants import CONTROL_HEADINGS, CConstant, CConstants
 from musclewire.extras.board._c.numbers import literal, rows
 
-__all__ = ["constants_header", "model_checksum"]
-
 START = """/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* Written by musclewire {version} (musclewire export c): numbers of one wire, its controller, its limits.
  * Model: {model}

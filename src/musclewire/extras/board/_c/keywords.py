@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["keywords_file"]
-
 FUNCTION = re.compile(r"^\w+ \*?(mw_\w+)\(", re.M)
 TYPE = re.compile(r"^\} (mw_\w+);", re.M)
 

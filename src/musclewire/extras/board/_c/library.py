@@ -18,8 +18,6 @@ from musclewire.extras.board._c.precision import check_precision, single_error_s
 from musclewire.extras.board._c.reference import ReferenceTick
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
 
-__all__ = ["CLibrary", "library_license", "library_sources", "loop_checksum", "write_library"]
-
 TEST_FILES = (
     "golden_test.c",
     "same_bits.c",

@@ -11,8 +11,6 @@ import numpy as np
 
 from musclewire.errors import CallerError
 
-__all__ = ["check_single", "literal", "rows"]
-
 MIN_NORMAL = float(np.finfo(np.float32).tiny)
 # The bits of a double that single precision drops, when the double lies half-way between two of its numbers.
 DROPPED_BITS, HALF_WAY = (1 << 29) - 1, 1 << 28

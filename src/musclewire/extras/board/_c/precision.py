@@ -13,8 +13,6 @@ from musclewire.extras.board._c.constants import CConstants, numbers_of
 from musclewire.extras.board._c.numbers import check_single
 from musclewire.sensing import SensingModel
 
-__all__ = ["MAX_ERROR", "check_precision", "single_estimates", "single_error_share"]
-
 # An estimate in single precision may differ from one in double by this fraction of the full scale.
 MAX_ERROR = 2e-4
 CHECKED_RESISTANCES = 4001

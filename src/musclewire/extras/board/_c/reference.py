@@ -11,10 +11,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from musclewire.controllers import (
-    ControllerState,
     DriveLimits,
     Event,
-    FuzzyPid,
     FuzzyPidController,
     FuzzyPidSettings,
     ProtectionLimits,
@@ -27,18 +25,9 @@ from musclewire.controllers import (
     protection_table,
     tripped_by,
 )
-from musclewire.sensing import (
-    MISMATCH_FRACTION,
-    PAPER_ESTIMATOR,
-    BranchState,
-    GatedBranches,
-    PolynomialEstimator,
-    SensingModel,
-    time_step,
-)
-from musclewire.signals import QuantityEstimate, Reason, drive_voltage_of
-
-__all__ = ["TickOutcome", "ReferenceTick"]
+from musclewire.physics import wire_resistance
+from musclewire.sensing import PAPER_ESTIMATOR, GatedEstimator, SensingModel
+from musclewire.signals import QuantityEstimate, Reason, WireSample, drive_voltage_of
 
 TIME_ROUNDING_S = 1e-9
 
@@ -82,21 +71,18 @@ class ReferenceTick:
 
     def __post_init__(self) -> None:
         """Build the controller and start."""
-        self._controller = FuzzyPidController(FuzzyPid(self.settings, self.limits, self.rule_base))
-        self._estimator = PolynomialEstimator(self.model, self.protection_limits.shunt_resistance_ohm)
-        self._branches = GatedBranches(self.model)
-        margin = MISMATCH_FRACTION * (self.model.resistance_max_ohm - self.model.resistance_min_ohm)
-        self._own_ohm = (self.model.resistance_min_ohm - margin, self.model.resistance_max_ohm + margin)
+        self._shunt_ohm = self.protection_limits.shunt_resistance_ohm
+        self._controller = FuzzyPidController(self.settings, self.limits, self.rule_base)
         self.start()
 
     def start(self) -> None:
         """Start cold: the drive is the sense voltage, and nothing is known of the wire."""
         self.protection = armed(self.protection_limits)
-        self._pid: ControllerState | None = None
+        self._pid: tuple[float, ...] | None = None
         self._mean, self._block = SampleSums(), SampleSums()
         self._resistance_ohm = 0.0
         self._voltages_v = (0.0, 0.0)
-        self._gates: BranchState | None = None
+        self._gates = self._gated(1.0).start()
         self._estimate, self._valid = self.model.quantity_min, False
         self._gains: tuple[float, ...] = (0.0, 0.0, 0.0)
 
@@ -146,7 +132,7 @@ class ReferenceTick:
         self._resistance_ohm = 0.0
         if mean.samples:
             self._voltages_v = (mean.wire_v / mean.samples, mean.shunt_v / mean.samples)
-            self._resistance_ohm = self._estimator.read(*self._voltages_v)[0]
+            self._resistance_ohm = wire_resistance(*self._voltages_v, self._shunt_ohm).resistance_ohm
         drive_v = self._controlled(target, dt_s) if math.isfinite(target) else -1.0
         self.protection = protect_command(self.protection, self.protection_limits, drive_v)
         return self.outcome()
@@ -168,18 +154,10 @@ class ReferenceTick:
             return QuantityEstimate(self._estimate, 0.0, False, Reason.NO_CURRENT)
         if self.estimator == PAPER_ESTIMATOR:
             return QuantityEstimate(*self.model.estimate(self._resistance_ohm))
-        return self._followed(self._resistance_ohm, dt_s)
+        sample = WireSample(0.0, self.drive_voltage_v, *self._voltages_v)
+        estimate, self._gates, _ = self._gated(dt_s).step(self._gates, sample)
+        return estimate
 
-    def _followed(self, resistance_ohm: float, dt_s: float) -> QuantityEstimate:
-        """Return the estimate by the branch of the direction; a resistance of another wire leaves it is."""
-        if not self._own_ohm[0] <= resistance_ohm <= self._own_ohm[1]:
-            return QuantityEstimate(self._estimate, 0.0, False, Reason.MISMATCH)
-        wire_v, shunt_v = self._voltages_v
-        power_w = wire_v * wire_v / resistance_ohm
-        if self._gates is None:
-            found = self._branches.start(resistance_ohm, power_w)
-        else:
-            found = self._branches.step(self._gates, resistance_ohm, power_w, shunt_v, time_step(dt_s))
-        self._gates = found.state
-        valid = found.on_curve and found.state.sensing != 0.0
-        return QuantityEstimate(found.state.value, 0.0, valid, Reason.OK if valid else Reason.COLD)
+    def _gated(self, dt_s: float) -> GatedEstimator:
+        """Return the estimator by gated branches, for a time between two ticks; any goes on from another's state."""
+        return GatedEstimator(self.model, self._shunt_ohm, dt_s)

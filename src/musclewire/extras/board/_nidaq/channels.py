@@ -6,8 +6,6 @@ from typing import NamedTuple
 
 from musclewire.errors import CallerError
 
-__all__ = ["SamplePeriodLayout", "LinearScale", "layout_of"]
-
 # The first reading after the output's clock edge is taken while the output still settles.
 SETTLING_READINGS = 1
 

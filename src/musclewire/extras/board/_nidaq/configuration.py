@@ -27,8 +27,6 @@ from musclewire.extras.board._nidaq.channels import LinearScale, SamplePeriodLay
 from musclewire.rigs import DeviceConfiguration, LivePeriod, MountedWire
 from musclewire.signals import measured_in
 
-__all__ = ["DisplacementInput", "ForceInput", "Inputs", "NiDaqConfiguration", "Output", "Terminal", "VoltageInput"]
-
 
 def not_zero(value: float) -> float:
     """Refuse a scale of 0 per volt; a negative one reverses a sensor."""

@@ -19,8 +19,6 @@ from musclewire.extras.board._nidaq.output import GuardedOutput, GuardianLostErr
 from musclewire.rigs import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, DeviceKind, Metadata, Missing
 from musclewire.signals import Command, RawSample, drive_voltage_of
 
-__all__ = ["NIDAQ", "NiDaqDevice", "SilenceTimes"]
-
 # Length of the driver's buffer of readings [s]: a first run may compile for this long at the sense voltage.
 BUFFER_S = 30.0
 # While the host waits for readings, it sends the guardian a command at least this often [s].

@@ -13,8 +13,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import MissingExtraError
 from musclewire.extras.board._nidaq.driver_errors import LATE_WRITE, DaqFaultError, explained
 
-__all__ = ["AcquisitionCard", "InputStream", "OutputLine", "OutputSettings", "nidaqmx_package"]
-
 EXTRA = "nidaq"
 # Longer than any sample, shorter than a user's patience.
 TIMEOUT_S = 2.0

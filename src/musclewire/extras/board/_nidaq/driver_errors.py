@@ -7,8 +7,6 @@ from typing import Any
 
 from musclewire.errors import RigError
 
-__all__ = ["DaqFaultError", "explained"]
-
 # The driver's numbers (nidaqmx.error_codes), what they mean here, and what to do.
 MEANINGS: dict[int, tuple[str, str]] = {
     -50103: (

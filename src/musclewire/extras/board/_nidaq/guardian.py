@@ -26,8 +26,6 @@ from musclewire.extras.board._nidaq.channels import LinearScale
 from musclewire.extras.board._nidaq.driver import OutputLine, OutputSettings
 from musclewire.extras.board._nidaq.driver_errors import DaqFaultError
 
-__all__ = ["BEGIN", "COMMAND", "END", "KEEP", "PUT", "REPLY", "SAFE", "GuardianOrders", "SilenceWatch", "main"]
-
 # Host to guardian: a command, and a drive voltage [V].
 COMMAND = struct.Struct("<cd")
 BEGIN, PUT, KEEP, SAFE, END = b"B", b"D", b"K", b"S", b"O"

@@ -15,8 +15,6 @@ from musclewire.extras.board._nidaq.driver import OutputLine
 from musclewire.extras.board._nidaq.driver_errors import DaqFaultError
 from musclewire.extras.board._nidaq.guardian import BEGIN, COMMAND, END, KEEP, PUT, REPLY, SAFE, GuardianOrders
 
-__all__ = ["GuardedOutput", "GuardianLostError", "HostStalledError"]
-
 # Starting Python and the driver takes a second or two on a slow machine.
 START_S = 30.0
 # Switching off may take a reset of the card; anything longer is a guardian that hangs.

@@ -8,18 +8,10 @@ from collections.abc import Callable
 from threading import Lock
 
 from musclewire.errors import RigError
-from musclewire.extras.board._serial.frames import PROTOCOL_VERSION, FrameParser, SerialFrame, encode_frame
+from musclewire.extras.board._serial.frames import FrameParser, SerialFrame, encode_frame
 from musclewire.extras.board._serial.line import ByteLine
-from musclewire.extras.board._serial.messages import (
-    Acknowledgement,
-    BoardIdentity,
-    Message,
-    MessageKind,
-    payload_of,
-    read_message,
-)
-
-__all__ = ["Board", "LinkStormError", "BoardOffMeanwhileError"]
+from musclewire.extras.board._serial.message_types import PROTOCOL_VERSION, Acknowledgement, MessageKind
+from musclewire.extras.board._serial.messages import BoardIdentity, Message, payload_of, read_message
 
 # The protocol's checksum storm: this many broken frames within this time.
 STORM_FRAMES, STORM_S = 16, 0.2

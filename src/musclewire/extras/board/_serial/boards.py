@@ -6,8 +6,6 @@ import tomllib
 from importlib.resources import files
 from typing import Any
 
-__all__ = ["BOARDS", "BOARD_NAMES", "USB_DEVICES"]
-
 _TEXT = files("musclewire.extras.board._serial").joinpath("data", "boards.toml").read_text(encoding="utf-8")
 # What is known of each board, by its own name.
 BOARDS: dict[str, dict[str, Any]] = tomllib.loads(_TEXT)

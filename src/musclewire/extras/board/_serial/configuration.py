@@ -9,8 +9,6 @@ from pydantic import Field
 from musclewire.rigs import DeviceConfiguration, LivePeriod, MountedWire
 from musclewire.signals import measured_in
 
-__all__ = ["SerialConfiguration"]
-
 Volts = Annotated[float, measured_in("V"), Field(gt=0.0, allow_inf_nan=False)]
 Seconds = Annotated[float, measured_in("s"), Field(gt=0.0, le=60.0)]
 

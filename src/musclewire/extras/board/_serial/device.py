@@ -15,21 +15,17 @@ from musclewire.errors import CallerError, RigError
 from musclewire.extras.board._serial.board import Board, BoardOffMeanwhileError, LinkStormError
 from musclewire.extras.board._serial.configuration import SerialConfiguration
 from musclewire.extras.board._serial.line import LineLostError, open_line
-from musclewire.extras.board._serial.messages import (
+from musclewire.extras.board._serial.message_types import (
     Acknowledgement,
     AcknowledgementResult,
     BoardEvent,
-    BoardIdentity,
     BoardSample,
-    Message,
     MessageKind,
-    payload_of,
 )
+from musclewire.extras.board._serial.messages import BoardIdentity, Message, payload_of
 from musclewire.rigs import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, DeviceKind, Metadata
 from musclewire.sensing import SensingModel
 from musclewire.signals import Command, RawSample, Target
-
-__all__ = ["SERIAL", "SerialDevice"]
 
 # Samples that the board sends in a sample period, the first number that divides it: a lost one then costs a fifth.
 FRAMES_PER_SAMPLE = (5, 4, 3, 2, 1)

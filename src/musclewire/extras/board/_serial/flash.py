@@ -15,8 +15,6 @@ from musclewire.extras.board._serial.line import open_line
 from musclewire.extras.board._serial.messages import BoardIdentity
 from musclewire.extras.board._serial.ports import ports_text, serial_ports
 
-__all__ = ["FlashLoader", "find_port", "greet", "loader_for", "run_loader"]
-
 # An Uno's boot loader, and that of Nanos made before 2018.
 BAUD, OLD_BAUD = 115200, 57600
 FLASH_START = "0x08000000"

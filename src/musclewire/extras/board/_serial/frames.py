@@ -16,8 +16,6 @@ from typing import NamedTuple
 from musclewire.errors import CallerError
 from musclewire.extras.board._serial.message_types import MAXIMUM_BODY_BYTES, PROTOCOL_VERSION
 
-__all__ = ["SerialFrame", "FrameParser", "LinkErrors", "MAXIMUM_BODY_BYTES", "PROTOCOL_VERSION", "encode_frame"]
-
 HEADER = struct.Struct("<BBH")
 CHECKSUM = struct.Struct("<I")
 MIN_BODY_BYTES = HEADER.size + CHECKSUM.size

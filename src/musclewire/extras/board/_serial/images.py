@@ -11,8 +11,6 @@ from typing import NamedTuple
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.extras.board._serial.boards import BOARD_NAMES
 
-__all__ = ["FOLDER", "FirmwareImage", "find_image", "firmware_images", "require_sound"]
-
 FOLDER = Path(str(files("musclewire.extras.board._serial"))) / "data" / "images"
 
 

@@ -9,8 +9,6 @@ from typing import Any, Protocol
 from musclewire.errors import MissingExtraError, RigError
 from musclewire.extras.board._serial.ports import ports_text, serial_ports
 
-__all__ = ["ByteLine", "LineLostError", "open_line"]
-
 # More than a second of samples at any rate: a longer backlog has been abandoned.
 READ_BYTES = 65536
 PATIENCE_S = 0.25

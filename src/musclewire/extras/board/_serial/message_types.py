@@ -9,20 +9,6 @@ import struct
 from enum import IntEnum
 from typing import NamedTuple
 
-__all__ = [
-    "Acknowledgement",
-    "AcknowledgementResult",
-    "BoardEvent",
-    "BoardSample",
-    "FaultInjection",
-    "IdentityFields",
-    "LAYOUTS",
-    "MAXIMUM_BODY_BYTES",
-    "MessageKind",
-    "PROTOCOL_VERSION",
-    "ResetCause",
-]
-
 PROTOCOL_VERSION = 1
 MAXIMUM_BODY_BYTES = 96
 

@@ -12,25 +12,12 @@ from musclewire.extras.board._serial.frames import SerialFrame
 from musclewire.extras.board._serial.message_types import (
     LAYOUTS,
     Acknowledgement,
-    AcknowledgementResult,
     BoardEvent,
     BoardSample,
     IdentityFields,
     MessageKind,
     ResetCause,
 )
-
-__all__ = [
-    "Acknowledgement",
-    "AcknowledgementResult",
-    "BoardEvent",
-    "BoardSample",
-    "BoardIdentity",
-    "Message",
-    "MessageKind",
-    "payload_of",
-    "read_message",
-]
 
 
 class BoardIdentity(IdentityFields):

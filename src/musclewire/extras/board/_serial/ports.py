@@ -7,8 +7,6 @@ from typing import NamedTuple
 from musclewire.errors import MissingExtraError
 from musclewire.extras.board._serial.boards import USB_DEVICES
 
-__all__ = ["SerialPort", "ports_text", "serial_ports"]
-
 
 class SerialPort(NamedTuple):
     """A serial port: its name, the board that its USB numbers belong to ("" if unknown), and what it says it is."""

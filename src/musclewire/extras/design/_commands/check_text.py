@@ -11,8 +11,6 @@ if TYPE_CHECKING:
 
     pass
 
-__all__ = ["check_json", "check_lines", "finite"]
-
 # How numbers of a unit are shown: unit, factor.
 SHOWN = {"N/m": ("N/m", 1.0), "Pa": ("MPa", 1e-6), "m": ("mm", 1e3), "N": ("N", 1.0), "1": ("", 1.0)}
 RULES = {"about": "", "below": "at most ", "above": "at least ", "shown": ""}

@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from musclewire.parameters import Material
     from musclewire.wire import ElasticObject
 
-__all__ = ["finger"]
-
 
 @dataclass(frozen=True)
 class SectionOptions:

@@ -11,8 +11,6 @@ from musclewire.extras.design._commands.check_text import check_json, check_line
 if TYPE_CHECKING:
     from musclewire.extras.design._finger.finger_study import FingerStudyResult
 
-__all__ = ["answer_json", "answer_text"]
-
 MM, MPA = 1e3, 1e-6
 
 

@@ -17,8 +17,6 @@ from musclewire.app import OUTPUT, PLOT, require_figure_file, require_folder
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.extras.design._options import DRAWING, SOLID
 
-__all__ = ["OPTIONS_FILE", "PartFiles", "given_options"]
-
 DRAWINGS, SOLIDS = (".svg", ".dxf"), (".stl", ".step")
 # Where results go is said on the command line: the same options may be computed twice.
 NOT_IN_A_FILE = {"options_file", "output", "drawing", "solid", "plot", "list_materials", "json"}

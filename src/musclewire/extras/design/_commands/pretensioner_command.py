@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from musclewire.extras.design._serpentine.geometry import AvailableRoom, SerpentineGeometry
     from musclewire.parameters import Material
 
-__all__ = ["pretensioner"]
-
 # A number at the beginning of a text; what is left is its unit.
 NUMBER = re.compile(r"^[+-]?[\d.]+([eE][+-]?\d+)?\s*")
 # Lan and Fan 2010, section 4: the pretensioner's dimensions and the pretension of the finger's wire. The stroke, 3 % of

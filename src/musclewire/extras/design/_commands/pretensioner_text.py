@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from musclewire.extras.design._serpentine.analysis import PretensionerDesign
     from musclewire.extras.design._serpentine.geometry import AvailableRoom
 
-__all__ = ["made_json", "made_text", "materials_json", "materials_text"]
-
 MM, MPA = 1e3, 1e-6
 
 

@@ -16,9 +16,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.extras.design._finger.geometry import FingerGeometry
 
-__all__ = ["AngleChain", "PlacedChain", "cantilever_chain", "finger_chain", "place"]
-
-
 ELEMENTS_PER_SEGMENT = 8
 FOOT_THICKNESSES = 16.67 / (12.0 * math.pi)
 # Two Gauss points on each element: the end of an element bent by 0.1 rad is right to 1e-8 of its length.

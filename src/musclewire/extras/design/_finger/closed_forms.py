@@ -13,15 +13,6 @@ from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 from musclewire.errors import CallerError
 
-__all__ = [
-    "EndLoad",
-    "bending_stiffness_n_m2",
-    "chord_travel_m",
-    "end_loaded_cantilever",
-    "pure_moment_stiffness_n_per_m",
-    "pure_moment_tip_m",
-]
-
 
 class EndLoad(NamedTuple):
     """Displacement of a cantilever's end under a dead force across it, as fractions of its length, and its slope."""

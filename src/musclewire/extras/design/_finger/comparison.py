@@ -18,8 +18,6 @@ from musclewire.extras.design._finger.curve import beam_stress_pa
 from musclewire.extras.design._finger.geometry import FingerGeometry
 from musclewire.extras.design._finger.statics import FingerEquilibrium, equilibrium
 
-__all__ = ["PullingScheme", "compare_schemes"]
-
 STEPS = 120
 
 

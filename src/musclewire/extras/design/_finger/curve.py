@@ -15,21 +15,6 @@ from musclewire.extras.design._finger.statics import FingerEquilibrium, equilibr
 from musclewire.parameters import FingerCurve
 from musclewire.wire import ElasticObject
 
-__all__ = [
-    "CURVE_REACH",
-    "LinearError",
-    "beam_stress_pa",
-    "bent_per_m",
-    "column_gap_m",
-    "curve_travels_m",
-    "finger_curve",
-    "linear_error",
-    "max_free_travel_m",
-    "reciprocity_error",
-    "touch_curve",
-    "travel_for_endpoint_m",
-]
-
 CURVE_STEP_M, MIN_STEPS, MAX_STEPS = 0.025e-3, 20, 400
 # If the tendon's force is 0, friction's fraction is taken at this small travel.
 SMALL_TRAVEL_M = 1e-7

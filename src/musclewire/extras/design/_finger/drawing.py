@@ -12,8 +12,6 @@ from musclewire.extras.design._finger.chain import finger_chain
 from musclewire.extras.design._finger.geometry import HOLE_RADIUS_M, FingerGeometry
 from musclewire.extras.design._finger.shape import finger_shape
 
-__all__ = ["finger_drawing", "write_finger_drawing"]
-
 # The block at the palm: room for two M2 screws below the tendon's guide.
 BLOCK_LENGTH_M, BLOCK_BELOW_M = 8e-3, 5e-3
 SCREW_HOLE_M = 2.2e-3

@@ -21,8 +21,6 @@ from musclewire.extras.design._finger.shape import FingerShape, beside, finger_s
 from musclewire.extras.design._finger.statics import FingerEquilibrium, equilibria
 from musclewire.pages import COOLING, HEATING, STYLE, TARGET
 
-__all__ = ["plot_finger"]
-
 BODY, EDGE, GHOST, PALM = "#dfe7ec", "#5b6b75", "#f3f5f6", "#c9cfd4"
 STRESS_MAP = "YlOrRd"
 MM = 1e3

@@ -13,13 +13,6 @@ from musclewire.extras.design._finger.friction import ASSUMED_FRICTION, FRICTION
 from musclewire.extras.design._finger.geometry import UNITS, FingerGeometry
 from musclewire.parameters import FingerCurve, FingerFile, Parameter, finger_file_text
 
-__all__ = [
-    "finger_study_file_text",
-    "recomputed_curve",
-    "finger_geometry",
-    "geometry_parameters",
-]
-
 FRICTION_KEY = "friction_coefficient"
 
 

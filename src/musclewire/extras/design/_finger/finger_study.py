@@ -43,8 +43,6 @@ from musclewire.parameters import (
 )
 from musclewire.wire import ElasticObject
 
-__all__ = ["FingerStudyResult", "FingerStudy", "ObjectContact", "WireToPull", "study_finger"]
-
 # Tolerances between two methods for the same number.
 WANTED_TOLERANCE, PLANE_TOLERANCE, STRESS_TOLERANCE = 0.01, 0.05, 0.1
 LINEAR_FRACTION, RECIPROCAL = 0.02, 1e-4

@@ -17,16 +17,6 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.extras.design._finger.chain import AngleChain, PlacedChain
 from musclewire.extras.design._finger.statics import FingerEquilibrium, equilibrium
 
-__all__ = [
-    "ASSUMED_FRICTION",
-    "FRICTION_SOURCE",
-    "MAX_FRICTION",
-    "ConnectorFriction",
-    "chord_tensions",
-    "friction_at",
-    "hole_turns_rad",
-]
-
 ASSUMED_FRICTION = 0.15
 # Rubber on dry glass, beyond any tendon.
 MAX_FRICTION = 1.0

@@ -15,8 +15,6 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.extras.design._finger.closed_forms import bending_stiffness_n_m2
 from musclewire.parameters import Parameter
 
-__all__ = ["HOLE_RADIUS_M", "UNITS", "FingerGeometry"]
-
 UNITS = {
     "overall_length_m": "m",
     "plate_length_m": "m",

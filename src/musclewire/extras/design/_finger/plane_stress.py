@@ -21,8 +21,6 @@ from musclewire.extras.design._finger.geometry import HOLE_RADIUS_M, FingerGeome
 from musclewire.extras.design._packages import require_finite_elements
 from musclewire.extras.design._plane_body import PlaneBody
 
-__all__ = ["FingerBody", "PlaneStressPoint", "finger_body", "plane_stress_path"]
-
 ALONG_SEGMENT, ALONG_COLUMN, ALONG_PLATE, THROUGH_BEAM, UP_COLUMN, AT_HOLE = 10, 3, 8, 2, 3, 1
 
 

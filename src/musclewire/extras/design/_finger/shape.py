@@ -10,8 +10,6 @@ from musclewire.arrays import FloatArray
 from musclewire.extras.design._finger.chain import GAUSS
 from musclewire.extras.design._finger.geometry import HOLE_RADIUS_M, FingerGeometry
 
-__all__ = ["FingerShape", "beside", "finger_shape"]
-
 
 @dataclass(frozen=True)
 class FingerShape:

@@ -24,8 +24,6 @@ from musclewire.extras.design._finger.geometry import HOLE_RADIUS_M, FingerGeome
 from musclewire.extras.design._finger.statics import FingerEquilibrium, equilibria, equilibrium, sensitivity
 from musclewire.parameters import Material
 
-__all__ = ["FingerRequest", "design_finger", "finger_stiffness_n_per_m", "geometry_of_section"]
-
 ROUNDED_M = 1e-5
 # The finger reaches its endpoint with this fraction of the available travel; the rest is reserve.
 TRAVEL_FRACTION = 0.95

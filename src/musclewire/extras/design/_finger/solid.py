@@ -19,8 +19,6 @@ from musclewire.extras.design._finger.shape import beside, finger_shape
 from musclewire.extras.design._finger.sizing import WALL_M
 from musclewire.extras.design._solid import Solid, StraightBore, write_solid
 
-__all__ = ["finger_solid", "write_finger_solid"]
-
 # Where in the depth the two legs run.
 LEGS = (0.25, 0.75)
 TENDON_HOLE_M = 2.0 * HOLE_RADIUS_M

@@ -18,8 +18,6 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.extras.design._finger.chain import AngleChain, PlacedChain, place
 from musclewire.wire import ElasticObject
 
-__all__ = ["FingerEquilibrium", "EquilibriumSlopes", "equilibria", "equilibrium", "loaded_cantilever", "sensitivity"]
-
 NEWTON_STEPS = 40
 # Of the largest moment in the chain, and of the length of the tendon between the guides.
 CLOSE_ENOUGH = 1e-10

@@ -17,8 +17,6 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.parameters import FingerCurve, load_alloy, load_bench, load_wire
 from musclewire.wire import WireConstants, constants_of, drive_path, measured_grains, resting_state
 
-__all__ = ["WireOnFinger", "wire_on_finger"]
-
 # Temperature at which no martensite is left; further heating would only expand the metal.
 HOT_K = 480.0
 HEATING_S, SAMPLES = 2.0, 1000

@@ -22,8 +22,6 @@ from musclewire.extras.design._serpentine.strip import (
 )
 from musclewire.parameters import Material
 
-__all__ = ["DesignCheck", "PretensionerDuty", "PretensionerDesign", "analyse", "finger_problem"]
-
 # Tolerances between two methods for the same number.
 BEAMS_TOLERANCE, STRIP_TOLERANCE, MESH_TOLERANCE, CORNER_TOLERANCE = 0.005, 0.03, 0.005, 0.08
 WANTED_TOLERANCE = 0.01

@@ -21,15 +21,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.extras.design._serpentine.geometry import CentreLineArc, CentreLineStraight, SerpentineGeometry
 
-__all__ = [
-    "corner_stress_factor",
-    "guided_factor",
-    "nominal_stress_pa",
-    "rounded_stiffness_n_per_m",
-    "stiffness_n_per_m",
-    "width_parameter",
-]
-
 # Six Gauss points integrate the products along a straight piece exactly, and along a quarter of a circle to 1e-10.
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(6)
 

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from musclewire.extras.design._serpentine.analysis import PretensionerDesign
 
 
-__all__ = ["draw_pretensioner"]
-
 SIZE_INCHES, DPI = (10.4, 5.6), 120
 MM, MPA = 1e3, 1e-6
 # Stress is drawn on a coarser mesh than the one that is checked: the eye sees no difference.

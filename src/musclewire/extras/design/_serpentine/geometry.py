@@ -28,8 +28,6 @@ from typing import NamedTuple
 
 from musclewire.errors import CallerError
 
-__all__ = ["CentreLineArc", "AvailableRoom", "SerpentineFittings", "SerpentineGeometry", "CentreLineStraight"]
-
 # A strip shorter than this many thicknesses is no beam: closed forms and intuition end there.
 MIN_HALF_BEAM = 2.0
 # Inner radius of a corner over the thickness.

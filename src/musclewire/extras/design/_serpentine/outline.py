@@ -7,8 +7,6 @@ import math
 from musclewire.extras.design._drawing import Drawing, DrawnHole, OutlineVertex, rounded
 from musclewire.extras.design._serpentine.geometry import CentreLineArc, SerpentineGeometry, direction
 
-__all__ = ["serpentine_drawing"]
-
 # Outer corners of pad and connector, and how far the pad's holes are from its ends.
 CORNER_M, HOLE_FROM_END_M = 0.8e-3, 2.8e-3
 

@@ -6,8 +6,6 @@ from musclewire.extras.design._serpentine.analysis import PretensionerDesign
 from musclewire.extras.design._serpentine.geometry import SerpentineGeometry
 from musclewire.parameters import Parameter, PretensionerFile, parameter_lines, quoted
 
-__all__ = ["DIMENSIONS", "geometry_of", "pretensioner_text"]
-
 DIMENSIONS = ("half_length_m", "pitch_m", "thickness_m", "depth_m", "corner_radius_m")
 
 

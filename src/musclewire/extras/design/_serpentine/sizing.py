@@ -16,10 +16,10 @@ from typing import NamedTuple
 from scipy.optimize import brentq
 
 from musclewire.errors import CallerError
+from musclewire.extras.design._design_checks import DesignCheck
 from musclewire.extras.design._serpentine import closed_form
 from musclewire.extras.design._serpentine.analysis import (
     WANTED_TOLERANCE,
-    DesignCheck,
     PretensionerDesign,
     PretensionerDuty,
     analyse,
@@ -34,8 +34,6 @@ from musclewire.extras.design._serpentine.geometry import (
 )
 from musclewire.extras.design._serpentine.strip import linear_answer
 from musclewire.parameters import Material
-
-__all__ = ["PretensionerRequest", "design_pretensioner"]
 
 STEP_M = 1e-5
 BEAM_NUMBERS = (*range(4, 41, 2), 2)

@@ -21,17 +21,6 @@ from musclewire.extras.design._serpentine.closed_form import places_on
 from musclewire.extras.design._serpentine.geometry import CentreLineArc, SerpentineGeometry
 from musclewire.parameters import Material
 
-__all__ = [
-    "FINEST",
-    "MESHES",
-    "ForceCurve",
-    "LinearAnswer",
-    "force_curve",
-    "linear_answer",
-    "pulled_strip",
-    "strip_body",
-]
-
 # Elements across the strip: the meshes whose answers are compared.
 MESHES = (1, 2, 3, 4)
 FINEST = MESHES[-1]

@@ -8,6 +8,7 @@ from musclewire.compiled import compiled
 from musclewire.errors import NumericsError
 from musclewire.wire import (
     NO_PUSH,
+    VOLTAGE,
     Rows,
     RunningWire,
     SourceOutput,
@@ -20,8 +21,6 @@ from musclewire.wire import (
     shakedown_of,
     solve,
 )
-
-__all__ = ["HeatFlow", "heat_flow_of", "heated_to"]
 
 # Half of the width over which the slope of the loss to the air is taken; its table has a point every 2 K.
 LOSS_SLOPE_K = 1.0
@@ -66,7 +65,7 @@ def flow_rows(
     derived: Rows, drive_voltage_v: float, resistance_ohm: float, temperature_k: float
 ) -> tuple[float, float]:
     """Return the electrical power of a wire in its circuit and its loss to the air [W]."""
-    found = instant_of(derived[0], SourceOutput(drive_voltage_v, False), resistance_ohm, temperature_k)
+    found = instant_of(derived[0], SourceOutput(drive_voltage_v, VOLTAGE), resistance_ohm, temperature_k)
     return found.power_w, found.loss_w
 
 

@@ -15,8 +15,6 @@ from musclewire.extras.interfaces._control_systems.heating import heat_flow_of, 
 from musclewire.extras.interfaces._control_systems.operating_points import OperatingPoint
 from musclewire.sensing import SensingModel, derivative, evaluate
 
-__all__ = ["LinearWire", "Motion", "SampledWire", "linearised"]
-
 Motion = Literal["branch", "minor loop"]
 # The slopes of the phases belong to a direction: they are taken this far from the operating point, as a rise of the
 # wire's own heat capacity [K].

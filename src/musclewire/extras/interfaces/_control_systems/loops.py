@@ -13,8 +13,6 @@ from musclewire.controllers import PidSettings
 from musclewire.extras.interfaces._control_systems.linearisation import LinearWire
 from musclewire.sensing import SensingModel
 
-__all__ = ["LoopMargins", "controller_system", "loop_margins", "sampled_system"]
-
 
 @dataclass(frozen=True)
 class LoopMargins:

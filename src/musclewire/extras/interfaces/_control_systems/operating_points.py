@@ -17,8 +17,6 @@ from musclewire.extras.interfaces._simulated_wire import SimulatedWire, simulate
 from musclewire.rigs import RigConfiguration
 from musclewire.wire import WireState, resting_state
 
-__all__ = ["Branch", "OperatingPoint", "operating_point"]
-
 Branch = Literal["heating", "cooling"]
 # Points between cold and hottest at which a branch is looked at before its root is searched for.
 SCAN_POINTS = 400

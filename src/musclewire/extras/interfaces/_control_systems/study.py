@@ -22,8 +22,6 @@ from musclewire.pages import COOLING, HEATING
 from musclewire.rigs import RigConfiguration
 from musclewire.sensing import SensingModel
 
-__all__ = ["Linearisation", "LinearisedLoop", "bode_axes", "linearise"]
-
 COLOURS = {"heating": HEATING, "cooling": COOLING}
 LINES = {"branch": "-", "minor loop": ":"}
 POINTS = 400

@@ -16,8 +16,6 @@ from musclewire.extras.interfaces._simulated_wire import simulated_wire
 from musclewire.rigs import RigConfiguration
 from musclewire.wire import WireState, advance, resting_state
 
-__all__ = ["branch_system", "linear_system", "wire_system"]
-
 READINGS = ("wire_voltage_v", "shunt_voltage_v", "displacement_m", "force_n")
 BRANCH_OUTPUTS = ("displacement_m", "strain", "resistance_ohm", "force_n", "temperature_k")
 

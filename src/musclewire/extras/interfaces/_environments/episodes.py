@@ -13,8 +13,6 @@ from musclewire.arrays import FloatArray, IntArray
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError, nearest_hint
 
-__all__ = ["MAX_RESISTANCE_FACTOR", "PERCENT", "Episode", "episode_from"]
-
 # The reward is the error in percent strain, so that a typical one is between -1 and 0.
 PERCENT = 100.0
 # A resistance is observed up to this multiple of the upper end of the wire's window.

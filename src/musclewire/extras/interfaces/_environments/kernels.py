@@ -18,16 +18,6 @@ from musclewire.controllers import SOUND_LIMITS, SOUND_MEMORY, sound_reading
 from musclewire.extras.interfaces._environments.episodes import MAX_RESISTANCE_FACTOR, PERCENT
 from musclewire.random_numbers import normal_pair, philox, uniform
 
-__all__ = [
-    "ENDS",
-    "FACTS",
-    "MEMORY",
-    "draw_levels",
-    "drive_lanes",
-    "judge_lanes",
-    "read_lanes",
-]
-
 # Streams of random numbers of a lane: the last word of the counter.
 TARGETS, READINGS = 0, 1
 # From this noise on, in steps of the converter, the error of rounding is independent of the voltage to 0.3 % of a step:

@@ -23,8 +23,6 @@ from musclewire.rigs import GuardedRig, ProtectionTripError, RigConfiguration, o
 from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel
 from musclewire.signals import Drive, RawSample, wire_sample
 
-__all__ = ["WireEnv"]
-
 
 class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
     """A wire on a simulated rig that is to follow a strain, by its voltages.

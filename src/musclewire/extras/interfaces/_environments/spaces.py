@@ -14,14 +14,6 @@ from musclewire.errors import CallerError
 from musclewire.extras.interfaces._environments.episodes import MAX_RESISTANCE_FACTOR, Episode
 from musclewire.sensing import SensingModel, load_model
 
-__all__ = [
-    "action_space",
-    "checked_actions",
-    "no_options",
-    "observation_space",
-    "strain_model",
-]
-
 # The drive that is out is the commanded one in the amplifier's steps, which may round it up.
 DRIVE_ROUNDING = 1.01
 # An estimate at the end of the model's range may be beyond it by this fraction of the range: it is a sum of powers.

@@ -38,8 +38,6 @@ from musclewire.rigs import RigConfiguration
 from musclewire.sensing import ResistanceCurve, SensingModel
 from musclewire.wire import WireBatch, fixed_steps
 
-__all__ = ["MAX_STEP_S", "WireVectorEnv"]
-
 # Longest step of the simulation, and that as a fraction of the quickest wire's time constant: with both a jump of the
 # drive errs by hundredths of a kelvin (benchmarks/vector_environment.py).
 MAX_STEP_S, MAX_STEP_FRACTION = 0.025, 0.05

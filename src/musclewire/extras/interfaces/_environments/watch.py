@@ -22,8 +22,6 @@ from musclewire.controllers import (
     protect_reading,
 )
 
-__all__ = ["ProtectionWatch"]
-
 NAMES = SOUND_MEMORY.names or ()
 
 

@@ -10,8 +10,6 @@ from pathlib import Path
 from musclewire.errors import CallerError
 from musclewire.signals import write_whole
 
-__all__ = ["archive_bytes", "write_archive"]
-
 # The earliest time that a zip archive can hold: with the day of the export in it no two exports would be alike.
 NO_TIME = (1980, 1, 1, 0, 0, 0)
 

@@ -15,8 +15,6 @@ from typing import NamedTuple
 
 from musclewire.errors import CallerError, NumericsError
 
-__all__ = ["FmuBinary", "binary_platform", "compiled_binary"]
-
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden", "-w")
 COMPILERS = ("cc", "gcc", "clang")
 SUFFIXES = {"linux": ".so", "darwin": ".dylib", "win": ".dll"}

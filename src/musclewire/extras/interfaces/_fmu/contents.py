@@ -9,11 +9,8 @@ from typing import NamedTuple
 
 from musclewire.extras.board import library_license
 from musclewire.extras.interfaces._fmu.description import ModelDescription, description_text
-from musclewire.extras.interfaces._fmu.documentation import documentation_page
 from musclewire.extras.interfaces._fmu.header import variables_header
 from musclewire.extras.interfaces._fmu.variables import FmuVariables
-
-__all__ = ["LOG_OWNERS", "FmuContents", "fmu_sources", "fmu_texts", "c_files"]
 
 # Exports of the same content have the same GUID, those of other content another.
 NAMESPACE = uuid.UUID("6d1e5c1e-6f0b-5b0c-9a53-8f7f2b6a3c10")
@@ -71,6 +68,5 @@ def fmu_texts(name: str, contents: FmuContents) -> dict[str, str]:
     return {
         "modelDescription.xml": description_text(about, contents.variables),
         **{f"sources/{file}": text for file, text in sorted(sources.items())},
-        "documentation/index.html": documentation_page(about, contents.variables, contents.left_out),
         "documentation/licenses/license.txt": license_text,
     }

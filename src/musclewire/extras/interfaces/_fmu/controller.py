@@ -15,8 +15,6 @@ from musclewire.extras.interfaces._fmu.contents import FmuContents, c_files
 from musclewire.extras.interfaces._fmu.variables import FmuVariables
 from musclewire.sensing import SensingModel
 
-__all__ = ["controller_contents"]
-
 QUANTITY_UNITS = {"strain": "", "displacement": "m", "force": "N"}
 MODEL_FILE = "mw_controller_model.c"
 LEFT_OUT = (

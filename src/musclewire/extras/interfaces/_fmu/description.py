@@ -9,8 +9,6 @@ from xml.etree import ElementTree
 
 from musclewire.extras.interfaces._fmu.variables import FmuVariable, FmuVariables
 
-__all__ = ["ModelDescription", "FmuUnit", "description_text", "known_units"]
-
 
 class FmuUnit(NamedTuple):
     """A unit by its exponents of SI base units, and units to show it in: name, factor and offset from SI."""
@@ -111,8 +109,6 @@ def add_simulation(root: ElementTree.Element, about: ModelDescription) -> None:
             "modelIdentifier": about.name,
             "canHandleVariableCommunicationStepSize": "true",
             "canNotUseMemoryManagementFunctions": "true",
-            "canGetAndSetFMUstate": "true",
-            "canSerializeFMUstate": "true",
         },
     )
     files = ElementTree.SubElement(simulation, "SourceFiles")

@@ -21,8 +21,6 @@ from musclewire.rigs import RigConfiguration, rig_configuration
 from musclewire.sensing import SensingModel
 from musclewire.signals import RunFacts
 
-__all__ = ["FMI_VERSION", "Fmu", "export_fmu", "is_model"]
-
 FMI_VERSION = "2.0"
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")
 

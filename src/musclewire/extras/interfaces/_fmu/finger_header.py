@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from musclewire.extras.board import literal, rows
 from musclewire.rigs import FingerTendon
 
-__all__ = ["finger_header"]
-
 NO_FINGER = "/* Written by musclewire (musclewire export fmu): no finger at the connector. */\n#define MW_FINGER 0\n"
 START = "/* Written by musclewire (musclewire export fmu): the finger at the connector. */"
 

@@ -8,8 +8,6 @@ from collections.abc import Iterable
 from musclewire.extras.board import literal
 from musclewire.extras.interfaces._fmu.variables import KINDS, FmuVariable, FmuVariables, Kind
 
-__all__ = ["c_text", "table", "variables_header"]
-
 START = """/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* Written by musclewire {version} (musclewire export fmu): the variables of modelDescription.xml, in its order. */
 #ifndef MW_VARIABLES_H

@@ -9,8 +9,6 @@ from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from typing import Any, Literal
 
-__all__ = ["Kind", "Role", "FmuVariable", "FmuVariables"]
-
 Kind = Literal["real", "integer", "boolean"]
 Role = Literal["input", "output", "fixed", "tunable", "constant"]
 KINDS: tuple[Kind, ...] = ("real", "integer", "boolean")

@@ -13,8 +13,6 @@ from musclewire.extras.interfaces._fmu.wire_variables import wire_variables
 from musclewire.rigs import RigConfiguration, open_simulated
 from musclewire.wire import OneWire, WireConstants
 
-__all__ = ["wire_contents"]
-
 MODEL_FILE = "mw_wire_model.c"
 PARAMETERS_START = (
     "/* Written by musclewire (musclewire export fmu): the parameters that change a wire's constants. */\n"

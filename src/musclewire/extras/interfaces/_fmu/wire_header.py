@@ -12,8 +12,6 @@ from musclewire.extras.board import literal, rows
 from musclewire.physics import ELASTIC_POISSON_RATIO, REFERENCE_TEMPERATURE_K
 from musclewire.wire import CLASSES, MAX_STEP_ERROR_K, Field, Row, StepConstants, WireConstants, WireState
 
-__all__ = ["wire_header", "wire_tables"]
-
 START = """/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* Written by musclewire {version} (musclewire export fmu): {what}. */
 """

@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from musclewire.extras.interfaces._fmu.variables import FmuVariable, FmuVariables
 from musclewire.wire import Field, StepControl, WireConstants
 
-__all__ = ["wire_variables"]
-
 # Parameters of a wire that its user may change before it starts. All others follow from them, or from its geometry.
 NOT_NEGATIVE = (
     "pretension_n",

@@ -65,7 +65,6 @@ fmi2Status mw_status_of(mw_instance *of, mw_outcome outcome)
 static void restart(mw_instance *of)
 {
     memset(of->now, 0, mw_snapshot_bytes());
-    memcpy(of->now->guid, MW_GUID, sizeof MW_GUID);
     of->now->phase = MW_INSTANTIATED;
     mw_take_start_values(&of->now->values);
 }
@@ -230,8 +229,8 @@ MW_EXPORTED fmi2Status MW_FMI(fmi2DoStep)(fmi2Component component, fmi2Real time
         return mw_fail(of);
     }
     if (!same_time(time_s, of->now->time_s, step_s)) {
-        mw_say(&of->message, "caller", "the communication point is %.9g s, and the last step ended at %.9g s: restore a "
-               "saved state first, or do not leave a step out", time_s, of->now->time_s);
+        mw_say(&of->message, "caller", "the communication point is %.9g s, and the last step ended at %.9g s: do not "
+               "leave a step out, and repeat none", time_s, of->now->time_s);
         return mw_fail(of);
     }
     memcpy(of->before, of->now, mw_snapshot_bytes());
@@ -300,4 +299,58 @@ MW_EXPORTED fmi2Status MW_FMI(fmi2GetStringStatus)(fmi2Component component, cons
 {
     (void)component, (void)kind, (void)value;
     return fmi2Discard;
+}
+
+/* ---- what is not offered: modelDescription.xml says so, and tools ask for the names all the same --------------------- */
+
+static fmi2Status not_offered(fmi2Component component, const char *call)
+{
+    return mw_wrong_call(component, call, "by nobody: this FMU does not offer it");
+}
+
+MW_EXPORTED fmi2Status MW_FMI(fmi2GetFMUstate)(fmi2Component component, fmi2FMUstate *state)
+{
+    (void)state;
+    return not_offered(component, "fmi2GetFMUstate");
+}
+
+MW_EXPORTED fmi2Status MW_FMI(fmi2SetFMUstate)(fmi2Component component, fmi2FMUstate state)
+{
+    (void)state;
+    return not_offered(component, "fmi2SetFMUstate");
+}
+
+MW_EXPORTED fmi2Status MW_FMI(fmi2FreeFMUstate)(fmi2Component component, fmi2FMUstate *state)
+{
+    (void)state;
+    return not_offered(component, "fmi2FreeFMUstate");
+}
+
+MW_EXPORTED fmi2Status MW_FMI(fmi2SerializedFMUstateSize)(fmi2Component component, fmi2FMUstate state, size_t *bytes)
+{
+    (void)state, (void)bytes;
+    return not_offered(component, "fmi2SerializedFMUstateSize");
+}
+
+MW_EXPORTED fmi2Status MW_FMI(fmi2SerializeFMUstate)(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[],
+                                                     size_t count)
+{
+    (void)state, (void)bytes, (void)count;
+    return not_offered(component, "fmi2SerializeFMUstate");
+}
+
+MW_EXPORTED fmi2Status MW_FMI(fmi2DeSerializeFMUstate)(fmi2Component component, const fmi2Byte bytes[], size_t count,
+                                                       fmi2FMUstate *state)
+{
+    (void)bytes, (void)count, (void)state;
+    return not_offered(component, "fmi2DeSerializeFMUstate");
+}
+
+MW_EXPORTED fmi2Status MW_FMI(fmi2GetDirectionalDerivative)(fmi2Component component,
+                                                            const fmi2ValueReference unknown[], size_t unknowns,
+                                                            const fmi2ValueReference known[], size_t knowns,
+                                                            const fmi2Real by_known[], fmi2Real of_unknown[])
+{
+    (void)unknown, (void)unknowns, (void)known, (void)knowns, (void)by_known, (void)of_unknown;
+    return not_offered(component, "fmi2GetDirectionalDerivative");
 }

@@ -8,9 +8,8 @@
 
 typedef enum { MW_INSTANTIATED, MW_INITIALIZING, MW_STEPPING, MW_TERMINATED, MW_IN_ERROR } mw_phase;
 
-/* Everything that a saved state contains; the model's bytes follow it. */
+/* All that a step may change; the model's bytes follow it. */
 typedef struct {
-    char guid[sizeof MW_GUID];
     mw_phase phase;
     int started; /* whether the model has been put at rest with the present parameters */
     double time_s;
@@ -31,7 +30,7 @@ mw_model *mw_model_of(mw_snapshot *state);
 /* Send the instance's message to the tool's log, and return the status. */
 fmi2Status mw_tell(mw_instance *of, fmi2Status status);
 
-/* The same for an error: until fmi2Reset or a saved state nothing can be set or stepped. */
+/* The same for an error: until fmi2Reset nothing can be set or stepped. */
 fmi2Status mw_fail(mw_instance *of);
 
 /* An error of the tool: a function that was called at the wrong time. */

@@ -2,7 +2,7 @@
 /* What stands between the FMI functions (mw_fmi2.c) and a model (mw_wire_model.c or mw_controller_model.c).
  *
  * The FMI functions own instances, the order of calls, and the values of variables. A model owns what is computed. It has
- * no global that is written and no pointer in its state, so that a copy of the bytes is a saved state.
+ * no global that is written and no pointer in its state, so that a copy of the bytes is what a step that fails goes back to.
  */
 #ifndef MW_MODEL_H
 #define MW_MODEL_H

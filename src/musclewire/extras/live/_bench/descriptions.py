@@ -1,35 +1,19 @@
-"""What a page is shown of rigs, models and findings: plain values that JSON can hold, NaN and infinity as None."""
+"""What a page is shown of rigs, models and findings: plain values that JSON can hold, null for NaN and infinity."""
 
 from __future__ import annotations
 
-from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from musclewire.controllers import Event, State, protection_table
 from musclewire.experiment import ControlMetrics, Examination, PretensionSweep
-from musclewire.rigs import GuardedRig, stage_of
+from musclewire.rigs import GuardedRig, HasStage, ability
 from musclewire.sensing import SHOWN_AS, SensingModel, evaluate
-
-__all__ = [
-    "described_examination",
-    "described_metrics",
-    "described_model",
-    "described_protection",
-    "described_rig",
-    "described_sweep",
-    "wiring",
-]
 
 BRANCH_POINTS = 120
 # Facts of a rig's metadata that a page shows by their own names.
 FACTS = ("wire", "wire_length_m", "wire_diameter_m", "pretension_n", "maximum_force_n")
-
-
-def number(value: float | None) -> float | None:
-    """Return a number, None if it is not finite."""
-    return float(value) if value is not None and isfinite(value) else None
 
 
 def described_rig(rig: GuardedRig, name: str, *, simulated: bool) -> dict[str, Any]:
@@ -41,12 +25,12 @@ def described_rig(rig: GuardedRig, name: str, *, simulated: bool) -> dict[str, A
         "sample_period_s": rig.sample_period_s,
         "sense_voltage_v": rig.sense_voltage_v,
         "maximum_voltage_v": rig.maximum_voltage_v,
-        "drive_amplitude_v": number(rig.drive_amplitude_v),
+        "drive_amplitude_v": rig.drive_amplitude_v,
         "shunt_resistance_ohm": rig.shunt_resistance_ohm,
         "leg_length_m": rig.leg_length_m,
-        "has_stage": stage_of(rig) is not None,
+        "has_stage": ability(rig, HasStage) is not None,
         "reference_columns": list(rig.reference_columns or ()),
-        "limits": {key: number(value) for key, value in rig.protection_limits._asdict().items()},
+        "limits": rig.protection_limits._asdict(),
         **{key: facts.get(key) for key in FACTS},
         "wiring": wiring(
             simulated=simulated, voltage=f"{rig.maximum_voltage_v:g} V", shunt=f"{rig.shunt_resistance_ohm:g} ohm"
@@ -78,9 +62,9 @@ def described_protection(rig: GuardedRig) -> dict[str, Any]:
         "event": "" if row is None else row.name,
         "cause": "" if row is None else row.cause,
         "remedy": "" if row is None else row.remedy,
-        "temperature_k": number(protection.temperature_k),
-        "maximum_temperature_k": number(limits.maximum_temperature_k),
-        "margin_k": number(limits.maximum_temperature_k - protection.temperature_k),
+        "temperature_k": protection.temperature_k,
+        "maximum_temperature_k": limits.maximum_temperature_k,
+        "margin_k": limits.maximum_temperature_k - protection.temperature_k,
     }
 
 
@@ -98,7 +82,7 @@ def described_model(model: SensingModel, file: str) -> dict[str, Any]:
         "unit": SHOWN_AS[model.quantity][1],
         "lowest": model.quantity_min,
         "highest": model.quantity_max,
-        "gap_pct": number(100.0 * model.hysteresis_gap),
+        "gap_pct": 100.0 * model.hysteresis_gap,
         "branches": branches,
         "warnings": list(model.warnings),
     }
@@ -127,8 +111,8 @@ def described_sweep(sweep: PretensionSweep) -> dict[str, Any]:
     rows = [
         {
             "pretension_n": row.pretension_n,
-            "gap_pct": number(row.gap_pct(sweep.quantity)),
-            "largest_strain_pct": number(row.stroke_pct),
+            "gap_pct": row.gap_pct(sweep.quantity),
+            "largest_strain_pct": row.stroke_pct,
         }
         for row in sweep.rows
     ]
@@ -139,8 +123,8 @@ def described_metrics(metrics: ControlMetrics) -> dict[str, Any]:
     """Return how well a closed loop followed its target."""
     return {
         "text": str(metrics),
-        "mae_mean_pct": number(metrics.mae_mean_pct),
-        "rms_pct": number(metrics.rms_pct),
-        "tracking_rms_pct": number(metrics.tracking_rms_pct),
-        "valid_share": number(metrics.valid_share),
+        "mae_mean_pct": metrics.mae_mean_pct,
+        "rms_pct": metrics.rms_pct,
+        "tracking_rms_pct": metrics.tracking_rms_pct,
+        "valid_share": metrics.valid_share,
     }

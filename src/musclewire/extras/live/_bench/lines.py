@@ -8,7 +8,7 @@ import threading
 from collections.abc import Iterator
 from typing import IO, Any
 
-__all__ = ["MessageWriter", "lines_of"]
+from pydantic_core import to_json
 
 
 class MessageWriter:
@@ -19,8 +19,8 @@ class MessageWriter:
         self._descriptor, self._lock = descriptor, threading.Lock()
 
     def send(self, message: dict[str, Any]) -> None:
-        """Send a message."""
-        data = json.dumps(message, allow_nan=False).encode() + b"\n"
+        """Send a message, with null for NaN and infinities."""
+        data = to_json(message, inf_nan_mode="null") + b"\n"
         with self._lock:
             try:
                 while data:

@@ -14,8 +14,6 @@ from musclewire.extras.live._bench.orders import NumberedOrder, OrderQueue
 from musclewire.extras.live._bench.recipes import RECIPES, CommandRecipe, rig_of
 from musclewire.extras.live._bench.session import BenchSession, RunEndedError
 
-__all__ = ["run_session"]
-
 # How long a bench without an open rig waits for an order before it looks again whether it is to end [s].
 WAIT_S = 0.2
 

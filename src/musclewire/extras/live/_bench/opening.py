@@ -9,8 +9,6 @@ from musclewire.extras.live._bench.session import BenchSession, BenchStop
 from musclewire.rigs import RigConfiguration, SamplePacer, open_rig, rig_configuration
 from musclewire.sensing import ESTIMATORS
 
-__all__ = ["show_off", "show_wiring", "switch_on"]
-
 
 def show_wiring(session: BenchSession) -> None:
     """Show what to wire before anything is switched on; a rig file that cannot be read is an error only then."""

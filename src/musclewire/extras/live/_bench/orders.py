@@ -17,8 +17,6 @@ from musclewire.extras.live._bench.lines import MessageWriter, lines_of
 from musclewire.extras.live._bench.session import AS_ASKED, BenchSession
 from musclewire.extras.live._messages import ClockSpeed, Command, End, SetTarget, SwitchOn, read_command
 
-__all__ = ["NumberedOrder", "OrderQueue"]
-
 # A run that was to end and has not got to its next sample by then is switched off.
 MAX_ENDING_S = 0.25
 WATCHED_EVERY_S = 0.05

@@ -20,8 +20,6 @@ from musclewire.extras.live._ring import RowRing
 from musclewire.rigs import pin_to_cpu, take_priority
 from musclewire.signals import JOURNAL_SUFFIX, recording_of, recover_recording
 
-__all__ = ["main"]
-
 
 def main() -> int:
     """Read how to begin from the first line, then serve until the server ends."""

@@ -32,11 +32,9 @@ from musclewire.extras.live._bench.descriptions import (
 from musclewire.extras.live._bench.references import FollowedReference, reference_of
 from musclewire.extras.live._bench.session import BenchSession
 from musclewire.identify import fit
-from musclewire.rigs import GuardedRig, stage_of
+from musclewire.rigs import GuardedRig, HasStage, ability
 from musclewire.sensing import SensingModel, load_model
 from musclewire.signals import Recording
-
-__all__ = ["RECIPES", "CommandRecipe"]
 
 # A first pulse at this part of the amplitude that completes the transformation: warm enough to be seen, far from harm.
 PULSE_FRACTION = 0.6
@@ -166,7 +164,7 @@ def sweep_pretension(session: BenchSession, command: messages.SweepPretension) -
 def choose_pretension(session: BenchSession, command: messages.ChoosePretension) -> None:
     """Move the stage; the model and the loop of another pretension no longer hold."""
     rig = rig_of(session)
-    stage = stage_of(rig)
+    stage = ability(rig, HasStage)
     if stage is None:
         raise CallerError("this rig has no stage that software can move: set the pretension by hand")
     stage.set_pretension(command.pretension_n)

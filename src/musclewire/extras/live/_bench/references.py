@@ -12,8 +12,6 @@ from musclewire.experiment import staircase_within
 from musclewire.extras.live import _messages as messages
 from musclewire.sensing import SensingModel
 
-__all__ = ["FollowedReference", "reference_of"]
-
 # A drawn path may last this long [s].
 MAX_DURATION_S = 3600.0
 

@@ -25,8 +25,6 @@ from musclewire.rigs import GuardedRig, SamplePacer, adjustable_clock_of
 from musclewire.sensing import SensingModel
 from musclewire.signals import RawSample, Recording
 
-__all__ = ["AS_ASKED", "RunEndedError", "BenchSession", "BenchStop"]
-
 PROTECTION_COLUMN = "protection_temperature_k"
 FIRST_COLUMNS = ("time_s", "run_s")
 # The reason of a run's end that is no trouble.

@@ -8,8 +8,6 @@ from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime
 from typing import Any, Literal
 
-__all__ = ["BenchState", "Phase", "PublishedState"]
-
 Phase = Literal["starting", "off", "ready", "busy", "stopped", "failed"]
 MAX_MESSAGES = 20
 STEPS = ("switched_on", "doctor", "pulse", "loop", "model", "moved")

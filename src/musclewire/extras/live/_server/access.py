@@ -17,8 +17,6 @@ from pathlib import Path
 
 from musclewire.errors import CallerError
 
-__all__ = ["Access", "is_loopback", "name_in_host", "new_token", "read_token"]
-
 # A token of the program has 256 bits; one of a file must have as many characters as 96 bits take.
 TOKEN_BYTES, MIN_TOKEN_LENGTH, MAX_TOKEN_LENGTH = 32, 16, 512
 TOKEN = re.compile(r"[A-Za-z0-9._~+/=-]+")

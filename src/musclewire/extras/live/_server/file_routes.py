@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import sys
 from importlib.resources import files
 from pathlib import Path
@@ -16,10 +15,8 @@ from starlette.staticfiles import StaticFiles
 
 from musclewire.errors import CallerError
 from musclewire.extras.live._server.http_messages import RecordingList
-from musclewire.extras.live._server.requests import PROBLEMS, SessionOf, json_answer
+from musclewire.extras.live._server.requests import PROBLEMS, SessionOf
 from musclewire.extras.live._server.session_files import RECORDINGS, named_file, session_files
-
-__all__ = ["PAGE", "ROUTES", "PageFiles", "first_page"]
 
 ROUTES = APIRouter(prefix="/api/v1/recordings", responses=PROBLEMS, tags=["recordings"])
 PAGE = Path(str(files("musclewire.extras.live"))) / "page"
@@ -28,11 +25,11 @@ READING_S = 60.0
 ONE_AT_A_TIME = asyncio.Semaphore(1)
 
 
-@ROUTES.get("", response_model=RecordingList)
-async def list_recordings(session: SessionOf) -> Response:
+@ROUTES.get("")
+async def list_recordings(session: SessionOf) -> RecordingList:
     """List the recordings in the session's folder, the newest first."""
     found = await asyncio.to_thread(session_files, session.folder, RECORDINGS)
-    return json_answer({"recordings": [one._asdict() for one in found]})
+    return RecordingList(recordings=found)
 
 
 def recording_path(session: SessionOf, name: str) -> Path:
@@ -96,5 +93,5 @@ async def first_page(_request: Request) -> Response:
     """Return the page."""
     path = PAGE / "index.html"
     if not path.is_file():
-        return Response(json.dumps({"problem": "this installation has no page"}), 404, media_type="application/json")
+        raise HTTPException(404, "this installation has no page")
     return FileResponse(path, media_type="text/html; charset=utf-8", headers={"Cache-Control": "no-store"})

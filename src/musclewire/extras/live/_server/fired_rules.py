@@ -24,19 +24,7 @@ from musclewire.controllers import (
     load_rule_base,
 )
 from musclewire.errors import MusclewireError
-
-__all__ = ["FiredRule", "FiredRules", "InputRatios", "fired", "settings_of"]
-
-
-class FiredRule(NamedTuple):
-    """A rule that fires: its two input sets, its weight 0 to 1, and what it says of each gain."""
-
-    error: str
-    change: str
-    weight: float
-    kp: str
-    ki: str
-    kd: str
+from musclewire.extras.live._server.socket_messages import FiredRule
 
 
 class InputRatios(NamedTuple):
@@ -70,7 +58,7 @@ def fired(rule_base: RuleBase, inputs: InputRatios) -> list[FiredRule]:
             weight = row_grade * column_grade if product else min(row_grade, column_grade)
             if weight > 0.0:
                 cells = cells_of(rules, row, column)
-                found.append(FiredRule(row_name, column_name, weight, *cells))
+                found.append(FiredRule(error=row_name, change=column_name, weight=weight, **cells))
     return sorted(found, key=lambda rule: -rule.weight)
 
 
@@ -83,10 +71,10 @@ def as_read(rule_base: RuleBase, inputs: InputRatios) -> InputRatios:
     return InputRatios(sign * inputs.error, sign * inputs.change)
 
 
-def cells_of(rules: Any, row: int, column: int) -> tuple[str, str, str]:
+def cells_of(rules: Any, row: int, column: int) -> dict[str, str]:
     """Return what a cell of the tables says of K_p, K_I and K_D; Zhao's alpha as a number."""
     ki = f"{rules.alpha[row][column]:g}" if isinstance(rules, ZhaoRules) else rules.ki[row][column]
-    return str(rules.kp[row][column]), str(ki), str(rules.kd[row][column])
+    return {"kp": str(rules.kp[row][column]), "ki": str(ki), "kd": str(rules.kd[row][column])}
 
 
 class FiredRules:

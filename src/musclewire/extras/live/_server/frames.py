@@ -8,9 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.extras.live._server.fired_rules import FiredRule, FiredRules, settings_of
-
-__all__ = ["COMPUTED", "RowFrame", "FrameMaker", "json_rows", "thinned", "with_computed"]
+from musclewire.extras.live._server.fired_rules import FiredRules, settings_of
+from musclewire.extras.live._server.socket_messages import FiredRule
 
 # At most so many rows a second of the clock on the wall; at the paper's 20 Hz every row.
 ROWS_PER_S = 100.0
@@ -93,11 +92,3 @@ def with_computed(
     resistance_ohm = np.divide(wire_v, current_a, out=np.full_like(current_a, np.nan), where=flows)
     computed = np.column_stack((current_a, wire_v * current_a, resistance_ohm))
     return (*columns, *COMPUTED), np.hstack((rows, computed))
-
-
-def json_rows(rows: FloatArray) -> list[list[float | None]]:
-    """Return rows as lists, with None for NaN and infinities."""
-    plain = rows.astype(object)
-    plain[~np.isfinite(rows)] = None
-    listed: list[list[float | None]] = plain.tolist()
-    return listed

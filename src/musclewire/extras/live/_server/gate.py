@@ -1,12 +1,12 @@
-"""What every request passes before any route sees it: name, origin, token, kind of content, rate; and what goes back.
+"""What every request passes before any route sees it: name, origin, token, kind and size of content; what goes back.
 
-The rules are those of ``access``. A stop is never turned away for its rate or for its content's kind.
+The rules are those of ``access``. A stop is never turned away for its content's kind.
 """
 
 from __future__ import annotations
 
+import asyncio
 import json
-import time
 from collections.abc import Iterable, Mapping
 from http import HTTPStatus
 from http.cookies import CookieError, SimpleCookie
@@ -14,12 +14,11 @@ from typing import Any, NamedTuple
 from urllib.parse import parse_qs
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from musclewire.extras.live._server.access import Access
-from musclewire.extras.live._server.rate_limits import ClientBuckets
-
-__all__ = ["SECURITY_HEADERS", "Gate", "Refusal"]
+from musclewire.extras.live._server.json_texts import MAX_BYTES
 
 CONTENT_SECURITY_POLICY = "; ".join(
     (
@@ -44,6 +43,8 @@ SECURITY_HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
+# A body that trickles in is not waited for any longer.
+BODY_S = 5.0
 CHANGING = frozenset({"POST", "PUT", "DELETE", "PATCH"})
 # After the token's link: a page that leads on. A redirect would not do, since browsers keep a SameSite=Strict cookie
 # back in a chain of redirects that began elsewhere, in a mail for example.
@@ -69,13 +70,11 @@ class Gate:
         Who may talk to it.
     cookie
         Name of the cookie that keeps the token.
-    buckets
-        How many requests a client may make.
     """
 
-    def __init__(self, app: ASGIApp, access: Access, cookie: str, buckets: ClientBuckets) -> None:
+    def __init__(self, app: ASGIApp, access: Access, cookie: str) -> None:
         """Take the application and the rules."""
-        self.app, self.access, self.cookie, self.buckets = app, access, cookie, buckets
+        self.app, self.access, self.cookie = app, access, cookie
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
@@ -86,14 +85,17 @@ class Gate:
             await answer(send, HTTPStatus.OK, ENTERED, "text/html; charset=utf-8", self.new_cookie())
             return
         refusal = self.refusal(scope)
-        if refusal is None:
-            await self.app(scope, receive, send if scope["type"] == "websocket" else with_headers(send))
+        if refusal is None and scope["type"] == "websocket":
+            await self.app(scope, receive, send)
+        elif refusal is None:
+            await self.app(scope, limited(receive), with_headers(send))
         elif scope["type"] == "websocket":
             await receive()  # the request to connect; refusing it before it is accepted answers with 403
             await send({"type": "websocket.close", "code": 1008, "reason": refusal.problem})
         else:
             body = json.dumps({"problem": refusal.problem}).encode()
-            await answer(send, refusal.status, body, "application/json", extra_of(refusal))
+            extra = {"WWW-Authenticate": "Bearer"} if refusal.status == HTTPStatus.UNAUTHORIZED else {}
+            await answer(send, refusal.status, body, "application/json", extra)
 
     def refusal(self, scope: Scope) -> Refusal | None:
         """Return why a request is refused; None if it may pass."""
@@ -103,7 +105,6 @@ class Gate:
             or self.origin_refusal(scope, headers)
             or self.token_refusal(headers)
             or content_refusal(scope, headers)
-            or self.rate_refusal(scope)
         )
 
     def host_refusal(self, headers: Headers) -> Refusal | None:
@@ -144,12 +145,6 @@ class Gate:
         if kept is not None:
             yield kept.value
 
-    def rate_refusal(self, scope: Scope) -> Refusal | None:
-        """Refuse what comes too fast; a stop never does."""
-        if is_stop(scope) or self.buckets.take_message(client_of(scope), time.monotonic()):
-            return None
-        return Refusal(HTTPStatus.TOO_MANY_REQUESTS, "too many requests: wait a second")
-
     def enters(self, scope: Scope) -> bool:
         """Return whether a request opens the printed link with the right token."""
         if self.access.token is None or scope["path"] != "/" or scope["method"] != "GET":
@@ -172,12 +167,6 @@ def is_stop(scope: Scope) -> bool:
     return bool(scope["type"] == "http" and scope["method"] == "POST" and scope["path"].endswith("/stop"))
 
 
-def client_of(scope: Scope) -> str:
-    """Return the address a request comes from."""
-    client = scope.get("client")
-    return str(client[0]) if client else ""
-
-
 def content_refusal(scope: Scope, headers: Headers) -> Refusal | None:
     """Refuse content that is not JSON: a form of another page can send some kinds without being asked for more."""
     if scope["type"] != "http" or scope["method"] not in CHANGING or is_stop(scope):
@@ -188,13 +177,25 @@ def content_refusal(scope: Scope, headers: Headers) -> Refusal | None:
     return Refusal(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "send JSON: Content-Type: application/json")
 
 
-def extra_of(refusal: Refusal) -> Mapping[str, str]:
-    """Return the headers that belong to a refusal's status."""
-    extra: dict[int, dict[str, str]] = {
-        HTTPStatus.UNAUTHORIZED: {"WWW-Authenticate": "Bearer"},
-        HTTPStatus.TOO_MANY_REQUESTS: {"Retry-After": "1"},
-    }
-    return extra.get(refusal.status, {})
+def limited(receive: Receive) -> Receive:
+    """Return a way to receive a body that is neither too large nor too slow; else it raises what is answered."""
+    size, whole = 0, False
+
+    async def receive_limited() -> Message:
+        nonlocal size, whole
+        if whole:
+            return await receive()  # that the client has left, which may take as long as it likes
+        try:
+            async with asyncio.timeout(BODY_S):
+                message = await receive()
+        except TimeoutError:
+            raise HTTPException(408, f"the body has not come within {BODY_S:g} s") from None
+        size, whole = size + len(message.get("body", b"")), not message.get("more_body", False)
+        if size > MAX_BYTES:
+            raise HTTPException(413, f"the body is larger than {MAX_BYTES} bytes")
+        return message
+
+    return receive_limited
 
 
 def with_headers(send: Send) -> Send:

@@ -2,39 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from pydantic import Field
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
-
-from musclewire.errors import CallerError
-from musclewire.extras.live._server.socket_messages import PersonName, one_line
-
-__all__ = [
-    "CONTROL_ANSWER",
-    "CONTROL_REQUEST",
-    "BenchList",
-    "BenchSummary",
-    "CommandResult",
-    "ControlAnswer",
-    "ControlRequest",
-    "ControlState",
-    "LayoutRows",
-    "PhaseAnswer",
-    "ProblemAnswer",
-    "RecordingList",
-    "RecordingSummary",
-    "RowsAnswer",
-    "read_as",
-]
+from musclewire.extras.live._messages import Record
+from musclewire.extras.live._server.socket_messages import PersonName
 
 
-class StrictRecord(BaseModel):
-    """A record without unknown keys."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-
-class BenchSummary(StrictRecord):
+class BenchSummary(Record):
     """A bench in short."""
 
     bench: str = Field(description="The bench's name in addresses.")
@@ -43,13 +17,13 @@ class BenchSummary(StrictRecord):
     holder: str | None = Field(description="Who has control; null if nobody has.")
 
 
-class BenchList(StrictRecord):
+class BenchList(Record):
     """All benches of the session."""
 
     benches: list[BenchSummary]
 
 
-class LayoutRows(StrictRecord):
+class LayoutRows(Record):
     """Rows of the same columns, oldest first; null for NaN."""
 
     layout: int
@@ -57,39 +31,39 @@ class LayoutRows(StrictRecord):
     rows: list[list[float | None]]
 
 
-class RowsAnswer(StrictRecord):
+class RowsAnswer(Record):
     """Rows since a cursor, at most 100 a second, and the cursor for the next request."""
 
     cursor: int
     parts: list[LayoutRows]
 
 
-class CommandResult(StrictRecord):
+class CommandResult(Record):
     """Whether a command has begun, and if not, why."""
 
     accepted: bool
     message: str
 
 
-class PhaseAnswer(StrictRecord):
+class PhaseAnswer(Record):
     """The phase of a bench after a stop: stopped, off or failed once its drive is off."""
 
     phase: str
 
 
-class ControlRequest(StrictRecord):
+class ControlRequest(Record):
     """Take control, or ask its holder for it."""
 
     name: PersonName = "a program"
 
 
-class ControlAnswer(StrictRecord):
+class ControlAnswer(Record):
     """Keep control, and answer who asks for it; null answers nothing."""
 
     give: bool | None = None
 
 
-class ControlState(StrictRecord):
+class ControlState(Record):
     """Who has control of a bench."""
 
     yours: bool = Field(description="Whether the lease of the request has control.")
@@ -98,7 +72,7 @@ class ControlState(StrictRecord):
     lease: str | None = Field(default=None, description="In the answer to POST: the secret for Musclewire-Lease.")
 
 
-class RecordingSummary(StrictRecord):
+class RecordingSummary(Record):
     """A recording of the session."""
 
     name: str
@@ -106,25 +80,13 @@ class RecordingSummary(StrictRecord):
     modified_s: float = Field(description="When it was last written, in seconds since 1970.")
 
 
-class RecordingList(StrictRecord):
+class RecordingList(Record):
     """All recordings of the session, the newest first."""
 
     recordings: list[RecordingSummary]
 
 
-class ProblemAnswer(StrictRecord):
+class ProblemAnswer(Record):
     """Why a request was not answered, in one line."""
 
     problem: str
-
-
-CONTROL_REQUEST: TypeAdapter[ControlRequest] = TypeAdapter(ControlRequest)
-CONTROL_ANSWER: TypeAdapter[ControlAnswer] = TypeAdapter(ControlAnswer)
-
-
-def read_as(adapter: TypeAdapter[Any], data: Any) -> Any:
-    """Return decoded JSON as a record. CallerError, in one line, for anything else."""
-    try:
-        return adapter.validate_python(data)
-    except (ValidationError, RecursionError, OverflowError) as error:
-        raise CallerError(one_line(error)) from None

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-__all__ = ["LEASE_AT_REST_S", "LEASE_S", "BenchControl", "RequestOutcome", "ControlClient"]
-
 # A holder who gave no sign for so long has lost control: the wire is then at its sense voltage within a second.
 LEASE_S = 0.6
 # At rest nothing is heated, and somebody whose machine is busy for a moment need not lose control.

@@ -11,27 +11,24 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 
 from musclewire.errors import CallerError
 from musclewire.extras.live._messages import NEEDS_NO_CONTROL
-from musclewire.extras.live._server.json_texts import compact, read_json
-from musclewire.extras.live._server.rate_limits import TokenBucket
+from musclewire.extras.live._server.json_texts import read_json
 from musclewire.extras.live._server.session import ORDERED, OnlineBench, Session
 from musclewire.extras.live._server.socket_messages import (
     AnswerControl,
     AskControl,
+    CommandAnswer,
     CommandMessage,
     FromPage,
     Pong,
+    Problem,
     read_message,
 )
 from musclewire.extras.live._server.viewers import Viewer, ViewerTooSlowError
 
-__all__ = ["ViewerConnection", "live"]
-
-# A slider sends some dozens of targets a second.
-MESSAGES_PER_S, BURST = 200.0, 400.0
+# A slider sends some dozens of targets a second. A long message counts as one more for each so many characters.
+MESSAGES_A_SECOND, CHARACTERS_EACH = 400, 8192
 # What comes too fast is not read, but for a stop, which is short; a client that does not end is disconnected.
 SHORT, MAX_UNREAD = 200, 1000
-# A message takes one place in the bucket, and another for each so many characters.
-CHARACTERS_PER_PLACE = 8192
 MAX_COMMANDS_WAITING = 8
 # A message that could not be sent for so long: the connection is closed.
 SEND_S, CLOSE_S = 5.0, 1.0
@@ -68,8 +65,7 @@ class ViewerConnection:
     def __init__(self, websocket: WebSocket, session: Session, viewer: Viewer) -> None:
         """Take the parts."""
         self._websocket, self._session, self._viewer = websocket, session, viewer
-        limits = websocket.app.state.limits
-        self._bucket = TokenBucket(limits.messages_per_s, limits.message_burst, time.monotonic())
+        self._second, self._count = 0, 0
         self._unread = 0
         self._commands: set[asyncio.Task[None]] = set()
 
@@ -117,7 +113,10 @@ class ViewerConnection:
 
     def _take(self, text: str | None) -> None:
         """Take a message, if its sender keeps to the limits; a stop is always taken."""
-        allowed = self._bucket.take_message(time.monotonic(), 1.0 + len(text or "") / CHARACTERS_PER_PLACE)
+        second = int(time.monotonic())
+        self._second, self._count = second, self._count if second == self._second else 0
+        self._count += 1 + len(text or "") // CHARACTERS_EACH
+        allowed = self._count <= MESSAGES_A_SECOND
         if not allowed:
             self._unread += 1
             if text is None or len(text) > SHORT or '"stop"' not in text:
@@ -170,10 +169,10 @@ class ViewerConnection:
             self._answer(message.id, answer.accepted, answer.message)
 
     def _answer(self, number: int, accepted: bool, text: str) -> None:
-        self._viewer.say(compact({"type": "answer", "id": number, "accepted": accepted, "message": text}))
+        self._viewer.say(CommandAnswer(id=number, accepted=accepted, message=text).model_dump_json())
 
     def _problem(self, text: str) -> None:
-        self._viewer.say(compact({"type": "problem", "message": text}))
+        self._viewer.say(Problem(message=text).model_dump_json())
 
 
 def is_stop(message: Any) -> bool:

@@ -13,19 +13,18 @@ from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import uvicorn
 
+from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError
 from musclewire.extras.live._bench_handle import BenchHandle
 from musclewire.extras.live._server.access import Access, is_loopback
-from musclewire.extras.live._server.application import Limits, gated, make_app
+from musclewire.extras.live._server.application import make_app
 from musclewire.extras.live._server.fired_rules import FiredRules
+from musclewire.extras.live._server.gate import Gate
 from musclewire.extras.live._server.json_texts import MAX_BYTES
 from musclewire.extras.live._server.session import Session
-
-__all__ = ["ListenAddress", "ServerEnd", "RunningServer", "ServerSettings", "listening_socket", "serve", "serve_until"]
 
 # If the usual port is taken, these next to it are tried.
 PORTS_TRIED = 20
@@ -74,8 +73,6 @@ class ServerSettings:
         Where the server listens; loopback by default.
     token
         What everybody must show; None for nothing, on loopback only.
-    limits
-        How much one client may send.
     cpu
         Core of the loop, which the server then leaves to it; None if it has none of its own.
     """
@@ -83,7 +80,6 @@ class ServerSettings:
     folder: Path
     address: ListenAddress = field(default_factory=ListenAddress)
     token: str | None = None
-    limits: Limits = field(default_factory=Limits)
     cpu: int | None = None
 
     def __post_init__(self) -> None:
@@ -153,7 +149,7 @@ async def serve_until(
 ) -> None:
     """Serve a session until it is to end, as ``serve`` does."""
     # Compiled, or loaded, before anybody has control: later it would take longer than a lease.
-    FiredRules(default_settings(), 0.05).warm_up()
+    FiredRules(FuzzyPidSettings(), 0.05).warm_up()
     with listening_socket(settings.address) as listening:
         address = ListenAddress(settings.address.host, listening.getsockname()[1])
         session = Session(handles, settings.folder, token_needed=settings.token is not None)
@@ -164,13 +160,6 @@ async def serve_until(
             await until_ended(server, session, listening, ended, lambda: on_ready(running(address, settings.token)))
         finally:
             await session.close()
-
-
-def default_settings() -> Any:
-    """Return settings of a fuzzy PID."""
-    from musclewire.controllers import FuzzyPidSettings
-
-    return FuzzyPidSettings()
 
 
 def running(address: ListenAddress, token: str | None) -> RunningServer:
@@ -213,9 +202,8 @@ def configuration(session: Session, settings: ServerSettings, address: ListenAdd
     names = frozenset() if local else frozenset({address.host.lower(), *own_names()})
     access = Access(settings.token, names, any_address=not local)
     cookie = f"musclewire_{address.port}"  # browsers do not keep the cookies of two ports apart
-    app = gated(make_app(session, settings.limits), access, settings.limits, cookie)
     return uvicorn.Config(
-        app,
+        Gate(make_app(session), access, cookie),
         loop="asyncio",
         http="h11",
         ws="websockets-sansio",

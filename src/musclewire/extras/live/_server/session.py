@@ -15,8 +15,8 @@ from musclewire.controllers import rule_base_names
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.extras.live._messages import Answer, Command, Stop
 from musclewire.extras.live._messages import Control as ClosedLoop
-from musclewire.extras.live._server.frames import FrameMaker, RowFrame, json_rows
-from musclewire.extras.live._server.json_texts import compact, compact_finite
+from musclewire.extras.live._server.frames import FrameMaker, RowFrame
+from musclewire.extras.live._server.json_texts import compact
 from musclewire.extras.live._server.leases import (
     LEASE_AT_REST_S,
     LEASE_S,
@@ -24,12 +24,11 @@ from musclewire.extras.live._server.leases import (
     ControlClient,
     RequestOutcome,
 )
+from musclewire.extras.live._server.socket_messages import ControlMessage, Hello, Ping
 from musclewire.extras.live._server.viewers import Viewer
 
 if TYPE_CHECKING:
     from musclewire.extras.live._bench_handle import BenchHandle
-
-__all__ = ["MAX_VIEWERS", "ORDERED", "SAFE_PHASES", "OnlineBench", "Session"]
 
 FRAME_S, LEASE_CHECK_S, PING_S = 1.0 / 30.0, 0.05, 0.15
 MAX_VIEWERS = 32
@@ -159,21 +158,14 @@ class Session:
         self._count += 1
         viewer = Viewer(secrets.token_urlsafe(24), f"viewer {self._count}")
         self.viewers[viewer.key] = viewer
-        viewer.say(self._hello(viewer))
+        hello = Hello(
+            version=version("musclewire"), you=viewer.name, benches=list(self.benches), token_needed=self.token_needed
+        )
+        viewer.say(hello.model_dump_json())
         for bench in self.benches.values():
             viewer.show_state(bench.name, state_text(bench))
             self._tell_control(viewer, bench)
         return viewer
-
-    def _hello(self, viewer: Viewer) -> str:
-        hello = {
-            "type": "hello",
-            "version": version("musclewire"),
-            "you": viewer.name,
-            "benches": list(self.benches),
-            "token_needed": self.token_needed,
-        }
-        return compact(hello)
 
     def leave(self, viewer: Viewer) -> None:
         """Forget a viewer; what they controlled ends."""
@@ -252,7 +244,7 @@ class Session:
         now_s = time.monotonic()
         self._pings.append((self._ping, now_s))
         for viewer in self.viewers.values():
-            viewer.say(compact({"type": "ping", "n": self._ping}))
+            viewer.say(Ping(n=self._ping).model_dump_json())
         for bench in self.benches.values():
             if bench.control.holder is not None and bench.control.holder.is_there(now_s):
                 bench.handle.alive()
@@ -280,8 +272,8 @@ class Session:
             "type": "rows",
             "bench": bench,
             "layout": frame.layout,
-            "rows": json_rows(frame.rows),
-            "rules": None if frame.rules is None else [rule._asdict() for rule in frame.rules],
+            "rows": frame.rows.tolist(),
+            "rules": frame.rules,
         }
         text, with_columns, seen = compact(message), "", (bench, frame.layout)
         for viewer in self.viewers.values():
@@ -300,14 +292,13 @@ class Session:
 
     def _tell_control(self, viewer: Viewer, bench: OnlineBench) -> None:
         control = bench.control
-        message = {
-            "type": "control",
-            "bench": bench.name,
-            "holder": name_of(control.holder),
-            "you_hold": control.holder is not None and control.holder.key == viewer.key,
-            "asked_by": name_of(control.asking),
-        }
-        viewer.say(compact(message))
+        message = ControlMessage(
+            bench=bench.name,
+            holder=name_of(control.holder),
+            you_hold=control.holder is not None and control.holder.key == viewer.key,
+            asked_by=name_of(control.asking),
+        )
+        viewer.say(message.model_dump_json())
 
 
 def name_of(person: ControlClient | None) -> str | None:
@@ -317,7 +308,7 @@ def name_of(person: ControlClient | None) -> str | None:
 
 def state_text(bench: OnlineBench) -> str:
     """Return the message with a bench's state."""
-    return compact_finite({"type": "state", "state": bench.handle.state})
+    return compact({"type": "state", "state": bench.handle.state})
 
 
 def refuse_paths(command: Command) -> None:

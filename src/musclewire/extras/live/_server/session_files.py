@@ -5,24 +5,14 @@ from __future__ import annotations
 import re
 import stat
 from pathlib import Path
-from typing import NamedTuple
 
 from musclewire.errors import CallerError
-
-__all__ = ["MODELS", "RECORDINGS", "SessionFile", "named_file", "session_files"]
+from musclewire.extras.live._server.http_messages import RecordingSummary
 
 RECORDINGS, MODELS = (".h5",), (".json",)
 # Letters and digits of ASCII first, then also blank, dot, hyphen and underscore: no separator, no drive, no "..".
 NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9 _-]|\.(?!\.)){0,99}")
 MAX_LISTED = 500
-
-
-class SessionFile(NamedTuple):
-    """A file of a session: its name, how large it is, and when it was last written (seconds since 1970)."""
-
-    name: str
-    bytes: int
-    modified_s: float
 
 
 def named_file(folder: Path, name: str, suffixes: tuple[str, ...]) -> Path:
@@ -45,11 +35,11 @@ def is_inside(path: Path, folder: Path) -> bool:
         return False
 
 
-def session_files(folder: Path, suffixes: tuple[str, ...]) -> list[SessionFile]:
+def session_files(folder: Path, suffixes: tuple[str, ...]) -> list[RecordingSummary]:
     """Return the files of a session that can be named, the newest first."""
     found = []
     for path in folder.iterdir() if folder.is_dir() else ():
         if NAME.fullmatch(path.name) and path.name.endswith(suffixes) and is_inside(path, folder):
             status = path.stat()
-            found.append(SessionFile(path.name, status.st_size, status.st_mtime))
+            found.append(RecordingSummary(name=path.name, bytes=status.st_size, modified_s=status.st_mtime))
     return sorted(found, key=lambda one: -one.modified_s)[:MAX_LISTED]

@@ -2,34 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from musclewire.errors import CallerError
-from musclewire.extras.live._messages import Command
-
-__all__ = ["FROM_PAGE", "TO_PAGE", "FromPage", "ToPage", "read_message"]
+from musclewire.extras.live._messages import Command, Record
 
 BenchName: TypeAlias = Annotated[str, Field(min_length=1, max_length=100)]
 PersonName: TypeAlias = Annotated[str, Field(min_length=1, max_length=60)]
 Number: TypeAlias = Annotated[int, Field(ge=0, le=2**53)]
 
 
-class Message(BaseModel):
-    """A message without unknown keys."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-
-class Pong(Message):
+class Pong(Record):
     """Answer to a ping, sent at once by the page's main thread: by it a holder of control stays one."""
 
     type: Literal["pong"]
     n: Number
 
 
-class CommandMessage(Message):
+class CommandMessage(Record):
     """A command to a bench; ``id`` comes back with its answer."""
 
     type: Literal["command"]
@@ -38,7 +31,7 @@ class CommandMessage(Message):
     command: Command
 
 
-class AskControl(Message):
+class AskControl(Record):
     """Take control of a bench, or ask its holder for it."""
 
     type: Literal["ask_control"]
@@ -46,7 +39,7 @@ class AskControl(Message):
     name: PersonName | None = None
 
 
-class AnswerControl(Message):
+class AnswerControl(Record):
     """Give control to who asks, or keep it."""
 
     type: Literal["answer_control"]
@@ -54,14 +47,14 @@ class AnswerControl(Message):
     give: bool
 
 
-class GiveUpControl(Message):
+class GiveUpControl(Record):
     """Give control up, or take back the request for it."""
 
     type: Literal["give_up_control"]
     bench: BenchName
 
 
-class Hello(Message):
+class Hello(Record):
     """The first message of the server: who the viewer is, and which benches there are."""
 
     type: Literal["hello"] = "hello"
@@ -71,14 +64,14 @@ class Hello(Message):
     token_needed: bool
 
 
-class StateMessage(Message):
+class StateMessage(Record):
     """The whole state of a bench, sent when it changes."""
 
     type: Literal["state"] = "state"
     state: dict[str, Any]
 
 
-class Rule(Message):
+class FiredRule(Record):
     """A fuzzy rule that fires: its input sets, its weight, and what it says of the three gains."""
 
     error: str
@@ -89,7 +82,7 @@ class Rule(Message):
     kd: str
 
 
-class RowsMessage(Message):
+class RowsMessage(Record):
     """Rows of a bench, oldest first, null for NaN; columns come with the first rows of a layout."""
 
     type: Literal["rows"] = "rows"
@@ -97,10 +90,10 @@ class RowsMessage(Message):
     layout: int
     columns: list[str] | None = None
     rows: list[list[float | None]]
-    rules: list[Rule] | None = None
+    rules: list[FiredRule] | None = None
 
 
-class ControlMessage(Message):
+class ControlMessage(Record):
     """Who has control of a bench, and who asks for it."""
 
     type: Literal["control"] = "control"
@@ -110,14 +103,14 @@ class ControlMessage(Message):
     asked_by: str | None
 
 
-class Ping(Message):
+class Ping(Record):
     """A sign of life is expected: a pong with the same number."""
 
     type: Literal["ping"] = "ping"
     n: int
 
 
-class CommandAnswer(Message):
+class CommandAnswer(Record):
     """Whether a command has begun, and if not, why."""
 
     type: Literal["answer"] = "answer"
@@ -126,7 +119,7 @@ class CommandAnswer(Message):
     message: str
 
 
-class Problem(Message):
+class Problem(Record):
     """A message that was not understood or not permitted."""
 
     type: Literal["problem"] = "problem"
@@ -140,21 +133,18 @@ ToPage: TypeAlias = Annotated[
     Hello | StateMessage | RowsMessage | ControlMessage | Ping | CommandAnswer | Problem, Field(discriminator="type")
 ]
 FROM_PAGE: TypeAdapter[FromPage] = TypeAdapter(FromPage)
-TO_PAGE: TypeAdapter[ToPage] = TypeAdapter(ToPage)
 
 
 def read_message(data: object) -> FromPage:
     """Return a page's message from decoded JSON. CallerError, in one line, for anything else."""
     try:
         return FROM_PAGE.validate_python(data)
-    except (ValidationError, RecursionError, OverflowError) as error:
-        raise CallerError(one_line(error)) from None
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False, include_context=False)[0]
+        raise CallerError(one_line(first)) from None
 
 
-def one_line(error: Exception) -> str:
-    """Return the first fault of a message: where, and what."""
-    if not isinstance(error, ValidationError):
-        return "message: cannot be read, send a JSON object"
-    first = error.errors(include_url=False, include_input=False, include_context=False)[0]
-    place = ".".join(str(part)[:40] for part in first["loc"][:6])
-    return f"message{': ' + place if place else ''}: {first['msg']}"[:300]
+def one_line(fault: Mapping[str, Any]) -> str:
+    """Return a fault that pydantic found: where, and what, without repeating what was sent."""
+    place = ".".join(str(part)[:40] for part in fault["loc"][:6])
+    return f"message{': ' + place if place else ''}: {fault['msg']}"[:300]

@@ -15,8 +15,6 @@ from musclewire.errors import MusclewireError
 from musclewire.extras.live._server.json_texts import compact
 from musclewire.signals import Recording, read_hdf5
 
-__all__ = ["main", "thinned_columns"]
-
 
 def main(arguments: list[str]) -> int:
     """Print the columns of a file; return the exit code."""
@@ -33,20 +31,8 @@ def thinned_columns(recording: Recording, points: int) -> dict[str, Any]:
     """Return columns of at most so many points, the number of rows there were, and the recording's metadata."""
     rows = len(recording)
     places = np.unique(np.linspace(0, max(rows - 1, 0), min(points, rows)).round().astype(int))
-    columns = {}
-    for name in recording.names:
-        values = recording[name][places].astype(object)
-        values[~np.isfinite(recording[name][places])] = None
-        columns[name] = values.tolist()
-    metadata = {key: plain(value) for key, value in recording.metadata.items()}
-    return {"rows": rows, "columns": columns, "metadata": metadata}
-
-
-def plain(value: Any) -> Any:
-    """Return a value of the metadata as JSON has it."""
-    if isinstance(value, (bool, int, str)) or (isinstance(value, float) and np.isfinite(value)):
-        return value
-    return str(value)
+    columns = {name: recording[name][places].tolist() for name in recording.names}
+    return {"rows": rows, "columns": columns, "metadata": dict(recording.metadata)}
 
 
 if __name__ == "__main__":

@@ -9,8 +9,6 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 
-__all__ = ["Viewer", "ViewerTooSlowError"]
-
 # Frames of rows that may wait: a quarter of a second at 30 Hz. Other messages are few; so many mean a dead connection.
 MAX_FRAMES, MAX_MESSAGES = 8, 200
 

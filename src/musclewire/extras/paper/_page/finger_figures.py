@@ -20,10 +20,10 @@ from musclewire.extras.paper._page.paper_drawing import (
     ramp,
     readings_text,
 )
+from musclewire.extras.paper._reproduce.all_checks import tolerance_of
 from musclewire.extras.paper._reproduce.designed_parts import paper_pretensioner, schemes_of_fig13
 from musclewire.extras.paper._reproduce.finger_runs import COMMON_WIRE, FINGER_WIRE, pretension_n
 from musclewire.extras.paper._reproduce.finger_sweep import SWEEP_N, gaps_over_pretension
-from musclewire.extras.paper._reproduce.section4 import step_tolerance_pct
 from musclewire.identify import required_quantity
 from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER
 from musclewire.parameters import load_finger, read_published
@@ -33,9 +33,6 @@ if TYPE_CHECKING:
 
     from musclewire.extras.design import PretensionerDesign
     from musclewire.extras.paper._reproduce import RunCache, SlowSineLoop
-
-__all__ = ["FINGER_FIGURES"]
-
 
 # Settings of the sweep whose loops are drawn; the others would lie on top of them.
 SHOWN_N = (0.15, 0.37, 0.71, 1.15, 1.7)
@@ -283,7 +280,7 @@ def table3(runs: RunCache) -> Figure:
     )
     axes.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
               label="paper, Table 3")  # fmt: skip
-    axes.plot(places, np.add(printed, step_tolerance_pct(table)), "_", color=PAPER, markersize=14,
+    axes.plot(places, np.add(printed, tolerance_of("table3.mae_rise_pct")), "_", color=PAPER, markersize=14,
               label="allowed to each step")  # fmt: skip
     axes.set(ylabel="MAE [% of target]", xlabel="step: endpoint displacement [mm], up and back")
     axes.set_xticks(places, [f"{1e3 * step.target:.1f}" for step in steps])

@@ -17,17 +17,6 @@ if TYPE_CHECKING:
 
     from musclewire.experiment import ControlMetrics
 
-__all__ = [
-    "SHADES",
-    "SIZE",
-    "WHITE_BOX",
-    "approached_errors_pct",
-    "one_panel",
-    "printed_line",
-    "ramp",
-    "readings_text",
-]
-
 SIZE = (5.6, 4.4)
 SHADES = ("#1f6f8b", "#b87a14", "#5c6670")
 WHITE_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from musclewire.errors import MusclewireError
@@ -22,6 +23,7 @@ from musclewire.extras.paper._page.paper_drawing import (
     ramp,
     readings_text,
 )
+from musclewire.extras.paper._reproduce.all_checks import tolerance_of
 from musclewire.extras.paper._reproduce.force_ratios import FORCE_RATIOS, MIDDLE_RATIO, loops_at_ratio
 from musclewire.extras.paper._reproduce.measures import rank_correlation
 from musclewire.extras.paper._reproduce.section2 import (
@@ -31,18 +33,16 @@ from musclewire.extras.paper._reproduce.section2 import (
     loop_of_stiffness,
     sweep_settings_n,
 )
-from musclewire.extras.paper._reproduce.section3 import STEP_TOLERANCE_PCT, STRAIN_TOLERANCE_PCT, strain_at_pct
+from musclewire.extras.paper._reproduce.section3 import strain_at_pct
 from musclewire.extras.paper._reproduce.table1 import WIRES, diameter_label
 from musclewire.identify import mark_points, required_quantity
-from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, Markup, svg
+from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, svg
 from musclewire.parameters import read_published
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from musclewire.extras.paper._reproduce import RunCache, SlowSineLoop
-
-__all__ = ["FIGURES", "drawn"]
 
 ZERO_CELSIUS_K = 273.15
 HELD_OUT = "#3f8f4f"
@@ -344,7 +344,8 @@ def table2(runs: RunCache) -> Figure:
     top, bottom = figure.subplots(2, 1)
     table = read_published("lan_fan_2010")["table2"]
     desired = table["desired_strain_pct"]
-    top.axhspan(-STRAIN_TOLERANCE_PCT, STRAIN_TOLERANCE_PCT, color=PAPER, alpha=0.10, linewidth=0)
+    off_pct = tolerance_of("table2.strain_heating_pct")
+    top.axhspan(-off_pct, off_pct, color=PAPER, alpha=0.10, linewidth=0)
     top.axhline(0.0, color=PAPER, linewidth=1.0)
     for branch, colour, mark in (("heating", HEATING, "^"), ("cooling", COOLING, "v")):
         rows = zip(table["required_resistance_ohm"], table[f"strain_{branch}_pct"], strict=True)
@@ -362,7 +363,7 @@ def table2(runs: RunCache) -> Figure:
     )
     bottom.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
                 label="paper, Table 2")  # fmt: skip
-    bottom.plot(places, np.add(printed, STEP_TOLERANCE_PCT), "_", color=PAPER, markersize=14,
+    bottom.plot(places, np.add(printed, tolerance_of("table2.mae_rise_pct")), "_", color=PAPER, markersize=14,
                 label="allowed to each step")  # fmt: skip
     bottom.set(ylabel="MAE [% of target]", xlabel="step: strain [%], up and back", title="Error of each step (Eq. 7)")
     bottom.set_xticks(places, [f"{100 * step.target:.1f}" for step in steps])

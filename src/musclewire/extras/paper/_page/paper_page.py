@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from musclewire.extras.paper._reproduce import Reproduction, ReproductionRow
 
-__all__ = ["contents", "write_paper_page"]
-
 
 @functools.cache
 def contents() -> Mapping[str, Any]:

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from musclewire.extras.paper._reproduce import ReproductionRow
 
-__all__ = ["RowName", "row_name", "unit_text"]
-
 NAME = re.compile(r"(?P<subject>\w+)\.(?P<key>\w+)(?:\[(?P<conditions>[^\]]+)\])?")
 QUANTITY = re.compile(r"(?P<number>\d+(?:\.\d+)?)(?P<unit>um|N|V|MPa|x|)")
 SPOKEN_UNITS = {"um": "µm wire", "x": "× the spring"}

@@ -9,17 +9,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from musclewire.extras.paper._reproduce import ReproductionRow
 
-__all__ = [
-    "limit_text",
-    "number_text",
-    "ours_text",
-    "paper_text",
-    "reason_text",
-    "seeds_text",
-    "spread_text",
-    "verdict_text",
-]
-
 
 def paper_text(row: ReproductionRow) -> str:
     """Return the paper's number as printed; a dash where it prints none and speaks in words or symbols."""

@@ -17,8 +17,6 @@ from musclewire.extras.design import (
 )
 from musclewire.parameters import load_bench, load_finger, load_material, read_published
 
-__all__ = ["SizedPretensioner", "designed_pretensioner", "schemes_of_fig13"]
-
 MATERIAL = "pom"
 # Contraction that the pretensioner must follow beyond its pretension, as a fraction of the wire's leg.
 STROKE = 0.04

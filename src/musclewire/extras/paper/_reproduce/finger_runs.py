@@ -16,8 +16,6 @@ from musclewire.rigs import GuardedRig, open_rig, simulated_configuration
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
 from musclewire.signals import RawSample
 
-__all__ = ["COMMON_WIRE", "FINGER_RIG", "FINGER_WIRE", "FingerRuns", "pretension_n", "staircase_of_fig18"]
-
 FINGER_RIG: Final = "finger"
 # The assumed spool of the finger's wire, and the spool of section III.
 FINGER_WIRE, COMMON_WIRE = "finger-100um", "paper-100um"

@@ -12,8 +12,6 @@ from musclewire.rigs import Rig, required_true_state
 from musclewire.sensing import Branch, single_valued
 from musclewire.signals import Recording
 
-__all__ = ["CYCLES", "SlowSineLoop", "loop_on"]
-
 CYCLES = 2
 # Recorded with the voltages, and taken out of the recording: what is to be found must not be in it.
 TRUE_RESISTANCE = "wire_resistance_ohm"

@@ -12,20 +12,6 @@ from musclewire.errors import RecordingError
 from musclewire.extras.paper._reproduce.loops import SlowSineLoop
 from musclewire.sensing import Branch, hysteresis_gap, signed_hysteresis_gap
 
-__all__ = [
-    "drive_branches",
-    "drive_gap_pct",
-    "falling_steps",
-    "force_ratio_of",
-    "largest_distance",
-    "lowest_place",
-    "outside_band",
-    "one_sided_fraction",
-    "outside_loop_pct",
-    "plain_gap_pct",
-    "rank_correlation",
-]
-
 POINTS = 400
 
 

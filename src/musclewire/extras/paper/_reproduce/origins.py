@@ -9,8 +9,6 @@ from dataclasses import replace
 from musclewire.extras.paper._reproduce.paper_checks import PREDICTED_OR_LISTED, Origin, PaperCheck
 from musclewire.parameters import read_published
 
-__all__ = ["matching", "rows_named", "with_origins"]
-
 FILE = "rows_of_targets"
 # A row that a target and a choice both name is fitted.
 TABLES: tuple[Origin, ...] = ("fitted", "chosen")

@@ -12,20 +12,6 @@ from musclewire.errors import CallerError, MissingExtraError, MusclewireError, n
 if TYPE_CHECKING:
     from musclewire.extras.paper._reproduce.runs import RunCache
 
-__all__ = [
-    "PREDICTED_OR_LISTED",
-    "Compare",
-    "Kind",
-    "SeedResult",
-    "Origin",
-    "PaperCheck",
-    "bars",
-    "holds",
-    "measured",
-    "selected",
-    "subject_of",
-]
-
 # printed: a measured number; words: a sentence, or several numbers, turned into one; equation: how far our run is from
 # obeying it; input: a number of the paper that we took over; literature: published elsewhere.
 Kind = Literal["printed", "words", "equation", "input", "literature"]

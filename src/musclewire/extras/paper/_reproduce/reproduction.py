@@ -16,8 +16,6 @@ from musclewire.extras.paper._reproduce.seed_numbers import OnSeed, SeedCallback
 from musclewire.extras.paper._reproduce.verdicts import ReproductionRow, judged
 from musclewire.parameters import require_seed
 
-__all__ = ["DEFAULT_SEEDS", "Reproduction", "reproduce"]
-
 # How many seeds make the verdicts stable: checks/verdicts_over_seeds.py prints what ten such sets agree on.
 DEFAULT_SEEDS = 101
 
@@ -90,7 +88,7 @@ def reproduce(
         Seeds of the simulated rigs, all different, each 0 or more; by default 1 to ``DEFAULT_SEEDS``. One seed gives
         the numbers of its own runs.
     workers
-        Number of processes, this one included, by default one on each core. The numbers do not depend on it.
+        Number of processes, by default one on each core. The numbers do not depend on it.
     on_seed
         Called after each seed with how many are done, and of how many.
     on_run

@@ -11,13 +11,11 @@ from musclewire.controllers import Staircase
 from musclewire.experiment import ControlRun, characterize, control_compiled
 from musclewire.extras.paper._reproduce.finger_runs import FingerRuns
 from musclewire.extras.paper._reproduce.loops import CYCLES, SlowSineLoop, loop_on
-from musclewire.extras.paper._reproduce.seedless_runs import ISOBAR_WIRE, SeedlessRuns
+from musclewire.extras.paper._reproduce.seedless_runs import SeedlessRuns
 from musclewire.identify import IsobaricLoop, IsobarSummary, fit
 from musclewire.parameters import load_bench, load_wire, read_published
 from musclewire.rigs import RigConfiguration, open_rig
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
-
-__all__ = ["ISOBAR_WIRE", "RunCache"]
 
 MAIN_WIRE = "paper-100um"
 COLD_SAMPLES = 40

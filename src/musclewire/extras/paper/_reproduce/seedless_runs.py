@@ -9,8 +9,6 @@ from musclewire.controllers import Staircase, staircase
 from musclewire.identify import IsobaricLoop, IsobarSummary, simulated_isobar, summarize_isobar
 from musclewire.parameters import load_alloy, load_bench, load_wire
 
-__all__ = ["ISOBAR_WIRE", "NeedsSeedError", "SeedlessRuns"]
-
 ISOBAR_WIRE = "isobar-sample"
 
 

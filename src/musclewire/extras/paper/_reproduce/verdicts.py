@@ -21,8 +21,6 @@ from musclewire.extras.paper._reproduce.paper_checks import (
     subject_of,
 )
 
-__all__ = ["OriginCount", "ReproductionRow", "Verdict", "counts_by_origin", "judged", "median_interval"]
-
 Verdict = Literal["holds", "at the bar", "fails", "reported"]
 JUDGED: tuple[Verdict, ...] = ("holds", "at the bar", "fails")
 # In the order of what a row that holds says of the simulator, most first.

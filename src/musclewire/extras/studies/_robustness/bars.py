@@ -11,8 +11,6 @@ from pydantic import Field
 from musclewire.extras.studies._robustness.settings import StrictTable
 from musclewire.parameters import validated
 
-__all__ = ["RobustnessBars", "RowBar", "bars"]
-
 FILE = "bars.toml"
 
 

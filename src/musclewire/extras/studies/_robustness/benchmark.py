@@ -6,24 +6,21 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from musclewire.controllers import CONTROLLERS
-from musclewire.errors import CallerError
-from musclewire.experiment import cores
+from musclewire.errors import CallerError, NumericsError
 from musclewire.extras.studies._robustness.bars import RobustnessBars, bars
 from musclewire.extras.studies._robustness.grips import GripRow, grip_rows
-from musclewire.extras.studies._robustness.jobs import JobAnswer, RobustnessJob
+from musclewire.extras.studies._robustness.kind import ANSWER, JobAnswer, answer_of_text
 from musclewire.extras.studies._robustness.population import held_out_seeds, tuning_seeds
 from musclewire.extras.studies._robustness.references import REFERENCES, require_reference
 from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow, estimator_rows, loop_rows
 from musclewire.extras.studies._robustness.settings import Condition, settings
-from musclewire.extras.studies._robustness.store import FOLDER
+from musclewire.extras.studies._robustness.store import FOLDER, sources
 from musclewire.extras.studies._robustness.verdicts import BarVerdict, verdicts_of
-from musclewire.extras.studies._robustness.workers import answers_of
+from musclewire.extras.studies._study import Workers, read_study, sweep
 from musclewire.sensing import ESTIMATORS
-
-__all__ = ["Robustness", "Selection", "robustness"]
 
 OnProgress = Callable[[int, int], None]
 
@@ -161,6 +158,28 @@ class Robustness:
         return ", ".join([*parts, *([f"others {ranges(others)}"] if others else [])])
 
 
+def study_of(chosen: ChosenRuns, folder: Path) -> dict[str, Any]:
+    """Return the benchmark as a study: every condition on every wire."""
+    return {
+        "format": "musclewire-study",
+        "version": 1,
+        "name": "robustness",
+        "run": {
+            "kind": "robustness",
+            "keep": [ANSWER],
+            "references": list(chosen.references),
+            "estimators": list(chosen.estimators),
+            "loops": [list(pair) for pair in chosen.loops],
+            "folder": str(folder),
+            "sources": sources(with_estimators=True),
+        },
+        "parameters": {
+            "run.wire": {"values": list(chosen.seeds)},
+            "run.condition": {"values": [condition.name for condition in chosen.conditions]},
+        },
+    }
+
+
 def ranges(seeds: Sequence[int]) -> str:
     """Return numbers as text, neighbours as a range: "1-3, 7"."""
     parts: list[list[int]] = []
@@ -220,17 +239,22 @@ def robustness(
     """
     began_s = time.perf_counter()
     asked, known = selection or Selection(), bars()
-    seeds, conditions, references, estimators, loops = chosen_by(asked, known)
+    chosen = chosen_by(asked, known)
+    seeds, conditions, references, estimators, _ = chosen
     if not seeds or not estimators:
         raise CallerError("the benchmark needs a seed and an estimator or more")
-    jobs = [RobustnessJob(seed, item.name, references, estimators, loops) for seed in seeds for item in conditions]
-    places = {(job.seed, job.condition): place for place, job in enumerate(jobs)}
-    found: list[JobAnswer | None] = [None] * len(jobs)
-    run = answers_of(jobs, Path(folder), workers=cores() if workers is None else workers, look=look)
-    for done, answer in enumerate(run, 1):
-        found[places[answer.job.seed, answer.job.condition]] = answer
-        on_progress(done, len(jobs))
-    answers = tuple(answer for answer in found if answer is not None)
+    plan = read_study(study_of(chosen, Path(folder)))
+    result = sweep(
+        plan,
+        Path(folder) / "runs" / plan.fingerprint,
+        # The runs of one wire go to one process, which characterises it once.
+        workers=Workers(processes=workers, runs_per_chunk=len(conditions)),
+        on_progress=on_progress,
+        look=look,
+    )
+    for error in filter(None, result.errors):
+        raise NumericsError(f"a run of the benchmark has failed: {error}")
+    answers = tuple(answer_of_text(text) for text in result.texts[ANSWER])
     rows = estimator_rows(answers, conditions, known)
     runs = loop_rows(answers, conditions, known)
     verdicts = verdicts_of(rows, runs, known)

@@ -16,8 +16,6 @@ from musclewire.identify import SearchSettings, calibrate, fit, loop_gaps, save_
 from musclewire.sensing import SensingModel, load_model
 from musclewire.signals import Recording, read_recording
 
-__all__ = ["UsersKnowledge", "characterised"]
-
 # Steps of the drive, held for this long [s]: from less than the wire's own time constant to a few of them.
 HOLDS_S = (0.5, 3.0)
 STREAM = 16

@@ -19,8 +19,6 @@ from musclewire.rigs import required_true_state
 from musclewire.sensing import ESTIMATORS, EstimatorFactory, EstimatorSetup, SensingModel
 from musclewire.wire import WireConstants
 
-__all__ = ["ScoredLoop", "TrueExtremes", "run_loop"]
-
 # Number of the run of a wire, for its noise: after those that are recorded for estimators.
 RUN_NUMBER = 50
 

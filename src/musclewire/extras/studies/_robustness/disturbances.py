@@ -8,8 +8,6 @@ from musclewire.extras.studies._robustness.population import PopulationWire
 from musclewire.extras.studies._robustness.settings import Condition, RunSettings
 from musclewire.extras.studies._segmented.conditions import Conditions, LocalDraughts, steady
 
-__all__ = ["AS_CHARACTERISED", "Disturbance"]
-
 AS_CHARACTERISED = Condition(name="as characterised", bar="none")
 
 

@@ -15,8 +15,6 @@ from musclewire.sensing import ESTIMATORS, EstimatorFactory, EstimatorSetup, Kno
 from musclewire.signals import WireSample
 from musclewire.wire import WireConstants
 
-__all__ = ["EstimatedRun", "estimated"]
-
 
 class EstimatedRun(NamedTuple):
     """An estimator's answers over a run, each (n_samples,); ``columns`` are those that it records itself."""

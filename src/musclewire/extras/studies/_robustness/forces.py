@@ -13,8 +13,6 @@ from musclewire.extras.studies._robustness.settings import Condition, RunSetting
 from musclewire.sensing import KnownSpring, force_model
 from musclewire.wire import WireConstants
 
-__all__ = ["force_score"]
-
 # Cold samples whose mean is the load cell's zero.
 ZERO_SAMPLES = 4
 

@@ -26,8 +26,6 @@ from musclewire.rigs import RigConfiguration, open_rig
 from musclewire.signals import write_text_whole
 from musclewire.wire import ElasticObject
 
-__all__ = ["GripRow", "grip_rows"]
-
 RIG = "gripper"
 # Seed of the training; those of the grips follow the settings.
 TRAINING_SEED = 1

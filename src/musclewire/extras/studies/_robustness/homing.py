@@ -12,8 +12,6 @@ from musclewire.extras.studies._robustness.plant import DisturbedPlant
 from musclewire.extras.studies._robustness.settings import Condition
 from musclewire.sensing import SensingModel
 
-__all__ = ["HomedModel", "homed"]
-
 # Error of a thermometer in the air [K].
 THERMOMETER_STD_K = 0.3
 STREAM = 17

@@ -10,8 +10,6 @@ from musclewire.extras.studies._segmented.instruments import InstrumentSettings
 from musclewire.parameters import Wire, load_alloy, load_wire
 from musclewire.rigs import GuardedRig
 
-__all__ = ["DisturbedPlant", "open_plant"]
-
 # A lead that drifts is another lead once a second.
 LEAD_EVERY_S = 1.0
 # Seeds of the runs of a wire, and of its instruments after each of those seconds, lie apart.

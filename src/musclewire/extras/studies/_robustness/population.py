@@ -24,8 +24,6 @@ from musclewire.extras.studies._segmented.structure import (
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire, require_seed
 from musclewire.wire import BarrierClass
 
-__all__ = ["PopulationWire", "drawn_wire", "held_out_seeds", "tuning_seeds"]
-
 # A normal distribution is cut off at this many standard deviations.
 CUT_OFF = 2.0
 # Keeps the numbers of a wire apart from the noise of its instruments, which has the same seed.

@@ -11,8 +11,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.signals import write_whole
 
-__all__ = ["RecordedRun"]
-
 
 @dataclass(frozen=True, eq=False)
 class RecordedRun:

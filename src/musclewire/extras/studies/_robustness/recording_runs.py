@@ -24,8 +24,6 @@ from musclewire.rigs import Rig, required_true_state
 from musclewire.sensing import SensingModel
 from musclewire.signals import RawSample
 
-__all__ = ["record_run"]
-
 # Power, as a fraction of that at the amplitude, per error in strokes, and the time of the integral.
 GAIN, INTEGRAL_S = 6.0, 1.2
 # Cold samples from which a new zero of the displacement sensor is read.

@@ -10,8 +10,6 @@ from musclewire.arrays import FloatArray
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError, nearest_hint
 
-__all__ = ["REFERENCES", "reference_targets", "require_reference", "start_up"]
-
 # Where random targets lie, in full strokes: inside of the range that is judged.
 LOW, HIGH = 0.18, 0.93
 # The paper's staircase, in strain.

@@ -17,8 +17,6 @@ from musclewire.figures import StyledFigure, figure_style
 from musclewire.pages import STYLE, NumberCard, page, svg_in_frame
 from musclewire.signals import write_text_whole
 
-__all__ = ["error_figure", "write_report"]
-
 # Colours from the best that was seen in the study of prototypes to what is of no use.
 MIN_PCT, MAX_PCT = 0.3, 10.0
 # Low enough for few rows, high enough for the label of the colours [in].

@@ -9,11 +9,9 @@ import numpy as np
 
 from musclewire.extras.studies._robustness.bars import RobustnessBars
 from musclewire.extras.studies._robustness.closed_loops import ScoredLoop
-from musclewire.extras.studies._robustness.jobs import JobAnswer
+from musclewire.extras.studies._robustness.kind import JobAnswer
 from musclewire.extras.studies._robustness.scoring import ErrorSums, pooled
 from musclewire.extras.studies._robustness.settings import Condition
-
-__all__ = ["EstimatorRow", "LoopRow", "WireError", "estimator_rows", "loop_rows"]
 
 
 @dataclass(frozen=True)
@@ -165,7 +163,7 @@ def estimator_rows(
     answers: Sequence[JobAnswer], conditions: Sequence[Condition], bars: RobustnessBars
 ) -> tuple[EstimatorRow, ...]:
     """Return a row for each condition and estimator, in their order."""
-    names = tuple(dict.fromkeys(name for answer in answers for name in answer.job.estimators))
+    names = tuple(dict.fromkeys(name for answer in answers for name in answer.job.all_estimators))
     return tuple(
         estimator_row(condition, name, [one for one in answers if one.job.condition == condition.name], bars)
         for condition in conditions
@@ -177,7 +175,7 @@ def estimator_row(condition: Condition, name: str, answers: Sequence[JobAnswer],
     """Return the row of an estimator under a condition."""
     scored = [one for one in answers if name in one.scores and one.scores[name].samples]
     wires = tuple(
-        WireError(one.job.seed, one.segments, bars.allowance(one.gap_pct), one.scores[name].rms_pct) for one in scored
+        WireError(one.job.wire, one.segments, bars.allowance(one.gap_pct), one.scores[name].rms_pct) for one in scored
     )
     return EstimatorRow(
         condition,
@@ -203,5 +201,5 @@ def loop_rows(
             having = [one for one in of if pair in one.job.loops]
             outcomes = tuple(one.loops[one.job.loops.index(pair)] for one in having)
             allowances = tuple(bars.allowance(one.gap_pct) for one in having)
-            found.append(LoopRow(condition, *pair, outcomes, allowances, tuple(one.job.seed for one in having)))
+            found.append(LoopRow(condition, *pair, outcomes, allowances, tuple(one.job.wire for one in having)))
     return tuple(found)

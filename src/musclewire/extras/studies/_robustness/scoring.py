@@ -14,8 +14,6 @@ from musclewire.extras.studies._robustness.estimating import EstimatedRun
 from musclewire.extras.studies._robustness.recorded_run import RecordedRun
 from musclewire.extras.studies._robustness.settings import Condition, RunSettings
 
-__all__ = ["ErrorSums", "judged_from_s", "pooled", "score_of", "usable"]
-
 # A sample counts as wrong beyond this fraction of the full stroke; an interval is this many standard deviations wide.
 WRONG, DEVIATIONS = 0.05, 1.96
 # Samples around the maximum of resistance at which nobody could say on which side of B the wire is.

@@ -11,18 +11,6 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters import validated
 
-__all__ = [
-    "BaseWire",
-    "Characterisation",
-    "Condition",
-    "Population",
-    "RigSettings",
-    "RunSettings",
-    "RobustnessSettings",
-    "StructureSpread",
-    "settings",
-]
-
 FILE = "settings.toml"
 
 

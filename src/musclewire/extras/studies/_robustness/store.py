@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from musclewire.extras.studies._robustness.characterising import UsersKnowledge, characterised
 from musclewire.extras.studies._robustness.population import PopulationWire, drawn_wire
@@ -16,10 +15,7 @@ from musclewire.extras.studies._robustness.recording_runs import record_run
 from musclewire.extras.studies._robustness.settings import Condition, settings
 from musclewire.identify import users_wire
 from musclewire.sensing import SensingModel, load_model
-from musclewire.signals import write_text_whole
 from musclewire.wire import WireConstants
-
-__all__ = ["FOLDER", "BenchmarkRun", "ResultStore", "digest", "known_wire", "runs_of", "sources"]
 
 # Where runs are kept by default.
 FOLDER = Path("robustness")
@@ -54,7 +50,7 @@ class BenchmarkRun(NamedTuple):
 
 
 class ResultStore:
-    """A folder of characterised wires, recorded runs and what was found with them."""
+    """A folder of characterised wires and recorded runs."""
 
     def __init__(self, folder: Path) -> None:
         """Use a folder; it is made when something is kept in it."""
@@ -79,19 +75,6 @@ class ResultStore:
                 model.save(model_path)
             run.save(path)  # last: it says that both are there
         return RecordedRun.load(path), load_model(model_path) if condition.home else knowledge.model
-
-    def kept_answer(self, wire: PopulationWire, name: str) -> Any:
-        """Return plain data that was kept under a name; None if there is none, or an unreadable rest of it."""
-        path = self._of(wire) / f"{name}.json"
-        try:
-            return json.loads(path.read_text("utf-8"))
-        except (FileNotFoundError, ValueError):
-            return None
-
-    def keep_answer(self, wire: PopulationWire, name: str, data: Any) -> None:
-        """Keep plain data under a name."""
-        self._of(wire).mkdir(parents=True, exist_ok=True)
-        write_text_whole(self._of(wire) / f"{name}.json", json.dumps(data))
 
     def _of(self, wire: PopulationWire) -> Path:
         """Return the folder of a wire: it is named by all that makes its characterisation."""

@@ -12,8 +12,6 @@ from musclewire.extras.studies._robustness.benchmark import Robustness
 from musclewire.extras.studies._robustness.grips import GripRow
 from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow
 
-__all__ = ["COLUMNS", "csv_text", "document", "table_text"]
-
 # Keys of a row; the first ones are those of the interface, null if a row has none.
 COLUMNS = (
     *("disturbance", "level", "estimator", "controller", "estimate_rms_pct", "beyond_5_share", "valid_share"),

@@ -9,8 +9,6 @@ from musclewire.extras.studies._robustness.bars import RobustnessBars, RowBar
 from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow
 from musclewire.extras.studies._robustness.settings import Condition
 
-__all__ = ["BarVerdict", "effective_bar_pct", "verdicts_of"]
-
 
 class BarVerdict(NamedTuple):
     """One number and its bar.

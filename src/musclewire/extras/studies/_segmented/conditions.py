@@ -12,8 +12,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.parameters import require_seed
 
-__all__ = ["ConditionsInTime", "Conditions", "LocalDraughts", "steady"]
-
 # Draughts are limited to this many standard deviations.
 STRONGEST = 3.0
 STREAM = 7927

@@ -32,8 +32,6 @@ from musclewire.rigs import (
 from musclewire.signals import measured_in
 from musclewire.wire import ONE_CLASS, BarrierClass
 
-__all__ = ["SEGMENTED", "ConditionsTable", "InstrumentsTable", "SegmentedConfiguration"]
-
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Fraction = Annotated[float, Field(ge=0.0, le=0.3)]

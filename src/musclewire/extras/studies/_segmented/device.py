@@ -14,8 +14,6 @@ from musclewire.parameters import Alloy, Bench, Wire, require_seed, validity_of
 from musclewire.rigs import SWITCHED_OFF, Answer, DeviceFacts, Metadata, WireCircuit, convection_metadata, limits_of
 from musclewire.signals import Command, RawSample, drive_voltage_of
 
-__all__ = ["SegmentedDevice", "SegmentedSpool"]
-
 
 class SegmentedSpool(NamedTuple):
     """A wire in segments and its bench, as numbers.

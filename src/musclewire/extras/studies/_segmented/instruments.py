@@ -12,8 +12,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.rigs import MIN_SPREAD_STEPS, read_sample
 
-__all__ = ["InstrumentSettings", "RunningInstruments"]
-
 # The jitter of a sample's time is limited to this many standard deviations, and each sample to this part of a period.
 STRONGEST, SHORTEST = 3.0, 0.1
 STREAM = 7933

@@ -14,15 +14,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.wire import ONE_CLASS, BarrierClass, OffsetDistribution, tabulated_distribution
 
-__all__ = [
-    "WireAgeing",
-    "NormalMixture",
-    "WireStructure",
-    "fin_length_m",
-    "graded_fractions",
-    "mixture_distribution",
-]
-
 # Flexinol's data sheet (Dynalloy): 0.18 W/(cm K). Austenite; martensite has about half (Otsuka and Wayman 1998).
 CONDUCTIVITY_W_PER_M_K = 18.0
 REACH = 4.5

@@ -9,16 +9,25 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, NumericsError
+from musclewire.errors import CallerError
 from musclewire.extras.studies._segmented.conditions import Conditions
-from musclewire.extras.studies._segmented.kernel import advance_segments, rest_segments
-from musclewire.extras.studies._segmented.state import SampleSetting, SegmentPlace, SegmentState, WholeWire
+from musclewire.extras.studies._segmented.kernel import advance_segments
+from musclewire.extras.studies._segmented.state import SegmentPlace, SegmentSums
 from musclewire.extras.studies._segmented.structure import WireStructure, fin_length_m
 from musclewire.parameters import Alloy, Bench, Wire
 from musclewire.physics import convection_coefficient_w_per_m2_k
-from musclewire.wire import constants_of, convection_table, measured_grains
-
-__all__ = ["DEFAULT_STEP_S", "SegmentMeans", "SegmentedState", "SegmentedWire"]
+from musclewire.wire import (
+    CHOSEN,
+    WireState,
+    are_resolved,
+    constants_of,
+    convection_table,
+    measured_grains,
+    plan_of,
+    require_resolved,
+    resting_state,
+    total_strain,
+)
 
 # Half of it changes resistance and strain by less than the instruments show (tests/extras/studies/unit/segmented).
 DEFAULT_STEP_S = 2.5e-3
@@ -26,7 +35,6 @@ DEFAULT_STEP_S = 2.5e-3
 WARM_K = 70.0
 # Another table of convection is looked up when the air has changed by as much.
 SAME_AIR_K = 2.0
-MAX_STEP_ERROR_K = 2.0
 
 
 class SegmentMeans(NamedTuple):
@@ -120,22 +128,41 @@ class SegmentedWire:
             classes=structure.classes,
         )
         derived, self._cells, self._load = self.constants.step_arrays()
-        self._derived = derived.copy()
         self._air_k = float(self.constants.ambient_temperature_k)
-        self._mean_strain = 0.0
+        self._mean_strain, self._aged = 0.0, (0.0, 1.0, 0.0)
         self._weights = structure.fractions(self._end_fraction())
         self._places = self._placed()
-        self._own_convection = self._places["convection_factor"].copy()
-        classes = len(structure.classes)
-        self._states: Any = np.zeros(structure.n_segments, SegmentState.layout(classes))
-        self._whole: Any = np.zeros(1, WholeWire.layout())
-        self._now: Any = np.zeros(1, SampleSetting.layout())
+        # The load is the wire's as a whole: of their own the segments have none.
+        self._on_load: Any = derived.copy()
+        self._derived: Any = np.repeat(derived, structure.n_segments)
+        self._derived["pretension_n"] = self._derived["spring_n"] = self._derived["friction_n"] = 0.0
+        self._derived["surface_factor_m2"] *= structure.along("convection_factors", 1.0)
+        for name in ("martensite_temperature_k", "r_phase_temperature_k"):
+            self._derived[name] += structure.along("temperature_shifts_k", 0.0)
+        self._states, self._whole = self._at_rest()
+        self._trials = self._states.copy()
+        self._sums: Any = np.zeros(1, SegmentSums.layout())
+        self._sums["hottest_k"] = self._air_k
+        self._own = self._derived.copy()
         self.surround(Conditions())
-        self._now["zero_contraction"] = rest_segments(*self._rows())
 
-    def _rows(self) -> tuple[Any, ...]:
-        """Return what compiled code takes."""
-        return self._states, self._places, self._whole, self._now, self._derived, self._cells, self._load
+    def _at_rest(self) -> tuple[Any, WireState]:
+        """Return the segments, (n_segments,), and the whole wire, cooled under the pretension: its zero is there."""
+        constants = self.constants
+        kept = ("martensite_temperature_k", "r_phase_temperature_k")
+        cold = [resting_state(constants.replace(**{name: float(own[name]) for name in kept})) for own in self._derived]
+        states: Any = np.concatenate([state.row for state in cold])
+        phases = states["martensite_fraction"], states["r_phase_fraction"]
+        strains = [
+            total_strain(constants.derived.record, one.stress_pa, martensite, r_phase, one.temperature_k)
+            for one, martensite, r_phase in zip(cold, *phases, strict=True)
+        ]
+        self._derived["cold_strain"] = self._weights @ strains
+        whole = cold[0].replace(
+            **{name: self._weights @ states[name] for name in ("resistance_ohm", "martensite_fraction")},
+            r_phase_fraction=self._weights @ phases[1],
+        )
+        return states, whole
 
     def _end_fraction(self) -> float:
         """Return how short the segments at clamps are: half of the length over which a clamp cools the wire.
@@ -152,8 +179,6 @@ class SegmentedWire:
         """Return the places of the segments, with the conductances between their middles."""
         places = np.zeros(self.structure.n_segments, SegmentPlace.layout())
         places["weight"] = self._weights
-        places["temperature_shift_k"] = self.structure.along("temperature_shifts_k", 0.0)
-        places["convection_factor"] = self.structure.along("convection_factors", 1.0)
         lengths_m = self._weights * self._bench["wire_length_m"]
         conducting = self.structure.thermal_conductivity_w_per_m_k * self.constants.area_m2
         between = conducting / (0.5 * (lengths_m[1:] + lengths_m[:-1]))
@@ -165,26 +190,33 @@ class SegmentedWire:
 
     def surround(self, conditions: Conditions) -> None:
         """Take other conditions from now on."""
-        setting, bench = self._now, self._bench
+        bench, own, rows = self._bench, self._own, self._derived
         ambient_k = bench["ambient_temperature_k"] if conditions.ambient_k is None else conditions.ambient_k
-        setting["ambient_k"] = ambient_k
         self._around = conditions
         self._age()
-        setting["force_n"] = bench["pretension_n"] + conditions.load_force_n + conditions.pretension_force_n
-        setting["spring_n"] = self._derived["spring_n"] * conditions.stiffness_factor
-        self._places["convection_factor"] = self._own_convection * conditions.convection_factor
-        self._derived["ambient_temperature_k"] = ambient_k
+        load_n = bench["pretension_n"] + conditions.load_force_n + conditions.pretension_force_n
+        self._on_load["pretension_n"] = load_n
+        self._on_load["spring_n"] = self.constants.derived.spring_n * conditions.stiffness_factor
+        rows["surface_factor_m2"] = own["surface_factor_m2"] * conditions.convection_factor
+        rows["ambient_temperature_k"] = ambient_k
         if abs(ambient_k - self._air_k) > SAME_AIR_K:
             self._air_k = SAME_AIR_K * round(ambient_k / SAME_AIR_K)
-            self._derived["convection_w_per_m2_k"] = convection_table(self._spool["diameter_m"], self._air_k)
+            rows["convection_w_per_m2_k"] = convection_table(self._spool["diameter_m"], self._air_k)
 
     def _age(self) -> None:
         """Take over what the cycles until now have changed."""
-        setting, around = self._now, self._around
-        residual, factor, shift_k = self.structure.ageing.effects(float(self._whole["cycles"][0]))
-        setting["resistance_factor"] = around.resistance_factor * factor
-        setting["temperature_shift_k"] = around.transformation_shift_k + shift_k
-        setting["residual_strain"] = residual
+        around, own, rows = self._around, self._own, self._derived
+        residual, factor, shift_k = self.structure.ageing.effects(self._whole.cycles)
+        factor, shift_k = factor * around.resistance_factor, shift_k + around.transformation_shift_k
+        if (residual, factor, shift_k) == self._aged:
+            return
+        rows["cold_strain"] = own["cold_strain"] - residual
+        rows["length_over_area_per_m"] = own["length_over_area_per_m"] * factor
+        for name in ("martensite_temperature_k", "r_phase_temperature_k"):
+            rows[name] = own[name] + shift_k
+        for states in (self._states, self._whole.row):
+            states["resistance_ohm"] *= factor / self._aged[1]
+        self._aged = (residual, factor, shift_k)
 
     def advance(self, drive_voltage_v: float, duration_s: float, lead_ohm: float = 0.0) -> SegmentMeans:
         """Advance by a sample at one drive voltage.
@@ -207,13 +239,17 @@ class SegmentedWire:
         NumericsError
             If the balances of a step were not met, or a step was too long for what happened in it.
         """
-        setting = self._now
         self._age()
-        setting["drive_voltage_v"], setting["inside_ohm"] = drive_voltage_v, lead_ohm
-        setting["outside_ohm"] = self._bench["shunt_resistance_ohm"] + self._bench["lead_resistance_ohm"]
-        setting["duration_s"], setting["steps"] = duration_s, math.ceil(duration_s / self.step_s * (1.0 - 1e-9))
-        voltage_v, current_a, contraction, stress_pa = advance_segments(*self._rows())
-        self._require_resolved(voltage_v + contraction)
+        voltage_v, current_a, contraction, stress_pa = advance_segments(
+            (self._states, self._trials, self._derived, self._places),
+            (self._whole.row, self._on_load, self._cells, self._load),
+            self._sums,
+            (drive_voltage_v, lead_ohm),
+            plan_of(CHOSEN, duration_s),
+            self.step_s,
+        )
+        if not are_resolved(self._whole.row):
+            require_resolved(self._whole, CHOSEN, min(self.step_s, duration_s))
         self._mean_strain = contraction
         return SegmentMeans(
             voltage_v,
@@ -221,18 +257,6 @@ class SegmentedWire:
             contraction * self.leg_length_m,
             stress_pa * self.section_m2,
             contraction,
-        )
-
-    def _require_resolved(self, number: float) -> None:
-        """Raise NumericsError unless all steps were solved and short enough."""
-        whole = self._whole[0]
-        missed, error_k = float(whole["unsolved_steps"]), float(whole["step_error_k"])
-        if missed == 0.0 and error_k <= MAX_STEP_ERROR_K and math.isfinite(number):
-            return
-        raise NumericsError(
-            f"the simulation in segments does not resolve the wire up to {float(whole['time_s']):.3f} s: steps of "
-            f"{1e3 * self.step_s:g} ms leave an error of {error_k:.3g} K and {missed:.0f} balances unsolved; look for "
-            "conditions or a drive that no wire could follow, or take a shorter step"
         )
 
     @property
@@ -248,19 +272,19 @@ class SegmentedWire:
     @property
     def time_s(self) -> float:
         """Time since the wire was first at rest [s]."""
-        return float(self._whole["time_s"][0])
+        return float(self._whole.time_s)
 
     @property
     def state(self) -> SegmentedState:
         """The true state now."""
-        whole, states, weights = self._whole[0], self._states, self._weights
+        whole, states, weights = self._whole.record, self._states, self._weights
         temperatures_k = states["temperature_k"].copy()
         return SegmentedState(
             time_s=float(whole["time_s"]),
             temperature_k=float(weights @ temperatures_k),
             hottest_temperature_k=float(temperatures_k.max()),
             coldest_temperature_k=float(temperatures_k.min()),
-            resistance_ohm=float(weights @ states["resistance_ohm"]) * float(self._now["resistance_factor"][0]),
+            resistance_ohm=float(weights @ states["resistance_ohm"]),
             cycles=float(whole["cycles"]),
             strain=float(whole["connector_contraction"]),
             mean_strain=self._mean_strain,
@@ -274,8 +298,15 @@ class SegmentedWire:
     @property
     def sums(self) -> Mapping[str, float]:
         """Energies [J] since the start, counts, the hottest temperature so far [K] and the error of steps [K]."""
-        names = ("heat_in_j", "heat_to_air_j", "heat_to_clamps_j", "hottest_k", "step_error_k", "evaluations")
-        return {name: float(self._whole[name][0]) for name in names}
+        whole, clamps_j = self._whole, float(self._sums["heat_to_clamps_j"][0])
+        return {
+            "heat_in_j": whole.heat_in_j,
+            "heat_to_air_j": whole.heat_out_j - clamps_j,
+            "heat_to_clamps_j": clamps_j,
+            "hottest_k": float(self._sums["hottest_k"][0]),
+            "step_error_k": whole.step_error_k,
+            "evaluations": whole.evaluations,
+        }
 
     @property
     def enthalpy_j(self) -> float:
@@ -289,4 +320,4 @@ class SegmentedWire:
 
     def age_like(self, before: SegmentedWire) -> None:
         """Take over clock and cycles from the wire at another pretension."""
-        self._whole["time_s"], self._whole["cycles"] = before._whole["time_s"], before._whole["cycles"]
+        self._whole = self._whole.replace(time_s=before._whole.time_s, cycles=before._whole.cycles)

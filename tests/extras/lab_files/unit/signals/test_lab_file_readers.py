@@ -15,7 +15,6 @@ from scipy.io import loadmat
 from tests.extras.lab_files.corpus.lab_signals import DISPLACEMENT_MM, FORCE_N, ROWS, TIME_S, WIRE_VOLTAGE_V
 
 from musclewire.errors import MusclewireError, RecordingError
-from musclewire.extras.lab_files import _hdf5_trial as hdf5_trial
 from musclewire.extras.lab_files._foreign_hdf5 import read_hdf5_of_others
 from musclewire.extras.lab_files._formats import lab_file_reader
 from musclewire.signals import import_recording, load_mapping, read_recording, save_mapping
@@ -96,19 +95,19 @@ def test_lvm_numbers_are_those_that_lvm_read_reads(lab_files, name):
 
 def test_lvm_without_x_column_counts_time_by_its_increment(lab_files):
     columns = columns_of(lab_files / "read" / "lvm_no_x_column.lvm")
-    assert columns["time"] == pytest.approx(TIME_S, abs=1e-12)
-    assert columns["Wire voltage"] == pytest.approx(WIRE_VOLTAGE_V, abs=1e-6)
+    assert columns["time [s]"] == pytest.approx(TIME_S, abs=1e-12)
+    assert columns["Wire voltage [V]"] == pytest.approx(WIRE_VOLTAGE_V, abs=1e-6)
 
 
 def test_packets_of_an_lvm_file_follow_each_other_by_their_times(lab_files):
-    assert columns_of(lab_files / "read" / "lvm_three_packets.lvm")["time"] == pytest.approx(TIME_S, abs=1e-6)
+    assert columns_of(lab_files / "read" / "lvm_three_packets.lvm")["time [s]"] == pytest.approx(TIME_S, abs=1e-6)
 
 
 def test_equal_x_columns_of_an_lvm_file_are_one_clock_and_others_are_tables_of_their_own(lab_files):
     columns = columns_of(lab_files / "read" / "lvm_multi_x_column.lvm")
-    assert list(columns) == ["time", "Wire voltage", "Shunt voltage", "LVDT"]
+    assert list(columns) == ["time [s]", "Wire voltage [V]", "Shunt voltage [V]", "LVDT [mm]"]
     assert "3 tables" in refusal(lab_files / "read" / "lvm_two_clocks.lvm")
-    assert columns_of(lab_files / "read" / "lvm_two_clocks.lvm", "LVDT")["LVDT"] == pytest.approx(DISPLACEMENT_MM)
+    assert columns_of(lab_files / "read" / "lvm_two_clocks.lvm", "LVDT")["LVDT [mm]"] == pytest.approx(DISPLACEMENT_MM)
 
 
 @pytest.mark.parametrize("name", ["mat4_columns", "mat5_columns", "mat5_rows_and_units", "mat5_compressed"])
@@ -119,7 +118,6 @@ def test_matlab_variables_are_those_that_scipy_reads(lab_files, name):
         assert np.array_equal(values, np.ravel(theirs[header]))
 
 
-@pytest.mark.slow
 def test_matlab_7_3_has_the_numbers_and_units_of_version_5(lab_files):
     for name in ("mat73_columns", "mat73_rows_compressed", "mat73_struct"):
         path = lab_files / "read" / f"{name}.mat"
@@ -167,8 +165,9 @@ def test_titles_parameters_and_units_above_a_sheet_are_understood(lab_files):
 
 def test_dates_of_a_sheet_are_seconds_since_the_first(lab_files):
     path = lab_files / "read" / "xlsx_dates.xlsx"
-    assert columns_of(path)["Timestamp"] == pytest.approx(TIME_S, abs=1e-6)
-    assert table_of(path).metadata["start_time"].startswith("2024-03-08T10:30:28.5")
+    recording = read_recording(path)
+    assert recording["time_s"] == pytest.approx(TIME_S, abs=1e-6)
+    assert str(recording.metadata["start_time"]).startswith("2024-03-08T10:30:28.5")
 
 
 def test_formulas_without_values_are_named_with_the_cure(lab_files):
@@ -183,7 +182,6 @@ def test_sheets_are_chosen_by_name(lab_files):
     assert columns_of(path, "force")["Force [N]"] == pytest.approx(FORCE_N)
 
 
-@pytest.mark.slow
 def test_hdf5_of_any_layout_has_the_numbers_that_h5py_reads(lab_files):
     path = lab_files / "read" / "hdf5_group_compressed.hdf5"
     with h5py.File(path) as file:
@@ -204,7 +202,7 @@ def test_parquet_has_the_numbers_that_pandas_reads(lab_files, name):
 
 def test_times_of_parquet_are_seconds_since_the_first_and_attrs_of_pandas_are_metadata(lab_files):
     path = lab_files / "read" / "parquet_pandas_times.parquet"
-    assert columns_of(path)["Timestamp"] == pytest.approx(TIME_S, abs=1e-9)
+    assert read_recording(path)["time_s"] == pytest.approx(TIME_S, abs=1e-9)
     assert table_of(path).metadata["shunt_resistance_ohm"] == 0.47
 
 
@@ -216,10 +214,9 @@ def test_files_larger_than_a_block_come_in_blocks(tmp_path):
     assert blocks[1].place(0) == "row 65537"
 
 
-@pytest.mark.slow
 def test_every_damaged_or_hostile_file_is_refused_in_one_line(lab_files):
     damaged = sorted((lab_files / "damaged").iterdir())
-    assert len(damaged) >= 40
+    assert len(damaged) >= 45
     for path in damaged:
         assert refusal(path).startswith(str(path))
 
@@ -230,11 +227,8 @@ def test_nothing_outside_a_hostile_file_is_opened(lab_files):
     code = """
 import sys, pathlib
 from musclewire.errors import MusclewireError
-from musclewire.extras.lab_files import _foreign_hdf5 as foreign_hdf5, _matlab73 as matlab73
 from musclewire.extras.lab_files._formats import lab_file_reader
 from musclewire.extras.lab_files._foreign_hdf5 import read_hdf5_of_others
-# Here, where files are what matters, no trial in another process.
-foreign_hdf5.check_by_trial = matlab73.check_by_trial = lambda path, module: None
 paths = [pathlib.Path(text) for text in sys.argv[1:]]
 def read_all():
     for path in paths:
@@ -281,28 +275,6 @@ def test_a_file_with_changed_bytes_is_read_or_refused_in_one_line(lab_files, tmp
     path = tmp_path / name
     path.write_bytes(content)
     assert "\n" not in said_about(path)
-
-
-@pytest.mark.slow
-@settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(data=st.data())
-def test_hdf5_with_changed_bytes_is_read_or_refused_in_one_line(lab_files, tmp_path, data):
-    name = data.draw(st.sampled_from(["hdf5_vectors.h5", "hdf5_matrix_with_names.h5", "mat73_columns.mat"]))
-    content = bytearray((lab_files / "read" / name).read_bytes())
-    for _ in range(data.draw(st.integers(1, 5))):
-        content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
-    path = tmp_path / name
-    path.write_bytes(content)
-    assert "\n" not in said_about(path)
-
-
-@pytest.mark.slow
-def test_a_file_from_which_hdf5_does_not_come_back_is_refused(lab_files, monkeypatch):
-    monkeypatch.setattr(hdf5_trial, "MAX_TRIAL_S", 2.0)
-    monkeypatch.setattr(hdf5_trial, "_CHILD", "import time; time.sleep(60)")
-    assert "does not come back" in refusal(lab_files / "read" / "hdf5_vectors.h5")
-    monkeypatch.setattr(hdf5_trial, "_CHILD", "import os; os.abort()")
-    assert "crashes" in refusal(lab_files / "read" / "hdf5_vectors.h5")
 
 
 def test_a_mapping_remembers_the_group_and_a_mapping_file_keeps_it(lab_files, tmp_path):

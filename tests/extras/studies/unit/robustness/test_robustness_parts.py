@@ -13,9 +13,10 @@ from musclewire.errors import CallerError
 from musclewire.extras.studies._robustness import Selection, held_out_seeds, tuning_seeds
 from musclewire.extras.studies._robustness.bars import bars
 from musclewire.extras.studies._robustness.benchmark import chosen_by, ranges
+from musclewire.extras.studies._robustness.closed_loops import ScoredLoop
 from musclewire.extras.studies._robustness.disturbances import Disturbance
 from musclewire.extras.studies._robustness.grips import changes
-from musclewire.extras.studies._robustness.jobs import JobAnswer, RobustnessJob, job_of_plain
+from musclewire.extras.studies._robustness.kind import JobAnswer, RobustnessOptions, answer_of_text
 from musclewire.extras.studies._robustness.population import drawn_wire
 from musclewire.extras.studies._robustness.references import REFERENCES, reference_targets, start_up
 from musclewire.extras.studies._robustness.rows import estimator_rows
@@ -136,11 +137,16 @@ def test_pooled_scores_are_the_score_of_all_samples(parts):
     assert total.rms_pct == pytest.approx(100.0 * math.sqrt(expected))
 
 
+LOOP = ScoredLoop(1.0, None, 2.0, 0.5, 1.0, "", 0.4, 0.9, 340.0, 350.0)
+
+
 def answer(seed, error, gap_pct=1.0, name="none"):
     squares = 100 * (error / 100.0) ** 2
     score = ErrorSums(samples=100, squares=squares, valid=100, within=95)
-    job = RobustnessJob(seed, name, ("sines",), (bars().default_estimator,), ())
-    return JobAnswer(job, gap_pct, 1, {bars().default_estimator: score}, {}, (), {}, {}, {})
+    job = RobustnessOptions(
+        wire=seed, condition=name, estimators=(bars().default_estimator,), loops=(("polynomial", "fuzzy-pid"),)
+    )
+    return JobAnswer(job, gap_pct, 1, {bars().default_estimator: score}, {}, (LOOP,), {}, {}, {})
 
 
 def test_a_wire_with_a_large_gap_has_a_larger_bar():
@@ -169,10 +175,7 @@ def test_a_number_that_was_not_found_misses_its_bar():
 
 def test_an_answer_is_what_was_kept_of_it():
     found = answer(101, 0.5)
-    assert JobAnswer.of_plain(found.plain()) == found
-    assert job_of_plain([1, "none", ["sines"], ["polynomial"], [["polynomial", "fuzzy-pid"]]]).loops == (
-        ("polynomial", "fuzzy-pid"),
-    )
+    assert answer_of_text(found.text()) == found
 
 
 def test_what_is_chosen_is_checked():

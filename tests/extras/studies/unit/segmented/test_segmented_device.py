@@ -13,7 +13,7 @@ from musclewire.extras.studies._segmented.configuration import SegmentedConfigur
 from musclewire.extras.studies._segmented.device import SegmentedDevice, SegmentedSpool
 from musclewire.extras.studies._segmented.instruments import InstrumentSettings
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.rigs import GuardedRig, open_rig, required_true_state, stage_of
+from musclewire.rigs import GuardedRig, HasStage, ability, open_rig, required_true_state
 from musclewire.signals import RawSample
 
 pytestmark = pytest.mark.slow
@@ -133,7 +133,7 @@ def test_the_stage_moves_and_zeroes_and_the_clock_goes_on() -> None:
     rig = GuardedRig(SegmentedDevice(SPOOL, instruments=SETTINGS._replace(displacement_noise_m=0.0, force_noise_n=0.0)))
     with rig:
         warm = [rig.exchange(3.2) for _ in range(40)][-1]
-        stage_of(rig).set_pretension(2.5)
+        ability(rig, HasStage).set_pretension(2.5)
         sample = rig.exchange(0.0)
     assert warm.displacement_m > 1e-4
     assert sample.displacement_m == pytest.approx(0.0, abs=1e-9)

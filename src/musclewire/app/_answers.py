@@ -1,0 +1,593 @@
+"""What the commands of the core print with --json."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Self
+
+from pydantic import AliasGenerator, ConfigDict
+
+from musclewire.app._answer import ABSENT, Answer, Finite, Record
+from musclewire.controllers import ProtectionLimits, ProtectionTable, RuleBase
+from musclewire.experiment import (
+    ChannelCalibration,
+    ControlMetrics,
+    PretensionRow,
+    RigCheck,
+    SkippedCheck,
+    StepSpread,
+    TrainingCycle,
+)
+from musclewire.identify import HelpfulMeasurement, SufficientChanges, TooFast, VarianceShare, WireRow
+from musclewire.parameters import CatalogueCell
+from musclewire.sensing import HomeMove
+from musclewire.signals import IgnoredHeader, MatchedHeader, MetadataValue, UndecidedHeader
+
+Words = tuple[str, ...]
+
+
+class StepErrors(Answer):
+    """Errors of one step of a staircase, in percent of its target."""
+
+    direction: str
+    mae_pct: float | None
+    mae_approached_pct: float | None
+    estimate_mae_pct: float | None
+    estimate_mae_approached_pct: float | None
+    tracking_mae_pct: float | None
+    tracking_mae_approached_pct: float | None
+
+
+class StrainTarget(Answer):
+    """A target of strain."""
+
+    target_pct: float
+
+
+class DisplacementTarget(Answer):
+    """A target of displacement."""
+
+    target_m: float
+
+
+class ForceTarget(Answer):
+    """A target of force."""
+
+    target_n: float
+
+
+# The fields of the last class come first.
+class StrainStep(StepErrors, StrainTarget):
+    """A step of strain."""
+
+
+class DisplacementStep(StepErrors, DisplacementTarget):
+    """A step of displacement."""
+
+
+class ForceStep(StepErrors, ForceTarget):
+    """A step of force."""
+
+
+# Of each quantity the model of a step, the key of its target, and the factor of that from SI.
+STEPS: dict[str, tuple[type[StepErrors], str, float]] = {
+    "strain": (StrainStep, "target_pct", 100.0),
+    "displacement": (DisplacementStep, "target_m", 1.0),
+    "force": (ForceStep, "target_n", 1.0),
+}
+
+
+class LoopErrors(Answer):
+    """Errors of a closed loop."""
+
+    steps: tuple[StrainStep | DisplacementStep | ForceStep, ...]
+    mae_max_pct: float | None
+    mae_mean_pct: float | None
+    mae_max_approached_pct: float | None
+    mae_mean_approached_pct: float | None
+    approach_s: float
+    approach: str
+    valid_share: float
+    rms_pct: float | None
+    estimate_rms_pct: float | None
+    tracking_rms_pct: float
+
+    @classmethod
+    def of_run(cls, metrics: ControlMetrics, **named: Any) -> Self:
+        """Return an answer with the errors of a run."""
+        kind, key, factor = STEPS[metrics.quantity]
+        steps = [kind.of(step, **{key: round(factor * step.target, 10)}) for step in metrics.steps]
+        return cls.of(metrics, steps=steps, **named)
+
+
+class FittedRange(Answer):
+    """The gap and the range of a fitted model."""
+
+    strain_gap_pct: float
+    resistance_min_ohm: float
+    resistance_max_ohm: float
+
+
+class DemoAnswer(LoopErrors, FittedRange):
+    """Of ``demo``."""
+
+    best_pretension_n: float
+    time_step_s: float
+    warnings: Words
+    seed: int
+    wall_s: float
+    report: str
+
+
+class Percentiles(Answer):
+    """Percentiles of times [us]."""
+
+    p50: float
+    p99: float
+    p999: float
+
+
+class SpeedLimitsAnswer(Answer):
+    """Where a reference is faster than the wire."""
+
+    quantity: str
+    findings: tuple[Annotated[TooFast, Record(turn_s=Finite)], ...]
+    asked_amplitude: float
+    possible_amplitude: float
+    help: Annotated[SufficientChanges, Record()]
+
+
+@dataclass(frozen=True, kw_only=True)
+class HomeFound(HomeMove):
+    """A home move, and what its sweep showed."""
+
+    resistance_max_moved_ohm: float
+    resistance_max_moved_std_ohm: float
+    resistance_min_moved_ohm: float
+    resistance_min_moved_std_ohm: float
+    warming_moved_k: float
+    misfit_ohm: float
+    saw_b_cooling: bool
+    saw_c: bool
+    notes: Words
+
+
+class ControlAnswer(LoopErrors):
+    """Of ``control``."""
+
+    deadline_misses: int
+    jitter_us: Percentiles | None
+    latency_us: Percentiles | None
+    compute_us: Percentiles | None
+    drift_us: float | None
+    known_stiffness_n_per_m: float | None
+    known_friction_n: float | None
+    estimator: str | None
+    controller: str | None
+    health: str
+    ended: str
+    samples: int
+    warnings: Words
+    speed_limits: SpeedLimitsAnswer | None
+    home: HomeFound | None
+
+
+class LoopRow(Answer):
+    """One of many closed loops; its errors are null if it did not reach its end."""
+
+    seed: int
+    ended: str
+    compiled: bool
+    mae_pct: tuple[float | None, ...] | None = None
+    mae_approached_pct: tuple[float | None, ...] | None = None
+    mae_max_pct: float | None = None
+    mae_mean_pct: float | None = None
+    mae_max_approached_pct: float | None = None
+    mae_mean_approached_pct: float | None = None
+    rms_pct: float | None = None
+    valid_share: float | None = None
+    warnings: Words
+
+
+class ManyLoopsAnswer(Answer):
+    """Of ``control --runs``."""
+
+    approach_s: float | None
+    approach: str | None
+    steps: tuple[Annotated[StepSpread, Record(infinite=...)], ...]
+    runs: tuple[LoopRow, ...]
+
+
+ControlAnswers = ControlAnswer | ManyLoopsAnswer
+
+
+@dataclass(frozen=True, kw_only=True)
+class HomeAnswer(HomeFound):
+    """Of ``home``."""
+
+    model: str
+    warnings: Words
+
+
+class CharacterizeAnswer(Answer):
+    """Of ``characterize``; without an instrument or a loop the gaps are null, which a note or problem says."""
+
+    recording: str
+    samples: int
+    strain_gap_pct: float | None = None
+    displacement_gap_pct: float | None = None
+    force_gap_pct: float | None = None
+    stroke_pct: float | None = None
+    no_force_gap: str = "no loop"
+    amplitude_v: float | None
+    amplitude_raised: str | None
+    shows_c: bool | None
+    warnings: Words
+    note: str | None = ABSENT
+    problem: str | None = ABSENT
+
+
+class PretensionAnswer(Answer):
+    """Of ``pretension``."""
+
+    rows: tuple[Annotated[PretensionRow, Record(without=("recording",))], ...]
+    best_pretension_n: float
+    largest_pretension_n: float | None
+    failures: Words
+    warnings: Words
+
+
+class TrainAnswer(Answer):
+    """Of ``train``."""
+
+    settled: bool
+    cycles: tuple[TrainingCycle, ...]
+    warnings: Words
+
+
+class GripAnswer(Answer):
+    """Of ``grip``; what only the simulation knows of the object is called true."""
+
+    contact: bool
+    contact_s: float | None
+    contact_score: float
+    true_force_at_contact_n: float | None
+    opening_m: float | None
+    true_clearance_m: float | None
+    known_stiffness_n_per_m: float | None
+    used_stiffness_n_per_m: float | None
+    true_stiffness_n_per_m: float | None
+    target_n: float
+    held: bool
+    estimated_force_n: float | None
+    true_force_n: float | None
+    error_n: float | None
+    most_force_n: float | None
+    samples: int
+    ended: str
+    warnings: Words
+
+
+class DoctorAnswer(Answer):
+    """Of ``doctor``."""
+
+    rig: str
+    ok: bool
+    checks: tuple[Annotated[RigCheck, Record()], ...]
+    unchecked: tuple[Annotated[SkippedCheck, Record()], ...]
+    calibration: tuple[Annotated[ChannelCalibration, Record()], ...]
+    highest_drive_voltage_v: float
+    trouble: str | None
+    written: str | None
+
+
+PLURALS = {"state": "states", "effect": "effects", "signal": "signals", "event": "events"}
+
+
+class ProtectionAnswer(ProtectionTable):
+    """Of ``protection``: the table, and the limits of a rig but for infinite ones."""
+
+    model_config = ConfigDict(alias_generator=AliasGenerator(serialization_alias=lambda key: PLURALS.get(key, key)))
+    limits: Annotated[ProtectionLimits, Record(infinite=ABSENT, readings_noisy=bool)] | None = ABSENT
+
+
+class ImportedFile(Answer):
+    """How one file was understood."""
+
+    path: str
+    layout: str
+    rows: int
+    taken: tuple[MatchedHeader, ...]
+    ignored: tuple[IgnoredHeader, ...]
+    undecided: tuple[UndecidedHeader, ...]
+    metadata: dict[str, MetadataValue]
+    ranges: dict[str, tuple[float, float]]
+    notes: Words
+    problem: str
+
+
+class JoinedFiles(Answer):
+    """How two files were joined on the first one's clock."""
+
+    delay_s: float
+    delay_std_s: float
+    correlation: float
+    columns: Words
+    rows: int
+    notes: Words
+
+
+class ImportAnswer(Answer):
+    """Of ``import``."""
+
+    files: tuple[ImportedFile, ...]
+    join: JoinedFiles | None
+
+
+class EstimateErrors(Answer):
+    """Errors of an estimate; null without an estimate, or without a reference."""
+
+    valid_share: float | None = None
+    rms_pct: float | None = None
+    max_pct: float | None = None
+    no_reference: str | None = None
+
+
+class SampleCount(Answer):
+    """How many samples there are."""
+
+    samples: int
+
+
+class EstimateAnswer(EstimateErrors, SampleCount):
+    """Of ``estimate``."""
+
+    warnings: Words
+
+
+class FitReport(Answer):
+    """A fit and its errors."""
+
+    quantity: str
+    strain_gap_pct: float
+    resistance_min_ohm: float
+    resistance_max_ohm: float
+    order: int
+    rmse_heating_pct: float
+    rmse_cooling_pct: float
+    rmse_average_pct: float
+    samples: int
+    warnings: Words
+
+
+class FitAnswer(EstimateErrors, FitReport):
+    """Of ``fit``; from resistance alone how far the model may be off, and what would help."""
+
+    stroke_std_pct: float | None = ABSENT
+    misfit: float | None = ABSENT
+    costs: tuple[Annotated[VarianceShare, Record(text=str)], ...] | None = ABSENT
+    helps: tuple[Annotated[HelpfulMeasurement, Record()], ...] | None = ABSENT
+    model: str | None
+
+
+class TuneAnswer(Answer):
+    """Of ``tune``."""
+
+    controller: str
+    rule: str
+    thermal_time_constant_s: float
+    dead_time_s: float
+    closed_loop_time_s: float
+    integral_time_s: float
+    smallest_gain_w_per_unit: float
+    largest_gain_w_per_unit: float
+    gain_margin: float
+    phase_margin_deg: float
+    delay_margin_s: float
+    self_sensed: bool
+    gains: str | None
+
+
+class CalibratedParameter(Answer):
+    """One parameter: value and standard deviation in SI, and the prior's."""
+
+    value: float
+    unit: str
+    std: float
+    prior_mean: float
+    prior_std: float
+    identifiable: bool
+    at_bound: bool
+    group: str
+
+
+class CalibratedChannel(Answer):
+    """How well the fitted wire follows one channel of a recording."""
+
+    recording: str
+    channel: str
+    unit: str
+    rms: float
+    rms_in_uncertainties: float
+
+
+class CorrelatedParameters(Answer):
+    """Two parameters that are identified together rather than apart."""
+
+    parameters: tuple[str, str]
+    r: float
+
+
+class AdvisedExperiment(Answer):
+    """What to measure next."""
+
+    title: str
+    text: str
+    tells: Words
+    narrows: Words
+
+
+class CalibrateAnswer(Answer):
+    """Of ``calibrate``."""
+
+    parameters: dict[str, CalibratedParameter]
+    not_identifiable: Words
+    rmse: float
+    holds: bool
+    channels: tuple[CalibratedChannel, ...]
+    correlated: tuple[CorrelatedParameters, ...]
+    not_searched: Words
+    notes: Words
+    excess_variance: float
+    simulations: int
+    descent_costs: tuple[float, ...]
+    wall_s: float
+    seed: int
+    advice: tuple[AdvisedExperiment, ...]
+    recordings: Words
+    started_from: str
+    priors: str
+    wire: str | None
+    report: str | None
+    warnings: Words
+
+
+class SuggestedParts(Answer):
+    """What the wire needs to contract by 90 % in a second."""
+
+    one_second_current_a: float
+    holding_current_a: float
+    supply_v: float
+    shunt_resistance_ohm: float
+    shunt_power_w: float
+    shunt_rating_w: float
+
+
+class CatalogueSide(Answer):
+    """What the catalogue prints for a wire, in SI, and our cooling time [s] in the vendor's own test."""
+
+    resistance_ohm_per_m: CatalogueCell
+    one_second_current_a: CatalogueCell
+    pull_force_n: CatalogueCell
+    cooling_s: CatalogueCell
+    test_cooling_s: float | None
+
+
+class SimulateAnswer(Answer):
+    """Of ``simulate``."""
+
+    wire: str
+    simulated: bool
+    length_m: float
+    load_n: float
+    spring_stiffness_n_per_m: float
+    ambient_temperature_degc: float
+    supply_v: float | None
+    current_a: float | None
+    shunt_resistance_ohm: float
+    on_s: float
+    duty: float
+    duty_period_s: float | None
+    contraction_pct: float
+    largest_contraction_pct: float
+    final_contraction_pct: float
+    last_period_pct: tuple[float, float] | None
+    contraction_m: float
+    stroke_pct: float
+    contraction_share_pct: float
+    contracted_s: float | None
+    cooling_s: float | None
+    true_peak_temperature_degc: float
+    settled_temperature_degc: float
+    current_mean_a: float
+    drive_voltage_peak_v: float
+    power_peak_w: float
+    energy_j: float
+    suggested: SuggestedParts
+    catalogue: CatalogueSide | None
+    warnings: Words
+    samples: int
+    seed: int
+    recording: str | None
+
+
+class WireOfLibrary(Answer):
+    """A wire that comes with musclewire."""
+
+    name: str
+    description: str
+    alloy: str
+    diameter_m: float
+    resistance_per_metre_ohm_per_m: float
+
+
+class CoveredByData(Answer):
+    """What the data of an alloy cover, and what its vendor allows; nothing of what its file does not state."""
+
+    covered_stress_low_pa: float | None = ABSENT
+    covered_stress_high_pa: float | None = ABSENT
+    covered_temperature_high_k: float | None = ABSENT
+    working_stress_pa: float | None = ABSENT
+    annealing_temperature_k: float | None = ABSENT
+
+
+class WiresAnswer(Answer):
+    """Of ``simulate --list``: the wires, and what the data of their alloys cover."""
+
+    wires: tuple[WireOfLibrary, ...]
+    alloys: dict[str, CoveredByData]
+
+
+SHUNT: dict[str, Any] = dict.fromkeys(("shunt_resistance_ohm", "shunt_power_w", "shunt_rating_w"), float)
+NEEDS = Record(without=("catalogue_current", "shunt"), catalogue_current_a=float, catalogue_current_status=str, **SHUNT)
+
+
+class WireTableAnswer(Answer):
+    """Of ``simulate --table``."""
+
+    length_m: float
+    stress_pa: float
+    ambient_temperature_degc: float
+    simulated: bool
+    rows: tuple[Annotated[WireRow, NEEDS], ...]
+
+
+SimulateAnswers = SimulateAnswer | WiresAnswer | WireTableAnswer
+
+
+class ComparedWire(Answer):
+    """One wire of the catalogue and its simulated test; without a limit a verdict is null."""
+
+    wire: str
+    diameter_m: float
+    current_a: float
+    current_status: str
+    stroke_pct: float
+    contraction_share_pct: float
+    contraction_ok: bool | None
+    true_temperature_degc: float
+    cooling_s: float | None
+    catalogue_cooling_s: float
+    cooling_status: str
+    cooling_ok: bool | None
+    ok: bool
+
+
+class CatalogueAnswer(Answer):
+    """Of ``catalogue``."""
+
+    bars: str
+    rows: tuple[ComparedWire, ...]
+    judged: int
+    failed: int
+    ok: bool
+
+
+class KnownNames(Answer):
+    """Names that can be given."""
+
+    known: Words
+
+
+class RulesAnswer(RuleBase, KnownNames):
+    """Of ``rules``: a rule base, and the names of all."""

@@ -1,0 +1,31 @@
+"""Tables are plain text: a row a line where nobody sees them, folded to the width of a terminal where somebody does."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+from musclewire.app._output import table
+
+HEAD = ("event [ms]", "lasting", "when")
+ROWS = [("over_current", "20", "current above what the wire bears, " * 5 + "end"), ("rest", "-", "[always]")]
+
+
+def test_in_a_pipe_each_row_is_one_line_of_plain_text() -> None:
+    head, first, second = table(HEAD, ROWS, left=(0, 2)).splitlines()
+    assert head.split() == ["event", "[ms]", "lasting", "when"]
+    assert first.endswith("end")
+    assert second.split() == ["rest", "-", "[always]"]
+    assert not {"\x1b", "|", "+"} & set(head + first + second)
+
+
+def test_in_a_narrow_terminal_a_long_cell_is_folded_in_its_column(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "60")
+    lines = table(HEAD, ROWS, left=(0, 2)).splitlines()
+    assert len(lines) > 4
+    assert max(map(len, lines[1:])) <= 60  # the first is bold
+    monkeypatch.setenv("COLUMNS", "20")
+    assert len(table(HEAD, ROWS, left=(0, 2)).splitlines()) == 3, "nothing is cut off where words do not fit"
