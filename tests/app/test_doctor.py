@@ -72,16 +72,6 @@ def test_a_simulated_rig_has_no_place_for_a_calibration(musclewire: Musclewire, 
     answer = musclewire("doctor", rig_with(tmp_path, 'kind = "supply_missing"'), "--write")
     assert answer.code == 2
     assert "holds no calibration" in answer.err
-    answer = musclewire("doctor", "simulated", "--write")
-    assert answer.code == 2
-    assert "rig file of your own" in answer.err
-
-
-def test_a_meter_needs_a_unit_and_must_fit(musclewire: Musclewire) -> None:
-    assert "--meter-wire" in musclewire("doctor", "simulated", "--meter-wire", "0.28").err
-    answer = musclewire("doctor", "simulated", "--meter-shunt", "1 V")
-    assert answer.code == 2
-    assert "check where the meter was" in answer.err
 
 
 def test_nothing_is_written_while_the_wiring_is_wrong(tmp_path: Path) -> None:

@@ -46,13 +46,6 @@ def test_with_the_object_away_nothing_is_found_and_the_exit_code_says_so(
     assert "no contact" in answer.out
 
 
-def test_target_and_error_are_said(musclewire: Callable[..., Any], learned: Path) -> None:
-    said = musclewire("grip", "--known-stiffness", "200 N/m", "--learned", learned).out
-    assert "target 0.3 N" in said
-    assert "estimate off by" in said
-    assert "target missed by" in said
-
-
 @pytest.mark.slow
 @pytest.mark.xfail(
     strict=True,
@@ -75,20 +68,6 @@ def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name() -> N
     assert not by_time.texts
 
 
-def test_what_another_gripper_learned_is_refused(musclewire: Callable[..., Any], learned: Path, tmp_path: Path) -> None:
-    musclewire("grip", "--known-stiffness", "200 N/m", "--learned", learned)
-    rig = tmp_path / "other.toml"
-    rig.write_text(
-        'wire = "finger-100um"\nbench = "finger"\n[settings]\nmaximum_voltage_v = 5.5\n'
-        '[[load]]\npart = "pretensioner"\nstiffness = "386.2 N/m"\n[[load]]\npart = "finger"\n'
-        'finger = "lan-fan-2010"\n[[load]]\npart = "contact"\nstiffness = "200 N/m"\nclearance = "2 mm"\n'
-    )
-    answer = musclewire("grip", rig, "--learned", learned)
-    assert answer.code == 2
-    assert "fingers: 2 there, fingers: 1 here" in answer.err
-    assert len(answer.err.strip().splitlines()) == 1
-
-
 def test_another_object_may_be_put_in(musclewire: Callable[..., Any], learned: Path) -> None:
     said = musclewire(
         "grip", "--object-stiffness", "1 N/mm", "--clearance", "7 mm", "--learned", learned, "--seed", "4", "--json"
@@ -97,34 +76,7 @@ def test_another_object_may_be_put_in(musclewire: Callable[..., Any], learned: P
     assert said["opening_m"] == pytest.approx(7e-3, abs=0.5e-3)
 
 
-@pytest.mark.slow
-def test_the_same_seed_gives_the_same_answer(musclewire: Callable[..., Any]) -> None:
-    first, second = (musclewire("grip", "--seed", "3", "--json").out for _ in range(2))
-    assert first == second
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["grip", "simulated"], "nothing to grip"),
-        (["grip", "--target", "0 N"], "above 0"),
-        (["grip", "--no-object", "--clearance", "3 mm"], "--no-object"),
-        (["grip", "--learned", "learned.txt"], ".json"),
-    ],
-)
-def test_what_cannot_be_is_one_line_and_exit_code_2(
-    musclewire: Callable[..., Any], arguments: list[str], said: str
-) -> None:
-    answer = musclewire(*arguments)
-    assert answer.code == 2
-    assert said in answer.err
-    assert len(answer.err.strip().splitlines()) == 1
-
-
-def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[..., Any], tmp_path: Path) -> None:
-    loop, model = tmp_path / "loop.h5", tmp_path / "strain.json"
-    assert musclewire("characterize", "simulated", "-o", loop).code == 0
-    assert musclewire("fit", loop, "-o", model).code == 0
+def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[..., Any], model: Path) -> None:
     said = musclewire(
         "control", "simulated", model, "--quantity", "force", "--known-stiffness", "588.6 N/m", "--json"
     ).json
@@ -132,15 +84,12 @@ def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[...
     assert said["known_friction_n"] == pytest.approx(load_bench("paper").guide_friction_n.value, abs=0.002)
     assert said["mae_max_approached_pct"] <= 5.0
     assert len(said["steps"]) == 11
-    without = musclewire("control", "simulated", model, "--quantity", "force")
-    assert (without.code, "--known-stiffness" in without.err) == (2, True)
-    wrong = musclewire("control", "simulated", model, "--known-stiffness", "588.6 N/m")
-    assert (wrong.code, "--quantity force" in wrong.err) == (2, True)
 
 
 def test_a_held_force_beyond_its_tolerance_ends_with_1(musclewire: Callable[..., Any], learned: Path) -> None:
     known = ("grip", "--known-stiffness", "200 N/m", "--learned", learned)
-    assert musclewire(*known, "--tolerance", "0.2 N").code == 0
+    held = musclewire(*known, "--tolerance", "0.2 N")
+    assert (held.code, "target 0.3 N" in held.out) == (0, True)
     answer = musclewire(*known, "--tolerance", "0.0001 N")
     assert answer.code == 1
     assert "the held force misses its target by" in answer.err

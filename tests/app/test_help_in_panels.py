@@ -7,8 +7,6 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-import pytest
-
 from musclewire.app import COMMANDS, PANELS, every_command, listed_commands
 
 # As a reader meets the commands of the core; those of the parts stand among them.
@@ -42,24 +40,6 @@ def test_the_list_says_of_each_command_what_the_command_says_of_itself() -> None
     assert {name: command.help for name, command in listed.items()} == {
         name: first_paragraph(command.help) for name, command in every_command().items()
     }
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("foo",), "No such command 'foo'; 'musclewire --help' lists what there is"),
-        (("charakterize",), "No such command 'charakterize'. Did you mean 'characterize'?"),
-        (("control", "a", "b", "--settings", "x"), "'musclewire control --help' lists what there is"),
-        (("control", "a", "b", "--refrence", "x"), "(Possible options: --reference)"),
-    ],
-)
-def test_a_wrong_word_names_the_nearest_or_where_all_are_listed(
-    words: tuple[str, ...], said: str, musclewire: Callable[..., Any]
-) -> None:
-    answer = musclewire(*words)
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.endswith(said + "\n")
-    assert len(answer.err.splitlines()) == 1
 
 
 def test_help_loads_no_compiler() -> None:

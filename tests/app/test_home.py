@@ -8,20 +8,9 @@ from typing import Any
 
 import pytest
 
-from musclewire.experiment import characterize
-from musclewire.identify import fit
-from musclewire.rigs import open_rig
 from musclewire.sensing import load_model
 
 STEPS = ("--reference", "1.5 % to 2 % by 0.5 %")
-
-
-@pytest.fixture(scope="module")
-def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("model") / "model.json"
-    with open_rig("simulated") as rig:
-        fit(characterize(rig, cycles=1)).save(path)
-    return path
 
 
 def test_it_says_what_it_assumes_and_finds_and_writes_the_model(
@@ -67,20 +56,3 @@ def test_control_makes_one_before_or_after_the_run(musclewire: Callable[..., Any
     idle = musclewire("control", rig, model, *STEPS, "--home", "idle", "--homed-model", new, "--json")
     assert idle.json["home"]["corrected"]
     assert load_model(new).home is not None
-
-
-@pytest.mark.parametrize(
-    ("arguments", "named"),
-    [
-        (("--home", "idle"), "name its file by --homed-model"),
-        (("--on-board", "--home", "start"), "leave out --home"),
-        (("--recalibrate",), "no option --recalibrate any more: make a home move instead, 'musclewire home"),
-    ],
-)
-def test_what_cannot_be_is_one_line_and_exit_code_2(
-    musclewire: Callable[..., Any], model: Path, arguments: tuple[object, ...], named: str
-) -> None:
-    answer = musclewire("control", "simulated", model, *arguments)
-    assert answer.code == 2
-    assert named in answer.err
-    assert len(answer.err.strip().splitlines()) == 1

@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 
 from musclewire.app import OPTIONS, every_command
-from musclewire.errors import CallerError
 
 
 def kind_of(option: Any) -> tuple[Any, bool]:
@@ -24,8 +23,6 @@ USES = [
     for option in command.params
     if option.param_type_name == "option" and option.opts[0] != "--help"
 ]
-# What a command writes that is not its main output has a name of its own; these write nothing else.
-WITHOUT_OUTPUT = {"flash", "bench", "doctor", "catalogue", "rules", "protection", "cite", "linearise", "schema"}
 
 
 @pytest.mark.parametrize("use", USES)
@@ -42,18 +39,6 @@ def test_the_same_name_takes_the_same_kind_of_value_everywhere() -> None:
         use = parameter.values[0]
         kinds.setdefault(use.opts[0], set()).add(kind_of(use))
     assert {name: kind for name, kind in kinds.items() if len(kind) > 1} == {}
-
-
-def test_every_option_is_spelled_out_in_plain_words() -> None:
-    unwanted = ("most-", "least-", "largest-", "share")
-    assert [name for name in OPTIONS if any(word in name for word in unwanted)] == []
-    assert all(definition.help.endswith(".") for definition in OPTIONS.values())
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_what_a_command_writes_goes_to_o(name: str) -> None:
-    names = {text for option in COMMANDS[name].params for text in option.opts}
-    assert ("-o" in names) == (name not in WITHOUT_OUTPUT)
 
 
 def test_times_lengths_and_all_other_quantities_have_a_unit() -> None:
@@ -90,27 +75,8 @@ def test_replacing_reads_by_its_old_name_too(musclewire: Callable[..., Any], tmp
     assert codes == [0, 2, 0, 0]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "hint"),
-    [
-        (("contol",), "Did you mean 'control'?"),
-        (("fit", "x.h5", "--ordr", "6"), "--order"),
-    ],
-)
-def test_a_typo_gets_the_nearest_name(arguments: tuple[str, ...], hint: str, musclewire: Callable[..., Any]) -> None:
-    answer = musclewire(*arguments)
-    assert answer.code == CallerError("").exit_code
-    assert hint in answer.err
-    assert len(answer.err.strip().splitlines()) == 1
-
-
 @pytest.mark.parametrize(("text", "seconds"), [("20 s", 20.0), ("0.5 min", 30.0), ("20", 20.0)])
 def test_a_period_is_a_time_with_a_unit_and_a_bare_number_means_seconds(text: str, seconds: float) -> None:
     from musclewire.app import in_si
 
     assert in_si("--period", text) == seconds
-
-
-def test_a_period_outside_what_is_allowed_is_wrong_input(musclewire: Callable[..., Any], tmp_path: Path) -> None:
-    answer = musclewire("characterize", "simulated", "-o", tmp_path / "x.h5", "--period", "0.1 s")
-    assert (answer.code, answer.err) == (2, "musclewire: --period: 0.1 s is outside 1 to 86400 s\n")

@@ -27,19 +27,13 @@ def answer(musclewire: Any, model: Path) -> Any:
     return musclewire("control", "finger", model, "--quantity", "displacement", *paper, *steps, "--json")
 
 
-def test_the_steps_of_fig_18_are_run_up_and_down(answer: Any) -> None:
+def test_the_steps_of_fig_18_are_run_up_and_down_within_the_papers_worst_and_mean(answer: Any) -> None:
     assert answer.code == 0
     assert [round(1e3 * step["target_m"], 6) for step in answer.json["steps"]] == [
         *(2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5, 6.0),
         *(5.5, 5.0, 4.5, 4.0, 3.5, 3.0, 2.5),
     ]
-
-
-def test_every_step_of_fig_18_keeps_to_the_papers_worst(answer: Any) -> None:
     assert answer.json["mae_max_approached_pct"] <= WORST_PCT
-
-
-def test_the_steps_of_fig_18_keep_in_the_mean_to_the_papers_mean(answer: Any) -> None:
     assert answer.json["mae_mean_approached_pct"] <= MEAN_PCT
 
 
@@ -47,10 +41,7 @@ def test_the_steps_of_fig_18_keep_in_the_mean_to_the_papers_mean(answer: Any) ->
     ("steps", "says"),
     [
         ("2.5 mm to 6 mm by 0.4 mm", "increments of 0.0004 miss the stop"),
-        ("2.5 to 6 by 0.5", "no unit"),
-        ("6 mm to 2.5 mm by 0.5 mm", "stop must be above start"),
         ("2.5 mm to 60 mm by 0.5 mm", "this model senses displacement only from"),
-        ("stairs", "did you mean 'staircase'"),
     ],
 )
 def test_steps_that_cannot_be_are_one_line_and_exit_code_2(musclewire: Any, model: Path, steps: str, says: str) -> None:

@@ -53,12 +53,6 @@ def test_control_takes_the_particle_filter_and_records_what_it_finds(
     assert report.rms_pct < 1.5
 
 
-def test_without_a_wire_file_the_particle_filter_is_refused(model_file: Path) -> None:
-    result = CliRunner().invoke(app, ["control", "simulated", str(model_file), "--estimator", "particle-filter"])
-    assert isinstance(result.exception, CallerError)
-    assert "needs a wire file" in str(result.exception)
-
-
 def test_a_load_that_nobody_states_is_refused(wire_file: Path) -> None:
     with pytest.raises(CallerError, match="states spring_stiffness_n_per_m, pretension_n"):
         users_wire(wire_file, {"wire_length_m": 0.14})

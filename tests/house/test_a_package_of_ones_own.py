@@ -62,9 +62,3 @@ def test_its_kind_of_rig_is_opened_by_a_rig_file_and_gives_a_sample(run_beside_i
         "    print(round(rig.exchange(1.8).wire_voltage_v, 3))\n"
     )
     assert run_beside_it("-c", program).stdout == "1.7\n"
-
-
-@pytest.mark.slow
-def test_its_manifest_imports_no_numbers_and_no_compiler(run_beside_it: Run) -> None:
-    program = "import sys, wire_logs; print(sorted({'numpy', 'numba', 'pydantic', 'h5py'} & set(sys.modules)))"
-    assert run_beside_it("-c", program).stdout == "[]\n"

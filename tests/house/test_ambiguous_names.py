@@ -12,19 +12,11 @@ def found_in(**sources: str) -> list[tuple[str, str]]:
     return [(one.kind, one.name) for one in findings_in({name: ast.parse(text) for name, text in sources.items()})]
 
 
-def test_a_class_name_of_two_files_is_found_once() -> None:
+def test_names_of_two_homes_and_particles_are_found() -> None:
     assert found_in(a="class Drive: ...", b="class Drive: ...", c="class Board: ...") == [("class", "Drive")]
-
-
-def test_a_class_that_is_defined_twice_in_one_file_has_one_home() -> None:
     assert found_in(a="if True:\n    class Drive: ...\nelse:\n    class Drive: ...") == []
-
-
-def test_a_method_whose_name_is_a_particle_is_found_under_its_class() -> None:
-    assert found_in(a="class Rig:\n    def take(self): ...\n    def take_sample(self): ...") == [
-        ("function", "a:Rig.take")
+    methods = "class Rig:\n    def take(self): ...\n    def take_sample(self): ..."
+    assert found_in(a=methods, b="def follow(of, state): ...") == [
+        ("function", "a:Rig.take"),
+        ("parameter", "b:follow(of)"),
     ]
-
-
-def test_a_parameter_whose_name_is_a_particle_is_found_in_its_function() -> None:
-    assert found_in(a="def follow(of, state): ...") == [("parameter", "a:follow(of)")]

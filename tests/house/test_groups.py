@@ -78,24 +78,17 @@ def test_what_is_named_runs(project: pytest.Pytester, arguments: tuple[str, ...]
 
 @pytest.mark.parametrize("processes", [(), ("-n", "1")], ids=["one process", "xdist"])
 def test_a_record_says_what_ran_and_how_it_ended(project: pytest.Pytester, processes: tuple[str, ...]) -> None:
+    marked = "\n@pytest.mark.xfail(strict=True, reason='a bar that is missed')\ndef test_bar():\n    assert False\n"
+    (project.path / "tests/test_some.py").write_text(TESTS + marked, encoding="utf-8")
     run = project.runpytest_subprocess if processes else project.runpytest_inprocess
     run("--all", "--record", "ran.txt", *processes)
     assert (project.path / "ran.txt").read_text("utf-8").splitlines() == [
+        "failed as marked\ttests/test_some.py::test_bar",
         "skipped\ttests/test_some.py::test_firmware",
         "passed\ttests/test_some.py::test_long[1]",
         "passed\ttests/test_some.py::test_long[2]",
         "passed\ttests/test_some.py::test_quick",
     ]
-
-
-@pytest.mark.parametrize("processes", [(), ("-n", "1")], ids=["one process", "xdist"])
-def test_a_test_that_fails_as_its_mark_says_has_run(project: pytest.Pytester, processes: tuple[str, ...]) -> None:
-    marked = "\n@pytest.mark.xfail(strict=True, reason='a bar that is missed')\ndef test_bar():\n    assert False\n"
-    (project.path / "tests/test_some.py").write_text(TESTS + marked, encoding="utf-8")
-    run = project.runpytest_subprocess if processes else project.runpytest_inprocess
-    run("--all", "--record", "ran.txt", *processes)
-    lines = (project.path / "ran.txt").read_text("utf-8").splitlines()
-    assert "failed as marked\ttests/test_some.py::test_bar" in lines
 
 
 def test_a_test_of_two_groups_is_refused(project: pytest.Pytester) -> None:

@@ -35,42 +35,28 @@ def one_ulp_more(values: np.ndarray, index: int) -> np.ndarray:
     return changed
 
 
-def test_equal_columns_have_no_differences_with_or_without_a_tolerance() -> None:
-    for tolerance in (None, 0.0, TOLERANCE):
-        assert column_differences({"a": WITH_GAP}, {"a": WITH_GAP.copy()}, tolerance) == []
-
-
 def test_one_ulp_of_one_sample_is_found_without_a_tolerance_and_passes_with_one() -> None:
     before, after = {"wire_temperature_k": SAMPLES}, {"wire_temperature_k": one_ulp_more(SAMPLES, 3)}
     (line,) = column_differences(before, after)
     assert line.startswith("wire_temperature_k differs in 1 of 25 samples, by up to 4.7e-16 of its range")
     assert column_differences(before, after, TOLERANCE) == []
     assert column_differences(before, after, 0.0) == [line]
+    for tolerance in (None, 0.0, TOLERANCE):
+        assert column_differences({"a": WITH_GAP}, {"a": WITH_GAP.copy()}, tolerance) == []
 
 
-def test_the_tolerance_of_a_column_is_a_fraction_of_its_range_and_not_of_its_values() -> None:
-    shifted = {"a": SAMPLES + 0.0012}  # a hundred-thousandth of the range of 120, not of values around 350
-    assert column_differences({"a": SAMPLES}, shifted, 1.1e-5) == []
-    assert len(column_differences({"a": SAMPLES}, shifted, 0.9e-5)) == 1
-
-
-def test_the_tolerance_of_a_constant_column_is_a_fraction_of_its_magnitude() -> None:
-    before = {"a": np.full(4, -50.0)}
-    assert column_differences(before, {"a": np.full(4, -50.0005)}, 1.1e-5) == []
-    assert len(column_differences(before, {"a": np.full(4, -50.0005)}, 0.9e-5)) == 1
-
-
-def test_nothing_is_near_a_column_of_zeros_but_zeros() -> None:
-    assert column_differences({"a": np.zeros(3)}, {"a": np.zeros(3)}, TOLERANCE) == []
-    assert len(column_differences({"a": np.zeros(3)}, {"a": np.full(3, 1e-300)}, TOLERANCE)) == 1
-
-
-def test_a_negative_zero_is_another_bit_and_no_other_number() -> None:
-    before, after = {"a": np.array([0.0, 1.0])}, {"a": np.array([-0.0, 1.0])}
-    assert len(column_differences(before, after)) == 1
-    assert column_differences(before, after, 0.0) == []
-    assert fact_differences([0.0], [-0.0]) == ["[] differs: 0.0 and -0.0"]
-    assert fact_differences([0.0], [-0.0], 0.0) == []
+@pytest.mark.parametrize(
+    ("before", "after", "apart"),
+    [
+        (SAMPLES, SAMPLES + 0.0012, 1e-5),  # of the range of 120, not of values around 350
+        (np.full(4, -50.0), np.full(4, -50.0005), 1e-5),  # a constant column has its magnitude
+    ],
+)
+def test_the_tolerance_of_a_column_is_a_fraction_of_its_range(
+    before: np.ndarray, after: np.ndarray, apart: float
+) -> None:
+    assert column_differences({"a": before}, {"a": after}, 1.1 * apart) == []
+    assert len(column_differences({"a": before}, {"a": after}, 0.9 * apart)) == 1
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
@@ -91,43 +77,21 @@ def test_columns_left_out_of_another_length_or_of_another_type_are_named() -> No
     ]
 
 
-def test_columns_of_whole_numbers_and_of_several_dimensions_are_compared() -> None:
-    columns: list[np.ndarray] = [np.arange(6), np.arange(6.0).reshape(3, 2), np.array([True, False])]
-    for before in columns:
-        after = before.copy()
-        after.flat[1] = not after.flat[1]
-        for tolerance in (None, 1e-3):
-            assert len(column_differences({"a": before}, {"a": before}, tolerance)) == 0
-            assert len(column_differences({"a": before}, {"a": after}, tolerance)) == 1
-
-
-def test_an_empty_column_is_equal_to_an_empty_one() -> None:
-    assert column_differences({"a": np.zeros(0)}, {"a": np.zeros(0)}) == []
-    assert column_differences({"a": np.zeros(0)}, {"a": np.zeros(0)}, TOLERANCE) == []
-
-
-def test_one_ulp_of_a_number_of_a_result_is_found_without_a_tolerance_and_passes_with_one() -> None:
+def test_a_number_of_a_result_is_compared_by_its_magnitude() -> None:
     after = {**RESULT, "rms_pct": float(np.nextafter(0.83, 1.0))}
     assert fact_differences(RESULT, RESULT) == []
     assert fact_differences(RESULT, after) == ["rms_pct differs: 0.83 and 0.8300000000000001"]
     assert fact_differences(RESULT, after, TOLERANCE) == []
-
-
-def test_the_tolerance_of_a_number_of_a_result_is_relative_to_its_magnitude() -> None:
-    for magnitude in (1e-9, 1.0, -1e9):
-        pair = ({"a": magnitude}, {"a": 1.0001 * magnitude})
-        assert fact_differences(*pair, 1.1e-4) == []
-        assert len(fact_differences(*pair, 0.9e-4)) == 1
+    assert fact_differences({"a": 1e-9}, {"a": 1.0001e-9}, 1.1e-4) == []
+    assert len(fact_differences({"a": 1e-9}, {"a": 1.0001e-9}, 0.9e-4)) == 1
 
 
 @pytest.mark.parametrize(
     ("change", "line"),
     [
-        ({"settled": False}, "settled differs: True and False"),
         ({"settled": 1}, "settled differs: True and 1"),
         ({"ended": "interrupted"}, "ended differs: 'done' and 'interrupted'"),
         ({"health": 0.0}, "health differs: None and 0.0"),
-        ({"rms_pct": float("inf")}, "rms_pct differs: 0.83 and inf"),
         ({"gains": [0.1, 0.2]}, "gains[] only in one of the two"),
         ({"gains": [0.1, 0.4, 0.5]}, "gains[] differs in 2 places, first: 0.2 and 0.4"),
         ({"more": 1}, "more only in one of the two"),
@@ -144,48 +108,34 @@ def test_of_a_sentence_only_the_numbers_count() -> None:
     reworded = {**RESULT, "warnings": ["pulling: 203 MPa (3.19 N); allowed: 172 MPa"]}
     renumbered = {**RESULT, "warnings": ["the wire pulls with 204 MPa (3.19 N), above 172 MPa"]}
     assert fact_differences(RESULT, reworded) == []
-    assert len(fact_differences(RESULT, renumbered)) == 1
     assert len(fact_differences(RESULT, renumbered, 1e-3)) == 1
     assert fact_differences(RESULT, renumbered, 1e-2) == []
 
 
-def test_times_by_the_wall_clock_and_what_names_the_program_do_not_count() -> None:
-    before = {
-        **{"wall_s": 4.1, "drift_us": 3.0, "compute_p999_us": 42.6, "compute_us": {"p50": 21.5}, "latency_p50_us": 1.0},
-        **{"jitter_us": None, "software_version": "0.1.0", "created_by": "musclewire 0.1.0", "engine": "kernels 76"},
-        **{"fingerprint": "3cda"},
-    }
-    after = dict.fromkeys(before, "something else")
-    assert fact_differences([before], [after]) == []
-    assert fact_differences([before], [{}]) == []
+def test_times_by_the_wall_clock_and_what_names_the_program_do_not_count_and_those_of_the_simulation_do() -> None:
+    before = {"wall_s": 4.1, "compute_us": {"p50": 21.5}, "software_version": "0.1.0", "fingerprint": "3cda"}
+    assert fact_differences([before], [dict.fromkeys(before, "something else")]) == []
     assert column_differences({"latency_us": SAMPLES}, {"latency_us": SAMPLES + 1.0}) == []
-
-
-@pytest.mark.parametrize("name", ["time_s", "on_s", "contracted_s", "dead_time_s", "compute_share", "wall_m"])
-def test_times_of_the_simulation_and_names_that_are_alike_count(name: str) -> None:
-    assert len(fact_differences({name: 1.0}, {name: 2.0})) == 1
-    assert len(column_differences({name: SAMPLES}, {name: SAMPLES + 1.0})) == 1
+    for name in ("time_s", "dead_time_s", "compute_share", "wall_m"):
+        assert len(fact_differences({name: 1.0}, {name: 2.0})) == 1
+        assert len(column_differences({name: SAMPLES}, {name: SAMPLES + 1.0})) == 1
 
 
 @pytest.mark.parametrize(
     ("before", "after"),
     [
         ("/* Written by musclewire 0.1.0 (export) */", "/* Written by musclewire 0.2.0.dev1+g12ab (export) */"),
-        ('<x fmiVersion="2.0" version="0.1.0"/>', '<x fmiVersion="2.0" version="1.0"/>'),
-        ("version=0.1.0", "version=0.2.0"),
         ("made 2026-11-23T14:32:23+00:00.", "made 2027-01-02T03:04:05.678+01:00."),
         ("{5cb60637-6b75-5493-8adb-db8e16c46856}", "{00000000-6b75-5493-8adb-db8e16c46857}"),
         ("in /tmp/same-1/loop.h5: 3 rows", "in /home/somebody/elsewhere/loop.h5: 3 rows"),
+        ("/* as in wire.step,\n * line by line */\nx = 1.0;\n", "/* as in wire._step,\n * too */\nx = 1.0;\n"),
     ],
 )
-def test_versions_dates_guids_and_absolute_paths_do_not_count_in_texts(before: str, after: str) -> None:
+def test_versions_dates_guids_absolute_paths_and_comments_of_c_do_not_count(before: str, after: str) -> None:
     assert text_difference(before, after) == ""
-    assert fact_differences({"a": before}, {"a": after}) == []
 
 
-@pytest.mark.parametrize(
-    "text", ["588.6 N/m", "units J/kg/K", "../loop/model.json", 'fmiVersion="2.0"', "2010-2", "<a></a>", "x = a/b/c;"]
-)
+@pytest.mark.parametrize("text", ["588.6 N/m", "../loop/model.json", 'fmiVersion="2.0"', "2010-2", "x = a/b/c;"])
 def test_units_relative_paths_and_other_numbers_are_not_masked(text: str) -> None:
     assert masked(text) == text
 
@@ -194,13 +144,10 @@ def test_a_text_is_equal_in_every_character_or_with_a_tolerance_in_all_but_the_l
     before = "#define MW_KP 0.0979361\n#define MW_KI 0.06\n"
     near = before.replace("0.0979361", "0.0979362")
     assert text_difference(before, before) == ""
-    assert text_difference(before, near) == (
-        "differs in 1 of 2 lines, first line 1: '#define MW_KP 0.0979361\\n' and '#define MW_KP 0.0979362\\n'"
-    )
+    assert text_difference(before, near).startswith("differs in 1 of 2 lines, first line 1: ")
     assert text_difference(before, near, 1e-5) == ""
     assert text_difference(before, near, 1e-7) != ""
     assert text_difference(before, before.replace("KP", "KD"), 1.0) != ""
-    assert text_difference(before, before.replace("\n", "\r\n")) != ""
     assert text_difference(before, before + "\n", 1.0) == "has 2 and 3 lines"
 
 
@@ -214,14 +161,6 @@ def test_the_contents_of_two_files_are_compared_in_all_their_parts() -> None:
 
 def test_a_job_brings_those_it_needs_and_they_come_before_it() -> None:
     assert with_needed(["particle-filter"]) == ["loop", "calibrate", "particle-filter"]
-    assert with_needed(["demo"]) == ["demo"]
     order = list(JOBS)
     for name, job in JOBS.items():
         assert all(order.index(need) < order.index(name) for need in job.needs)
-        assert not any(JOBS[need].needs for need in job.needs if set(JOBS[need].needs) - set(job.needs))
-
-
-def test_a_comment_of_c_does_not_count_and_the_code_beside_it_does() -> None:
-    before = "/* as in musclewire.wire.step,\n * line by line */\nx = 1.0; /* volts */\n"
-    assert text_difference(before, before.replace("wire.step", "wire._step")) == ""
-    assert text_difference(before, before.replace("1.0;", "2.0;")) != ""

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
 from checks.walls import (
     SOURCES,
     House,
     behind_walls,
-    crossing,
     house_in,
-    imports_of,
-    own_room,
     reaches,
     strange_on_pages,
     wrong_lists,
@@ -53,28 +49,6 @@ def test_an_import_behind_anothers_wall_is_found_in_the_package_and_outside() ->
     ]
 
 
-@pytest.mark.parametrize(
-    ("path", "room"),
-    [
-        ("tests/unit/wire/test_a.py", "musclewire.wire"),
-        ("tests/extras/live/unit/test_a.py", "musclewire.extras.live"),
-        ("tests/app/test_a.py", ""),
-        ("benchmarks/a.py", ""),
-    ],
-)
-def test_a_test_may_look_behind_the_wall_of_its_own_room_alone(path: str, room: str) -> None:
-    assert own_room(Path(path)) == room
-
-
-def test_names_that_cross_are_counted_once_and_those_of_tests_apart() -> None:
-    text = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from musclewire.wire import Wire\n"
-    house = small_house(app__own=text, app__other="from musclewire.wire import simulate")
-    found = crossing(house, {Path("tests/app/test_a.py"): "from musclewire.wire import Wire, tried\n"})
-    assert found.at_run_time == {"musclewire.wire simulate"}
-    assert found.annotations_only == {"musclewire.wire Wire"}
-    assert found.tests_only == {"musclewire.wire tried"}
-
-
 def test_a_list_has_what_is_used_and_nothing_else() -> None:
     house = small_house(app__own="from musclewire.wire import shorten")
     assert wrong_lists(house, {}, ()) == ["shorten is taken from musclewire.wire, which does not list it"]
@@ -96,11 +70,6 @@ def test_a_page_imports_what_is_promised_alone() -> None:
     pages = {Path("a.md"): "```python\nfrom musclewire import Wire\n>>> from musclewire.wire import Wire\n```\n"}
     (problem,) = strange_on_pages(pages)
     assert problem.startswith("a.md imports from musclewire.wire")
-
-
-def test_a_module_is_told_from_a_name() -> None:
-    found = list(imports_of("from musclewire.wire import _row, Wire\nimport numpy\n", ["musclewire.wire._row"]))
-    assert [(one.module, one.name) for one in found] == [("musclewire.wire._row", ""), (WIRE, "Wire")]
 
 
 def test_what_runs_on_a_real_wire_is_there_to_be_checked() -> None:

@@ -43,20 +43,15 @@ def test_every_command_has_its_section_and_every_section_its_command(commands: d
 
 
 @pytest.mark.parametrize("name", SECTIONS)
-def test_every_option_named_exists_and_none_is_missing(name: str, commands: dict[str, Any]) -> None:
-    documented = {frozenset(code_words(cell)) for cell in documented_options(SECTIONS[name])}
-    assert documented == {frozenset(option.opts) for option in own_options(commands[name])}
-
-
-@pytest.mark.parametrize("name", SECTIONS)
-def test_every_default_is_as_said(name: str, commands: dict[str, Any]) -> None:
+def test_every_option_and_its_default_are_as_said_and_none_is_missing(name: str, commands: dict[str, Any]) -> None:
     said = {
         frozenset(code_words(cell)): "".join(code_words(default))
         for cell, default in documented_options(SECTIONS[name]).items()
     }
-    for option in own_options(commands[name]):
-        default = "" if option.default in (None, False, ()) else str(option.default)
-        assert said[frozenset(option.opts)] == default
+    assert said == {
+        frozenset(option.opts): "" if option.default in (None, False, ()) else str(option.default)
+        for option in own_options(commands[name])
+    }
 
 
 @pytest.fixture(scope="module")

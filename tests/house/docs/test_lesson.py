@@ -62,9 +62,3 @@ def test_the_table_to_mark_by_is_what_the_simulator_answers() -> None:
     assert [line.strip() for line in said.splitlines()] == [
         line for line in shown if ".venv" not in line and not line.startswith("$")
     ]
-
-
-def test_the_folder_of_notebooks_holds_no_results() -> None:
-    """A benchmark that was run in it would go into the repository."""
-    kept = [path.name for path in (DOCS / "notebooks").iterdir() if path.suffix != ".ipynb"]
-    assert set(kept) <= {".ipynb_checkpoints"}

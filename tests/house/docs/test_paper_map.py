@@ -32,33 +32,21 @@ DEVICES = [
 ]
 
 
-@pytest.mark.parametrize("wanted", [*SECTIONS, *EQUATIONS, *FIGURES, *TABLES, *DEVICES])
-def test_nothing_of_the_paper_is_missing(wanted: str) -> None:
-    assert [name for name in IDS if re.sub(r"(?<=\d)\([a-d]\)$", "", name) == wanted]
-
-
-def test_nothing_is_listed_twice_and_nothing_that_the_paper_has_not() -> None:
-    known = {*SECTIONS, *EQUATIONS, *FIGURES, *TABLES, *DEVICES}
+def test_everything_of_the_paper_is_listed_once_and_nothing_that_it_has_not() -> None:
     assert len(IDS) == len(set(IDS))
-    assert {re.sub(r"(?<=\d)\([a-d]\)$", "", name) for name in IDS} <= known
+    assert {re.sub(r"(?<=\d)\([a-d]\)$", "", name) for name in IDS} == {
+        *SECTIONS, *EQUATIONS, *FIGURES, *TABLES, *DEVICES
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("row", ROWS, ids=IDS)
-def test_every_code_object_named_imports(row: dict[str, str]) -> None:
+def test_every_object_command_and_test_named_exists(row: dict[str, str], commands: dict[str, Any]) -> None:
     for name in code_words(row["Code"]):
         assert resolve(name) is not None
-
-
-@pytest.mark.parametrize("row", ROWS, ids=IDS)
-def test_every_command_named_exists(row: dict[str, str], commands: dict[str, Any]) -> None:
     for words in code_words(row["Command"]):
         program, command = words.split(maxsplit=1)
         assert program == "musclewire"
         assert command in commands
-
-
-@pytest.mark.parametrize("row", ROWS, ids=IDS)
-def test_every_test_named_exists(row: dict[str, str]) -> None:
     for name in code_words(row["Test"]):
         file, _, function = name.partition("::")
         path: Path = CHECKOUT / file
@@ -92,18 +80,3 @@ def test_what_has_no_code_yet_says_which_issue_brings_it(row: dict[str, str]) ->
         if word.startswith("to come: "):
             assert word.removeprefix("to come: ") in ISSUES
     assert code_words(row["Code"]) or "to come: " in row["State"]
-
-
-def test_the_other_numbers_of_the_text_are_explained() -> None:
-    text = " ".join((CHECKOUT / "docs/reference/paper_map.md").read_text("utf-8").split())
-    assert 'its "Table 3" (values of `S_h` and `S_c`) is the printed Table 2' in text
-    assert 'its "Table 5" (the finger\'s results) is the printed Table 3' in text
-
-
-@pytest.mark.parametrize("name", ["fig1_rig", "fig2_circuit", "fig10_loop"])
-def test_our_drawings_are_there_and_well_formed(name: str) -> None:
-    from xml.etree import ElementTree
-
-    tree = ElementTree.parse(CHECKOUT / f"docs/reference/figures/{name}.svg")
-    assert tree.getroot().tag.endswith("svg")
-    assert f"figures/{name}.svg" in (CHECKOUT / "docs/reference/paper_map.md").read_text("utf-8")

@@ -18,30 +18,26 @@ from musclewire.signals import COLUMNS
 DOCS = CHECKOUT / "docs"
 
 
-def column_of(page: str, header: str) -> list[str]:
+def rows_with(header: str, page: str = "reference/files.md") -> list[dict[str, str]]:
+    """Return the rows of a page that have a header."""
     tables = tables_of((DOCS / page).read_text("utf-8"))
-    return [word for table in tables for row in table if header in row for word in code_words(row[header])]
+    return [row for table in tables for row in table if header in row]
 
 
-def test_every_column_is_listed_and_no_other() -> None:
+def column_of(page: str, header: str) -> list[str]:
+    return [word for row in rows_with(header, page) for word in code_words(row[header])]
+
+
+def test_every_column_is_listed_with_its_unit_and_no_other() -> None:
     assert sorted(column_of("reference/files.md", "Column")) == sorted(COLUMNS)
-
-
-def test_the_units_of_the_columns_are_theirs() -> None:
-    for row in (row for table in tables_of((DOCS / "reference/files.md").read_text("utf-8")) for row in table):
-        for name, unit in zip(code_words(row.get("Column", "")), row.get("Unit", "").split(", "), strict=False):
+    for row in rows_with("Column"):
+        for name, unit in zip(code_words(row["Column"]), row.get("Unit", "").split(", "), strict=False):
             if not name.endswith("_gain"):
                 assert (COLUMNS[name].unit or "1") == unit
 
 
 def test_every_setting_of_a_rig_is_listed_with_its_unit() -> None:
-    rows = [
-        row
-        for table in tables_of((DOCS / "reference/files.md").read_text("utf-8"))
-        for row in table
-        if "Setting" in row
-    ]
-    listed = {code_words(row["Setting"])[0]: row["Unit"] for row in rows}
+    listed = {code_words(row["Setting"])[0]: row["Unit"] for row in rows_with("Setting")}
     settable = dict(load_bench("paper").items()) | dict(load_wire("paper-100um").items())
     assert listed == {name: parameter.unit for name, parameter in settable.items()}
 
@@ -52,28 +48,19 @@ def test_every_key_of_rig_and_model_files_is_listed() -> None:
     )
 
 
-def rows_with(header: str) -> list[dict[str, str]]:
-    """Return the rows of files.md that have a header."""
-    tables = tables_of((DOCS / "reference/files.md").read_text("utf-8"))
-    return [row for table in tables for row in table if header in row]
-
-
-def test_every_key_of_every_part_of_a_load_is_listed_with_its_default() -> None:
+def test_every_key_of_every_part_of_a_load_is_listed_with_its_default_and_unit() -> None:
+    """One of the printed unit is one in SI; a key without a unit is a name."""
     shown = {None: "none", 0.0: "0", 1e6: "1e6", PydanticUndefined: "needed"}
     listed = {
         (code_words(row["Part"])[0], code_words(row["Part key"])[0]): row["Default"] for row in rows_with("Part key")
     }
+    kinds = {name: LOAD_PARTS.find(name) for name in LOAD_PARTS.names()}
     assert listed == {
         (name, key): shown[field.default]
-        for name in LOAD_PARTS.names()
-        for key, field in LOAD_PARTS.find(name).model_fields.items()
+        for name, kind in kinds.items()
+        for key, field in kind.model_fields.items()
         if key != "part"
     }
-
-
-def test_the_units_of_the_parts_are_those_they_are_read_in() -> None:
-    """One of the printed unit is one in SI; a key without a unit is a name."""
-    kinds = {name: LOAD_PARTS.find(name) for name in LOAD_PARTS.names()}
     for row in rows_with("Part key"):
         key, kind = code_words(row["Part key"])[0], kinds[code_words(row["Part"])[0]]
         given = {name: 1.0 for name, field in kind.model_fields.items() if field.is_required()}
@@ -138,20 +125,17 @@ def test_every_error_message_explained_is_one_that_the_code_says() -> None:
     assert [text for text in explained if text not in joined] == []
 
 
-def test_table_1_is_in_the_wire_files_as_printed() -> None:
-    printed = {
-        "paper-100um": (126, 4.601, 0.275),
-        "paper-125um": (75, 7.220, 0.422),
-        "paper-200um": (29, 18.247, 1.079),
-    }
-    for name, numbers in printed.items():
-        values = load_wire(name).values()
-        assert (
-            values["resistance_per_metre_ohm_per_m"],
-            values["maximum_force_n"],
-            values["nominal_force_n"],
-        ) == numbers
-        assert f"{1e6 * values['diameter_m']:.0f}um" in name
+@pytest.mark.parametrize(
+    ("diameter_um", "resistance_ohm_per_m", "maximum_n", "nominal_n"),
+    [(100, 126.0, 4.601, 0.275), (125, 75.0, 7.220, 0.422), (200, 29.0, 18.247, 1.079)],
+)
+def test_table_1_is_in_the_wire_files_as_printed(
+    diameter_um: int, resistance_ohm_per_m: float, maximum_n: float, nominal_n: float
+) -> None:
+    values = load_wire(f"paper-{diameter_um}um").values()
+    assert values["diameter_m"] == pytest.approx(diameter_um * 1e-6, rel=1e-12)
+    assert values["resistance_per_metre_ohm_per_m"] == resistance_ohm_per_m
+    assert (values["maximum_force_n"], values["nominal_force_n"]) == (maximum_n, nominal_n)
 
 
 def test_the_bench_has_the_spring_and_the_length_of_the_paper() -> None:

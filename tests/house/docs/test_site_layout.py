@@ -44,29 +44,12 @@ def sources(layout: ModuleType, tmp_path: Path) -> Path:
     return tmp_path / "sources"
 
 
-def test_links_lead_to_pages_of_the_site_and_to_files_that_it_carries(sources: Path) -> None:
+def test_links_headings_decisions_and_diagrams_are_laid_out(sources: Path) -> None:
     page = (sources / "how-to/move.md").read_text()
     assert "[first](../index.md) [code](../files/src/room.py.txt) folder (`src`) `[x](y)`" in page
     assert "cp [a](../../src/room.py)" in page  # code stays as it is
-    assert (sources / "files/src/room.py.txt").read_text() == "x = 1\n"
-    assert "[pages](../index.md), [the room](../files/src/room.py.txt)" in (sources / "project/README.md").read_text()
-
-
-def test_the_first_pages_headings_are_the_navigation(sources: Path) -> None:
-    first = (sources / "index.md").read_text()
-    assert ":caption: Start\n\nproject/README\n" in first
-    assert ":caption: How to\n\nhow-to/move_a_wire\n" in first
-    group = (sources / "how-to/move_a_wire.md").read_text()
-    assert group.startswith("# Move a wire\n\n- [Move](move.md): how\n- [Notebook](../notebooks/look.ipynb)\n")
-    assert "\n../notebooks/look\n" in group
-
-
-def test_decisions_are_under_their_list_and_out_of_the_search(sources: Path) -> None:
-    assert (sources / "explanation/decisions/0001-one.md").read_text().startswith("---\nnosearch: true\n---\n")
-    assert "\n0001-one\n" in (sources / "explanation/decisions/README.md").read_text()
-
-
-def test_a_state_diagram_becomes_a_table(sources: Path) -> None:
-    page = (sources / "how-to/move.md").read_text()
     assert "| `a` | `b` | `one`, `two` |\n| out | `off` | `close` |" in page
-    assert "mermaid" not in page
+    assert (sources / "files/src/room.py.txt").read_text() == "x = 1\n"
+    assert ":caption: How to\n\nhow-to/move_a_wire\n" in (sources / "index.md").read_text()
+    assert "\n../notebooks/look\n" in (sources / "how-to/move_a_wire.md").read_text()
+    assert "\n0001-one\n" in (sources / "explanation/decisions/README.md").read_text()

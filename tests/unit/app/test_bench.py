@@ -12,31 +12,12 @@ from tests.places import CHECKOUT
 from musclewire.app import _bench_rows as bench_rows
 
 
-def test_a_row_has_the_keys_of_the_interface(musclewire: Callable[..., Any]) -> None:
-    answer = musclewire("bench", "--quick", "--only", "step[10ms,numba]", "--json")
-    assert answer.code == 0, answer.err
-    assert answer.err == ""
-    assert set(answer.json) == {"rows", "left_out", "machine", "quick", "wall_s"}
-    (row,) = answer.json["rows"]
-    assert {"name", "ours_us", "theirs_us", "theirs", "ratio", "work", "turns"} <= set(row)
-    assert row["name"] == "step[10ms,numba]"
-    assert min(row["ours_us"], row["theirs_us"], row["ratio"]) > 0.0
-
-
 def test_the_table_says_what_the_time_is_for_and_on_which_machine(musclewire: Callable[..., Any]) -> None:
     answer = musclewire("bench", "--quick", "--only", "closed_loop_period")
     assert answer.code == 0, answer.err
-    assert "solve_ivp" in answer.out
-    assert "fixed work in Python" in answer.out
     assert "What the time is for" in answer.out
     assert "Gflop/s" in answer.out
     assert "1 of 2: closed_loop_period" in answer.err
-
-
-def test_an_unknown_name_is_one_line(musclewire: Callable[..., Any]) -> None:
-    answer = musclewire("bench", "--only", "stap")
-    assert (answer.code, answer.out) == (2, "")
-    assert "did you mean 'step'" in answer.err
 
 
 @pytest.fixture
@@ -48,8 +29,12 @@ def _outside_a_checkout(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_an_installed_wheel_times_four_rows_and_names_the_others(musclewire: Callable[..., Any]) -> None:
     answer = musclewire("bench", "--quick", "--json")
     assert answer.code == 0, answer.err
+    assert answer.err == ""
     found = answer.json
     assert set(found) == {"rows", "left_out", "machine", "quick", "wall_s"}
+    assert all(
+        {"name", "ours_us", "theirs_us", "theirs", "ratio", "work", "turns"} <= set(row) for row in found["rows"]
+    )
     names = [row["name"].partition("[")[0] for row in found["rows"]]
     assert names == ["step", "closed_loop_period", "exchange", "fuzzy_pid_tick"]
     assert all(min(row["ours_us"], row["theirs_us"], row["ratio"]) > 0.0 for row in found["rows"])

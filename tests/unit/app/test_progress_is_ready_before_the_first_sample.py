@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 SCRIPT = """
 import sys
 from io import StringIO
@@ -23,15 +25,8 @@ print(imported)
 """
 
 
-def imported_by_the_first_samples(terminal: bool) -> str:
+@pytest.mark.parametrize("terminal", [True, False], ids=["a terminal", "a pipe"])
+def test_the_first_samples_import_nothing(terminal: bool) -> None:
     script = SCRIPT.format(terminal=terminal)
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    return done.stdout.strip()
-
-
-def test_the_first_samples_import_nothing_on_a_terminal() -> None:
-    assert imported_by_the_first_samples(terminal=True) == "[]"
-
-
-def test_the_first_samples_import_nothing_on_a_pipe() -> None:
-    assert imported_by_the_first_samples(terminal=False) == "[]"
+    assert done.stdout.strip() == "[]"

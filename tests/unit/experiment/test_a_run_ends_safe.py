@@ -60,34 +60,27 @@ def test_a_rig_that_fails_is_made_safe_too(failing_sample: int) -> None:
     assert rig.drive_voltage_v == rig.sense_voltage_v
 
 
-def test_a_recording_that_cannot_be_put_anywhere_is_refused_before_anything_is_heated(tmp_path: Path) -> None:
-    rig = FakeRig()
+def test_a_recording_that_cannot_be_put_anywhere_is_refused_before_anything_is_heated(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig, closed = FakeRig(), tmp_path / "closed"
     (tmp_path / "old.h5").write_bytes(b"precious")
-    for path, message in ((tmp_path / "old.h5", "exists"), (tmp_path / "nowhere" / "new.h5", "no folder")):
+    (tmp_path / "cut.h5.journal").write_bytes(b"precious")
+    closed.mkdir()
+    monkeypatch.setattr("os.access", lambda folder, _: Path(folder) != closed)
+    for path, message in (
+        (tmp_path / "old.h5", "exists"),
+        (tmp_path / "nowhere" / "new.h5", "no folder"),
+        (closed / "new.h5", "cannot be written to"),
+        (tmp_path / "cut.h5", "musclewire recover"),
+    ):
         with pytest.raises(CallerError, match=message):
             characterize(rig, period_s=5.0, path=path)
     assert rig.samples == 0
 
 
-def test_a_folder_that_cannot_be_written_to_is_refused_before_anything_is_heated(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("os.access", lambda folder, _: Path(folder) != tmp_path)
-    rig = FakeRig()
-    with pytest.raises(CallerError, match=r"run\.h5: the folder .* cannot be written to; give another one$"):
-        characterize(rig, period_s=5.0, path=tmp_path / "run.h5")
-    assert rig.samples == 0
-
-
-def test_a_run_that_was_cut_off_is_not_replaced_unasked(tmp_path: Path) -> None:
-    (tmp_path / "run.h5.journal").write_bytes(b"precious")
-    rig = FakeRig()
-    with pytest.raises(CallerError, match=r"'musclewire recover .*run\.h5' finishes it; .*allow replacing it"):
-        characterize(rig, period_s=5.0, path=tmp_path / "run.h5")
-    assert rig.samples == 0
-
-
-def fill_the_disk_later(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def _disk_full(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the disk take the beginning of a journal and no row."""
 
     def full(descriptor: int, data: bytes) -> None:
@@ -98,20 +91,20 @@ def fill_the_disk_later(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("musclewire.signals._open_journal.write_all", full)
 
 
+@pytest.mark.usefixtures("_disk_full")
 def test_without_any_other_place_the_journal_is_named_with_the_rows_it_has(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    fill_the_disk_later(monkeypatch)
     monkeypatch.setattr("musclewire.experiment._run.rescued", lambda *_: None)
     with pytest.raises(RigError) as caught:
         characterize(FakeRig(), period_s=5.0, path=tmp_path / "run.h5")
     assert caught.value.__notes__[0].endswith(r"run.h5.journal (the first 0)")
 
 
+@pytest.mark.usefixtures("_disk_full")
 def test_a_disk_that_takes_no_more_ends_the_run_safe_with_the_samples_on_the_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    fill_the_disk_later(monkeypatch)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     rig = FakeRig()
     with pytest.raises(RigError, match=r"cannot write .*run\.h5: No space left on device") as caught:
@@ -186,14 +179,24 @@ def test_a_model_of_another_wire_is_stopped_before_it_can_overheat_this_one() ->
     assert rig.drive_voltage_v == rig.sense_voltage_v
 
 
-def test_a_model_that_names_another_wire_is_refused_before_anything_moves() -> None:
+@pytest.mark.parametrize(
+    ("fitted_to", "said"),
+    [
+        ({"wire": "paper-200um"}, "fitted to wire paper-200um, the rig has paper-100um"),
+        ({"wire_length_m": 0.07}, "fitted to a wire of 70 mm, the rig has one of 80 mm"),
+        ({"finger": "another"}, "finger another, the rig has lan-fan-2010"),
+    ],
+)
+def test_a_model_of_another_wire_length_or_finger_is_refused_before_anything_moves(
+    fitted_to: dict[str, str | float], said: str
+) -> None:
     class Named(FakeRig):
         def metadata(self):
-            return {**super().metadata(), "wire": "paper-100um"}
+            return {**super().metadata(), "wire": "paper-100um", "wire_length_m": 0.08, "finger": "lan-fan-2010"}
 
     rig = Named()
-    with pytest.raises(CallerError, match="fitted to wire paper-200um, the rig has paper-100um"):
-        control(rig, replace(straight_model(), wire={"wire": "paper-200um"}))
+    with pytest.raises(CallerError, match=said):
+        control(rig, replace(straight_model(), quantity="displacement", wire=fitted_to))
     assert rig.samples == 0
 
 

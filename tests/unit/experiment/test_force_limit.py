@@ -7,7 +7,6 @@ import pytest
 
 from musclewire.experiment._force_limit import force_warnings
 from musclewire.experiment._open_loop import characterize
-from musclewire.experiment._pretension import pretension_sweep
 from musclewire.rigs import RigConfiguration, open_rig
 from musclewire.signals import MetadataValue, Recording
 
@@ -63,13 +62,6 @@ def test_a_hot_wire_on_a_stiff_load_is_warned_of(part: str) -> None:
     (warning,) = force_warnings(loop)
     assert f"{loop['force_n'].max():.2f} N" in warning
     assert "above the 4.601 N allowed (maximum_force_n of wire paper-100um)" in warning
-
-
-def test_a_sweep_says_at_which_pretension_the_wire_pulled_too_hard() -> None:
-    with opened({"part": "spring", "stiffness": "2000 N/m"}) as rig:
-        sweep = pretension_sweep(rig, [0.5, 3.0], cycles=1, period_s=60.0)
-    too_hard = [text for text in sweep.warnings if "allowed (maximum_force_n" in text]
-    assert [warning.partition(":")[0] for warning in too_hard] == ["pretension 3 N"]
 
 
 def test_the_papers_bench_and_the_finger_stay_below_their_limit() -> None:

@@ -43,14 +43,11 @@ def test_the_amplitude_rises_up_to_a_limit_that_is_named(settings: dict[str, flo
     assert raised.metadata["amplitude_raised"] == found.stopped_by
 
 
-def test_where_no_limit_is_near_it_levels_off() -> None:
+def test_where_no_limit_is_near_it_levels_off_and_an_amplitude_that_is_given_is_kept() -> None:
     with open_rig("simulated", wire="paper-200um") as rig:
         found = levelling_amplitude(rig)
     assert found.levelled
     assert found.stopped_by == ""
-
-
-def test_an_amplitude_that_is_given_is_kept() -> None:
     with open_rig("simulated") as rig:
         assert characterize(rig, amplitude_v=3.0, cycles=1, until_level=True).metadata["amplitude_v"] == 3.0
     assert not amplitude_is_given("simulated")

@@ -25,30 +25,24 @@ SAMPLE = WireSample(0.0, 1.0, 0.9, 0.1)
 
 
 class PacedRig(FakeRig):
-    """The fake rig as one with a clock: each exchange leaves other threads a moment."""
+    """The fake rig as one with a clock, so slow that no correction is late: what was requested is waited for."""
 
     paced = True
 
-    def __init__(self, pause_s: float = 1e-3, on_exchange: Callable[[int], object] = lambda _: None) -> None:
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         super().__init__()
-        self._pause_s, self._on_exchange = pause_s, on_exchange
+        self._requested: list[Callable[[], object] | None] = []
+        request = InThread.request
+
+        def noted(thread: InThread, compute: Callable[[], object]) -> Callable[[], object] | None:
+            self._requested.append(request(thread, compute))
+            return self._requested[-1]
+
+        monkeypatch.setattr(InThread, "request", noted)
 
     def exchange(self, command: Command | float) -> RawSample:
-        time.sleep(self._pause_s)
-        self._on_exchange(self.samples)
+        wait_for(lambda: all(result is not None and result() is not None for result in self._requested))
         return super().exchange(command)
-
-
-def rig_that_waits_for_its_thread(done: list[int]) -> PacedRig:
-    """Return a rig with a clock so slow that no correction is late, however busy the machine is."""
-
-    def wait(samples: int) -> None:
-        requested = 0 if samples < 4 else (samples - 4) // 10 + 1
-        wait_for(lambda: len(done) >= requested)
-        if samples % 10 == 8:  # the next sample is one at which a correction is due
-            time.sleep(0.2)
-
-    return PacedRig(on_exchange=wait)
 
 
 def short_run(rig: Rig, **slow: object):
@@ -91,10 +85,8 @@ def test_a_correction_takes_effect_exactly_so_many_ticks_after_it_was_requested(
     assert found[8][1] == pytest.approx(1e-4 * 0.09)
 
 
-def test_a_thread_that_is_in_time_gives_the_recording_that_in_line_gives() -> None:
-    in_line = short_run(FakeRig())
-    done: list[int] = []
-    in_time = short_run(rig_that_waits_for_its_thread(done), meanwhile=lambda: done.append(1))
+def test_a_thread_that_is_in_time_gives_the_recording_that_in_line_gives(monkeypatch: pytest.MonkeyPatch) -> None:
+    in_line, in_time = short_run(FakeRig()), short_run(PacedRig(monkeypatch))
     assert in_line.metadata["slow_corrections_applied"] == 8
     assert in_time.metadata["slow_corrections_late"] == 0
     assert set(in_line.columns) == set(in_time.columns)
@@ -134,19 +126,18 @@ def test_a_thread_still_busy_takes_no_second_request_and_the_tick_never_waits() 
     gate = threading.Event()
     try:
         with in_thread(MeanPower(5, 5, lambda: gate.wait(30.0))) as corrections:
-            begin = time.monotonic()
             found = followed(corrections, 40)
-            assert time.monotonic() - begin < 10.0  # the thread alone would have held it for half a minute
     finally:
         gate.set()
     due = [status for status, _ in found if status is not SlowStatus.NONE_DUE]
+    # A tick that waited would have found the first correction there.
     assert due == [SlowStatus.LATE] * 7
     assert {offset for _, offset in found} == {0.0}
 
 
-@pytest.mark.parametrize("rig", [lambda _: FakeRig(), rig_that_waits_for_its_thread], ids=["in line", "in a thread"])
+@pytest.mark.parametrize("rig", [lambda _: FakeRig(), PacedRig], ids=["in line", "in a thread"])
 def test_an_exception_in_the_slow_part_leaves_the_old_correction_and_the_run_says_so(
-    rig: Callable[[list[int]], Rig],
+    rig: Callable[[pytest.MonkeyPatch], FakeRig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls: list[int] = []
 
@@ -155,7 +146,7 @@ def test_an_exception_in_the_slow_part_leaves_the_old_correction_and_the_run_say
         if len(calls) >= 3:
             raise ZeroDivisionError("nothing to divide by")
 
-    opened = rig(calls)
+    opened = rig(monkeypatch)
     run = short_run(opened, meanwhile=fails_from_the_third_on)
     assert run.metadata["ended"] == "done"
     assert run.metadata["slow_corrections_applied"] == 2
@@ -163,7 +154,7 @@ def test_an_exception_in_the_slow_part_leaves_the_old_correction_and_the_run_say
     assert run.metadata["slow_correction_error"] == "ZeroDivisionError: nothing to divide by"
     second = int(np.flatnonzero(run["slow_correction"] == SlowStatus.APPLIED)[1])
     assert set(run["extra_offset"][second:]) == {run["extra_offset"][second]}
-    assert opened.drive_voltage_v == opened.sense_voltage_v  # type: ignore[attr-defined]
+    assert opened.drive_voltage_v == opened.sense_voltage_v
 
 
 def test_a_correction_that_cannot_be_used_counts_as_failed() -> None:
@@ -182,16 +173,16 @@ def test_ticks_that_cannot_be_are_refused(every: int, after: int) -> None:
         SlowCorrections(MeanPower(every, after), InLine())
 
 
-def test_the_threads_end_with_their_runs() -> None:
+def test_the_threads_end_with_their_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     def slow_threads() -> int:
         return sum(thread.name == "musclewire slow part" for thread in threading.enumerate())
 
     before = slow_threads()
-    short_run(PacedRig())
+    short_run(PacedRig(monkeypatch))
     wait_for(lambda: slow_threads() == before)
 
 
-def test_a_model_of_another_wire_still_ends_the_run_with_a_slow_part() -> None:
+def test_a_model_of_another_wire_still_ends_the_run_with_a_slow_part(monkeypatch: pytest.MonkeyPatch) -> None:
     thick = replace(straight_model(), resistance_min_ohm=3.9, resistance_max_ohm=4.4)
     with pytest.raises(RigError, match="is not this model's wire"):
-        control(PacedRig(), thick, SHORT, estimator=drifting())
+        control(PacedRig(monkeypatch), thick, SHORT, estimator=drifting())

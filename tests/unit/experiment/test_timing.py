@@ -26,12 +26,13 @@ def noted(arrivals_ns: list[int], paced: bool = True, callback_ns: int = 0) -> L
     return timing
 
 
-def test_a_punctual_run_has_no_misses_no_jitter_and_no_drift() -> None:
-    found = noted([n * PERIOD_NS for n in range(1000)]).metadata()
+def test_a_punctual_run_has_no_misses_no_jitter_and_no_drift_and_a_callback_is_latency_but_not_compute_time() -> None:
+    found = noted([n * PERIOD_NS for n in range(1000)], callback_ns=30_000).metadata()
     assert found["deadline_misses"] == 0
     assert found["jitter_p999_us"] == 0.0
     assert found["drift_us"] == 0.0
     assert found["latency_p50_us"] == 50.0
+    assert found["compute_p99_us"] == 20.0
 
 
 def test_every_period_without_a_sample_is_a_missed_deadline_and_catching_up_is_none() -> None:
@@ -47,12 +48,6 @@ def test_jitter_is_how_far_an_interval_is_from_the_period() -> None:
     found = noted([0, PERIOD_NS + 7_000, 2 * PERIOD_NS, 3 * PERIOD_NS]).metadata()
     assert found["jitter_p50_us"] == 7.0
     assert found["deadline_misses"] == 0
-
-
-def test_what_a_callback_takes_is_latency_but_not_compute_time() -> None:
-    found = noted([n * PERIOD_NS for n in range(10)], callback_ns=30_000).metadata()
-    assert found["latency_p99_us"] == 50.0
-    assert found["compute_p99_us"] == 20.0
 
 
 def test_without_a_clock_only_compute_times_are_said() -> None:
@@ -101,18 +96,13 @@ def test_a_run_too_short_to_time_says_only_its_pace(samples: int) -> None:
     assert json.dumps(timing_json(found), allow_nan=False)
 
 
-def test_every_recording_tells_its_timing_in_memory_and_in_its_file(tmp_path: Path) -> None:
+def test_every_recording_tells_its_timing_and_its_limits_in_memory_and_in_its_file(tmp_path: Path) -> None:
     with mw.open_rig("simulated") as rig:
         policy = WaveformPolicy(lambda _: 0.5, 1.0)
         recording = run_on_rig(rig, policy, 1.0, path=tmp_path / "run.h5", on_sample=lambda _: None)
+        for name, value in rig.protection_limits._asdict().items():
+            assert recording.metadata[f"limit_{name}"] == value
     stored = mw.read_recording(tmp_path / "run.h5")
     assert stored.metadata["compute_p99_us"] == recording.metadata["compute_p99_us"] > 0.0
     assert stored.metadata["deadline_misses"] == 0
     assert stored == recording
-
-
-def test_a_recording_tells_the_limits_its_rig_was_protected_by() -> None:
-    with mw.open_rig("simulated") as rig:
-        recording = run_on_rig(rig, WaveformPolicy(lambda _: 0.5, 1.0), 0.5)
-        for name, value in rig.protection_limits._asdict().items():
-            assert recording.metadata[f"limit_{name}"] == value

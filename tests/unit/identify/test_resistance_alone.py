@@ -129,12 +129,9 @@ def test_another_wire_is_refused(loop: Recording) -> None:
         fit_resistance(other, NAME)
 
 
-def test_force_is_left_to_a_known_stiffness(loop: Recording) -> None:
+def test_force_and_a_recording_without_a_length_are_refused_with_what_is_needed(loop: Recording) -> None:
     with pytest.raises(CallerError, match="known stiffness"):
         fit_resistance(loop, NAME, quantity="force")
-
-
-def test_a_recording_without_a_length_asks_for_it(loop: Recording) -> None:
     unknown = {name: value for name, value in loop.metadata.items() if "length" not in name}
     with pytest.raises(CallerError, match="length is not known"):
         fit_resistance(Recording(loop.columns, unknown), NAME)

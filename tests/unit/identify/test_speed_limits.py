@@ -9,17 +9,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from known_plant import COOLING_W, HEATING_W, LIMITS, MODEL, TAU_S, plant_settings
 
-from musclewire.controllers import FeedforwardSettings, sampled_reference, staircase
+from musclewire.controllers import sampled_reference, staircase
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify._speed_limits import speed_limits_of
 from musclewire.identify._speed_limits.help import diameter_for
 from musclewire.identify._speed_limits.plant import SpeedPlant
 from musclewire.identify._speed_limits.tracking import followed
-from musclewire.sensing import SensingModel
 from musclewire.signals import RunFacts
 
-TAU_S, COOLING_W, HEATING_W = 0.8, (0.25, 0.40), (0.35, 0.50)
 LEVELS = np.linspace(0.005, 0.035, 33)
 FACTS = RunFacts(
     {
@@ -27,39 +26,16 @@ FACTS = RunFacts(
         "shunt_resistance_ohm": 1.0,
         "wire_diameter_m": 1e-4,
         "pretension_n": 1.0,
-        "limit_heat_capacity_j_per_k": 0.0044,
-        "limit_heat_loss_w_per_k": 0.0055,
-        "limit_maximum_temperature_k": 473.15,
-        "limit_ambient_temperature_k": 295.15,
+        **LIMITS,
         "limit_sense_voltage_v": 0.2,
         "limit_maximum_voltage_v": 4.5,
     }
 )
-MODEL = SensingModel(15.0, 17.5, (0.035, -0.03), (0.035, -0.03), 0.0, 1.0)
 
 
 def plant(heat_per_unit: float = 0.0) -> SpeedPlant:
     heating, cooling = (np.linspace(*ends, 33) for ends in (HEATING_W, COOLING_W))
     return SpeedPlant(LEVELS, heating, cooling, np.full(33, 0.01), np.full(33, 1.2), TAU_S, heat_per_unit)
-
-
-def settings(**changed: Any) -> FeedforwardSettings:
-    known: dict[str, Any] = {
-        "lowest": 0.005,
-        "highest": 0.035,
-        "heating_power_w": tuple(np.linspace(*HEATING_W, 33)),
-        "cooling_power_w": tuple(np.linspace(*COOLING_W, 33)),
-        "resistance_ohm": tuple(np.linspace(17.4, 15.2, 33)),
-        "shunt_resistance_ohm": 1.0,
-        "thermal_time_constant_s": TAU_S,
-        "heat_per_unit": 0.0,
-        "closed_loop_time_s": 0.1,
-        "dead_time_s": 0.1,
-        "integral_time_s": 0.8,
-        "tolerance": 2e-4,
-        "maximum_steady_power_w": 0.98,
-    }
-    return FeedforwardSettings(**{**known, **changed})
 
 
 def sine(frequency_hz: float, amplitude: float = 0.0075) -> Any:
@@ -97,14 +73,14 @@ def test_a_step_down_first_crosses_the_gap_and_then_cools_exponentially() -> Non
 
 
 def test_a_slow_reference_has_no_findings_and_its_whole_amplitude() -> None:
-    limits = speed_limits_of(MODEL, sine(0.02), FACTS, settings())
+    limits = speed_limits_of(MODEL, sine(0.02), FACTS, plant_settings())
     assert (limits.findings, limits.warnings) == ((), ())
     assert limits.possible_amplitude == pytest.approx(limits.asked_amplitude, rel=0.02)
     assert str(limits) == "the wire can follow this reference"
 
 
 def test_a_fast_one_is_named_with_what_would_help() -> None:
-    limits = speed_limits_of(MODEL, sine(1.0, 0.014), FACTS, settings(heat_per_unit=2.5))
+    limits = speed_limits_of(MODEL, sine(1.0, 0.014), FACTS, plant_settings(heat_per_unit=2.5))
     assert {one.direction for one in limits.findings} == {"cooling", "heating"}
     assert limits.possible_amplitude < 0.9 * limits.asked_amplitude
     cooling, heating = limits.warnings
@@ -120,15 +96,15 @@ def test_a_fast_one_is_named_with_what_would_help() -> None:
 
 
 def test_what_would_help_does_help() -> None:
-    found = speed_limits_of(MODEL, sine(0.5), FACTS, settings()).help
+    found = speed_limits_of(MODEL, sine(0.5), FACTS, plant_settings()).help
     assert found.slower is not None
     assert found.heat_loss is not None
-    assert speed_limits_of(MODEL, sine(0.5 / (1.03 * found.slower)), FACTS, settings()).findings == ()
+    assert speed_limits_of(MODEL, sine(0.5 / (1.03 * found.slower)), FACTS, plant_settings()).findings == ()
 
 
 def test_a_level_of_a_staircase_that_is_reached_before_its_end_is_no_finding() -> None:
-    assert speed_limits_of(MODEL, staircase(0.015, 0.03, 0.003, hold_s=6.0), FACTS, settings()).findings == ()
-    fast = speed_limits_of(MODEL, staircase(0.015, 0.03, 0.003, hold_s=0.1), FACTS, settings())
+    assert speed_limits_of(MODEL, staircase(0.015, 0.03, 0.003, hold_s=6.0), FACTS, plant_settings()).findings == ()
+    fast = speed_limits_of(MODEL, staircase(0.015, 0.03, 0.003, hold_s=0.1), FACTS, plant_settings())
     assert "cooling" in {one.direction for one in fast.findings}
 
 
@@ -148,4 +124,4 @@ def test_what_is_not_known_is_said() -> None:
     with pytest.raises(RecordingError, match="no power through its loop"):
         speed_limits_of(MODEL, sine(0.1), FACTS)
     with pytest.raises(CallerError, match="tune this model"):
-        speed_limits_of(MODEL, sine(0.1), FACTS, settings(quantity="force"))
+        speed_limits_of(MODEL, sine(0.1), FACTS, plant_settings(quantity="force"))

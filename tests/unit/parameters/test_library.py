@@ -9,10 +9,7 @@ import pytest
 
 from musclewire.errors import CallerError
 from musclewire.parameters._library import load_alloy, load_bench, load_wire, names, published_text, read_published
-from musclewire.parameters._parameter_groups import Alloy, Bench, Parameter, Wire
-
-# Lan and Fan 2010, Table 1: diameter [um], linear resistance [ohm/m], maximal allowable and nominal force [N].
-TABLE_1 = [(100, 126.0, 4.601, 0.275), (125, 75.0, 7.220, 0.422), (200, 29.0, 18.247, 1.079)]
+from musclewire.parameters._parameter_groups import Alloy, Bench, Wire
 
 
 def everything() -> list[Alloy | Bench | Wire]:
@@ -24,24 +21,11 @@ def test_every_file_loads_and_is_called_what_it_says() -> None:
     assert {group.name for group in everything()} == {
         name for kind in ("alloy", "bench", "wire") for name in names(kind)
     }
-    assert len(everything()) >= 5
+    assert {group.alloy for group in everything() if isinstance(group, Wire)} <= set(names("alloy"))
 
 
 @pytest.mark.parametrize("group", everything(), ids=lambda group: group.name)
-def test_every_number_says_its_unit_its_source_and_its_kind(group: Alloy | Bench | Wire) -> None:
-    assert len(group.items()) >= 6
-    for key, item in group.items():
-        assert isinstance(item, Parameter)
-        assert math.isfinite(item.value), key
-        assert item.unit.strip() == item.unit, key
-        assert item.unit, key
-        assert len(item.source) > 5, key
-        assert item.kind in {"measured", "datasheet", "fitted", "derived", "assumed"}, key
-    assert group.values() == {key: item.value for key, item in group.items()}
-
-
-@pytest.mark.parametrize("group", everything(), ids=lambda group: group.name)
-def test_the_unit_in_a_name_is_the_unit_in_the_file(group: Alloy | Bench | Wire) -> None:
+def test_every_number_has_a_source_and_the_unit_that_its_name_says(group: Alloy | Bench | Wire) -> None:
     suffixes = {
         "_k": "K", "_m": "m", "_n": "N", "_v": "V", "_s": "s", "_ohm": "ohm", "_pa": "Pa", "_per_k": "1/K",
         "_n_per_m": "N/m", "_ohm_m": "ohm m", "_ohm_per_m": "ohm/m", "_pa_per_k": "Pa/K", "_per_pa": "K/Pa",
@@ -50,17 +34,9 @@ def test_the_unit_in_a_name_is_the_unit_in_the_file(group: Alloy | Bench | Wire)
     for key, item in group.items():
         longest = max((suffix for suffix in suffixes if key.endswith(suffix)), key=len, default=None)
         assert item.unit == (suffixes[longest] if longest else "1"), key
-
-
-@pytest.mark.parametrize(("diameter_um", "linear_ohm_per_m", "maximum_n", "nominal_n"), TABLE_1)
-def test_the_papers_wires_are_its_table_1(
-    diameter_um: int, linear_ohm_per_m: float, maximum_n: float, nominal_n: float
-) -> None:
-    wire = load_wire(f"paper-{diameter_um}um").values()
-    assert wire["diameter_m"] == pytest.approx(diameter_um * 1e-6, rel=1e-12)
-    assert wire["resistance_per_metre_ohm_per_m"] == linear_ohm_per_m
-    assert wire["maximum_force_n"] == maximum_n
-    assert wire["nominal_force_n"] == nominal_n
+        assert math.isfinite(item.value), key
+        assert len(item.source) > 5, key
+    assert group.values() == {key: item.value for key, item in group.items()}
 
 
 @pytest.mark.parametrize("name", names("wire"))
@@ -75,20 +51,6 @@ def test_a_spools_resistivity_is_its_resistance_per_metre_times_its_section(name
     # 87 to 106 uOhm cm over the vendor's size table but for its thinnest wire, whose 1425 ohm/m are really printed.
     least = 0.72e-6 if name.startswith("flexinol-0.025-") else 0.85e-6
     assert least < resistivity(wire) < 1.07e-6
-
-
-@pytest.mark.parametrize("name", names("wire"))
-def test_every_wire_is_of_an_alloy_that_exists(name: str) -> None:
-    assert load_wire(name).alloy in names("alloy")
-
-
-def test_the_bench_is_the_papers() -> None:
-    """Section 2.1: 14 cm in a V, 588.60 N/m; a sample every 0.05 s."""
-    bench = load_bench("paper").values()
-    assert bench["wire_length_m"] == 0.14
-    assert bench["legs"] == 2.0
-    assert bench["spring_stiffness_n_per_m"] == 588.60
-    assert bench["sample_period_s"] == 0.05
 
 
 @pytest.mark.parametrize("name", names("alloy"))

@@ -46,19 +46,13 @@ def test_a_superfluous_key_is_named_with_the_nearest_right_one(model: type, kind
     assert complaint(model, data).endswith(f"unknown key '{right[:-1]}'; did you mean '{right}'?")
 
 
-def test_a_misspelt_key_is_named_with_the_right_one(wire: dict[str, Any]) -> None:
+def test_a_misspelt_key_is_named_with_the_right_one_at_the_top_and_inside_a_value(wire: dict[str, Any]) -> None:
     """Here the right key is missing as well; what the user must see is what he wrote."""
     wire["diametre_m"] = wire.pop("diameter_m")
-    message = complaint(Wire, wire)
-    assert "'diametre_m'" in message
-    assert "'diameter_m'" in message
-
-
-def test_a_misspelt_key_inside_a_value_is_named_with_the_right_one(wire: dict[str, Any]) -> None:
+    assert "'diametre_m'; did you mean 'diameter_m'" in complaint(Wire, wire)
+    wire["diameter_m"] = wire.pop("diametre_m")
     wire["diameter_m"]["sorce"] = wire["diameter_m"].pop("source")
-    message = complaint(Wire, wire)
-    assert "diameter_m.sorce" in message
-    assert "source" in message.replace("sorce", "")
+    assert "'diameter_m.sorce'; did you mean 'source'" in complaint(Wire, wire)
 
 
 @pytest.mark.parametrize(("model", "kind", "name"), FILES)
@@ -80,29 +74,6 @@ def test_a_number_without_all_its_parts_is_refused(wire: dict[str, Any], part: s
     assert complaint(Wire, wire).endswith(f"the key 'diameter_m.{part}' is missing")
 
 
-def test_a_wrong_unit_is_answered_with_the_right_one(wire: dict[str, Any]) -> None:
-    wire["diameter_m"]["unit"] = "mm"
-    assert complaint(Wire, wire).endswith("diameter_m has the unit 'mm', it must be given in 'm'")
-
-
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf"), "thick", None])
-def test_what_is_no_number_is_refused_by_its_key(wire: dict[str, Any], value: object) -> None:
-    wire["diameter_m"]["value"] = value
-    assert "diameter_m.value" in complaint(Wire, wire)
-
-
-def test_an_unknown_kind_is_refused_with_the_known_ones(wire: dict[str, Any]) -> None:
-    wire["diameter_m"]["kind"] = "guessed"
-    message = complaint(Wire, wire)
-    assert "diameter_m.kind" in message
-    assert "'assumed'" in message
-
-
-def test_an_empty_source_is_no_source(wire: dict[str, Any]) -> None:
-    wire["diameter_m"]["source"] = ""
-    assert "diameter_m.source" in complaint(Wire, wire)
-
-
 def test_a_bare_number_is_refused(wire: dict[str, Any]) -> None:
     wire["diameter_m"] = 100e-6
     assert complaint(Wire, wire).endswith(
@@ -114,6 +85,8 @@ def test_a_bare_number_is_refused(wire: dict[str, Any]) -> None:
     ("part", "given", "words"),
     [
         ("value", "thick", "must be a number, not 'thick'"),
+        ("value", None, "must be a number"),
+        ("value", float("nan"), "must be a finite number, not nan"),
         ("value", float("inf"), "must be a finite number, not inf"),
         ("value", [1.0], "must be a number, not a list"),
         ("unit", 3, "must be text in quotes, not 3"),
@@ -125,7 +98,12 @@ def test_what_is_wrong_with_a_value_is_said_in_plain_words(
     wire: dict[str, Any], part: str, given: object, words: str
 ) -> None:
     wire["diameter_m"][part] = given
-    assert complaint(Wire, wire).endswith(f"diameter_m.{part}: {words}")
+    assert f"diameter_m.{part}: {words}" in complaint(Wire, wire)
+
+
+def test_a_wrong_unit_is_answered_with_the_right_one(wire: dict[str, Any]) -> None:
+    wire["diameter_m"]["unit"] = "mm"
+    assert complaint(Wire, wire).endswith("diameter_m has the unit 'mm', it must be given in 'm'")
 
 
 VALUES = st.recursive(

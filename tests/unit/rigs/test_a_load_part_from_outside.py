@@ -8,7 +8,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import ClassVar, Literal
 
-import numpy as np
 import pytest
 
 from musclewire import registry
@@ -94,7 +93,6 @@ def test_a_rig_file_has_it_and_the_wire_pulls_it(known_by: str, tmp_path: Path, 
     [
         (RUBBER.replace("reach", "raech"), "unknown key 'load.1.rubber band.raech'; did you mean 'reach'?"),
         (RUBBER.replace('"800 N/m"', '"800 mm"'), "mm is a length; a stiffness is needed"),
-        (RUBBER.replace('"800 N/m"', "0.0"), "load.1.rubber band.stiffness: must be above 0 N/m, not 0"),
         (RUBBER.replace("rubber band", "ruber band"), "there is no part 'ruber band'; did you mean 'rubber band'?"),
         (RUBBER + RUBBER.removeprefix(HEAD), "there are 2 parts 'rubber band', 1 fits"),
     ],
@@ -111,14 +109,3 @@ def test_without_registration_it_is_unknown_and_our_names_cannot_be_taken(tmp_pa
         read_rig_file(rig_file(tmp_path, RUBBER))
     with pytest.raises(CallerError, match="already a part of a load named 'spring'"):
         LOAD_PARTS.register("spring", RubberBand)
-
-
-@pytest.mark.parametrize("name", LOAD_PARTS.names())
-def test_every_part_of_ours_says_what_it_adds_in_one_class(name: str) -> None:
-    kind = LOAD_PARTS.find(name)
-    assert issubclass(kind, LoadPart)
-    given = {"part": name, "stiffness": 100.0, "finger": "lan-fan-2010", "force": 0.1, "clearance": 1e-3}
-    part = kind.model_validate({key: value for key, value in given.items() if key in kind.model_fields})
-    force = part.force_n(np.linspace(0.0, 1e-3, 5))
-    said = (part.stiffness_n_per_m, part.hanging_force_n, part.finger_name, part.obstacle, part.second_wire, force)
-    assert any(item is not None and item is not False and item != 0.0 for item in said)

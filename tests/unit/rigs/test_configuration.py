@@ -86,49 +86,33 @@ def test_a_setting_without_its_unit_or_in_a_wrong_one_is_refused(given: str) -> 
     assert "'" + given + "'" in refusal("simulated", pretension_n=given)
 
 
-def test_an_unknown_setting_is_answered_with_the_nearest() -> None:
-    message = refusal("simulated", pretention_n=1.7)
-    assert message.endswith("unknown setting 'pretention_n'; did you mean 'pretension_n'?")
-
-
 @pytest.mark.parametrize(
     ("text", "hint"),
     [
         ('wyre = "paper-100um"', "unknown key 'wyre'; did you mean 'wire'?"),
         ("[setings]\npretension_n = 1.7", "unknown key 'setings'; did you mean 'settings'?"),
         ("[settings]\npretention_n = 1.7", "unknown setting 'pretention_n'; did you mean 'pretension_n'?"),
-        ('wire = "paper-100"', "there is no wire called 'paper-100'; did you mean 'paper-100um'?"),
-        ('bench = "papers"', "there is no bench called 'papers'; did you mean 'paper'?"),
-        ('seed = "many"', "seed: must be a whole number, not 'many'"),
         ("seed = -1", "seed: must be 0 or more, not -1"),
-        ("seed = 1.5", "seed: must be a whole number, as 2, not 1.5"),
         ("legs = 2.5", "legs: must be a whole number, as 2, not 2.5"),
-        ("legs = 0.4", "legs: must be a whole number, as 1, not 0.4"),
         ("[settings]\nlegs = 2.5", "legs is 2.5, it must be a whole number of 1 or more, as 2 or 3"),
-        ("[settings]\nacquisition_readings = 0.5", "it must be a whole number of 1 or more, as 1"),
         ('kind = "replya"', "there is no kind of rig 'replya'; did you mean 'replay'?"),
+        ('kind = ["serial"]', "there is no kind of rig"),
         ('new_wire = "perhaps"', "new_wire: must be true or false, not 'perhaps'"),
-        (
-            "[settings]\npretension_n = [1]",
-            "settings.pretension_n: must be a number in SI or text with a unit, not a list",
-        ),
+        ("[settings]\npretension_n = [1]", "pretension_n: must be a number in SI or text with a unit, not a list"),
         ('load = ["spring"]', "load.0: must be a table, not 'spring'"),
         ("wire = 3", "wire: must be text in quotes, not 3"),
         ("settings = 3", "settings: must be a table, [settings] in TOML, not 3"),
         ('[load]\npart = "finger"', "load: must be a list: write [[load]], with two brackets, before each part"),
-        (
-            '[fault]\nkind = "wire_short"',
-            "fault: must be a list: write [[fault]], with two brackets, before each fault",
-        ),
         ("load = []", "load is empty: give a [[load]] part, or leave load out for the bench's spring"),
-        ("surroundings = 3", "surroundings: must be a table with the keys ambient_swing, ambient_period, draught"),
         ('[surroundings]\nambient_swing = "40 K"', "surroundings.ambient_swing: must be 20 K or less, not '40 K'"),
-        ("[surroundings]\nambient_period = 0", "surroundings.ambient_period: must be above 0 s, not 0"),
+        ('[surroundings]\nambient_swing = "3 degC"', "a difference of temperatures is needed, like '3 K'"),
         ("seed = ", "cannot be read"),
     ],
 )
 def test_a_mistake_in_a_rig_file_is_one_line_with_a_hint(rig_file, text: str, hint: str) -> None:
-    assert hint in refusal(rig_file(text))
+    message = refusal(rig_file(text))
+    assert hint in message
+    assert "my_rig.toml" in message
 
 
 def test_a_key_of_an_earlier_version_is_answered_by_what_became_of_it() -> None:
@@ -141,22 +125,11 @@ def test_a_name_that_is_no_rig_is_answered_in_whole_sentences() -> None:
     assert far.endswith(f"known: {', '.join(sorted(rig_names()))}, or give the path of a TOML rig file")
 
 
-def test_a_mistake_in_a_rig_file_names_the_file(rig_file) -> None:
-    assert "my_rig.toml" in refusal(rig_file("wyre = 1"))
-    assert "my_rig.toml" in refusal(rig_file("[settings]\npretention_n = 1"))
-
-
-def test_a_missing_rig_file_points_to_the_word_simulated(tmp_path: Path) -> None:
+def test_what_is_not_there_a_folder_and_bytes_are_no_rig_files(tmp_path: Path) -> None:
     message = refusal(tmp_path / "nowhere.toml")
     assert "nowhere.toml" in message
     assert "'simulated'" in message
-
-
-def test_a_folder_is_no_rig_file(tmp_path: Path) -> None:
     assert "cannot be read" in refusal(tmp_path)
-
-
-def test_bytes_that_are_no_text_are_no_rig_file(tmp_path: Path) -> None:
     path = tmp_path / "rig.toml"
     path.write_bytes(b"\xff\xfe\x00")
     assert "cannot be read" in refusal(path)
@@ -166,19 +139,15 @@ def test_bytes_that_are_no_text_are_no_rig_file(tmp_path: Path) -> None:
     ("setting", "value"),
     [
         ("pretension_n", -1.0),
-        ("pretension_n", float("nan")),
         ("pretension_n", float("inf")),
         ("spring_stiffness_n_per_m", float("nan")),
-        ("spring_stiffness_n_per_m", -588.6),
         ("wire_length_m", 0.0),
         ("legs", 0.0),
         ("strain_tolerance", 0.0),
         ("time_step_s", -0.001),
         ("time_step_s", 0.003),
-        ("time_step_s", float("nan")),
         ("sample_period_s", 0.0),
         ("ambient_temperature_k", 0.0),
-        ("ambient_temperature_k", float("nan")),
         ("shunt_resistance_ohm", -1.0),
         ("acquisition_readings", 0.0),
         ("amplifier_resolution_v", 0.0),
@@ -253,7 +222,3 @@ def test_whatever_a_rig_file_holds_it_is_read_or_refused_in_plain_words(data: di
         message = str(error)
     assert "\n" not in message
     assert "Input should" not in message
-
-
-def test_a_kind_that_is_no_word_is_a_callers_error(rig_file) -> None:
-    assert "there is no kind of rig" in refusal(rig_file('kind = ["serial"]\n'))

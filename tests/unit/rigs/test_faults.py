@@ -105,16 +105,8 @@ def test_each_fault_ends_with_its_cause_and_the_drive_off_within_half_a_second(k
 @pytest.mark.parametrize(("old", "new"), OLD_KINDS.items())
 def test_a_rig_file_with_a_faults_old_name_still_reads(old: str, new: str) -> None:
     assert RigConfiguration(fault=[{"kind": old}]) == RigConfiguration(fault=[{"kind": new}])  # type: ignore[list-item]
-
-
-def test_what_is_left_of_a_slipped_wire_reads_by_its_old_name() -> None:
-    old = {"kind": "slipped clamp", "share": 0.5}
-    assert SimulatedFaults(RigConfiguration(fault=[old]).fault).circuit(  # type: ignore[list-item]
-        3.0, WIRE_OHM, SHUNT_OHM, 0.0
-    ) == faulty(kind="clamp_slipped", fraction=0.5).circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0)
-
-
-def test_a_fault_is_called_as_the_event_it_leads_to() -> None:
-    events = {event.name.lower() for event in Event}
-    causes_of_their_own = {"bad_contact", "clamp_slipped", "clock_jump"}
-    assert set(OLD_KINDS.values()) - causes_of_their_own <= events
+    left = [
+        faulty(kind=kind, **{share: 0.5}).circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0)
+        for kind, share in (("slipped clamp", "share"), ("clamp_slipped", "fraction"))
+    ]
+    assert left[0] == left[1]

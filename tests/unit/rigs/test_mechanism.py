@@ -111,20 +111,10 @@ def test_without_a_pretensioner_the_pretension_bends_the_finger_first() -> None:
     assert bent.load.stiffness_n_per_m == 0.0
 
 
-@pytest.mark.parametrize(
-    "carrier",
-    [
-        PRETENSIONER,
-        Spring(part="spring", stiffness=100.0),
-        Blocked(part="blocked"),
-        Antagonist(part="antagonist"),
-    ],
-)
-def test_whatever_else_carries_the_pretension_leaves_the_finger_straight(carrier: Any) -> None:
-    assert tendon_of(mechanism(carrier, FINGER)).start_m == 0.0
-
-
-def test_a_spring_that_hangs_through_carries_no_pretension() -> None:
+def test_whatever_else_carries_the_pretension_leaves_the_finger_straight_but_no_spring_that_hangs_through() -> None:
+    spring = Spring(part="spring", stiffness=100.0)
+    for carrier in (PRETENSIONER, spring, Blocked(part="blocked"), Antagonist(part="antagonist")):
+        assert tendon_of(mechanism(carrier, FINGER)).start_m == 0.0
     late = Spring(part="spring", stiffness=100.0, slack=1e-3)
     assert tendon_of(mechanism(late, FINGER)).start_m > 0.0
     x, force = table(mechanism(late))
@@ -137,12 +127,9 @@ def test_more_pretension_than_the_finger_carries_is_refused_with_what_to_do() ->
     assert "\n" not in str(caught.value)
 
 
-def test_a_contact_without_a_finger_stands_before_the_connector() -> None:
+def test_a_contact_without_a_finger_stands_before_the_connector_and_one_between_fingers_is_left_to_the_pair() -> None:
     x, force = table(mechanism(PRETENSIONER, Contact(part="contact", stiffness=2000.0, clearance=1e-3)))
     assert force == pytest.approx(2000.0 * np.clip(x - 1e-3, 0.0, None))
-
-
-def test_an_object_between_two_fingers_is_left_to_the_pair() -> None:
     parts = (PRETENSIONER, FINGER, Contact(part="contact", stiffness=200.0, clearance=2e-3))
     assert table(mechanism(*parts, object_between=True))[1] == pytest.approx(table(mechanism(*parts[:2]))[1])
 

@@ -120,16 +120,6 @@ def test_without_real_time_nobody_looks_at_the_clock(clock: Clock) -> None:
     assert clock.looks == 0
 
 
-def test_in_real_time_samples_come_one_period_apart(clock: Clock, rig: GuardedRig) -> None:
-    returned = []
-    with rig:
-        for _ in range(5):
-            rig.exchange(0.3)
-            returned.append(clock.now_s)
-            clock.now_s += 0.01  # what the caller does with a sample
-    assert np.diff(returned) == pytest.approx([rig.sample_period_s] * 4, abs=1e-5)
-
-
 def test_a_late_sample_does_not_shift_those_that_follow(clock: Clock, rig: GuardedRig) -> None:
     returned = []
     with rig:
@@ -229,22 +219,15 @@ def test_a_change_back_during_a_wait_changes_nothing(clock: Clock, started: Samp
     assert clock.now_s == pytest.approx(101.0, abs=1e-4)
 
 
-def returned_s(clock: Clock, rig: GuardedRig, samples: int) -> list[float]:
-    """Return when samples came."""
-    found = []
-    for _ in range(samples):
-        rig.exchange(0.3)
-        found.append(clock.now_s - 100.0)
-    return found
-
-
-@pytest.mark.parametrize("speed", [0.1, 10.0])
-def test_samples_of_a_faster_clock_come_as_often_as_it_says_and_their_time_is_the_wires(
-    clock: Clock, speed: float
-) -> None:
+@pytest.mark.parametrize("speed", [0.1, 1.0, 10.0])
+def test_samples_of_a_clock_come_as_often_as_it_says_and_their_time_is_the_wires(clock: Clock, speed: float) -> None:
     with open_rig("simulated", real_time=True, clock_speed=speed) as rig:
-        wall_s = np.diff(returned_s(clock, rig, 5))
-        assert wall_s == pytest.approx([rig.sample_period_s / speed] * 4, abs=1e-4)
+        returned_s = []
+        for _ in range(5):
+            rig.exchange(0.3)
+            returned_s.append(clock.now_s)
+            clock.now_s += 1e-3  # what the caller does with a sample
+        assert np.diff(returned_s) == pytest.approx([rig.sample_period_s / speed] * 4, abs=1e-4)
         assert rig.exchange(0.3).time_s == pytest.approx(6 * rig.sample_period_s)
         assert rig.metadata()["clock_speed"] == speed
 

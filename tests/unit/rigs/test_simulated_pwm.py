@@ -92,14 +92,6 @@ def test_sampling_too_early_is_wrong_by_what_the_filters_leave(delay_s: float, s
     assert "sampled too early" in pulse_width_problems(pwm, 0.3)[0]
 
 
-def test_sampling_that_is_of_no_use_is_refused_with_its_cause() -> None:
-    early = PulseWidth(frequency=1000.0, supply=5.0, sample_delay=5e-6, shunt_settling=20e-6)
-    with pytest.raises(CallerError, match="sampled too early: 5 us after the edge"):
-        open_rig(RigConfiguration(pwm=early))
-    with pytest.raises(CallerError, match="aliasing"):
-        open_rig(RigConfiguration(pwm=PulseWidth(frequency=1000.0, supply=5.0, trigger="free")))
-
-
 def test_conversions_that_run_free_of_the_pulses_alias() -> None:
     pwm = PulseWidth(frequency=1000.0, supply=5.0, trigger="free", conversion_time=104e-6)
     spool = SimulatedSpool(load_wire("paper-100um"), load_alloy("flexinol"), load_bench("paper"))
@@ -126,9 +118,14 @@ def test_a_small_error_of_early_sampling_is_a_warning() -> None:
         ({"frequency": 25000.0, "supply": 5.0}, "a period is only"),
         ({"frequency": 1000.0, "supply": 3.0}, "below maximum_voltage"),
         ({"frequency": 1000.0, "supply": 12.0}, "converter's range"),
+        ({"frequency": 1000.0, "supply": 5.0, "trigger": "free"}, "aliasing"),
+        (
+            {"frequency": 1000.0, "supply": 5.0, "sample_delay": 5e-6, "shunt_settling": 20e-6},
+            "sampled too early: 5 us",
+        ),
     ],
 )
-def test_pulses_that_cannot_be_are_refused(pwm: dict[str, float], message: str) -> None:
+def test_pulses_that_cannot_be_and_sampling_of_no_use_are_refused(pwm: dict[str, Any], message: str) -> None:
     with pytest.raises(CallerError, match=message):
         open_rig(RigConfiguration(pwm=PulseWidth(**pwm)))
 

@@ -57,12 +57,9 @@ def test_the_keys_set_what_the_settings_set_by_their_old_names(tmp_path: Path) -
     assert recorded[0][0]["shunt_resistance_ohm"] == 0.5
 
 
-def test_a_number_that_is_said_twice_is_refused(tmp_path: Path) -> None:
+def test_a_number_that_is_said_twice_and_a_quantity_of_another_kind_are_refused(tmp_path: Path) -> None:
     text = 'pretension = "1 N"\n[settings]\npretension_n = "2 N"\n'
     with pytest.raises(CallerError, match=r"pretension and settings\.pretension_n are the same number"):
         read_rig_file(rig_file(tmp_path, text))
-
-
-def test_a_quantity_of_another_kind_names_the_key(tmp_path: Path) -> None:
     with pytest.raises(CallerError, match="pretension"):
         read_rig_file(rig_file(tmp_path, 'pretension = "1 V"\n'))

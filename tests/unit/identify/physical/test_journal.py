@@ -25,6 +25,8 @@ def test_what_was_written_is_remembered_in_order(path: Path) -> None:
     again = SearchJournal(path, "mine")
     assert again.remembered == 2
     assert [again.next(), again.next(), again.next()] == [[1.0, 2.0], [0.1, 1e-300], None]
+    again.remove()
+    assert not path.exists()
 
 
 @given(st.lists(st.floats(allow_nan=False), min_size=1, max_size=5))
@@ -46,28 +48,15 @@ def test_a_line_cut_off_in_writing_is_dropped(path: Path) -> None:
     assert read_journal(path, "mine") == [[1.0, 2.0], [5.0]]
 
 
-def test_the_journal_of_another_search_is_refused_and_left_alone(path: Path) -> None:
+def test_another_searchs_journal_a_strange_file_and_no_folder_are_refused_and_left_alone(path: Path) -> None:
     SearchJournal(path, "mine").write([1.0])
-    before = path.read_bytes()
     with pytest.raises(CallerError, match="belongs to a search with other recordings"):
         SearchJournal(path, "other")
-    assert path.read_bytes() == before
-
-
-@pytest.mark.parametrize("content", [b"", b"hello\n", b"[1, 2]\n", b"\xff\xfe\x00", b'{"other": 1}\n'])
-def test_a_file_that_is_no_journal_is_refused_and_left_alone(path: Path, content: bytes) -> None:
-    path.write_bytes(content)
-    with pytest.raises(CallerError, match="is not the journal of a search"):
-        SearchJournal(path, "mine")
-    assert path.read_bytes() == content
-
-
-def test_a_folder_that_is_not_there_is_the_callers_error(tmp_path: Path) -> None:
+    assert read_journal(path, "mine") == [[1.0]]
+    for content in (b"", b"hello\n", b"[1, 2]\n", b"\xff\xfe\x00", b'{"other": 1}\n'):
+        path.write_bytes(content)
+        with pytest.raises(CallerError, match="is not the journal of a search"):
+            SearchJournal(path, "mine")
+        assert path.read_bytes() == content
     with pytest.raises(CallerError, match="cannot be written"):
-        SearchJournal(tmp_path / "none" / "j", "mine")
-
-
-def test_a_journal_that_is_done_is_gone(path: Path) -> None:
-    journal = SearchJournal(path, "mine")
-    journal.remove()
-    assert not path.exists()
+        SearchJournal(path.parent / "none" / "j", "mine")

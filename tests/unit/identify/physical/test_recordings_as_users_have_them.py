@@ -164,8 +164,11 @@ def test_a_wide_step_of_the_simulation_is_as_good_on_the_whole() -> None:
         assert np.all(np.abs(one.predicted - other.predicted) < 3.0 * one.channel.uncertainty)
 
 
-def flat(values: float) -> Callable[[Recording], Recording]:
-    return lambda loop: loop.with_columns(displacement_m=np.full(len(loop), values))
+def isobar(temperature_k: Array, strain: Array, stress_pa: Array) -> Recording:
+    return Recording({"wire_temperature_k": temperature_k, "reference_strain": strain, "stress_pa": stress_pa})
+
+
+WARMING_K, RISING, STEADY_PA = np.linspace(300.0, 400.0, 40), np.linspace(0.0, 0.04, 40), np.full(40, 1e8)
 
 
 REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
@@ -175,13 +178,6 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
         ),
         "without drive and clock",
     ),
-    "resistance over time without a drive": (
-        lambda loop: without(
-            only(loop, "time_s", "displacement_m", wire_resistance_ohm=np.linspace(17.0, 15.0, len(loop))),
-            "shunt_resistance_ohm",
-        ),
-        "the drive of the wire is not recorded",
-    ),
     "a wire that was never heated": (
         lambda loop: loop.with_columns(
             dict.fromkeys(("wire_voltage_v", "shunt_voltage_v", "drive_voltage_v"), 0.0 * loop["time_s"])
@@ -189,7 +185,6 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
         "0 V throughout",
     ),
     "no current": (lambda loop: loop.with_columns(shunt_voltage_v=0.0 * loop["time_s"]), "no current"),
-    "nothing moves": (flat(0.0), "no transformation"),
     "noise only": (
         lambda loop: loop.with_columns(displacement_m=2e-6 * np.random.default_rng(1).standard_normal(len(loop))),
         "no transformation",
@@ -214,61 +209,17 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
         "the load is not known: give pretension_n",
     ),
     "no length": (lambda loop: without(loop, "wire_length_m"), "the wire's length is not known"),
-    "a leg without a number of legs": (
-        lambda loop: without(loop, "wire_length_m", "legs").with_metadata(leg_length_m=0.07),
-        "how many legs",
-    ),
     "a command without a shunt": (
         lambda loop: without(only(loop, "time_s", "drive_voltage_v", "displacement_m"), "shunt_resistance_ohm"),
         "the shunt is not known",
     ),
-    "a constant temperature": (
-        lambda _: Recording(
-            {
-                "wire_temperature_k": [300.0] * 40,
-                "reference_strain": np.linspace(0.0, 0.04, 40),
-                "stress_pa": [1e8] * 40,
-            }
-        ),
-        "the temperature changes by 0 K",
-    ),
-    "isobars that show nothing": (
-        lambda _: Recording(
-            {
-                "wire_temperature_k": np.linspace(300.0, 400.0, 40),
-                "reference_strain": [1e-5] * 40,
-                "stress_pa": [1e8] * 40,
-            }
-        ),
-        "nothing transforms between 27 C and 127 C",
-    ),
-    "compression": (
-        lambda _: Recording(
-            {
-                "wire_temperature_k": np.linspace(300.0, 400.0, 40),
-                "reference_strain": [0.0] * 40,
-                "stress_pa": [-1e8] * 40,
-            }
-        ),
-        "it must be tension",
-    ),
-    "a stress that rises along": (
-        lambda _: Recording(
-            {
-                "wire_temperature_k": np.linspace(300.0, 400.0, 40),
-                "reference_strain": np.linspace(0.0, 0.04, 40),
-                "stress_pa": np.linspace(0.0, 3e8, 40),
-            }
-        ),
-        "an isobar needs at least 20 points at one stress",
-    ),
+    "a constant temperature": (lambda _: isobar(0.0 * WARMING_K + 300.0, RISING, STEADY_PA), "changes by 0 K"),
+    "isobars that show nothing": (lambda _: isobar(WARMING_K, 0.0 * RISING, STEADY_PA), "nothing transforms between"),
+    "compression": (lambda _: isobar(WARMING_K, RISING, -STEADY_PA), "it must be tension"),
+    "a stress that rises along": (lambda _: isobar(WARMING_K, RISING, 75e8 * RISING), "at least 20 points at one"),
     "a cooling curve that does not cool": (
         lambda loop: only(loop, "time_s", wire_temperature_k=np.full(len(loop), 300.0)),
         "its temperature falls by 0 K only",
-    ),
-    "a cooling curve below the air": (
-        lambda loop: only(loop, "time_s", wire_temperature_k=np.linspace(380.0, 285.0, len(loop))),
-        "give --set ambient_temperature_k",
     ),
     "a cooling curve without a temperature": (
         lambda loop: only(loop, "time_s", "displacement_m"),
@@ -296,14 +247,12 @@ def test_what_cannot_constrain_anything_is_refused_by_name_in_one_line(name: str
         ({"pretension_n": "1.9"}, "pretension_n: '1.9' has no unit"),
         ({"pretension_n": "1.9 mm"}, "pretension_n: '1.9 mm'"),
         ({"pretension_n": -1.0}, "it must be 0 or more"),
-        ({"wire_length_m": 0.0}, "it must be above 0"),
         ({"legs": float("nan")}, "give a finite number"),
     ],
 )
 def test_a_wrong_number_of_the_bench_is_refused(bench: dict[str, float | str], words: str) -> None:
-    with pytest.raises(CallerError) as caught:
+    with pytest.raises(CallerError, match=words):
         calibrate(LOOP, bench=bench)
-    assert words in str(caught.value)
 
 
 def test_a_bench_may_be_said_with_units() -> None:
