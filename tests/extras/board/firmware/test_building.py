@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from emulation.board import EmulatedBoard
-from firmware.build import MODEL, WIRE, board_description, board_name, boards, write_sources
+from firmware.build import MODEL, WIRE, board_description, boards, write_sources
 
 from musclewire.errors import CallerError
 
@@ -42,10 +42,6 @@ def test_a_model_of_another_wire_is_refused_and_nothing_written(old: str, new: s
     with pytest.raises(CallerError, match=rf"{named}: give the file of your wire by --wire"):
         write_sources("arduino-uno", MODEL, wire, tmp_path / "built")
     assert not (tmp_path / "built").exists()
-
-
-def test_a_nano_is_an_uno() -> None:
-    assert [board_name(name) for name in ("nano", "uno", "mps2-an386")] == ["arduino-uno"] * 2 + ["mps2-an386"]
 
 
 def test_a_voltage_that_the_board_cannot_put_out_is_refused(tmp_path: Path) -> None:

@@ -111,8 +111,3 @@ def test_what_a_loader_says_is_in_the_error(monkeypatch: pytest.MonkeyPatch) -> 
     loader = flash.loader_for(find_image("uno", "paper-100um"), "/dev/ttyACM0")
     with pytest.raises(RigError, match=r"avrdude failed: avrdude: not in sync; .*needs --old-bootloader"):
         flash.run_loader(loader)
-
-
-def test_an_old_boot_loader_is_a_nanos() -> None:
-    with pytest.raises(CallerError, match="leave it out"):
-        flash.loader_for(find_image("stm32f411", "paper-100um"), "", old_bootloader=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from firmware.protocol import DEFINITION, Protocol, page_text, protocol, written
+from firmware.protocol import DEFINITION, Protocol, protocol, written
 from pydantic import ValidationError
 
 from musclewire.controllers import Event, State
@@ -78,8 +78,3 @@ def test_a_definition_that_contradicts_itself_is_refused(change: Callable[[Any],
     change(document)
     with pytest.raises(ValidationError, match=says):
         Protocol.model_validate(document)
-
-
-def test_a_page_without_a_place_for_a_table_is_refused() -> None:
-    with pytest.raises(ValueError, match="no place for the table 'host'"):
-        page_text(protocol(), "# A page\n")

@@ -18,7 +18,7 @@ from musclewire.extras.board._serial.frames import (
     stuff,
     unstuff,
 )
-from musclewire.extras.board._serial.messages import BoardIdentity, BoardSample, MessageKind, read_message
+from musclewire.extras.board._serial.messages import BoardIdentity, MessageKind, read_message
 
 FRAMES = st.builds(SerialFrame, st.integers(0, 255), st.integers(0, 65535), st.binary(max_size=MAXIMUM_BODY_BYTES - 8))
 
@@ -111,12 +111,6 @@ def test_another_version_is_dropped_and_remembered() -> None:
 def test_a_payload_that_no_frame_holds_is_refused() -> None:
     with pytest.raises(CallerError, match="send less at once"):
         encode_frame(SerialFrame(1, 0, bytes(MAXIMUM_BODY_BYTES - 7)))
-
-
-def test_a_sample_is_read_to_the_bit() -> None:
-    payload = struct.pack("<IBBHffffff", 70000, 1, 0, 513, 1.5, 1.25, 0.25, 15.0, 0.02, 0.025)
-    message = read_message(SerialFrame(MessageKind.SAMPLE, 0, payload))
-    assert message == BoardSample(70000, 1, 0, 513, 1.5, 1.25, 0.25, 15.0, pytest.approx(0.02), pytest.approx(0.025))
 
 
 def test_an_identity_says_board_and_quantity_as_text() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import struct
 import threading
-import time
 
 import pytest
 from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, rig_on
@@ -359,43 +358,3 @@ def test_once_0_v_is_ordered_no_other_command_goes_out() -> None:
         board.send_drive(1.0)
     board.send(MessageKind.OFF)
     assert {kind for kind, _ in line.commands} == {MessageKind.OFF}
-
-
-def test_another_thread_may_switch_off_while_a_sample_is_awaited() -> None:
-    waits = threading.Event()
-
-    class Silent(BoardInMemory):
-        """A board that gives no samples any more, and a clock that goes on."""
-
-        silent = False
-
-        def run(self, ticks: int) -> None:
-            if self.silent:
-                waits.set()
-            else:
-                super().run(ticks)
-
-        def read(self, timeout_s: float) -> bytes:
-            time.sleep(0.001)
-            return super().read(1e-6 if self.silent and not self.waiting else timeout_s)
-
-    board = Silent()
-    rig = rig_on(board)
-    rig.exchange(1.0)
-    board.silent = True
-    ended = []
-
-    def exchange() -> None:
-        with pytest.raises(RigError) as caught:
-            rig.exchange(2.0)
-        ended.append(str(caught.value))
-
-    thread = threading.Thread(target=exchange)
-    thread.start()
-    assert waits.wait(10.0)
-    rig.close()
-    thread.join(5.0)
-    assert not thread.is_alive()
-    assert "was closed while a sample was awaited; the drive is off" in ended[0]
-    assert board.drive_v == 0.0
-    assert board.commands[-1][0] == MessageKind.OFF
