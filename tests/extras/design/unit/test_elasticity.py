@@ -86,7 +86,9 @@ def test_a_body_pulled_evenly_has_the_stress_and_the_narrowing_of_hooke() -> Non
     assert found.von_mises_pa == pytest.approx(np.full(len(body.nodes_m), MODULUS * 1e-4), rel=1e-9)
     top = body.nodes_near(y_m=0.01)
     assert found.displacement_m[top, 1] == pytest.approx(np.full(top.size, -0.3 * 1e-4 * 0.01), rel=1e-9)
-    assert found.reaction_n(body.nodes_near(x_m=LENGTH)) == pytest.approx([MODULUS * 1e-4 * 0.02 * DEPTH, 0.0])
+    pull_n = MODULUS * 1e-4 * 0.02 * DEPTH
+    assert found.reaction_n(body.nodes_near(x_m=LENGTH)) == pytest.approx([pull_n, 0.0])
+    assert found.reaction_n(body.nodes_near(x_m=0.0)) == pytest.approx([-pull_n, 0.0])
 
 
 @settings(max_examples=15)
@@ -111,22 +113,6 @@ def test_forces_are_the_slope_of_the_energy_and_the_tangent_that_of_the_forces()
     assert (ahead.energy_j - behind.energy_j) / (2 * step) == pytest.approx(here.nodal_n @ way.ravel(), rel=1e-6)
     slope = (ahead.nodal_n - behind.nodal_n) / (2 * step)
     assert here.tangent @ way.ravel() == pytest.approx(slope, rel=1e-5, abs=1e-6 * np.abs(slope).max())
-
-
-def test_small_loads_give_the_same_by_both_theories() -> None:
-    body = cantilever(0.01, 20, 2, 0.3)
-    load = tip_load(body, 1e-4)
-    linear, large = solve_linear(body, load), solve_large(body, load, steps=1)
-    assert large.displacement_m == pytest.approx(linear.displacement_m, rel=1e-4, abs=1e-13)
-    assert large.von_mises_pa == pytest.approx(linear.von_mises_pa, rel=1e-2, abs=1e-3)
-
-
-@settings(max_examples=10)
-@given(st.floats(0.2, 5.0))
-def test_reactions_balance_what_is_put_on(force: float) -> None:
-    body = cantilever(0.003, 20, 1)
-    found = solve_large(body, tip_load(body, force))
-    assert found.reaction_n(body.nodes_near(x_m=0.0)) == pytest.approx([0.0, -force], rel=1e-6, abs=1e-6 * force)
 
 
 def test_a_spring_outside_the_body_takes_a_part_of_the_load() -> None:
@@ -160,27 +146,9 @@ def test_a_path_ends_where_its_stop_holds() -> None:
     assert [state.load_fraction for state in found] == pytest.approx(load_fractions[:5])
 
 
-def test_finer_meshes_come_closer() -> None:
-    tips = []
-    for refined in (1, 2, 4):
-        body = cantilever(0.01, 10 * refined, refined, 0.3)
-        tips.append(solve_linear(body, tip_load(body, 1.0)).displacement_m[body.nodes_near(x_m=LENGTH), 1].mean())
-    assert abs(tips[2] - tips[1]) < abs(tips[1] - tips[0])
-    assert tips[2] == pytest.approx(tips[1], rel=2e-3)
-
-
-def test_a_body_that_nobody_holds_is_said() -> None:
-    body = cantilever(0.01, 4, 1)
+def test_a_load_or_a_material_that_cannot_be_is_said() -> None:
     with pytest.raises(CallerError, match="prescribed displacements name"):
-        solve_linear(body, BodyLoad({}))
-
-
-def test_a_load_that_does_not_fit_the_body_is_said() -> None:
-    body = cantilever(0.01, 4, 1)
-    with pytest.raises(CallerError, match="forces have the shape"):
-        solve_linear(body, BodyLoad({0: 0.0}, np.zeros(3)))
-    with pytest.raises(CallerError, match="quadrilaterals or triangles"):
-        PlaneBody.of_mesh(skfem.MeshTet(), DEPTH, MODULUS, 0.3)
+        solve_linear(cantilever(0.01, 4, 1), BodyLoad({}))
     with pytest.raises(CallerError, match="Poisson"):
         PlaneBody.of_mesh(skfem.MeshQuad(), DEPTH, MODULUS, 0.5)
 

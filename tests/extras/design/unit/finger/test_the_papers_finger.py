@@ -24,21 +24,12 @@ GEOMETRY = finger_geometry(FINGER)
 NEEDED_M = float(np.interp(6e-3, FINGER.curve.endpoint_displacement_m, FINGER.curve.tendon_travel_m))
 
 
-def test_the_stiffness_along_the_wire_is_the_printed_one_within_a_percent() -> None:
+def test_it_has_the_printed_lengths_stiffness_and_endpoint_and_does_not_yield() -> None:
+    assert (GEOMETRY.overall_length_m, GEOMETRY.plate_length_m, GEOMETRY.columns) == (0.010, 0.005, 4)
     assert FINGER.curve.stiffness_n_per_m == pytest.approx(1084.4, rel=0.01)
-
-
-def test_the_endpoint_moves_six_millimetres_with_three_percent_of_the_wires_leg() -> None:
-    assert NEEDED_M <= 0.03 * 35e-3
-
-
-def test_it_does_not_yield_there() -> None:
+    assert NEEDED_M <= 0.03 * 35e-3  # of the wire's leg
     at = equilibria(finger_chain(GEOMETRY), GEOMETRY.stiffness_n_m2, np.linspace(0.0, NEEDED_M, 9))[-1]
     assert beam_stress_pa(GEOMETRY, at).max() < 65e6
-
-
-def test_lengths_are_the_printed_ones() -> None:
-    assert (GEOMETRY.overall_length_m, GEOMETRY.plate_length_m, GEOMETRY.columns) == (0.010, 0.005, 4)
 
 
 @pytest.mark.parametrize("column", FingerCurve.model_fields)
