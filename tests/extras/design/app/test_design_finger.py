@@ -99,18 +99,15 @@ GIVEN = ("--finger", "lan-fan-2010")
         (("--stiffness", "4 mm"), "a stiffness is needed"),
         (("--stiffness", "5000 N/m"), "above the 65 MPa at which pom yields"),
         (("--stiffness", "5000 N/m", "--column-width", "0.3"), "--column-width: '0.3' has no unit"),
-        ((*SIZED, "--process", "laser"), "did you mean 'laser-cut'?"),
         ((*SIZED, "--material", "pon"), "did you mean 'pom'?"),
         ((*SIZED, "--wire", "paper-100um", "--wire-length", "5 cm"), " % short"),
         ((*GIVEN, "--object-stiffness", "0 N/m"), "stiffness of the object is 0"),
         ((*GIVEN, "--friction", "5"), "outside 0 to 1"),
         ((*GIVEN, "--output", "finger.json"), "a finger is a .toml file"),
-        ((*GIVEN, "--drawing", "finger.png"), "one of .svg, .dxf"),
         ((*GIVEN, "--depth", "5 mm"), "--depth and --finger exclude each other: a finger's file has all dimensions"),
         ((*GIVEN, "--material", "spring-steel"), "is of 2.6 GPa, and spring-steel has 179 GPa"),
         ((*GIVEN, "--clearance", "3 mm"), "--clearance has an effect only with --object-stiffness"),
         (("--finger", "lan-fan-2011"), "did you mean 'lan-fan-2010'?"),
-        (("--thickness", "0.1 mm", "--offset", "1 mm", "--process", "laser-cut"), "90 % thinner than the 1 mm"),
     ],
 )
 def test_what_cannot_be_is_one_line_and_exit_code_2(

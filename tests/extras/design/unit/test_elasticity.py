@@ -7,10 +7,9 @@ import pytest
 import skfem
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.sparse import csr_array
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.design._elasticity import BodyLoad, PotentialChange, load_path, solve_large, solve_linear
+from musclewire.extras.design._elasticity import BodyLoad, solve_large, solve_linear
 from musclewire.extras.design._plane_body import PlaneBody
 
 LENGTH, DEPTH, MODULUS = 0.1, 0.01, 2e9
@@ -113,37 +112,6 @@ def test_forces_are_the_slope_of_the_energy_and_the_tangent_that_of_the_forces()
     assert (ahead.energy_j - behind.energy_j) / (2 * step) == pytest.approx(here.nodal_n @ way.ravel(), rel=1e-6)
     slope = (ahead.nodal_n - behind.nodal_n) / (2 * step)
     assert here.tangent @ way.ravel() == pytest.approx(slope, rel=1e-5, abs=1e-6 * np.abs(slope).max())
-
-
-def test_a_spring_outside_the_body_takes_a_part_of_the_load() -> None:
-    """Potential of a spring at the tip: two springs in parallel, the body's own stiffness being 3EI/L^3."""
-    body = cantilever(0.001, 40, 1)
-    tip = 2 * int(body.nodes_near(x_m=LENGTH, y_m=0.0)[0]) + 1
-    own = 3.0 * MODULUS * DEPTH * 0.001**3 / 12.0 / LENGTH**3
-
-    def spring(displacement: np.ndarray, load_fraction: float) -> PotentialChange:
-        moved = displacement.ravel()[tip]
-        gradient = np.zeros(body.n_dofs)
-        gradient[tip] = own * moved
-        hessian = csr_array(([own], ([tip], [tip])), shape=(body.n_dofs, body.n_dofs))
-        assert 0.0 < load_fraction <= 1.0
-        return PotentialChange(0.5 * own * moved**2, gradient, hessian)
-
-    force = own * 1e-5
-    alone = solve_large(body, tip_load(body, force)).displacement_m.ravel()[tip]
-    load = tip_load(body, force)
-    shared = solve_large(body, BodyLoad(load.prescribed_m, load.forces_n, spring)).displacement_m.ravel()[tip]
-    assert shared == pytest.approx(alone / 2.0, rel=2e-3)
-
-
-def test_a_path_ends_where_its_stop_holds() -> None:
-    body = cantilever(0.001, 20, 1)
-    prescribed_m = BodyLoad.held(body.nodes_near(x_m=0.0)) | BodyLoad.moved(
-        body.nodes_near(x_m=LENGTH, y_m=0.0), {1: 0.02}
-    )
-    load_fractions = np.linspace(0.1, 1.0, 10)
-    found = list(load_path(body, BodyLoad(prescribed_m), load_fractions, stop=lambda state: state.load_fraction > 0.45))
-    assert [state.load_fraction for state in found] == pytest.approx(load_fractions[:5])
 
 
 def test_a_load_or_a_material_that_cannot_be_is_said() -> None:

@@ -33,10 +33,9 @@ def serpentine(
     return SerpentineGeometry.with_corner_fraction(beams, half, pitch, thickness, 10e-3)
 
 
-def frame(geometry: SerpentineGeometry, *, guided: bool = False, leads: bool = True) -> float:
+def frame(geometry: SerpentineGeometry, *, guided: bool = False) -> float:
     joints = np.array(geometry.vertices_m())
     area = geometry.depth_m * geometry.thickness_m
-    joints = joints if leads else joints[1:-1]
     return chain_stiffness_n_per_m(joints, MODULUS * geometry.second_moment_m4, MODULUS * area, guided=guided)
 
 
@@ -68,30 +67,6 @@ def test_beam_elements_agree_with_the_closed_form_of_a_guided_end(geometry: Serp
     factor = guided_factor(geometry)
     assert frame(geometry, guided=True) == pytest.approx(factor * stiffness_n_per_m(geometry, MODULUS), rel=1e-2)
     assert factor >= 1.0 - 1e-9
-
-
-@pytest.mark.parametrize(
-    ("beams", "least", "most"), [(2, 1.62, 1.82), (4, 1.14, 1.16), (6, 1.06, 1.07), (8, 1.03, 1.04)]
-)
-@pytest.mark.parametrize("pitch", [2e-3, 4e-3, 6e-3])
-def test_a_guide_stiffens_few_beams_much_and_many_little(beams: int, least: float, most: float, pitch: float) -> None:
-    """Factors of a direct-stiffness frame whose half beams end on the axis, for common proportions."""
-    factor = guided_factor(serpentine(beams, pitch=pitch), leads=False)
-    assert least <= factor <= most
-    assert frame(serpentine(beams, pitch=pitch), guided=True, leads=False) == pytest.approx(
-        factor * stiffness_n_per_m(serpentine(beams, pitch=pitch), MODULUS), rel=5e-3
-    )
-
-
-@given(shapes, st.floats(0.5, 2.0))
-def test_stiffness_grows_with_modulus_depth_and_the_cube_of_the_thickness(
-    geometry: SerpentineGeometry, factor: float
-) -> None:
-    at = stiffness_n_per_m(geometry, MODULUS)
-    assert stiffness_n_per_m(geometry, factor * MODULUS) == pytest.approx(factor * at)
-    assert stiffness_n_per_m(geometry.with_(depth_m=factor * geometry.depth_m), MODULUS) == pytest.approx(factor * at)
-    thin = geometry.with_(thickness_m=0.5 * geometry.thickness_m, corner_radius_m=0.0)
-    assert stiffness_n_per_m(thin, MODULUS) == pytest.approx(at / 8.0)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import builtins
 import math
 import signal
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -59,13 +58,6 @@ def gmsh() -> Iterator[Any]:
     gmsh.finalize()
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="asks /proc which signals are ignored")
-def test_gmsh_leaves_this_process_as_it_was(gmsh: Any) -> None:
-    gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)
-    (line,) = (one for one in Path("/proc/self/status").read_text("ascii").splitlines() if one.startswith("SigIgn:"))
-    assert int(line.split()[1], 16) >> (signal.SIGPIPE - 1) & 1
-
-
 def box_mm(solid: Solid) -> np.ndarray:
     outline = 1e3 * polyline_m(solid.drawing.outline, 1e-3)
     return np.array([[*outline.min(axis=0), 0.0], [*outline.max(axis=0), 1e3 * solid.depth_m]])
@@ -116,24 +108,6 @@ def test_the_steps_holes_have_the_designs_diameters(solid: Solid, tmp_path: Path
         nearest = min(walls, key=lambda wall: abs(wall - area))
         assert nearest == pytest.approx(area, rel=1e-4)
         walls.remove(nearest)
-
-
-@pytest.mark.parametrize("height_m", [1e-3, 5e-3, 9e-3])
-def test_a_cut_through_the_pretensioners_stl_is_as_wide_as_the_beams(height_m: float, tmp_path: Path) -> None:
-    write_solid(PARTS["pretensioner"], tmp_path / "part.stl")
-    mesh = trimesh.load_mesh(tmp_path / "part.stl")
-    cut = trimesh.intersections.mesh_plane(mesh, [0, 0, 1.0], [0, 0, 1e3 * height_m])
-    # Along a line beside the axis the beams' edges are met pairwise, each beam's thickness apart.
-    x = 1e3 * 0.4 * SERPENTINE.half_length_m
-    met = sorted(
-        a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])
-        for a, b in cut
-        if (a[0] - x) * (b[0] - x) < 0.0 and abs(b[0] - a[0]) > 1e-6
-    )
-    beams = np.array(met[2:]).reshape(-1, 2)  # the first two are the pad's edges
-    assert beams[:, 1] - beams[:, 0] == pytest.approx(1e3 * SERPENTINE.thickness_m, abs=TOLERANCE_MM)
-    whole = beams[1:] - beams[:-1]
-    assert whole == pytest.approx(1e3 * SERPENTINE.pitch_m, abs=TOLERANCE_MM)
 
 
 def test_nothing_is_printed_on_standard_output(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -46,21 +46,17 @@ def test_time_is_the_boards_ticks_also_when_its_counter_comes_round() -> None:
 
 
 def test_a_lost_sample_is_counted_and_the_others_speak_for_the_period() -> None:
-    board = BoardInMemory()
-    with rig_on(board) as rig:
-        rig.exchange(1.0)
-        board.drop = {MessageKind.SAMPLE}
-        assert rig.exchange(1.6).shunt_voltage_v == pytest.approx(0.1, abs=1e-4)
-        assert rig.metadata()["lost_frames"] == 1
+    board, rig = driven()
+    board.drop = {MessageKind.SAMPLE}
+    assert rig.exchange(1.6).shunt_voltage_v == pytest.approx(0.1, abs=1e-4)
+    assert rig.metadata()["lost_frames"] == 1
 
 
 def test_a_lost_acknowledgement_costs_nothing_because_samples_carry_the_commands_number() -> None:
-    board = BoardInMemory()
-    with rig_on(board) as rig:
-        rig.exchange(1.0)
-        board.drop = {MessageKind.ACKNOWLEDGEMENT}
-        rig.exchange(1.1)
-        assert rig.metadata()["repeated_commands"] == 0
+    board, rig = driven()
+    board.drop = {MessageKind.ACKNOWLEDGEMENT}
+    rig.exchange(1.1)
+    assert rig.metadata()["repeated_commands"] == 0
 
 
 @pytest.mark.parametrize("how", ["deaf", "unplugged"])

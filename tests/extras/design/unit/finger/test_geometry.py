@@ -21,13 +21,11 @@ from musclewire.parameters import Parameter
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"beam_thickness_m": 0.0}, "beam_thickness_m is 0"),
         ({"youngs_modulus_pa": math.nan}, "youngs_modulus_pa is nan"),
         ({"columns": 2.5}, "1 to 40 columns, not 2.5"),
         ({"plate_length_m": 0.009}, "nothing is left to bend"),
         ({"inward_angle_rad": 2.0}, "at most a right angle"),
         ({"tendon_offset_m": 0.05e-3}, "inside the beam"),
-        ({"column_height_m": 1.2e-3}, "would not be inside the column"),
     ],
 )
 def test_what_is_no_finger_is_refused_by_name(changes: dict[str, float], said: str) -> None:
