@@ -31,26 +31,20 @@ def test_each_rig_has_a_name_of_its_own_that_fits_into_addresses() -> None:
     [
         (["--cpu", "0", "simulated", "finger"], "--cpu keeps one loop on one core"),
         (["--host", "no.such.host.invalid"], "cannot listen at no.such.host.invalid"),
+        (["simulatd"], "did you mean 'simulated'"),
         (["--token-file", "none.txt"], "--token-file none.txt cannot be read"),
         (["--output", "/proc/none"], "--output /proc/none cannot be made"),
     ],
 )
 def test_what_cannot_be_served_is_one_line(
-    options: list[str], said: str, run_here: Callable[..., Any], capsys: pytest.CaptureFixture[str]
+    options: list[str], said: str, musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert run_here("serve", *options) == 2
-    text = capsys.readouterr().err
-    assert said in text
-    assert len(text.strip().splitlines()) == 1
-
-
-@pytest.fixture
-def run_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
-    """Run the command line in a folder of its own; return its exit code."""
-    from musclewire.app import run
-
     monkeypatch.chdir(tmp_path)
-    return lambda *arguments: run(list(arguments))
+    answer = musclewire("serve", *options)
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert len(answer.err.strip().splitlines()) == 1
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
 
 
 @pytest.mark.slow
@@ -111,15 +105,13 @@ def test_two_rigs_are_served_next_to_each_other(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_stops_over_http_and_websocket_end_in_a_state_that_says_so(tmp_path: Path) -> None:
-    found = live_stop.run(tmp_path, 6, 1)
-    # A busy machine's clock judges nothing here; the benchmark holds the bar of 20 ms.
-    assert max(found["http_ms"]["max"], found["websocket_ms"]["max"]) < 500.0
+    # Each stop is awaited; the benchmark holds the bar of 20 ms.
+    assert live_stop.run(tmp_path, 6, 1)["stops"] == 6
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1])
-def test_ten_thousand_malformed_messages_change_nothing(seed: int, tmp_path: Path) -> None:
-    found = malformed_messages.run(tmp_path, seed, 10_000)
+def test_ten_thousand_malformed_messages_change_nothing(tmp_path: Path) -> None:
+    found = malformed_messages.run(tmp_path, 1, 10_000)
     assert found["passed"], found
     assert sum(found["http"].values()) > 4000
     assert found["websocket"]["problem"] > 1000

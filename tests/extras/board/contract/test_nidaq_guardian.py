@@ -233,11 +233,9 @@ def test_a_killed_guardian_is_noticed_and_the_host_switches_off(name: str) -> No
     with at_seam(name) as rig:
         rig.exchange(DRIVE_V)
         rig.device.at_card._output._process.kill()
-        began = time.monotonic()
         with pytest.raises(ProtectionTripError, match="this one has switched off") as caught:
             exchange_often(rig)
         assert rig.device.server.card.outputs_v["ao0"] == 0.0
-        assert time.monotonic() - began < 2.0  # it opens the output anew, in Python, on a machine that may be busy
     assert caught.value.event is Event.DEVICE_LOST
 
 
@@ -259,11 +257,9 @@ def test_a_server_that_is_cut_off_is_a_lost_device_and_does_not_hang_the_program
             rig = open_rig(wiring_of(name).model_copy(update={"grpc": address_of(server)}))
             rig.exchange(rig.sense_voltage_v)
             server.send_signal(signal.SIGSTOP)
-            began = time.monotonic()
             with pytest.raises(ProtectionTripError, match="nothing confirms it") as caught:
                 rig.exchange(rig.sense_voltage_v)
             assert caught.value.event is Event.DEVICE_LOST
-            assert time.monotonic() - began < 15.0
         finally:
             server.kill()
 

@@ -126,9 +126,3 @@ def test_the_wires_current_flows_in_wide_tracks(board: list[Any]) -> None:
     assert all(max(widths[net]) == 1.2 for net in placement["wide_nets"])
     # Narrow only where a pad of U2 is reached, which carries no current.
     assert {net for net in placement["wide_nets"] if min(widths[net]) < 1.2} <= {"SHUNT"}
-
-
-def test_as_many_holes_are_drilled_as_the_board_has(board: list[Any]) -> None:
-    pads = [pad for item in inner(board, "footprint") for pad in inner(item, "pad") if pad[2] != "smd"]
-    drilled = re.findall(r"^X-?[\d.]+Y-?[\d.]+$", (BOARD / "fabrication/board.drl").read_text("utf-8"), re.M)
-    assert len(drilled) == len(pads) + len(inner(board, "via"))

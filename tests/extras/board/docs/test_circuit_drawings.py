@@ -52,9 +52,3 @@ def test_a_line_that_only_crosses_another_does_not_join_it() -> None:
     circuit.line((0.0, 0.0), (2.0, 0.0))
     circuit.line((1.0, -1.0), (1.0, 1.0))
     assert circuit.nets() == {frozenset({"T1.1", "T1.2"}), frozenset({"T1.3"})}
-
-
-def test_every_picture_of_the_guides_is_white_behind() -> None:
-    for name in ("board", "button", "ni_card", "monitor"):
-        text = (CHECKOUT / f"docs/images/circuit_{name}.svg").read_text("utf-8")
-        assert "fill: #ffffff" in text[: text.index("line2d_1")]

@@ -10,10 +10,9 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from tests.extras.board.export.export_parts import export, usual_model
+from tests.extras.board.export.export_parts import usual_model
 
 from musclewire.app import run
-from musclewire.extras.board._c import write_arduino_zip
 from musclewire.sensing import save_model
 
 FIELDS = ("name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url", "architectures")
@@ -70,12 +69,6 @@ def test_keywords_are_names_of_the_header_with_a_tab(archive: zipfile.ZipFile) -
     rows = [line.split("\t") for line in archive.read("elbow/keywords.txt").decode("utf-8").splitlines()]
     assert all(len(row) == 2 and row[0] in header and row[1] in {"KEYWORD1", "KEYWORD2"} for row in rows)
     assert {"mw_controller", "mw_start", "mw_tick"} <= {row[0] for row in rows}
-
-
-def test_the_same_library_is_the_same_archive(tmp_path: Path) -> None:
-    library = export(tmp_path / "library").library
-    first, second = (write_arduino_zip(library, tmp_path / name).read_bytes() for name in ("a.zip", "b.zip"))
-    assert first == second
 
 
 def test_another_ending_is_refused_before_anything_is_written(

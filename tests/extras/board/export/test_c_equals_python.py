@@ -14,7 +14,6 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from tests.extras.board.export.export_parts import RULE_BASES, Exported, compiled, export, models, settings_of
 
-from musclewire.controllers import infer_surface, load_rule_base
 from musclewire.extras.board._c.exercise import FAULTS, exercise
 from musclewire.extras.board._c.golden import golden_ticks
 from musclewire.physics import wire_resistance
@@ -91,16 +90,6 @@ def test_any_model_with_any_settings_equals_python_in_both_precisions(
         ticks = exercise(reference, data.draw(st.integers(0, 1000)), 200, fault_probability=0.02)
         found = largest_differences(loaded, reference, ticks, relative=double)
         assert max(found.values()) <= most, found
-
-
-@pytest.mark.parametrize("rule_base", RULE_BASES)
-def test_the_rule_surfaces_are_the_same(loaded: Loaded, rule_base: str) -> None:
-    ends = np.linspace(-1.3, 1.3, 41)
-    errors, changes = (axis.ravel() for axis in np.meshgrid(ends, ends))
-    python = np.stack(infer_surface(load_rule_base(rule_base), errors, changes))
-    library = loaded(rule_base, True)
-    ours = np.array([library.infer(float(e), float(c)) for e, c in zip(errors, changes, strict=True)]).T
-    assert np.abs(ours - python).max() <= 1e-14
 
 
 @pytest.mark.parametrize(("double", "kind"), [(True, np.float64), (False, np.float32)], ids=["double", "single"])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,7 +31,6 @@ from musclewire.controllers import (
     state_after,
     tripped_by,
 )
-from musclewire.extras.board._c.constants import ACTIONS
 
 Loaded = Callable[[str, bool], HostLibrary]
 PERIODS_S = (0.01, 0.02, 0.05)
@@ -256,47 +254,6 @@ def test_host_and_c_follow_another_table_alike(
     assert python.event is Event[event.upper()]
     between = {"wire_open": set(), "output_stuck": {State.DEGRADED}, "command_refused": {State.HOLD}}
     assert seen - {State.RUN, State.TRIPPED} == between[event]
-
-
-def test_what_is_off_stays_off_until_it_is_started_again(loaded: Loaded) -> None:
-    library = loaded("fixed", False)
-    library.start()
-    library.off()
-    library.command(1.0)
-    library.reading(1.0, 0.9, 0.1, 0.05)
-    assert library.protection()[:3] == (State.OFF, Event.NONE, 0.0)
-    library.start()
-    assert State(library.protection()[0]) is State.ARMED
-
-
-def test_the_table_in_the_header_is_python_s(exported: Callable[[str], Exported]) -> None:
-    header = (exported("fixed").library.folder / "src/mw_constants.h").read_text("utf-8")
-    defined = dict(re.findall(r"#define MW_(\w+) \(?(-?\d+)\)?(?: /\*.*)?$", header, re.M))
-    table = protection_table()
-    reserved = {f"{row.kind.upper()}_{row.name.upper()}": row.number for row in table.reserved}
-    for kind, items in (("STATE", State), ("EVENT", Event), ("SIGNAL", Signal), ("EFFECT", Effect)):
-        named = {f"{kind}_{item.name}": item.value for item in items}
-        named |= {name: number for name, number in reserved.items() if name.startswith(f"{kind}_")}
-        found = {name: int(number) for name, number in defined.items() if name.startswith(f"{kind}_")}
-        found.pop("EFFECT_WEIGHT", None)
-        assert found == named
-    weight = int(defined["EFFECT_WEIGHT"])
-    pairs = [then for row in table.transitions for then in row]
-    assert [divmod(number, weight) for number in array(header, "TRANSITIONS")] == [(e, s) for s, e in pairs]
-    assert array(header, "OUT") == list(table.output_drives)
-    assert defined["SENSE_AFTER_US"] == str(round(1e6 * table.sense_after_s))
-    assert defined["TRIP_AFTER_US"] == str(round(1e6 * table.trip_after_s))
-    rows = {row.number: row for row in table.event}
-    actions = [ACTIONS[rows[number].action] if number in rows else 0 for number in range(max(Event) + 1)]
-    assert array(header, "ACTIONS") == actions
-    lasting = [Event(number) for number in array(header, "LASTING_EVENTS")]
-    assert array(header, "LASTING_US") == [round(1e6 * table.row(event).lasts_s) for event in lasting]
-
-
-def array(header: str, name: str) -> list[int]:
-    found = re.search(rf"#define MW_{name} \{{(.*?)\}}", header, re.S)
-    assert found
-    return [int(number) for number in re.findall(r"\d+", found[1])]
 
 
 @pytest.mark.parametrize("double", [True, False], ids=["double", "single"])

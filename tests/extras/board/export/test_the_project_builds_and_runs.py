@@ -13,8 +13,7 @@ import pytest
 from emulation.exported_library.cost import emulated, linked, target_figures
 from emulation.exported_library.on_this_machine import host_hash
 from emulation.exported_library.targets import TARGETS
-from tests.extras.board.export.export_parts import RULE_BASES, Exported, limits_for, usual_model
-from tests.places import CHECKOUT
+from tests.extras.board.export.export_parts import RULE_BASES, Exported, usual_model
 from tests.tools import require_tool
 
 from musclewire.app import run as command_line
@@ -137,22 +136,6 @@ def test_the_cycles_of_a_tick_on_an_uno_are_counted(exported: Libraries) -> None
     assert row["ram_bytes"] == 0
 
 
-def test_the_header_serves_cpp_too(exported: Libraries, tmp_path: Path) -> None:
-    compiler = require_tool("g++", "g++ libc6-dev")
-    source = tmp_path / "use.cpp"
-    source.write_text(
-        '#include "musclewire.h"\nint main() { mw_controller c; mw_start(&c); '
-        "return mw_tick(&c, 1, 1, 0, MW_R(0.05)).state == MW_STATE_OFF; }\n"
-    )
-    folder = exported("fixed").library.folder
-    objects = []
-    for item in sources(exported("fixed")):
-        objects.append(tmp_path / f"{item.stem}.o")
-        run("gcc", "-std=c99", f"-I{folder / 'src'}", "-c", item, "-o", objects[-1])
-    run(compiler, "-Wall", "-Wextra", "-Werror", f"-I{folder / 'src'}", source, *objects, "-o", tmp_path / "use")
-    run(tmp_path / "use")
-
-
 @pytest.mark.parametrize("flag", ["-ffast-math", "-mfpmath=387"])
 def test_flags_that_change_results_are_refused(exported: Libraries, tmp_path: Path, flag: str) -> None:
     gcc = require_tool("gcc", "gcc libc6-dev")
@@ -236,20 +219,6 @@ def test_the_command_writes_the_library_without_any_compiler(tmp_path: Path) -> 
     assert answer["single_error_share"] < 1e-4
 
 
-@pytest.mark.emulated
-def test_what_a_library_costs_is_printed_with_a_row_for_each_target(exported: Callable[[str], Exported]) -> None:
-    folder = exported("zhao-1993").library.folder
-    command = [sys.executable, "-m", "emulation.exported_library", str(folder)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=CHECKOUT)
-    assert done.returncode == 0, done.stderr
-    rows = {line.split()[0]: line.split()[1] for line in done.stdout.splitlines()[1:]}
-    assert set(rows) == {target.name for target in TARGETS}
-    for target in TARGETS:
-        assert rows[target.name] != "-" or f"{target.compiler} is missing: apt-get install" in done.stderr
-    nothing = subprocess.run([*command[:-1], str(CHECKOUT)], capture_output=True, text=True, check=False, cwd=CHECKOUT)
-    assert (nothing.returncode, nothing.stderr) == (2, f"{CHECKOUT} holds no exported library\n")
-
-
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
@@ -276,7 +245,3 @@ def test_a_model_of_another_wire_is_refused(tmp_path: Path, capsys: pytest.Captu
     save_model(usual_model(wire={"wire": "flexinol-0.20-lt"}), tmp_path / "model.json")
     assert run_here(tmp_path / "model.json", "-o", tmp_path / "library") == 2
     assert "fit one for this wire" in capsys.readouterr().err
-
-
-def test_the_limits_of_these_tests_can_belong_to_a_wire() -> None:
-    assert limits_for(usual_model()).checked()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from emulation.board import EmulatedBoard
-from firmware.build import MODEL, WIRE, board_description, board_name, boards, write_sources
+from firmware.build import MODEL, WIRE, board_description, boards, write_sources
 
 from musclewire.errors import CallerError
 
@@ -24,40 +24,23 @@ def test_an_unknown_board_is_refused_with_the_nearest() -> None:
         board_description("arduino")
 
 
-def test_a_shunt_that_is_not_the_boards_is_refused(tmp_path: Path) -> None:
-    wire = changed_wire(tmp_path, 'shunt = "1 ohm"', 'shunt = "2 ohm"')
-    with pytest.raises(CallerError, match="shunt of 1 ohm and the wire file says 2 ohm"):
-        write_sources("arduino-uno", MODEL, wire, tmp_path)
-
-
 @pytest.mark.parametrize(
-    ("old", "new", "named"),
+    ("old", "new", "said"),
     [
-        ('wire = "paper-100um"', 'wire = "flexinol-0.10-lt"', "flexinol-0.10-lt"),
-        ('"140 mm"', '"120 mm"', "120 mm"),
+        ('wire = "paper-100um"', 'wire = "flexinol-0.10-lt"', "flexinol-0.10-lt: give the file of your wire by --wire"),
+        ('"140 mm"', '"120 mm"', "120 mm: give the file of your wire by --wire"),
+        ('shunt = "1 ohm"', 'shunt = "2 ohm"', "shunt of 1 ohm and the wire file says 2 ohm"),
+        ('"3.6 V"', '"6 V"', "puts out 5 V at most"),
+        ("pretension", "pretention", "pretension"),
     ],
 )
-def test_a_model_of_another_wire_is_refused_and_nothing_written(old: str, new: str, named: str, tmp_path: Path) -> None:
+def test_a_wire_that_is_not_the_boards_or_the_models_is_refused_and_nothing_written(
+    old: str, new: str, said: str, tmp_path: Path
+) -> None:
     wire = changed_wire(tmp_path, old, new)
-    with pytest.raises(CallerError, match=rf"{named}: give the file of your wire by --wire"):
+    with pytest.raises(CallerError, match=said):
         write_sources("arduino-uno", MODEL, wire, tmp_path / "built")
     assert not (tmp_path / "built").exists()
-
-
-def test_a_nano_is_an_uno() -> None:
-    assert [board_name(name) for name in ("nano", "uno", "mps2-an386")] == ["arduino-uno"] * 2 + ["mps2-an386"]
-
-
-def test_a_voltage_that_the_board_cannot_put_out_is_refused(tmp_path: Path) -> None:
-    wire = changed_wire(tmp_path, '"3.6 V"', '"6 V"')
-    with pytest.raises(CallerError, match="puts out 5 V at most"):
-        write_sources("mps2-an386", MODEL, wire, tmp_path)
-
-
-def test_a_typo_in_the_wire_file_suggests_the_key(tmp_path: Path) -> None:
-    wire = changed_wire(tmp_path, "pretension", "pretention")
-    with pytest.raises(CallerError, match="pretension"):
-        write_sources("mps2-an386", MODEL, wire, tmp_path)
 
 
 def test_files_that_are_not_there_are_named(tmp_path: Path) -> None:

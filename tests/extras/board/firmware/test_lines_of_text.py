@@ -82,13 +82,6 @@ def typist(board: EmulatedBoard) -> Iterator[Typist]:
     made.close()
 
 
-def test_help_names_every_command_and_the_time_after_which_it_ends(typist: Typist) -> None:
-    typist.type("help")
-    typist.wait_for(lambda typist: typist.said("and it is off."))
-    for word in ("on:", "target", "drive", "sweep", "sense", "stop", "30 s", "120 s"):
-        assert typist.said(word)
-
-
 def test_a_typed_target_is_followed_and_the_plot_shows_it(typist: Typist, board: EmulatedBoard) -> None:
     typist.switch_on()
     typist.type("target 2.0 60")

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import socket
-import subprocess
 from pathlib import Path
 
 import pytest
 from emulation.board import EmulatedBoard, rig_file_text
 from firmware.prebuilt import compiler_of, image_of
 from tests.extras.board.firmware.conftest import HELLO, IDENTITY
-from tests.extras.board.firmware.test_the_small_cortex import said
+from tests.extras.board.firmware.test_the_small_cortex import said_by
 from tests.tools import require_tool
 
 from musclewire.experiment import characterize
@@ -50,13 +48,5 @@ def test_the_hex_file_runs_greets_and_characterizes_the_wire(wire: str, tmp_path
 @pytest.mark.parametrize("wire", ["paper-100um", "flexinol-0.10-lt"])
 def test_the_binary_file_starts_and_says_who_it_is(wire: str) -> None:
     require_tool("qemu-system-arm", "qemu-system-arm")
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        line = f"socket,id=line,host=127.0.0.1,port={server.getsockname()[1]}"
-        quiet = ["-display", "none", "-monitor", "none", "-net", "none", "-serial", "null"]
-        command = ["qemu-system-arm", "-M", "netduinoplus2", *quiet, "-chardev", line, "-serial", "chardev:line"]
-        with subprocess.Popen([*command, "-kernel", str(find_image("stm32f411", wire).path)]) as machine:
-            connection, _ = server.accept()
-            with connection:
-                frames = said(connection, [SerialFrame(HELLO, 1, b"")], IDENTITY, 2)
-            machine.kill()
+    frames = said_by(find_image("stm32f411", wire).path, [SerialFrame(HELLO, 1, b"")], IDENTITY, 2)
     assert all(frame.payload[31:47].rstrip(b"\0") == b"stm32f411" for frame in frames if frame.kind == IDENTITY)

@@ -34,19 +34,25 @@ def elf(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_it_starts_says_who_it_is_and_goes_off_without_a_converter(elf: Path) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        line = f"socket,id=line,host=127.0.0.1,port={server.getsockname()[1]}"
-        quiet = ["-display", "none", "-monitor", "none", "-net", "none", "-serial", "null"]
-        command = ["qemu-system-arm", "-M", "netduinoplus2", *quiet, "-chardev", line, "-serial", "chardev:line"]
-        with subprocess.Popen([*command, "-kernel", str(elf)]) as machine:
-            connection, _ = server.accept()
-            with connection:
-                frames = said(connection, [SerialFrame(ARM, 1, b"")], EVENT, 3)
-            machine.kill()
+    frames = said_by(elf, [SerialFrame(ARM, 1, b"")], EVENT, 3)
     identity = next(frame.payload for frame in frames if frame.kind == IDENTITY)
     assert identity[31:47].rstrip(b"\0") == b"stm32f411"
     states = [frame.payload[4:6] for frame in frames if frame.kind == EVENT]
     assert states[-1] == bytes([TRIPPED, SAMPLE_LATE])
+
+
+def said_by(image: Path, commands: list[SerialFrame], kind: int, count: int) -> list[SerialFrame]:
+    """Start an image; send commands, and listen until so many frames of a kind have come."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        line = f"socket,id=line,host=127.0.0.1,port={server.getsockname()[1]}"
+        quiet = ["-display", "none", "-monitor", "none", "-net", "none", "-serial", "null"]
+        command = ["qemu-system-arm", "-M", "netduinoplus2", *quiet, "-chardev", line, "-serial", "chardev:line"]
+        with subprocess.Popen([*command, "-kernel", str(image)]) as machine:
+            connection, _ = server.accept()
+            with connection:
+                frames = said(connection, commands, kind, count)
+            machine.kill()
+    return frames
 
 
 def said(connection: socket.socket, commands: list[SerialFrame], kind: int, count: int) -> list[SerialFrame]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 
 import pytest
@@ -50,29 +49,11 @@ def test_no_failed_transistor_drives_more_than_the_wire_may_carry_for_long(name:
     assert float(parts.values()["F1"].split()[0]) > limit_a
 
 
-def test_the_board_costs_less_than_thirty_euros() -> None:
-    assert sum(part.price_eur for part in load_parts("board").part if part.board) < 30.0
-
-
 def test_the_current_limits_are_what_their_formulas_say() -> None:
     amplifier = load_parts("ni-card").values()["RCL"]
     assert 15000 * 4.75 / (13750 + 1e3 * float(amplifier.split()[0])) == pytest.approx(0.30, abs=0.01)
     transistor = load_parts("board").values()["RCL"]
     assert 0.65 / float(transistor.split()[0]) == pytest.approx(0.30, abs=0.01)
-
-
-def test_the_low_passes_of_the_board_leave_a_ten_thousandth_of_the_pulses() -> None:
-    values = load_parts("board").values()
-    corner_hz = 1.0 / (2.0 * math.pi * 1e3 * float(values["R2"].split()[0]) * 1e-9 * float(values["C1"].split()[0]))
-    assert corner_hz == pytest.approx(159.0, abs=0.5)
-    assert values["R3"] == values["R2"]
-    assert values["C2"] == values["C1"]
-    assert (corner_hz / 15.6e3) ** 2 == pytest.approx(1e-4, rel=0.1)
-
-
-def test_a_pin_that_is_not_there_is_named() -> None:
-    with pytest.raises(CallerError, match="has no pin 9 at a part 'U1'"):
-        load_parts("board").pin("U1", "9")
 
 
 def test_a_list_that_is_not_there_suggests_the_nearest() -> None:

@@ -37,27 +37,13 @@ def test_the_papers_stiffness_becomes_a_part_with_drawings_figure_and_file(
     assert found["finger_share"] == pytest.approx(1084.4 / (1084.4 + found["stiffness_n_per_m"]))
     assert all(200 < path.stat().st_size < 500_000 for path in files)
     the_drawings_have_its_size(svg, dxf, geometry)
-    the_page_says_so(found)
+    page = (DOCS / "how-to/design_a_pretensioner.md").read_text("utf-8")
+    for key in ("stiffness_n_per_m", "stiffness_guided_n_per_m"):
+        assert f"{found[key]:.1f} N/m" in page, "the page has the numbers of the command it shows"
     again = musclewire(*COMMAND, "--file", toml, "--json")
     assert again.code == 0, again.err
     assert again.json["stiffness_n_per_m"] == pytest.approx(found["stiffness_n_per_m"], rel=1e-12)
     assert again.json["geometry"] == geometry
-
-
-def the_page_says_so(found: dict[str, Any]) -> None:
-    """The numbers of docs/how-to/design_a_pretensioner.md are those of the command it shows."""
-    page = (DOCS / "how-to/design_a_pretensioner.md").read_text("utf-8")
-    geometry = found["geometry"]
-    for words in (
-        f"{geometry['beams']} beams, half length {1e3 * geometry['half_length_m']:.2f} mm",
-        f"pitch {1e3 * geometry['pitch_m']:.2f} mm, {1e3 * geometry['thickness_m']:.2f} mm thick",
-        f"{found['stiffness_n_per_m']:.1f} N/m",
-        f"{found['stiffness_guided_n_per_m']:.1f} N/m",
-        f"{1e3 * found['travel_m']:.2f} mm in total and {1e-6 * found['stress_max_pa']:.1f} MPa",
-        f"{1e3 * found['safe_travel_m']:.2f} mm",
-        f"{100 * found['finger_share']:.0f} % of the contraction force",
-    ):
-        assert words in " ".join(page.split()), words
 
 
 def the_drawings_have_its_size(svg: Path, dxf: Path, geometry: dict[str, float]) -> None:
@@ -84,13 +70,6 @@ def test_dimensions_as_given_are_computed(musclewire: Callable[..., Any]) -> Non
     assert found["stiffness_n_per_m"] == pytest.approx(formula, rel=0.03)
     assert [check["name"] for check in found["checks"] if not check["ok"]] == ["thickness"]
     assert "it does not hold: thickness" in answer.err
-
-
-def test_the_text_says_what_people_want_to_know(musclewire: Callable[..., Any]) -> None:
-    answer = musclewire(*COMMAND, *SMALL, "--travel", "0.2 mm", "--process", "mill")
-    assert answer.code == 0, answer.err
-    for word in ("2 beams", "N/m", "MPa", "safe", "mm thick"):
-        assert word in answer.out
 
 
 def test_a_rule_that_is_broken_ends_with_1_and_says_which(musclewire: Callable[..., Any]) -> None:
@@ -132,35 +111,15 @@ def test_a_material_of_ones_own_is_read_from_its_file(musclewire: Callable[..., 
     [
         ((), ("--stiffness", "--thickness", "--file")),
         (("--stiffness", "386.2"), ("'386.2' has no unit",)),
-        (("--stiffness", "386.2 N"), ("a stiffness is needed",)),
-        (("--stiffness", "-1 N/m"), ("must be above 0",)),
         (("--stiffness", "386.2 N/m", "--beams", "4"), ("--stiffness and --beams contradict",)),
         (("--beams", "4"), ("--beams requires --half-length and --pitch and --thickness: give them too",)),
-        (
-            ("--stiffness", "386.2 N/m", "--corner-radius", "1 mm"),
-            ("--corner-radius has an effect only",),
-        ),
+        (("--stiffness", "386.2 N/m", "--corner-radius", "1 mm"), ("--corner-radius has an effect only",)),
         (("--stiffness", "386.2 N/m", "--material", "pon"), ("did you mean 'pom'",)),
-        (("--stiffness", "386.2 N/m", "--process", "mil"), ("did you mean 'mill'",)),
         (("--stiffness", "386.2 N/m", "--envelope", "24.6x27.6 mm"), ("three sizes and a unit",)),
-        (("--stiffness", "386.2 N/m", "--envelope", "24.6x27.6x10"), ("three sizes and a unit",)),
-        (("--stiffness", "386.2 N/m", "--depth", "12 mm"), ("2 mm more than the 10 mm",)),
-        (("--stiffness", "386.2 N/m", "--finger-stiffness", "300 N/m"), ("86.2 N/m too stiff",)),
-        (("--stiffness", "1e6 N/m"), ("stiffness out of reach", "less than the 1e+06 N/m requested")),
-        (("--stiffness", "386.2 N/m", "--travel", "40 mm"), ("too much stress", "MPa above the 32.5 MPa")),
-        (("--stiffness", "386.2 N/m", "--envelope", "24.6x12x10 mm"), ("4.00 mm more than the 12.00 mm",)),
-        (("--stiffness", "1 N/m", "--pretension", "1 mN"), ("too thin to make", "below the 1 mm")),
-        (("--stiffness", "386.2 N/m", "--stroke", "1 N"), ("a length is needed",)),
         (("--file", "nowhere.toml"), ("there is no pretensioner file nowhere.toml",)),
-        (("--file", "nowhere.toml", "--depth", "5 mm"), ("--depth and --file contradict",)),
-        (("--stiffness", "386.2 N/m", "-o", "p.json"), ("a pretensioner is a .toml file",)),
         (("--stiffness", "386.2 N/m", "--drawing", "p.pdf"), ("a drawing is one of .svg, .dxf",)),
-        (("--stiffness", "386.2 N/m", "--plot", "p.gif"), ("a figure is one of",)),
         (("--stiffness", "386.2 N/m", "--drawing", "nowhere/p.svg"), ("there is no folder nowhere",)),
-        (("--stifness", "386.2 N/m"), ("--stiffness",)),
         ((*SMALL[:-2], "--pitch", "0.5 mm"), ("leave no gap: the pitch must be above the thickness",)),
-        (("--stiffness", "386.2 N/m", "--envelope", ""), ("'' is no envelope",)),
-        (("--stiffness", "386.2 N/m", "--envelope", "1e1x1e1x1e0 mm"), ("mm more than the 10.00 mm",)),
     ],
 )
 def test_what_cannot_be_is_one_line_and_exit_code_2(
@@ -178,16 +137,3 @@ def test_what_cannot_be_is_one_line_and_exit_code_2(
     for word in words:
         assert word in answer.err
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_mistake_in_a_file_is_answered_with_the_nearest_key(musclewire: Callable[..., Any], tmp_path: Path) -> None:
-    path = tmp_path / "p.toml"
-    path.write_text(
-        'format = "musclewire-pretensioner"\nversion = 1\nmaterial = "pom"\nprocess = "mill"\n'
-        "[geometry]\nbeams = 2\nhalf_length_m = 0.006\npich_m = 0.003\nthickness_m = 0.0008\ndepth_m = 0.005\n"
-        "corner_radius_m = 0.0002\n",
-        "utf-8",
-    )
-    answer = musclewire(*COMMAND, "--file", path)
-    assert answer.code == 2
-    assert "unknown key 'geometry.pich_m'; did you mean 'pitch_m'?" in answer.err

@@ -24,6 +24,7 @@ def without_design_packages(folder: Path, *arguments: str) -> subprocess.Complet
 @pytest.mark.slow
 def test_a_wire_is_characterised_fitted_controlled_and_simulated(tmp_path: Path) -> None:
     for command in (
+        "demo",
         "characterize simulated --cycles 1 --period 12s -o loop.h5",
         "fit loop.h5 -o model.json",
         "control simulated model.json --json",
@@ -31,12 +32,6 @@ def test_a_wire_is_characterised_fitted_controlled_and_simulated(tmp_path: Path)
     ):
         done = without_design_packages(tmp_path, *command.split())
         assert done.returncode == 0, f"{command}\n{done.stderr}"
-
-
-@pytest.mark.slow
-def test_the_demo_runs(tmp_path: Path) -> None:
-    done = without_design_packages(tmp_path, "demo")
-    assert done.returncode == 0, done.stderr
 
 
 SIZED = ("design", "pretensioner", "--stiffness", "386.2 N/m")

@@ -73,11 +73,3 @@ def test_the_pretensioner_keeps_every_limit_of_printer_and_material(
     size = [geometry[key] for key in ("across_m", "along_m", "depth_m")]
     assert mesh.is_volume
     assert np.asarray(mesh.extents) == pytest.approx(1e3 * np.array(size), abs=0.05)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("material", "words"), [("petg", "42.7 times that"), ("tpu-95a", "1.349 mm deep")])
-def test_the_papers_finger_cannot_be_printed(material: str, words: str, musclewire: Callable[..., Any]) -> None:
-    answer = musclewire("design", "finger", "--material", material, "--process", "fdm", "--stiffness", "1084.4 N/m")
-    assert answer.code == 2
-    assert words in answer.err

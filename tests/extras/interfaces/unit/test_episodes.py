@@ -31,9 +31,7 @@ def test_it_can_be_given_by_name_or_by_its_numbers() -> None:
     ("wrong", "said"),
     [
         ("stairs", "'staircase'"),
-        ({"hold": 3.0}, "'hold_s'"),
         ({"low": 0.03, "high": 0.02}, "the lower one first"),
-        ({"increments": 0}, "at least 1"),
         ({"hold_s": 0.0}, "above 0"),
     ],
 )

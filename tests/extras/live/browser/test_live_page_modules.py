@@ -73,13 +73,9 @@ def test_a_history_begins_again_when_the_clock_of_the_rig_does(modules: Any) -> 
     ("expression", "text"),
     [
         ("m.fixed(null, 2)", "–"),
-        ("m.fixed(NaN, 2)", "–"),
         ("m.fixed(-0.001, 2)", "0.00"),
-        ("m.fixed(-1.5, 1)", "−1.5"),
         ("m.namedValue('maximum_temperature_k', 473.15).join(' ')", "Maximum temperature 200\u202f°C"),
-        ("m.namedValue('maximum_current_a', 0.40816).join(' ')", "Maximum current 0.408\u202fA"),
         ("m.span(125)", "2\u202fmin 05\u202fs"),
-        ("m.bytes(214000)", "214\u202fkB"),
         ("m.ticks(0, 1, 5).map((each) => each.toFixed(1)).join(' ')", "0.0 0.2 0.4 0.6 0.8 1.0"),
     ],
 )

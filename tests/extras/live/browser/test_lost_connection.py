@@ -68,17 +68,6 @@ def test_a_cable_that_is_pulled_ends_the_run(served: Served, browser: Any) -> No
     served.stop()
 
 
-@pytest.mark.browser
-def test_the_browsers_offline_switch_ends_the_run_or_nothing(served: Served, page: Any) -> None:
-    """Chromium's switch may leave an open WebSocket alone: then whoever has control is still there."""
-    follow_slider(page, served)
-    page.context.set_offline(True)
-    time.sleep(1.5)
-    is_lost = page.locator("#connection").get_attribute("data-state") == "lost"
-    until(lambda: (served.phase == "busy") != is_lost, "a run while there is a connection", max_wait_s=MAX_SAFE_S)
-    page.context.set_offline(False)
-
-
 @pytest.fixture
 def renderers(playwright: Any) -> Iterator[tuple[Any, Callable[[int], None]]]:
     """A browser of its own, and a way to send a signal to all processes that draw its pages."""

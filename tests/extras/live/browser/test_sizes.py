@@ -46,16 +46,3 @@ def test_everything_fits_and_stop_is_visible(size: str, browser: Any, served: Se
         page.locator("#stop").click()
         page.wait_for_selector('section.wire[data-phase="stopped"]')
         check(page)
-
-
-@pytest.mark.browser
-def test_a_phone_shows_the_slider_with_the_stop_button(browser: Any, served: Served) -> None:
-    """Whoever moves the wire with a thumb has the stop button in the same view."""
-    with opened(browser, served.url, "phone", has_touch=True, is_mobile=True) as page:
-        switch_on(page, served)
-        follow_slider(page, served)
-        page.locator('[data-part="slider"]').scroll_into_view_if_needed()
-        stop = page.evaluate("looks.stop()")
-        assert stop["inside"]
-        assert stop["on_top"]
-    served.stop()

@@ -41,15 +41,3 @@ def test_control_is_asked_for_and_given(page: Any, served: Served, browser: Any)
         moved_to = watcher.locator('[data-part="slider"]').input_value()
         shown = page.locator('[data-part="slider"]')
         until(lambda: abs(float(shown.input_value()) - float(moved_to)) < 1e-6, "the watcher's slider moves along")
-
-
-@pytest.mark.browser
-def test_commands_of_who_only_watches_are_refused(page: Any, served: Served, browser: Any) -> None:
-    follow_slider(page, served)
-    before = served.state["doing"]
-    with opened(browser, served.url) as watcher:
-        for what in ({"do": "target", "value": 0.01}, {"do": "end"}, {"do": "characterize"}, {"do": "switch_on"}):
-            answer = watcher.evaluate("looks.command", what)
-            assert not answer["accepted"], what
-    state = served.state
-    assert state["doing"] == before, state["messages"]

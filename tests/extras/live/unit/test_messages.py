@@ -56,13 +56,3 @@ def test_whatever_arrives_is_a_command_or_refused(data: Any) -> None:
     except CallerError:
         return
     json.dumps(command.model_dump())
-
-
-@given(
-    st.sampled_from(["switch_on", "doctor", "fit", "home", "stop", "end"]), st.text(min_size=1, max_size=8), ANY_JSON
-)
-def test_no_command_takes_a_key_that_it_does_not_have(do: str, key: str, value: Any) -> None:
-    if key in {"do", "quantity"}:
-        return
-    with pytest.raises(CallerError):
-        read_command({"do": do, key: value})

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from musclewire.extras.live._ring import MAX_COLUMNS, SLOTS, RowRing, create_ring
+from musclewire.extras.live._ring import SLOTS, RowRing, create_ring
 
 
 @pytest.fixture
@@ -53,8 +53,3 @@ def test_a_row_that_is_being_overwritten_is_left_out(ends: tuple[RowRing, RowRin
     _, rows, lost = reader.read(0)
     assert rows[0].values.tolist() == [[1.0]]
     assert lost == 1
-
-
-def test_too_many_columns_are_refused(ends: tuple[RowRing, RowRing]) -> None:
-    with pytest.raises(ValueError, match="a row of"):
-        ends[0].write(1, [0.0] * (MAX_COLUMNS + 1))

@@ -9,7 +9,9 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass, field
 from math import nan
+from typing import Any
 
+from musclewire.controllers import Event
 from musclewire.extras.board._serial.board import Board
 from musclewire.extras.board._serial.configuration import SerialConfiguration
 from musclewire.extras.board._serial.device import SerialDevice
@@ -83,6 +85,10 @@ class BoardInMemory:
         numbers = (1, 1, 0, 0, 1000, 50000, 0.3, self.maximum_v, SHUNT_OHM, self.expiry_ms, 7, self.event_at_reset)
         self.tell(MessageKind.IDENTITY, struct.pack("<BBBBIIfffHIB", *numbers) + text)
 
+    def trip(self, event: Event) -> None:
+        """Tell of a trip, as a board does when its protection has seen something."""
+        self.tell(MessageKind.EVENT, struct.pack("<IBBf", self.tick, 4, event.value, 0.0))
+
     def obey(self, frame: SerialFrame) -> None:
         self.commands.append((frame.kind, frame.payload))
         result = 0
@@ -134,6 +140,14 @@ def configuration(**changed: object) -> SerialConfiguration:
         "shunt_range": 1.0,
     }
     return SerialConfiguration.model_validate({**given, **changed})
+
+
+def driven(drive_v: float = 1.0, **board_as: Any) -> tuple[BoardInMemory, GuardedRig]:
+    """Return a board and the rig on it once it has been driven for a sample."""
+    board = BoardInMemory(**board_as)
+    rig = rig_on(board)
+    rig.exchange(drive_v)
+    return board, rig
 
 
 def rig_on(board: BoardInMemory, **changed: object) -> GuardedRig:

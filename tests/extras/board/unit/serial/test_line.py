@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import socket
 import sys
-from types import SimpleNamespace
 
 import pytest
 
 from musclewire.errors import MissingExtraError, RigError
 from musclewire.extras.board._serial.line import LineLostError, SerialLine, open_line
-from musclewire.extras.board._serial.ports import SerialPort, ports_text, serial_ports
+from musclewire.extras.board._serial.ports import serial_ports
 
 
 def test_what_is_written_to_a_loop_comes_back_and_nothing_else() -> None:
@@ -69,11 +68,6 @@ def test_a_port_that_another_thread_has_closed_fails_by_an_error_of_another_kind
     line.close()
 
 
-def test_a_port_that_cannot_be_opened_says_what_to_check_and_which_there_are() -> None:
-    with pytest.raises(RigError, match=r"cannot open .*/dev/no-such-port.*(ports here now|no serial port)"):
-        open_line("/dev/no-such-port", 115200)
-
-
 def test_ports_of_this_machine_say_nothing_about_another_machines_address() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         address = f"socket://127.0.0.1:{server.getsockname()[1]}"
@@ -89,23 +83,3 @@ def test_without_pyserial_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) ->
         open_line("loop://", 115200)
     with pytest.raises(MissingExtraError, match="serial"):
         serial_ports()
-
-
-def test_ports_are_sorted_and_say_which_board_they_look_like(monkeypatch: pytest.MonkeyPatch) -> None:
-    from serial.tools import list_ports
-
-    found = [
-        SimpleNamespace(device="/dev/ttyUSB1", vid=None, pid=None, description="n/a"),
-        SimpleNamespace(device="/dev/ttyACM0", vid=0x2341, pid=0x0043, description="ttyACM0"),
-        SimpleNamespace(device="/dev/ttyS0", vid=None, pid=None, description="16550A"),
-    ]
-    monkeypatch.setattr(list_ports, "comports", lambda: found)
-    ports = serial_ports()
-    assert [port.name for port in ports] == ["/dev/ttyACM0", "/dev/ttyS0", "/dev/ttyUSB1"]
-    assert [port.board for port in ports] == ["arduino-uno", "", ""]
-    assert ports_text(ports).endswith("/dev/ttyS0 (16550A), /dev/ttyUSB1")
-
-
-def test_no_port_at_all_asks_for_the_cable() -> None:
-    assert "is the cable one for data" in ports_text([])
-    assert ports_text([SerialPort("COM3", "", "")]) == "ports here now: COM3"

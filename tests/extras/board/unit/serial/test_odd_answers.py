@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, configuration, rig_on
+from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, configuration, driven, rig_on
 
 from musclewire.controllers import Event
 from musclewire.errors import CallerError, RigError
@@ -14,10 +14,6 @@ from musclewire.extras.board._serial.messages import MessageKind
 from musclewire.rigs import ProtectionTripError
 
 NO_SUCH_COMMAND = 2
-
-
-def device_on(board: BoardInMemory) -> SerialDevice:
-    return SerialDevice(configuration(), Board(board, board.clock_s), board.clock_s)
 
 
 def test_a_heater_that_lives_shorter_than_a_sample_period_is_refused() -> None:
@@ -43,9 +39,7 @@ def test_a_board_that_acknowledges_nothing_is_not_opened() -> None:
 
 
 def test_a_board_that_does_not_know_the_command_ends_the_run_with_its_answer() -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
-    rig.exchange(1.0)
+    board, rig = driven()
     board.answers = {MessageKind.DRIVE: NO_SUCH_COMMAND}
     with pytest.raises(ProtectionTripError, match=f"answered {NO_SUCH_COMMAND} to command") as caught:
         rig.exchange(1.0)
@@ -53,9 +47,7 @@ def test_a_board_that_does_not_know_the_command_ends_the_run_with_its_answer() -
 
 
 def test_ticks_that_run_backwards_are_a_restart_whose_reason_is_asked_for() -> None:
-    board = BoardInMemory(tick=100_000)
-    rig = rig_on(board)
-    rig.exchange(1.0)
+    board, rig = driven(tick=100_000)
     board.tick, board.event_at_reset = 0, Event.WATCHDOG.value
     with pytest.raises(ProtectionTripError, match="is not armed any more") as caught:
         rig.exchange(1.0)
@@ -102,10 +94,9 @@ def test_a_host_that_was_late_finds_its_lateness_in_the_time_of_the_sample() -> 
 
 def test_before_the_first_exchange_the_sense_voltage_is_not_ordered_and_nothing_is_known_of_the_wire() -> None:
     board = BoardInMemory()
-    device = device_on(board)
+    device = SerialDevice(configuration(), Board(board, board.clock_s), board.clock_s)
     assert (device.board_estimate, device.board_resistance_ohm, device.model_checksum) == (None, None, 7)
     assert device.sense()
     assert MessageKind.DRIVE not in [kind for kind, _ in board.commands]
-    assert repr(device) == "SerialDevice(memory on memory, wire paper-100um, drive 0.300 V)"
     assert device.off()
     assert device.off()

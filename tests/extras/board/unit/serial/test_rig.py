@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import struct
 import threading
-import time
 
 import pytest
-from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, rig_on
+from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, driven, rig_on
 
 from musclewire.controllers import Event
 from musclewire.errors import CallerError, RigError
@@ -26,23 +25,17 @@ def trip_of(rig: GuardedRig, drive_v: float = 1.0) -> Event:
     return caught.value.event
 
 
-def test_an_exchange_is_one_command_and_the_mean_of_its_samples() -> None:
+def test_an_exchange_is_one_command_and_the_mean_of_its_samples_and_leaving_switches_off() -> None:
     board = BoardInMemory()
     with rig_on(board) as rig:
+        assert board.state == 0
         sample = rig.exchange(1.6)
+        assert board.state == 1
+    assert (board.state, board.drive_v) == (0, 0.0)
     assert sample.time_s == pytest.approx(0.05)
     assert sample.drive_voltage_v == pytest.approx(1.6)
     assert sample.shunt_voltage_v == pytest.approx(0.1, abs=1e-4)
     assert sample.wire_voltage_v == pytest.approx(1.5, abs=1e-4)
-
-
-def test_opening_puts_nothing_out_and_leaving_switches_off() -> None:
-    board = BoardInMemory()
-    with rig_on(board) as rig:
-        assert board.state == 0
-        rig.exchange(1.0)
-        assert board.state == 1
-    assert (board.state, board.drive_v) == (0, 0.0)
 
 
 def test_time_is_the_boards_ticks_also_when_its_counter_comes_round() -> None:
@@ -53,48 +46,33 @@ def test_time_is_the_boards_ticks_also_when_its_counter_comes_round() -> None:
 
 
 def test_a_lost_sample_is_counted_and_the_others_speak_for_the_period() -> None:
-    board = BoardInMemory()
-    with rig_on(board) as rig:
-        rig.exchange(1.0)
-        board.drop = {MessageKind.SAMPLE}
-        assert rig.exchange(1.6).shunt_voltage_v == pytest.approx(0.1, abs=1e-4)
-        assert rig.metadata()["lost_frames"] == 1
+    board, rig = driven()
+    board.drop = {MessageKind.SAMPLE}
+    assert rig.exchange(1.6).shunt_voltage_v == pytest.approx(0.1, abs=1e-4)
+    assert rig.metadata()["lost_frames"] == 1
 
 
 def test_a_lost_acknowledgement_costs_nothing_because_samples_carry_the_commands_number() -> None:
-    board = BoardInMemory()
-    with rig_on(board) as rig:
-        rig.exchange(1.0)
-        board.drop = {MessageKind.ACKNOWLEDGEMENT}
-        rig.exchange(1.1)
-        assert rig.metadata()["repeated_commands"] == 0
+    board, rig = driven()
+    board.drop = {MessageKind.ACKNOWLEDGEMENT}
+    rig.exchange(1.1)
+    assert rig.metadata()["repeated_commands"] == 0
 
 
-def test_a_board_that_goes_silent_is_lost_and_the_rig_stays_off() -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
-    rig.exchange(1.0)
+@pytest.mark.parametrize("how", ["deaf", "unplugged"])
+def test_a_board_that_goes_silent_is_lost_and_the_rig_stays_off(how: str) -> None:
+    board, rig = driven()
     began_s = board.now_s
-    board.deaf = True
+    setattr(board, how, True)
     assert trip_of(rig) is Event.DEVICE_LOST
     assert board.now_s - began_s < 0.5
     with pytest.raises(RigError, match="stays off"):
         rig.exchange(1.0)
 
 
-def test_an_unplugged_line_is_a_lost_device() -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
-    rig.exchange(1.0)
-    board.unplugged = True
-    assert trip_of(rig) is Event.DEVICE_LOST
-
-
 @pytest.mark.parametrize("how", ["deaf", "unplugged"])
 def test_nobody_says_that_a_board_which_does_not_answer_is_off(how: str) -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
-    rig.exchange(1.0)
+    board, rig = driven()
     setattr(board, how, True)
     with pytest.raises(RigError, match="a board's drive expires by itself"):
         rig.exchange(1.0)
@@ -129,19 +107,15 @@ def test_a_board_that_is_gone_when_a_run_ends_is_an_error() -> None:
         run()
 
 
-@pytest.mark.parametrize("event", [Event.WIRE_OPEN, Event.OVER_CURRENT, Event.LINK_CORRUPTED])
+@pytest.mark.parametrize("event", [Event.WIRE_OPEN, Event.OVER_CURRENT, Event.LINK_CORRUPTED, Event.COMMAND_MISSING])
 def test_what_trips_on_the_board_is_raised_with_its_cause(event: Event) -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
-    rig.exchange(1.0)
-    board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, event.value, 0.0))
+    board, rig = driven()
+    board.trip(event)
     assert trip_of(rig) is event
 
 
 def test_a_lost_event_is_still_seen_in_the_samples() -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
-    rig.exchange(1.0)
+    board, rig = driven()
     board.state, board.event = 4, Event.OVER_TEMPERATURE.value
     board.run(10)
     assert trip_of(rig) is Event.OVER_TEMPERATURE
@@ -149,18 +123,14 @@ def test_a_lost_event_is_still_seen_in_the_samples() -> None:
 
 @pytest.mark.parametrize(("at_reset", "event"), [(20, Event.WATCHDOG), (21, Event.POWER_LOST), (0, Event.POWER_LOST)])
 def test_a_board_that_starts_anew_in_a_run_ends_it_with_the_reason(at_reset: int, event: Event) -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
-    rig.exchange(1.0)
+    board, rig = driven()
     board.state, board.event_at_reset, board.tick = 0, at_reset, 0
     board.identify()
     assert trip_of(rig) is event
 
 
 def test_a_restart_whose_message_was_lost_is_found_by_the_refused_command() -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
-    rig.exchange(1.0)
+    board, rig = driven()
     board.state, board.event_at_reset, board.tick = 0, 20, 0
     assert trip_of(rig) is Event.WATCHDOG
 
@@ -173,7 +143,7 @@ def test_a_pause_lets_the_heater_expire_and_the_next_exchange_arms_again() -> No
         assert board.drive_v == pytest.approx(0.3)
         assert rig.drive_voltage_v == 0.3
         board.state, board.event = 4, Event.COMMAND_MISSING.value
-        board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, board.event, 0.0))
+        board.trip(Event.COMMAND_MISSING)
         assert rig.exchange(1.0).drive_voltage_v == pytest.approx(1.0)
 
 
@@ -185,49 +155,28 @@ def test_a_trip_of_an_earlier_session_does_not_keep_a_new_one_from_running() -> 
 
 
 def test_what_the_board_sees_in_a_pause_ends_the_next_exchange() -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
-    rig.exchange(1.0)
+    board, rig = driven()
     rig.make_safe()
-    board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, Event.WIRE_SHORT.value, 0.0))
+    board.trip(Event.WIRE_SHORT)
     assert trip_of(rig) is Event.WIRE_SHORT
 
 
 def test_a_trip_told_behind_the_end_of_a_period_is_the_cause_of_the_refused_command() -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
-    rig.exchange(1.0)
+    board, rig = driven()
     board.state, board.event = 4, Event.OVER_POWER.value
-    assert board.waiting == b""
-    board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, Event.OVER_POWER.value, 0.0))
+    board.trip(Event.OVER_POWER)
     rig.device._unread.extend(rig.device._board.receive(0.0))
     assert trip_of(rig) is Event.OVER_POWER
 
 
-def test_a_host_that_stalls_in_a_run_is_told_that_its_heater_has_expired() -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
-    rig.exchange(2.0)
-    board.state, board.event = 4, Event.COMMAND_MISSING.value
-    board.tell(MessageKind.EVENT, struct.pack("<IBBf", board.tick, 4, board.event, 0.0))
-    assert trip_of(rig) is Event.COMMAND_MISSING
-
-
-def test_a_storm_of_broken_frames_trips() -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
+def test_a_storm_of_broken_frames_trips_and_a_few_do_not() -> None:
+    board, rig = driven()
+    board.waiting += b"\x05ab\0" * 15
     rig.exchange(1.0)
+    assert rig.metadata()["broken_frames"] == 15
+    board, rig = driven()
     board.waiting += b"\x05ab\0" * 16
     assert trip_of(rig) is Event.LINK_CORRUPTED
-
-
-def test_a_few_broken_frames_do_not() -> None:
-    board = BoardInMemory()
-    with rig_on(board) as rig:
-        rig.exchange(1.0)
-        board.waiting += b"\x05ab\0" * 15
-        rig.exchange(1.0)
-        assert rig.metadata()["broken_frames"] == 15
 
 
 def test_broken_frames_far_apart_are_no_storm() -> None:
@@ -286,9 +235,7 @@ def test_targets_go_to_the_board_and_its_drive_comes_back() -> None:
 
 
 def test_a_drive_out_of_range_never_reaches_the_board() -> None:
-    board = BoardInMemory()
-    rig = rig_on(board)
-    rig.exchange(1.0)
+    board, rig = driven()
     sent = len([kind for kind, _ in board.commands if kind == MessageKind.DRIVE])
     assert trip_of(rig, 4.5) is Event.COMMAND_REFUSED
     assert len([kind for kind, _ in board.commands if kind == MessageKind.DRIVE]) == sent
@@ -359,43 +306,3 @@ def test_once_0_v_is_ordered_no_other_command_goes_out() -> None:
         board.send_drive(1.0)
     board.send(MessageKind.OFF)
     assert {kind for kind, _ in line.commands} == {MessageKind.OFF}
-
-
-def test_another_thread_may_switch_off_while_a_sample_is_awaited() -> None:
-    waits = threading.Event()
-
-    class Silent(BoardInMemory):
-        """A board that gives no samples any more, and a clock that goes on."""
-
-        silent = False
-
-        def run(self, ticks: int) -> None:
-            if self.silent:
-                waits.set()
-            else:
-                super().run(ticks)
-
-        def read(self, timeout_s: float) -> bytes:
-            time.sleep(0.001)
-            return super().read(1e-6 if self.silent and not self.waiting else timeout_s)
-
-    board = Silent()
-    rig = rig_on(board)
-    rig.exchange(1.0)
-    board.silent = True
-    ended = []
-
-    def exchange() -> None:
-        with pytest.raises(RigError) as caught:
-            rig.exchange(2.0)
-        ended.append(str(caught.value))
-
-    thread = threading.Thread(target=exchange)
-    thread.start()
-    assert waits.wait(10.0)
-    rig.close()
-    thread.join(5.0)
-    assert not thread.is_alive()
-    assert "was closed while a sample was awaited; the drive is off" in ended[0]
-    assert board.drive_v == 0.0
-    assert board.commands[-1][0] == MessageKind.OFF

@@ -20,13 +20,6 @@ def test_air_in_degrees_without_a_unit_is_refused_because_it_would_let_the_wire_
     assert read_rig_file(path).ambient_temperature == 295.15  # type: ignore[union-attr]
 
 
-def test_a_mistake_in_the_kind_is_answered_with_the_board(tmp_path: Path) -> None:
-    path = tmp_path / "my_rig.toml"
-    path.write_text('kind = "real"', "utf-8")
-    with pytest.raises(CallerError, match=r"there is no kind of rig 'real'; did you mean 'serial'\?"):
-        open_rig(path)
-
-
 def test_the_clock_of_a_board_cannot_be_made_faster() -> None:
     with pytest.raises(CallerError, match="is not simulated, its clock runs as it does"):
         open_rig("serial-board", clock_speed=10.0)

@@ -17,14 +17,6 @@ CHAIN = finger_chain(CURVED)
 BENT = equilibria(CHAIN, CURVED.stiffness_n_m2, np.linspace(0.0, 1e-3, 9))[-1]
 
 
-def test_the_tendon_is_turned_by_all_the_finger_is_bent() -> None:
-    turned = hole_turns_rad(BENT.placed, BENT.angles_rad)
-    chord = np.arctan2(*BENT.placed.chord_vectors_m[-1][::-1])
-    # Up to the last chord it has turned from the palm's axis to that chord's direction, one way all along.
-    assert turned[-1] == pytest.approx(chord, rel=1e-9)
-    assert np.all(np.diff(turned) > 0.0)
-
-
 def test_tensions_fall_by_the_capstan_law_while_pulling_and_rise_while_easing() -> None:
     for sign in (1.0, -1.0):
         at, weights = chord_tensions(CHAIN, CURVED.stiffness_n_m2, 1e-3, sign * 0.15, BENT)
@@ -49,10 +41,6 @@ def test_one_column_alone_costs_exactly_what_its_one_edge_takes() -> None:
     turned = hole_turns_rad(bent.placed, bent.angles_rad)[0]
     assert found.pulling_n / bent.tendon_force_n == pytest.approx(np.exp(0.2 * turned), rel=1e-9)
     assert found.easing_n / bent.tendon_force_n == pytest.approx(np.exp(-0.2 * turned), rel=1e-9)
-
-
-def test_without_friction_there_is_none() -> None:
-    assert friction_at(CHAIN, CURVED.stiffness_n_m2, BENT, 0.0).fraction == 0.0
 
 
 def test_what_cannot_be_is_refused() -> None:

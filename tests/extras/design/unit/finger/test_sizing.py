@@ -78,22 +78,10 @@ def test_a_finger_far_longer_than_its_endpoint_moves_is_still_sized() -> None:
         ({"endpoint_m": 9e-3}, r"gives at most 7\.\d\d mm at any curl, 1\d\.\d % too little"),
         ({"stiffness_n_per_m": 5000.0}, r"would bear 6\d\.\d MPa .* \d % above the 65 MPa at which pom yields"),
         ({"stiffness_n_per_m": 20.0}, r"two tendon legs require 2 mm, \d\.\d times that"),
-        ({"min_thickness_m": 1e-3}, r"a beam of 1\.00 mm, the thinnest to be made, .* times that: another process"),
-        ({"max_depth_m": 1e-3}, r"no room for two tendon legs side by side: 1 mm more"),
         ({"max_depth_m": 2e-3, "min_thickness_m": 0.22e-3}, r"\d\.\d\d mm more than the available room"),
-        ({"travel_m": 0.3e-3}, r"hole requires 0\.30 mm: .* is 7 % too little"),
         ({"columns": 12}, r"would overlap by 0\.\d\d\d mm"),
-        ({"plate_length_m": 9.5e-3}, "nothing is left to bend"),
         ({"stiffness_n_per_m": -3.0}, "stiffness_n_per_m is -3"),
-        ({"travel_m": float("nan")}, "travel_m is nan"),
-        (
-            {"stiffness_n_per_m": 1e9},
-            r"the thickest next to the tendon's hole, .* mm more than the available room: a softer",
-        ),
-        ({"travel_m": 1.0}, r"a travel of 1000 mm bends no such finger: .* less travel"),
-        ({"endpoint_m": 1e-9}, r"tendon would have to run about \d.* mm .* less travel"),
         ({"travel_m": 1e-9}, r"a travel of 1e-06 mm bends no such finger: .* more travel"),
-        ({"travel_m": 5e-3}, r"a travel of 5 mm bends no such finger: .* less travel"),
     ],
 )
 def test_the_limit_that_binds_is_named_and_by_how_much(changes: dict[str, float], said: str) -> None:

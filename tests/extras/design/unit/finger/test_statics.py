@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.design._finger.chain import cantilever_chain, finger_chain, place
+from musclewire.extras.design._finger.chain import finger_chain, place
 from musclewire.extras.design._finger.closed_forms import pure_moment_stiffness_n_per_m
 from musclewire.extras.design._finger.curve import (
     beam_stress_pa,
@@ -25,7 +25,6 @@ from musclewire.extras.design._finger.statics import (
     FingerProblem,
     equilibria,
     equilibrium,
-    loaded_cantilever,
     sensitivity,
 )
 from musclewire.wire import ElasticObject
@@ -54,13 +53,6 @@ def test_a_straight_finger_bends_by_travel_over_offset() -> None:
     bending = 0.5 * PLAIN.youngs_modulus_pa * PLAIN.beam_thickness_m * moment / PLAIN.stiffness_n_m2
     pressing = bent.tendon_force_n / (PLAIN.beam_depth_m * PLAIN.beam_thickness_m)
     assert beam_stress_pa(PLAIN, bent).max() == pytest.approx(bending + pressing, rel=0.03)
-
-
-def test_no_travel_is_no_force_and_the_unloaded_shape() -> None:
-    chain = finger_chain(CURVED)
-    still = equilibrium(chain, CURVED.stiffness_n_m2, 0.0)
-    assert still.tendon_force_n == pytest.approx(0.0, abs=1e-9)
-    assert still.angles_rad == pytest.approx(np.linspace(0.2 / 32, 0.2, 32))
 
 
 def test_more_elements_change_the_force_by_two_thousandths_at_most() -> None:
@@ -130,22 +122,11 @@ def test_an_object_pushes_back_as_deep_as_it_is_pressed(clearance: float, stiffn
         assert at.endpoint_force_n == pytest.approx(stiffness * depth)
 
 
-def test_an_object_out_of_reach_changes_nothing() -> None:
-    free = equilibria(finger_chain(CURVED), CURVED.stiffness_n_m2, TRAVELS)[-1]
-    there = touch_curve(CURVED, TRAVELS, ElasticObject(100.0, 0.02))[-1]
-    assert there.tendon_force_n == pytest.approx(free.tendon_force_n, rel=1e-9)
-
-
 def test_an_object_too_hard_to_press_stops_the_endpoint_and_costs_the_tendon() -> None:
     at = touch_curve(CURVED, TRAVELS, ElasticObject(1e6, 5e-3))[-1]
     free = equilibria(finger_chain(CURVED), CURVED.stiffness_n_m2, TRAVELS)[-1]
     assert at.endpoint_displacement_m == pytest.approx(5e-3, rel=1e-3)
     assert at.tendon_force_n > 2.0 * free.tendon_force_n
-
-
-def test_the_travel_for_an_endpoint_brings_it_there() -> None:
-    at = travel_for_endpoint_m(finger_chain(PLAIN), PLAIN.stiffness_n_m2, 4.2e-3, 2e-3)
-    assert at.endpoint_displacement_m == pytest.approx(4.2e-3, rel=1e-8)
 
 
 def test_an_endpoint_beyond_the_travel_is_refused_with_the_excess() -> None:
@@ -161,9 +142,3 @@ def test_a_travel_longer_than_the_tendon_is_refused() -> None:
 def test_a_curve_that_curls_back_is_refused() -> None:
     with pytest.raises(CallerError, match="moves back"):
         finger_curve(PLAIN, np.linspace(0.0, 2.4e-3, 25))
-
-
-def test_a_tendon_is_not_a_dead_force() -> None:
-    with pytest.raises(CallerError, match="has a tendon"):
-        loaded_cantilever(finger_chain(PLAIN), 1e-6, 0.1)
-    assert cantilever_chain(1.0, 4).chords_m.shape == (0, 8)
