@@ -136,7 +136,8 @@ class Terminal:
         """End the shell and everything that it has started."""
         with suppress(ProcessLookupError):
             os.killpg(self.process.pid, 15)
-        self.process.wait()
+        with suppress(BrokenPipeError):
+            self.process.communicate()
 
 
 def follow(door: Door, home: Path) -> None:
