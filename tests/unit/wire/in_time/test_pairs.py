@@ -16,9 +16,10 @@ from grain_wire import drive_pair as grain_wire_pair
 from grain_wire import grain_wire
 from musclewire.wire._building import constants_from, resting_state, with_pretension
 from musclewire.wire._constants import WireConstants
+from musclewire.wire._coupling import APART, GrippedObject, no_grip
 from musclewire.wire._loads import ConnectorLoad, spring_load, with_table
-from musclewire.wire._pair_step import OWN_SUPPLY, PARALLEL, SERIES
-from musclewire.wire._pairs import APART, GrippedObject, PairConnection, PairMeans, advance_pair, no_grip
+from musclewire.wire._pair_step import OWN_SUPPLY, PARALLEL, SERIES, PairConnection
+from musclewire.wire._pairs import PairMeans, advance_pair
 from musclewire.wire._state import WireState
 from musclewire.wire._stepping import StepControl, fixed_steps
 from musclewire.wire._wires import advance

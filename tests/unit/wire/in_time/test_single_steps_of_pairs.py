@@ -27,9 +27,10 @@ from test_pairs import (
 )
 
 from musclewire.wire._building import resting_state
+from musclewire.wire._coupling import APART, no_grip
 from musclewire.wire._loads import spring_load
-from musclewire.wire._pair_step import OWN_SUPPLY, PARALLEL, SERIES
-from musclewire.wire._pairs import APART, PairConnection, PairMeans, advance_pair, no_grip
+from musclewire.wire._pair_step import OWN_SUPPLY, PARALLEL, SERIES, PairConnection
+from musclewire.wire._pairs import PairMeans, advance_pair
 from musclewire.wire._state import WireState
 from musclewire.wire._stepping import StepControl, fixed_steps
 from musclewire.wire._wires import advance
