@@ -17,13 +17,13 @@ ABSENT: Any = Field(default=None, exclude_if=lambda value: value is None)
 Finite = Annotated[float | None, BeforeValidator(lambda value: value if value is None or isfinite(value) else None)]
 
 
-class Answer(BaseModel):
+class AnswerModel(BaseModel):
     """What a command found: each field is a key of its JSON document, with its unit; None is null."""
 
     model_config = ConfigDict(extra="forbid", from_attributes=True, json_schema_serialization_defaults_required=True)
 
     @classmethod
-    def of(cls, *sources: object, **named: Any) -> Self:
+    def read_from(cls, *sources: object, **named: Any) -> Self:
         """Return an answer whose keys are ``named``, or else attributes of the first of the sources that has one."""
         for key in cls.model_fields.keys() - named.keys():
             source = next((one for one in sources if hasattr(one, key)), None)
@@ -32,7 +32,7 @@ class Answer(BaseModel):
         return cls(**named)
 
 
-class Record:
+class AnswerRecord:
     """Marks a named tuple or a dataclass of another room that is an object with its fields as keys.
 
     ``more`` are further keys, and other kinds for its fields.
@@ -49,4 +49,4 @@ class Record:
         if self._infinite is not None:
             numbers = {name: (Finite, self._infinite) for name, (hint, _) in fields.items() if hint is float}
             fields |= numbers
-        return handler.generate_schema(create_model(kind.__name__, __base__=Answer, **fields))
+        return handler.generate_schema(create_model(kind.__name__, __base__=AnswerModel, **fields))

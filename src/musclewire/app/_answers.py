@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import AliasGenerator, ConfigDict
 
-from musclewire.app._answer import ABSENT, Answer, Finite, Record
+from musclewire.app._answer import ABSENT, AnswerModel, AnswerRecord, Finite
 from musclewire.controllers import ProtectionLimits, ProtectionTable, RuleBase
 from musclewire.experiment import (
     ChannelCalibration,
@@ -26,7 +26,7 @@ from musclewire.signals import IgnoredHeader, MatchedHeader, MetadataValue, Unde
 Words = tuple[str, ...]
 
 
-class StepErrors(Answer):
+class StepErrorsAnswer(AnswerModel):
     """Errors of one step of a staircase, in percent of its target."""
 
     direction: str
@@ -38,46 +38,46 @@ class StepErrors(Answer):
     tracking_mae_approached_pct: float | None
 
 
-class StrainTarget(Answer):
+class StrainTarget(AnswerModel):
     """A target of strain."""
 
     target_pct: float
 
 
-class DisplacementTarget(Answer):
+class DisplacementTarget(AnswerModel):
     """A target of displacement."""
 
     target_m: float
 
 
-class ForceTarget(Answer):
+class ForceTarget(AnswerModel):
     """A target of force."""
 
     target_n: float
 
 
 # The fields of the last class come first.
-class StrainStep(StepErrors, StrainTarget):
+class StrainStep(StepErrorsAnswer, StrainTarget):
     """A step of strain."""
 
 
-class DisplacementStep(StepErrors, DisplacementTarget):
+class DisplacementStep(StepErrorsAnswer, DisplacementTarget):
     """A step of displacement."""
 
 
-class ForceStep(StepErrors, ForceTarget):
+class ForceStep(StepErrorsAnswer, ForceTarget):
     """A step of force."""
 
 
 # Of each quantity the model of a step, the key of its target, and the factor of that from SI.
-STEPS: dict[str, tuple[type[StepErrors], str, float]] = {
+STEPS: dict[str, tuple[type[StepErrorsAnswer], str, float]] = {
     "strain": (StrainStep, "target_pct", 100.0),
     "displacement": (DisplacementStep, "target_m", 1.0),
     "force": (ForceStep, "target_n", 1.0),
 }
 
 
-class LoopErrors(Answer):
+class LoopErrors(AnswerModel):
     """Errors of a closed loop."""
 
     steps: tuple[StrainStep | DisplacementStep | ForceStep, ...]
@@ -96,11 +96,11 @@ class LoopErrors(Answer):
     def of_run(cls, metrics: ControlMetrics, **named: Any) -> Self:
         """Return an answer with the errors of a run."""
         kind, key, factor = STEPS[metrics.quantity]
-        steps = [kind.of(step, **{key: round(factor * step.target, 10)}) for step in metrics.steps]
-        return cls.of(metrics, steps=steps, **named)
+        steps = [kind.read_from(step, **{key: round(factor * step.target, 10)}) for step in metrics.steps]
+        return cls.read_from(metrics, steps=steps, **named)
 
 
-class FittedRange(Answer):
+class FittedRange(AnswerModel):
     """The gap and the range of a fitted model."""
 
     strain_gap_pct: float
@@ -119,7 +119,7 @@ class DemoAnswer(LoopErrors, FittedRange):
     report: str
 
 
-class Percentiles(Answer):
+class Percentiles(AnswerModel):
     """Percentiles of times [us]."""
 
     p50: float
@@ -127,14 +127,14 @@ class Percentiles(Answer):
     p999: float
 
 
-class SpeedLimitsAnswer(Answer):
+class SpeedLimitsAnswer(AnswerModel):
     """Where a reference is faster than the wire."""
 
     quantity: str
-    findings: tuple[Annotated[TooFast, Record(turn_s=Finite)], ...]
+    findings: tuple[Annotated[TooFast, AnswerRecord(turn_s=Finite)], ...]
     asked_amplitude: float
     possible_amplitude: float
-    help: Annotated[SufficientChanges, Record()]
+    help: Annotated[SufficientChanges, AnswerRecord()]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,7 +152,7 @@ class HomeFound(HomeMove):
     notes: Words
 
 
-class ControlAnswer(LoopErrors):
+class ControlRunAnswer(LoopErrors):
     """Of ``control``."""
 
     deadline_misses: int
@@ -172,7 +172,7 @@ class ControlAnswer(LoopErrors):
     home: HomeFound | None
 
 
-class LoopRow(Answer):
+class LoopRunAnswer(AnswerModel):
     """One of many closed loops; its errors are null if it did not reach its end."""
 
     seed: int
@@ -189,16 +189,16 @@ class LoopRow(Answer):
     warnings: Words
 
 
-class ManyLoopsAnswer(Answer):
+class ManyLoopsAnswer(AnswerModel):
     """Of ``control --runs``."""
 
     approach_s: float | None
     approach: str | None
-    steps: tuple[Annotated[StepSpread, Record(infinite=...)], ...]
-    runs: tuple[LoopRow, ...]
+    steps: tuple[Annotated[StepSpread, AnswerRecord(infinite=...)], ...]
+    runs: tuple[LoopRunAnswer, ...]
 
 
-ControlAnswers = ControlAnswer | ManyLoopsAnswer
+ControlAnswers = ControlRunAnswer | ManyLoopsAnswer
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -209,7 +209,7 @@ class HomeAnswer(HomeFound):
     warnings: Words
 
 
-class CharacterizeAnswer(Answer):
+class CharacterizeAnswer(AnswerModel):
     """Of ``characterize``; without an instrument or a loop the gaps are null, which a note or problem says."""
 
     recording: str
@@ -227,17 +227,17 @@ class CharacterizeAnswer(Answer):
     problem: str | None = ABSENT
 
 
-class PretensionAnswer(Answer):
+class PretensionAnswer(AnswerModel):
     """Of ``pretension``."""
 
-    rows: tuple[Annotated[PretensionRow, Record(without=("recording",))], ...]
+    rows: tuple[Annotated[PretensionRow, AnswerRecord(without=("recording",))], ...]
     best_pretension_n: float
     largest_pretension_n: float | None
     failures: Words
     warnings: Words
 
 
-class TrainAnswer(Answer):
+class TrainAnswer(AnswerModel):
     """Of ``train``."""
 
     settled: bool
@@ -245,7 +245,7 @@ class TrainAnswer(Answer):
     warnings: Words
 
 
-class GripAnswer(Answer):
+class GripAnswer(AnswerModel):
     """Of ``grip``; what only the simulation knows of the object is called true."""
 
     contact: bool
@@ -268,14 +268,14 @@ class GripAnswer(Answer):
     warnings: Words
 
 
-class DoctorAnswer(Answer):
+class DoctorAnswer(AnswerModel):
     """Of ``doctor``."""
 
     rig: str
     ok: bool
-    checks: tuple[Annotated[RigCheck, Record()], ...]
-    unchecked: tuple[Annotated[SkippedCheck, Record()], ...]
-    calibration: tuple[Annotated[ChannelCalibration, Record()], ...]
+    checks: tuple[Annotated[RigCheck, AnswerRecord()], ...]
+    unchecked: tuple[Annotated[SkippedCheck, AnswerRecord()], ...]
+    calibration: tuple[Annotated[ChannelCalibration, AnswerRecord()], ...]
     highest_drive_voltage_v: float
     trouble: str | None
     written: str | None
@@ -288,10 +288,10 @@ class ProtectionAnswer(ProtectionTable):
     """Of ``protection``: the table, and the limits of a rig but for infinite ones."""
 
     model_config = ConfigDict(alias_generator=AliasGenerator(serialization_alias=lambda key: PLURALS.get(key, key)))
-    limits: Annotated[ProtectionLimits, Record(infinite=ABSENT, readings_noisy=bool)] | None = ABSENT
+    limits: Annotated[ProtectionLimits, AnswerRecord(infinite=ABSENT, readings_noisy=bool)] | None = ABSENT
 
 
-class ImportedFile(Answer):
+class ImportedFile(AnswerModel):
     """How one file was understood."""
 
     path: str
@@ -306,7 +306,7 @@ class ImportedFile(Answer):
     problem: str
 
 
-class JoinedFiles(Answer):
+class JoinedFiles(AnswerModel):
     """How two files were joined on the first one's clock."""
 
     delay_s: float
@@ -317,14 +317,14 @@ class JoinedFiles(Answer):
     notes: Words
 
 
-class ImportAnswer(Answer):
+class ImportAnswer(AnswerModel):
     """Of ``import``."""
 
     files: tuple[ImportedFile, ...]
     join: JoinedFiles | None
 
 
-class EstimateErrors(Answer):
+class EstimateErrors(AnswerModel):
     """Errors of an estimate; null without an estimate, or without a reference."""
 
     valid_share: float | None = None
@@ -333,7 +333,7 @@ class EstimateErrors(Answer):
     no_reference: str | None = None
 
 
-class SampleCount(Answer):
+class SampleCount(AnswerModel):
     """How many samples there are."""
 
     samples: int
@@ -345,7 +345,7 @@ class EstimateAnswer(EstimateErrors, SampleCount):
     warnings: Words
 
 
-class FitReport(Answer):
+class FitReport(AnswerModel):
     """A fit and its errors."""
 
     quantity: str
@@ -365,12 +365,12 @@ class FitAnswer(EstimateErrors, FitReport):
 
     stroke_std_pct: float | None = ABSENT
     misfit: float | None = ABSENT
-    costs: tuple[Annotated[VarianceShare, Record(text=str)], ...] | None = ABSENT
-    helps: tuple[Annotated[HelpfulMeasurement, Record()], ...] | None = ABSENT
+    costs: tuple[Annotated[VarianceShare, AnswerRecord(text=str)], ...] | None = ABSENT
+    helps: tuple[Annotated[HelpfulMeasurement, AnswerRecord()], ...] | None = ABSENT
     model: str | None
 
 
-class TuneAnswer(Answer):
+class TuneAnswer(AnswerModel):
     """Of ``tune``."""
 
     controller: str
@@ -388,7 +388,7 @@ class TuneAnswer(Answer):
     gains: str | None
 
 
-class CalibratedParameter(Answer):
+class CalibratedParameter(AnswerModel):
     """One parameter: value and standard deviation in SI, and the prior's."""
 
     value: float
@@ -401,7 +401,7 @@ class CalibratedParameter(Answer):
     group: str
 
 
-class CalibratedChannel(Answer):
+class CalibratedChannel(AnswerModel):
     """How well the fitted wire follows one channel of a recording."""
 
     recording: str
@@ -411,14 +411,14 @@ class CalibratedChannel(Answer):
     rms_in_uncertainties: float
 
 
-class CorrelatedParameters(Answer):
+class CorrelatedParameters(AnswerModel):
     """Two parameters that are identified together rather than apart."""
 
     parameters: tuple[str, str]
     r: float
 
 
-class AdvisedExperiment(Answer):
+class AdvisedExperiment(AnswerModel):
     """What to measure next."""
 
     title: str
@@ -427,7 +427,7 @@ class AdvisedExperiment(Answer):
     narrows: Words
 
 
-class CalibrateAnswer(Answer):
+class CalibrateAnswer(AnswerModel):
     """Of ``calibrate``."""
 
     parameters: dict[str, CalibratedParameter]
@@ -452,7 +452,7 @@ class CalibrateAnswer(Answer):
     warnings: Words
 
 
-class SuggestedParts(Answer):
+class SuggestedParts(AnswerModel):
     """What the wire needs to contract by 90 % in a second."""
 
     one_second_current_a: float
@@ -463,7 +463,7 @@ class SuggestedParts(Answer):
     shunt_rating_w: float
 
 
-class CatalogueSide(Answer):
+class CatalogueSide(AnswerModel):
     """What the catalogue prints for a wire, in SI, and our cooling time [s] in the vendor's own test."""
 
     resistance_ohm_per_m: CatalogueCell
@@ -473,7 +473,7 @@ class CatalogueSide(Answer):
     test_cooling_s: float | None
 
 
-class SimulateAnswer(Answer):
+class SimulateAnswer(AnswerModel):
     """Of ``simulate``."""
 
     wire: str
@@ -511,7 +511,7 @@ class SimulateAnswer(Answer):
     recording: str | None
 
 
-class WireOfLibrary(Answer):
+class WireOfLibrary(AnswerModel):
     """A wire that comes with musclewire."""
 
     name: str
@@ -521,7 +521,7 @@ class WireOfLibrary(Answer):
     resistance_per_metre_ohm_per_m: float
 
 
-class CoveredByData(Answer):
+class CoveredByData(AnswerModel):
     """What the data of an alloy cover, and what its vendor allows; nothing of what its file does not state."""
 
     covered_stress_low_pa: float | None = ABSENT
@@ -531,7 +531,7 @@ class CoveredByData(Answer):
     annealing_temperature_k: float | None = ABSENT
 
 
-class WiresAnswer(Answer):
+class WiresAnswer(AnswerModel):
     """Of ``simulate --list``: the wires, and what the data of their alloys cover."""
 
     wires: tuple[WireOfLibrary, ...]
@@ -539,10 +539,12 @@ class WiresAnswer(Answer):
 
 
 SHUNT: dict[str, Any] = dict.fromkeys(("shunt_resistance_ohm", "shunt_power_w", "shunt_rating_w"), float)
-NEEDS = Record(without=("catalogue_current", "shunt"), catalogue_current_a=float, catalogue_current_status=str, **SHUNT)
+NEEDS = AnswerRecord(
+    without=("catalogue_current", "shunt"), catalogue_current_a=float, catalogue_current_status=str, **SHUNT
+)
 
 
-class WireTableAnswer(Answer):
+class WireTableAnswer(AnswerModel):
     """Of ``simulate --table``."""
 
     length_m: float
@@ -555,7 +557,7 @@ class WireTableAnswer(Answer):
 SimulateAnswers = SimulateAnswer | WiresAnswer | WireTableAnswer
 
 
-class ComparedWire(Answer):
+class ComparedWire(AnswerModel):
     """One wire of the catalogue and its simulated test; without a limit a verdict is null."""
 
     wire: str
@@ -573,7 +575,7 @@ class ComparedWire(Answer):
     ok: bool
 
 
-class CatalogueAnswer(Answer):
+class CatalogueAnswer(AnswerModel):
     """Of ``catalogue``."""
 
     bars: str
@@ -583,7 +585,7 @@ class CatalogueAnswer(Answer):
     ok: bool
 
 
-class KnownNames(Answer):
+class KnownNames(AnswerModel):
     """Names that can be given."""
 
     known: Words

@@ -182,13 +182,13 @@ def calibrate_answer(
     """Return a calibration, what to measure next, and what was written."""
     from musclewire.app._answers import AdvisedExperiment, CalibrateAnswer, CalibratedChannel, CalibratedParameter
 
-    return CalibrateAnswer.of(
+    return CalibrateAnswer.read_from(
         found,
         found.inputs,
-        parameters={item.name: CalibratedParameter.of(item) for item in found.estimates},
+        parameters={item.name: CalibratedParameter.read_from(item) for item in found.estimates},
         not_identifiable=[item.name for item in found.not_identifiable],
         channels=[
-            CalibratedChannel.of(
+            CalibratedChannel.read_from(
                 pair,
                 recording=title,
                 channel=pair.channel.name,
@@ -201,7 +201,7 @@ def calibrate_answer(
         simulations=found.search_result.simulations,
         descent_costs=found.search_result.costs,
         seed=found.inputs.settings.seed,
-        advice=[AdvisedExperiment.of(item, tells=item.identifies) for item in advice],
+        advice=[AdvisedExperiment.read_from(item, tells=item.identifies) for item in advice],
         recordings=found.inputs.sources,
         started_from=found.inputs.wire,
         priors=found.inputs.priors.name,

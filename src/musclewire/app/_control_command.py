@@ -42,7 +42,7 @@ from musclewire.app._stopping import stops_between_samples
 from musclewire.errors import CallerError, MusclewireError, RecordingError, nearest_hint
 
 if TYPE_CHECKING:
-    from musclewire.app._answers import ControlAnswer
+    from musclewire.app._answers import ControlRunAnswer
     from musclewire.controllers import Reference
     from musclewire.experiment import ControlRun
     from musclewire.identify import Homing, SpeedLimits
@@ -123,13 +123,13 @@ def control(
 
 def control_answer(
     run: ControlRun, load: KnownSpring | None, limits: SpeedLimits | None, homed: Homing | None, refused: list[str]
-) -> ControlAnswer:
+) -> ControlRunAnswer:
     """Return the answer of a closed loop; its warnings are also printed."""
-    from musclewire.app._answers import ControlAnswer
+    from musclewire.app._answers import ControlRunAnswer
     from musclewire.experiment import run_warnings, timing_json
 
     facts = {"health": "", **run.metadata}
-    return ControlAnswer.of_run(
+    return ControlRunAnswer.of_run(
         run.metrics,
         **timing_json(facts),
         known_stiffness_n_per_m=None if load is None else load.stiffness_n_per_m,

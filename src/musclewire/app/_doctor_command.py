@@ -98,7 +98,7 @@ def document(rig: str, found: Examination, written: Path | None) -> DoctorAnswer
     """Return the answer of an examination."""
     from musclewire.app._answers import DoctorAnswer
 
-    return DoctorAnswer.of(
+    return DoctorAnswer.read_from(
         found,
         found.findings,
         rig=rig,

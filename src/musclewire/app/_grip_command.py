@@ -195,7 +195,7 @@ def grip_answer(run: GripRun, block: ElasticObject | None, known: float | None, 
     from musclewire.app._answers import GripAnswer
 
     estimated_n, true_n = run.estimated_force_n, run.true_force_n
-    return GripAnswer.of(
+    return GripAnswer.read_from(
         run,
         contact=run.contact_s is not None,
         contact_score=float(run["contact_score"].max()),

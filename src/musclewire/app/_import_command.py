@@ -148,8 +148,8 @@ def import_answer(understood: list[FileInterpretation], joined: JoinedRecordings
     """Return how the files were understood and joined."""
     from musclewire.app._answers import ImportAnswer, JoinedFiles
 
-    join = None if joined is None else JoinedFiles.of(joined, rows=len(joined.recording))
-    return ImportAnswer.of(files=[item.as_dict() for item in understood], join=join)
+    join = None if joined is None else JoinedFiles.read_from(joined, rows=len(joined.recording))
+    return ImportAnswer.read_from(files=[item.as_dict() for item in understood], join=join)
 
 
 def joined_lines(joined: JoinedRecordings, second: str) -> list[str]:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from pydantic import ConfigDict
 
-from musclewire.app._answer import Answer
+from musclewire.app._answer import AnswerModel
 from musclewire.manifest import loaded, offered
 
 # Name at the beginning of a requirement, and the extra at its end.
@@ -23,7 +23,7 @@ OF_DEVELOPERS = ("test", "dev", "docs")
 COMPILER = "llvmlite"
 
 
-class Installation(Answer):
+class Installation(AnswerModel):
     """What is installed: our version, and of each package that we need; None for what is not there.
 
     Versions that parts outside the core state of themselves, as the firmware's protocol, are among its keys.

@@ -44,7 +44,7 @@ def run_many_loops(
     rig: str, seed: int | None, many: ManyLoopsChoice, loop: dict[str, Any], target: Reference
 ) -> Result:
     """Run the loops and return their errors, which do not hold if an error ended one of them."""
-    from musclewire.app._answers import LoopRow, ManyLoopsAnswer
+    from musclewire.app._answers import LoopRunAnswer, ManyLoopsAnswer
     from musclewire.experiment import approach_of, control_many
 
     assert many.runs is not None
@@ -71,11 +71,11 @@ def run_many_loops(
     if unsensed:
         say(f"musclewire: {unsensed} loops could sense less than {100 * MIN_VALID_FRACTION:.0f} % of their samples")
     ended = next(iter(found.metrics), None)
-    answer = ManyLoopsAnswer.of(
+    answer = ManyLoopsAnswer.read_from(
         approach_s=None if ended is None else ended.approach_s,
         approach=None if ended is None else ended.approach,
         steps=found.steps,
-        runs=[LoopRow.of(one, one.metrics, **step_errors(one.metrics)) for one in found.outcomes],
+        runs=[LoopRunAnswer.read_from(one, one.metrics, **step_errors(one.metrics)) for one in found.outcomes],
     )
     return Result(answer, str(found), holds=not (found.failed or unsensed))
 

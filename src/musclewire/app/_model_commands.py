@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from musclewire.app._answer import Answer
+from musclewire.app._answer import AnswerModel
 from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_free, require_model_file
 from musclewire.app._options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, QUANTITY, WIRE_FILE
@@ -55,7 +55,7 @@ def fit(
     figure.draw(model.plot)
     off_pct = None if alone is None else 100.0 * alone.stroke_std / alone.stroke
     written = None if output is None else str(output)
-    answer = FitAnswer.of(on_recording, alone, **model.report(), stroke_std_pct=off_pct, model=written)
+    answer = FitAnswer.read_from(on_recording, alone, **model.report(), stroke_std_pct=off_pct, model=written)
     lines = [model.summary(), *([] if alone is None else [str(alone)])]
     if on_recording is not None:
         lines.append(f"estimate of this recording: {error_text(on_recording)}")
@@ -87,7 +87,7 @@ def estimate(
         report.recording.save(output)
     figure.draw(report.recording.plot)
     warn(report.warnings)
-    return Result(EstimateAnswer.of(report, samples=len(report.recording)), error_text(report))
+    return Result(EstimateAnswer.read_from(report, samples=len(report.recording)), error_text(report))
 
 
 def error_text(report: EstimateReport) -> str:
@@ -121,7 +121,7 @@ def rules(
     return Result(answer, "\n".join([*lines, "", f"known: {', '.join(known)}"]))
 
 
-class CiteAnswer(Answer):
+class CiteAnswer(AnswerModel):
     """Of ``cite``."""
 
     cite: tuple[str, ...]

@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
-from musclewire.app._answer import Answer
+from musclewire.app._answer import AnswerModel
 from musclewire.app._figure_options import FigureOptions
 from musclewire.app._options import OUTPUT, OVERWRITE
 from musclewire.app._output import Result
 
 
-class RecoverAnswer(Answer):
+class RecoverAnswer(AnswerModel):
     """Of ``recover``."""
 
     recording: str

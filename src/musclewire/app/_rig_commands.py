@@ -225,7 +225,7 @@ def pretension(
     warn(sweep.warnings)
     figure.draw(sweep.plot)
     best_n, largest_n = sweep.best.pretension_n, sweep.largest_n
-    answer = PretensionAnswer.of(sweep, best_pretension_n=best_n, largest_pretension_n=largest_n)
+    answer = PretensionAnswer.read_from(sweep, best_pretension_n=best_n, largest_pretension_n=largest_n)
     return Result(answer, sweep_text(sweep, quantity))
 
 
@@ -302,4 +302,4 @@ def train(
     figure.draw(partial(training_figure, training))
     warn(training.warnings)
     text = "settled" if training.settled else f"not settled after {len(training.cycles)} cycles"
-    return Result(TrainAnswer.of(training), text, holds=training.settled)
+    return Result(TrainAnswer.read_from(training), text, holds=training.settled)

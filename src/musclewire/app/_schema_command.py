@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from pydantic import Field
 
-from musclewire.app._answer import Answer
+from musclewire.app._answer import AnswerModel
 from musclewire.app._completion import complete_schemas
 from musclewire.app._output import Result
 
@@ -23,7 +23,7 @@ SchemaName = Annotated[
 ]
 
 
-class SchemaAnswer(Answer):
+class SchemaAnswer(AnswerModel):
     """Of ``schema``: all names, and the schema of the one that was given."""
 
     names: tuple[str, ...]

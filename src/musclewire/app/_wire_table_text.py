@@ -20,7 +20,7 @@ def table_answer(rows: Sequence[WireRow], length_m: float, stress_pa: float, amb
     """Return the table: a row for each wire, in order; SI."""
     from musclewire.app._answers import WireTableAnswer
 
-    return WireTableAnswer.of(
+    return WireTableAnswer.read_from(
         length_m=length_m,
         stress_pa=stress_pa,
         ambient_temperature_degc=ambient_k - ZERO_DEGC_K,

@@ -25,7 +25,7 @@ def simulate_answer(sizing: SupplySizing, recording: Path | None) -> SimulateAns
 
     numbers, plan, best, shunt = sizing.numbers, sizing.plan, sizing.one_second, sizing.shunt
     pulsed = plan.request.duty is not None
-    return SimulateAnswer.of(
+    return SimulateAnswer.read_from(
         numbers,
         plan,
         plan.request,
@@ -165,9 +165,9 @@ def wires() -> WiresAnswer:
     from musclewire.parameters import load_alloy, load_wire, names, validity_of
 
     loaded = [load_wire(name) for name in names("wire")]
-    return WiresAnswer.of(
+    return WiresAnswer.read_from(
         wires=[
-            WireOfLibrary.of(
+            WireOfLibrary.read_from(
                 wire,
                 diameter_m=wire.diameter_m.value,
                 resistance_per_metre_ohm_per_m=wire.resistance_per_metre_ohm_per_m.value,
@@ -206,7 +206,7 @@ def comparison_answer(compared: Sequence[CatalogueComparison]) -> CatalogueAnswe
 
     verdicts = [one.ok for each in compared for one in (each.contraction, each.cooling)]
     rows = [
-        ComparedWire.of(
+        ComparedWire.read_from(
             one,
             one.row,
             one.run,
@@ -222,7 +222,9 @@ def comparison_answer(compared: Sequence[CatalogueComparison]) -> CatalogueAnswe
         for one in compared
     ]
     judged, failed = sum(ok is not None for ok in verdicts), verdicts.count(False)
-    return CatalogueAnswer.of(bars=BARS, rows=rows, judged=judged, failed=failed, ok=all(one.ok for one in compared))
+    return CatalogueAnswer.read_from(
+        bars=BARS, rows=rows, judged=judged, failed=failed, ok=all(one.ok for one in compared)
+    )
 
 
 def comparison_text(compared: Sequence[CatalogueComparison], answer: CatalogueAnswer) -> str:

@@ -1,4 +1,4 @@
-"""modelDescription.xml of an FMI 2.0 co-simulation FMU."""
+"""The modelDescription.xml of an FMI 2.0 co-simulation FMU."""
 
 from __future__ import annotations
 

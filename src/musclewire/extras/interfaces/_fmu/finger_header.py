@@ -1,4 +1,4 @@
-"""mw_finger_numbers.h: the curve of a finger at the connector, as the endpoint's C reads it."""
+"""The file mw_finger_numbers.h: the curve of a finger at the connector, as the endpoint's C reads it."""
 
 from __future__ import annotations
 

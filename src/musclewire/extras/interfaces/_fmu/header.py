@@ -1,4 +1,4 @@
-"""mw_variables.h: the variables of an FMU as its C sources read them."""
+"""The file mw_variables.h: the variables of an FMU as its C sources read them."""
 
 from __future__ import annotations
 

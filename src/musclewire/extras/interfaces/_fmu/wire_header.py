@@ -1,4 +1,4 @@
-"""mw_wire_numbers.h and mw_wire_tables.c: the rows of a wire as C structures, its numbers and its tables."""
+"""The file mw_wire_numbers.h and mw_wire_tables.c: the rows of a wire as C structures, its numbers and its tables."""
 
 from __future__ import annotations
 

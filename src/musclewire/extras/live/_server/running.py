@@ -99,7 +99,7 @@ class RunningServer:
 
 
 class Server(uvicorn.Server):
-    """uvicorn's server, which leaves signals to us: on one, the rigs come first."""
+    """The server of uvicorn, which leaves signals to us: on one, the rigs come first."""
 
     @contextmanager
     def capture_signals(self) -> Generator[None, None, None]:
