@@ -56,10 +56,3 @@ def test_two_samples_in_a_row_at_the_maximum_give_the_later_one() -> None:
 def test_a_ripple_half_way_down_is_not_b() -> None:
     down = np.concatenate([np.linspace(1.0, 3.0, 10), np.linspace(2.9, 2.0, 10), [2.1, 2.2], np.linspace(2.1, 0.0, 20)])
     assert fall_from_b_to_c(down, 0.05)[0] == 9
-
-
-def test_a_wire_that_does_not_cool_has_b_where_it_turns_on_both_branches() -> None:
-    found = find_segments(*_columns(MAKER.record(3000, top=0.9, bottom=0.3, cycles=2)))
-    assert not found.returns_cold
-    assert found.transformation_fraction == pytest.approx(1.0)
-    assert found.cooling_transformation_fraction == pytest.approx(1.0)
