@@ -110,15 +110,6 @@ def nested_loop(wire: WireConstants, stress_pa: float, outer: float, inner: floa
     assert passed[6] == passed[2]
 
 
-@pytest.mark.slow
-@settings(derandomize=True, deadline=None, max_examples=120)
-@given(kind=KINDS, stress_pa=STRESSES_PA, turns=st.tuples(*[EIGHTHS_OF_A_KELVIN] * 3))
-def test_closed_nested_loops_return_to_their_points(kind: str, stress_pa: float, turns: tuple[int, int, int]) -> None:
-    """Return-point memory at constant stress: both fronts are where they were when the loop was opened."""
-    inner, innermost, outer = (turn / 8 for turn in sorted(turns))
-    nested_loop(WIRES[kind], stress_pa, outer, inner, innermost)
-
-
 @pytest.mark.parametrize(
     ("kind", "stress_pa", "outer", "inner", "innermost"),
     [
@@ -134,18 +125,6 @@ def test_loops_where_r_phase_and_martensite_compete_return_to_their_points(
     kind: str, stress_pa: float, outer: float, inner: float, innermost: float
 ) -> None:
     nested_loop(WIRES[kind], stress_pa, outer, inner, innermost)
-
-
-@pytest.mark.slow
-@settings(derandomize=True, deadline=None, max_examples=40)
-@given(kind=KINDS, stress_pa=STRESSES_PA, turns=st.lists(EIGHTHS_OF_A_KELVIN, min_size=1, max_size=6))
-def test_a_wider_excursion_wipes_out_what_lies_inside(kind: str, stress_pa: float, turns: list[int]) -> None:
-    """What happened between cold and an excursion above all of it is forgotten at its top."""
-    wire = WIRES[kind]
-    top = max(turns) / 8
-    wandered = walk(wire, ALL_AUSTENITE, stress_pa, HOT_K, COLD_K, *(turn / 8 for turn in turns), top)[-1]
-    straight = walk(wire, ALL_AUSTENITE, stress_pa, HOT_K, COLD_K, top)[-1]
-    assert wandered == straight
 
 
 @settings(derandomize=True, deadline=None, max_examples=30)

@@ -11,9 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from musclewire.compiled import compiled
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
+from musclewire.physics import REFERENCE_TEMPERATURE_K
 from musclewire.wire._building import constants_from
 from musclewire.wire._constants import WireConstants
 from musclewire.wire._fronts import cumulative_at, fronts_after, thresholds_at
@@ -211,6 +213,36 @@ def forces_at(
         spread_r * (at.r_phase_austenite - offset),
         spread_p * (at.martensite_r_phase - offset),
     )
+
+
+def stored_heat_j(state: WireState, wire: WireConstants) -> float:
+    """Return m c (T - T_ref) - m L (x_M + r x_R), from the fractions."""
+    transformed = state.martensite_fraction + wire.r_phase_entropy_ratio * state.r_phase_fraction
+    warmth_j = wire.heat_capacity_j_per_k * (state.temperature_k - REFERENCE_TEMPERATURE_K)
+    return warmth_j - wire.latent_heat_j * transformed
+
+
+def load_n(load: ConnectorLoad, displacement_m: float) -> float:
+    """Return what a load asks beyond the pretension, from its table by NumPy."""
+    at = load.step_m * np.arange(load.force_n.size)
+    return load.stiffness_n_per_m * displacement_m + float(np.interp(displacement_m, at, load.force_n))
+
+
+def balanced_stress_pa(state: WireState, wire: WireConstants, load: ConnectorLoad, friction_n: float) -> float:
+    """Solve strain and balance, both written out, for the stress of one leg."""
+    x_m, x_r = state.martensite_fraction, state.r_phase_fraction
+
+    def excess_pa(stress: float) -> float:
+        reoriented = wire.strain_saturated + (wire.strain_at_no_stress - wire.strain_saturated) * np.exp(
+            -stress / wire.strain_stress_scale_pa
+        )
+        elastic = stress * ((1 - x_m) / wire.austenite_modulus_pa + x_m / wire.martensite_modulus_pa)
+        alpha = x_m * wire.martensite_expansion_per_k + (1 - x_m) * wire.austenite_expansion_per_k
+        strain = reoriented * x_m + wire.r_phase_strain * x_r + elastic + alpha * (state.temperature_k - 293.15)
+        x = (wire.cold_strain - strain) / (1 + wire.cold_strain) * wire.leg_length_m
+        return stress - (wire.pretension_n + load_n(load, x) + friction_n) / (wire.legs * wire.area_m2)
+
+    return float(brentq(excess_pa, 0.0, 5e9, xtol=1e-3))
 
 
 def slow_sine_v(time_s: float, amplitude_v: float = 3.2, period_s: float = 90.0) -> float:
