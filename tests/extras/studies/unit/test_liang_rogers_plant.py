@@ -16,7 +16,7 @@ from tests.places import EXAMPLES
 from musclewire.errors import NumericsError
 from musclewire.extras.studies._segmented import Conditions
 from musclewire.parameters import load_catalogue
-from musclewire.rigs import open_rig, required_true_state
+from musclewire.rigs import open_rig
 from musclewire.signals import Drive
 
 RIG_FILE = EXAMPLES / "plants" / "liang_rogers.toml"
@@ -130,15 +130,6 @@ def test_the_vendors_current_contracts_it_in_about_a_second_and_it_cools_in_the_
     fall_s = 0.05 * (1 + np.argmax(contracted[40:] < 0.1 * full))
     assert rise_s == pytest.approx(1.0, rel=0.4)
     assert fall_s == pytest.approx(row.cooling_lt_s.value, rel=0.4)
-
-
-def test_it_has_a_true_state_for_judging() -> None:
-    with open_rig(RIG_FILE, seed=5) as rig:
-        for _ in range(20):
-            sample = rig.exchange(3.2)
-        state = required_true_state(rig).wire_state
-        assert rig.metadata()["seed"] == 5
-    assert sample.displacement_m == pytest.approx(state.mean_strain * rig.leg_length_m, abs=5e-6)
 
 
 def test_conditions_that_are_no_numbers_end_the_simulation(plants: ModuleType) -> None:
