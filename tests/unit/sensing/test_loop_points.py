@@ -2,9 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from loops import LoopMaker, noisy
+from loops import LoopMaker
 
 from musclewire.sensing._loop_points import fall_from_b_to_c
 from musclewire.sensing._resistance_extremes import find_resistance_extremes
@@ -35,18 +33,6 @@ def test_a_sweep_that_starts_above_b_re_anchors_to_b() -> None:
     resistance, _ = with_a_high_cold_end(3600)
     found = find_resistance_extremes(resistance[:1800])
     assert found.resistance_max_ohm == pytest.approx(MAKER.resistance_max_ohm, abs=0.01)
-
-
-@settings(deadline=None, max_examples=25)
-@given(noise=st.floats(1e-5, 3e-3), seed=st.integers(0, 10_000))
-def test_no_noise_moves_b_away_from_where_it_was_made(noise: float, seed: int) -> None:
-    found = find_segments(*_columns(noisy(MAKER.record(3600), noise, 0.0, seed)))
-    assert found.transformation_fraction == pytest.approx(0.85, abs=0.01 + 5 * noise)
-    assert found.resistance_max_ohm == pytest.approx(MAKER.resistance_max_ohm, abs=0.01 + 8 * noise)
-
-
-def _columns(loop) -> tuple[np.ndarray, np.ndarray]:
-    return loop.resistance_ohm, loop.strain
 
 
 def test_two_samples_in_a_row_at_the_maximum_give_the_later_one() -> None:

@@ -1,7 +1,7 @@
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.signals._columns import COLUMNS, columns_called, known_column
+from musclewire.signals._columns import COLUMNS, known_column
 
 
 def test_every_column_is_registered_under_its_own_name_and_says_what_it_is():
@@ -13,29 +13,6 @@ def test_the_last_part_of_a_name_is_its_unit():
     suffixes = {**same, "pa": "Pa", "k": "K", "w": "W", "j": "J"}
     for name, column in COLUMNS.items():
         assert column.unit == suffixes.get(name.rpartition("_")[2], ""), name
-
-
-@pytest.mark.parametrize(
-    ("header", "name"),
-    [
-        ("t", "time_s"),
-        ("Time", "time_s"),
-        ("V_SMA", "wire_voltage_v"),
-        ("vsma", "wire_voltage_v"),
-        ("V_R", "shunt_voltage_v"),
-        ("v shunt", "shunt_voltage_v"),
-        ("Current", "wire_current_a"),
-        ("I", "wire_current_a"),
-        ("DISP", "displacement_m"),
-        ("lvdt", "displacement_m"),
-        ("Load", "force_n"),
-        ("strain", "reference_strain"),
-        ("ε", "reference_strain"),
-        ("temperature", "wire_temperature_k"),
-    ],
-)
-def test_a_foreign_name_is_recognised_whatever_its_case_and_spacing(header, name):
-    assert columns_called(header)[0].name == name
 
 
 def test_an_unknown_column_is_answered_with_the_nearest():

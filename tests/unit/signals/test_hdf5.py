@@ -8,7 +8,6 @@ import pytest
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.signals._reading import read_hdf5
-from musclewire.signals._recording import Recording
 from musclewire.signals._recording_writer import RecordingWriter
 
 NAMES = ("time_s", "wire_voltage_v", "shunt_voltage_v")
@@ -178,12 +177,3 @@ def test_half_a_file_is_damaged_and_never_a_traceback(tmp_path):
         with pytest.raises(RecordingError) as caught:
             read_hdf5(tmp_path / "half.h5")
         assert "\n" not in str(caught.value)
-
-
-def test_saving_replaces_a_file_in_one_step_and_leaves_nothing_beside_it(tmp_path):
-    first = Recording({"time_s": [0.0, 1.0]})
-    second = Recording({"time_s": [0.0, 2.0]}, {"rig": None, "note": "", "pulse": True, "count": 3})
-    first.save(tmp_path / "run.h5")
-    second.save(tmp_path / "run.h5")
-    assert read_hdf5(tmp_path / "run.h5") == second
-    assert [file.name for file in tmp_path.iterdir()] == ["run.h5"]

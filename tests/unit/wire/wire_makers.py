@@ -18,7 +18,7 @@ from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, lo
 from musclewire.physics import REFERENCE_TEMPERATURE_K
 from musclewire.wire._building import constants_from
 from musclewire.wire._constants import WireConstants
-from musclewire.wire._fronts import cumulative_at, fronts_after, thresholds_at
+from musclewire.wire._fronts import cumulative_at, fronts_after
 from musclewire.wire._loads import ConnectorLoad
 from musclewire.wire._paths import DrivenPath, drive_path
 from musclewire.wire._state import WireState
@@ -184,35 +184,6 @@ def walk(
         shown = fronts_along(wire, way, stress_pa, visited[-1])
         visited.append(Fronts(*shown[:2, -1].tolist()) if way.size else visited[-1])
     return visited
-
-
-class Forces(NamedTuple):
-    """Thermodynamic driving forces [K] of the six changes in grains of some offset: a change is due above 0."""
-
-    a_to_m_k: float
-    a_to_r_k: float
-    r_to_m_k: float
-    m_to_a_k: float
-    r_to_a_k: float
-    m_to_r_k: float
-
-
-def forces_at(
-    wire: WireConstants, temperature_k: float, stress_pa: float, offset: float = 0.0, barrier_factor: float = 1.0
-) -> Forces:
-    """Return driving forces from the kernel's thresholds: how far a grain's offset is beyond each, times the spread."""
-    at = thresholds_at(wire.derived.record, temperature_k, stress_pa, barrier_factor, 0.0)
-    # Slopes of thresholds over temperature: 1 / s_M, r / s_R and (1 - r) / s_P, s the spreads of the driving forces.
-    ratio = wire.r_phase_entropy_ratio
-    spread_m, spread_r, spread_p = 1.0 / at.m_per_k, ratio / at.r_per_k, (1.0 - ratio) / at.p_per_k
-    return Forces(
-        spread_m * (offset - at.austenite_martensite),
-        spread_r * (offset - at.austenite_r_phase),
-        spread_p * (offset - at.r_phase_martensite),
-        spread_m * (at.martensite_austenite - offset),
-        spread_r * (at.r_phase_austenite - offset),
-        spread_p * (at.martensite_r_phase - offset),
-    )
 
 
 def stored_heat_j(state: WireState, wire: WireConstants) -> float:

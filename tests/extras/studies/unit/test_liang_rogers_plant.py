@@ -62,21 +62,6 @@ def test_starts_and_ends_rise_with_stress_at_the_published_rates(plants: ModuleT
     assert heating_k[::-1][np.argmax(cooled == 1.0)] == pytest.approx(315.15 + shift_k, abs=0.02)
 
 
-def test_the_fraction_does_not_depend_on_how_a_branch_is_divided(plants: ModuleType) -> None:
-    coarse, fine = (fractions(plants, np.linspace(320.0, 347.0, n), 0.0, 1.0)[-1] for n in (2, 5000))
-    assert coarse == pytest.approx(fine, rel=1e-9)
-
-
-def test_small_cycles_drift_as_scaled_branches_do(plants: ModuleType) -> None:
-    """Unlike grains, which remember their turns: the same two temperatures leave ever less martensite on heating."""
-    cycle_k = np.concatenate(
-        [np.linspace(310.0, 346.0, 200), *[np.linspace(346.0, 322.0, 99), np.linspace(322.0, 346.0, 99)] * 3]
-    )
-    found = fractions(plants, cycle_k, 0.0, 1.0)
-    tops = found[[199, 397, 595, 793]]
-    assert np.diff(tops).min() < -0.01
-
-
 @given(
     heats_j=st.lists(st.floats(-0.1, 0.2), min_size=3, max_size=8), loads_n=st.lists(st.floats(-2.5, 1.5), min_size=8)
 )

@@ -21,7 +21,6 @@ from musclewire.wire._loads import ConnectorLoad, spring_load, with_table
 from musclewire.wire._pairs import PairMeans, advance_pair
 from musclewire.wire._state import WireState
 from musclewire.wire._stepping import fixed_steps
-from musclewire.wire._wires import advance
 
 pytestmark = pytest.mark.slow
 
@@ -107,49 +106,6 @@ CASES = {
     "antagonist": Case((wire(spring_load(200.0)), wire()), PairConnection(-1.0, OWN_SUPPLY, 1.5, 1.0), no_grip()),
     "grip": Case((wire(finger_load()), wire(finger_load())), PairConnection(APART, SERIES, 0.0, 1.0), grip()),
 }
-
-
-def test_two_equal_wires_on_one_connector_are_one_wire_with_half_the_load() -> None:
-    """By hand: each carries half of pretension and spring; half the current flows in it, so the shunt counts twice.
-
-    Step by step from one state: the pair's solution against the single wire's.
-    """
-    both = (wire(spring_load(800.0)), wire())
-    half = wire(spring_load(400.0), shunt_resistance_ohm=2.0)
-    states, single, contracted = at_rest(both), resting_state(half), []
-    for voltage in CYCLE_V:
-        states, means = advance_pair(
-            states, both, PairConnection(1.0, PARALLEL, 0.0, 1.0), no_grip(), voltage, 1e-3, MS
-        )
-        single, mean = advance(single, half, voltage, 1e-3, MS)
-        for state in states:
-            assert state.stress_pa == pytest.approx(single.stress_pa, rel=1e-9)
-            assert state.temperature_k == pytest.approx(single.temperature_k, rel=1e-9)
-        assert means.wire_voltage_v == pytest.approx(mean.wire_voltage_v, rel=1e-9)
-        assert means.shunt_voltage_v == pytest.approx(mean.shunt_voltage_v, rel=1e-9)
-        assert means.force_n + means.partner_force_n == pytest.approx(2.0 * mean.force_n, rel=1e-9)
-        # On from where the single wire will be after a tenth of a second.
-        single, _ = advance(single, half, voltage, 99e-3, MS)
-        states = (single, single)
-        contracted.append(single.contraction)
-    assert max(contracted) > 0.03
-
-
-@pytest.mark.parametrize("stiffness_n_per_m", [0.0, 500.0])
-def test_antagonists_pull_alike_but_for_the_spring_between_them_and_move_as_one(stiffness_n_per_m: float) -> None:
-    both = (wire(spring_load(stiffness_n_per_m)), wire())
-    visited, means = course(both, PairConnection(-1.0, OWN_SUPPLY, 1.0, 1.0), CYCLE_V)
-    taut = 0
-    for (first, second), mean in zip(visited, means, strict=True):
-        x = moved_m(first, both[0])
-        assert pulls_n(first, both[0]) - pulls_n(second, both[1]) == pytest.approx(stiffness_n_per_m * x, abs=1e-7)
-        if second.stress_pa > 0.0:
-            assert moved_m(second, both[1]) == pytest.approx(-x, abs=1e-9)
-            taut += 1
-        assert mean.partner_displacement_m == -mean.displacement_m
-    assert taut > 800
-    # Cold martensite is stretched with little force: that is what lets the hot wire shorten.
-    assert max(mean.displacement_m for mean in means) > 3e-4
 
 
 def endpoint_force_n(state: WireState, of: WireConstants) -> float:
