@@ -64,13 +64,6 @@ def test_many_targets_equal_one_at_a_time(times_s: list[float]) -> None:
     assert sampled.targets_at(times_s).tolist() == [sampled.target_at(time) for time in times_s]
 
 
-@given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=20), st.floats(0.01, 100.0))
-def test_every_step_of_any_staircase_shows_its_own_level_in_its_middle(levels: list[float], hold_s: float) -> None:
-    stairs = Staircase(tuple(levels), hold_s)
-    for step in stairs.steps:
-        assert stairs.target_at((step.start_s + step.stop_s) / 2.0) == step.target
-
-
 def test_a_level_that_repeats_keeps_the_direction() -> None:
     directions = [step.direction for step in Staircase((0.1, 0.1, 0.2, 0.2, 0.1, 0.1, 0.2), 1.0).steps]
     assert directions == ["rise", "rise", "rise", "rise", "return", "return", "rise"]

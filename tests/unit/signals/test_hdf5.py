@@ -23,14 +23,6 @@ def write_rows(path, count, **options):
             writer.append(row(index))
 
 
-def test_what_was_appended_is_read_back(tmp_path):
-    write_rows(tmp_path / "run.h5", 47)
-    recording = read_hdf5(tmp_path / "run.h5")
-    assert recording.names == NAMES
-    assert recording["wire_voltage_v"].tolist() == [1.0 + index for index in range(47)]
-    assert dict(recording.metadata) == {"wire": "Flexinol", "ended": "done"}
-
-
 def test_every_dataset_says_its_unit_and_is_plain_hdf5(tmp_path):
     write_rows(tmp_path / "run.h5", 3)
     with h5py.File(tmp_path / "run.h5") as file:

@@ -32,14 +32,6 @@ def wire_of(*classes: tuple[float, float], table: tuple[Array, Array] | None = N
     )
 
 
-@pytest.mark.slow
-def test_two_classes_of_one_barrier_are_one_class() -> None:
-    one, _ = drive_path(wire_of((1.0, 0.0)), DRIVE_V, sample_s=0.05)
-    two, _ = drive_path(wire_of((0.3, 0.0), (0.7, 0.0)), DRIVE_V, sample_s=0.05)
-    assert two.temperature_k == pytest.approx(one.temperature_k, abs=1e-9)
-    assert two.resistance_ohm == pytest.approx(one.resistance_ohm, abs=1e-10)
-
-
 @pytest.mark.parametrize("path_k", [THERE_AND_BACK_K, SMALL_LOOPS_K], ids=["loop", "small loops"])
 def test_along_prescribed_temperatures_a_wire_is_the_weighted_sum_of_its_classes(path_k: Array) -> None:
     early = isobaric_path(wire_of((1.0, -4.0)), STRESS_PA, path_k)

@@ -69,12 +69,6 @@ def test_every_subject_has_a_title_and_every_figure_its_rows() -> None:
     assert set(FIGURES) <= subjects
 
 
-def test_every_subject_is_in_one_part_of_the_page() -> None:
-    assert sorted(subject for part in contents()["parts"].values() for subject in part) == sorted(
-        contents()["subjects"]
-    )
-
-
 def test_every_row_is_called_by_words_and_no_two_of_a_figure_alike() -> None:
     checks = {check.name: row_name(judged(check, [SeedResult(1.0)], {})) for check in all_checks()}
     keys = {name.partition(".")[2].partition("[")[0] for name in checks}
