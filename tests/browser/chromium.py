@@ -10,18 +10,6 @@ from typing import Any
 
 import pytest
 
-__all__ = [
-    "FLAGS",
-    "SIZES",
-    "browser",
-    "chromium_path",
-    "launched",
-    "missing",
-    "playwright",
-    "require_playwright",
-    "started",
-]
-
 # Debian's Chromium. What a root user's sandbox or a small /dev/shm would break is no subject here.
 FLAGS = [
     *("--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-background-networking"),

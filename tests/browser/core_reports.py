@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from tests.browser.report_subject import ReportSubject
 
-__all__ = ["SUBJECTS"]
-
 SUBJECTS = (
     ReportSubject("demo", (("demo", "--json", "--out", "."),), 5),
     ReportSubject(

@@ -8,8 +8,6 @@ from typing import Any
 from musclewire.rigs import Answer, Device
 from musclewire.signals import Command
 
-__all__ = ["AlteredDevice"]
-
 
 class AlteredDevice:
     """Another device, whose answers go through a function; everything else, its abilities too, is that device's."""

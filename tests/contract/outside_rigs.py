@@ -23,8 +23,6 @@ from musclewire.rigs import (
 )
 from musclewire.signals import Command, RawSample, drive_voltage_of
 
-__all__ = ["RIG_FILE", "SUBJECTS"]
-
 RIG_FILE = """
 kind = "first order"
 wire = "paper-100um"

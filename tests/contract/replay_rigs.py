@@ -21,8 +21,6 @@ from musclewire.experiment import what_protects
 from musclewire.rigs import Answer, GuardedRig, open_rig
 from musclewire.signals import ELECTRICAL_COLUMNS, RawSample, Recording
 
-__all__ = ["SUBJECTS"]
-
 
 def noting(rig: GuardedRig) -> list[RawSample]:
     """Return a list that will hold every sample of a rig, also one at which the protection trips."""

@@ -10,8 +10,6 @@ import pytest
 
 from musclewire.rigs import Rig
 
-__all__ = ["PAPERS_WIRE_OHM", "Opened", "RigSubject", "without_a_test"]
-
 Opened = Callable[[pytest.FixtureRequest, Path], Rig]
 
 # Resistance between the terminals by the maker's ohm per metre, within his 15 %: 126 over 14 cm.

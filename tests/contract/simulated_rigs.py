@@ -8,8 +8,6 @@ from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_te
 
 from musclewire.rigs import Rig, RigConfiguration, open_rig
 
-__all__ = ["SHORT_OHM", "SUBJECTS"]
-
 PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}
 # By the maker's ohm per metre, within his 15 %: 126 and, of the thicker wire, 75 over 14 cm; 126 over 7 cm, of which
 # two stand beside or behind each other.

@@ -11,8 +11,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-__all__ = ["DaskCluster"]
-
 
 class DaskCluster:
     """A scheduler and its workers, one thread each, as processes; all are gone at the end of the ``with`` block."""

@@ -49,15 +49,8 @@ def test_a_stopped_study_continues_and_repeats_nothing(counted: Counted) -> None
     result = sweep(counted.study(), counted.folder, workers=Workers(processes=1, runs_per_chunk=5))
     assert counted.evaluated() == list(range(24))
     assert result.evaluated == 12
+    assert sweep(counted.study(), counted.folder, workers=HERE).evaluated == 0
     assert np.array_equal(result.columns["draw"], sweep(counted.study(), workers=HERE).columns["draw"])
-
-
-def test_a_finished_study_evaluates_nothing(counted: Counted) -> None:
-    first = sweep(counted.study(), counted.folder, workers=HERE)
-    again = sweep(counted.study(), counted.folder, workers=HERE)
-    assert again.evaluated == 0
-    assert len(counted.evaluated()) == 24
-    assert np.array_equal(again.columns["draw"], first.columns["draw"])
 
 
 def test_another_study_is_not_mixed_into_the_folder(counted: Counted) -> None:

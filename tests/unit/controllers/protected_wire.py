@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from musclewire.controllers import ProtectionLimits
 
-__all__ = ["LIMITS", "Reading", "of_wire"]
-
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.3,
     maximum_voltage_v=3.6,

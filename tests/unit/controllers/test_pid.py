@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import pytest
-
 from musclewire.controllers._controller import ControllerSetup
 from musclewire.controllers._drive_limits import DriveLimits
 from musclewire.controllers._pid import PidSettings, pid_controller
-from musclewire.errors import CallerError
 from musclewire.signals import QuantityEstimate
 
 LIMITS = DriveLimits(0.4, 3.2)
@@ -24,8 +21,3 @@ def test_its_gains_are_those_of_its_settings_whatever_the_error_is() -> None:
 def test_its_error_unit_is_the_loops_unless_the_settings_name_one() -> None:
     assert pid_controller(ControllerSetup(LIMITS, 0.003)).settings.error_unit == 0.003
     assert pid_controller(ControllerSetup(LIMITS, 0.003, PidSettings(error_unit=0.1))).settings.error_unit == 0.1
-
-
-def test_a_key_nobody_knows_is_an_error() -> None:
-    with pytest.raises(CallerError, match="did you mean 'kp'"):
-        PidSettings(kpp=1.0)

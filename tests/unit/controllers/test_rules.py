@@ -7,7 +7,6 @@ import pytest
 
 from musclewire.controllers._rules import (
     SET_NAMES,
-    ConstantRules,
     MamdaniRules,
     ZhaoRules,
     load_rule_base,
@@ -142,35 +141,6 @@ def test_liu_kp_and_ki_are_antisymmetric_in_all_but_a_few_cells_and_never_far_fr
         assert np.abs(residue).max() == 1
 
 
-def test_the_mirrored_rule_base_takes_its_tables_from_the_original() -> None:
-    mirrored = load_rule_base("liu-7x7-mirrored")
-    assert mirrored.rules == liu_rules()
-    assert mirrored.input_sets == load_rule_base("liu-7x7").input_sets
-    assert mirrored.mirrored == "negative-error"
-
-
-def test_fixed_is_the_middle_of_every_range() -> None:
-    rules = load_rule_base("fixed").rules
-    assert isinstance(rules, ConstantRules)
-    assert (rules.kp, rules.ki, rules.kd) == (0.5, 0.5, 0.5)
-
-
-def test_an_unknown_name_gets_the_nearest_one() -> None:
-    with pytest.raises(CallerError, match="did you mean 'zhao-1993'"):
-        load_rule_base("zhao1993")
-
-
-def test_a_missing_file_is_named() -> None:
-    with pytest.raises(CallerError, match=r"cannot read the rule base /nowhere/mine\.toml"):
-        load_rule_base("/nowhere/mine.toml")
-
-
-def test_a_users_own_rules_are_read() -> None:
-    rules = parse_rule_base(CONSTANT).rules
-    assert isinstance(rules, ConstantRules)
-    assert rules.ki == 1.0
-
-
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -186,6 +156,13 @@ def test_a_wrong_file_is_refused_in_one_line_that_names_the_place(old: str, new:
         parse_rule_base(CONSTANT.replace(old, new), where="mine.toml")
     assert str(raised.value).startswith("mine.toml: ")
     assert "\n" not in str(raised.value)
+
+
+def test_a_rule_base_that_is_not_there_is_named() -> None:
+    with pytest.raises(CallerError, match="did you mean 'zhao-1993'"):
+        load_rule_base("zhao1993")
+    with pytest.raises(CallerError, match=r"cannot read the rule base /nowhere/mine\.toml"):
+        load_rule_base("/nowhere/mine.toml")
 
 
 DERIVED = 'name = "mine"\nderives_from = "{parent}"\n'

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.unit.controllers.protected_wire import LIMITS, Reading, of_wire
+from tests.unit.controllers.protected_wire import LIMITS, of_wire
 
 from musclewire.controllers._protection import (
     Event,
@@ -26,16 +26,7 @@ from musclewire.controllers._protection import (
     rested,
     tripped_by,
 )
-from musclewire.controllers._protection.protect import (
-    RunningProtection,
-    after_reading,
-    fills_block,
-    packed_limits,
-    packed_memory,
-    sound_command,
-    sound_reading,
-    sound_sample,
-)
+from musclewire.controllers._protection.protect import RunningProtection, after_reading, fills_block, sound_sample
 
 
 class ByFunctions:
@@ -190,21 +181,3 @@ def test_noise_in_one_fast_sample_of_each_reading_trips_nothing(noisy_one: int) 
         drive_v, wire_v, shunt_v = of_wire(1.0 + 1e-5 * tick, 16.0)
         running.sample(drive_v, wire_v * (1.7 if tick % BLOCK == noisy_one else 1.0), shunt_v)
     assert running.state.state is State.RUN
-
-
-@pytest.mark.parametrize(
-    ("reading", "sound"), [(of_wire(1.0, 16.0), True), (of_wire(1.0, 40.0), False), ((1.0, math.nan, 0.1), False)]
-)
-def test_a_sound_reading_is_remembered_and_another_one_is_not(reading: Reading, sound: bool) -> None:
-    state = protect_command(armed(LIMITS), LIMITS, 1.0)
-    memory = packed_memory(state)
-    assert sound_reading(memory[0], packed_limits(LIMITS)[0], *reading, 0.05) == sound
-    after = protect_reading(state, LIMITS, *reading, 0.05)
-    assert memory == packed_memory(after if sound else state)
-    assert (after.state is State.RUN and after.lasting_s == state.lasting_s) == sound
-
-
-@pytest.mark.parametrize("volts", [0.0, 1.0, 3.6, 3.6 * (1.0 + 1e-7), 3.7, -0.1, math.nan, math.inf])
-def test_a_command_is_sound_if_the_protection_follows_it(volts: float) -> None:
-    followed = protect_command(armed(LIMITS), LIMITS, volts).state is State.RUN
-    assert sound_command(packed_limits(LIMITS)[0], volts) == followed

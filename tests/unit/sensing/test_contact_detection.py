@@ -138,8 +138,3 @@ def test_once_found_contact_stays_found() -> None:
 def test_a_free_closing_that_cannot_be_is_refused(wrong: dict) -> None:
     with pytest.raises(CallerError):
         replace(FREE, **wrong)
-
-
-def test_an_air_disturbance_of_no_strength_is_refused() -> None:
-    with pytest.raises(CallerError, match="air disturbance"):
-        ContactDetector(FREE, AirDisturbance(draught_fraction=0.0))

@@ -25,10 +25,6 @@ def test_parallel_branches_have_their_distance_over_the_largest_strain() -> None
     assert signed_hysteresis_gap(straight(-0.0003), straight(0.0)) == pytest.approx(-0.01)
 
 
-def test_identical_branches_have_no_gap() -> None:
-    assert hysteresis_gap(straight(0.0), straight(0.0)) == 0.0
-
-
 def test_branches_that_cross_keep_their_distance_but_lose_their_sign() -> None:
     maker = LoopMaker(crossing=True, middle_gap=0.001)
     loop = maker.record(20_000)
@@ -64,30 +60,31 @@ def test_a_gap_that_opens_evenly_is_its_mean_however_few_resistances_are_compare
     assert gap == pytest.approx(0.5 * widest / 0.03, rel=1e-9)
 
 
-def test_only_shared_resistances_are_compared() -> None:
+FALLING = np.linspace(0.02, 0.01, 9)
+
+
+@pytest.mark.parametrize(
+    ("heating", "cooling", "error", "says"),
+    [
+        (straight(0.0), (np.linspace(17.5, 19, 9), FALLING), RecordingError, "share no resistance"),
+        ((straight(0.0)[0], -straight(0.0)[1]), straight(-0.06), RecordingError, "contraction must be positive"),
+        (([16.0], [0.02]), straight(0.0), RecordingError, "heating branch has 1 points"),
+    ],
+)
+def test_branches_without_a_gap_are_named(
+    heating: tuple[Column, Column], cooling: tuple[Column, Column], error: type[Exception], says: str
+) -> None:
+    with pytest.raises(error, match=says):
+        hysteresis_gap(heating, cooling)
+    with pytest.raises(CallerError, match="at least 1 point"):
+        hysteresis_gap(straight(0.0), straight(0.0), points=0)
+
+
+def test_only_shared_resistances_are_compared_and_another_maximum_may_be_given() -> None:
     low = (np.linspace(15, 16, 40), np.linspace(0.03, 0.02, 40))
     high = (np.linspace(15.5, 17, 40), np.linspace(0.025, 0.01, 40))
     assert hysteresis_gap(low, high) == pytest.approx(0.0, abs=1e-12)
-    with pytest.raises(RecordingError, match="share no resistance"):
-        hysteresis_gap(low, (np.linspace(16.5, 17, 9), np.linspace(0.02, 0.01, 9)))
-
-
-def test_a_larger_maximum_elsewhere_on_the_loop_can_be_given() -> None:
-    plain = hysteresis_gap(straight(0.0), straight(-0.0003))
-    assert hysteresis_gap(straight(0.0), straight(-0.0003), maximum=0.06) == pytest.approx(plain / 2)
-
-
-def test_elongation_positive_strain_has_no_gap() -> None:
-    resistance, strain = straight(0.0)
-    with pytest.raises(RecordingError, match="contraction must be positive"):
-        hysteresis_gap((resistance, -strain), (resistance, -strain))
-
-
-def test_unusable_branches_and_arguments_are_named() -> None:
-    with pytest.raises(RecordingError, match="heating branch has 1 points"):
-        hysteresis_gap(([16.0], [0.02]), straight(0.0))
-    with pytest.raises(CallerError, match="at least 1 point"):
-        hysteresis_gap(straight(0.0), straight(0.0), points=0)
+    assert hysteresis_gap(straight(0.0), straight(-0.0003), maximum=0.06) == pytest.approx(0.005)
 
 
 branches = st.integers(10, 400).flatmap(lambda n: st.tuples(st.just(n), st.floats(0.3, 3.0), st.floats(-0.002, 0.002)))

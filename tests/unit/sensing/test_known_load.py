@@ -59,7 +59,3 @@ def test_friction_follows_the_direction_of_motion_and_stays_when_the_wire_stops(
 @given(st.lists(st.floats(0.0, 10.0), min_size=1, max_size=30))
 def test_friction_never_exceeds_its_limit(course_n: list[float]) -> None:
     assert max(map(abs, forces(KnownSpring(300.0, friction_n=0.03), course_n))) <= 0.03 + 1e-9
-
-
-def test_without_friction_there_is_none() -> None:
-    assert forces(KnownSpring(300.0), [2.0, 4.0, 3.0]) == pytest.approx([0.0] * 3, abs=1e-9)

@@ -30,48 +30,36 @@ def test_a_model_comes_back_from_its_file_to_the_bit(model: SensingModel, tmp_pa
     assert (tmp_path / "model.json").stat().st_size < 50_000
 
 
-def test_saving_leaves_nothing_else_behind_and_replaces_what_was_there(model: SensingModel, tmp_path: Path) -> None:
-    (tmp_path / "model.json").write_text("old", encoding="utf-8")
-    model.save(tmp_path / "model.json")
-    assert [path.name for path in tmp_path.iterdir()] == ["model.json"]
-    assert load_model(tmp_path / "model.json").order == model.order
-
-
-def test_a_save_that_fails_leaves_the_old_file_and_no_other(
+def test_saving_replaces_what_was_there_or_leaves_it_and_nothing_else(
     model: SensingModel, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full_disk(_: int) -> None:
         raise OSError(28, "No space left on device")
 
     (tmp_path / "model.json").write_text("old", encoding="utf-8")
-    monkeypatch.setattr("os.fsync", full_disk)
-    with pytest.raises(CallerError, match="No space left"):
-        model.save(tmp_path / "model.json")
+    with monkeypatch.context() as patched:
+        patched.setattr("os.fsync", full_disk)
+        with pytest.raises(CallerError, match="No space left"):
+            model.save(tmp_path / "model.json")
     assert [path.read_text(encoding="utf-8") for path in tmp_path.iterdir()] == ["old"]
-
-
-def test_a_missing_folder_or_file_is_named(model: SensingModel, tmp_path: Path) -> None:
+    model.save(tmp_path / "model.json")
+    assert [path.name for path in tmp_path.iterdir()] == ["model.json"]
+    assert load_model(tmp_path / "model.json") == model
     with pytest.raises(CallerError, match="cannot be written"):
         model.save(tmp_path / "nowhere" / "model.json")
     with pytest.raises(CallerError, match="cannot read model file"):
-        load_model(tmp_path / "model.json")
+        load_model(tmp_path / "none.json")
 
 
 @pytest.mark.parametrize(
     "content",
-    [b"", b"not json", b"\xff\xfe\x00", b"[1, 2]", b'{"format": "other"}', b"[" * 100_000, b"1" * 5000],
+    [b"", b"not json", b"\xff\xfe\x00", b"[1, 2]", b'{"format": "other"}', b"[" * 100_000, b" " * 1_000_001],
 )
 def test_a_file_that_is_no_model_is_told_in_one_line(content: bytes, tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(content)
-    with pytest.raises(CallerError, match="is not a model file") as told:
+    with pytest.raises(CallerError, match=r"is not a model file|larger than 1000000 bytes") as told:
         load_model(tmp_path / "file")
     assert "\n" not in str(told.value)
-
-
-def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
-    (tmp_path / "file").write_bytes(b" " * 1_000_001)
-    with pytest.raises(CallerError, match="larger than 1000000 bytes"):
-        load_model(tmp_path / "file")
 
 
 @pytest.mark.parametrize(
@@ -80,13 +68,10 @@ def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
         (lambda d: d.update(version=2), "has version 2"),
         (lambda d: d.update(resistance_min_ohms=1), "did you mean 'resistance_min_ohm'"),
         (lambda d: d.pop("resistance_min_ohm"), "key 'resistance_min_ohm' is missing"),
-        (lambda d: d.update(resistance_min_ohm="15"), "resistance_min_ohm: Input should be a valid number"),
         (lambda d: d.update(resistance_min_ohm=float("nan")), "finite"),
         (lambda d: d["heating_coefficients"].append(0.0), "fit both alike"),
-        (lambda d: d.update(order=5), "order 5"),
         (lambda d: d.update(quantity_max=0.04), "the file was altered"),
         (lambda d: d.update(heating_standard_errors=[0.1]), "1 standard errors"),
-        (lambda d: d.update(wire={"name": [1]}), "wire"),
     ],
 )
 def test_a_damaged_model_is_reported_in_one_line(

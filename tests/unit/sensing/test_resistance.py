@@ -14,31 +14,22 @@ from musclewire.physics import wire_resistance, wire_resistance_from_current
 anything = st.floats(allow_nan=True, allow_infinity=True)
 
 
-def test_two_volts_over_the_wire_and_an_eighth_over_one_ohm_are_sixteen_ohm() -> None:
-    assert wire_resistance(2.0, 0.125, 1.0) == (16.0, True)
-
-
-def test_one_sample_gives_plain_values() -> None:
-    reading = wire_resistance(2.0, 0.125, 1.0)
-    assert type(reading.resistance_ohm) is float
-    assert type(reading.valid) is bool
-
-
-def test_whole_numbers_serve_as_one_sample() -> None:
-    assert wire_resistance(16, 1, 1) == (16.0, True)
-
-
-def test_no_current_is_zero_ohm_and_invalid_not_nan() -> None:
-    assert wire_resistance(0.0, 0.0, 1.0) == (0.0, False)
-    assert wire_resistance(1e-3, 9e-4, 1.0) == (0.0, False)
-
-
-def test_reversed_current_is_still_a_resistance() -> None:
-    assert wire_resistance(-2.0, -0.125, 1.0) == (16.0, True)
-
-
-def test_swapped_leads_are_invalid() -> None:
-    assert wire_resistance(2.0, -0.125, 1.0) == (0.0, False)
+@pytest.mark.parametrize(
+    ("wire_v", "shunt_v", "reading"),
+    [
+        (2.0, 0.125, (16.0, True)),
+        (16, 1, (16.0, True)),
+        (0.0, 0.0, (0.0, False)),
+        (1e-3, 9e-4, (0.0, False)),
+        (-2.0, -0.125, (16.0, True)),
+        (2.0, -0.125, (0.0, False)),
+    ],
+    ids=["two volts", "whole numbers", "no current", "too little current", "reversed", "swapped leads"],
+)
+def test_one_sample_is_a_plain_resistance_or_none(wire_v: float, shunt_v: float, reading: tuple[float, bool]) -> None:
+    found = wire_resistance(wire_v, shunt_v, 1.0)
+    assert found == reading
+    assert (type(found.resistance_ohm), type(found.valid)) == (float, bool)
 
 
 def test_several_wires_keep_their_shape_and_spoil_only_themselves() -> None:

@@ -31,12 +31,9 @@ def test_a_clean_loop_is_cut_where_it_was_made_to_turn(samples: int) -> None:
     assert strains(loop, segments) == pytest.approx([0, 15, 100, 100, 15, 0], abs=4.0 if samples < 400 else 1.0)
     assert segments.resistance_max_ohm == pytest.approx(MAKER.resistance_max_ohm, abs=0.02)
     assert segments.resistance_min_ohm == pytest.approx(MAKER.resistance_min_ohm, abs=0.02)
+    assert segments.transformation_fraction == pytest.approx(0.85, abs=0.04 if samples < 400 else 0.01)
     assert segments.complete
     assert segments.returns_cold
-
-
-def test_b_to_c_is_the_papers_share_of_the_strain() -> None:
-    assert found(MAKER.record(4000)).transformation_fraction == pytest.approx(0.85, abs=0.005)
 
 
 @pytest.mark.parametrize("samples", [400, 2000, 20_000])
@@ -48,12 +45,6 @@ def test_noise_moves_the_points_by_little(samples: int, seed: int) -> None:
     assert clean == pytest.approx([0, 15, 100, 100, 15, 0], abs=5.0)
     assert segments.resistance_max_ohm == pytest.approx(MAKER.resistance_max_ohm, abs=0.06)
     assert segments.resistance_min_ohm == pytest.approx(MAKER.resistance_min_ohm, abs=0.06)
-
-
-def test_order_along_the_recording_is_a_b_c_c_b_a() -> None:
-    s = found(noisy(MAKER.record(), 1e-3, 3e-3))
-    order = [s.heating_a, s.heating_b, s.heating_c, s.cooling_c, s.cooling_b, s.cooling_a]
-    assert order == sorted(order)
 
 
 def test_the_branches_are_the_measured_samples_from_b_to_c() -> None:
@@ -137,15 +128,6 @@ def test_long_rests_at_both_ends_stay_out_of_the_branches(noise: float, top: flo
     assert s.strain_cold == pytest.approx(0.0, abs=0.001)
 
 
-def test_strain_that_sticks_in_the_guide_after_turning_is_followed_by_resistance() -> None:
-    loop = MAKER.record(1800, top=0.9)
-    strain = loop.strain.copy()
-    strain[900:960] = strain[900]
-    s = find_segments(loop.resistance_ohm, strain)
-    assert s.heating_c == pytest.approx(900, abs=2)
-    assert s.cooling_c == pytest.approx(900, abs=2)
-
-
 def test_samples_without_current_are_left_out_and_indices_stay_those_of_the_recording() -> None:
     loop = MAKER.record(2000)
     valid = np.ones(2000, dtype=bool)
@@ -159,11 +141,33 @@ def test_samples_without_current_are_left_out_and_indices_stay_those_of_the_reco
     assert valid[[s.heating_a, s.heating_b, s.heating_c, s.cooling_c, s.cooling_b, s.cooling_a]].all()
 
 
-def test_strain_of_the_wrong_sign_is_named() -> None:
-    loop = MAKER.record()
-    for strain in (-loop.strain, 0.05 - loop.strain):
-        with pytest.raises(RecordingError, match=r"wrong sign.*negate"):
-            find_segments(loop.resistance_ohm, strain)
+SLOW, RANDOM = MAKER.record(), np.random.default_rng(0)
+WARMTH = (1 - np.cos(np.linspace(0, 4 * np.pi, 3600))) / 2
+NAN_AT_77 = np.where(np.arange(1800) == 77, np.nan, SLOW.resistance_ohm)
+
+
+@pytest.mark.parametrize(
+    ("resistance", "strain", "message"),
+    [
+        (SLOW.resistance_ohm, -SLOW.strain, r"wrong sign.*negate"),
+        (SLOW.resistance_ohm, 0.05 - SLOW.strain, r"wrong sign.*negate"),
+        (16 + 0.01 * RANDOM.normal(size=500), 1e-5 * RANDOM.normal(size=500), r"^no transformation: the strain moves"),
+        (17.0 + 0.5 * WARMTH, -2e-4 * WARMTH, r"^no transformation"),
+        (np.full(1800, 16.0), SLOW.strain, r"^no transformation"),
+        (SLOW.resistance_ohm[:900], SLOW.strain[:900], r"no complete cycle.*heating from 0 to"),
+        (np.ones(15), np.ones(15), "15 usable samples of 15: a loop needs at least 20"),
+        (np.array([]), np.array([]), "0 usable samples of 0"),
+        (NAN_AT_77, SLOW.strain, "first at index 77"),
+        (np.ones(30), np.ones(31), "equal length"),
+    ],
+    ids=[
+        *("negative", "reversed", "within noise", "expansion alone", "flat", "half a cycle"),
+        *("few", "none", "not a number", "unequal"),
+    ],
+)
+def test_columns_that_hold_no_loop_are_refused(resistance: np.ndarray, strain: np.ndarray, message: str) -> None:
+    with pytest.raises(RecordingError, match=message):
+        find_segments(resistance, strain)
 
 
 @pytest.mark.parametrize("noise", [0.0, 2e-3])
@@ -173,54 +177,11 @@ def test_heating_that_never_reaches_the_transformation_is_named(noise: float) ->
         found(loop)
 
 
-def test_a_stroke_within_its_noise_is_no_transformation() -> None:
-    random = np.random.default_rng(0)
-    with pytest.raises(RecordingError, match=r"no transformation: the strain moves by"):
-        find_segments(16 + 0.01 * random.normal(size=500), 1e-5 * random.normal(size=500))
-
-
-def test_what_is_wrong_with_a_force_is_said_of_the_force() -> None:
-    loop = MAKER.record()
-    resistance = 16.0 + 0.1 * loop.strain / loop.strain.max()
-    with pytest.raises(RecordingError, match=r"as the force rises over a change of 4\.65 N .*hardly contract"):
-        find_segments(resistance, 4.65 * loop.strain / loop.strain.max(), quantity="force")
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_a_resistance_that_is_only_noise_is_no_transformation(seed: int) -> None:
-    loop = MAKER.record()
-    flat = Loop(np.full(1800, 16.0), loop.strain, loop.time_s)
+    flat = Loop(np.full(1800, 16.0), SLOW.strain, SLOW.time_s)
     with pytest.raises(RecordingError, match=r"^no transformation"):
         found(noisy(flat, 2e-3, 1e-3, seed))
-    with pytest.raises(RecordingError, match=r"^no transformation"):
-        found(flat)
-
-
-def test_too_few_samples_say_how_many_are_needed() -> None:
-    loop = MAKER.record(15)
-    with pytest.raises(RecordingError, match=r"15 usable samples of 15: a loop needs at least 20"):
-        found(loop)
-    with pytest.raises(RecordingError, match="at least 8"):
-        found(MAKER.record(22))
-    with pytest.raises(RecordingError, match="0 usable samples of 0"):
-        find_segments([], [])
-
-
-def test_half_a_cycle_is_told_from_a_whole_one() -> None:
-    with pytest.raises(RecordingError, match=r"no complete cycle.*heating from 0 to"):
-        found(MAKER.record(cycles=0.5))
-
-
-def test_a_sample_that_is_not_a_number_is_pointed_at() -> None:
-    loop = MAKER.record()
-    loop.resistance_ohm[77] = np.nan
-    with pytest.raises(RecordingError, match="first at index 77"):
-        found(loop)
-
-
-def test_columns_of_unequal_length_are_refused() -> None:
-    with pytest.raises(RecordingError, match="equal length"):
-        find_segments(np.ones(30), np.ones(31))
 
 
 @settings(deadline=None, max_examples=60)
@@ -265,10 +226,3 @@ def test_a_turn_found_too_early_by_a_sticking_strain_is_moved_to_the_least_resis
     s = find_segments(loop.resistance_ohm, strain)
     assert s.heating_c == pytest.approx(900, abs=2)
     assert not s.complete
-
-
-def test_thermal_expansion_alone_is_no_transformation() -> None:
-    """Heating that never transforms lengthens the wire a little while its resistance rises."""
-    warmth = (1 - np.cos(np.linspace(0, 4 * np.pi, 3600))) / 2
-    with pytest.raises(RecordingError, match=r"^no transformation"):
-        find_segments(17.0 + 0.5 * warmth, -2e-4 * warmth)

@@ -2,7 +2,5 @@
 
 from __future__ import annotations
 
-__all__ = ["SAVED", "SAVED_WITHOUT_A_CLOCK"]
-
 SAVED = [".h5", ".hdf5", ".csv"]
 SAVED_WITHOUT_A_CLOCK = [".h5", ".csv"]

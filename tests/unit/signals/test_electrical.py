@@ -10,18 +10,20 @@ def recording_of(*names, **metadata):
     return Recording({name: np.array([0.1, 0.2]) for name in ("time_s", *names)}, metadata)
 
 
-def test_a_shunt_of_known_resistance_comes_first():
-    everything = ("wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
-    assert require_electrical(recording_of(*everything, shunt_resistance_ohm=1.0)) is ElectricalSource.SHUNT
-
-
-def test_without_the_shunts_resistance_a_measured_current_serves():
-    recording = recording_of("wire_voltage_v", "shunt_voltage_v", "wire_current_a")
-    assert require_electrical(recording) is ElectricalSource.CURRENT
-
-
-def test_a_resistance_serves_as_it_is():
-    assert require_electrical(recording_of("wire_resistance_ohm")) is ElectricalSource.RESISTANCE
+@pytest.mark.parametrize(
+    ("names", "metadata", "source"),
+    [
+        (
+            ("wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm"),
+            {"shunt_resistance_ohm": 1.0},
+            ElectricalSource.SHUNT,
+        ),
+        (("wire_voltage_v", "shunt_voltage_v", "wire_current_a"), {}, ElectricalSource.CURRENT),
+        (("wire_resistance_ohm",), {}, ElectricalSource.RESISTANCE),
+    ],
+)
+def test_a_known_shunt_comes_first_then_a_measured_current_then_a_resistance(names, metadata, source):
+    assert require_electrical(recording_of(*names, **metadata)) is source
 
 
 @pytest.mark.parametrize("shunt", [None, 0.0, -1.0, float("nan"), float("inf"), True, "1 ohm"])

@@ -1,5 +1,6 @@
 import subprocess
 import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -7,7 +8,6 @@ import pytest
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.signals._reading import read_hdf5
-from musclewire.signals._recording import Recording
 from musclewire.signals._recording_writer import RecordingWriter
 
 NAMES = ("time_s", "wire_voltage_v", "shunt_voltage_v")
@@ -21,14 +21,6 @@ def write_rows(path, count, **options):
     with RecordingWriter(path, NAMES, {"wire": "Flexinol"}, **options) as writer:
         for index in range(count):
             writer.append(row(index))
-
-
-def test_what_was_appended_is_read_back(tmp_path):
-    write_rows(tmp_path / "run.h5", 47)
-    recording = read_hdf5(tmp_path / "run.h5")
-    assert recording.names == NAMES
-    assert recording["wire_voltage_v"].tolist() == [1.0 + index for index in range(47)]
-    assert dict(recording.metadata) == {"wire": "Flexinol", "ended": "done"}
 
 
 def test_every_dataset_says_its_unit_and_is_plain_hdf5(tmp_path):
@@ -82,18 +74,19 @@ def test_the_caller_may_give_the_cause_and_closing_twice_changes_nothing(tmp_pat
         writer.append(row(1))
 
 
-def test_a_writer_that_is_wrong_from_the_start_leaves_no_file(tmp_path):
-    for columns, message in [
-        (["time_s", "wire_volts"], "unknown column 'wire_volts'"),
-        (["time_s", "time_s"], "column 'time_s' is given twice"),
-        (["force_n"], "needs the column time_s"),
-    ]:
-        with pytest.raises(CallerError, match=message):
-            RecordingWriter(tmp_path / "run.h5", columns, {})
-    with pytest.raises(CallerError, match="metadata key 'Wire'"):
-        RecordingWriter(tmp_path / "run.h5", NAMES, {"Wire": "x"})
-    with pytest.raises(CallerError, match="block_rows is 0"):
-        RecordingWriter(tmp_path / "run.h5", NAMES, {}, block_rows=0)
+@pytest.mark.parametrize(
+    ("columns", "metadata", "options", "message"),
+    [
+        (["time_s", "wire_volts"], {}, {}, "unknown column 'wire_volts'"),
+        (["time_s", "time_s"], {}, {}, "column 'time_s' is given twice"),
+        (["force_n"], {}, {}, "needs the column time_s"),
+        (NAMES, {"Wire": "x"}, {}, "metadata key 'Wire'"),
+        (NAMES, {}, {"block_rows": 0}, "block_rows is 0"),
+    ],
+)
+def test_a_writer_that_is_wrong_from_the_start_leaves_no_file(tmp_path, columns, metadata, options, message):
+    with pytest.raises(CallerError, match=message):
+        RecordingWriter(tmp_path / "run.h5", columns, metadata, **options)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -129,42 +122,43 @@ def test_a_file_that_another_program_writes_is_said_to_be(tmp_path):
     assert "is still being written by another process; wait until it ends" in answer.stderr
 
 
-def test_a_missing_file_and_a_folder_are_told_apart(tmp_path):
-    with pytest.raises(RecordingError, match="no such file"):
-        read_hdf5(tmp_path / "none.h5")
-    with pytest.raises(RecordingError, match="is a folder"):
-        read_hdf5(tmp_path)
+def a_text_file(path):
+    path.write_text("time_s,force_n\n0,1\n")
 
 
-def test_what_is_not_hdf5_is_said_in_one_line(tmp_path):
-    (tmp_path / "run.h5").write_text("time_s,force_n\n0,1\n")
-    with pytest.raises(RecordingError) as caught:
-        read_hdf5(tmp_path / "run.h5")
-    assert "is not an HDF5 file" in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
-def test_hdf5_of_somebody_else_is_not_ours(tmp_path):
-    with h5py.File(tmp_path / "other.h5", "w") as file:
+def of_somebody_else(path):
+    with h5py.File(path, "w") as file:
         file["time_s"] = [0.0, 1.0]
-    with pytest.raises(RecordingError, match="is HDF5 but no musclewire recording"):
-        read_hdf5(tmp_path / "other.h5")
 
 
-def test_a_newer_format_asks_for_an_update(tmp_path):
-    write_rows(tmp_path / "run.h5", 3)
-    with h5py.File(tmp_path / "run.h5", "r+") as file:
+def of_a_newer_version(path):
+    write_rows(path, 3)
+    with h5py.File(path, "r+") as file:
         file.attrs["format_version"] = 2
-    with pytest.raises(RecordingError, match="has format_version 2, this musclewire reads 1; update"):
-        read_hdf5(tmp_path / "run.h5")
 
 
-def test_a_lost_column_is_named(tmp_path):
-    write_rows(tmp_path / "run.h5", 3)
-    with h5py.File(tmp_path / "run.h5", "r+") as file:
+def without_a_column(path):
+    write_rows(path, 3)
+    with h5py.File(path, "r+") as file:
         del file["shunt_voltage_v"]
-    with pytest.raises(RecordingError, match="the column 'shunt_voltage_v' is listed but missing"):
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (Path.exists, "no such file"),
+        (Path.mkdir, "is a folder"),
+        (a_text_file, "is not an HDF5 file"),
+        (of_somebody_else, "is HDF5 but no musclewire recording"),
+        (of_a_newer_version, "has format_version 2, this musclewire reads 1; update"),
+        (without_a_column, "the column 'shunt_voltage_v' is listed but missing"),
+    ],
+)
+def test_what_is_no_recording_of_ours_is_said_in_one_line(tmp_path, make, message):
+    make(tmp_path / "run.h5")
+    with pytest.raises(RecordingError, match=message) as caught:
         read_hdf5(tmp_path / "run.h5")
+    assert "\n" not in str(caught.value)
 
 
 def test_half_a_file_is_damaged_and_never_a_traceback(tmp_path):
@@ -175,12 +169,3 @@ def test_half_a_file_is_damaged_and_never_a_traceback(tmp_path):
         with pytest.raises(RecordingError) as caught:
             read_hdf5(tmp_path / "half.h5")
         assert "\n" not in str(caught.value)
-
-
-def test_saving_replaces_a_file_in_one_step_and_leaves_nothing_beside_it(tmp_path):
-    first = Recording({"time_s": [0.0, 1.0]})
-    second = Recording({"time_s": [0.0, 2.0]}, {"rig": None, "note": "", "pulse": True, "count": 3})
-    first.save(tmp_path / "run.h5")
-    second.save(tmp_path / "run.h5")
-    assert read_hdf5(tmp_path / "run.h5") == second
-    assert [file.name for file in tmp_path.iterdir()] == ["run.h5"]

@@ -43,18 +43,14 @@ def test_what_is_saved_is_loaded(
     ("text", "words"),
     [
         ("", "begins with format"),
-        ('format = "musclewire-wire"\nversion = 1\n', "begins with format"),
         (HEAD + 'sample_perod = "10 ms"\n', "unknown key 'sample_perod'; did you mean 'sample_period'"),
         (HEAD + "sample_period = 10\n", "sample_period is 10; it must be text"),
         (HEAD + 'sample_period = "10 mm"\n', "is a length"),
-        (HEAD + 'ignore = "Humidity"\n', "ignore is 'Humidity'; it must be a list"),
         (HEAD + "ignore = [3]\n", "ignore is a list of headers"),
-        (HEAD + "drop_missing = 1\n", "drop_missing is 1; it must be true or false"),
         (HEAD + '[columns]\nwire_voltage = "a:V"\n', "unknown column 'wire_voltage'; did you mean 'wire_voltage_v'"),
         (HEAD + "[columns]\ntime_s = 3\n", 'columns.time_s is 3; write "HEADER"'),
         (HEAD + "[metadata]\nWire = 'x'\n", "metadata key 'Wire'"),
         ("a = " + "[" * 5000, "cannot be read"),
-        ("\0", "cannot be read"),
     ],
 )
 def test_a_wrong_mapping_file_is_named_in_one_line(tmp_path: Path, text: str, words: str) -> None:

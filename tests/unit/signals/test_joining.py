@@ -72,13 +72,6 @@ def test_rows_are_those_of_the_first_recording_within_the_second() -> None:
     assert any("2675 of 3000 rows kept" in note or "of 3000 rows kept" in note for note in joined.notes)
 
 
-def test_a_faster_second_logger_is_averaged_and_a_slower_one_interpolated() -> None:
-    averaged = join_recordings(*two_loggers(chirp, 5.0, (0.05, 0.01)))
-    between = join_recordings(*two_loggers(steps, 5.0, (0.01, 0.05)))
-    assert "by means over the first file's sample period" in averaged.notes[0]
-    assert "by straight lines between its samples" in between.notes[0]
-
-
 def test_two_columns_that_follow_each_other_will_do_even_with_opposite_signs() -> None:
     first, second = two_loggers(steps, 5.0)
     second = Recording({"time_s": second["time_s"], "displacement_m": -1e-3 * second["drive_voltage_v"]})

@@ -42,14 +42,6 @@ def test_every_old_recording_reads_as_it_was_written(file: Path) -> None:
     assert dict(recording.metadata) == {**STATED, **ending}
 
 
-def test_there_is_one_of_each_version_and_end() -> None:
-    assert {file.name for file in OLD.iterdir()} == {
-        f"{version}-{end}"
-        for version, suffix in (("version-1", ".h5"), ("journal-1", ".h5.journal"))
-        for end in (f"cut-off{suffix}", f"finished{suffix}")
-    }
-
-
 def test_an_old_run_that_was_cut_off_ends_at_its_shortest_column(tmp_path: Path) -> None:
     shutil.copy(OLD / "version-1-cut-off.h5", tmp_path / "run.h5")
     with h5py.File(tmp_path / "run.h5", "r+") as file:

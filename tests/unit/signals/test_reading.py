@@ -40,11 +40,6 @@ def test_a_foreign_file_becomes_a_recording_in_si(foreign):
     assert dict(recording.metadata) == {"shunt_resistance_ohm": 1.0, "wire": "Flexinol"}
 
 
-def test_metadata_of_the_caller_come_before_those_of_the_file(foreign):
-    recording = read_recording(foreign, {"displacement_m": "pos:mm"}, {"shunt_resistance_ohm": 2.0})
-    assert recording.metadata["shunt_resistance_ohm"] == 2.0
-
-
 def test_understanding_tells_header_by_header_what_was_made_of_it(foreign):
     found = understand(foreign, columns={"displacement_m": "pos:mm"})
     assert [(item.header, item.column, item.unit, item.factor, item.offset, item.how) for item in found.taken] == [
@@ -81,11 +76,6 @@ def test_a_missing_file_a_folder_and_an_unknown_ending_are_told_apart(tmp_path):
     (tmp_path / "folder.csv").mkdir()
     assert "is a folder" in refusal(tmp_path / "folder.csv")
     assert "files ending in '.doc' are not read; export it as .h5" in refusal(tmp_path / "a.doc")
-
-
-def test_a_file_without_a_clock_is_told_how_to_name_one(tmp_path):
-    (tmp_path / "a.csv").write_text("sample,force_n\n0,1\n1,2\n")
-    assert "no column is the time (there are 'sample', 'force_n'): name one" in refusal(tmp_path / "a.csv")
 
 
 def test_a_printed_loop_needs_no_clock(tmp_path):
@@ -139,12 +129,6 @@ def test_isobars_of_a_test_machine_are_read_without_header_and_without_clock(tmp
     assert recording["reference_strain"] == pytest.approx([0.0159, 0.0158, 0.0157])
     assert recording["stress_pa"] == pytest.approx([1e8, 1e8, 1e8])
     assert "isobar table" in repr(recording)
-
-
-def test_every_cell_of_a_file_without_headers_is_data(tmp_path):
-    path = tmp_path / "machine.txt"
-    path.write_text(MACHINE.replace("\t", "\t ").replace("\n", "\t\n"))
-    assert len(read_recording(path, BY_NUMBER)) == 3
 
 
 def test_a_column_may_be_mapped_by_its_number_beside_headers(tmp_path):

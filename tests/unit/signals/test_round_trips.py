@@ -1,5 +1,7 @@
 """What is saved is read back: every number to the last bit, every fact of the metadata with its type."""
 
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -109,11 +111,9 @@ def test_a_suffix_nobody_writes_is_refused(tmp_path):
         Recording({"time_s": [0.0, 1.0]}).save(tmp_path / "run.doc")
 
 
-def test_importing_the_room_loads_no_heavy_library():
-    import subprocess
-    import sys
-
-    code = "import sys, musclewire.signals; print({'h5py', 'pint', 'pandas', 'pyarrow'} & set(sys.modules))"
+def test_importing_the_room_and_that_of_controllers_loads_no_heavy_library():
+    heavy = {"h5py", "pint", "pandas", "pyarrow", "numba", "matplotlib"}
+    code = f"import sys, musclewire.signals, musclewire.controllers; print({heavy} & set(sys.modules))"
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert answer.stdout.strip() == "set()"
 

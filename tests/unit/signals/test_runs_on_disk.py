@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 
@@ -119,11 +117,3 @@ def test_a_description_that_finds_the_disk_full_leaves_the_file_as_it_was(
     describe_recording(tmp_path / "run.h5", {"shows_c": True})
     assert read_hdf5(tmp_path / "run.h5").metadata == {"wire": "x", "shows_c": True}
     assert names_in(tmp_path) == ["run.h5"]
-
-
-def test_a_copied_journal_is_a_recording_wherever_it_is(cut_off: Path, tmp_path: Path) -> None:
-    (tmp_path / "elsewhere").mkdir()
-    shutil.copy(journal_of(cut_off), tmp_path / "elsewhere" / "mine.h5.journal")
-    recover_recording(tmp_path / "elsewhere" / "mine.h5")
-    with h5py.File(tmp_path / "elsewhere" / "mine.h5") as file:
-        assert np.array_equal(file["force_n"], TABLE[:, 1])

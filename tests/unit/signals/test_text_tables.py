@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from musclewire.errors import RecordingError
 from musclewire.signals._import_mapping import ImportMapping
 from musclewire.signals._reading import read_recording
-from musclewire.signals._text_tables import read_text_table
 
 PLAIN = "time_s,force_n\n0,1.5\n1,2.5\n"
 
@@ -29,17 +28,6 @@ def refusal(path, **options):
     message = str(caught.value)
     assert "\n" not in message
     return message.replace(f"{path}: ", "", 1)
-
-
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
-def test_a_degree_sign_is_read_in_every_usual_encoding(file, encoding):
-    recording = read_recording(file("time [s],T [°C]\n0,25\n1,26\n", encoding=encoding))
-    assert recording["wire_temperature_k"].tolist() == [298.15, 299.15]
-
-
-def test_the_layout_is_told_in_words(file):
-    table = read_text_table(file("time_s;force_n\n0;1,5\n1;2,5\n"))
-    assert table.layout == "text, separated by semicolons, decimal comma"
 
 
 def test_a_comma_between_thousands_is_never_a_decimal_comma(file):
@@ -87,19 +75,6 @@ def test_a_missing_number_is_found_and_left_out_if_asked_for(file, cell):
     path = file(f"time_s,force_n\n0,1\n1,{cell}\n2,3\n")
     assert "line 3, column 'force_n': the cell is blank or NaN; correct it, or leave such rows out" in refusal(path)
     assert read_recording(path, mapping=ImportMapping(drop_missing=True))["time_s"].tolist() == [0.0, 2.0]
-
-
-def test_a_bad_cell_in_a_column_nobody_uses_does_no_harm(file):
-    assert len(read_recording(file("time_s,force_n,remark\n0,1,good\n1,2,\n2,3\n"))) == 3
-
-
-def test_a_table_without_headers_is_told_what_to_write(file):
-    assert refusal(file("0,1\n1,2\n2,3\n")).startswith("has no headers; name the columns in the first line")
-
-
-def test_headers_that_do_not_fit_their_numbers_are_refused(file):
-    message = refusal(file("my time here  force\n0 1 2\n1 2 3\n", "loop.txt"))
-    assert message.startswith("the headers do not fit the 3 numbers below them")
 
 
 cells = st.sampled_from(["0", "1.5", "-2,5", "", "nan", "x", '"', '"a"', "1e3", "#", "time_s", "force_n", "t [s]"])

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from wire_makers import Array, alloy, bench, slow_sine_v, wire_100um
 
-from musclewire.errors import CallerError
 from musclewire.wire._batch import drive_many
 from musclewire.wire._building import constants_of
 from musclewire.wire._constants import WireConstants
@@ -31,14 +30,6 @@ def wire_of(*classes: tuple[float, float], table: tuple[Array, Array] | None = N
         classes=[BarrierClass(*item) for item in classes],
         distribution=None if table is None else tabulated_distribution(*table),
     )
-
-
-@pytest.mark.slow
-def test_two_classes_of_one_barrier_are_one_class() -> None:
-    one, _ = drive_path(wire_of((1.0, 0.0)), DRIVE_V, sample_s=0.05)
-    two, _ = drive_path(wire_of((0.3, 0.0), (0.7, 0.0)), DRIVE_V, sample_s=0.05)
-    assert two.temperature_k == pytest.approx(one.temperature_k, abs=1e-9)
-    assert two.resistance_ohm == pytest.approx(one.resistance_ohm, abs=1e-10)
 
 
 @pytest.mark.parametrize("path_k", [THERE_AND_BACK_K, SMALL_LOOPS_K], ids=["loop", "small loops"])
@@ -70,17 +61,3 @@ def test_energy_is_kept_and_a_batch_has_the_bits_of_one_with_classes_too() -> No
         rest_j = drive_path(wires[place], DRIVE_V[:1], sample_s=1e-9)[1].enthalpy_j
         gained_j = state.enthalpy_j + state.carried_heat_j - rest_j
         assert gained_j == pytest.approx(state.heat_in_j - state.heat_out_j, abs=1e-8)
-
-
-def test_any_table_of_thresholds_serves() -> None:
-    """A sixth of the grains evenly over the early end, the others in a narrow core: two populations in one table."""
-    table = (np.array([-4.0, -1.0, -0.3, 0.3, 1.0, 4.0]), np.array([0.0, 1.0 / 6.0, 0.25, 0.85, 0.95, 1.0]))
-    path = isobaric_path(wire_of((1.0, 0.0), table=table), STRESS_PA, THERE_AND_BACK_K)
-    assert path.martensite_fraction[0] == 1.0
-    assert path.martensite_fraction[400] == pytest.approx(0.0, abs=1e-9)
-    assert path.martensite_fraction[-1] == pytest.approx(1.0)
-
-
-def test_weights_that_do_not_add_up_to_one_are_refused() -> None:
-    with pytest.raises(CallerError, match="add up to 1"):
-        wire_of((0.3, 0.0), (0.3, 1.0))

@@ -13,7 +13,6 @@ from wire_makers import (
     Fronts,
     alloy,
     constants,
-    forces_at,
     fractions,
     fronts_along,
     fronts_at,
@@ -110,15 +109,6 @@ def nested_loop(wire: WireConstants, stress_pa: float, outer: float, inner: floa
     assert passed[6] == passed[2]
 
 
-@pytest.mark.slow
-@settings(derandomize=True, deadline=None, max_examples=120)
-@given(kind=KINDS, stress_pa=STRESSES_PA, turns=st.tuples(*[EIGHTHS_OF_A_KELVIN] * 3))
-def test_closed_nested_loops_return_to_their_points(kind: str, stress_pa: float, turns: tuple[int, int, int]) -> None:
-    """Return-point memory at constant stress: both fronts are where they were when the loop was opened."""
-    inner, innermost, outer = (turn / 8 for turn in sorted(turns))
-    nested_loop(WIRES[kind], stress_pa, outer, inner, innermost)
-
-
 @pytest.mark.parametrize(
     ("kind", "stress_pa", "outer", "inner", "innermost"),
     [
@@ -136,18 +126,6 @@ def test_loops_where_r_phase_and_martensite_compete_return_to_their_points(
     nested_loop(WIRES[kind], stress_pa, outer, inner, innermost)
 
 
-@pytest.mark.slow
-@settings(derandomize=True, deadline=None, max_examples=40)
-@given(kind=KINDS, stress_pa=STRESSES_PA, turns=st.lists(EIGHTHS_OF_A_KELVIN, min_size=1, max_size=6))
-def test_a_wider_excursion_wipes_out_what_lies_inside(kind: str, stress_pa: float, turns: list[int]) -> None:
-    """What happened between cold and an excursion above all of it is forgotten at its top."""
-    wire = WIRES[kind]
-    top = max(turns) / 8
-    wandered = walk(wire, ALL_AUSTENITE, stress_pa, HOT_K, COLD_K, *(turn / 8 for turn in turns), top)[-1]
-    straight = walk(wire, ALL_AUSTENITE, stress_pa, HOT_K, COLD_K, top)[-1]
-    assert wandered == straight
-
-
 @settings(derandomize=True, deadline=None, max_examples=30)
 @given(kind=KINDS, stress_pa=STRESSES_PA, turn=EIGHTHS_OF_A_KELVIN)
 def test_looking_again_changes_nothing(kind: str, stress_pa: float, turn: int) -> None:
@@ -156,41 +134,3 @@ def test_looking_again_changes_nothing(kind: str, stress_pa: float, turn: int) -
     for start in (HOT_K, COLD_K):
         fronts = walk(wire, ALL_AUSTENITE, stress_pa, HOT_K, start, turn / 8)[-1]
         assert fronts_at(wire, turn / 8, stress_pa, fronts) == fronts
-
-
-@settings(derandomize=True, deadline=None, max_examples=60)
-@given(
-    kind=KINDS,
-    temperature_k=st.floats(250.0, 600.0),
-    stress_pa=st.floats(0.0, 2e9),
-    barrier_factor=st.floats(1.0, 1.2),
-    offset=st.floats(-8.0, 8.0),
-)
-def test_a_change_and_its_way_back_are_never_due_together(
-    kind: str, temperature_k: float, stress_pa: float, barrier_factor: float, offset: float
-) -> None:
-    """Else grains switch to and fro without end; a barrier that falls with stress must stop at zero.
-
-    Nor may all three changes of a circle be due at one time.
-    """
-    forces = forces_at(WIRES[kind], temperature_k, stress_pa, offset, barrier_factor)
-    assert forces.a_to_m_k + forces.m_to_a_k <= 1e-9
-    assert forces.a_to_r_k + forces.r_to_a_k <= 1e-9
-    assert forces.r_to_m_k + forces.m_to_r_k <= 1e-9
-    assert min(forces.m_to_a_k, forces.a_to_r_k, forces.r_to_m_k) <= 1e-9
-    assert min(forces.a_to_m_k, forces.m_to_r_k, forces.r_to_a_k) <= 1e-9
-
-
-@settings(derandomize=True, deadline=None, max_examples=60)
-@given(kind=KINDS, temperature_k=st.floats(250.0, 600.0), stress_pa=st.floats(0.0, 600e6), offset=st.floats(-8.0, 8.0))
-def test_no_detour_is_due_before_the_straight_way(
-    kind: str, temperature_k: float, stress_pa: float, offset: float
-) -> None:
-    """Where a grain would leave R-phase for austenite and austenite for martensite, it leaves it for martensite.
-
-    A larger barrier between R-phase and martensite than by way of austenite would let a grain cross over on
-    heating and stay behind on cooling: no return-point memory, and a result that depends on the step.
-    """
-    forces = forces_at(WIRES[kind], temperature_k, stress_pa, offset)
-    assert forces.r_to_m_k >= forces.r_to_a_k + forces.a_to_m_k - 1e-9
-    assert forces.m_to_r_k >= forces.m_to_a_k + forces.a_to_r_k - 1e-9

@@ -73,11 +73,6 @@ def test_quantiles_of_two_populations_make_their_isobar(early: float, width: flo
     assert tabulated == pytest.approx(formula, abs=2e-3)
 
 
-def test_an_alloy_with_quantiles_that_are_none_is_refused() -> None:
-    with pytest.raises(ValueError, match="fraction must ascend"):
-        measured((0.0, 0.5, 0.4, 1.0), (-1.0, 0.0, 0.5, 1.0))
-
-
 def test_varying_what_they_replace_is_an_error(tmp_path: Path) -> None:
     from musclewire.parameters import wire_file_text
     from musclewire.rigs import RigConfiguration, VariedRig

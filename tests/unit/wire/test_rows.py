@@ -7,65 +7,14 @@ import pickle
 import subprocess
 import sys
 
-import numpy as np
 import pytest
-from wire_makers import constants, slow_sine_v, stepped
+from wire_makers import constants, stepped
 
 from musclewire.errors import CallerError
 from musclewire.wire._building import resting_state
-from musclewire.wire._constants import StepConstants, WireConstants
-from musclewire.wire._row import CLASSES, field
 from musclewire.wire._state import WireState
 
 WIRE = constants()
-
-
-class LongerState(WireState):
-    """A wire with two fields more, a number and an array."""
-
-    worn_j: float = field("J", "what the wire has lost")
-    class_age: np.ndarray = field("1", "age of each class of barrier", CLASSES)
-
-
-# First in memory, so that no offset of the others is what it was.
-LongerState.fields = (*LongerState.fields[-2:], *LongerState.fields[:-2])
-
-
-def longer(state: WireState, worn_j: float) -> LongerState:
-    return LongerState.from_values(state.classes, **state.values(), worn_j=worn_j, class_age=np.arange(state.classes))
-
-
-@pytest.mark.parametrize("row", [WireState, WireConstants, StepConstants, LongerState])
-def test_layout_and_attributes_follow_from_the_list_of_fields(row: type[WireState]) -> None:
-    names = [item.name for item in row.fields]
-    layout = row.layout(7)
-    assert list(layout.names or ()) == names == list(row.zeros(7).values())
-    assert layout.itemsize == sum(8 * int(np.prod(item.shape(7), dtype=int)) for item in row.fields)
-    assert all(item.unit and item.meaning for item in row.fields)
-    assert row.layout(7) is layout, "compiled code looks a layout up by the object"
-
-
-def test_a_resting_state_has_every_field_of_the_list() -> None:
-    state = resting_state(WIRE)
-    assert list(state.row.dtype.names or ()) == [item.name for item in WireState.fields]
-    assert all(np.isfinite(value).all() for value in state.values().values())
-
-
-@pytest.mark.slow
-def test_one_line_more_in_the_list_is_all_that_a_new_field_takes() -> None:
-    """The compiled step takes the longer row as it is: the same numbers to the bit, and the new field along."""
-    plain = resting_state(WIRE)
-    extended = longer(plain, 3.0)
-    for time_s in np.arange(0.0, 45.0, 0.5):
-        plain, means = stepped(plain, WIRE, slow_sine_v(time_s), 1e-3, 100)
-        extended, same = stepped(extended, WIRE, slow_sine_v(time_s), 1e-3, 100)
-        assert means == same
-    assert plain.martensite_fraction < 0.9, "the wire must have moved to say anything"
-    kept = extended.values()
-    assert kept.pop("worn_j") == 3.0
-    assert np.array_equal(kept.pop("class_age"), np.arange(plain.classes))
-    for name, value in plain.values().items():
-        assert np.array_equal(kept[name], value), name
 
 
 def test_a_state_handed_out_cannot_be_written() -> None:

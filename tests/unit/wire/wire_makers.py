@@ -11,12 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from musclewire.compiled import compiled
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
+from musclewire.physics import REFERENCE_TEMPERATURE_K
 from musclewire.wire._building import constants_from
 from musclewire.wire._constants import WireConstants
-from musclewire.wire._fronts import cumulative_at, fronts_after, thresholds_at
+from musclewire.wire._fronts import cumulative_at, fronts_after
 from musclewire.wire._loads import ConnectorLoad
 from musclewire.wire._paths import DrivenPath, drive_path
 from musclewire.wire._state import WireState
@@ -184,33 +186,34 @@ def walk(
     return visited
 
 
-class Forces(NamedTuple):
-    """Thermodynamic driving forces [K] of the six changes in grains of some offset: a change is due above 0."""
-
-    a_to_m_k: float
-    a_to_r_k: float
-    r_to_m_k: float
-    m_to_a_k: float
-    r_to_a_k: float
-    m_to_r_k: float
+def stored_heat_j(state: WireState, wire: WireConstants) -> float:
+    """Return m c (T - T_ref) - m L (x_M + r x_R), from the fractions."""
+    transformed = state.martensite_fraction + wire.r_phase_entropy_ratio * state.r_phase_fraction
+    warmth_j = wire.heat_capacity_j_per_k * (state.temperature_k - REFERENCE_TEMPERATURE_K)
+    return warmth_j - wire.latent_heat_j * transformed
 
 
-def forces_at(
-    wire: WireConstants, temperature_k: float, stress_pa: float, offset: float = 0.0, barrier_factor: float = 1.0
-) -> Forces:
-    """Return driving forces from the kernel's thresholds: how far a grain's offset is beyond each, times the spread."""
-    at = thresholds_at(wire.derived.record, temperature_k, stress_pa, barrier_factor, 0.0)
-    # Slopes of thresholds over temperature: 1 / s_M, r / s_R and (1 - r) / s_P, s the spreads of the driving forces.
-    ratio = wire.r_phase_entropy_ratio
-    spread_m, spread_r, spread_p = 1.0 / at.m_per_k, ratio / at.r_per_k, (1.0 - ratio) / at.p_per_k
-    return Forces(
-        spread_m * (offset - at.austenite_martensite),
-        spread_r * (offset - at.austenite_r_phase),
-        spread_p * (offset - at.r_phase_martensite),
-        spread_m * (at.martensite_austenite - offset),
-        spread_r * (at.r_phase_austenite - offset),
-        spread_p * (at.martensite_r_phase - offset),
-    )
+def load_n(load: ConnectorLoad, displacement_m: float) -> float:
+    """Return what a load asks beyond the pretension, from its table by NumPy."""
+    at = load.step_m * np.arange(load.force_n.size)
+    return load.stiffness_n_per_m * displacement_m + float(np.interp(displacement_m, at, load.force_n))
+
+
+def balanced_stress_pa(state: WireState, wire: WireConstants, load: ConnectorLoad, friction_n: float) -> float:
+    """Solve strain and balance, both written out, for the stress of one leg."""
+    x_m, x_r = state.martensite_fraction, state.r_phase_fraction
+
+    def excess_pa(stress: float) -> float:
+        reoriented = wire.strain_saturated + (wire.strain_at_no_stress - wire.strain_saturated) * np.exp(
+            -stress / wire.strain_stress_scale_pa
+        )
+        elastic = stress * ((1 - x_m) / wire.austenite_modulus_pa + x_m / wire.martensite_modulus_pa)
+        alpha = x_m * wire.martensite_expansion_per_k + (1 - x_m) * wire.austenite_expansion_per_k
+        strain = reoriented * x_m + wire.r_phase_strain * x_r + elastic + alpha * (state.temperature_k - 293.15)
+        x = (wire.cold_strain - strain) / (1 + wire.cold_strain) * wire.leg_length_m
+        return stress - (wire.pretension_n + load_n(load, x) + friction_n) / (wire.legs * wire.area_m2)
+
+    return float(brentq(excess_pa, 0.0, 5e9, xtol=1e-3))
 
 
 def slow_sine_v(time_s: float, amplitude_v: float = 3.2, period_s: float = 90.0) -> float:

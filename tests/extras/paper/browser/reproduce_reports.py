@@ -6,6 +6,4 @@ from tests.browser.report_subject import ReportSubject
 
 from musclewire.extras.paper._page.paper_figures import FIGURES
 
-__all__ = ["SUBJECTS"]
-
 SUBJECTS = (ReportSubject("reproduce", (("reproduce", "--seeds", "3", "--json", "--out", "."),), len(FIGURES)),)

@@ -10,7 +10,6 @@ from scipy.stats import spearmanr
 
 from musclewire.errors import RecordingError
 from musclewire.extras.paper._reproduce.measures import (
-    falling_steps,
     largest_distance,
     lowest_place,
     one_sided_fraction,
@@ -20,13 +19,6 @@ from musclewire.extras.paper._reproduce.measures import (
 from musclewire.sensing import Branch
 
 RISING = np.linspace(0.0, 10.0, 101)
-
-
-def test_points_between_two_curves_are_inside_whichever_is_the_upper() -> None:
-    low, high = Branch(RISING, 0.1 * RISING), Branch(RISING, 0.1 * RISING + 1.0)
-    place = np.array([2.0, 5.0, 8.0])
-    assert outside_band(place, 0.1 * place + 0.5, low, high) == 0.0
-    assert outside_band(place, 0.1 * place + 0.5, high, low) == 0.0
 
 
 def test_the_excursion_is_how_far_the_farthest_point_is_from_the_nearer_curve() -> None:
@@ -51,10 +43,6 @@ def test_the_lowest_place_of_a_parabola_is_its_vertex(vertex: float, bend: float
 def test_the_lowest_place_at_an_end_is_that_end() -> None:
     assert lowest_place([1.0, 2.0, 3.0], [5.0, 4.0, 3.0]) == 3.0
     assert lowest_place([1.0, 2.0, 3.0], [3.0, 4.0, 5.0]) == 1.0
-
-
-def test_only_falls_count() -> None:
-    assert falling_steps([3.0, 2.0, 2.0, 1.0, 1.5]) == 2
 
 
 @given(st.lists(st.floats(-1e3, 1e3), min_size=3, max_size=12, unique=True))

@@ -78,14 +78,6 @@ def test_seeds_that_cannot_be_are_refused(given: dict[str, Any], message: str) -
 
 
 @pytest.mark.slow
-def test_the_numbers_do_not_depend_on_the_number_of_processes() -> None:
-    alone, together = (reproduce("table1.resistance", seeds=range(1, 8), workers=workers) for workers in (1, 3))
-    assert alone.rows == together.rows
-    assert {row.seeds for row in alone.rows} == {7}
-    assert all(row.low is not None and row.high is not None and row.low < row.high for row in alone.rows)
-
-
-@pytest.mark.slow
 def test_a_single_seed_has_the_same_numbers_alone_and_among_others() -> None:
     chosen = selected(all_checks(), "table1.resistance")
     many = numbers_of_seeds(chosen, (5, 6), workers=2, watching=SeedCallbacks())

@@ -39,18 +39,6 @@ def test_the_interval_is_that_of_scipy(count: int) -> None:
     assert median_interval(values.tolist()) == pytest.approx((theirs.low, theirs.high))
 
 
-def test_the_interval_covers_the_median_of_a_skewed_distribution_as_often_as_it_says() -> None:
-    rng = np.random.default_rng(1)
-    found = [median_interval(rng.exponential(size=41).tolist()) for _ in range(4000)]
-    covered = np.mean([low <= np.log(2.0) <= high for low, high in found])
-    assert covered == pytest.approx(0.9576, abs=0.01)  # binomial: 1 - 2 P(fewer than 14 heads of 41)
-
-
-def test_few_numbers_give_their_range_and_one_itself() -> None:
-    assert median_interval([3.0, 1.0, 2.0]) == (1.0, 3.0)
-    assert median_interval([2.5]) == (2.5, 2.5)
-
-
 @given(NUMBERS)
 def test_the_spread_is_in_order_and_does_not_depend_on_the_order_of_seeds(values: list[float]) -> None:
     found = spread_of(values)
@@ -77,6 +65,7 @@ def test_a_limit_inside_the_interval_is_at_the_bar_whatever_the_median() -> None
     below, above = (row(*(middle + 0.01 * seed for seed in range(-10, 11))) for middle in (2.49, 2.51))
     assert (below.verdict, above.verdict) == ("at the bar", "at the bar")
     assert not below.ok
+    assert (row(2.5).verdict, row(2.51).verdict) == ("holds", "fails")
     assert row(*(2.2 + 0.01 * seed for seed in range(-10, 11))).verdict == "holds"
     assert row(*(2.8 + 0.01 * seed for seed in range(-10, 11))).verdict == "fails"
 
@@ -84,10 +73,6 @@ def test_a_limit_inside_the_interval_is_at_the_bar_whatever_the_median() -> None
 @pytest.mark.parametrize("ours", [2.5, 1.5])
 def test_numbers_that_no_seed_changes_are_never_at_the_bar(ours: float) -> None:
     assert row(*[ours] * 31).verdict == "holds"
-
-
-def test_one_seed_is_judged_by_its_own_number() -> None:
-    assert (row(2.5).verdict, row(2.51).verdict) == ("holds", "fails")
 
 
 def test_seeds_without_a_number_are_counted_and_a_tenth_of_them_fails_the_row() -> None:

@@ -47,8 +47,3 @@ def test_the_names_can_be_listed(capsys):
     known = json.loads(capsys.readouterr().out)
     assert "load -50 %" in known["conditions"]
     assert "polynomial" in known["estimators"]
-
-
-def test_an_unknown_condition_is_one_line_and_2(tmp_path, capsys):
-    assert run(["robustness", "--condition", "load +51 %", "-o", str(tmp_path)]) == 2
-    assert "load +50 %" in capsys.readouterr().err

@@ -67,14 +67,6 @@ def test_it_writes_a_data_set_a_table_and_a_page_that_needs_no_other_file(
     assert again.json["quantities"] == answer.json["quantities"]
 
 
-@pytest.mark.slow
-def test_the_same_study_leaves_the_same_bytes(study: Path, musclewire: Callable[..., Any]) -> None:
-    for name, workers in (("a", ("--workers", 1)), ("b", ("--workers", 2, "--runs-per-chunk", 17))):
-        assert musclewire("sweep", study, "-o", study.parent / name, *workers).code == 0
-    for file in ("data.parquet", "sensitivity.csv", "report.html"):
-        assert (study.parent / "a" / file).read_bytes() == (study.parent / "b" / file).read_bytes(), file
-
-
 def test_a_plan_runs_nothing(study: Path, musclewire: Callable[..., Any]) -> None:
     answer = musclewire("sweep", study, "--plan", "--json")
     assert answer.json["runs"] == 128
@@ -134,12 +126,6 @@ def test_without_the_extra_python_runs_studies_all_the_same(study: Path) -> None
     code = "import musclewire as mw; result = mw.sweep('study.toml', 'out'); print(len(result), result.failed)"
     done = without_extra(study.parent, code)
     assert done.stdout.split() == ["128", "0"], done.stderr
-
-
-def test_a_cluster_without_the_extra_is_said(study: Path) -> None:
-    code = "import musclewire as mw\nfrom musclewire.extras.studies import Workers\n"
-    done = without_extra(study.parent, code + "mw.sweep('study.toml', workers=Workers(scheduler='tcp://x:1'))")
-    assert "a Dask cluster needs the extra 'sweep'" in done.stderr
 
 
 @pytest.mark.slow

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from tests.browser.report_subject import ReportSubject
 
-__all__ = ["SUBJECTS"]
-
 STUDY = """
 format = "musclewire-study"
 version = 1

@@ -7,8 +7,6 @@ from tests.places import EXAMPLES
 
 from musclewire.rigs import open_rig
 
-__all__ = ["SUBJECTS"]
-
 LIANG_ROGERS = EXAMPLES / "plants" / "liang_rogers.toml"
 
 # The maker's 126 ohm/m over 14 cm, and up to 15 % more.

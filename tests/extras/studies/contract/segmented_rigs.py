@@ -7,6 +7,4 @@ from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_te
 from musclewire.extras.studies._segmented.configuration import SegmentedConfiguration
 from musclewire.rigs import open_rig
 
-__all__ = ["SUBJECTS"]
-
 SUBJECTS = (RigSubject("segmented", without_a_test(lambda: open_rig(SegmentedConfiguration())), PAPERS_WIRE_OHM),)

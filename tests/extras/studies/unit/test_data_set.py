@@ -31,17 +31,6 @@ def result_of(series: bool = False) -> StudyResult:
     return StudyResult(plan, columns, ("",) * 23 + ("NumericsError: lost",))
 
 
-def test_each_run_has_its_parameters_and_units() -> None:
-    result = result_of()
-    data = result.dataset()
-    assert data.sizes == {"run": 24}
-    assert data["stroke"].values.tolist() == list(range(24))
-    assert data["pretension"].attrs["units"] == "N"
-    for name in ("pretension", "convection_factor", "wire"):
-        assert data[name].values.tolist() == result.parameter(name).tolist()
-    assert data["error"].values[-1] == "NumericsError: lost"
-
-
 def test_the_axes_of_a_grid_become_dimensions() -> None:
     result = result_of(series=True)
     grid = on_grid(result.dataset())

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.extras.studies._design import METHODS, StudyDesign, design_of, run_seed, saltelli_points, unit_cube
+from musclewire.extras.studies._design import METHODS, design_of, run_seed, saltelli_points, unit_cube
 from musclewire.extras.studies._varied_parameters import GridAxis, SampledParameter
 
 
@@ -88,17 +88,6 @@ def test_the_seed_of_a_run_depends_on_its_number_alone() -> None:
     assert run_seed(2, 17) != seeds[17]
 
 
-def test_a_distribution_with_infinite_values_is_refused() -> None:
-    with pytest.raises(CallerError, match="not finite"):
-        design_of([SampledParameter("s", "1", lambda p: np.full_like(p, np.inf))], "random", 4, 1)
-
-
 def test_more_runs_than_anybody_evaluates_are_refused() -> None:
     with pytest.raises(CallerError, match="more than 10000000"):
         design_of([GridAxis(name, "N", tuple(map(float, range(300)))) for name in "abc"], "random", 1, 1)
-
-
-def test_a_study_without_parameters_is_one_run_for_each_sample() -> None:
-    design = design_of([], "random", 5, 1)
-    assert isinstance(design, StudyDesign)
-    assert design.rows(0, 5) == [()] * 5

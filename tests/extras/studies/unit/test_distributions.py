@@ -58,13 +58,9 @@ def test_any_continuous_distribution_of_scipy_is_known_by_its_name() -> None:
     [
         ({"distribution": "normel", "mean": 1.0}, "did you mean 'normal'"),
         ({"distribution": "normal", "mean": 1.0}, "needs 'std'"),
-        ({"distribution": "normal", "mean": 1.0, "std": 0.0}, "'std' is 0: it must be above 0"),
         ({"low": 2.0, "high": 1.0}, "'low' must be below 'high'"),
-        ({"low": 1.0, "high": 2.0, "mean": 1.5}, "has no 'mean'"),
         ({"distribution": "log-normal", "median": -1.0, "factor": 2.0}, "numbers above 0"),
         ({"distribution": "weibull_min", "scale": 1.0}, "needs shape = {c = ...}"),
-        ({"distribution": "weibull_min", "shape": {"c": -1.0}}, "make no distribution"),
-        ({"distribution": "gumbel_r", "low": 1.0}, "takes loc, scale and shape"),
     ],
 )
 def test_numbers_that_make_no_distribution_are_refused(given: dict[str, Any], words: str) -> None:
@@ -94,9 +90,7 @@ def test_points_are_an_axis_with_both_ends() -> None:
     ("unit", "table", "words"),
     [
         ("N", {"values": [1.0], "low": 1.0}, "'low' does not belong to 'values'"),
-        ("N", {"low": 1.0, "points": 3}, "'points' needs 'low' and 'high'"),
         ("N", {"values": ["1 mm"]}, "force is needed|needed, like"),
-        ("N", {"values": [True]}, "number in SI or text with a unit"),
         ("", {"low": 1.0, "high": 2.0}, "takes 'values' only"),
         ("N", {"prior": "niti-wire"}, "have none for x"),
     ],

@@ -16,7 +16,7 @@ from tests.places import EXAMPLES
 from musclewire.errors import NumericsError
 from musclewire.extras.studies._segmented import Conditions
 from musclewire.parameters import load_catalogue
-from musclewire.rigs import open_rig, required_true_state
+from musclewire.rigs import open_rig
 from musclewire.signals import Drive
 
 RIG_FILE = EXAMPLES / "plants" / "liang_rogers.toml"
@@ -60,21 +60,6 @@ def test_starts_and_ends_rise_with_stress_at_the_published_rates(plants: ModuleT
     shift_k = stress_pa / 8e6
     assert heating_k[::-1][np.argmax(cooled > 0.0)] == pytest.approx(325.15 + shift_k, abs=0.02)
     assert heating_k[::-1][np.argmax(cooled == 1.0)] == pytest.approx(315.15 + shift_k, abs=0.02)
-
-
-def test_the_fraction_does_not_depend_on_how_a_branch_is_divided(plants: ModuleType) -> None:
-    coarse, fine = (fractions(plants, np.linspace(320.0, 347.0, n), 0.0, 1.0)[-1] for n in (2, 5000))
-    assert coarse == pytest.approx(fine, rel=1e-9)
-
-
-def test_small_cycles_drift_as_scaled_branches_do(plants: ModuleType) -> None:
-    """Unlike grains, which remember their turns: the same two temperatures leave ever less martensite on heating."""
-    cycle_k = np.concatenate(
-        [np.linspace(310.0, 346.0, 200), *[np.linspace(346.0, 322.0, 99), np.linspace(322.0, 346.0, 99)] * 3]
-    )
-    found = fractions(plants, cycle_k, 0.0, 1.0)
-    tops = found[[199, 397, 595, 793]]
-    assert np.diff(tops).min() < -0.01
 
 
 @given(
@@ -130,15 +115,6 @@ def test_the_vendors_current_contracts_it_in_about_a_second_and_it_cools_in_the_
     fall_s = 0.05 * (1 + np.argmax(contracted[40:] < 0.1 * full))
     assert rise_s == pytest.approx(1.0, rel=0.4)
     assert fall_s == pytest.approx(row.cooling_lt_s.value, rel=0.4)
-
-
-def test_it_has_a_true_state_for_judging() -> None:
-    with open_rig(RIG_FILE, seed=5) as rig:
-        for _ in range(20):
-            sample = rig.exchange(3.2)
-        state = required_true_state(rig).wire_state
-        assert rig.metadata()["seed"] == 5
-    assert sample.displacement_m == pytest.approx(state.mean_strain * rig.leg_length_m, abs=5e-6)
 
 
 def test_conditions_that_are_no_numbers_end_the_simulation(plants: ModuleType) -> None:

@@ -135,20 +135,6 @@ def test_the_readings_of_a_run_are_its_own_whatever_the_others_have() -> None:
     assert together.columns["stroke"][0] == together.columns["stroke"][2] != together.columns["stroke"][1]
 
 
-def test_a_run_that_fails_is_nan_and_the_others_are_not() -> None:
-    study = study_of(parameters={"pretension": {"values": ["1.9 N", "9 N"]}})
-    result = sweep(study, workers=HERE)
-    assert np.isfinite(result.columns["stroke"]).tolist() == [True, False]
-    assert result.errors[0] == ""
-    assert result.errors[1].startswith("CallerError: stage and weight pull the cold wire paper-100um with 9 N")
-
-
-def test_a_number_out_of_its_range_fails_its_run_only() -> None:
-    result = sweep(study_of(parameters={"diameter_m": {"values": [1e-4, -1e-4]}}), workers=HERE)
-    assert "must be above 0" in result.errors[1]
-    assert result.failed == 1
-
-
 def test_a_name_that_nothing_on_the_rig_has_is_refused_with_the_nearest() -> None:
     with pytest.raises(CallerError, match=r"did you mean 'surroundings\.draught'"):
         VariedRig(RigConfiguration(), "test", ["surroundings.draugt"])

@@ -6,28 +6,16 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import brentq
-from wire_makers import ALLOYS, Fronts, constants, fractions, run, slow_sine_v, stepped
+from wire_makers import ALLOYS, Fronts, constants, fractions, run, slow_sine_v, stepped, stored_heat_j
 
-from musclewire.physics import REFERENCE_TEMPERATURE_K
 from musclewire.wire._building import resting_state, with_pretension
 from musclewire.wire._constants import WireConstants
-from musclewire.wire._paths import drive_path
 from musclewire.wire._state import WireState
-from musclewire.wire._wires import advance
 
 WIRES = {kind: constants(kind) for kind in ALLOYS} | {"new": constants(new_wire=True)}
 HISTORIES = st.lists(st.tuples(st.floats(0.0, 3.6), st.integers(1, 2500)), min_size=1, max_size=12)
 KINDS = st.sampled_from(sorted(WIRES))
 CYCLE_V = [slow_sine_v(t) for t in np.arange(0.025, 90.0, 0.05)]
-
-
-def stored_heat_j(state: WireState, wire: WireConstants) -> float:
-    """Return m c (T - T_ref) - m L (x_M + r x_R), from the fractions."""
-    transformed = state.martensite_fraction + wire.r_phase_entropy_ratio * state.r_phase_fraction
-    return (
-        wire.heat_capacity_j_per_k * (state.temperature_k - REFERENCE_TEMPERATURE_K) - wire.latent_heat_j * transformed
-    )
 
 
 def fronts_of(state: WireState) -> Fronts:
@@ -59,17 +47,6 @@ def test_every_voltage_history_keeps_shares_and_energy(
     assert state.enthalpy_j == pytest.approx(stored_heat_j(state, wire), abs=1e-15 + 1e-14 * wire.latent_heat_j)
 
 
-@pytest.mark.parametrize("kind", sorted(WIRES))
-def test_over_a_whole_cycle_heat_in_less_heat_out_is_the_heat_stored(kind: str) -> None:
-    wire = WIRES[kind]
-    start = resting_state(wire)
-    half = run(start, wire, CYCLE_V[:900])[0][-1]
-    assert half.martensite_fraction < 0.5, "the wire must have transformed for its latent heat to count"
-    stored = stored_heat_j(half, wire) - stored_heat_j(start, wire)
-    # What the last step owes by the trapezoidal rule is in the account, and comes with the next step.
-    assert half.heat_in_j - half.heat_out_j - half.carried_heat_j == pytest.approx(stored, rel=1e-11)
-
-
 def test_advance_leaves_its_argument_as_it_was() -> None:
     wire = WIRES["round"]
     state = run(resting_state(wire), wire, CYCLE_V[:800])[0][-1]
@@ -95,78 +72,6 @@ def test_two_half_runs_equal_one_whole_run(kind: str, pretension_n: float) -> No
     same = halves.replace(time_s=whole.time_s, heat_in_j=whole.heat_in_j, heat_out_j=whole.heat_out_j)
     assert same.row.tobytes() == whole.row.tobytes()
     assert halves.heat_in_j == pytest.approx(whole.heat_in_j, rel=1e-12)
-
-
-@pytest.mark.parametrize("hold_s", [0.05, 0.2])
-def test_chosen_steps_do_not_depend_on_where_samples_are_cut_into_calls(hold_s: float) -> None:
-    """A sample is the longest step, so the same samples in one call or many are the same to the bit."""
-    wire = WIRES["round"]
-    state = resting_state(wire)
-    drives = np.array(CYCLE_V[::4])
-    path, end = drive_path(wire, drives, sample_s=hold_s)
-    for sample, voltage in enumerate(drives.tolist()):
-        state, means = advance(state, wire, voltage, hold_s)
-        assert path.temperature_k[sample] == state.temperature_k
-        assert path.displacement_m[sample] == means.displacement_m
-    assert end.row.tobytes() == state.row.tobytes()
-
-
-def test_the_same_run_gives_the_same_numbers_to_the_bit() -> None:
-    wire = WIRES["round"]
-    first, second = (run(resting_state(wire), wire, CYCLE_V[:900])[0][-1] for _ in range(2))
-    assert first.row.tobytes() == second.row.tobytes()
-
-
-def test_the_means_of_one_step_are_the_electrical_balance() -> None:
-    """A voltage divider: the wire and the shunt carry one current, and what is left drops in the leads."""
-    wire = constants(bench_values={"lead_resistance_ohm": 0.2, "shunt_resistance_ohm": 1.5})
-    state = run(resting_state(wire), wire, CYCLE_V[:700])[0][-1]
-    after, means = stepped(state, wire, 2.0, 1e-3, 1)
-    current = means.shunt_voltage_v / 1.5
-    # Of a step both ends count alike.
-    currents = np.array([2.0 / (each.resistance_ohm + 1.7) for each in (state, after)])
-    assert current == pytest.approx(currents.mean(), rel=1e-12)
-    volts = currents * (state.resistance_ohm, after.resistance_ohm)
-    assert means.wire_voltage_v == pytest.approx(volts.mean(), rel=1e-12)
-    assert means.wire_voltage_v + means.shunt_voltage_v + 0.2 * current == pytest.approx(2.0, rel=1e-12)
-
-
-def leg_stress_pa(state: WireState, wire: WireConstants, friction_n: float) -> float:
-    """Solve F_T = F_p + k S l + friction for the stress of one leg, from the written-out equations."""
-    x_m, x_r = state.martensite_fraction, state.r_phase_fraction
-
-    def missing_pa(stress: float) -> float:
-        h = wire.strain_saturated + (wire.strain_at_no_stress - wire.strain_saturated) * np.exp(
-            -stress / wire.strain_stress_scale_pa
-        )
-        elastic = stress * ((1 - x_m) / wire.austenite_modulus_pa + x_m / wire.martensite_modulus_pa)
-        alpha = x_m * wire.martensite_expansion_per_k + (1 - x_m) * wire.austenite_expansion_per_k
-        strain = h * x_m + wire.r_phase_strain * x_r + elastic + alpha * (state.temperature_k - 293.15)
-        contraction = (wire.cold_strain - strain) / (1 + wire.cold_strain)
-        force = wire.pretension_n + wire.spring_stiffness_n_per_m * contraction * wire.leg_length_m + friction_n
-        return stress - force / (wire.legs * wire.area_m2)
-
-    return float(brentq(missing_pa, 0.0, 2e9, xtol=1e-3))
-
-
-@pytest.mark.parametrize("kind", sorted(ALLOYS))
-def test_after_every_step_wire_and_spring_are_in_balance(kind: str) -> None:
-    """Temperature, stress and friction are solved together; the last Newton step leaves an error of second order."""
-    wire = WIRES[kind]
-    state = resting_state(wire)
-    for voltage in CYCLE_V[::9]:
-        state, _ = stepped(state, wire, voltage, 1e-3, 450)
-        assert state.stress_pa == pytest.approx(leg_stress_pa(state, wire, state.friction_n), rel=1e-7)
-
-
-def test_a_wire_at_rest_at_ambient_stays_as_it_is() -> None:
-    wire = WIRES["round"]
-    start = resting_state(wire)
-    after, means = stepped(start, wire, 0.0, 1e-3, 5000)
-    assert after.temperature_k == pytest.approx(start.temperature_k, abs=1e-9)
-    assert after.contraction == pytest.approx(0.0, abs=1e-12)
-    assert fronts_of(after) == fronts_of(start)
-    assert means.force_n == pytest.approx(wire.pretension_n, rel=1e-9)
 
 
 @pytest.mark.parametrize("kind", ["round", "broad", "narrow"])

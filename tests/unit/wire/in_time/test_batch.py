@@ -98,13 +98,6 @@ def test_energy_is_kept_to_rounding_in_every_wire() -> None:
     assert not end["unsolved_steps"].any()
 
 
-def test_only_what_is_kept_is_returned_and_one_drive_serves_all() -> None:
-    many = wires(3)
-    found = drive_many(many, drives(1)[0], sample_s=SAMPLE_S, stepping=TEN_MS, keep=("force_n",))
-    assert list(found) == ["force_n"]
-    assert found["force_n"].shape == (3, SAMPLES)
-
-
 def test_wrong_requests_are_the_callers_errors() -> None:
     many = wires(2)
     with pytest.raises(CallerError, match="no column 'force'"):

@@ -89,11 +89,3 @@ def test_the_error_against_scipy_falls_with_the_square_of_the_step() -> None:
     # Order two gives 4.
     assert 3.5 < coarse / middle < 4.7
     assert 3.5 < middle / fine < 4.7
-
-
-def test_in_warmer_air_the_wire_settles_warmer_by_nearly_as_much() -> None:
-    wire = inert_wire()
-    warmer = wire.replace(ambient_temperature_k=wire.ambient_temperature_k + 10.0)
-    state, _ = stepped(resting_state(wire), wire, 2.0, 1e-3, 10_000)
-    in_warm_air, _ = stepped(resting_state(wire), warmer, 2.0, 1e-3, 10_000)
-    assert 8.0 < in_warm_air.temperature_k - state.temperature_k < 12.0

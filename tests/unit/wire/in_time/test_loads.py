@@ -8,8 +8,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import brentq
-from wire_makers import Array, constants, run, slow_sine_v, stepped
+from wire_makers import (
+    ALLOYS,
+    Array,
+    balanced_stress_pa,
+    constants,
+    load_n,
+    run,
+    slow_sine_v,
+    stepped,
+    stored_heat_j,
+)
 
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy, load_bench, load_wire, published_ranges
@@ -17,7 +26,6 @@ from musclewire.wire._building import constants_from, resting_state
 from musclewire.wire._constants import WireConstants
 from musclewire.wire._loads import ConnectorLoad, spring_load, with_table
 from musclewire.wire._state import WireState
-from musclewire.wire._step import NO_PUSH, load_at
 
 REACH_M = 7e-3
 SMOOTH = {"guide_friction_n": 0.0}
@@ -50,33 +58,10 @@ LOADS = {
 WIRES = {name: constants(load=load) for name, load in LOADS.items()}
 
 
-def load_n(load: ConnectorLoad, displacement_m: float) -> float:
-    """Return what a load asks beyond the pretension, from its table by NumPy."""
-    at = load.step_m * np.arange(load.force_n.size)
-    return load.stiffness_n_per_m * displacement_m + float(np.interp(displacement_m, at, load.force_n))
-
-
 def missing_n(state: WireState, wire: WireConstants, load: ConnectorLoad, friction_n: float) -> float:
     """Return F_T - F_p - k x - table(x) - friction, of numbers that the state shows."""
     pulled_n = state.stress_pa * wire.legs * wire.area_m2
     return pulled_n - wire.pretension_n - load_n(load, state.contraction * wire.leg_length_m) - friction_n
-
-
-def balanced_stress_pa(state: WireState, wire: WireConstants, load: ConnectorLoad, friction_n: float) -> float:
-    """Solve strain and balance, both written out, for the stress of one leg."""
-    x_m, x_r = state.martensite_fraction, state.r_phase_fraction
-
-    def excess_pa(stress: float) -> float:
-        reoriented = wire.strain_saturated + (wire.strain_at_no_stress - wire.strain_saturated) * np.exp(
-            -stress / wire.strain_stress_scale_pa
-        )
-        elastic = stress * ((1 - x_m) / wire.austenite_modulus_pa + x_m / wire.martensite_modulus_pa)
-        alpha = x_m * wire.martensite_expansion_per_k + (1 - x_m) * wire.austenite_expansion_per_k
-        strain = reoriented * x_m + wire.r_phase_strain * x_r + elastic + alpha * (state.temperature_k - 293.15)
-        x = (wire.cold_strain - strain) / (1 + wire.cold_strain) * wire.leg_length_m
-        return stress - (wire.pretension_n + load_n(load, x) + friction_n) / (wire.legs * wire.area_m2)
-
-    return float(brentq(excess_pa, 0.0, 5e9, xtol=1e-3))
 
 
 def test_a_table_that_is_a_straight_line_is_a_spring_step_by_step_to_rounding() -> None:
@@ -97,16 +82,6 @@ def test_a_table_that_is_a_straight_line_is_a_spring_step_by_step_to_rounding() 
     assert compared > 300
 
 
-def test_a_table_that_is_a_straight_line_goes_the_way_of_a_spring_through_a_cycle() -> None:
-    """A hanging load differs in one thing: it does not push a wire that thermal expansion makes longer."""
-    spring, line = constants(load=spring_load(588.6)), constants(load=tabulated(0.0, lambda x: 588.6 * x))
-    ours, theirs = (run(resting_state(wire), wire, CYCLE_V)[0] for wire in (line, spring))
-    far = [abs(one.contraction - other.contraction) for one, other in zip(ours, theirs, strict=True)]
-    assert max(state.contraction for state in theirs) > 0.03
-    assert max(far) < 1e-4
-    assert float(np.median(far)) < 1e-9
-
-
 def test_a_weight_is_one_force_whatever_the_wire_does() -> None:
     wire = constants(load=spring_load(0.0), bench_values={**SMOOTH, "pretension_n": 1.4})
     states, means = run(resting_state(wire), wire, CYCLE_V)
@@ -115,10 +90,14 @@ def test_a_weight_is_one_force_whatever_the_wire_does() -> None:
     assert [mean.force_n for mean in means] == pytest.approx([1.4] * len(means), rel=1e-12)
 
 
-@pytest.mark.parametrize("name", sorted(LOADS))
+BALANCED = {name: (WIRES[name], load) for name, load in LOADS.items()}
+BALANCED |= {kind: (constants(kind, load=spring_load(588.6)), spring_load(588.6)) for kind in ALLOYS}
+
+
+@pytest.mark.parametrize("name", sorted(BALANCED))
 def test_after_every_step_wire_and_load_are_in_balance(name: str) -> None:
     """Against the balance solved anew by bisection: 1e-8 of the stress, on a kink 1e-6."""
-    wire, load = WIRES[name], LOADS[name]
+    wire, load = BALANCED[name]
     state, wrong, moments = resting_state(wire), [], 0
     for voltage in CYCLE_V[::3]:
         state, _ = stepped(state, wire, voltage, 1e-3, 150)
@@ -163,9 +142,7 @@ def test_over_slow_cycles_the_heat_account_is_closed_to_rounding_on_any_load(nam
     assert end.heat_in_j > 10.0 * wire.latent_heat_j, "little heat went through: this would show little"
     supplied_j = end.heat_in_j - end.heat_out_j - end.carried_heat_j
     assert supplied_j == pytest.approx(end.enthalpy_j - start.enthalpy_j, abs=1e-11 * end.heat_in_j)
-    transformed = end.martensite_fraction + wire.r_phase_entropy_ratio * end.r_phase_fraction
-    held = wire.heat_capacity_j_per_k * (end.temperature_k - 293.15) - wire.latent_heat_j * transformed
-    assert end.enthalpy_j == pytest.approx(held, abs=1e-13 * wire.latent_heat_j)
+    assert end.enthalpy_j == pytest.approx(stored_heat_j(end, wire), abs=1e-13 * wire.latent_heat_j)
 
 
 # Grains that are all alike and turn from martensite to austenite with nothing between.
@@ -200,62 +177,6 @@ def test_a_blocked_wires_stress_rises_by_clausius_and_clapeyron_within_the_publi
     assert slope == pytest.approx(rate_pa_per_k, rel=0.01)
     printed = published_ranges().parameters["martensite_stress_rate_pa_per_k"]
     assert printed.low < slope < printed.high
-
-
-def test_a_slack_tendon_adds_its_stiffness_where_it_becomes_tight() -> None:
-    slack_m, before, after = 0.7e-3, 400.0, 1900.0
-    wire = constants(load=LOADS["slack"], bench_values=SMOOTH)
-    means = run(resting_state(wire), wire, CYCLE_V)[1]
-    x, force = np.array([mean.displacement_m for mean in means]), np.array([mean.force_n for mean in means])
-    for inside, slope in (((x > 0.05e-3) & (x < slack_m - 1e-5), before), (x > slack_m + 1e-5, after)):
-        assert inside.sum() > 20
-        assert float(np.polyfit(x[inside], force[inside], 1)[0]) == pytest.approx(slope, rel=1e-4)
-    tight = x > slack_m
-    assert force[tight] == pytest.approx(
-        wire.pretension_n + before * x[tight] + 1500.0 * (x[tight] - slack_m), abs=1e-3
-    )
-
-
-def test_sliding_friction_of_the_load_separates_pulling_from_easing_by_twice_itself() -> None:
-    """Friction 0.05 N and 40 N/m of it: the force at one displacement, going up and coming down."""
-    load = tabulated(588.6, nothing, lambda x: 0.05 + 40.0 * x)
-    wire = constants(load=load, bench_values=SMOOTH)
-    states = run(resting_state(wire), wire, CYCLE_V * 2)[0][len(CYCLE_V) :]
-    x = np.array([state.contraction * wire.leg_length_m for state in states])
-    force = np.array([state.stress_pa * wire.legs * wire.area_m2 for state in states])
-    top = int(x.argmax())
-    places = np.linspace(0.6e-3, x.max() - 0.3e-3, 9)
-    pulling = np.interp(places, x[:top], force[:top])
-    easing = np.interp(places, x[:top:-1], force[:top:-1])
-    assert pulling - easing == pytest.approx(2.0 * (0.05 + 40.0 * places), rel=0.01)
-
-
-def test_before_its_table_a_load_keeps_its_force_and_behind_it_the_last_slope() -> None:
-    load = with_table(0.0, lambda x: 0.5 + 100.0 * x + 1e5 * x**2, lambda x: 0.1 + x, reach_m=1e-3, points=11)
-    wire = constants(load=load, bench_values=SMOOTH)
-    derived, _, tables = wire.step_arrays()
-
-    def at(displacement_m: float) -> tuple[float, float, float]:
-        """Return force [N], stiffness [N/m] and limit of friction [N] where nothing has moved, so that nothing rubs."""
-        contraction = displacement_m / wire.leg_length_m
-        point = load_at(derived[0], tables[0], contraction, (contraction, 0.0), NO_PUSH)
-        assert point.friction_n == 0.0
-        elastic_n_per_m = point.limit_n / wire.friction_presliding_m
-        return (
-            point.force_n - wire.pretension_n,
-            point.per_contraction_n / wire.leg_length_m - elastic_n_per_m,
-            point.limit_n,
-        )
-
-    force, slope, _ = at(-1e-3)
-    assert force == pytest.approx(0.5)
-    assert slope == pytest.approx(0.0, abs=1e-6)
-    force, slope, _ = at(2e-3)
-    last = (load.force_n[-1] - load.force_n[-2]) / 1e-4
-    assert slope == pytest.approx(last)
-    assert force == pytest.approx(load.force_n[-1] + last * 1e-3)
-    for x, friction in ((-1e-3, 0.1), (0.5e-3, 0.1005), (5e-3, 0.101)):
-        assert at(x)[2] == pytest.approx(friction)
 
 
 def test_a_load_that_is_no_number_or_reaches_nowhere_is_refused() -> None:

@@ -8,21 +8,19 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from wire_makers import Array, alloy, bench, changed, constants, slow_sine_v, wire_100um
+from wire_makers import Array, alloy, bench, changed, constants, slow_sine_v, stored_heat_j, wire_100um
 
 from grain_wire import Grip as GrainGrip
 from grain_wire import Pair as GrainPair
 from grain_wire import drive_pair as grain_wire_pair
 from grain_wire import grain_wire
+from musclewire.wire import APART, OWN_SUPPLY, PARALLEL, SERIES, GrippedObject, PairConnection, no_grip
 from musclewire.wire._building import constants_from, resting_state, with_pretension
 from musclewire.wire._constants import WireConstants
-from musclewire.wire._coupling import APART, GrippedObject, no_grip
 from musclewire.wire._loads import ConnectorLoad, spring_load, with_table
-from musclewire.wire._pair_step import OWN_SUPPLY, PARALLEL, SERIES, PairConnection
 from musclewire.wire._pairs import PairMeans, advance_pair
 from musclewire.wire._state import WireState
-from musclewire.wire._stepping import StepControl, fixed_steps
-from musclewire.wire._wires import advance
+from musclewire.wire._stepping import fixed_steps
 
 pytestmark = pytest.mark.slow
 
@@ -110,146 +108,6 @@ CASES = {
 }
 
 
-def test_two_equal_wires_on_one_connector_are_one_wire_with_half_the_load() -> None:
-    """By hand: each carries half of pretension and spring; half the current flows in it, so the shunt counts twice.
-
-    Step by step from one state: the pair's solution against the single wire's.
-    """
-    both = (wire(spring_load(800.0)), wire())
-    half = wire(spring_load(400.0), shunt_resistance_ohm=2.0)
-    states, single, contracted = at_rest(both), resting_state(half), []
-    for voltage in CYCLE_V:
-        states, means = advance_pair(
-            states, both, PairConnection(1.0, PARALLEL, 0.0, 1.0), no_grip(), voltage, 1e-3, MS
-        )
-        single, mean = advance(single, half, voltage, 1e-3, MS)
-        for state in states:
-            assert state.stress_pa == pytest.approx(single.stress_pa, rel=1e-9)
-            assert state.temperature_k == pytest.approx(single.temperature_k, rel=1e-9)
-        assert means.wire_voltage_v == pytest.approx(mean.wire_voltage_v, rel=1e-9)
-        assert means.shunt_voltage_v == pytest.approx(mean.shunt_voltage_v, rel=1e-9)
-        assert means.force_n + means.partner_force_n == pytest.approx(2.0 * mean.force_n, rel=1e-9)
-        # On from where the single wire will be after a tenth of a second.
-        single, _ = advance(single, half, voltage, 99e-3, MS)
-        states = (single, single)
-        contracted.append(single.contraction)
-    assert max(contracted) > 0.03
-
-
-def test_two_equal_wires_go_through_a_whole_cycle_like_one_with_half_the_load() -> None:
-    both = (wire(spring_load(800.0)), wire())
-    half = wire(spring_load(400.0), shunt_resistance_ohm=2.0)
-    visited, _ = course(both, PairConnection(1.0, PARALLEL, 0.0, 1.0), CYCLE_V)
-    single, far = resting_state(half), []
-    for voltage, (first, second) in zip(CYCLE_V, visited, strict=True):
-        single, _ = advance(single, half, voltage, 0.1, MS)
-        assert first.contraction == pytest.approx(second.contraction, abs=1e-9)
-        far.append(abs(first.contraction - single.contraction))
-    assert float(np.median(far)) < 1e-8
-    assert max(far) < 1e-6
-
-
-def test_two_equal_wires_in_parallel_are_one_wire_of_twice_the_section() -> None:
-    both = (wire(spring_load(800.0)), wire())
-    alike = ("area_m2", "surface_m2", "heat_capacity_j_per_k", "latent_heat_j")
-    twice = both[0].replace(**{name: 2.0 * getattr(both[0], name) for name in alike})
-    double = with_pretension(twice, 1.8)
-    visited, means = course(both, PairConnection(1.0, PARALLEL, 0.0, 1.0), CYCLE_V)
-    single = resting_state(double)
-    for voltage, (first, _), mean in zip(CYCLE_V, visited, means, strict=True):
-        single, alone = advance(single, double, voltage, 0.1, MS)
-        assert first.temperature_k == pytest.approx(single.temperature_k, abs=1e-5)
-        assert first.stress_pa == pytest.approx(single.stress_pa, abs=200.0)
-        assert mean.shunt_voltage_v == pytest.approx(alone.shunt_voltage_v, rel=1e-6)
-        assert mean.force_n + mean.partner_force_n == pytest.approx(alone.force_n, abs=1e-5)
-
-
-def test_equal_antagonists_in_equal_heat_hold_the_connector_where_it_is() -> None:
-    both = (wire(), wire())
-    states = at_rest(both)
-    for voltage in CYCLE_V:
-        pair = PairConnection(-1.0, OWN_SUPPLY, voltage, both[0].series_resistance_ohm)
-        states, means = advance_pair(states, both, pair, no_grip(), voltage, 0.1, MS)
-        assert means.displacement_m == pytest.approx(0.0, abs=1e-12)
-        assert means.force_n == pytest.approx(means.partner_force_n, rel=1e-12)
-    assert max(pulls_n(state, of) for state, of in zip(states, both, strict=True)) > 0.0
-
-
-@pytest.mark.parametrize("stiffness_n_per_m", [0.0, 500.0])
-def test_antagonists_pull_alike_but_for_the_spring_between_them_and_move_as_one(stiffness_n_per_m: float) -> None:
-    both = (wire(spring_load(stiffness_n_per_m)), wire())
-    visited, means = course(both, PairConnection(-1.0, OWN_SUPPLY, 1.0, 1.0), CYCLE_V)
-    taut = 0
-    for (first, second), mean in zip(visited, means, strict=True):
-        x = moved_m(first, both[0])
-        assert pulls_n(first, both[0]) - pulls_n(second, both[1]) == pytest.approx(stiffness_n_per_m * x, abs=1e-7)
-        if second.stress_pa > 0.0:
-            assert moved_m(second, both[1]) == pytest.approx(-x, abs=1e-9)
-            taut += 1
-        assert mean.partner_displacement_m == -mean.displacement_m
-    assert taut > 800
-    # Cold martensite is stretched with little force: that is what lets the hot wire shorten.
-    assert max(mean.displacement_m for mean in means) > 3e-4
-
-
-def test_antagonists_that_change_places_mirror_the_motion() -> None:
-    both = (wire(), wire())
-    ends = []
-    for own_v, other_v in ((2.6, 0.5), (0.5, 2.6)):
-        ends.append(course(both, PairConnection(-1.0, OWN_SUPPLY, other_v, 1.0), [own_v] * 60)[1][-1])
-    assert ends[0].displacement_m > 2e-4
-    assert ends[0].displacement_m == pytest.approx(-ends[1].displacement_m, abs=1e-8)
-    assert ends[0].force_n == pytest.approx(ends[1].partner_force_n, rel=1e-5)
-
-
-def test_wires_in_series_carry_one_current_and_share_power_by_resistance() -> None:
-    both = (wire(), thick())
-    pair = PairConnection(APART, SERIES, 0.0, 1.0)
-    states = course(both, pair, CYCLE_V[:300])[0][-1]
-    assert states[0].resistance_ohm > 1.5 * states[1].resistance_ohm
-    after, means = advance_pair(states, both, pair, no_grip(), 4.0, 1e-3, MS)
-    # Means are by the trapezoidal rule.
-    ohm = np.array([[state.resistance_ohm for state in ends] for ends in (states, after)])
-    currents = 4.0 / (ohm.sum(axis=1) + both[0].series_resistance_ohm)
-    assert means.shunt_voltage_v / both[0].shunt_resistance_ohm == pytest.approx(currents.mean(), rel=1e-12)
-    assert means.wire_voltage_v == pytest.approx((currents * ohm.sum(axis=1)).mean(), rel=1e-12)
-    heat = [now.heat_in_j - before.heat_in_j for now, before in zip(after, states, strict=True)]
-    assert heat == pytest.approx(1e-3 * (currents**2 * ohm.T).mean(axis=1), rel=1e-9)
-
-
-def test_wires_in_parallel_share_the_shunts_current_by_conductance() -> None:
-    both = (wire(), thick())
-    pair = PairConnection(1.0, PARALLEL, 0.0, 1.0)
-    states = course(both, pair, CYCLE_V[:100])[0][-1]
-    after, means = advance_pair(states, both, pair, no_grip(), 1.0, 1e-3, MS)
-    ohm = np.array([[state.resistance_ohm for state in ends] for ends in (states, after)])
-    conductance = (1.0 / ohm).sum(axis=1)
-    volts = 1.0 / (1.0 + conductance * both[0].series_resistance_ohm)
-    assert means.wire_voltage_v == pytest.approx(volts.mean(), rel=1e-12)
-    assert means.shunt_voltage_v == pytest.approx((volts * conductance).mean(), rel=1e-12)
-    assert means.wire_voltage_v + means.shunt_voltage_v == pytest.approx(1.0, rel=1e-12)
-    heat = [now.heat_in_j - before.heat_in_j for now, before in zip(after, states, strict=True)]
-    assert heat == pytest.approx(1e-3 * (volts**2 / ohm.T).mean(axis=1), rel=1e-9)
-
-
-def test_wires_that_share_nothing_are_two_single_wires() -> None:
-    """Each on its own spring, fed by its own supply: to the bit what the kernel of one wire does."""
-    both = (wire(spring_load(588.6)), thick(spring_load(300.0)))
-    pair = PairConnection(APART, OWN_SUPPLY, 1.9, both[1].series_resistance_ohm)
-    states = alone = at_rest(both)
-    for voltage in CYCLE_V[::3]:
-        states, means = advance_pair(states, both, pair, no_grip(), voltage, 0.1, MS)
-        first, mean = advance(alone[0], both[0], voltage, 0.1, MS)
-        second, other = advance(alone[1], both[1], 1.9, 0.1, MS)
-        alone = (first, second)
-        for together, single in zip(states, alone, strict=True):
-            assert together.row.tobytes() == single.row.tobytes()
-        assert tuple(means[:4]) == pytest.approx(tuple(mean), rel=1e-12)
-        partner = (means.partner_displacement_m, means.partner_force_n)
-        assert partner == pytest.approx((other.displacement_m, other.force_n), rel=1e-12)
-        assert means.grip_n == 0.0
-
-
 def endpoint_force_n(state: WireState, of: WireConstants) -> float:
     """Return what pushes a finger's endpoint back, from the balance at its connector; a tendon does not push."""
     x = moved_m(state, of)
@@ -275,52 +133,6 @@ def test_what_two_fingers_hold_pushes_both_alike_and_nothing_before_they_touch_i
             assert push == pytest.approx(-soft * apart_m, abs=1e-7)
             assert mean.grip_n == pytest.approx(push, abs=0.02)
     assert 200 < touched < 850
-
-
-def test_two_like_fingers_are_one_finger_on_the_plane_between_them() -> None:
-    """Half the clearance to a plane, and half the foam before it: twice as stiff. Twice the voltage feeds both."""
-    both = (wire(finger_load()), wire(finger_load()))
-    alone = wire(finger_load(2.0 * FOAM_N_PER_M, CLEARANCE_M / 2.0), shunt_resistance_ohm=0.5)
-    pair = PairConnection(APART, SERIES, 0.0, 1.0)
-    visited, _ = course(both, pair, [2.0 * voltage for voltage in CYCLE_V], grip())
-    single, far, forces = resting_state(alone), [], []
-    for voltage, (first, second) in zip(CYCLE_V, visited, strict=True):
-        single, _ = advance(single, alone, voltage, 0.1, MS)
-        assert first.contraction == pytest.approx(second.contraction, abs=1e-9)
-        far.append(abs(first.contraction - single.contraction))
-        forces.append(pulls_n(first, both[0]))
-    assert max(forces) > 3.0, "the fingers must have held it"
-    assert float(np.median(far)) < 2e-6
-    assert max(far) < 1e-4
-
-
-def shown(name: str, stepping: StepControl) -> Array:
-    """Return temperature [K], contraction in per mille and stress [MPa] of both wires over two sudden starts."""
-    both, pair, between = CASES[name]
-    factor = 2.0 if pair.feed == SERIES else 1.0
-    states, found = at_rest(both), []
-    for voltage in np.repeat((0.5, 3.0, 0.3, 2.0, 0.3), (10, 40, 60, 40, 40)):
-        states, _ = advance_pair(states, both, pair, between, factor * voltage, 0.04, stepping)
-        found.append([(s.temperature_k, 1e3 * s.contraction, 1e-6 * s.stress_pa) for s in states])
-        assert [s.unsolved_steps for s in states] == [0.0, 0.0]
-    return np.array(found).reshape(len(found), 6)
-
-
-@pytest.mark.parametrize("name", sorted(CASES))
-def test_finer_steps_lead_to_one_answer_to_second_order(name: str) -> None:
-    """Root mean square from a run with a much finer step, over two sudden starts."""
-    steps = np.array((8e-3, 4e-3, 2e-3))
-    finest = shown(name, fixed_steps(1e-4))
-    rms = np.array([np.sqrt(np.mean((shown(name, fixed_steps(dt_s)) - finest) ** 2, axis=0)) for dt_s in steps])
-    assert (rms[0] < (1e-3, 1e-3, 2e-2) * 2).all(), rms
-    orders = np.log2(rms[0, ::3] / rms[-1, ::3]) / np.log2(steps[0] / steps[-1])
-    assert (orders > 1.7).all(), (orders, rms)
-
-
-@pytest.mark.parametrize("name", sorted(CASES))
-def test_chosen_steps_keep_their_tolerance(name: str) -> None:
-    far = np.abs(shown(name, StepControl()) - shown(name, fixed_steps(1e-4)))
-    assert far[:, ::3].max() < 2.0 * StepControl().temperature_k
 
 
 @pytest.mark.parametrize("name", sorted(CASES))
@@ -390,9 +202,7 @@ def test_every_history_keeps_shares_energy_and_no_wire_pushes(
             assert state.martensite_fraction + state.r_phase_fraction <= 1.0 + 1e-12
             kept = state.heat_in_j - state.heat_out_j - state.carried_heat_j
             assert state.enthalpy_j - first.enthalpy_j == pytest.approx(kept, abs=1e-12 * state.heat_in_j + 1e-14)
-            transformed = state.martensite_fraction + of.r_phase_entropy_ratio * state.r_phase_fraction
-            held = of.heat_capacity_j_per_k * (state.temperature_k - 293.15) - of.latent_heat_j * transformed
-            assert state.enthalpy_j == pytest.approx(held, abs=1e-12 * of.latent_heat_j)
+            assert state.enthalpy_j == pytest.approx(stored_heat_j(state, of), abs=1e-12 * of.latent_heat_j)
 
 
 def test_antagonists_that_rub_cool_from_a_rest_without_a_jump() -> None:

@@ -25,11 +25,11 @@ from test_pairs import (
     thick,
     wire,
 )
+from wire_makers import stored_heat_j
 
+from musclewire.wire import APART, OWN_SUPPLY, PARALLEL, SERIES, PairConnection, no_grip
 from musclewire.wire._building import resting_state
-from musclewire.wire._coupling import APART, no_grip
 from musclewire.wire._loads import spring_load
-from musclewire.wire._pair_step import OWN_SUPPLY, PARALLEL, SERIES, PairConnection
 from musclewire.wire._pairs import PairMeans, advance_pair
 from musclewire.wire._state import WireState
 from musclewire.wire._stepping import StepControl, fixed_steps
@@ -108,9 +108,7 @@ def test_one_step_of_a_pair_keeps_energy_and_its_means_are_those_of_both_ends(na
         gained_j = state.enthalpy_j + state.carried_heat_j - was.enthalpy_j - was.carried_heat_j
         net_j = (state.heat_in_j - was.heat_in_j) - (state.heat_out_j - was.heat_out_j)
         assert gained_j == pytest.approx(net_j, abs=1e-13)
-        transformed = state.martensite_fraction + of.r_phase_entropy_ratio * state.r_phase_fraction
-        held_j = of.heat_capacity_j_per_k * (state.temperature_k - 293.15) - of.latent_heat_j * transformed
-        assert state.enthalpy_j == pytest.approx(held_j, abs=1e-12)
+        assert state.enthalpy_j == pytest.approx(stored_heat_j(state, of), abs=1e-12)
         assert state.unsolved_steps == 0.0
     forces = [np.mean([pulls_n(pair[place], both[place]) for pair in (before, now)]) for place in (0, 1)]
     assert (means.force_n, means.partner_force_n) == pytest.approx(tuple(forces), rel=1e-9)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wire_makers import constants, driven
+from wire_makers import constants, driven, stored_heat_j
 
 from musclewire.errors import CallerError
-from musclewire.physics import REFERENCE_TEMPERATURE_K
 from musclewire.wire._paths import heated_state, isobaric_path
 
 AMBIENT_K = 295.15
@@ -47,10 +46,7 @@ def test_far_above_the_transformation_there_is_austenite_only() -> None:
 def test_enthalpy_belongs_to_temperature_and_phases() -> None:
     wire = constants()
     state = heated_state(wire, 370.0)
-    phases = state.martensite_fraction + wire.r_phase_entropy_ratio * state.r_phase_fraction
-    assert state.enthalpy_j == pytest.approx(
-        wire.heat_capacity_j_per_k * (370.0 - REFERENCE_TEMPERATURE_K) - wire.latent_heat_j * phases
-    )
+    assert state.enthalpy_j == pytest.approx(stored_heat_j(state, wire))
 
 
 def test_left_to_the_air_it_cools_and_comes_back_to_where_it_began() -> None:

@@ -1,10 +1,8 @@
 import pytest
-from tests.extras.lab_files.corpus.generate_lab_files import generate
+from tests.places import TESTS
 
 
 @pytest.fixture(scope="session")
-def lab_files(tmp_path_factory):
+def lab_files():
     """Folder "read" with files that are read, and "damaged" with files that are refused."""
-    folder = tmp_path_factory.mktemp("lab_files")
-    generate(folder)
-    return folder
+    return TESTS / "extras/lab_files/corpus"

@@ -2,7 +2,5 @@
 
 from __future__ import annotations
 
-__all__ = ["SAVED", "SAVED_WITHOUT_A_CLOCK"]
-
 SAVED = [".parquet", ".mat"]
 SAVED_WITHOUT_A_CLOCK = [".parquet", ".mat", ".xlsx"]

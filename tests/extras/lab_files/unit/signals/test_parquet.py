@@ -35,11 +35,6 @@ def test_foreign_parquet_is_understood_by_its_column_names(tmp_path):
     assert [item.header for item in understand(path, {"displacement_m": "pos:mm"}).ignored] == ["note"]
 
 
-def test_a_line_break_in_a_column_name_is_a_space(tmp_path):
-    path = write(tmp_path / "a.parquet", {"time_s": [0.0, 1.0], "Force\n[mN]": [1.0, 2.0]})
-    assert read_recording(path)["force_n"].tolist() == pytest.approx([0.001, 0.002])
-
-
 def test_our_parquet_says_its_units_to_whoever_reads_it(tmp_path):
     Recording({"time_s": [0.0, 1.0]}).save(tmp_path / "a.parquet")
     assert pyarrow.parquet.read_schema(tmp_path / "a.parquet").field("time_s").metadata == {b"unit": b"s"}
@@ -54,11 +49,6 @@ def test_blank_cells_and_words_and_dates_are_found(tmp_path):
         write(path, {"time_s": [0.0, 1.0], "force_n": ["1", "2"]})
     )
     assert "the clock does not rise" in refusal(write(path, {"time_s": [day, day]}))
-
-
-def test_what_is_no_parquet_is_refused(tmp_path):
-    (tmp_path / "a.parquet").write_text("time_s\n0\n1\n")
-    assert "cannot be read as Parquet" in refusal(tmp_path / "a.parquet")
 
 
 @pytest.mark.parametrize("document", [b"{", b"{}", b'{"metadata": 3}', b'{"metadata": {"Bad Key": 1}}'])

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from musclewire.errors import CallerError
 from musclewire.extras.studies._robustness import Selection, held_out_seeds, tuning_seeds
 from musclewire.extras.studies._robustness.bars import bars
-from musclewire.extras.studies._robustness.benchmark import chosen_by, ranges
+from musclewire.extras.studies._robustness.benchmark import chosen_by
 from musclewire.extras.studies._robustness.closed_loops import ScoredLoop
 from musclewire.extras.studies._robustness.disturbances import Disturbance
 from musclewire.extras.studies._robustness.grips import changes
@@ -20,10 +20,10 @@ from musclewire.extras.studies._robustness.kind import JobAnswer, RobustnessOpti
 from musclewire.extras.studies._robustness.population import drawn_wire
 from musclewire.extras.studies._robustness.references import REFERENCES, reference_targets, start_up
 from musclewire.extras.studies._robustness.rows import estimator_rows
-from musclewire.extras.studies._robustness.scoring import ErrorSums, judged_from_s, pooled
+from musclewire.extras.studies._robustness.scoring import ErrorSums, pooled
 from musclewire.extras.studies._robustness.settings import settings
 from musclewire.extras.studies._robustness.store import ROOMS, sources
-from musclewire.extras.studies._robustness.verdicts import BarVerdict, effective_bar_pct, verdicts_of
+from musclewire.extras.studies._robustness.verdicts import verdicts_of
 
 
 def condition(name):
@@ -69,11 +69,6 @@ def test_targets_stay_inside_of_the_usable_range(name, seed, stroke):
     assert targets.max() <= run.usable_high * stroke
 
 
-def test_an_unknown_reference_suggests_the_nearest():
-    with pytest.raises(CallerError, match="minor loops"):
-        reference_targets("minor loop", np.array([0.0]), 0.04, 1)
-
-
 def test_the_start_up_loop_ends_at_the_first_target():
     times = np.linspace(0.0, 8.0, 161)
     found = start_up(times, 0.04, 0.012, 8.0)
@@ -112,15 +107,6 @@ def test_draughts_differ_along_a_wire_in_segments():
     assert np.ptp(along) > 0.0
 
 
-def test_when_a_condition_counts_from():
-    run = settings().run
-    assert judged_from_s(condition("none"), run) == 0.0
-    assert judged_from_s(condition("h x3"), run) == run.change_at_s
-    assert judged_from_s(condition("k x2"), run) == run.change_at_s + 10.0
-    assert judged_from_s(condition("T +5 K"), run) == run.change_at_s + run.drift_s
-    assert judged_from_s(condition("T +5 K, home"), run) == 0.0
-
-
 def test_a_score_is_the_root_mean_square_of_its_errors():
     errors = np.array([0.01, -0.02, 0.06])
     score = ErrorSums(samples=3, squares=float(errors @ errors), valid=2, wrong=1, within=1)
@@ -155,22 +141,12 @@ def test_a_wire_with_a_large_gap_has_a_larger_bar():
     assert row.score.rms_pct == pytest.approx(math.sqrt(0.5 * (0.25 + 4.0)))
 
 
-def test_a_bar_below_a_share_of_the_polynomials_row_is_set_to_that():
-    assert effective_bar_pct(0.6, 0.8, bars()) == 0.6
-    assert effective_bar_pct(0.6, 2.0, bars()) == pytest.approx(1.2)
-
-
 def test_a_missed_bar_is_named():
     rows = estimator_rows([answer(101, 3.0), answer(102, 0.1)], [condition("none")], bars())
     found = {verdict.name: verdict for verdict in verdicts_of(rows, (), bars())}
     assert not found["error"].holds
     assert not found["error of the worst wire, 101"].holds
     assert found["95 % intervals hold"].holds
-
-
-def test_a_number_that_was_not_found_misses_its_bar():
-    assert not BarVerdict("error", "none", None, None, 1.0, "%").holds
-    assert BarVerdict("error", "none", 1.0, 0.5, 1.0, "%").holds
 
 
 def test_an_answer_is_what_was_kept_of_it():
@@ -183,6 +159,8 @@ def test_what_is_chosen_is_checked():
         chosen_by(Selection(conditions=("load +60 %",)), bars())
     with pytest.raises(CallerError, match="polynomial"):
         chosen_by(Selection(estimators=("polynomail",)), bars())
+    with pytest.raises(CallerError, match="minor loops"):
+        reference_targets("minor loop", np.array([0.0]), 0.04, 1)
     with pytest.raises(CallerError, match="fuzzy-pid"):
         chosen_by(Selection(controllers=("fuzzy-pit",)), bars())
     assert chosen_by(Selection(controllers=()), bars()).loops == ()
@@ -200,10 +178,6 @@ def test_a_grip_changes_only_what_its_condition_names():
     assert changes(conditions["none"]) == {}
     assert list(changes(conditions["R +1 %"])) == ["resistivity_factor"]
     assert list(changes(conditions["ambient -15 K"])) == ["ambient_temperature_k"]
-
-
-def test_ranges_of_seeds():
-    assert ranges([101, 102, 103, 7]) == "7, 101-103"
 
 
 def test_kept_results_depend_on_sources_that_are_there() -> None:

@@ -9,7 +9,6 @@ import pytest
 
 from musclewire.errors import CallerError
 from musclewire.extras.studies._segmented.conditions import Conditions, LocalDraughts, steady
-from musclewire.extras.studies._segmented.configuration import SegmentedConfiguration
 from musclewire.extras.studies._segmented.device import SegmentedDevice, SegmentedSpool
 from musclewire.extras.studies._segmented.instruments import InstrumentSettings
 from musclewire.parameters import load_alloy, load_bench, load_wire
@@ -89,12 +88,6 @@ def test_coarse_converters_read_in_steps_and_clip() -> None:
     assert not device.facts.limits.readings_noisy
 
 
-def test_gains_scale_the_readings() -> None:
-    plain, scaled = (samples(with_instruments(wire_gain=gain, bits=24), [1.0] * 20) for gain in (1.0, 1.01))
-    ratio = sum(one.wire_voltage_v for one in scaled) / sum(one.wire_voltage_v for one in plain)
-    assert ratio == pytest.approx(1.01, abs=2e-4)
-
-
 def test_the_zero_is_kept_or_taken_again_and_the_true_strain_has_its_own() -> None:
     device = SegmentedDevice(SPOOL, conditions=steady(Conditions(load_force_n=0.9)))
     with GuardedRig(device) as rig:
@@ -106,15 +99,6 @@ def test_the_zero_is_kept_or_taken_again_and_the_true_strain_has_its_own() -> No
     assert kept.displacement_m < -5e-5
     assert taken.displacement_m == pytest.approx(0.0, abs=5e-6)
     assert device.wire_state.strain == pytest.approx(strain, abs=1e-5)
-
-
-def test_the_true_state_has_mean_and_hottest_temperature() -> None:
-    device = SegmentedDevice(SPOOL)
-    samples(device, [3.2] * 60)
-    state = device.wire_state
-    assert state.coldest_temperature_k < state.temperature_k < state.hottest_temperature_k
-    assert state.hottest_temperature_k == state.segment_temperatures_k.max()
-    assert state.mean_strain == pytest.approx(state.strain, abs=2e-4)
 
 
 def test_other_instruments_may_come_while_it_runs_unless_the_protection_depends_on_them() -> None:
@@ -216,8 +200,3 @@ def test_a_wrong_key_or_number_is_one_line(tmp_path: Path, text: str, message: s
     with pytest.raises(CallerError, match=message) as caught:
         open_rig(file)
     assert "\n" not in str(caught.value)
-
-
-def test_settings_of_the_simulated_rig_do_not_apply() -> None:
-    with pytest.raises(CallerError, match="change the rig file"):
-        open_rig(SegmentedConfiguration(), pretension_n=1.5)

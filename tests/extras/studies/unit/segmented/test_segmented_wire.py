@@ -18,7 +18,6 @@ from musclewire.extras.studies._segmented.structure import (
     WireAgeing,
     WireStructure,
     fin_length_m,
-    graded_fractions,
     mixture_distribution,
 )
 from musclewire.extras.studies._segmented.wire import DEFAULT_STEP_S, SegmentedWire
@@ -180,14 +179,6 @@ def test_cold_ends_are_those_of_a_fin(structure: WireStructure) -> None:
     assert wire.weights @ excess_k / excess_k.max() == pytest.approx(1.0 - 2.0 * fin_m / length_m, abs=3e-3)
 
 
-def test_grading_begins_with_the_given_length_and_adds_up() -> None:
-    lengths = graded_fractions(12, 0.013)
-    assert lengths[0] == pytest.approx(0.013, rel=1e-9)
-    assert lengths.sum() == pytest.approx(1.0, rel=1e-12)
-    assert lengths == pytest.approx(lengths[::-1])
-    assert graded_fractions(3, 0.01) == pytest.approx([1 / 3] * 3)
-
-
 def test_a_mixture_has_its_own_cumulative_fractions() -> None:
     offsets = np.linspace(-5.0, 4.0, 37)
     expected = 0.8 * ndtr(offsets) + 0.2 * ndtr((offsets + 1.5) / 2.0)
@@ -224,14 +215,6 @@ def test_conditions_act_in_the_direction_of_their_sign(
     assert (changed.strain < still.strain) is longer
 
 
-def test_force_is_that_of_spring_and_conditions() -> None:
-    """Hooke's law with the added forces, up to the friction of the guide."""
-    conditions = Conditions(load_force_n=0.5, pretension_force_n=-0.2, stiffness_factor=1.5)
-    state, bench = held(conditions).state, load_bench("paper").values()
-    spring_n = 1.5 * bench["spring_stiffness_n_per_m"] * state.strain * 0.07
-    assert state.force_n == pytest.approx(1.9 + 0.3 + spring_n, abs=1.001 * bench["guide_friction_n"])
-
-
 def test_resistance_scales_with_its_factor() -> None:
     """Of a cold wire, whose state the factor does not change."""
     wires = [held(Conditions(resistance_factor=factor), voltage_v=0.05) for factor in (1.0, 1.01)]
@@ -246,19 +229,6 @@ def test_a_draught_on_one_place_cools_that_place() -> None:
     fallen_k = still.segment_temperatures_k - blown.segment_temperatures_k
     assert fallen_k.argmax() == 4
     assert fallen_k[4] > 5.0 * abs(fallen_k[8])
-
-
-def test_a_slack_wire_carries_nothing_and_finds_back() -> None:
-    """A load that would push: the stress is 0 and the wire comes back with the load."""
-    wire = paper(WireStructure(12, classes=CLASSES, grains=GRAINS))
-    wire.surround(Conditions(load_force_n=-2.5))
-    for _ in range(20):
-        wire.advance(0.3, SAMPLE_S)
-    assert wire.state.stress_pa == 0.0
-    wire.surround(Conditions())
-    for number in range(200):
-        wire.advance(3.2 if number < 60 else 0.3, SAMPLE_S)
-    assert wire.state.stress_pa == pytest.approx(1.9 / wire.section_m2, rel=0.06)
 
 
 def test_three_segments_carry_one_force_jump_with_the_load_and_go_slack_together() -> None:
