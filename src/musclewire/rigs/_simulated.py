@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inner
 from musclewire.controllers import Event, ProtectionLimits
 from musclewire.errors import CallerError, RigError
 from musclewire.parameters import Alloy, Bench, Numbers, Wire, load_alloy, load_wire, validity_of
@@ -77,7 +77,7 @@ DIRECTIONS = {Pull.ALONG: 1.0, Pull.AGAINST: -1.0, Pull.APART: APART}
 FEEDS = {Supply.OWN: OWN_SUPPLY, Supply.PARALLEL: PARALLEL, Supply.SERIES: SERIES}
 
 
-@compiled
+@compiled_inner
 def converted(noise: FloatArray, voltage_v: float, noise_v: float, step_v: float, range_v: float) -> float:
     """Return the mean of a converter's readings with noise, steps and a range."""
     total_v = 0.0

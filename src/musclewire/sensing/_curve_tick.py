@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inner, row_in
 
 # Numbers by name, ``row.normalised_min``, in compiled code and in plain Python alike; mypy knows no fields of it.
 Row = Any
@@ -38,7 +38,7 @@ CURVE_ROW = row_type(CURVE_NUMBERS)
 N_CURVE = len(CURVE_NUMBERS)
 
 
-@compiled
+@compiled_inner
 def branches(coefficients: FloatArray, normalised: float) -> tuple[float, float, float]:
     """Return g_h, g_c and the slope of their sum at a normalised resistance (Eq. 4): one pass by Horner's rule.
 
@@ -52,7 +52,7 @@ def branches(coefficients: FloatArray, normalised: float) -> tuple[float, float,
     return heating, cooling, slope
 
 
-@compiled
+@compiled_inner
 def curve_estimate(
     curve: Row, coefficients: FloatArray, resistance_ohm: float, noise_ohm: float
 ) -> tuple[float, float, bool]:
@@ -80,6 +80,6 @@ def curve_estimates(
     valid: npt.NDArray[np.bool_],
 ) -> None:
     """Estimate from each of the resistances [ohm] in ``values``, and put the values in their place; all (n,)."""
-    curve = constants[:N_CURVE].view(CURVE_ROW)[0]
+    curve = row_in(constants, CURVE_ROW)
     for place in range(values.shape[0]):
         values[place], stds[place], valid[place] = curve_estimate(curve, constants[N_CURVE:], values[place], noise_ohm)

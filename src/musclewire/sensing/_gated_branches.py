@@ -22,7 +22,7 @@ import math
 from typing import NamedTuple
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inner, row_in
 from musclewire.sensing._curve_estimator import (
     ESTIMATOR_NUMBERS,
     add_friction,
@@ -140,7 +140,7 @@ NUMBERS_ROW, STATE_ROW, N_NUMBERS = row_type(GATED_NUMBERS), row_type(GatedState
 @compiled
 def gated_tick(constants: FloatArray, state_array: FloatArray, given: FloatArray, answer: FloatArray) -> None:
     """Estimate one sample; see ``signals._compiled_tick`` for the arrays."""
-    numbers, state = constants[:N_NUMBERS].view(NUMBERS_ROW)[0], state_array.view(STATE_ROW)[0]
+    numbers, state = row_in(constants, NUMBERS_ROW), row_in(state_array, STATE_ROW)
     wire_voltage_v, shunt_voltage_v = given[2], given[3]
     resistance_ohm = resistance_of(numbers, wire_voltage_v, shunt_voltage_v)
     if resistance_ohm == 0.0:
@@ -167,7 +167,7 @@ def gated_tick(constants: FloatArray, state_array: FloatArray, given: FloatArray
     answer_with(answer, state.value, min(std, numbers.quantity_span), reason, 0.0, resistance_ohm)
 
 
-@compiled
+@compiled_inner
 def begin(
     numbers: Row, state: Row, coefficients: FloatArray, resistance_ohm: float, power_w: float
 ) -> tuple[float, bool]:
@@ -185,7 +185,7 @@ def begin(
     return half_gap * half_gap + away * away + numbers.min_variance, is_on_curve(numbers, read, 0.0)
 
 
-@compiled
+@compiled_inner
 def follow(
     numbers: Row,
     state: Row,
@@ -222,13 +222,13 @@ def follow(
     return gap * gap + slope * slope * state.variance + off * off + numbers.min_variance, on_curve
 
 
-@compiled
+@compiled_inner
 def gain(dt_s: float, time_constant_s: float) -> float:
     """Return the part of a difference that is gone after a time."""
     return dt_s / (dt_s + time_constant_s)
 
 
-@compiled
+@compiled_inner
 def is_on_curve(numbers: Row, read: float, noise: float) -> bool:
     """Return whether a reading can be one of the valid range, within three deviations of its noise."""
     below = numbers.normalised_min - numbers.normalised_margin - read
@@ -237,7 +237,7 @@ def is_on_curve(numbers: Row, read: float, noise: float) -> bool:
     return bool(outside * outside <= 9.0 * noise)
 
 
-@compiled
+@compiled_inner
 def filter_resistance(dt_s: float, state: Row, read: float, noise: float, ratio: float) -> None:
     """Filter the resistance, of a wire whose power is beyond its mean by a ratio."""
     away = read - state.resistance
@@ -251,7 +251,7 @@ def filter_resistance(dt_s: float, state: Row, read: float, noise: float, ratio:
     state.lagging += (state.resistance - state.lagging) * gain(dt_s, GATES.lagging_s)
 
 
-@compiled
+@compiled_inner
 def learn_noise(dt_s: float, state: Row, read: float, per_volt: float) -> None:
     """Learn the noise from the second difference of the readings."""
     bend_v = ((read - state.before) - (state.before - state.before_last)) / per_volt
@@ -265,7 +265,7 @@ def learn_noise(dt_s: float, state: Row, read: float, per_volt: float) -> None:
     state.noise_v2 += (noise_v2 - state.noise_v2) * (dt_s / state.learnt_s)
 
 
-@compiled
+@compiled_inner
 def locate(numbers: Row, state: Row, moved: float) -> None:
     """Follow whether the wire is between B and C: lost at the cold end, found where heating lowers resistance.
 
@@ -278,7 +278,7 @@ def locate(numbers: Row, state: Row, moved: float) -> None:
         state.sensing = 1.0
 
 
-@compiled
+@compiled_inner
 def move(numbers: Row, state: Row, hot: float, cold: float, moved: float, support: float) -> None:
     """Move the quantity towards its branch and keep it within both."""
     quantity = state.quantity
