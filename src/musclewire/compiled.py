@@ -30,7 +30,7 @@ numba_config: Any = config  # its options are set at run time, where mypy cannot
 __all__ = ["CompiledCallback", "callback", "compiled", "compiled_inline", "compiled_inner", "row_in"]
 
 # Strict IEEE 754 arithmetic that divides by 0 as NumPy does, and leaves the interpreter free.
-OPTIONS = {"error_model": "numpy", "nogil": True}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 Function = TypeVar("Function", bound=Callable[..., Any])
 ROOMS_WITH_KERNELS = ("physics", "wire", "controllers", "sensing", "rigs/_compiled_loop")
 # Of a room of which few files hold kernels only these count, so that an edit of the others costs no compilation.
@@ -99,7 +99,7 @@ def cache_folder(part: str | None = None) -> str | None:
     return str(folder) if os.access(folder, os.W_OK) else None
 
 
-class InnerFunction(CPUDispatcher):  # type: ignore[misc]  # Numba has no types
+class InnerFunction(CPUDispatcher):
     """A compiled function without entries of its own for Python and C, which take a third of the time to compile."""
 
     def __call__(self, *arguments: Any) -> Any:
@@ -135,7 +135,7 @@ def _compile(function: Function, *, inner: bool = False, **options: Any) -> Func
             dispatcher = numba.njit(cache=folder is not None, **OPTIONS, **options)(function)
     finally:
         numba_config.CACHE_DIR = before
-    return dispatcher  # type: ignore[no-any-return]
+    return dispatcher
 
 
 def compiled(function: Function) -> Function:
@@ -235,11 +235,11 @@ def row_in(numbers: Any, layout: Any) -> Any:
 
 @type_callable(row_in)
 def type_of_row_in(_context: Any) -> Callable[..., Any]:
-    """Tell Numba what ``row_in`` returns."""
+    """Return how Numba finds the type of what ``row_in`` returns."""
     return lambda numbers, layout: layout.dtype if isinstance(numbers, numba.types.Array) else None
 
 
-@lower_builtin(row_in, numba.types.Array, numba.types.DType)
+@lower_builtin(row_in, numba.types.Array, numba.types.DType)  # type: ignore[no-untyped-call, untyped-decorator]
 def lowered_row_in(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     """Return a row as Numba keeps it: the address of its first number."""
     array = context.make_array(signature.args[0])(context, builder, arguments[0])

@@ -7,11 +7,13 @@ as a contact that jumps gives it, leaves the estimate as it is; and a wire that 
 
 from __future__ import annotations
 
+from musclewire.compiled import callback
 from musclewire.sensing._curve import ResistanceCurve
-from musclewire.sensing._curve_estimator import CurveEstimator, estimator_numbers
+from musclewire.sensing._curve_estimator import N_ARRAYS, CurveEstimator, estimator_numbers
 from musclewire.sensing._estimator import EstimatorSetup
 from musclewire.sensing._gated_branches import GATED_NUMBERS, GATES, GatedState, gated_tick
 from musclewire.sensing._known_load import KnownSpring
+from musclewire.sensing._polynomial_estimator import polynomial_tick
 from musclewire.signals import CompiledTick
 
 
@@ -83,3 +85,9 @@ def gated_estimator(setup: EstimatorSetup) -> GatedEstimator:
     The estimator.
     """
     return GatedEstimator(setup.model.curve(), setup.shunt_resistance_ohm, setup.sample_period_s, setup.load)
+
+
+def compile_estimators() -> None:
+    """Compile the ticks of the estimators on a curve, for a program that makes them later, with a rig switched on."""
+    for tick in (gated_tick, polynomial_tick):
+        callback(tick, N_ARRAYS)
