@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inner, row_in
 from musclewire.signals import Reason
 
 SETTINGS = np.dtype(
@@ -53,7 +53,7 @@ class KnownWire(NamedTuple):
     tables: FloatArray
 
 
-@compiled
+@compiled_inner
 def table_value(wire: KnownWire, table: int, value: float) -> float:
     """Return a table at a value of the quantity, linear between its levels and constant beyond them."""
     levels = wire.tables[table]
@@ -63,14 +63,14 @@ def table_value(wire: KnownWire, table: int, value: float) -> float:
     return float(levels[left] + (place - left) * (levels[left + 1] - levels[left]))
 
 
-@compiled
+@compiled_inner
 def edge_w(wire: KnownWire, place: float, value: float) -> float:
     """Return the power that holds a value at a place between the cooling branch (-1) and the heating branch (1)."""
     heating, cooling = table_value(wire, HEATING, value), table_value(wire, COOLING, value)
     return float(0.5 * ((1.0 + place) * heating + (1.0 - place) * cooling))
 
 
-@compiled
+@compiled_inner
 def power_w(wire: KnownWire, drive_voltage_v: float, value: float) -> float:
     """Return the electrical power in the wire at a drive voltage."""
     resistance = table_value(wire, RESISTANCE, value)
@@ -78,7 +78,7 @@ def power_w(wire: KnownWire, drive_voltage_v: float, value: float) -> float:
     return float(current * current * resistance)
 
 
-@compiled
+@compiled_inner
 def power_limits_w(wire: KnownWire, value: float) -> PowerLimits:
     """Return the power of the lowest and of the highest drive, and the highest steady one of the temperature limit."""
     lowest_w = power_w(wire, wire.settings["sense_voltage_v"], value)
@@ -86,7 +86,7 @@ def power_limits_w(wire: KnownWire, value: float) -> PowerLimits:
     return lowest_w, highest_w, max(min(highest_w, wire.settings["maximum_steady_power_w"]), lowest_w)
 
 
-@compiled
+@compiled_inner
 def heat_per_value(wire: KnownWire, table: int, value: float) -> float:
     """Return the heat that moves the quantity by one on a branch: to warm the wire and to transform it."""
     return float(
@@ -97,8 +97,8 @@ def heat_per_value(wire: KnownWire, table: int, value: float) -> float:
 @compiled
 def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
     """Control by feedforward of power and heat, and by a PI on what that leaves."""
-    state_row = state.view(STATE)[0]
-    wire = KnownWire(constants[:N_SETTINGS].view(SETTINGS)[0], constants[N_SETTINGS:].reshape(N_TABLES, -1))
+    state_row = row_in(state, STATE)
+    wire = KnownWire(row_in(constants, SETTINGS), constants[N_SETTINGS:].reshape(N_TABLES, -1))
     target, value, valid, reason, dt_s = given[0], given[1], given[3], given[4], given[5]
     answer[0], answer[1] = state_row["drive_voltage_v"], 0.0
     answer[2], answer[3] = state_row["steady_w"], state_row["pulse_j"]
@@ -121,7 +121,7 @@ def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray
     answer[0], answer[2], answer[3] = state_row["drive_voltage_v"], state_row["steady_w"], state_row["pulse_j"]
 
 
-@compiled
+@compiled_inner
 def take_over(wire: KnownWire, state: Row, value: float) -> None:
     """Start from the drive that is applied, as one that has been there for long."""
     state["started"] = 1.0
@@ -130,7 +130,7 @@ def take_over(wire: KnownWire, state: Row, value: float) -> None:
     state["target"] = state["start_value"] = state["anchor"] = value
 
 
-@compiled
+@compiled_inner
 def new_target(wire: KnownWire, state: Row, target: float, value: float, cold: bool, limits_w: PowerLimits) -> None:
     """Add what a new target takes: steady power of its branch, and the heat for the way there."""
     lowest_w, _, steady_limit_w = limits_w
@@ -148,7 +148,7 @@ def new_target(wire: KnownWire, state: Row, target: float, value: float, cold: b
     state["steady_w"], state["start_value"], state["place"], state["target"] = steady_w, value, side, target
 
 
-@compiled
+@compiled_inner
 def expected(wire: KnownWire, state: Row, target: float) -> float:
     """Return where the wire should be by now: short of its target by the heat that is still to come."""
     table = HEATING_SLOPE if state["place"] >= 0.0 else COOLING_SLOPE
@@ -156,7 +156,7 @@ def expected(wire: KnownWire, state: Row, target: float) -> float:
     return float(min(max(short, min(state["start_value"], target)), max(state["start_value"], target)))
 
 
-@compiled
+@compiled_inner
 def cross_the_gap(
     wire: KnownWire, state: Row, value: float, error: float, dt_s: float, valid: float, limits_w: PowerLimits
 ) -> None:
@@ -175,7 +175,7 @@ def cross_the_gap(
         state["place"] = side
 
 
-@compiled
+@compiled_inner
 def watch(wire: KnownWire, state: Row, value: float, dt_s: float) -> None:
     """Measure for how long the wire has stood still."""
     if abs(value - state["anchor"]) > 0.5 * wire.settings["tolerance"]:
@@ -184,7 +184,7 @@ def watch(wire: KnownWire, state: Row, value: float, dt_s: float) -> None:
         state["still_s"] += dt_s
 
 
-@compiled
+@compiled_inner
 def command(wire: KnownWire, state: Row, value: float, error: float, dt_s: float, limits_w: PowerLimits) -> None:
     """Set the drive voltage, then advance integral, pulse and heat balance with the power within the limits."""
     lowest_w, highest_w, steady_limit_w = limits_w
@@ -205,7 +205,7 @@ def command(wire: KnownWire, state: Row, value: float, error: float, dt_s: float
     set_drive(wire, state, value, given_w, lowest_w, highest_w)
 
 
-@compiled
+@compiled_inner
 def set_drive(wire: KnownWire, state: Row, value: float, given_w: float, lowest_w: float, highest_w: float) -> None:
     """Set the drive voltage of a power; at a limit of the power exactly that of the drive."""
     if given_w == lowest_w:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inner
 from musclewire.signals import Reason
 
 # A structured array of length 1, or its only row; mypy knows no fields of either.
@@ -118,7 +118,7 @@ def grade_inputs(rule: Row, ratio: float, grades: FloatArray) -> None:
         grades[index] = membership(shapes[index], points[index, 0], points[index, 1], points[index, 2], x)
 
 
-@compiled
+@compiled_inner
 def product_weighted_sum(rule: Row, error_grades: FloatArray, change_grades: FloatArray) -> tuple[float, float, float]:
     """Return (kp, ki, kd) ratios after Zhao, Tomizuka, Isaka 1993, doi 10.1109/21.260670.
 
@@ -142,7 +142,7 @@ def product_weighted_sum(rule: Row, error_grades: FloatArray, change_grades: Flo
     return min(max(kp, 0.0), 1.0), min(max(ki, 0.0), 1.0), min(max(kd, 0.0), 1.0)
 
 
-@compiled
+@compiled_inner
 def fire_labels(table: FloatArray, error_grades: FloatArray, change_grades: FloatArray, fired: FloatArray) -> None:
     """Write how strongly each output set of one table fires into ``fired``: min for and, max for or."""
     for label in range(7):
@@ -156,7 +156,7 @@ def fire_labels(table: FloatArray, error_grades: FloatArray, change_grades: Floa
             fired[label] = max(fired[label], strength)
 
 
-@compiled
+@compiled_inner
 def centroid_ratio(output_sets: FloatArray, fired: FloatArray, joined: FloatArray) -> float:
     """Return (1 + x)/2 for the centroid x (in units of the universe) of the output sets cut at ``fired``.
 

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import math
 
-from musclewire.compiled import compiled
-
 STANDARD_GRAVITY_M_PER_S2 = 9.80665
 STANDARD_PRESSURE_PA = 101325.0
 AIR_GAS_CONSTANT_J_PER_KG_K = 287.05
@@ -22,7 +20,6 @@ NEGLIGIBLE_EXCESS_K = 1.0
 MAX_EXCESS_K = 600.0
 
 
-@compiled
 def air_dynamic_viscosity_pa_s(temperature_k: float) -> float:
     """Return the viscosity of air [Pa s] by Sutherland's law.
 
@@ -48,7 +45,6 @@ def air_dynamic_viscosity_pa_s(temperature_k: float) -> float:
     return 1.458e-6 * temperature_k * math.sqrt(temperature_k) / (temperature_k + 110.4)
 
 
-@compiled
 def air_thermal_conductivity_w_per_m_k(temperature_k: float) -> float:
     """Return the thermal conductivity of air [W/(m K)].
 
@@ -79,7 +75,6 @@ def air_thermal_conductivity_w_per_m_k(temperature_k: float) -> float:
     )
 
 
-@compiled
 def air_prandtl(temperature_k: float) -> float:
     """Return the Prandtl number of air, Pr = c_p mu / k.
 
@@ -108,7 +103,6 @@ def air_prandtl(temperature_k: float) -> float:
     )
 
 
-@compiled
 def rayleigh_of_wire(wall_temperature_k: float, ambient_temperature_k: float, diameter_m: float) -> float:
     """Return the Rayleigh number of a wire in air on its diameter, Ra = g beta abs(T_w - T_a) d^3 Pr / nu^2.
 
@@ -142,7 +136,6 @@ def rayleigh_of_wire(wall_temperature_k: float, ambient_temperature_k: float, di
     return buoyancy * diameter_m**3 * air_prandtl(film_k) / kinematic_viscosity**2
 
 
-@compiled
 def nusselt_churchill_chu(rayleigh: float, prandtl: float) -> float:
     """Return the mean Nusselt number of a horizontal cylinder in free convection.
 
@@ -175,7 +168,6 @@ def nusselt_churchill_chu(rayleigh: float, prandtl: float) -> float:
     return (0.60 + 0.387 * rayleigh ** (1.0 / 6.0) / prandtl_term) ** 2
 
 
-@compiled
 def nusselt_morgan(rayleigh: float) -> float:
     """Return the mean Nusselt number of a horizontal cylinder in free convection, for small Rayleigh numbers.
 
@@ -205,7 +197,6 @@ def nusselt_morgan(rayleigh: float) -> float:
     return 1.02 * rayleigh**0.148
 
 
-@compiled
 def convection_coefficient_w_per_m2_k(
     wall_temperature_k: float, ambient_temperature_k: float, diameter_m: float
 ) -> float:

@@ -150,6 +150,15 @@ class Device(Protocol):
 
 
 @runtime_checkable
+class HasCompiledExchange(Protocol):
+    """A device whose samples are computed here, by code that is compiled when it runs first."""
+
+    def compile_exchange(self) -> None:
+        """Compile all that an exchange runs, and leave the device as it is; the guard asks for it before the first."""
+        ...
+
+
+@runtime_checkable
 class HasStage(Protocol):
     """A linear stage that software can set."""
 

@@ -9,7 +9,7 @@ from typing import NoReturn, Self, final
 
 from musclewire.controllers import Event, ProtectionLimits, ProtectionState, Rows, RunningProtection, protection_table
 from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.rigs._device import Device, HasOnBoardLoop, Missing
+from musclewire.rigs._device import Device, HasCompiledExchange, HasOnBoardLoop, Missing
 from musclewire.rigs._protocol import Metadata
 from musclewire.signals import Command, Drive, RawSample, Target, as_command, drive_voltage_of
 
@@ -61,7 +61,10 @@ class GuardedRig:
     """
 
     def __init__(self, device: Device) -> None:
-        """Arm the protection. Raises CallerError for limits that cannot belong to a wire."""
+        """Arm the protection, and compile all that a sample runs: from here on nothing compiles with the wire driven.
+
+        Raises CallerError for limits that cannot belong to a wire.
+        """
         self.device = device
         self._facts = device.facts
         try:
@@ -71,6 +74,8 @@ class GuardedRig:
             raise
         self._accepts_targets = isinstance(device, HasOnBoardLoop)
         self._protection = RunningProtection(self._limits, self._facts.sample_period_s)
+        if isinstance(device, HasCompiledExchange):
+            device.compile_exchange()
         # Held whenever the protection's state is read and written, never while a sample is awaited.
         self._deciding = RLock()
         self._last_time_s: float | None = None

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inner
 from musclewire.controllers import Event, ProtectionLimits
 from musclewire.errors import CallerError, RigError
 from musclewire.parameters import Alloy, Bench, Numbers, Wire, load_alloy, load_wire, validity_of
@@ -77,7 +77,7 @@ DIRECTIONS = {Pull.ALONG: 1.0, Pull.AGAINST: -1.0, Pull.APART: APART}
 FEEDS = {Supply.OWN: OWN_SUPPLY, Supply.PARALLEL: PARALLEL, Supply.SERIES: SERIES}
 
 
-@compiled
+@compiled_inner
 def converted(noise: FloatArray, voltage_v: float, noise_v: float, step_v: float, range_v: float) -> float:
     """Return the mean of a converter's readings with noise, steps and a range."""
     total_v = 0.0
@@ -128,8 +128,6 @@ class BenchInstruments:
             bench["force_noise_n"],
         )
         self.endpoint_noise = (bench["endpoint_noise_m"], bench["endpoint_force_noise_n"])
-        # Compiled here: a rig that keeps the pace of a clock would be late if the first sample waited for it.
-        read_sample(np.zeros_like(self._noise), self.readings, (0.0, 0.0, 0.0, 0.0), self.scales)
 
     def sample(
         self, wire_voltage_v: float, shunt_voltage_v: float, displacement_m: float, force_n: float
@@ -417,6 +415,14 @@ class SimulatedDevice:
         allowed = self._wire["maximum_force_n"]
         if not 0.0 <= pretension_n <= allowed:
             raise CallerError(f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self._wire.name} allows")
+
+    def compile_exchange(self) -> None:
+        """Compile all that an exchange runs, by a sample of copies at 0 V."""
+        wires = deepcopy(self._wires)
+        means = wires.advance(0.0, self._facts.sample_period_s, self._stepping)
+        wires.require_resolved()
+        instruments = BenchInstruments(self._bench, self._seed, at_endpoint=self._mechanism.tendon is not None)
+        instruments.sample(means.wire_voltage_v, means.shunt_voltage_v, means.displacement_m, means.force_n)
 
     def exchange(self, command: Command) -> Answer:
         """Hold a drive voltage for one sample period and return the averaged readings at its end."""

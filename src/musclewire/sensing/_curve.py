@@ -1,6 +1,6 @@
 """The resistance curve of a wire: strain from resistance, and the resistance a strain requires (Eqs. 3 to 5).
 
-An estimator evaluates it at every tick, by the arithmetic in ``_curve_tick``. The report of the fit that found these
+An estimator evaluates it at every tick, by ``curve_estimate``. The report of the fit that found these
 numbers is in ``_fit_report``.
 """
 
@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inner, row_in
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.sensing._branch_equations import average, check_resistance_range, derivative, evaluate
 
@@ -49,7 +49,7 @@ CURVE_ROW = row_type(CURVE_NUMBERS)
 N_CURVE = len(CURVE_NUMBERS)
 
 
-@compiled
+@compiled_inner
 def branches(coefficients: FloatArray, normalised: float) -> tuple[float, float, float]:
     """Return g_h, g_c and the slope of their sum at a normalised resistance (Eq. 4): one pass by Horner's rule.
 
@@ -63,7 +63,7 @@ def branches(coefficients: FloatArray, normalised: float) -> tuple[float, float,
     return heating, cooling, slope
 
 
-@compiled
+@compiled_inner
 def curve_estimate(
     curve: Row, coefficients: FloatArray, resistance_ohm: float, noise_ohm: float
 ) -> tuple[float, float, bool]:
@@ -91,7 +91,7 @@ def curve_estimates(
     valid: npt.NDArray[np.bool_],
 ) -> None:
     """Estimate from each of the resistances [ohm] in ``values``, and put the values in their place; all (n,)."""
-    curve = constants[:N_CURVE].view(CURVE_ROW)[0]
+    curve = row_in(constants, CURVE_ROW)
     for place in range(values.shape[0]):
         values[place], stds[place], valid[place] = curve_estimate(curve, constants[N_CURVE:], values[place], noise_ohm)
 

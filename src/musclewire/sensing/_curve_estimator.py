@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import callback, compiled
+from musclewire.compiled import callback, compiled_inner
 from musclewire.physics import MINIMUM_CURRENT_A, friction_force_n, series_resistance_ohm
 from musclewire.sensing._curve import CURVE_NUMBERS, ResistanceCurve, Row
 from musclewire.sensing._estimator import MAX_DROPOUTS, dropout_failure
@@ -104,10 +104,10 @@ def estimator_numbers(
 
 NO_CURRENT, OK = float(Reason.NO_CURRENT), float(Reason.OK)
 
-series_resistance = compiled(series_resistance_ohm)
+series_resistance = compiled_inner(series_resistance_ohm)
 
 
-@compiled
+@compiled_inner
 def resistance_of(numbers: Row, wire_voltage_v: float, shunt_voltage_v: float) -> float:
     """Return the resistance [ohm] by Eq. 1, 0 without current."""
     if not abs(shunt_voltage_v) >= MINIMUM_CURRENT_A * numbers.shunt_resistance_ohm:
@@ -116,7 +116,7 @@ def resistance_of(numbers: Row, wire_voltage_v: float, shunt_voltage_v: float) -
     return resistance_ohm if 0.0 < resistance_ohm < math.inf else 0.0
 
 
-@compiled
+@compiled_inner
 def answer_with(
     answer: FloatArray, value: float, std: float, reason: float, in_a_row: float, resistance_ohm: float
 ) -> None:
@@ -129,14 +129,14 @@ def answer_with(
     answer[5] = resistance_ohm
 
 
-@compiled
+@compiled_inner
 def answer_without_current(numbers: Row, state: Row, answer: FloatArray) -> None:
     """Bridge a sample without current by the last value."""
     state.dropouts += 1.0
     answer_with(answer, state.value, numbers.quantity_span, NO_CURRENT, state.dropouts, 0.0)
 
 
-@compiled
+@compiled_inner
 def add_friction(numbers: Row, state: Row, spring_force_n: float) -> None:
     """Follow the guide's friction in addition to a known spring's force."""
     if state.spring_known != 0.0:

@@ -11,10 +11,11 @@ import math
 from typing import NamedTuple
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import callback, compiled, compiled_inner, row_in
 from musclewire.sensing._curve import ResistanceCurve, Row, branches, row_type
 from musclewire.sensing._curve_estimator import (
     ESTIMATOR_NUMBERS,
+    N_ARRAYS,
     CurveEstimator,
     add_friction,
     answer_with,
@@ -24,6 +25,7 @@ from musclewire.sensing._curve_estimator import (
 )
 from musclewire.sensing._estimator import EstimatorSetup
 from musclewire.sensing._known_load import KnownSpring
+from musclewire.sensing._polynomial_estimator import polynomial_tick
 from musclewire.sensing._segment_tracking import AMBIGUOUS_ABOVE
 from musclewire.signals import CompiledTick, Reason
 
@@ -69,7 +71,7 @@ class GateNumbers(NamedTuple):
 
 
 GATES = GateNumbers()
-# What follows for a curve and a sample period, by name: see ``gated_numbers`` in ``_gated_estimator``.
+# What follows for a curve and a sample period, by name: see ``gated_numbers``.
 GATED_NUMBERS = (*ESTIMATOR_NUMBERS, "dt_s", "beyond", "min_variance", "first_variance")
 OK, COLD = float(Reason.OK), float(Reason.COLD)
 OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
@@ -133,7 +135,7 @@ NUMBERS_ROW, STATE_ROW, N_NUMBERS = row_type(GATED_NUMBERS), row_type(GatedState
 @compiled
 def gated_tick(constants: FloatArray, state_array: FloatArray, given: FloatArray, answer: FloatArray) -> None:
     """Estimate one sample; see ``signals._compiled_tick`` for the arrays."""
-    numbers, state = constants[:N_NUMBERS].view(NUMBERS_ROW)[0], state_array.view(STATE_ROW)[0]
+    numbers, state = row_in(constants, NUMBERS_ROW), row_in(state_array, STATE_ROW)
     wire_voltage_v, shunt_voltage_v = given[2], given[3]
     resistance_ohm = resistance_of(numbers, wire_voltage_v, shunt_voltage_v)
     if resistance_ohm == 0.0:
@@ -160,7 +162,7 @@ def gated_tick(constants: FloatArray, state_array: FloatArray, given: FloatArray
     answer_with(answer, state.value, min(std, numbers.quantity_span), reason, 0.0, resistance_ohm)
 
 
-@compiled
+@compiled_inner
 def begin(
     numbers: Row, state: Row, coefficients: FloatArray, resistance_ohm: float, power_w: float
 ) -> tuple[float, bool]:
@@ -178,7 +180,7 @@ def begin(
     return half_gap * half_gap + away * away + numbers.min_variance, is_on_curve(numbers, read, 0.0)
 
 
-@compiled
+@compiled_inner
 def follow(
     numbers: Row,
     state: Row,
@@ -215,13 +217,13 @@ def follow(
     return gap * gap + slope * slope * state.variance + off * off + numbers.min_variance, on_curve
 
 
-@compiled
+@compiled_inner
 def gain(dt_s: float, time_constant_s: float) -> float:
     """Return the part of a difference that is gone after a time."""
     return dt_s / (dt_s + time_constant_s)
 
 
-@compiled
+@compiled_inner
 def is_on_curve(numbers: Row, read: float, noise: float) -> bool:
     """Return whether a reading can be one of the valid range, within three deviations of its noise."""
     below = numbers.normalised_min - numbers.normalised_margin - read
@@ -230,7 +232,7 @@ def is_on_curve(numbers: Row, read: float, noise: float) -> bool:
     return bool(outside * outside <= 9.0 * noise)
 
 
-@compiled
+@compiled_inner
 def filter_resistance(dt_s: float, state: Row, read: float, noise: float, ratio: float) -> None:
     """Filter the resistance, of a wire whose power is beyond its mean by a ratio."""
     away = read - state.resistance
@@ -244,7 +246,7 @@ def filter_resistance(dt_s: float, state: Row, read: float, noise: float, ratio:
     state.lagging += (state.resistance - state.lagging) * gain(dt_s, GATES.lagging_s)
 
 
-@compiled
+@compiled_inner
 def learn_noise(dt_s: float, state: Row, read: float, per_volt: float) -> None:
     """Learn the noise from the second difference of the readings."""
     bend_v = ((read - state.before) - (state.before - state.before_last)) / per_volt
@@ -258,7 +260,7 @@ def learn_noise(dt_s: float, state: Row, read: float, per_volt: float) -> None:
     state.noise_v2 += (noise_v2 - state.noise_v2) * (dt_s / state.learnt_s)
 
 
-@compiled
+@compiled_inner
 def locate(numbers: Row, state: Row, moved: float) -> None:
     """Follow whether the wire is between B and C: lost at the cold end, found where heating lowers resistance.
 
@@ -271,7 +273,7 @@ def locate(numbers: Row, state: Row, moved: float) -> None:
         state.sensing = 1.0
 
 
-@compiled
+@compiled_inner
 def move(numbers: Row, state: Row, hot: float, cold: float, moved: float, support: float) -> None:
     """Move the quantity towards its branch and keep it within both."""
     quantity = state.quantity
@@ -358,3 +360,9 @@ def gated_estimator(setup: EstimatorSetup) -> GatedEstimator:
     The estimator.
     """
     return GatedEstimator(setup.model.curve(), setup.shunt_resistance_ohm, setup.sample_period_s, setup.load)
+
+
+def compile_estimators() -> None:
+    """Compile the ticks of the estimators on a curve, for a program that makes them later, with a rig switched on."""
+    for tick in (gated_tick, polynomial_tick):
+        callback(tick, N_ARRAYS)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, row_in
 from musclewire.sensing._curve import ResistanceCurve, curve_estimate, row_type
 from musclewire.sensing._curve_estimator import (
     ESTIMATOR_NUMBERS,
@@ -78,7 +78,7 @@ N_NUMBERS = len(POLYNOMIAL_NUMBERS)
 @compiled
 def polynomial_tick(constants: FloatArray, state_array: FloatArray, given: FloatArray, answer: FloatArray) -> None:
     """Estimate one sample; see ``signals._compiled_tick`` for the arrays."""
-    numbers, state = constants[:N_NUMBERS].view(NUMBERS_ROW)[0], state_array.view(STATE_ROW)[0]
+    numbers, state = row_in(constants, NUMBERS_ROW), row_in(state_array, STATE_ROW)
     wire_voltage_v, shunt_voltage_v = given[2], given[3]
     resistance_ohm = resistance_of(numbers, wire_voltage_v, shunt_voltage_v)
     if resistance_ohm == 0.0:

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inner, row_in
 from musclewire.sensing._curve import Row, row_type
 
 # Nearer to R_min than this, as normalised resistance, a wire cannot be in segment A-B: from A to B resistance rises
@@ -56,7 +56,7 @@ def segment_numbers(resistance_min_ohm: float, resistance_max_ohm: float) -> dic
     }
 
 
-@compiled
+@compiled_inner
 def begin_segment(numbers: Row, state: Row, resistance_ohm: float, power_w: float) -> None:
     """Take a first sample: near R_max a wire counts as cold until a change shows otherwise."""
     state.sensing = 0.0 if resistance_ohm >= numbers.ambiguous_above_ohm else 1.0
@@ -65,7 +65,7 @@ def begin_segment(numbers: Row, state: Row, resistance_ohm: float, power_w: floa
     state.resistance_anchor_ohm = state.smoothed_ohm = resistance_ohm
 
 
-@compiled
+@compiled_inner
 def track(numbers: Row, state: Row, resistance_ohm: float, power_w: float) -> None:
     """Follow the segment by one more sample with current."""
     state.smoothed_ohm += (resistance_ohm - state.smoothed_ohm) / SMOOTHING_SAMPLES
@@ -102,7 +102,7 @@ def track_all(
     anchor_ohm: FloatArray,
 ) -> None:
     """Follow the segment through all samples of a recording."""
-    numbers, state = constants.view(NUMBERS_ROW)[0], state_array.view(STATE_ROW)[0]
+    numbers, state = row_in(constants, NUMBERS_ROW), row_in(state_array, STATE_ROW)
     for sample in range(resistance_ohm.shape[0]):
         if sample == 0:
             begin_segment(numbers, state, resistance_ohm[sample], power_w[sample])

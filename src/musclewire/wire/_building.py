@@ -9,7 +9,6 @@ from functools import lru_cache
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
 from musclewire.errors import CallerError
 from musclewire.parameters import Alloy, Bench, Numbers, Wire
 from musclewire.physics import REFERENCE_TEMPERATURE_K, convection_coefficient_w_per_m2_k
@@ -23,10 +22,8 @@ from musclewire.wire._distribution import (
     two_population_distribution,
 )
 from musclewire.wire._loads import ConnectorLoad, spring_load
-from musclewire.wire._prescribed import cool_from_hot, resistance_of, total_strain
-from musclewire.wire._row import Rows
+from musclewire.wire._prescribed import cool_from_hot
 from musclewire.wire._state import WireState
-from musclewire.wire._step import RunningWire
 
 # Stresses at which the spreads must be positive: none, and about the strength of the wire.
 STRESSES_PA = (0.0, 1e9)
@@ -40,17 +37,8 @@ TABLE_STEP_K = 2.0
 @lru_cache(maxsize=64)
 def convection_table(diameter_m: float, ambient_temperature_k: float) -> FloatArray:
     """Return the convection coefficient every 2 K from 200 K to 800 K at one ambient temperature, (301,)."""
-    walls = TABLE_START_K + TABLE_STEP_K * np.arange(CONVECTION_POINTS, dtype=np.float64)
-    return convection_over(walls, ambient_temperature_k, diameter_m)
-
-
-@compiled
-def convection_over(walls_k: FloatArray, ambient_temperature_k: float, diameter_m: float) -> FloatArray:
-    """Return the convection coefficient at each wall temperature."""
-    found = np.empty(walls_k.size)
-    for place in range(walls_k.size):
-        found[place] = convection_coefficient_w_per_m2_k(walls_k[place], ambient_temperature_k, diameter_m)
-    return found
+    walls_k = (TABLE_START_K + TABLE_STEP_K * place for place in range(CONVECTION_POINTS))
+    return np.array([convection_coefficient_w_per_m2_k(k, ambient_temperature_k, diameter_m) for k in walls_k])
 
 
 def constants_from(
@@ -231,7 +219,7 @@ def with_pretension(constants: WireConstants, pretension_n: float) -> WireConsta
         raise CallerError(f"pretension is {pretension_n} N: a wire cannot be pushed, give 0 or more")
     stress = pretension_n / (constants.legs * constants.area_m2)
     ambient = constants.ambient_temperature_k
-    cold = cold_strain_of(*constants.step_arrays(), WireState.zeros(constants.classes).row, ambient, stress)
+    cold, _ = cool_from_hot(WireState.zeros(constants.classes).row, *constants.step_arrays(), ambient, stress)
     return constants.replace(
         pretension_n=pretension_n,
         cold_strain=cold,
@@ -239,48 +227,23 @@ def with_pretension(constants: WireConstants, pretension_n: float) -> WireConsta
     )
 
 
-@compiled
-def cold_strain_of(
-    constants: Rows,
-    cells: Rows,
-    load: Rows,
-    states: Rows,
-    temperature_k: float,
-    stress_pa: float,
-) -> float:
-    """Return the strain of a wire cooled from hot at a stress; ``states``, (1,), is left at these phases."""
-    wire = RunningWire(states[0], constants[0], cells[0], load[0])
-    cool_from_hot(wire, temperature_k, stress_pa)
-    state = wire.state
-    return total_strain(wire.constants, stress_pa, state.martensite_fraction, state.r_phase_fraction, temperature_k)
-
-
 def cooled_wire(constants: WireConstants, stress_pa: float, temperature_k: float) -> WireState:
     """Return a row with the phases of a wire cooled from hot to a temperature under a stress; all else is 0."""
     state = WireState.zeros(constants.classes)
-    cold_strain_of(*constants.step_arrays(), state.row, temperature_k, stress_pa)
+    cool_from_hot(state.row, *constants.step_arrays(), temperature_k, stress_pa)
     return state
 
 
 def resting_state(constants: WireConstants) -> WireState:
     """Return a wire at rest, cooled to ambient under its pretension."""
-    state = WireState.zeros(constants.classes)
-    rest_rows(*constants.step_arrays(), state.row)
-    return state
-
-
-@compiled
-def rest_rows(constants: Rows, cells: Rows, load: Rows, states: Rows) -> None:
-    """Fill in the row, (1,), of a wire at rest in the ambient air under its pretension."""
-    wire = RunningWire(states[0], constants[0], cells[0], load[0])
-    state, k = wire.state, wire.constants
-    temperature_k, stress_pa = k.ambient_temperature_k, k.pretension_n * k.per_section_m2
-    cool_from_hot(wire, temperature_k, stress_pa)
-    martensite, r_phase = state.martensite_fraction, state.r_phase_fraction
-    state.temperature_k = temperature_k
-    state.stress_pa = stress_pa
-    state.enthalpy_j = k.capacity_j_per_k * (temperature_k - REFERENCE_TEMPERATURE_K) - k.latent_heat_j * (
-        martensite + k.r_phase_entropy_ratio * r_phase
+    k, state = constants.derived.record, WireState.zeros(constants.classes)
+    temperature_k, stress_pa = float(k.ambient_temperature_k), float(k.pretension_n * k.per_section_m2)
+    _, resistance_ohm = cool_from_hot(state.row, *constants.step_arrays(), temperature_k, stress_pa)
+    latent = state.martensite_fraction + k.r_phase_entropy_ratio * state.r_phase_fraction
+    return state.replace(
+        temperature_k=temperature_k,
+        stress_pa=stress_pa,
+        enthalpy_j=k.capacity_j_per_k * (temperature_k - REFERENCE_TEMPERATURE_K) - k.latent_heat_j * latent,
+        resistance_ohm=resistance_ohm,
+        temperature_slope_k_per_j=k.per_capacity_k_per_j,
     )
-    state.resistance_ohm = resistance_of(k, stress_pa, martensite, r_phase, temperature_k, 0.0)
-    state.temperature_slope_k_per_j = k.per_capacity_k_per_j

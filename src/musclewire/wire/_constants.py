@@ -6,12 +6,12 @@ Two lists of fields are the only definition, as for the state (``wire/_state.py`
 from __future__ import annotations
 
 from functools import cache
+from types import SimpleNamespace
 from typing import Any, Self
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
 from musclewire.wire._row import CLASSES, Row, Rows, field
 
 CONVECTION_POINTS = 301
@@ -128,9 +128,7 @@ class WireConstants(Row):
     def derived(self) -> StepConstants:
         """What a step reads, calculated once: constants never change."""
         if self._derived is None:
-            derived = StepConstants.zeros(self.classes)
-            derive(self.row, derived.row)
-            self._derived = derived
+            self._derived = derived_from(self)
         return self._derived
 
     def step_arrays(self) -> tuple[Rows, Rows, Rows]:
@@ -226,85 +224,42 @@ def as_record(table: FloatArray) -> Rows:
     return np.ndarray(1, table_layout(table.shape), table)
 
 
-@compiled
-def derive(constants: Rows, derived: Rows) -> None:
-    """Fill in the derived rows of wires, (n_wires,), in place."""
-    for wire in range(constants.shape[0]):
-        derive_body(constants[wire], derived[wire])
-        derive_transformation(constants[wire], derived[wire])
-
-
-@compiled
-def derive_body(constants: WireConstants, derived: StepConstants) -> None:
-    """Fill in circuit, body, air and load of a wire."""
-    derived.leg_length_m = constants.leg_length_m
-    derived.section_m2 = constants.legs * constants.area_m2
-    derived.per_section_m2 = 1.0 / derived.section_m2
-    derived.per_stretch = 1.0 / (1.0 + constants.cold_strain)
-    derived.cold_strain = constants.cold_strain
-    derived.length_over_area_per_m = constants.austenite_length_m / constants.area_m2
-    derived.capacity_j_per_k = constants.heat_capacity_j_per_k
-    derived.per_capacity_k_per_j = 1.0 / constants.heat_capacity_j_per_k
-    derived.latent_heat_j = constants.latent_heat_j
-    derived.series_resistance_ohm = constants.series_resistance_ohm
-    derived.shunt_resistance_ohm = constants.shunt_resistance_ohm
-    derived.ambient_temperature_k = constants.ambient_temperature_k
-    derived.surface_factor_m2 = constants.surface_m2 * constants.convection_factor
-    derived.convection_start_k = constants.convection_table_start_k
-    derived.convection_per_k = 1.0 / constants.convection_table_step_k
-    derived.convection_w_per_m2_k[:] = constants.convection_table_w_per_m2_k
-    derived.pretension_n = constants.pretension_n
-    derived.spring_n = constants.spring_stiffness_n_per_m * constants.leg_length_m
-    derived.friction_n = constants.friction_n
-    derived.per_presliding = constants.leg_length_m / constants.friction_presliding_m
-    derived.load_points_per_contraction = constants.leg_length_m / constants.load_step_m
-    wears = (
-        constants.shakedown_strain != 0.0
-        or constants.shakedown_resistivity != 0.0
-        or constants.shakedown_barrier != 0.0
-    )
-    derived.shakedown_cycles = constants.shakedown_cycles if wears else 0.0
-    derived.shakedown_strain = constants.shakedown_strain
-    derived.shakedown_resistivity = constants.shakedown_resistivity
-    derived.shakedown_barrier = constants.shakedown_barrier
-
-
-@compiled
-def derive_transformation(constants: WireConstants, derived: StepConstants) -> None:
-    """Fill in phases, strain and resistivity of a wire."""
-    derived.martensite_temperature_k = constants.martensite_temperature_k
-    derived.martensite_k_per_pa = 1.0 / constants.martensite_stress_rate_pa_per_k
-    derived.martensite_barrier_k = constants.martensite_barrier_k
-    derived.martensite_barrier_per_pa = constants.martensite_barrier_per_pa
-    derived.martensite_spread_k = constants.martensite_spread_k
-    derived.martensite_spread_per_pa = constants.martensite_spread_per_pa
-    derived.r_phase_temperature_k = constants.r_phase_temperature_k
-    derived.r_phase_k_per_pa = 1.0 / constants.r_phase_stress_rate_pa_per_k
-    derived.r_phase_entropy_ratio = constants.r_phase_entropy_ratio
-    derived.r_phase_barrier_k = constants.r_phase_barrier_k
-    derived.r_to_m_barrier_k = constants.r_to_m_barrier_k
-    derived.r_phase_spread_k = constants.r_phase_entropy_ratio * constants.r_phase_spread_k
-    derived.per_r_phase_spread = 1.0 / derived.r_phase_spread_k
-    derived.strain_at_no_stress = constants.strain_at_no_stress
-    derived.strain_saturated = constants.strain_saturated
-    derived.per_strain_scale_per_pa = 1.0 / constants.strain_stress_scale_pa
-    derived.r_phase_strain = constants.r_phase_strain
-    derived.austenite_compliance_per_pa = 1.0 / constants.austenite_modulus_pa
-    derived.added_compliance_per_pa = 1.0 / constants.martensite_modulus_pa - 1.0 / constants.austenite_modulus_pa
-    derived.austenite_expansion_per_k = constants.austenite_expansion_per_k
-    derived.added_expansion_per_k = constants.martensite_expansion_per_k - constants.austenite_expansion_per_k
-    derived.austenite_resistivity_ohm_m = constants.austenite_resistivity_ohm_m
-    derived.austenite_resistivity_per_k = constants.austenite_resistivity_per_k
-    derived.r_phase_resistivity_ohm_m = constants.r_phase_resistivity_ohm_m
-    derived.r_phase_resistivity_per_k = constants.r_phase_resistivity_per_k
-    derived.martensite_resistivity_ohm_m = constants.martensite_resistivity_ohm_m
-    derived.martensite_resistivity_per_k = constants.martensite_resistivity_per_k
-    derived.distribution_core_start = constants.distribution_core_start
-    derived.distribution_core_end = constants.distribution_core_end
-    derived.distribution_per_core_step = 1.0 / constants.distribution_core_step
-    derived.distribution_per_step = 1.0 / constants.distribution_step
-    derived.distribution_core_place = (
-        constants.distribution_core_start - constants.distribution_start
-    ) * derived.distribution_per_step
-    derived.class_weight[:] = constants.class_weight
-    derived.class_barrier_k[:] = constants.class_barrier_k
+def derived_from(constants: WireConstants) -> StepConstants:
+    """Return what a step reads; plain Python, because it runs once for a wire and compiling it takes seconds."""
+    row = constants.row[0]
+    k = SimpleNamespace(**{item.name: row[item.name] for item in WireConstants.fields})
+    wears = k.shakedown_strain != 0.0 or k.shakedown_resistivity != 0.0 or k.shakedown_barrier != 0.0
+    section_m2, r_phase_spread_k = k.legs * k.area_m2, k.r_phase_entropy_ratio * k.r_phase_spread_k
+    with np.errstate(divide="ignore", invalid="ignore"):  # as compiled code divides by 0: a load without a table does
+        per_step = 1.0 / k.distribution_step
+        derived = {
+            "section_m2": section_m2,
+            "per_section_m2": 1.0 / section_m2,
+            "per_stretch": 1.0 / (1.0 + k.cold_strain),
+            "length_over_area_per_m": k.austenite_length_m / k.area_m2,
+            "capacity_j_per_k": k.heat_capacity_j_per_k,
+            "per_capacity_k_per_j": 1.0 / k.heat_capacity_j_per_k,
+            "surface_factor_m2": k.surface_m2 * k.convection_factor,
+            "convection_start_k": k.convection_table_start_k,
+            "convection_per_k": 1.0 / k.convection_table_step_k,
+            "convection_w_per_m2_k": k.convection_table_w_per_m2_k,
+            "spring_n": k.spring_stiffness_n_per_m * k.leg_length_m,
+            "per_presliding": k.leg_length_m / k.friction_presliding_m,
+            "load_points_per_contraction": k.leg_length_m / k.load_step_m,
+            "shakedown_cycles": k.shakedown_cycles if wears else 0.0,
+            "martensite_k_per_pa": 1.0 / k.martensite_stress_rate_pa_per_k,
+            "r_phase_k_per_pa": 1.0 / k.r_phase_stress_rate_pa_per_k,
+            "r_phase_spread_k": r_phase_spread_k,
+            "per_r_phase_spread": 1.0 / r_phase_spread_k,
+            "per_strain_scale_per_pa": 1.0 / k.strain_stress_scale_pa,
+            "austenite_compliance_per_pa": 1.0 / k.austenite_modulus_pa,
+            "added_compliance_per_pa": 1.0 / k.martensite_modulus_pa - 1.0 / k.austenite_modulus_pa,
+            "added_expansion_per_k": k.martensite_expansion_per_k - k.austenite_expansion_per_k,
+            "distribution_per_core_step": 1.0 / k.distribution_core_step,
+            "distribution_per_step": per_step,
+            "distribution_core_place": (k.distribution_core_start - k.distribution_start) * per_step,
+        }
+    found = StepConstants.zeros(constants.classes)
+    # All others are the wire's own numbers.
+    found.row[0] = tuple(derived[item.name] if item.name in derived else row[item.name] for item in found.fields)
+    return found

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled, compiled_inline
+from musclewire.compiled import compiled_inline, compiled_inner
 from musclewire.wire._balance import ConnectorForce
 from musclewire.wire._fronts import ShakedownEffects
 from musclewire.wire._step import NO_PUSH, Equilibrium, RunningWire, connector_after, load_at, solve
@@ -126,7 +126,7 @@ def no_grip() -> GrippedObject:
     return GrippedObject(0.0, 0.0, 1.0, nothing, nothing, nothing)
 
 
-@compiled
+@compiled_inner
 def solve_wire(wire: RunningWire, start: BalanceGuess, guess: tuple[float, float], push: ConnectorForce) -> Equilibrium:
     """Return a wire in balance with its load and a push: one copy of the solution's machine code for all callers."""
     return solve(wire, start.shakedown, start.enthalpy_j, guess, push)
@@ -148,7 +148,7 @@ def pull_at(pull: LinearizedForce, contraction: float) -> float:
     return pull.force_n - pull.fall_n * (contraction - pull.contraction)
 
 
-@compiled
+@compiled_inner
 def held_wire(
     wire: RunningWire, start: BalanceGuess, guess: tuple[float, float], contraction: float, expected_n: float
 ) -> Equilibrium:
@@ -169,7 +169,7 @@ def beside(found: Equilibrium, contraction: float) -> float:
     return abs(found.wire.contraction - contraction) if found.wire.stress_pa > 0.0 else 0.0
 
 
-@compiled
+@compiled_inner
 def balanced_contraction(
     first: RunningWire,
     other_pretension_n: float,
@@ -231,7 +231,7 @@ def slack_move(
     return moved
 
 
-@compiled
+@compiled_inner
 def balance_connector(
     first: RunningWire, second: RunningWire, direction: float, start: BalanceGuess, other: BalanceGuess
 ) -> CoupledBalance:
@@ -282,7 +282,7 @@ def balance_connector(
     return CoupledBalance(found, others, NO_PUSH, NO_PUSH, after, friction_n, 0.0, (earlier, other_earlier), solved)
 
 
-@compiled
+@compiled_inner
 def at_table(table: FloatArray, step_m: float, displacement_m: float) -> tuple[float, float]:
     """Return value and slope of a table, extrapolated linearly at both ends."""
     place = displacement_m / step_m
@@ -291,7 +291,7 @@ def at_table(table: FloatArray, step_m: float, displacement_m: float) -> tuple[f
     return table[low] + rise * (place - low), rise / step_m
 
 
-@compiled
+@compiled_inner
 def grip_force_n(grip: GrippedObject, displacement_m: float, other_m: float) -> float:
     """Return the force between each endpoint and the object [N] with both connectors where they are."""
     own, other = at_table(grip.endpoint_m, grip.step_m, displacement_m), at_table(grip.endpoint_m, grip.step_m, other_m)
@@ -328,7 +328,7 @@ class FingerBalance(NamedTuple):
     beside_n: float
 
 
-@compiled
+@compiled_inner
 def pressed_finger(
     wire: RunningWire,
     start: BalanceGuess,
@@ -360,7 +360,7 @@ def pressed_finger(
     return FingerBalance(found, push, contraction, free_m - soft * grip_n, per_n, beside_n)
 
 
-@compiled
+@compiled_inner
 def hold_object(
     first: RunningWire,
     second: RunningWire,

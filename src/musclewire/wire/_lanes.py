@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled, compiled_inline
+from musclewire.compiled import compiled_inline, compiled_inner
 from musclewire.wire._balance import TrialPoint, balance_at, contraction_of, convection_w_per_m2_k, settled, strain_at
 from musclewire.wire._constants import StepConstants
 from musclewire.wire._fronts import (
@@ -271,7 +271,7 @@ def take_found(work: Workspace, lane: int, found: Equilibrium, connector: tuple[
     work.contraction_slope[lane] = found.contraction_slope_per_j
 
 
-@compiled
+@compiled_inner
 def solve_lane(state: WireState, constants: StepConstants, cells: Rows, load: Rows, work: Workspace, lane: int) -> None:
     """Solve one lane by the solver of one wire, from the same guess, in place of what Newton's step found."""
     wire, trial = RunningWire(state, constants, cells, load), (work.trial_k[lane], work.trial_pa[lane])
@@ -336,7 +336,7 @@ def finish(wires: Rows, constants: Rows, work: Workspace, step_s: float) -> None
             )
 
 
-@compiled
+@compiled_inner
 def advance_lanes(wires: Rows, constants: Rows, cells: Rows, load: Rows, work: Workspace, plan: FloatArray) -> None:
     """Advance wires in place by a sample of fixed steps, leaving its sums in the workspace.
 

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inner
 from musclewire.wire._balance import resistance_at, strain_at
 from musclewire.wire._constants import StepConstants
 from musclewire.wire._fronts import ShakedownEffects, shakedown_of
+from musclewire.wire._row import Rows
 from musclewire.wire._step import RunningWire, phases_at
 
 
-@compiled
+@compiled_inner
 def follow(wire: RunningWire, shakedown: ShakedownEffects, temperature_k: float, stress_pa: float) -> None:
     """Apply a temperature and a stress to the phases of a wire, in place.
 
@@ -41,17 +42,24 @@ def follow(wire: RunningWire, shakedown: ShakedownEffects, temperature_k: float,
 
 
 @compiled
-def cool_from_hot(wire: RunningWire, temperature_k: float, stress_pa: float) -> None:
-    """Set the phases of a wire to those after cooling from full austenite at constant stress, in place.
+def cool_from_hot(
+    states: Rows, constants: Rows, cells: Rows, load: Rows, temperature_k: float, stress_pa: float
+) -> tuple[float, float]:
+    """Set the phases of a wire, (1,), to those after cooling from full austenite at a stress; all else stays.
 
     On cooling fronts only move down to thresholds that fall: the result does not depend on the path, so that
-    evaluating its end is enough.
+    evaluating its end is enough. Returned are the total strain there and the resistance [ohm] of a new wire.
     """
-    state = wire.state
+    wire = RunningWire(states[0], constants[0], cells[0], load[0])
+    state, k = wire.state, wire.constants
     for row in range(state.front_austenite.shape[0]):
         state.front_austenite[row] = math.inf
         state.front_martensite[row] = math.inf
-    follow(wire, shakedown_of(wire.constants, math.inf), temperature_k, stress_pa)
+    follow(wire, shakedown_of(k, math.inf), temperature_k, stress_pa)
+    martensite, r_phase = state.martensite_fraction, state.r_phase_fraction
+    strain = strain_at(k, temperature_k, stress_pa, martensite, r_phase)
+    resistance_ohm = resistance_at(k, shakedown_of(k, 0.0), strain, temperature_k, martensite, r_phase)
+    return strain.transformation + strain.elastic + strain.thermal, resistance_ohm
 
 
 @compiled
@@ -81,7 +89,7 @@ def total_strain(
     return strain.transformation + strain.elastic + strain.thermal
 
 
-@compiled
+@compiled_inner
 def resistance_of(
     constants: StepConstants,
     stress_pa: float,

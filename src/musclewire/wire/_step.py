@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from musclewire.compiled import compiled, compiled_inline
+from musclewire.compiled import compiled_inline, compiled_inner
 from musclewire.wire._balance import (
     BalancedWire,
     ConnectorForce,
@@ -437,7 +437,7 @@ def connector_after(wire: RunningWire, found: Equilibrium, push: ConnectorForce)
     return slid_connector(wire, after.contraction, push)
 
 
-@compiled
+@compiled_inner
 def slid_connector(wire: RunningWire, contraction: float, push: ConnectorForce) -> tuple[float, float]:
     """Return how far the connector of a slack wire follows it, as far as the load overcomes the friction, and that [N].
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled, compiled_inline
+from musclewire.compiled import compiled, compiled_inline, compiled_inner
 from musclewire.errors import CallerError, NumericsError
 from musclewire.wire._balance import BalancedWire, convection_w_per_m2_k, loss_w
 from musclewire.wire._constants import StepConstants
@@ -300,7 +300,7 @@ def plan_of(stepping: StepControl, duration_s: float) -> FloatArray:
     return np.array([duration_s, steps, stepping.temperature_k, stepping.resistance, stepping.strain])
 
 
-@compiled
+@compiled_inner
 def is_resolved(state: WireState) -> bool:
     """Whether all steps of a wire were solved, and none too long for what happened in it."""
     # Not a number is not less than anything: written so that it is not resolved.

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inner
 from musclewire.controllers._protection.table import (
     AllowedDrive,
     Effect,
@@ -96,7 +96,7 @@ def sound_reading(
     return True
 
 
-@compiled
+@compiled_inner
 def seen_in(
     memory: Row, limits: Row, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float, dt_s: float
 ) -> tuple[int, Remembered]:
@@ -150,7 +150,7 @@ def seen_in(
     )  # fmt: skip
 
 
-@compiled
+@compiled_inner
 def missing_event(
     limits: Row, driven: bool, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float
 ) -> int:
@@ -164,7 +164,7 @@ def missing_event(
     return 0
 
 
-@compiled
+@compiled_inner
 def temperature_after(memory: Row, limits: Row, power_w: float, dt_s: float) -> float:
     """Return the temperature [K] that a power in the wire explains (backward Euler: stable for any ``dt_s``)."""
     rate = limits["heat_loss_w_per_k"] / limits["heat_capacity_j_per_k"] * dt_s
@@ -173,7 +173,7 @@ def temperature_after(memory: Row, limits: Row, power_w: float, dt_s: float) -> 
     return ambient_k + (memory["temperature_k"] - ambient_k + rise) / (1.0 + rate)
 
 
-@compiled
+@compiled_inner
 def is_swapped(limits: Row, wire_voltage_v: float, shunt_voltage_v: float, resistance_ohm: float) -> bool:
     """Whether a channel is reversed, or the two would fit the window if they changed places."""
     if resistance_ohm < 0.0:
@@ -184,7 +184,7 @@ def is_swapped(limits: Row, wire_voltage_v: float, shunt_voltage_v: float, resis
     return limits["resistance_low_ohm"] <= other_way <= limits["resistance_high_ohm"]
 
 
-@compiled
+@compiled_inner
 def is_frozen(limits: Row, repeats: float, moved_v: float, dt_s: float) -> bool:
     """Whether so many equal numbers in a row cannot be chance, after the drive has moved by ``moved_v``."""
     moved = moved_v > MOVED_FRACTION * limits["maximum_voltage_v"]

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray, IntArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inner
 from musclewire.controllers import sound_command, sound_sample
 from musclewire.rigs._compiled_loop.one_wire import WireArrays, advance_sample, is_resolved, slack_m, surround, time_s
 from musclewire.rigs._simulated import read_sample
@@ -93,7 +93,7 @@ class LoopArrays(NamedTuple):
     controller_answer: FloatArray
 
 
-@compiled
+@compiled_inner
 def exchange(rig: RigArrays, row: int, drive_voltage_v: float) -> bool:
     """Hold a drive for one sample and write ``RIG_COLUMNS`` into its row; whether its steps are resolved."""
     resolution_v, shown = rig.amplifier_resolution_v, rig.shown[row]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray, IntArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled_inner
 from musclewire.wire import OneWire, Rows, StepControl, advance_rows, plan_of
 from musclewire.wire import is_resolved as state_is_resolved
 
@@ -45,33 +45,33 @@ def sample_times_s(wire: OneWire, sample_period_s: float, samples: int) -> Float
     return times
 
 
-@compiled
+@compiled_inner
 def advance_sample(wire: WireArrays, drive_voltage_v: float) -> tuple[float, float, float, float]:
     """Advance a wire by one sample; return the means of both voltages [V], displacement [m] and force [N]."""
     return advance_rows(wire.states, wire.constants, wire.cells, wire.load, drive_voltage_v, wire.plan)
 
 
-@compiled
+@compiled_inner
 def surround(wire: WireArrays, ambient_temperature_k: float, surface_factor_m2: float) -> None:
     """Change the air's temperature [K], and the wire's surface times its convection factor [m2], from now on."""
     wire.constants[0].ambient_temperature_k = ambient_temperature_k
     wire.constants[0].surface_factor_m2 = surface_factor_m2
 
 
-@compiled
+@compiled_inner
 def time_s(wire: WireArrays) -> float:
     """Time since the wire was first at rest [s]."""
     return wire.states[0].time_s
 
 
-@compiled
+@compiled_inner
 def slack_m(wire: WireArrays) -> float:
     """Length by which friction holds the connector ahead of the slack wire [m], as ``OneWire.slack_m``."""
     state = wire.states[0]
     return (state.connector_contraction - state.contraction) * wire.constants[0].leg_length_m
 
 
-@compiled
+@compiled_inner
 def is_resolved(wire: WireArrays) -> bool:
     """Whether the steps until now are what the wire does."""
     return state_is_resolved(wire.states[0])

@@ -122,6 +122,7 @@ class ParticleFilter:
         self._start = ParticleState(
             branches.start(), None, (rest,) * n, (0.0,) * n, ChangeState(), branches.curve.quantity_min
         )
+        self.step(self._start, WireSample(self._period_s, 0.0, 0.0, 0.0))  # compiles it, as of every estimator
 
     def start(self) -> ParticleState:
         """Return the state before the first sample: the wire at rest, and nothing has changed."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
+from musclewire.compiled import compiled, compiled_inner
 from musclewire.random_numbers import normal_pair, philox, uniform
 from musclewire.sensing._particles.cloud import CLOCK, HISTORY, ParticleCloud
 from musclewire.wire import Rows, RunningWire, StepConstants, advance_heated
@@ -136,7 +136,7 @@ def follow_sample(
     cloud.clock[CLOCK.samples] += 1.0
 
 
-@compiled
+@compiled_inner
 def compare(cloud: ParticleCloud, shown: FloatArray, resistance_ohm: float, variance_ohm2: float) -> None:
     """Add the likelihood of a measured resistance to that of every hypothesis; 0 ohm stands for no reading."""
     for one in range(cloud.log_weight.shape[0]):
@@ -150,14 +150,14 @@ def compare(cloud: ParticleCloud, shown: FloatArray, resistance_ohm: float, vari
             cloud.since[1, one] += likelihood
 
 
-@compiled
+@compiled_inner
 def gained(log_weight: FloatArray) -> float:
     """Return the logarithm of the mean likelihood of a sample: how well the hypotheses foresaw it."""
     highest = log_weight.max()
     return float(highest + math.log(np.exp(log_weight - highest).sum()))
 
 
-@compiled
+@compiled_inner
 def noise_of(clock: FloatArray, measured: ParticleSample) -> float:
     """Return the noise of a sample's resistance [ohm], from second differences of those before: the drive is smooth.
 
@@ -189,7 +189,7 @@ class VariedConstants(NamedTuple):
     r_phase_k: float
 
 
-@compiled
+@compiled_inner
 def calibrated_of(k: StepConstants) -> VariedConstants:
     """Return the constants that hypotheses change."""
     return VariedConstants(
@@ -202,7 +202,7 @@ def calibrated_of(k: StepConstants) -> VariedConstants:
     )
 
 
-@compiled
+@compiled_inner
 def suppose(k: StepConstants, known: VariedConstants, unknown: FloatArray) -> None:
     """Set the constants to those of a hypothesis."""
     k.ambient_temperature_k = known.ambient_k + unknown[AMBIENT]
@@ -213,7 +213,7 @@ def suppose(k: StepConstants, known: VariedConstants, unknown: FloatArray) -> No
     k.r_phase_temperature_k = known.r_phase_k + unknown[TRANSFORMATION]
 
 
-@compiled
+@compiled_inner
 def advance_all(cloud: ParticleCloud, wire: HypothesisWire, measured: ParticleSample, shown: FloatArray) -> None:
     """Advance the wire of every hypothesis; ``shown`` gets its resistance [ohm], contraction and force [N]."""
     k, cells, load = wire.constants[0], wire.cells[0], wire.load[0]
@@ -227,7 +227,7 @@ def advance_all(cloud: ParticleCloud, wire: HypothesisWire, measured: ParticleSa
     suppose(k, known, np.zeros(N_UNKNOWNS))
 
 
-@compiled
+@compiled_inner
 def weigh(log_weight: FloatArray, weight: FloatArray) -> float:
     """Fill in the weights, which add up to 1, and return the effective number of hypotheses."""
     log_weight -= log_weight.max()
@@ -238,7 +238,7 @@ def weigh(log_weight: FloatArray, weight: FloatArray) -> float:
     return float(1.0 / (weight * weight).sum())
 
 
-@compiled
+@compiled_inner
 def summarise(cloud: ParticleCloud, shown: FloatArray, answer: FloatArray) -> None:
     """Fill in weighted means and deviations; hypotheses that could not be computed have no weight."""
     answer[:] = 0.0
@@ -264,7 +264,7 @@ def summarise(cloud: ParticleCloud, shown: FloatArray, answer: FloatArray) -> No
     answer[SUMMARY.force_std_n] = math.sqrt(answer[SUMMARY.force_std_n])
 
 
-@compiled
+@compiled_inner
 def follow_misfit(clock: FloatArray, measured: ParticleSample, answer: FloatArray, explained_ohm: float) -> None:
     """Turn the mean resistance into its misfit, and smooth that in units of what wire and noise explain."""
     answer[SUMMARY.misfit_ohm] -= measured.resistance_ohm
@@ -272,7 +272,7 @@ def follow_misfit(clock: FloatArray, measured: ParticleSample, answer: FloatArra
     clock[CLOCK.misfit] += part * (answer[SUMMARY.misfit_ohm] / explained_ohm - clock[CLOCK.misfit])
 
 
-@compiled
+@compiled_inner
 def keep(cloud: ParticleCloud, measured: ParticleSample, variance_ohm2: float, weight: FloatArray, seed: int) -> None:
     """Keep a sample for restarts; from time to time the newer snapshot becomes the older one, and another is taken."""
     place, length = int(cloud.clock[CLOCK.kept]), cloud.history.shape[1]
@@ -292,7 +292,7 @@ def keep(cloud: ParticleCloud, measured: ParticleSample, variance_ohm2: float, w
     cloud.clock[CLOCK.kept] = place + 1.0
 
 
-@compiled
+@compiled_inner
 def snapshot(cloud: ParticleCloud, weight: FloatArray, seed: int) -> None:
     """Take a snapshot of the wires, drawn by their weights, from which the likelihood counts from 0."""
     samples = int(cloud.clock[CLOCK.samples])
@@ -302,7 +302,7 @@ def snapshot(cloud: ParticleCloud, weight: FloatArray, seed: int) -> None:
     cloud.since[1, :] = 0.0
 
 
-@compiled
+@compiled_inner
 def drawn(weight: FloatArray, chance: float) -> int:
     """Return the index of a hypothesis drawn by weight."""
     reached = 0.0
@@ -313,7 +313,7 @@ def drawn(weight: FloatArray, chance: float) -> int:
     return int(weight.shape[0]) - 1
 
 
-@compiled
+@compiled_inner
 def restart(
     cloud: ParticleCloud, wire: HypothesisWire, numbers: ParticleNumbers, shown: FloatArray, number: int
 ) -> None:
@@ -346,7 +346,7 @@ def restart(
     shown[0, worst], shown[1, worst], shown[2, worst] = seen
 
 
-@compiled
+@compiled_inner
 def follow_history(
     cloud: ParticleCloud, wire: HypothesisWire, unknown: FloatArray, tried: Rows, least: float
 ) -> tuple[float, tuple[float, float, float]]:
@@ -372,7 +372,7 @@ def follow_history(
     return likelihood, seen
 
 
-@compiled
+@compiled_inner
 def resample(cloud: ParticleCloud, weight: FloatArray, numbers: ParticleNumbers) -> None:
     """Draw the hypotheses again by their weights, systematically; some are renewed, all others wander a little.
 
@@ -404,7 +404,7 @@ def resample(cloud: ParticleCloud, weight: FloatArray, numbers: ParticleNumbers)
         cloud.unknowns[one, LOAD] = max(cloud.unknowns[one, LOAD], MIN_LOAD)
 
 
-@compiled
+@compiled_inner
 def six_deviates(samples: int, one: int, seed: int) -> tuple[float, float, float, float, float, float]:
     """Return six independent normal numbers of a hypothesis at a sample."""
     a, b, c, d = philox(samples, one, 2, 0, seed)
@@ -412,7 +412,7 @@ def six_deviates(samples: int, one: int, seed: int) -> tuple[float, float, float
     return *normal_pair(a, b), *normal_pair(c, d), *normal_pair(e, f)
 
 
-@compiled
+@compiled_inner
 def change(
     unknown: FloatArray,
     changed: FloatArray,
@@ -436,7 +436,7 @@ def change(
     unknown[place] = deviates[place] * numbers.spreads[0 if changed[place] == 1.0 else 1, place]
 
 
-@compiled
+@compiled_inner
 def wander(
     unknown: FloatArray,
     changed: FloatArray,

@@ -131,7 +131,7 @@ def control_numbers(
 
 
 def _gates(model: SensingModel) -> list[CConstant]:
-    """Return the numbers of the direction-gated branches; their names are those of ``sensing._gated_branches``."""
+    """Return the numbers of the direction-gated branches; their names are those of ``sensing._gated_estimator``."""
     numbers = GATES._asdict() | gated_numbers(model)
     times = {name: value for name, value in numbers.items() if name.endswith("_s") and not name.endswith("_per_s")}
     own_low_ohm, own_high_ohm = model.own_resistance_ohm

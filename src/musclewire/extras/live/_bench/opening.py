@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from musclewire.controllers import CONTROLLERS, FuzzyPidSettings
+from musclewire.controllers import CONTROLLERS, DriveLimits, FuzzyPidController, FuzzyPidSettings
 from musclewire.errors import CallerError, MusclewireError
 from musclewire.extras.live._bench.descriptions import described_protection, described_rig, wiring
 from musclewire.extras.live._bench.session import BenchSession, BenchStop
 from musclewire.rigs import RigConfiguration, SamplePacer, open_rig, rig_configuration
-from musclewire.sensing import ESTIMATORS
+from musclewire.sensing import ESTIMATORS, compile_estimators
 
 
 def show_wiring(session: BenchSession) -> None:
@@ -49,6 +49,9 @@ def switch_on(session: BenchSession, stops_before: int) -> None:
     try:
         configuration, _where = rig_configuration(session.name, may_import=True)
         session.simulated = isinstance(configuration, RigConfiguration)
+        # What a closed loop will call compiles here, with 0 V out: to be made is enough, by whatever limits.
+        compile_estimators()
+        FuzzyPidController(FuzzyPidSettings(), DriveLimits(0.1, 1.0))
         rig = open_rig(session.name, seed=session.seed, real_time=session.simulated)
     except MusclewireError as problem:
         with session.deciding:

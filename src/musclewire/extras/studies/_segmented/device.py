@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from typing import NamedTuple
 
 from musclewire.errors import CallerError
@@ -256,6 +257,10 @@ class SegmentedDevice:
             )
         drawn_from = self._seed if seed is None else require_seed(seed)
         self._instruments = RunningInstruments(instruments, drawn_from, self._facts.sample_period_s)
+
+    def compile_exchange(self) -> None:
+        """Compile all that an exchange runs, by a sample of a copy of the wire at 0 V."""
+        deepcopy(self._wire).advance(0.0, self._facts.sample_period_s, 0.0)
 
     def exchange(self, command: Command) -> Answer:
         """Hold a drive voltage for one sample period and return the averaged readings at its end."""

@@ -1,0 +1,44 @@
+"""All that a rig runs is compiled before its drive leaves 0 V: a pause of seconds would find a wire hot and alone."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from tests.contract.late_compilations import JOBS, RIGS
+from tests.places import CHECKOUT
+
+PROGRAM = Path(__file__).with_name("late_compilations.py")
+CASES = [*((rig, "drive") for rig in RIGS), *(("simulated", job) for job in JOBS if job != "drive")]
+
+
+def output_of(cache: Path, *arguments: str) -> str:
+    """Run the program with a kernel cache of its own and return what it prints."""
+    environment = {
+        **os.environ,
+        "NUMBA_CACHE_DIR": str(cache),
+        "PYTHONPATH": os.pathsep.join([str(CHECKOUT), *sys.path]),
+    }
+    done = subprocess.run(
+        [sys.executable, str(PROGRAM), *arguments], env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with an empty kernel cache, and with a loop and a model that were made with another."""
+    folder = tmp_path_factory.mktemp("compiled")
+    output_of(folder / "another cache", "model", str(folder))
+    return folder
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rig", "job"), CASES)
+def test_nothing_compiles_once_the_drive_has_left_0_v(rig: str, job: str, prepared: Path) -> None:
+    assert json.loads(output_of(prepared / "cache", rig, job, str(prepared))) == []
