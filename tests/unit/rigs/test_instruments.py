@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.parameters import load_bench
-from musclewire.rigs._simulated import BenchInstruments, read_sample
+from musclewire.rigs._simulated import BenchInstruments
 
 BENCH = load_bench("paper").values()
 SAMPLES = 3
@@ -55,12 +55,3 @@ def test_instruments_at_an_endpoint_take_their_random_numbers_after_those_of_the
         moved_m, pressed_n = instruments.endpoint(3e-3, 0.5)
         assert moved_m == 3e-3 + BENCH["endpoint_noise_m"] * drawn[-2]
         assert pressed_n == 0.5 + BENCH["endpoint_force_noise_n"] * drawn[-1]
-
-
-def test_nothing_is_compiled_once_the_instruments_are_there() -> None:
-    """A rig on a clock would be late by the compilation, and off."""
-    instruments = BenchInstruments(BENCH, 1)
-    known = set(read_sample.signatures)
-    instruments.sample(1.0, 0.1, 1e-3, 2.0)
-    assert known
-    assert set(read_sample.signatures) == known
