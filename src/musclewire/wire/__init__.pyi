@@ -1,7 +1,5 @@
 """The list of names that other rooms may use."""
 
-from ._advance import accept_step as accept_step
-from ._advance import advance_heated as advance_heated
 from ._balance import BalancedWire as BalancedWire
 from ._balance import ConnectorForce as ConnectorForce
 from ._balance import convection_w_per_m2_k as convection_w_per_m2_k
@@ -64,6 +62,8 @@ from ._stepping import SourceOutput as SourceOutput
 from ._stepping import StepAttempt as StepAttempt
 from ._stepping import StepControl as StepControl
 from ._stepping import WireInstant as WireInstant
+from ._stepping import accept_step as accept_step
+from ._stepping import advance_heated as advance_heated
 from ._stepping import are_resolved as are_resolved
 from ._stepping import error_ratio as error_ratio
 from ._stepping import fixed_steps as fixed_steps

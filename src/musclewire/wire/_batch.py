@@ -20,7 +20,6 @@ import numpy.typing as npt
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.errors import CallerError
-from musclewire.wire._advance import advance_wire
 from musclewire.wire._building import resting_state
 from musclewire.wire._constants import WireConstants, as_record
 from musclewire.wire._lanes import LANES, advance_lanes, workspace
@@ -35,6 +34,7 @@ from musclewire.wire._stepping import (
     VOLTAGE,
     SourceOutput,
     StepControl,
+    advance_wire,
     plan_of,
     require_resolved,
 )

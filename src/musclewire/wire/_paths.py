@@ -14,7 +14,6 @@ from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.errors import CallerError
 from musclewire.physics import REFERENCE_TEMPERATURE_K
-from musclewire.wire._advance import advance_wire
 from musclewire.wire._building import cooled_wire, resting_state
 from musclewire.wire._constants import WireConstants
 from musclewire.wire._fronts import shakedown_of
@@ -29,6 +28,7 @@ from musclewire.wire._stepping import (
     VOLTAGE,
     SourceOutput,
     StepControl,
+    advance_wire,
     fixed_steps,
     plan_of,
     require_resolved,

@@ -12,7 +12,6 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.wire._advance import advance_wire
 from musclewire.wire._building import resting_state
 from musclewire.wire._constants import WireConstants
 from musclewire.wire._coupling import APART, GrippedObject
@@ -26,6 +25,7 @@ from musclewire.wire._stepping import (
     VOLTAGE,
     SourceOutput,
     StepControl,
+    advance_wire,
     are_resolved,
     plan_of,
     require_resolved,
