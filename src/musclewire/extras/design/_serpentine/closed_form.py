@@ -62,12 +62,12 @@ def width_parameter(geometry: SerpentineGeometry, bending_moment_n_m: float, you
     return geometry.depth_m**2 * curvature / geometry.thickness_m
 
 
-def line_points(geometry: SerpentineGeometry, rounded: bool, leads: bool) -> tuple[FloatArray, FloatArray]:
+def line_points(geometry: SerpentineGeometry, rounded: bool) -> tuple[FloatArray, FloatArray]:
     """Return Gauss points (n, 2) along the centre line [m] and their weights in its length (n,) [m]."""
     if rounded:
         pieces = geometry.centre_line()
     else:
-        corners = geometry.vertices_m() if leads else geometry.vertices_m()[1:-1]
+        corners = geometry.vertices_m()
         pieces = [CentreLineStraight(start, end) for start, end in pairwise(corners)]
     fraction = 0.5 * (1.0 + GAUSS_POINTS)
     points = [places_on(piece, fraction) for piece in pieces]
@@ -91,15 +91,14 @@ def compliance_m_per_n(
     *,
     guided: bool = False,
     rounded: bool = False,
-    leads: bool = True,
 ) -> float:
     """Return the bending compliance along the wire [m/N].
 
     A guide adds a force H across the wire and a moment M_0 of such size that the end neither moves across nor turns:
-    with M = F x + H y + M_0 they follow from the integrals of the products of x, y and 1 along the strip. ``leads``
-    counts the short strips on the axis that join square-cornered beams to pad and connector.
+    with M = F x + H y + M_0 they follow from the integrals of the products of x, y and 1 along the strip, the short
+    strips on the axis that join its beams to pad and connector among it.
     """
-    points, weights = line_points(geometry, rounded, leads)
+    points, weights = line_points(geometry, rounded)
     # Heights count from the middle: large offsets would cost precision in the differences below.
     y = points[:, 1] - 0.5 * (geometry.first_beam_m + geometry.last_beam_m)
     basis = np.stack([points[:, 0], y, np.ones_like(y)])
@@ -110,13 +109,12 @@ def compliance_m_per_n(
     return float(along / (youngs_modulus_pa * geometry.second_moment_m4))
 
 
-def guided_factor(geometry: SerpentineGeometry, *, leads: bool = True) -> float:
+def guided_factor(geometry: SerpentineGeometry) -> float:
     """Return how much stiffer a serpentine is when its moving end can neither turn nor move across (bending only).
 
-    ``leads`` counts the short strips on the axis that join it to pad and connector; without them the ends are the ends
-    of the half beams. A pull along the axis does not bend the leads, a guide's moment does.
+    A pull along the axis does not bend the short strips that join it to pad and connector, a guide's moment does.
     """
-    free, guided = (compliance_m_per_n(geometry, 1.0, guided=guide, leads=leads) for guide in (False, True))
+    free, guided = (compliance_m_per_n(geometry, 1.0, guided=guide) for guide in (False, True))
     return free / guided
 
 
