@@ -20,7 +20,10 @@ def test_verdicts_over_seeds_stopped_by_a_signal_leave_no_process_and_no_page(
     process = start("reproduce", *arguments)
     assert process.stderr is not None
     assert "of 20000 seeds" in process.stderr.readline()
+    deadline = time.monotonic() + PATIENCE_S
     while len(workers := workers_of(process.pid)) < 3:
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline, f"{len(workers)} processes compute"
         time.sleep(0.05)
     process.send_signal(number)
     out, err = process.communicate(timeout=PATIENCE_S)
@@ -31,7 +34,10 @@ def test_verdicts_over_seeds_stopped_by_a_signal_leave_no_process_and_no_page(
 
 
 def workers_of(pid: int) -> list[str]:
-    """Return the processes that compute for a process; loky's own helpers end with what they wait for."""
-    children = ["ps", "-o", "pid=,args=", "--ppid", str(pid)]
+    """Return the processes that compute for a process; loky's own helpers end with what they wait for.
+
+    The width is asked for: with COLUMNS set, ps would cut what it is told by.
+    """
+    children = ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(pid)]
     found = subprocess.run(children, capture_output=True, text=True, check=False).stdout.splitlines()
     return [line.split()[0] for line in found if "--process-name" in line]
