@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import shlex
+import shutil
 import sys
 import tomllib
 from pathlib import Path
@@ -29,6 +31,13 @@ PLATFORMS = {
     "macOS, Apple silicon": "aarch64-apple-darwin",
     "macOS, x86-64": "x86_64-apple-darwin",
 }
+# All extras, and which of them imports which, as ARCHITECTURE.md draws it and pyproject.toml holds it.
+EXTRAS = sorted(path.parent.name for path in ROOT.glob("src/musclewire/extras/*/manifest.py"))
+ARROWS = {"design": ("paper",), "board": ("interfaces",)}
+# What a copy of the checkout does without: what is made in it, and the tests that are about the whole of it.
+NOT_COPIED = shutil.ignore_patterns(".*", "__pycache__", "build", "*.egg-info", "house")
+# Files that are named run whole, their long tests too, unless these are left out.
+NO_LONG_TESTS = "not (slow or emulated or documented or browser)"
 nox.options.sessions = ["package"]
 
 
@@ -82,6 +91,35 @@ def without_extra(session: nox.Session, row: dict[str, str]) -> None:
         session.error(f"{row} must say in one line '{cure}', and says: {said}")
 
 
+@nox.session(venv_backend="none")
+def without_extras(session: nox.Session) -> None:
+    """Delete all extras in a copy: the core's tests and the demo pass. `-- each`, or names: one after the other.
+
+    With each goes what imports it. `-- quick` runs one test file of each folder.
+    """
+    quick, named = "quick" in session.posargs, [word for word in session.posargs if word != "quick"]
+    chosen = EXTRAS if named == ["each"] else named
+    if wrong := set(chosen) - set(EXTRAS):
+        session.error(f"there is no extra {', '.join(sorted(wrong))}; there are {', '.join(EXTRAS)}")
+    for deleted in [(name, *ARROWS.get(name, ())) for name in chosen] or [EXTRAS]:
+        session.log(f"without {', '.join(deleted)}")
+        folder = Path(session.create_tmp()).resolve() / "copy"
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(ROOT, folder, ignore=NOT_COPIED)
+        # Without any extra their folder goes as well.
+        for name in [""] if set(deleted) == set(EXTRAS) else deleted:
+            shutil.rmtree(folder / "src/musclewire/extras" / name)
+            shutil.rmtree(folder / "tests/extras" / name, ignore_errors=True)
+        python = (sys.executable, "-P", "-m")
+        variables = {"PYTHONPATH": f"{folder / 'src'}{os.pathsep}{folder}"}
+        tests = {path.parent: str(path) for path in sorted((folder / "tests").rglob("test_*.py"), reverse=True)}
+        selected = [*sorted(tests.values()), "-m", NO_LONG_TESTS] if quick else []
+        session.chdir(folder)
+        if set(deleted) == set(EXTRAS):
+            session.run(*python, "musclewire", "demo", "--out", "demo", env=variables)
+        session.run(*python, "pytest", "-q", "-n", "auto", "--dist", "worksteal", *selected, env=variables)
+
+
 @nox.session(python=PYTHONS)
 def pythons(session: nox.Session) -> None:
     """Install with each Python that is claimed and found, and run the demo and a short suite."""
@@ -110,8 +148,9 @@ def coverage(session: nox.Session) -> None:
     session.run("coverage", "run", "-m", "pytest", "-q", "-n", "auto", *session.posargs)
     plain = ("tests/unit/controllers", "tests/unit/sensing", "tests/unit/physics")
     limit = ("--timeout", "30", "-o", "filterwarnings=default")
+    # For threads coverage holds a lock, and a test that ends at its limit while it is held never ends.
     session.run(
-        "coverage", "run", "-m", "pytest", "-q", "-n", "auto", *limit, *plain,
+        "coverage", "run", "--concurrency", "multiprocessing", "-m", "pytest", "-q", "-n", "auto", *limit, *plain,
         env={"NUMBA_DISABLE_JIT": "1"}, success_codes=[0, 1],
     )  # fmt: skip
     session.run("coverage", "combine")

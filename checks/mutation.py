@@ -106,7 +106,13 @@ def measured(tree: Path, folder: Path, compiled: bool) -> Measured:
     name = "compiled" if compiled else "plain"
     data, seconds = folder / f"{name}.coverage", folder / f"{name}.json"
     if not seconds.exists():
-        chosen = [] if compiled else ["--timeout", str(LIMIT_S), *WITHOUT_COMPILATION]
+        chosen = (
+            []
+            if compiled
+            else ["--timeout", str(LIMIT_S), f"--cov-config={folder / 'plain.ini'}", *WITHOUT_COMPILATION]
+        )
+        # For threads coverage holds a lock, and a test that ends at its limit while it is held never ends.
+        (folder / "plain.ini").write_text("[run]\nconcurrency = multiprocessing\n", "utf-8")
         command = ["-m", "pytest", "-q", "-n", "auto", "-p", "checks.mutated", f"--cov={tree / 'src/musclewire'}"]
         options = ["--cov-context=test", "--cov-report=", "-p", "no:cacheprovider", "-o", "filterwarnings=default"]
         variables = environment(tree, compiled, COVERAGE_FILE=str(data), DURATIONS=str(seconds))
