@@ -106,20 +106,21 @@ def measured(tree: Path, folder: Path, compiled: bool) -> Measured:
     name = "compiled" if compiled else "plain"
     data, seconds = folder / f"{name}.coverage", folder / f"{name}.json"
     if not seconds.exists():
-        chosen = (
-            []
-            if compiled
-            else ["--timeout", str(LIMIT_S), f"--cov-config={folder / 'plain.ini'}", *WITHOUT_COMPILATION]
-        )
         # For threads coverage holds a lock, and a test that ends at its limit while it is held never ends.
-        (folder / "plain.ini").write_text("[run]\nconcurrency = multiprocessing\n", "utf-8")
+        no_threads = folder / "plain.ini"
+        no_threads.write_text("[run]\nconcurrency = multiprocessing\n", "utf-8")
+        limited = ["--timeout", str(LIMIT_S), f"--cov-config={no_threads}", *WITHOUT_COMPILATION]
+        chosen = [] if compiled else limited
         command = ["-m", "pytest", "-q", "-n", "auto", "-p", "checks.mutated", f"--cov={tree / 'src/musclewire'}"]
         options = ["--cov-context=test", "--cov-report=", "-p", "no:cacheprovider", "-o", "filterwarnings=default"]
         variables = environment(tree, compiled, COVERAGE_FILE=str(data), DURATIONS=str(seconds))
         print(f"measuring, {'with' if compiled else 'without'} compilation", flush=True)
         subprocess.run([sys.executable, *command, *options, *chosen], cwd=tree, env=variables, capture_output=True)
-    covered = CoverageData(str(data))
-    covered.read()
+    covered = CoverageData(no_disk=True)
+    for part in folder.glob(f"{data.name}*"):  # without threads each process leaves a file of its own
+        one = CoverageData(str(part))
+        one.read()
+        covered.update(one)
     tests = {path: covered.contexts_by_lineno(path) for path in covered.measured_files()}
     in_tests = {
         path: {line: [test.partition("|")[0] for test in names if test] for line, names in lines.items()}
