@@ -23,7 +23,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 EXTRAS = ROOT / "src" / "musclewire" / "extras"
 # Which extra imports which, as ARCHITECTURE.md draws it and pyproject.toml holds it.
-ARROWS = {"design": ("paper",), "board": ("interfaces",)}
+ARROWS = {"design": ("paper",), "board": ("interfaces",), "grip": ("studies",)}
 # What a copy has: what the tests of one part or another read.
 COPIED = (
     *("src", "tests", "examples", "benchmarks", "checks", "docs", "emulation", "firmware", "hardware", "studies"),

@@ -13,12 +13,13 @@ import numpy as np
 
 from musclewire.controllers import DriveLimits
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment._gripper_training import CLOSING_S, REST_S, GripperKnowledge, closing_waveform, gripper_of
-from musclewire.experiment._open_loop import Waveform
-from musclewire.experiment._run import Decision, RunOptions, run_on_rig
+from musclewire.experiment import Decision, RunOptions, Waveform, run_on_rig
+from musclewire.extras.grip._contact_detection import AirDisturbance, ContactDetector
+from musclewire.extras.grip._grip_force import fall_by_cooling
+from musclewire.extras.grip._gripper_training import CLOSING_S, REST_S, GripperKnowledge, closing_waveform, gripper_of
 from musclewire.physics import wire_resistance
 from musclewire.rigs import Rig
-from musclewire.sensing import AirDisturbance, ContactDetector, dropout_failure, evaluate, fall_by_cooling
+from musclewire.sensing import dropout_failure, evaluate
 from musclewire.signals import Command, Drive, MetadataValue, RawSample, Recording
 
 TARGET_N = 0.3

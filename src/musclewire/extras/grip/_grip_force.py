@@ -21,8 +21,8 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.sensing._branch_equations import evaluate
-from musclewire.sensing._contact_detection import ContactState
+from musclewire.extras.grip._contact_detection import ContactState
+from musclewire.sensing import evaluate
 
 # An object counts as rigid from the first stiffness, and is never softer than the second.
 MAX_STIFFNESS_N_PER_M, MIN_STIFFNESS_N_PER_M = 1e6, 1.0
