@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -115,7 +115,10 @@ def grip(
 ) -> Result:
     """Close fingers on an object, find contact and hold a force, all by the wires' resistance."""
     from musclewire.experiment import run_warnings
-    from musclewire.extras.grip._gripper_training import with_object
+    from musclewire.extras.grip._grip import HOLD_S
+    from musclewire.extras.grip._grip import grip as run_grip
+    from musclewire.extras.grip._gripper_training import CLOSING_S, REST_S, with_object
+    from musclewire.rigs import open_rig
 
     figure.check()
     if output is not None:
@@ -125,10 +128,14 @@ def grip(
     configuration = with_object(rig, simulated)
     with stops_between_samples():
         knowledge = knowledge_of(configuration, learned, seed)
-        run = gripped(
-            configuration, knowledge, seed,
-            target_n=target_n, stiffness_n_per_m=known, path=output, overwrite=overwrite,
-        )  # fmt: skip
+        with (
+            open_rig(configuration, seed=seed) as opened,
+            progress_bar("Grip", REST_S + CLOSING_S + HOLD_S, opened) as on_sample,
+        ):
+            run = run_grip(
+                opened, knowledge, target_n=target_n, stiffness_n_per_m=known,
+                path=output, overwrite=overwrite, on_sample=on_sample,
+            )  # fmt: skip
     figure.draw(partial(drawn, run, knowledge))
     answer = grip_answer(run, simulated, known, warn(run_warnings(run)))
     error = missed(run, in_si("--tolerance", goal.tolerance))
@@ -155,20 +162,6 @@ def missed(run: GripRun, tolerance_n: float | None) -> MusclewireError | None:
     if abs(missed_n) <= tolerance_n:
         return None
     return MusclewireError(f"the held force misses its target by {missed_n:+.3f} N, more than {tolerance_n:g} N")
-
-
-def gripped(configuration: RigConfiguration, knowledge: GripperKnowledge, seed: int | None, **how: Any) -> GripRun:
-    """Return the grip on a rig; ``how`` goes to the experiment."""
-    from musclewire.extras.grip._grip import HOLD_S
-    from musclewire.extras.grip._grip import grip as run_grip
-    from musclewire.extras.grip._gripper_training import CLOSING_S, REST_S
-    from musclewire.rigs import open_rig
-
-    with (
-        open_rig(configuration, seed=seed) as opened,
-        progress_bar("Grip", REST_S + CLOSING_S + HOLD_S, opened) as on_sample,
-    ):
-        return run_grip(opened, knowledge, on_sample=on_sample, **how)
 
 
 def knowledge_of(configuration: RigConfiguration, file: Path | None, seed: int | None) -> GripperKnowledge:
