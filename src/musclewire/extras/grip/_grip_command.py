@@ -176,7 +176,7 @@ def knowledge_of(configuration: RigConfiguration, file: Path | None, seed: int |
         require_folder(file)
     chosen = configuration.seed if seed is None else seed
     tell("training: free closings, and grips of a known block with a load cell")
-    knowledge = train_gripper(configuration, seed=chosen + LEARNING_SEED_STEP, on_closing=lambda _: stop_if_asked())
+    knowledge = train_gripper(configuration, seed=chosen + LEARNING_SEED_STEP, on_sample=stop_if_asked)
     if file is not None:
         knowledge.save(file)
     return knowledge

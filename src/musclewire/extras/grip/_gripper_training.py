@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Literal
@@ -296,13 +295,7 @@ def gripper_of(rig: Rig) -> Gripper:
 
 
 def train_gripper(
-    rig: str | Path | RigConfiguration,
-    *,
-    seed: int | None = None,
-    closings_s: Sequence[float] = TRAINING_CLOSINGS_S,
-    known_clearances_m: Sequence[float] | None = None,
-    on_closing: Callable[[str], None] | None = None,
-    on_sample: OnSample | None = None,
+    rig: str | Path | RigConfiguration, *, seed: int | None = None, on_sample: OnSample | None = None
 ) -> GripperKnowledge:
     """Learn a simulated gripper: free closings at several speeds, and grips of a block of known stiffness.
 
@@ -310,22 +303,16 @@ def train_gripper(
     cell on the known block. The air moves meanwhile as the rig file states. For real fingers pass the same recordings
     to ``fit_free_closing`` and ``fit_grip_curve``.
     """
-    say = on_closing or (lambda _: None)
     configuration, _ = simulated_configuration(rig)
     fingers = fingers_of(configuration)
-    clearances = known_clearances_m or tuple(clearance * fingers / 2.0 for clearance in KNOWN_CLEARANCES_M)
     with open_rig(with_object(configuration, None), seed=seed) as opened:
-        free_runs = []
-        for closing_s in closings_s:
-            say(f"free closing of {closing_s:g} s")
-            free_runs.append(close_fingers(opened, closing_s=closing_s, on_sample=on_sample))
+        free_runs = [close_fingers(opened, closing_s=time_s, on_sample=on_sample) for time_s in TRAINING_CLOSINGS_S]
         gripper = gripper_of(opened)
     free = fit_free_closing(free_runs)
     known = []
     first_seed = configuration.seed if seed is None else seed
-    for index, clearance in enumerate(clearances, start=1):
-        say(f"grip of a block of {KNOWN_STIFFNESS_N_PER_M:g} N/m, {1e3 * clearance:g} mm away")
-        block = ElasticObject(KNOWN_STIFFNESS_N_PER_M, clearance)
+    for index, clearance_m in enumerate(KNOWN_CLEARANCES_M, start=1):
+        block = ElasticObject(KNOWN_STIFFNESS_N_PER_M, clearance_m * fingers / 2.0)
         with open_rig(with_object(configuration, block), seed=first_seed + SEED_STEP * index) as opened:
             known.append(KnownGrip(close_fingers(opened, on_sample=on_sample), KNOWN_STIFFNESS_N_PER_M))
     return GripperKnowledge(free, fit_grip_curve(free_runs, known, free, fingers=fingers), gripper)
