@@ -135,7 +135,7 @@ def numbers_of_gripper(path: Path) -> Numbers:
     """Return all that a gripper has learned."""
     from dataclasses import asdict
 
-    from musclewire.experiment import load_knowledge
+    from musclewire.extras.grip import load_knowledge
 
     return plain(asdict(load_knowledge(path)))
 

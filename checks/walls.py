@@ -44,6 +44,7 @@ ON_A_REAL_WIRE = (
     "musclewire.rigs._kinds", "musclewire.rigs._mounted_wire", "musclewire.rigs._wire_limits",
     "musclewire.rigs._replay",
     "musclewire.extras.board._nidaq", "musclewire.extras.board._serial",
+    "musclewire.extras.grip._contact_detection", "musclewire.extras.grip._grip_force",
 )  # fmt: skip
 SIMULATED = (
     "musclewire.rigs._simulated", "musclewire.wire._batch", "musclewire.wire._coupling", "musclewire.wire._lanes",

@@ -18,9 +18,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from musclewire.experiment import GripperKnowledge, close_fingers, grip, train_gripper, with_object
+from musclewire.extras.grip import (
+    THRESHOLD,
+    ContactDetector,
+    GripperKnowledge,
+    close_fingers,
+    grip,
+    train_gripper,
+    with_object,
+)
 from musclewire.rigs import RigConfiguration, Surroundings, open_rig, rig_configuration
-from musclewire.sensing import THRESHOLD, ContactDetector, evaluate
+from musclewire.sensing import evaluate
 from musclewire.signals import Recording
 from musclewire.wire import ElasticObject
 

@@ -10,7 +10,7 @@ from typing import Any
 from musclewire.app import COMMANDS, PANELS, every_command, listed_commands
 
 # As a reader meets the commands of the core; those of the parts stand among them.
-BASIC_LOOP = ("characterize", "fit", "tune", "control", "home", "grip")
+BASIC_LOOP = ("characterize", "fit", "tune", "control", "home")
 
 
 def test_every_command_is_in_a_known_panel() -> None:

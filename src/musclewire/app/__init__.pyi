@@ -1,5 +1,6 @@
 """The list of names that other rooms may use."""
 
+from ._answer import AnswerModel as AnswerModel
 from ._bench_measure import MachinePeaks as MachinePeaks
 from ._bench_measure import PreparedComparison as PreparedComparison
 from ._bench_measure import TimedProgram as TimedProgram
@@ -44,6 +45,7 @@ from ._doctor_command import text as text
 from ._figure_options import FigureOptions as FigureOptions
 from ._files import require_figure_file as require_figure_file
 from ._files import require_folder as require_folder
+from ._files import require_recording_file as require_recording_file
 from ._files import require_zip_file as require_zip_file
 from ._files import save_figure as save_figure
 from ._installation import REQUIREMENT as REQUIREMENT
@@ -58,6 +60,7 @@ from ._options import CLEARANCE as CLEARANCE
 from ._options import CPU as CPU
 from ._options import ESTIMATOR as ESTIMATOR
 from ._options import FILE as FILE
+from ._options import KNOWN_STIFFNESS as KNOWN_STIFFNESS
 from ._options import LIST as LIST
 from ._options import NAME as NAME
 from ._options import OBJECT_STIFFNESS as OBJECT_STIFFNESS
@@ -81,15 +84,17 @@ from ._options import RigName as RigName
 from ._options import in_si as in_si
 from ._options import option as option
 from ._options import quantity as quantity
+from ._output import Result as Result
 from ._output import emit_json as emit_json
+from ._output import progress_bar as progress_bar
 from ._output import run_bar as run_bar
 from ._output import say as say
 from ._output import show as show
+from ._output import tell as tell
 from ._output import warn as warn
 from ._recording_options import ReadingOptions as ReadingOptions
 from ._report.figures import loops_figure as loops_figure
 from ._report.figures import staircase_figure as staircase_figure
-from ._report.grip_figure import plot_grip as plot_grip
 from ._stopping import StoppedCommand as StoppedCommand
 from ._stopping import stop_if_asked as stop_if_asked
 from ._stopping import stops_between_samples as stops_between_samples

@@ -58,13 +58,6 @@ COMMANDS = (
         answer="musclewire.app._answers:HomeAnswer",
     ),
     Command(
-        "grip",
-        "musclewire.app._grip_command:grip",
-        "Close fingers on an object, find contact and hold a force, all by the wires' resistance.",
-        panel=LOOP,
-        answer="musclewire.app._answers:GripAnswer",
-    ),
-    Command(
         "doctor",
         "musclewire.app._doctor_command:doctor",
         "Check wiring, noise, polarity, sense voltage and sample clock; nothing is heated.",

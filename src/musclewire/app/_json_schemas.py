@@ -7,7 +7,6 @@ unit fits its quantity, is checked when the file is read.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -54,9 +53,8 @@ def written_as(function: Any) -> JsonSchemaValue | None:
     return {"type": "string", "description": f"a number with a unit that converts to {unit or 'a plain number'}"}
 
 
-def file_models() -> dict[str, type[Any]]:
+def file_models() -> dict[str, type[BaseModel]]:
     """Return the model of each kind of file, by the schema's name."""
-    from musclewire.experiment import GripperKnowledge
     from musclewire.parameters import FingerFile, Material, PretensionerFile, WireFile
     from musclewire.rigs import DEVICES
     from musclewire.sensing import ModelFile
@@ -65,7 +63,6 @@ def file_models() -> dict[str, type[Any]]:
     return {
         "model": ModelFile,
         "wire": WireFile,
-        "gripper": GripperKnowledge,
         "finger": FingerFile,
         "pretensioner": PretensionerFile,
         "material": Material,
@@ -132,22 +129,11 @@ def json_schema(name: str) -> dict[str, Any]:
     return {"$schema": DIALECT, **of_model(name, file_models()[name])}
 
 
-def of_model(name: str, model: type[Any]) -> dict[str, Any]:
+def of_model(name: str, model: type[BaseModel]) -> dict[str, Any]:
     """Return the schema of a file from the model that checks it."""
-    if isinstance(model, type) and issubclass(model, BaseModel):
-        schema = model.model_json_schema(schema_generator=FileSchema)
-    else:
-        schema = with_head(TypeAdapter(model).json_schema(schema_generator=FileSchema))
+    schema = model.model_json_schema(schema_generator=FileSchema)
     if name == "wire":
         for table in ("Wire", "Alloy"):
             required = schema["$defs"][table]["required"]
             schema["$defs"][table]["required"] = [key for key in required if key not in ADDED_ON_READING]
     return schema
-
-
-def with_head(schema: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the schema of a gripper's file with the two keys that are taken off before the rest is checked."""
-    from musclewire.experiment import FORMAT, VERSION
-
-    head = {"format": {"const": FORMAT}, "version": {"const": VERSION}}
-    return {**schema, "properties": {**head, **schema["properties"]}, "required": [*head, *schema["required"]]}

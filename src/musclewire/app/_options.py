@@ -101,7 +101,7 @@ MAX_CYCLES = option("--max-cycles", help="Stop after this many cycles at the lat
 AT = quantity("--at", "N", "A pretension to try, as '1.9 N'. Repeatable.")
 QUANTITY = option("--quantity", help="Quantity sensed from resistance: strain, displacement or force.")
 
-# The closed loop and the grip.
+# The closed loop.
 REFERENCE = option(
     "--reference", help="'staircase', steps as '2.5 mm to 6 mm by 0.5 mm', or a file with the targets over time."
 )
@@ -109,9 +109,6 @@ KNOWN_STIFFNESS = quantity(
     "--known-stiffness",
     "N/m",
     "Known stiffness of the load or of the object, as '588.6 N/m': gives force from a model of strain.",
-)
-TOLERANCE = quantity(
-    "--tolerance", "N", "Exit code 1 if the instrument shows a held force further from the target than this.", low=0.0
 )
 ESTIMATOR = option(
     "--estimator",
@@ -155,15 +152,12 @@ RUNS = option(
     min=1,
 )
 IN_PYTHON = option("--in-python", help="With --runs: step every loop in Python, for what has no compiled form.")
-TARGET = quantity("--target", "N", "Grip force to reach and hold at one endpoint, as '0.3 N'.")
 OBJECT_STIFFNESS = quantity(
     "--object-stiffness", "N/m", "Stiffness of the simulated object in the way of the endpoint, as '50 N/m'."
 )
 CLEARANCE = quantity(
     "--clearance", "m", "How far the endpoint moves (two fingers: both together) before it touches, as '4 mm'."
 )
-NO_OBJECT = option("--no-object", help="Simulate the grip without any object.")
-LEARNED = option("--learned", help="File of the trained gripper (.json): read, or written after training.")
 
 # Recordings and models.
 COLUMN = option(

@@ -7,11 +7,6 @@ from ._catalogue_table import BARS as BARS
 from ._catalogue_table import CatalogueComparison as CatalogueComparison
 from ._catalogue_table import JudgedValue as JudgedValue
 from ._catalogue_table import compare_catalogue as compare_catalogue
-from ._contact_fitting import KnownGrip as KnownGrip
-from ._contact_fitting import closing_of as closing_of
-from ._contact_fitting import fit_free_closing as fit_free_closing
-from ._contact_fitting import fit_grip_curve as fit_grip_curve
-from ._contact_fitting import thermal_time_s as thermal_time_s
 from ._electrical_sizing import OVERHEATED_K as OVERHEATED_K
 from ._electrical_sizing import OneSecondDrive as OneSecondDrive
 from ._electrical_sizing import ShuntChoice as ShuntChoice

@@ -1,15 +1,12 @@
 """The list of names that other rooms may use."""
 
+from ._branch_equations import check_resistance_range as check_resistance_range
 from ._branch_equations import derivative as derivative
 from ._branch_equations import evaluate as evaluate
 from ._branch_equations import normalised_resistance as normalised_resistance
 from ._branches import MAX_WINDOW_FRACTION as MAX_WINDOW_FRACTION
 from ._branches import Branch as Branch
 from ._branches import single_valued as single_valued
-from ._contact_detection import THRESHOLD as THRESHOLD
-from ._contact_detection import AirDisturbance as AirDisturbance
-from ._contact_detection import ContactDetector as ContactDetector
-from ._contact_detection import FreeClosing as FreeClosing
 from ._curve import SHOWN_AS as SHOWN_AS
 from ._curve import ResistanceCurve as ResistanceCurve
 from ._curve import other_wires as other_wires
@@ -29,8 +26,6 @@ from ._gated_estimator import GATES as GATES
 from ._gated_estimator import GatedEstimator as GatedEstimator
 from ._gated_estimator import compile_estimators as compile_estimators
 from ._gated_estimator import gated_numbers as gated_numbers
-from ._grip_force import GripCurve as GripCurve
-from ._grip_force import fall_by_cooling as fall_by_cooling
 from ._health import CAUSE_TEXT as CAUSE_TEXT
 from ._health import Cause as Cause
 from ._home_move import DRIFT_FRACTION as DRIFT_FRACTION

@@ -11,7 +11,6 @@ from musclewire.controllers import staircase
 from musclewire.errors import RecordingError
 from musclewire.experiment import control_metrics, drive_numbers, elapsed
 from musclewire.identify import (
-    closing_of,
     contraction_force_n,
     fit,
     reference_quantity,
@@ -87,7 +86,6 @@ USERS: dict[str, tuple[dict[str, MetadataValue], str, Callable[[Recording], obje
         "shunt_resistance_ohm",
         lambda one: drive_numbers(one, 1.0, 0.03),
     ),
-    "a closing": ({"shunt_resistance_ohm": 1.0}, "sample_period_s", lambda one: closing_of(one, 1.0, 9.0)),
     "resistance": ({}, "shunt_resistance_ohm", resistance_reading),
     "strain": ({"shunt_resistance_ohm": 1.0}, "leg_length_m", lambda one: required_quantity(one, "strain")),
     "contraction force": ({}, "pretension_n", contraction_force_n),

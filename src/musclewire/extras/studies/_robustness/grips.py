@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.errors import MusclewireError
-from musclewire.experiment import (
+from musclewire.extras.grip import (
     TARGET_N,
     GripperKnowledge,
     grip,

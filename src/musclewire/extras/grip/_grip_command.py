@@ -5,36 +5,47 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app._figure_options import FigureOptions
-from musclewire.app._files import require_folder, require_recording_file
-from musclewire.app._options import (
+from musclewire.app import (
     CLEARANCE,
     KNOWN_STIFFNESS,
-    LEARNED,
-    NO_OBJECT,
     OBJECT_STIFFNESS,
     OUTPUT,
     OVERWRITE,
     SEED,
-    TARGET,
-    TOLERANCE,
+    FigureOptions,
+    Result,
     in_si,
+    option,
+    progress_bar,
+    quantity,
+    require_folder,
+    require_recording_file,
+    stop_if_asked,
+    stops_between_samples,
+    tell,
+    warn,
 )
-from musclewire.app._output import Result, progress_bar, tell, warn
-from musclewire.app._stopping import stop_if_asked, stops_between_samples
 from musclewire.errors import CallerError, MusclewireError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from musclewire.app._answers import GripAnswer
-    from musclewire.experiment import GripperKnowledge, GripRun
+    from musclewire.extras.grip._answer import GripAnswer
+    from musclewire.extras.grip._grip import GripRun
+    from musclewire.extras.grip._gripper_training import GripperKnowledge
     from musclewire.rigs import RigConfiguration
     from musclewire.wire import ElasticObject
+
+TARGET = quantity("--target", "N", "Grip force to reach and hold at one endpoint, as '0.3 N'.")
+TOLERANCE = quantity(
+    "--tolerance", "N", "Exit code 1 if the instrument shows a held force further from the target than this.", low=0.0
+)
+NO_OBJECT = option("--no-object", help="Simulate the grip without any object.")
+LEARNED = option("--learned", help="File of the trained gripper (.json): read, or written after training.")
 
 # The gripper is trained on another day than it grips, with other noise and air.
 LEARNING_SEED_STEP = 1000
@@ -71,7 +82,7 @@ class ObjectOptions:
 
         Raises CallerError for options that contradict each other or numbers not above 0.
         """
-        from musclewire.experiment import object_of
+        from musclewire.extras.grip._gripper_training import object_of
         from musclewire.wire import ElasticObject
 
         stiffness = in_si("--object-stiffness", self.object_stiffness)
@@ -103,7 +114,11 @@ def grip(
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
     """Close fingers on an object, find contact and hold a force, all by the wires' resistance."""
-    from musclewire.experiment import run_warnings, with_object
+    from musclewire.experiment import run_warnings
+    from musclewire.extras.grip._grip import HOLD_S
+    from musclewire.extras.grip._grip import grip as run_grip
+    from musclewire.extras.grip._gripper_training import CLOSING_S, REST_S, with_object
+    from musclewire.rigs import open_rig
 
     figure.check()
     if output is not None:
@@ -113,10 +128,14 @@ def grip(
     configuration = with_object(rig, simulated)
     with stops_between_samples():
         knowledge = knowledge_of(configuration, learned, seed)
-        run = gripped(
-            configuration, knowledge, seed,
-            target_n=target_n, stiffness_n_per_m=known, path=output, overwrite=overwrite,
-        )  # fmt: skip
+        with (
+            open_rig(configuration, seed=seed) as opened,
+            progress_bar("Grip", REST_S + CLOSING_S + HOLD_S, opened) as on_sample,
+        ):
+            run = run_grip(
+                opened, knowledge, target_n=target_n, stiffness_n_per_m=known,
+                path=output, overwrite=overwrite, on_sample=on_sample,
+            )  # fmt: skip
     figure.draw(partial(drawn, run, knowledge))
     answer = grip_answer(run, simulated, known, warn(run_warnings(run)))
     error = missed(run, in_si("--tolerance", goal.tolerance))
@@ -125,7 +144,7 @@ def grip(
 
 def drawn(run: GripRun, knowledge: GripperKnowledge, *, style: str) -> Axes:
     """Return the drawn grip; loads what draws only now."""
-    from musclewire.app._report.grip_figure import plot_grip
+    from musclewire.extras.grip._grip_figure import plot_grip
 
     return plot_grip(run, knowledge, style=style)
 
@@ -145,22 +164,9 @@ def missed(run: GripRun, tolerance_n: float | None) -> MusclewireError | None:
     return MusclewireError(f"the held force misses its target by {missed_n:+.3f} N, more than {tolerance_n:g} N")
 
 
-def gripped(configuration: RigConfiguration, knowledge: GripperKnowledge, seed: int | None, **how: Any) -> GripRun:
-    """Return the grip on a rig; ``how`` goes to the experiment."""
-    from musclewire.experiment import CLOSING_S, HOLD_S, REST_S
-    from musclewire.experiment import grip as run_grip
-    from musclewire.rigs import open_rig
-
-    with (
-        open_rig(configuration, seed=seed) as opened,
-        progress_bar("Grip", REST_S + CLOSING_S + HOLD_S, opened) as on_sample,
-    ):
-        return run_grip(opened, knowledge, on_sample=on_sample, **how)
-
-
 def knowledge_of(configuration: RigConfiguration, file: Path | None, seed: int | None) -> GripperKnowledge:
     """Return what the gripper has learned: from a file, or learned now and, with a file named, written there."""
-    from musclewire.experiment import train_gripper
+    from musclewire.extras.grip._gripper_training import train_gripper
 
     if file is not None and file.exists():
         return knowledge_from(file, configuration)
@@ -170,7 +176,7 @@ def knowledge_of(configuration: RigConfiguration, file: Path | None, seed: int |
         require_folder(file)
     chosen = configuration.seed if seed is None else seed
     tell("training: free closings, and grips of a known block with a load cell")
-    knowledge = train_gripper(configuration, seed=chosen + LEARNING_SEED_STEP, on_closing=lambda _: stop_if_asked())
+    knowledge = train_gripper(configuration, seed=chosen + LEARNING_SEED_STEP, on_sample=stop_if_asked)
     if file is not None:
         knowledge.save(file)
     return knowledge
@@ -178,7 +184,7 @@ def knowledge_of(configuration: RigConfiguration, file: Path | None, seed: int |
 
 def knowledge_from(file: Path, configuration: RigConfiguration) -> GripperKnowledge:
     """Return what a file says, refused if it was learned on another gripper."""
-    from musclewire.experiment import gripper_of, load_knowledge
+    from musclewire.extras.grip._gripper_training import gripper_of, load_knowledge
     from musclewire.rigs import open_rig
 
     knowledge = load_knowledge(file)
@@ -192,7 +198,7 @@ def knowledge_from(file: Path, configuration: RigConfiguration) -> GripperKnowle
 
 def grip_answer(run: GripRun, block: ElasticObject | None, known: float | None, warnings: list[str]) -> GripAnswer:
     """Return what is known of a grip: the estimates, and what instruments and the simulation show."""
-    from musclewire.app._answers import GripAnswer
+    from musclewire.extras.grip._answer import GripAnswer
 
     estimated_n, true_n = run.estimated_force_n, run.true_force_n
     return GripAnswer.read_from(

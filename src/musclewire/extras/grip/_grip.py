@@ -13,12 +13,13 @@ import numpy as np
 
 from musclewire.controllers import DriveLimits
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment._gripper_training import CLOSING_S, REST_S, GripperKnowledge, closing_waveform, gripper_of
-from musclewire.experiment._open_loop import Waveform
-from musclewire.experiment._run import Decision, RunOptions, run_on_rig
+from musclewire.experiment import Decision, RunOptions, run_on_rig
+from musclewire.extras.grip._contact_detection import AirDisturbance, ContactDetector
+from musclewire.extras.grip._grip_force import fall_by_cooling
+from musclewire.extras.grip._gripper_training import CLOSING_S, REST_S, GripperKnowledge, closing_waveform, gripper_of
 from musclewire.physics import wire_resistance
 from musclewire.rigs import Rig
-from musclewire.sensing import AirDisturbance, ContactDetector, dropout_failure, evaluate, fall_by_cooling
+from musclewire.sensing import dropout_failure, evaluate
 from musclewire.signals import Command, Drive, MetadataValue, RawSample, Recording
 
 TARGET_N = 0.3
@@ -33,22 +34,6 @@ JUDGED_S = 3.0
 MIN_HOLDING_FRACTION = 0.4
 
 
-@dataclass(frozen=True)
-class GripPlan:
-    """How a gripper is to close and hold.
-
-    ``closing`` is the drive over time while it closes; without contact it opens again at ``closes_until_s``, and if the
-    target is out of reach it stays at ``closed_v``, which closes fully. With ``stiffness_n_per_m`` None the object's
-    stiffness is estimated from the power that contact costs, at the moment the target is reached.
-    """
-
-    closing: Waveform
-    closes_until_s: float
-    closed_v: float
-    target_n: float
-    stiffness_n_per_m: float | None
-
-
 class GripPolicy:
     """Closes with rising power, watches for contact, closes on to the target force and holds the drive there.
 
@@ -59,19 +44,21 @@ class GripPolicy:
 
     def __init__(
         self,
+        rig: Rig,
         knowledge: GripperKnowledge,
-        detector: ContactDetector,
-        plan: GripPlan,
-        limits: DriveLimits,
         *,
-        shunt_resistance_ohm: float,
-        sample_period_s: float,
+        target_n: float,
+        stiffness_n_per_m: float | None,
+        air: AirDisturbance | None,
+        closing_s: float,
     ) -> None:
-        """Begin with the plan's waveform; it is left at the target force or, without contact, at its end."""
-        self._curve, self._free, self._detector = knowledge.curve, knowledge.free, detector
-        self._plan, self._limits = plan, limits
-        self._shunt_resistance_ohm, self._sample_period_s = shunt_resistance_ohm, sample_period_s
-        self.state = detector.start()
+        """Begin to close; with ``stiffness_n_per_m`` None it is estimated from the power that contact costs."""
+        self.knowledge, self.target_n, self._known_stiffness_n_per_m = knowledge, target_n, stiffness_n_per_m
+        self._curve, self._free, self._detector = knowledge.curve, knowledge.free, ContactDetector(knowledge.free, air)
+        self._closing, self._closes_until_s = closing_waveform(rig, closing_s), REST_S + closing_s
+        self._closed_v, self._limits = rig.drive_amplitude_v, DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v)
+        self._shunt_resistance_ohm, self._sample_period_s = rig.shunt_resistance_ohm, rig.sample_period_s
+        self.state = self._detector.start()
         self.stiffness_n_per_m: float | None = None
         self.contact = 1.0
         self._held_v: float | None = None
@@ -82,7 +69,7 @@ class GripPolicy:
 
     def first_command(self) -> Command:
         """Return the waveform's start."""
-        return Drive(self._plan.closing(0.0))
+        return Drive(self._closing(0.0))
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the next drive voltage and the state of the grip as estimated from the wire's voltages."""
@@ -100,27 +87,27 @@ class GripPolicy:
                 self.state.score,
                 float(self.state.touched),
                 self._force_n,
-                self._plan.target_n if self._held_v else 0.0,
+                self.target_n if self._held_v else 0.0,
             ),
         )
 
     def _drive_after(self, sample: RawSample, resistance_ohm: float, elapsed_s: float) -> float:
         """Return the drive after a sample with current, by the phase of the grip."""
         place = self._free.normalised(resistance_ohm)
-        if self._held_v is None and elapsed_s > self._plan.closes_until_s:
+        if self._held_v is None and elapsed_s > self._closes_until_s:
             # Open again without contact; if the target is out of reach, stay at the drive that closes fully.
-            return self._plan.closed_v if self.state.touched else self._limits.sense_voltage_v
+            return self._closed_v if self.state.touched else self._limits.sense_voltage_v
         if self._held_v is None:
             moved, self._place_before = self._place_before - place, place
             before_n, power_w = self._force_n, sample.wire_voltage_v**2 / resistance_ohm
             self.state = self._detector.step(self.state, resistance_ohm, power_w, self._sample_period_s)
             if not self.state.touched:
-                return self._plan.closing(elapsed_s)
+                return self._closing(elapsed_s)
             stiffness = self._follow_contact()
             self._force_n = self._curve.force_n(place, self.contact, stiffness)
             # The wire moves on for a sample: the hold begins if the next sample would reach the target.
-            if self._force_n <= 0.0 or 2.0 * self._force_n - before_n < self._plan.target_n:
-                return self._plan.closing(elapsed_s)
+            if self._force_n <= 0.0 or 2.0 * self._force_n - before_n < self.target_n:
+                return self._closing(elapsed_s)
             self.stiffness_n_per_m = stiffness
             self._held_v = self._holding_voltage_v(sample.drive_voltage_v, power_w, place, moved)
             return self._held_v
@@ -131,9 +118,9 @@ class GripPolicy:
 
     def _follow_contact(self) -> float:
         """Update the point of contact and return the object's stiffness: known, or estimated from power."""
-        if self._plan.stiffness_n_per_m is not None:
-            self.contact = self._curve.contact_place(self.state, self._plan.stiffness_n_per_m)
-            return self._plan.stiffness_n_per_m
+        if self._known_stiffness_n_per_m is not None:
+            self.contact = self._curve.contact_place(self.state, self._known_stiffness_n_per_m)
+            return self._known_stiffness_n_per_m
         self.contact, stiffness = self._curve.met_by_power(self.state)
         return stiffness
 
@@ -238,29 +225,22 @@ def grip(
     if not hold_s > JUDGED_S:
         raise CallerError(f"a hold of {hold_s:g} s is too short: its last {JUDGED_S:g} s are evaluated")
     knowledge.gripper.require_same(gripper_of(rig))
-    plan = GripPlan(
-        closing_waveform(rig, closing_s), REST_S + closing_s, rig.drive_amplitude_v, target_n, stiffness_n_per_m
-    )
     policy = GripPolicy(
-        knowledge,
-        ContactDetector(knowledge.free, air),
-        plan,
-        DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v),
-        shunt_resistance_ohm=rig.shunt_resistance_ohm,
-        sample_period_s=rig.sample_period_s,
+        rig, knowledge, target_n=target_n, stiffness_n_per_m=stiffness_n_per_m, air=air, closing_s=closing_s
     )
     metadata: dict[str, MetadataValue] = {
         "experiment": "grip", "closing_s": closing_s, "rest_s": REST_S, "known_stiffness_n_per_m": stiffness_n_per_m,
     }  # fmt: skip
     recording = run_on_rig(rig, policy, REST_S + closing_s + hold_s, metadata=metadata, **run)
-    return judged(recording, policy, knowledge, target_n)
+    return judged(recording, policy)
 
 
-def judged(recording: Recording, policy: GripPolicy, knowledge: GripperKnowledge, target_n: float) -> GripRun:
+def judged(recording: Recording, policy: GripPolicy) -> GripRun:
     """Return a grip with its results, and the instrument's if there is one."""
-    run = GripRun(recording.columns, recording.metadata, target_n=target_n)
+    run = GripRun(recording.columns, recording.metadata, target_n=policy.target_n)
     if not policy.state.touched:
         return run
+    curve, free = policy.knowledge.curve, policy.knowledge.free
     first = int(np.argmax(recording["contact"] > 0.0))
     force = recording.columns.get("endpoint_force_n")
     end = recording["time_s"] > recording["time_s"][-1] - JUDGED_S
@@ -270,10 +250,10 @@ def judged(recording: Recording, policy: GripPolicy, knowledge: GripperKnowledge
         run,
         contact_s=round(float(recording["time_s"][first]) - REST_S, 9),
         true_force_at_contact_n=None if force is None else float(force[first]),
-        opening_m=knowledge.curve.closed_m(policy.contact),
+        opening_m=curve.closed_m(policy.contact),
         stiffness_n_per_m=policy.stiffness_n_per_m,
         held=held,
         estimated_force_n=float(recording["estimated_grip_force_n"][end].mean()),
         true_force_n=None if force is None else float(force[end].mean()),
-        most_force_n=knowledge.curve.max_force_n(knowledge.free.normalised(resistance), policy.contact),
+        most_force_n=curve.max_force_n(free.normalised(resistance), policy.contact),
     )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from musclewire.experiment import REST_S
+from musclewire.extras.grip._gripper_training import REST_S
 from musclewire.figures import panels_side_by_side
 from musclewire.pages import COOLING, HEATING, TARGET
 from musclewire.sensing import evaluate
@@ -14,7 +14,8 @@ from musclewire.sensing import evaluate
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from musclewire.experiment import GripperKnowledge, GripRun
+    from musclewire.extras.grip._grip import GripRun
+    from musclewire.extras.grip._gripper_training import GripperKnowledge
 
 MEASURED, FREE, FOUND = COOLING, TARGET, HEATING
 SHOWN_BEFORE_S = 0.3

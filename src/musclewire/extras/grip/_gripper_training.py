@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Literal
 
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from musclewire.errors import CallerError
-from musclewire.experiment._open_loop import Waveform, WaveformPolicy
-from musclewire.experiment._run import OnSample, run_on_rig
-from musclewire.identify import KnownGrip, fit_free_closing, fit_grip_curve
+from musclewire.experiment import OnSample, Waveform, WaveformPolicy, run_on_rig
+from musclewire.extras.grip._contact_detection import FreeClosing
+from musclewire.extras.grip._contact_fitting import KnownGrip, fit_free_closing, fit_grip_curve
+from musclewire.extras.grip._grip_force import GripCurve
 from musclewire.rigs import Pull, Rig, RigConfiguration, open_rig, simulated_configuration
-from musclewire.sensing import FreeClosing, GripCurve
 from musclewire.signals import MetadataValue, Recording, RunFacts, write_text_whole
 from musclewire.wire import ElasticObject
 
@@ -37,7 +36,6 @@ KNOWN_CLEARANCES_M = (4e-3, 5.5e-3, 7e-3, 8.5e-3) * 3
 SEED_STEP = 100
 # An object that is taken away is this far away.
 AWAY_M = 1.0
-FORMAT, VERSION = "musclewire-gripper", 2
 # A gripper is the trained one if its measured numbers agree within this fraction.
 ALIKE = 0.01
 SHOWN = {
@@ -69,8 +67,6 @@ class Gripper:
     pretension_n
         Pretension of the wire [N].
     """
-
-    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
 
     wire: str | None
     leg_length_m: float | None
@@ -129,8 +125,6 @@ class GripperKnowledge:
         Identity of the gripper.
     """
 
-    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
-
     free: FreeClosing
     curve: GripCurve
     gripper: Gripper
@@ -148,29 +142,37 @@ class GripperKnowledge:
         CallerError
             If the folder cannot be written to.
         """
-        document = {"format": FORMAT, "version": VERSION, **asdict(self)}
-        write_text_whole(path, TypeAdapter(dict[str, Any]).dump_json(document, indent=1).decode() + "\n")
+        file = GripperFile(
+            format="musclewire-gripper", version=2, free=self.free, curve=self.curve, gripper=self.gripper
+        )
+        write_text_whole(path, file.model_dump_json(indent=1) + "\n")
+
+
+class GripperFile(BaseModel):
+    """The keys of a file with what a gripper has learned; anything else is an error."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    format: Literal["musclewire-gripper"]
+    version: Literal[2]
+    free: FreeClosing
+    curve: GripCurve
+    gripper: Gripper
 
 
 def load_knowledge(path: Path) -> GripperKnowledge:
     """Read what a gripper has learned; CallerError for a file that is missing, damaged or of another program."""
     try:
-        document = TypeAdapter(dict[str, Any]).validate_json(path.read_bytes())
+        file = GripperFile.model_validate_json(path.read_bytes())
     except OSError as error:
         raise CallerError(f"cannot read {path}: {error.strerror or error}") from None
-    except ValidationError:
-        raise CallerError(
-            f"{path} is not what a gripper has learned: no JSON document; 'musclewire grip --learned' writes one"
-        ) from None
-    if document.pop("format", None) != FORMAT:
-        raise CallerError(f"{path} is not what a gripper has learned: 'musclewire grip --learned' writes one")
-    if (version := document.pop("version", None)) != VERSION:
-        raise CallerError(f"{path} is of version {version} and {VERSION} is read: train the gripper again")
-    try:
-        return TypeAdapter(GripperKnowledge).validate_python(document)
     except ValidationError as error:
         fault = error.errors(include_url=False, include_input=False)[0]
-        raise CallerError(f"{path}: {'.'.join(map(str, fault['loc']))}: {fault['msg']}") from None
+        raise CallerError(
+            f"{path} is not what a gripper has learned: {'.'.join(map(str, fault['loc']))}: {fault['msg']}; train the "
+            "gripper again, 'musclewire grip --learned' writes such a file"
+        ) from None
+    return GripperKnowledge(file.free, file.curve, file.gripper)
 
 
 def closing_waveform(rig: Rig, closing_s: float, rest_s: float = REST_S) -> Waveform:
@@ -293,13 +295,7 @@ def gripper_of(rig: Rig) -> Gripper:
 
 
 def train_gripper(
-    rig: str | Path | RigConfiguration,
-    *,
-    seed: int | None = None,
-    closings_s: Sequence[float] = TRAINING_CLOSINGS_S,
-    known_clearances_m: Sequence[float] | None = None,
-    on_closing: Callable[[str], None] | None = None,
-    on_sample: OnSample | None = None,
+    rig: str | Path | RigConfiguration, *, seed: int | None = None, on_sample: OnSample | None = None
 ) -> GripperKnowledge:
     """Learn a simulated gripper: free closings at several speeds, and grips of a block of known stiffness.
 
@@ -307,22 +303,16 @@ def train_gripper(
     cell on the known block. The air moves meanwhile as the rig file states. For real fingers pass the same recordings
     to ``fit_free_closing`` and ``fit_grip_curve``.
     """
-    say = on_closing or (lambda _: None)
     configuration, _ = simulated_configuration(rig)
     fingers = fingers_of(configuration)
-    clearances = known_clearances_m or tuple(clearance * fingers / 2.0 for clearance in KNOWN_CLEARANCES_M)
     with open_rig(with_object(configuration, None), seed=seed) as opened:
-        free_runs = []
-        for closing_s in closings_s:
-            say(f"free closing of {closing_s:g} s")
-            free_runs.append(close_fingers(opened, closing_s=closing_s, on_sample=on_sample))
+        free_runs = [close_fingers(opened, closing_s=time_s, on_sample=on_sample) for time_s in TRAINING_CLOSINGS_S]
         gripper = gripper_of(opened)
     free = fit_free_closing(free_runs)
     known = []
     first_seed = configuration.seed if seed is None else seed
-    for index, clearance in enumerate(clearances, start=1):
-        say(f"grip of a block of {KNOWN_STIFFNESS_N_PER_M:g} N/m, {1e3 * clearance:g} mm away")
-        block = ElasticObject(KNOWN_STIFFNESS_N_PER_M, clearance)
+    for index, clearance_m in enumerate(KNOWN_CLEARANCES_M, start=1):
+        block = ElasticObject(KNOWN_STIFFNESS_N_PER_M, clearance_m * fingers / 2.0)
         with open_rig(with_object(configuration, block), seed=first_seed + SEED_STEP * index) as opened:
             known.append(KnownGrip(close_fingers(opened, on_sample=on_sample), KNOWN_STIFFNESS_N_PER_M))
     return GripperKnowledge(free, fit_grip_curve(free_runs, known, free, fingers=fingers), gripper)

@@ -9,15 +9,21 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.experiment._grip import GripRun, grip
-from musclewire.experiment._gripper_training import (
+from musclewire.extras.grip._contact_fitting import (
+    KnownGrip,
+    closing_of,
+    fit_free_closing,
+    fit_grip_curve,
+    thermal_time_s,
+)
+from musclewire.extras.grip._grip import GripRun, grip
+from musclewire.extras.grip._gripper_training import (
     GripperKnowledge,
     close_fingers,
     load_knowledge,
     train_gripper,
     with_object,
 )
-from musclewire.identify import KnownGrip, fit_free_closing, fit_grip_curve, thermal_time_s
 from musclewire.parameters import load_alloy, load_finger
 from musclewire.rigs import open_rig, rig_configuration
 from musclewire.signals import Recording
@@ -200,6 +206,12 @@ def test_too_few_closings_are_refused_with_what_is_missing() -> None:
         runs = [close_fingers(rig)]
     with pytest.raises(RecordingError, match="30 are needed"):
         fit_free_closing(runs)
+
+
+def test_a_closing_that_does_not_state_its_sample_period_is_refused() -> None:
+    columns = {"time_s": np.arange(9.0), "wire_voltage_v": np.linspace(0.9, 0.1, 9), "shunt_voltage_v": np.full(9, 0.1)}
+    with pytest.raises(RecordingError, match="does not state sample_period_s"):
+        closing_of(Recording(columns, {"shunt_resistance_ohm": 1.0}), 1.0, 9.0)
 
 
 def test_force_is_not_learned_without_the_load_cell(knowledge: GripperKnowledge) -> None:

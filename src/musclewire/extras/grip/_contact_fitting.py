@@ -10,10 +10,11 @@ from scipy.optimize import nnls
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.identify._recordings import resistance_reading
+from musclewire.extras.grip._contact_detection import AirDisturbance, ContactDetector, FreeClosing
+from musclewire.extras.grip._grip_force import GripCurve
+from musclewire.identify import resistance_reading
 from musclewire.parameters import load_alloy
 from musclewire.physics import convection_coefficient_w_per_m2_k
-from musclewire.sensing import AirDisturbance, ContactDetector, FreeClosing, GripCurve
 from musclewire.signals import Recording
 
 # Between these normalised resistances the slope is steep enough to locate a closing. Below, the grains that transform

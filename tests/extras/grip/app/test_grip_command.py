@@ -1,4 +1,4 @@
-"""``musclewire grip`` and the force option of ``musclewire control``: what is typed, and what comes back."""
+"""``musclewire grip``: what is typed, and what comes back."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from musclewire.parameters import load_bench
 from musclewire.signals import read_recording
 
 
@@ -53,8 +52,8 @@ def test_with_the_object_away_nothing_is_found_and_the_exit_code_says_so(
     "the early grains take power where the closing has hardly begun, and closings of seconds leave it to a cubic",
 )
 def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name() -> None:
-    from musclewire.app import plot_grip
-    from musclewire.experiment import grip, train_gripper
+    from musclewire.extras.grip import grip, train_gripper
+    from musclewire.extras.grip._grip_figure import plot_grip
     from musclewire.rigs import open_rig
 
     knowledge = train_gripper("gripper", seed=1000)
@@ -76,16 +75,6 @@ def test_another_object_may_be_put_in(musclewire: Callable[..., Any], learned: P
     assert said["opening_m"] == pytest.approx(7e-3, abs=0.5e-3)
 
 
-def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[..., Any], model: Path) -> None:
-    said = musclewire(
-        "control", "simulated", model, "--quantity", "force", "--known-stiffness", "588.6 N/m", "--json"
-    ).json
-    assert said["known_stiffness_n_per_m"] == 588.6
-    assert said["known_friction_n"] == pytest.approx(load_bench("paper").guide_friction_n.value, abs=0.002)
-    assert said["mae_max_approached_pct"] <= 5.0
-    assert len(said["steps"]) == 11
-
-
 def test_a_held_force_beyond_its_tolerance_ends_with_1(musclewire: Callable[..., Any], learned: Path) -> None:
     known = ("grip", "--known-stiffness", "200 N/m", "--learned", learned)
     held = musclewire(*known, "--tolerance", "0.2 N")
@@ -93,3 +82,20 @@ def test_a_held_force_beyond_its_tolerance_ends_with_1(musclewire: Callable[...,
     answer = musclewire(*known, "--tolerance", "0.0001 N")
     assert answer.code == 1
     assert "the held force misses its target by" in answer.err
+
+
+@pytest.mark.parametrize(
+    ("typed", "said"),
+    [
+        ("simulated", "nothing to grip"),
+        ("--target 0N", "above 0"),
+        ("--known-stiffness 200", "--known-stiffness: '200' has no unit"),
+        ("--no-object --clearance 3mm", "--no-object"),
+        ("--learned learned.txt", ".json"),
+    ],
+)
+def test_what_cannot_be_gripped_is_refused_in_one_line(musclewire: Callable[..., Any], typed: str, said: str) -> None:
+    answer = musclewire("grip", *typed.split())
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert answer.err.count("\n") == 1

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.sensing._contact_detection import ContactDetector, ContactState, FreeClosing
-from musclewire.sensing._grip_force import GripCurve, fall_by_cooling
+from musclewire.extras.grip._contact_detection import ContactDetector, ContactState, FreeClosing
+from musclewire.extras.grip._grip_force import GripCurve, fall_by_cooling
 
 # Two fingers whose endpoints move 6 mm while resistance falls through its range, lever 5 throughout.
 CURVE = GripCurve(

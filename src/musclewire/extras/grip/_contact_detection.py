@@ -34,7 +34,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.sensing._branch_equations import check_resistance_range, evaluate, normalised_resistance
+from musclewire.sensing import check_resistance_range, evaluate, normalised_resistance
 
 # In standard deviations. Of a Gaussian score 4.5 is passed by chance once in 300,000; a closing has some 40 samples.
 THRESHOLD = 4.5

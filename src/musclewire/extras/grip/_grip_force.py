@@ -21,8 +21,8 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.sensing._branch_equations import evaluate
-from musclewire.sensing._contact_detection import ContactState
+from musclewire.extras.grip._contact_detection import ContactState
+from musclewire.sensing import evaluate
 
 # An object counts as rigid from the first stiffness, and is never softer than the second.
 MAX_STIFFNESS_N_PER_M, MIN_STIFFNESS_N_PER_M = 1e6, 1.0
@@ -128,8 +128,7 @@ class GripCurve:
         -------
         The force [N]; 0 before contact.
         """
-        travel_m = self.closed_m(normalised) - self.closed_m(contact)
-        return max(travel_m, 0.0) / (1.0 / stiffness_n_per_m + self.compliance_m_per_n(normalised))
+        return float(self._forces_n(normalised, np.array([contact]), np.array([stiffness_n_per_m]))[0, 0])
 
     def max_force_n(self, normalised: float, contact: float) -> float:
         """Return the grip force on a rigid object [N], an upper bound for any other.
@@ -147,25 +146,6 @@ class GripCurve:
         """
         return self.force_n(normalised, contact, MAX_STIFFNESS_N_PER_M)
 
-    def slopes_w(self, here: float, places: FloatArray, stiffness_n_per_m: FloatArray) -> FloatArray:
-        """Return the slope of power [W] from each place of contact to the present one.
-
-        Parameters
-        ----------
-        here
-            Normalised resistance now.
-        places
-            Normalised resistances at which contact may have been, (n_places,).
-        stiffness_n_per_m
-            Stiffnesses that the object may have [N/m], (n_stiffnesses,).
-
-        Returns
-        -------
-        The slopes [W], (n_stiffnesses, n_places).
-        """
-        cost_w = float(evaluate(self.power_per_newton_w, self._within(here))) * self._lever(here)
-        return cost_w * self._forces_n(here, places, stiffness_n_per_m) / (places - here)
-
     def met_by_power(self, state: ContactState) -> tuple[float, float]:
         """Return the place of contact as normalised resistance and the object's stiffness [N/m], both from power.
 
@@ -182,16 +162,13 @@ class GripCurve:
         -------
         Place of contact, as normalised resistance, and stiffness [N/m].
         """
-        here = state.normalised
-        if here is None or not (state.places > here).any():
+        tried = self._likelihoods(state, UNKNOWN_STIFFNESSES_N_PER_M)
+        if tried is None:
             return state.place, MIN_STIFFNESS_N_PER_M
-        passed = state.places > here
-        places, overlaps, weights = state.places[passed], state.overlaps[passed], state.weights[passed]
-        slopes = self.slopes_w(here, places, UNKNOWN_STIFFNESSES_N_PER_M)
-        likelihood = slopes * overlaps - 0.5 * slopes * slopes * weights
+        here, places, forces_n, likelihood = tried
         probability = np.exp(likelihood - likelihood.max())
         probability /= probability.sum()
-        force_n = float((probability * self._forces_n(here, places, UNKNOWN_STIFFNESSES_N_PER_M)).sum())
+        force_n = float((probability * forces_n).sum())
         contact = float((probability.sum(axis=0) * places).sum())
         travel_m = self.closed_m(here) - self.closed_m(contact)
         if force_n <= 0.0 or travel_m <= 0.0:
@@ -219,21 +196,34 @@ class GripCurve:
         -------
         The place, as normalised resistance.
         """
+        tried = self._likelihoods(state, np.array([stiffness_n_per_m]))
+        if tried is None:
+            return state.place
+        _, places, _, likelihood = tried
+        best = int(np.argmax(likelihood[0]))
+        return float(places[best]) if likelihood[0, best] > 0.0 else state.place
+
+    def _likelihoods(
+        self, state: ContactState, stiffness_n_per_m: FloatArray
+    ) -> tuple[float, FloatArray, FloatArray, FloatArray] | None:
+        """Return the present place, those passed, and by stiffness and place passed force [N] and log-likelihood.
+
+        None if there is no place at which contact may have begun. The likelihood is that of the slope with which power
+        would have grown from there.
+        """
         here = state.normalised
-        if here is None or not state.places.size:
-            return state.place
-        passed = state.places > here
-        if not passed.any():
-            return state.place
-        slopes = self.slopes_w(here, state.places[passed], np.array([stiffness_n_per_m]))[0]
-        likelihood = slopes * state.overlaps[passed] - 0.5 * slopes * slopes * state.weights[passed]
-        best = int(np.argmax(likelihood))
-        return float(state.places[passed][best]) if likelihood[best] > 0.0 else state.place
+        if here is None or not (passed := state.places > here).any():
+            return None
+        places, overlaps, weights = state.places[passed], state.overlaps[passed], state.weights[passed]
+        forces_n = self._forces_n(here, places, stiffness_n_per_m)
+        cost_w = float(evaluate(self.power_per_newton_w, self._within(here))) * self._lever(here)
+        slopes_w = cost_w * forces_n / (places - here)
+        return here, places, forces_n, slopes_w * overlaps - 0.5 * slopes_w * slopes_w * weights
 
     def _forces_n(self, here: float, places: FloatArray, stiffness_n_per_m: FloatArray) -> FloatArray:
-        """Return ``force_n`` for many contacts and stiffnesses [N], (n_stiffnesses, n_places)."""
+        """Return the force for many contacts and stiffnesses [N], (n_stiffnesses, n_places)."""
         met = np.clip(places, self.normalised_min, self.normalised_max)
-        met_m = self.fingers * np.polynomial.polynomial.polyval(met, np.array(self.endpoint_m))
+        met_m = self.fingers * evaluate(self.endpoint_m, met)
         travel_m = np.maximum(self.closed_m(here) - met_m, 0.0)
         forces: FloatArray = travel_m / (1.0 / stiffness_n_per_m[:, None] + self.compliance_m_per_n(here))
         return forces
