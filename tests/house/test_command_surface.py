@@ -52,19 +52,3 @@ def test_an_option_that_is_gone_and_a_default_that_changed_are_noticed() -> None
     listed = LISTED["command"]["control"]["options"]
     assert set(listed) - set(found) == {"--in-python switch", "--reference str = staircase"}
     assert set(found) - set(listed) == {"--reference str = sine"}
-
-
-def test_a_key_that_is_gone_is_noticed_however_deep() -> None:
-    schema = copy.deepcopy(surface.answer("schema", "output-demo")["schema"])
-    for quantity in ("Strain", "Displacement", "Force"):
-        del schema["$defs"][f"{quantity}Step"]["properties"]["mae_pct"]
-    del schema["properties"]["seed"]
-    missing = set(LISTED["command"]["demo"]["json"]) - set(surface.keys_of_schema(schema))
-    assert missing == {"steps[].mae_pct", "seed"}
-
-
-def test_a_former_name_that_no_longer_works_is_noticed() -> None:
-    command = copy.copy(surface.commands()["control"])
-    assert surface.accepted(command, ["--stiffness", "--no-such-name"]) == ["--stiffness for --known-stiffness"]
-    command.params = [one for one in command.params if one.name != "known_stiffness"]
-    assert surface.accepted(command, ["--stiffness"]) == []

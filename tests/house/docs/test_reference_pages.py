@@ -9,7 +9,7 @@ from pydantic_core import PydanticUndefined
 from tests.house.docs.doc_pages import code_words, resolve, tables_of
 from tests.places import CHECKOUT
 
-from musclewire.controllers import load_rule_base, rule_base_names
+from musclewire.controllers import load_rule_base
 from musclewire.parameters import finger_names, load_bench, load_wire, names
 from musclewire.rigs import LOAD_PARTS, RigConfiguration, Surroundings, rig_names
 from musclewire.sensing import ModelFile
@@ -85,13 +85,6 @@ def test_the_wires_benches_rigs_and_fingers_that_ship_are_named() -> None:
     page = (DOCS / "reference/files.md").read_text("utf-8")
     shipped = [*(name for kind in ("wire", "bench") for name in names(kind)), *rig_names(), *finger_names()]
     assert [name for name in shipped if f"`{name}`" not in page] == []
-
-
-def test_every_rule_base_is_listed_with_its_source() -> None:
-    assert sorted(column_of("reference/rules.md", "Rule base")) == sorted(rule_base_names())
-    text = (DOCS / "reference/rules.md").read_text("utf-8")
-    assert "10.1109/21.260670" in text
-    assert "10.1109/21.260670" in load_rule_base("zhao-1993").source
 
 
 @pytest.mark.parametrize("name", ["zhao-1993", "liu-7x7"])
