@@ -163,18 +163,13 @@ def test_a_sound_rig_of_a_thousand_samples_a_second_passes_too() -> None:
     assert "mains_hum_v" in {check.name for check in found.findings.checks}
 
 
-def test_the_wire_stays_cold() -> None:
-    with mw.open_rig("simulated") as rig:
-        start_k = ability(rig, HasTrueState).wire_state.temperature_k
-        examine(rig)
-        assert ability(rig, HasTrueState).wire_state.temperature_k - start_k < 1.5
-
-
-def test_the_warming_it_computes_is_what_the_wire_shows() -> None:
+def test_the_wire_stays_cold_as_the_examination_says_and_the_rig_is_left_at_its_sense_voltage() -> None:
     with mw.open_rig("simulated") as rig:
         start_k = ability(rig, HasTrueState).wire_state.temperature_k
         found = examine(rig)
         warmer_k = ability(rig, HasTrueState).wire_state.temperature_k - start_k
+        assert rig.drive_voltage_v == pytest.approx(0.3, abs=2e-4)
+    assert warmer_k < 1.5
     said = next(check.value for check in found.findings.checks if check.name == "sense_warming_k")
     assert said == pytest.approx(warmer_k, rel=0.15)
 
@@ -261,12 +256,6 @@ def test_whatever_the_channels_say_the_answer_is_plain_numbers_and_nothing_is_he
     json.dumps(document("rig", found, None).model_dump(mode="json"), allow_nan=False)
     assert text(found)
     assert found.highest_v <= 0.3
-
-
-def test_the_rig_is_left_at_its_sense_voltage() -> None:
-    with mw.open_rig("simulated") as rig:
-        examine(rig)
-        assert rig.drive_voltage_v == pytest.approx(0.3, abs=2e-4)
 
 
 def test_an_examination_that_is_interrupted_leaves_the_rig_safe() -> None:

@@ -15,7 +15,6 @@ from typer.testing import CliRunner
 import musclewire as mw
 from musclewire.app import app
 from musclewire.controllers import CONTROLLERS, ControllerSetup, DriveLimits, staircase
-from musclewire.errors import CallerError
 from musclewire.experiment._metrics import ControlRun
 from musclewire.sensing import ESTIMATORS
 from musclewire.signals import ControlStep, Drive, QuantityEstimate, Reason
@@ -123,12 +122,3 @@ def test_a_plain_pid_closes_the_loop_by_its_name(by_plain_pid: ControlRun) -> No
 def test_every_step_of_a_plain_pid_is_within_3_percent(by_plain_pid: ControlRun) -> None:
     assert by_plain_pid.metrics.mae_max_approached_pct is not None
     assert by_plain_pid.metrics.mae_max_approached_pct < 3.0
-
-
-@pytest.mark.usefixtures("registered")
-def test_a_typo_lists_what_is_known(model: Path) -> None:
-    with mw.open_rig("simulated") as rig:
-        with pytest.raises(CallerError, match="there is no estimator 'polynomal'; did you mean 'polynomial'"):
-            mw.control(rig, mw.load_model(model), estimator="polynomal")
-        with pytest.raises(CallerError, match=r"there is no controller 'x'.*fuzzy-pid.*on-off.*pid"):
-            mw.control(rig, mw.load_model(model), controller="x")
