@@ -43,27 +43,14 @@ def test_a_model_gives_a_controller_with_the_settings_and_rules_asked_for(
     assert (tmp_path / "elbow.fmu").exists()
 
 
-def test_for_people_it_names_inputs_outputs_and_what_is_left_out(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run("simulated", "-o", tmp_path, "--sources-only") == 0
-    said = capsys.readouterr().out
-    assert "wire, FMI 2.0 co-simulation, sources only: the importing tool must compile them" in said
-    assert "inputs: drive_voltage_v, " in said
-    assert "not in it: noise" in said
-
-
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
         (("simulated", "--rules", "fixed"), "--rules belongs to a controller, and simulated is a rig"),
-        (("simulated", "--rig", "finger"), "--rig belongs to a controller"),
         (("gripper",), "gripper has two wires"),
         (("serial-board",), "is not simulated: an FMU is a simulated wire"),
         (("simulated", "--name", "my wire"), "C identifier"),
-        (("no-such.json",), "no-such.json"),
         (("model.json", "--rig", "ni-pci-6229"), "is no board"),
-        (("model.json", "--rules", "zhao"), "zhao-1993"),
         (("other.json",), "fit one for this wire"),
     ],
 )
