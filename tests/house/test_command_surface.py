@@ -1,4 +1,4 @@
-"""Every command, option, default, exit code, key of ``--json`` and public name is as the listing has it.
+"""Every command, option, default, key of ``--json`` and public name is as the listing has it.
 
 ``command_surface.toml`` has one table for each command. A difference is a change that users notice. If it is meant,
 ``python -m tests.house.command_surface -w`` writes the listing anew, and its difference is reviewed; what was not meant
@@ -34,9 +34,7 @@ def test_a_command_takes_and_answers_what_the_listing_has(name: str) -> None:
 
 
 def test_the_names_that_programs_and_files_use_are_those_of_the_listing() -> None:
-    found = surface.listing(LISTED)
-    assert found["names"] == LISTED["names"]
-    assert found["exit_codes"] == LISTED["exit_codes"]
+    assert surface.listing(LISTED)["names"] == LISTED["names"]
 
 
 def test_the_listing_is_written_as_it_is_read() -> None:
