@@ -100,8 +100,5 @@ def test_what_cannot_be_is_one_line_and_exit_code_2(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    answer = musclewire(*COMMAND, *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert len(answer.err.strip().splitlines()) == 1
-    assert said in answer.err
+    assert said in musclewire(*COMMAND, *arguments).refusal
     assert list(tmp_path.iterdir()) == []

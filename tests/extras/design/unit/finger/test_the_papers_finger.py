@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from fingers import CURVED
+from tests.extras.design.unit.finger.fingers import CURVED
 
 from musclewire.errors import CallerError
 from musclewire.extras.design._finger.chain import finger_chain
