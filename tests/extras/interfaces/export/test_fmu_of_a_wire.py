@@ -130,10 +130,12 @@ def rows_of_python(
     return rows
 
 
-def rows_of_fmu(path: Path, drive: Iterable[float], step_s: float, **start: float) -> list[dict[str, float]]:
-    """Return the FMU's outputs after each communication step."""
+def rows_of_fmu(
+    path: Path, drive: Iterable[float], step_s: float, folder: Path | None = None, **start: float
+) -> list[dict[str, float]]:
+    """Return the FMU's outputs after each communication step; ``folder`` is where it has been unpacked already."""
     rows = []
-    with Slave(path) as slave:
+    with Slave(path, folder) as slave:
         slave.start(step_s=step_s, **start)
         for voltage in drive:
             slave.set(drive_voltage_v=voltage)
@@ -225,28 +227,22 @@ def step_often(slave: Slave, steps: int) -> None:
         slave.step(SAMPLE_S)
 
 
-def test_air_that_moves_and_warms_is_python_s(wires: Callable[[str], Wire]) -> None:
-    wire = wires("simulated")
-    state = resting_state(wire.constants)
-    ours, python = [], []
-    with Slave(wire.fmu.path) as slave:
-        slave.start(step_s=0.01)
-        for index in range(200):
-            ambient_k, ratio = 295.15 + 0.05 * index, 1.0 + 0.5 * math.sin(0.1 * index)
-            around = wire.constants.replace(
-                ambient_temperature_k=ambient_k, convection_factor=wire.constants.convection_factor * ratio
-            )
-            state, means = advance(state, around, 2.5, SAMPLE_S, StepControl(fixed_s=0.01))
-            python.append(shown(state, means, around))
-            slave.set(drive_voltage_v=2.5, ambient_temperature_k=ambient_k, convection_ratio=ratio)
-            slave.step(SAMPLE_S)
-            ours.append(slave.outputs())
-    found = largest_differences(ours, python)
-    assert max(found.values()) <= MAX_DIFFERENCE, found
+def moving_air(of: WireConstants, index: int) -> tuple[dict[str, float], WireConstants]:
+    """Air that moves and warms: the inputs at a sample, and the constants that they make of a wire's."""
+    given = {"ambient_temperature_k": 295.15 + 0.05 * index, "convection_ratio": 1.0 + 0.5 * math.sin(0.1 * index)}
+    factor = of.convection_factor * given["convection_ratio"]
+    return given, of.replace(ambient_temperature_k=given["ambient_temperature_k"], convection_factor=factor)
 
 
-def test_an_external_force_is_what_python_calls_more_pretension_of_a_wire_already_zeroed(
-    wires: Callable[[str], Wire],
+def external_force(of: WireConstants, index: int) -> tuple[dict[str, float], WireConstants]:
+    """A force at the connector, which Python calls more pretension of a wire already zeroed."""
+    force_n = 0.4 * math.sin(0.05 * index)
+    return {"external_force_n": force_n}, of.replace(pretension_n=of.pretension_n + force_n)
+
+
+@pytest.mark.parametrize("inputs", [moving_air, external_force])
+def test_inputs_that_change_are_python_s(
+    wires: Callable[[str], Wire], inputs: Callable[[WireConstants, int], tuple[dict[str, float], WireConstants]]
 ) -> None:
     wire = wires("simulated")
     state = resting_state(wire.constants)
@@ -254,11 +250,10 @@ def test_an_external_force_is_what_python_calls_more_pretension_of_a_wire_alread
     with Slave(wire.fmu.path) as slave:
         slave.start(step_s=0.01)
         for index in range(200):
-            force_n = 0.4 * math.sin(0.05 * index)
-            pulled = wire.constants.replace(pretension_n=wire.constants.pretension_n + force_n)
-            state, means = advance(state, pulled, 2.8, SAMPLE_S, StepControl(fixed_s=0.01))
-            python.append(shown(state, means, pulled))
-            slave.set(drive_voltage_v=2.8, external_force_n=force_n)
+            given, changed = inputs(wire.constants, index)
+            state, means = advance(state, changed, 2.8, SAMPLE_S, StepControl(fixed_s=0.01))
+            python.append(shown(state, means, changed))
+            slave.set(drive_voltage_v=2.8, **given)
             slave.step(SAMPLE_S)
             ours.append(slave.outputs())
     found = largest_differences(ours, python)
@@ -441,18 +436,7 @@ def test_its_own_sources_compile_without_a_warning_and_give_the_same_bits(
         cmake_options={"CMAKE_C_FLAGS:STRING": "-std=c99 -pedantic -Wall -Wextra -Wconversion -Werror"},
     )
     drive = drive_staircase(wire.device)[:200]
-    assert run_of(folder, wire, drive) == rows_of_fmu(wire.fmu.path, drive, 0.01)
-
-
-def run_of(folder: Path, wire: Wire, drive: FloatArray) -> list[dict[str, float]]:
-    rows = []
-    with Slave(wire.fmu.path, folder) as slave:
-        slave.start(step_s=0.01)
-        for voltage in drive:
-            slave.set(drive_voltage_v=voltage)
-            slave.step(SAMPLE_S)
-            rows.append(slave.outputs())
-    return rows
+    assert rows_of_fmu(wire.fmu.path, drive, 0.01, folder) == rows_of_fmu(wire.fmu.path, drive, 0.01)
 
 
 @pytest.mark.parametrize("name", ["finger", "slack"])
@@ -461,7 +445,7 @@ def test_nothing_undefined_happens_in_its_c(wires: Callable[[str], Wire], name: 
     trap = ("-fsanitize=undefined,float-cast-overflow", "-fsanitize-undefined-trap-on-error")
     folder = compiled_again(unpacked(wire.fmu, tmp_path), *trap)
     drive = drive_staircase(wire.device)
-    assert run_of(folder, wire, drive) == rows_of_fmu(wire.fmu.path, drive, 0.01)
+    assert rows_of_fmu(wire.fmu.path, drive, 0.01, folder) == rows_of_fmu(wire.fmu.path, drive, 0.01)
 
 
 @pytest.mark.slow
