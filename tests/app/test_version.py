@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from musclewire.app import commit_of
+from musclewire.app import REQUIREMENT, commit_of
 
 
 def test_the_first_line_is_the_version_alone(musclewire: Callable[..., Any]) -> None:
@@ -26,6 +26,12 @@ def test_the_document_says_what_is_there(musclewire: Callable[..., Any]) -> None
     assert found["packages"]["llvmlite"] == importlib.metadata.version("llvmlite")
     assert found["extras"]["pandas"] is True
     assert not {"test", "dev"} & set(found["extras"])
+
+
+def test_a_requirement_is_a_name_and_an_extra() -> None:
+    requirement = 'nidaqmx[grpc]<2,>=1.7; python_version < "4" and extra == "nidaq"'
+    found = [REQUIREMENT.match(text) for text in ("numpy>=1.26", requirement)]
+    assert [match and match.groups() for match in found] == [("numpy", None), ("nidaqmx", "nidaq")]
 
 
 @pytest.mark.slow

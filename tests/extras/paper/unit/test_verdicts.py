@@ -26,12 +26,6 @@ def row(*ours: float | None, compare: Compare = "within") -> ReproductionRow:
     return judged(check(compare), found, {})
 
 
-@pytest.mark.parametrize(("count", "places"), [(6, (1, 6)), (10, (2, 9)), (20, (6, 15)), (25, (8, 18)), (50, (18, 33))])
-def test_the_interval_has_the_ranks_of_the_printed_tables(count: int, places: tuple[int, int]) -> None:
-    """Conover, Practical Nonparametric Statistics (1999), section 3.2; Zar, Biostatistical Analysis (2010)."""
-    assert median_interval(list(range(1, count + 1))) == places
-
-
 @pytest.mark.parametrize("count", range(6, 140, 7))
 def test_the_interval_is_that_of_scipy(count: int) -> None:
     values = np.random.default_rng(count).normal(size=count)
