@@ -23,6 +23,13 @@ class Answer(NamedTuple):
         """The document that it printed."""
         return json.loads(self.out)
 
+    @property
+    def refusal(self) -> str:
+        """What a wrong call is refused with: exit code 2, nothing on standard output, one line."""
+        assert (self.code, self.out) == (2, ""), self
+        (line,) = self.err.strip().splitlines()
+        return line
+
 
 @pytest.fixture
 def musclewire(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:

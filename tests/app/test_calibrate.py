@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
-import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -14,13 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.app.interrupting import PATIENCE_S, start
 
 import musclewire as mw
 from musclewire.app import ReadingOptions, read_one
 from musclewire.identify import simulated_isobar
 from musclewire.parameters import load_alloy, load_bench, load_wire, read_wire_file
-
-PATIENCE_S = 120.0  # a cold machine compiles first
 
 
 @pytest.fixture(scope="module")
@@ -85,9 +81,7 @@ def test_from_a_loop_to_a_wire_file_that_does_the_same_loop(
 
 def test_what_exists_is_not_replaced(loop: Path, musclewire: Callable[..., Any], tmp_path: Path) -> None:
     (tmp_path / "mine.html").write_text("mine")
-    answer = musclewire("calibrate", loop, "-o", tmp_path / "mine.toml")
-    assert answer.code == 2
-    assert "mine.html exists" in answer.err
+    assert "mine.html exists" in musclewire("calibrate", loop, "-o", tmp_path / "mine.toml").refusal
     assert [item.name for item in tmp_path.iterdir()] == ["mine.html"]
 
 
@@ -106,12 +100,7 @@ def test_wrong_input_is_one_line_and_exit_code_2_and_nothing_is_written(
     measured = mw.read_recording(loop)
     monkeypatch.chdir(tmp_path)
     measured.with_columns(displacement_m=0.07 * change(measured["displacement_m"] / 0.07)).save("mine.csv")
-    answer = musclewire("calibrate", "mine.csv", *options, "-o", "mine.toml", "--json")
-    assert answer.code == 2
-    assert answer.out == ""
-    assert len(answer.err.strip().splitlines()) == 1
-    assert answer.err.startswith("musclewire: ")
-    assert words in answer.err
+    assert words in musclewire("calibrate", "mine.csv", *options, "-o", "mine.toml", "--json").refusal
     assert [item.name for item in tmp_path.iterdir()] == ["mine.csv"]
 
 
@@ -155,10 +144,6 @@ def test_a_mapping_by_number_is_for_the_files_without_headers(
     assert stresses == {f"strain at {stress} MPa" for stress in (60, 80, 120, 140, 200, 220)}
 
 
-def command(*arguments: object) -> list[str]:
-    return [sys.executable, "-m", "musclewire", "calibrate", *map(str, arguments)]
-
-
 def descents_in(journal: Path) -> int:
     return max(len(journal.read_text().splitlines()) - 1, 0) if journal.exists() else 0
 
@@ -167,13 +152,7 @@ def descents_in(journal: Path) -> int:
 def test_an_interrupted_search_goes_on_and_ends_with_the_same_wire_to_the_bit(isobars: Path, tmp_path: Path) -> None:
     asked = (isobars, *BY_NUMBER, "--starts", "4", "--jumps", "6", "--seed", "4", "--json")
     journal = tmp_path / "stopped.toml.search"
-    process = subprocess.Popen(
-        command(*asked, "-o", tmp_path / "stopped.toml"),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "NO_COLOR": "1"},
-    )
+    process = start("calibrate", *asked, "-o", tmp_path / "stopped.toml")
     deadline = time.monotonic() + PATIENCE_S
     while descents_in(journal) < 1:
         assert process.poll() is None, process.communicate()
@@ -192,8 +171,8 @@ def test_an_interrupted_search_goes_on_and_ends_with_the_same_wire_to_the_bit(is
 
     answers = []
     for name in ("stopped.toml", "straight.toml"):
-        done = subprocess.run(command(*asked, "-o", tmp_path / name), capture_output=True, text=True, check=True)
-        answers.append(json.loads(done.stdout))
+        again = start("calibrate", *asked, "-o", tmp_path / name)
+        answers.append(json.loads(again.communicate(timeout=PATIENCE_S)[0]))
     assert not journal.exists()
     resumed, straight = answers
     for key in ("parameters", "rmse", "channels", "descent_costs", "simulations", "correlated", "advice"):

@@ -28,33 +28,36 @@ def test_a_sound_rig_passes(musclewire: Musclewire, rig: str) -> None:
     assert said["highest_drive_voltage_v"] <= 0.3
 
 
+# The check that finds a fault, the exit code, and a word of the advice.
 FAULTS = {
-    'kind = "wire_open"': ("sense_current_a", 1),
-    'kind = "wire_short"': ("wire_resistance_ohm", 1),
-    'kind = "clamp_slipped"': ("wire_resistance_ohm", 1),
-    'kind = "bad_contact"': ("wire_resistance_ohm", 1),
-    'kind = "channels_swapped"': ("channels_in_place", 1),
-    'kind = "channel_frozen"\nchannel = "wire"': ("wire_channel_alive", 1),
-    'kind = "channel_frozen"\nchannel = "shunt"': ("shunt_channel_alive", 1),
-    'kind = "channel_saturated"\nchannel = "shunt"': ("rig_kept_going", 3),
-    'kind = "supply_missing"': ("output_gain", 1),
-    'kind = "reading_not_finite"\nchannel = "shunt"': ("readings_are_numbers", 3),
-    'kind = "output_stuck"\nvoltage = "2 V"': ("rig_kept_going", 3),
-    'kind = "output_stuck"\nvoltage = "0.2 V"': ("output_at_zero_v", 1),
-    'kind = "device_lost"\nat = "1 s"': ("rig_kept_going", 3),
-    'kind = "clock_jump"\nat = "1 s"': ("rig_kept_going", 3),
-    'kind = "wire_open"\nat = "4.5 s"': ("rig_kept_going", 3),
+    'kind = "wire_open"': ("sense_current_a", 1, "broken"),
+    'kind = "wire_short"': ("wire_resistance_ohm", 1, "bridged"),
+    'kind = "clamp_slipped"': ("wire_resistance_ohm", 1, ""),
+    'kind = "bad_contact"': ("wire_resistance_ohm", 1, ""),
+    'kind = "channels_swapped"': ("channels_in_place", 1, "changed places"),
+    'kind = "channel_frozen"\nchannel = "wire"': ("wire_channel_alive", 1, "frozen"),
+    'kind = "channel_frozen"\nchannel = "shunt"': ("shunt_channel_alive", 1, "frozen"),
+    'kind = "channel_saturated"\nchannel = "shunt"': ("rig_kept_going", 3, ""),
+    'kind = "supply_missing"': ("output_gain", 1, "does not arrive"),
+    'kind = "reading_not_finite"\nchannel = "shunt"': ("readings_are_numbers", 3, "device"),
+    'kind = "output_stuck"\nvoltage = "2 V"': ("rig_kept_going", 3, "CUT THE POWER"),
+    'kind = "output_stuck"\nvoltage = "0.2 V"': ("output_at_zero_v", 1, "CUT THE POWER"),
+    'kind = "device_lost"\nat = "1 s"': ("rig_kept_going", 3, ""),
+    'kind = "clock_jump"\nat = "1 s"': ("rig_kept_going", 3, ""),
+    'kind = "wire_open"\nat = "4.5 s"': ("rig_kept_going", 3, ""),
 }
+COLD = {"channels_in_place", "sense_current_a", "output_at_zero_v", "output_gain"}
 
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_each_fault_of_a_rig_file_has_a_name_and_an_exit_code(
     musclewire: Musclewire, tmp_path: Path, fault: str
 ) -> None:
-    name, code = FAULTS[fault]
+    name, code, word = FAULTS[fault]
     answer = musclewire("doctor", rig_with(tmp_path, fault), "--json")
     failed = {check["name"]: check["advice"] for check in answer.json["checks"] if not check["ok"]}
-    assert name in failed, failed
+    assert word in failed[name], failed
+    assert answer.json["highest_drive_voltage_v"] < (0.15 if name in COLD else 0.301)
     assert answer.code == code
     assert len(answer.err.strip().splitlines()) == (1 if code == 3 else 0)
 

@@ -9,18 +9,6 @@ from typing import Any
 import pytest
 
 
-def test_the_older_figures_have_a_style_too(musclewire: Callable[..., Any], tmp_path: Path) -> None:
-    from matplotlib import pyplot
-
-    pyplot.close("all")
-    figure = tmp_path / "model.svg"
-    assert (
-        musclewire("fit", "lan-fan-2010-table-2", "--order", "3", "--plot", figure, "--plot-style", "nature").code == 0
-    )
-    assert f'width="{89.0 / 25.4 * 72.0:.6g}' in figure.read_text("utf-8")
-    assert pyplot.get_fignums() == []
-
-
 @pytest.mark.slow
 def test_whatever_is_run_estimated_or_imported_is_drawn(
     musclewire: Callable[..., Any], model: Path, tmp_path: Path

@@ -4,26 +4,13 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable
-from typing import Any
 
 from musclewire.app import COMMANDS, PANELS, every_command, listed_commands
-
-# As a reader meets the commands of the core; those of the parts stand among them.
-BASIC_LOOP = ("characterize", "fit", "tune", "control", "home")
 
 
 def test_every_command_is_in_a_known_panel() -> None:
     assert {command.rich_help_panel for command in listed_commands().values()} <= set(PANELS)
     assert {command.name for command in COMMANDS} <= listed_commands().keys()
-
-
-def test_help_has_the_panels_in_their_order(musclewire: Callable[..., Any]) -> None:
-    text = musclewire("--help").out
-    places = [text.index(title) for title in PANELS]
-    assert places == sorted(places)
-    basic = [text.index(f"\u2502 {name} ") for name in BASIC_LOOP]
-    assert basic == sorted(basic)
 
 
 def first_paragraph(text: str) -> str:

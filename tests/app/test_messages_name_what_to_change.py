@@ -5,16 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import pytest
-
-from musclewire.rigs import rig_names
 from musclewire.signals import read_recording
-
-
-@pytest.mark.parametrize("command", ["characterize", "pretension", "control", "train"])
-def test_the_help_names_every_rig_that_comes_along(command: str, musclewire: Callable[..., Any]) -> None:
-    words = musclewire(command, "--help").out
-    assert all(f"'{name}'" in words for name in rig_names())
 
 
 def test_a_blocked_wire_is_recorded_with_a_warning_and_the_word_that_there_is_no_loop(

@@ -73,10 +73,3 @@ def test_replacing_reads_by_its_old_name_too(musclewire: Callable[..., Any], tmp
     call = ("import", table, "-o", tmp_path / "again.csv")
     codes = [musclewire(*call, *extra).code for extra in ((), (), ("--force",), ("--overwrite",))]
     assert codes == [0, 2, 0, 0]
-
-
-@pytest.mark.parametrize(("text", "seconds"), [("20 s", 20.0), ("0.5 min", 30.0), ("20", 20.0)])
-def test_a_period_is_a_time_with_a_unit_and_a_bare_number_means_seconds(text: str, seconds: float) -> None:
-    from musclewire.app import in_si
-
-    assert in_si("--period", text) == seconds

@@ -50,11 +50,6 @@ def test_the_recording_and_the_figure_are_written(musclewire: Callable[..., Any]
     assert (again.code, "--overwrite" in again.err) == (2, True)
 
 
-def test_the_same_seed_gives_the_same_answer(musclewire: Callable[..., Any]) -> None:
-    first, second = (musclewire("simulate", "--seed", "3", "--json").out for _ in range(2))
-    assert first == second
-
-
 def test_a_wire_that_gets_too_hot_is_warned_about(musclewire: Callable[..., Any]) -> None:
     answer = musclewire("simulate", "--wire", "flexinol-0.10-lt", "--current", "450 mA", "--off-after", "3")
     assert answer.code == 0
@@ -126,10 +121,3 @@ def test_a_duty_heats_in_pulses_and_shows_largest_and_final_contraction(musclewi
     lowest, highest = pulsed["last_period_pct"]
     assert 0.0 < lowest < highest <= pulsed["largest_contraction_pct"]
     assert "on for 50 % of every 1 s" in musclewire("simulate", "--duty", "0.5").out
-
-
-def test_the_cooling_time_stands_next_to_the_catalogues(musclewire: Callable[..., Any]) -> None:
-    rows = {row["wire"]: row for row in musclewire("catalogue", "--json").json["rows"]}
-    said = musclewire("simulate", "--wire", "flexinol-0.15-lt", "--json").json["catalogue"]
-    assert said["test_cooling_s"] == rows["flexinol-0.15-lt"]["cooling_s"]
-    assert "times the catalogue's" in musclewire("simulate", "--wire", "flexinol-0.15-lt").out

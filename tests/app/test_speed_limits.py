@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import musclewire as mw
-from musclewire.app import app
 from musclewire.controllers import SampledReference
 from musclewire.sensing import SensingModel
 
@@ -53,17 +51,18 @@ def test_a_run_reaches_the_amplitude_that_was_said_before(wire: Wire, frequency_
     assert run.metadata.get("speed_limits", "").startswith("the reference") is (frequency_hz > 0.1)
 
 
-def test_control_warns_before_it_heats_and_in_its_answer(wire: Wire, tmp_path: Path) -> None:
+def test_control_warns_before_it_heats_and_in_its_answer(
+    wire: Wire, tmp_path: Path, musclewire: Callable[..., Any]
+) -> None:
     model_file, reference_file = tmp_path / "model.json", tmp_path / "target.csv"
     wire.model.save(model_file)
     fast = sine(1.0)
     rows = "\n".join(f"{t:.2f},{x:.6f}" for t, x in zip(fast.time_s, fast.target, strict=True))
     reference_file.write_text(f"time_s,target_strain\n{rows}\n", "utf-8")
-    given = ["control", "simulated", str(model_file), "--reference", str(reference_file)]
-    result = CliRunner().invoke(app, [*given, "--json"])
-    answer = json.loads(result.stdout)
+    given = ("control", "simulated", model_file, "--reference", reference_file)
+    answer = musclewire(*given, "--json").json
     assert any("faster than the wire cools" in text for text in answer["warnings"])
     assert answer["speed_limits"]["possible_amplitude"] < answer["speed_limits"]["asked_amplitude"]
     assert answer["speed_limits"]["help"]["heat_loss"] > 1.0
-    shown = CliRunner().invoke(app, given).stderr
+    shown = musclewire(*given).err
     assert shown.index("faster than the wire cools") < shown.index("Closed loop")

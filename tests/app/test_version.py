@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import musclewire as mw
 from musclewire.app import REQUIREMENT, commit_of
 
 
@@ -27,10 +26,6 @@ def test_the_document_says_what_is_there(musclewire: Callable[..., Any]) -> None
     assert found["packages"]["llvmlite"] == importlib.metadata.version("llvmlite")
     assert found["extras"]["pandas"] is True
     assert not {"test", "dev"} & set(found["extras"])
-
-
-def test_the_version_is_an_attribute_as_everywhere() -> None:
-    assert mw.__version__ == importlib.metadata.version("musclewire")
 
 
 def test_a_requirement_is_a_name_and_an_extra() -> None:

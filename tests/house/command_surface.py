@@ -31,13 +31,12 @@ import musclewire as mw
 
 ROOT = Path(__file__).resolve().parents[2]
 LISTING = Path(__file__).with_name("command_surface.toml")
-REFERENCE = ROOT / "docs/reference/command_line.md"
 HEAD = """\
 # What people type and programs read: one table for each command, and the names that files and programs use.
 # tests/house/test_command_surface.py compares it with the live command line; tests/house/command_surface.py writes it.
 # An option: its names, what it takes, "= default" or "required". A former name still works for the option beside it.
-# Exit codes: those that the reference names for this command, besides the table of all. A key of --json: "rows[].name"
-# is the key name of each object of the list rows, "parameters.*.value" that of each object of parameters.
+# A key of --json: "rows[].name" is the key name of each object of the list rows, "parameters.*.value" that of each
+# object of parameters.
 """
 # What the Tab key lists for an argument or an option, in a folder without files.
 COMPLETED = {
@@ -77,7 +76,6 @@ def listing(known: Listing) -> Listing:
     }
     return {
         "names": names,
-        "exit_codes": documented_exit_codes(),
         "command": {name: command_table(name, command, former) for name, command in commands().items()},
     }
 
@@ -121,7 +119,6 @@ def command_table(name: str, command: Any, former: Iterable[str]) -> Listing:
         "arguments": [argument_line(one) for one in command.params if one.param_type_name == "argument"],
         "options": [option_line(one) for one in options if "--help" not in one.opts],
         "former": [] if name == "musclewire" else accepted(command, former),
-        "exit_codes": exit_codes(name),
         "json": json_keys(name),
     }
 
@@ -220,21 +217,6 @@ def alternatives(schema: Listing, kinds: Listing) -> Iterator[Listing]:
     yield schema
 
 
-def exit_codes(name: str) -> list[int]:
-    """Return the exit codes that the reference names in the section of a command; the others are those of all."""
-    section = re.search(rf"^## `musclewire {name}`\n(.*?)(?=^## |\Z)", REFERENCE.read_text("utf-8"), re.M | re.S)
-    text = " ".join(section[1].split()) if section else ""
-    sentences = re.findall(r"[Ee]xit code [^.|]*|[Ee]nds with [^.|]*", text)
-    said = (code for one in sentences for code in re.findall(r"(?:code|code is|with|;) (130|143|[0-3])\b", one))
-    return sorted({int(code) for code in said})
-
-
-def documented_exit_codes() -> dict[str, str]:
-    """Return the exit codes of the reference, each with the beginning of what it means."""
-    rows = re.findall(r"^\| (\d+) \| ([^:;|]+)", REFERENCE.read_text("utf-8"), re.M)
-    return {code: meaning.strip() for code, meaning in rows}
-
-
 def errors() -> list[Any]:
     """Return the errors of the package's own, each after the one it is a kind of."""
     found: list[Any] = [mw.MusclewireError]
@@ -301,7 +283,6 @@ def text_of(found: Listing) -> str:
     """Return the listing as a TOML file."""
     lines = [HEAD, "[names]"]
     lines += [list_text(name, values) for name, values in found["names"].items()]
-    lines += ["", "[exit_codes]", *(f"{code} = {json.dumps(text)}" for code, text in found["exit_codes"].items())]
     for name, table in found["command"].items():
         lines += ["", f'[command."{name}"]' if " " in name else f"[command.{name}]"]
         lines += [list_text(key, values) for key, values in table.items()]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import pytest
 from tests.groups import COMMAND
 from tests.places import CHECKOUT
@@ -95,14 +93,3 @@ def test_a_test_of_two_groups_is_refused(project: pytest.Pytester) -> None:
     twice = TESTS.replace("@pytest.mark.emulated", "@pytest.mark.emulated\n@pytest.mark.slow")
     (project.path / "tests/test_some.py").write_text(twice, encoding="utf-8")
     project.runpytest_inprocess().stderr.fnmatch_lines(["*test_firmware is in 2 groups (slow, emulated)*"])
-
-
-def test_ci_runs_every_group_by_its_name(pytestconfig: pytest.Config) -> None:
-    groups = [line.split(":")[0] for line in pytestconfig.getini("groups")]
-    loop = re.search(r"^for group in (.*); do$", (CHECKOUT / ".ci/run").read_text("utf-8"), re.M)
-    assert loop is not None
-    assert loop[1].split() == groups
-
-
-def test_the_command_that_is_told_is_the_readmes() -> None:
-    assert f".venv/bin/{COMMAND}\n" in (CHECKOUT / "README.md").read_text("utf-8")

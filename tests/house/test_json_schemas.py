@@ -14,7 +14,6 @@ from jsonschema import Draft202012Validator, ValidationError
 
 import musclewire.parameters
 from musclewire.app import file_models, json_schema, schema_names
-from musclewire.errors import CallerError
 
 SHIPPED = Path(musclewire.parameters.__file__).parent / "data"
 WRITTEN = FOLDER / importlib.metadata.version("musclewire")
@@ -50,8 +49,3 @@ def test_what_ships_and_what_is_written_is_valid_and_a_key_that_no_file_has_is_n
 def test_every_schema_is_valid_itself() -> None:
     for name in schema_names():
         Draft202012Validator.check_schema(json_schema(name))
-
-
-def test_an_unknown_name_is_answered_with_the_nearest() -> None:
-    with pytest.raises(CallerError, match="did you mean 'model'"):
-        json_schema("modle")

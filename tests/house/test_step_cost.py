@@ -6,18 +6,9 @@ from inspect import getsource
 
 import numpy as np
 import pytest
-from checks.step_cost import FAILED, MEASURED, WARNED, records, verdict
+from checks.step_cost import FAILED, WARNED, verdict
 
 from musclewire.app import fixed_arithmetic, fixed_python
-
-
-def test_every_record_states_where_and_why_and_has_numbers_above_0() -> None:
-    assert records()
-    for record in records():
-        assert set(record) == {"date", "processor", "why", "ratios"}
-        assert len(record["why"]) > 10
-        assert set(record["ratios"]) <= set(MEASURED)
-        assert min(record["ratios"].values()) > 0.0
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ from checks.walls import (
     behind_walls,
     house_in,
     reaches,
-    strange_on_pages,
     wrong_lists,
 )
 
@@ -64,12 +63,6 @@ def test_a_way_to_the_simulator_leads_through_lists_by_the_name_that_is_taken() 
     assert reaches(through, ("musclewire.sensing",), ("musclewire.wire._time",)) == [
         "musclewire.sensing._own -> musclewire.wire._time"
     ]
-
-
-def test_a_page_imports_what_is_promised_alone() -> None:
-    pages = {Path("a.md"): "```python\nfrom musclewire import Wire\n>>> from musclewire.wire import Wire\n```\n"}
-    (problem,) = strange_on_pages(pages)
-    assert problem.startswith("a.md imports from musclewire.wire")
 
 
 def test_what_runs_on_a_real_wire_is_there_to_be_checked() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections import Counter
 
 import pytest
 from tests.places import CHECKOUT
@@ -50,11 +49,3 @@ def test_only_what_the_wire_does_is_fitted_or_chosen_and_no_such_row_is_called_p
     fitted, chosen = (rows_named(TABLE[origin], ORIGINS) for origin in ("fitted", "chosen"))
     assert {name: ORIGINS[name] for name in fitted} == dict.fromkeys(fitted, "fitted")
     assert {name: ORIGINS[name] for name in chosen - fitted} == dict.fromkeys(chosen - fitted, "chosen")
-
-
-def test_every_origin_has_rows() -> None:
-    assert set(Counter(ORIGINS.values())) == {"input", "definition", "designed", "fitted", "chosen", "predicted"}
-
-
-def test_a_star_is_anything_and_a_bracket_itself() -> None:
-    assert matching("fig4.gap[*N]", ["fig4.gap[1.70N]", "fig4.gap1N", "fig4.gap[1.70N]s"]) == {"fig4.gap[1.70N]"}

@@ -46,9 +46,4 @@ def one(run: StudyRun[CountingOptions]) -> Outcome:
     return {"number": float(run.number), "draw": run.own_seed / 2.0**32}
 
 
-def broken(runs: StudyRuns[CountingOptions]) -> Sequence[Outcome]:
-    raise ZeroDivisionError(f"an error in the code, at {len(runs.runs)} runs")
-
-
 COUNTING = RunKind(CountingOptions, quantities, evaluate, runs_per_chunk=4)
-BROKEN = RunKind(CountingOptions, quantities, broken)

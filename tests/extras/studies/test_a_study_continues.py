@@ -14,7 +14,7 @@ import pytest
 from counted_study import Counted
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.studies._folder import StudyFolder, unfinished
+from musclewire.extras.studies._folder import StudyFolder
 from musclewire.extras.studies._study import Workers, read_study, sweep
 from musclewire.parameters import load_alloy, load_wire, wire_file_text
 
@@ -98,24 +98,11 @@ def test_a_process_that_always_dies_ends_the_study_with_its_runs_named(counted: 
     assert 9 not in counted.evaluated()
 
 
-def test_an_error_in_the_code_of_a_kind_is_said_at_once(counted: Counted) -> None:
-    with pytest.raises(NumericsError, match="ZeroDivisionError: an error in the code"):
-        sweep(counted.study(kind="BROKEN"), workers=TWO)
-
-
 def test_a_run_that_fails_does_not_end_the_others(counted: Counted) -> None:
     result = sweep(counted.study(fails_at=5), workers=TWO)
     assert result.failed == 1
     assert result.errors[5] == "NumericsError: this run fails on purpose"
     assert np.flatnonzero(np.isnan(result.columns["draw"])).tolist() == [5]
-
-
-def test_what_is_unfinished_is_the_rest_whatever_is_finished(counted: Counted) -> None:
-    plan = read_study(counted.study())
-    chunks = unfinished(plan, [(3, 5), (5, 9), (20, 24)], 6)
-    assert [(chunk.first, chunk.stop) for chunk in chunks] == [(0, 3), (9, 15), (15, 20)]
-    assert chunks[1].values == plan.design.rows(9, 15)
-    assert len(unfinished(plan, [(0, 24)], 6)) == 0
 
 
 def test_a_killed_client_loses_nothing_that_was_finished(counted: Counted, tmp_path: Path) -> None:

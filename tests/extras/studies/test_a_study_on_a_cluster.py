@@ -64,24 +64,6 @@ def test_loops_on_a_cluster_have_the_digits_of_this_machines_cores(tmp_path: Pat
     assert same(here, there)
 
 
-def test_a_client_that_stopped_continues_on_the_cluster(counted: Counted, tmp_path: Path) -> None:
-    class Stop(Exception):  # noqa: N818
-        """What the caller raises."""
-
-    def stop(done: int, _total: int) -> None:
-        if done >= 8:
-            raise Stop
-
-    with DaskCluster(tmp_path) as cluster:
-        workers = Workers(scheduler=cluster.address)
-        with pytest.raises(Stop):
-            sweep(counted.study(), counted.folder, workers=workers, on_progress=stop)
-        kept = [int(path.stem.partition("-")[0]) for path in (counted.folder / "chunks").glob("*.npz")]
-        result = sweep(counted.study(), counted.folder, workers=workers)
-    assert result.evaluated == 24 - 4 * len(kept)
-    assert result.columns["number"].tolist() == list(range(24))
-
-
 def test_a_run_that_kills_every_worker_ends_the_study(counted: Counted, tmp_path: Path) -> None:
     with DaskCluster(tmp_path, workers=1) as cluster:
 

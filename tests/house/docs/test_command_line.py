@@ -152,17 +152,6 @@ def test_the_json_has_the_keys_as_said(name: str, folder: Path) -> None:
 
 
 @pytest.mark.documented
-def test_the_steps_have_the_keys_as_said(folder: Path) -> None:
-    step = json.loads(run(folder, "control", "simulated", "model.json", "--json"))["steps"][0]
-    errors = ("mae", "estimate_mae", "tracking_mae")
-    assert set(step) == {
-        *("target_pct", "direction"),
-        *(f"{error}{reading}_pct" for error in errors for reading in ("", "_approached")),
-    }
-    assert all(f"`{key}`" in SECTIONS["demo"] for key in step)
-
-
-@pytest.mark.documented
 @pytest.mark.parametrize(
     ("code", "arguments"),
     [

@@ -24,7 +24,3 @@ def test_the_example_of_a_public_name_runs(name: str, tmp_path: Path, monkeypatc
     results = doctest.DocTestRunner().run(test)
     assert results.attempted > 0
     assert results.failed == 0
-
-
-def test_whoever_begins_finds_an_example_of_each_step() -> None:
-    assert {"open_rig", "characterize", "fit", "control", "estimate", "staircase"} <= set(EXAMPLES)

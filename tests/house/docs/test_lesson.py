@@ -41,18 +41,6 @@ def test_the_students_notebook_is_the_lecturers_without_solutions() -> None:
     )
 
 
-def test_the_students_have_every_question() -> None:
-    def headings(name: str) -> list[str]:
-        cells = json.loads((DOCS / "lesson" / name).read_text("utf-8"))["cells"]
-        lines = "".join(
-            "".join(cell["source"]) + "\n" for cell in cells if cell["cell_type"] == "markdown"
-        ).splitlines()
-        return [line for line in lines if line.startswith("## ")]
-
-    assert headings("lesson.ipynb") == headings("solutions.ipynb")
-    assert len(headings("lesson.ipynb")) >= 6
-
-
 @pytest.mark.documented
 def test_the_table_to_mark_by_is_what_the_simulator_answers() -> None:
     page = (DOCS / "lesson" / "README.md").read_text("utf-8")

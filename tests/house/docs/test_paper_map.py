@@ -19,7 +19,6 @@ ROWS = [
     if "Paper" in row
 ]
 IDS = [row["Paper"] for row in ROWS]
-ISSUES = {"robustness"}
 
 SECTIONS = [f"Section {name}" for name in ("I", "2.1", "2.2", "2.3", "III", "4.1", "4.2", "4.3", "V")]
 EQUATIONS = [f"Eq. {number}" for number in range(1, 10)]
@@ -70,13 +69,3 @@ def test_every_row_of_the_paper_belongs_to_an_entry() -> None:
         check.name for row in ROWS for beginning in code_words(row["Rows"]) for check in selected(checks, beginning)
     }
     assert [check.name for check in checks if check.name not in listed and not check.name.startswith("isobars.")] == []
-
-
-@pytest.mark.parametrize("row", ROWS, ids=IDS)
-def test_what_has_no_code_yet_says_which_issue_brings_it(row: dict[str, str]) -> None:
-    for part in row["State"].split(";"):
-        word = part.strip()
-        assert word.startswith(("done", "simulated", "driver untried", "by hand", "to come: "))
-        if word.startswith("to come: "):
-            assert word.removeprefix("to come: ") in ISSUES
-    assert code_words(row["Code"]) or "to come: " in row["State"]

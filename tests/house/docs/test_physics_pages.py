@@ -14,8 +14,6 @@ import pytest
 from tests.house.docs.doc_pages import code_words, resolve, tables_of
 from tests.places import CHECKOUT
 
-import musclewire
-
 FOLDER = CHECKOUT / "docs" / "images"
 PHYSICS = CHECKOUT / "docs" / "explanation" / "physics.md"
 FOUND = CHECKOUT / "docs" / "explanation" / "parameters.md"
@@ -54,11 +52,6 @@ def test_the_pages_of_parameters_and_of_the_paper_are_as_their_scripts_write_the
     assert page == draw.paper_map_page.page(page), AGAIN
 
 
-def test_the_page_on_python_has_every_public_name(draw: ModuleType) -> None:
-    page = draw.PYTHON_PAGE.read_text("utf-8")
-    assert {f"mw.{name}" for name in dir(musclewire)} <= set(re.findall(r"^\| `([\w.]+)", page, re.M))
-
-
 def test_the_check_of_published_ranges_counts_what_the_page_counts(capsys: pytest.CaptureFixture[str]) -> None:
     from checks.published_ranges import main
 
@@ -87,31 +80,6 @@ def test_the_numbers_on_a_page_are_those_of_the_shipped_wire(draw: ModuleType, p
         assert float(ours) == pytest.approx(float(printed), abs=1.01 * last_digit(printed)), AGAIN
 
 
-def test_the_parts_of_a_difference_add_up_to_it(draw: ModuleType) -> None:
-    runs = draw.physics_runs
-    loop = runs.slow_loop(runs.constants_of_wire("paper-125um"), "paper-125um")
-    parts = runs.parts_of_the_difference(loop)
-    assert parts.hotter + parts.r_phase + parts.rest == pytest.approx(parts.whole, abs=1e-12)
-    # Without R-phase there is no part of it, and shape and martensite leave little in addition to the temperature.
-    parts = runs.parts_of_the_difference(runs.without_r_phase(loop))
-    assert abs(parts.r_phase).max() == 0.0
-    assert abs(parts.rest).max() < 0.5 * abs(parts.hotter).max()
-
-
-def test_the_balance_adds_up_and_without_temperature_coefficients_no_part_of_it_is_of_temperature(
-    draw: ModuleType,
-) -> None:
-    runs = importlib.import_module("balance_runs")
-    row = runs.balance_of(runs.loop_at_ratio("paper-125um", 0.45), 0.45)
-    parts = draw.physics_runs.parts_of_the_difference(row.loop)
-    assert row.whole == pytest.approx(parts.whole.mean(), abs=1e-12)
-    assert row.hotter + row.r_phase + row.small == pytest.approx(row.whole, abs=1e-12)
-    none = {f"{phase}_resistivity_per_k": 0.0 for phase in draw.physics_runs.PHASES}
-    row = runs.balance_of(runs.loop_at_ratio("paper-125um", 0.45, **none), 0.45)
-    assert row.hotter == pytest.approx(0.0, abs=1e-15)
-    assert row.hotter_k > 5.0
-
-
 def test_every_equation_of_the_page_leads_to_code() -> None:
     text = PHYSICS.read_text("utf-8")
     names = re.findall(r"`([\w.]+:[\w.]+)`", text)
@@ -120,12 +88,3 @@ def test_every_equation_of_the_page_leads_to_code() -> None:
         assert resolve(name) is not None
     rows = [row for table in tables_of(text) for row in table if "Equation" in row]
     assert all(code_words(row["Code"]) and row["Source"] for row in rows)
-
-
-def test_every_source_of_an_equation_stands_at_its_function_too() -> None:
-    source = "".join(path.read_text("utf-8") for path in sorted((CHECKOUT / "src/musclewire").rglob("*.py")))
-    elsewhere = (CHECKOUT / "docs/explanation/numerics.md").read_text("utf-8") + "".join(
-        path.read_text("utf-8") for path in sorted((CHECKOUT / "src/musclewire/parameters/data").rglob("*.toml"))
-    )
-    for doi in re.findall(r"doi (10\.\S+?)(?=[\s,|)]*(?:\s|$))", PHYSICS.read_text("utf-8")):
-        assert doi in source + elsewhere, doi

@@ -33,24 +33,9 @@ def test_every_room_is_described_and_no_other() -> None:
     assert listed == {room.strip() for layer in LAYERS for room in layer.split("|")}
 
 
-def test_the_layers_are_printed_as_the_contract_has_them() -> None:
-    printed = ARCHITECTURE[ARCHITECTURE.index("1. Layers") :]
-    lines = [line.strip() for line in printed.splitlines()]
-    start = lines.index(LAYERS[0])
-    assert lines[start : start + len(LAYERS)] == LAYERS
-
-
 def test_every_core_dependency_has_its_reason() -> None:
     listed = [row["package"] for table in tables_of(ARCHITECTURE) for row in table if "package" in row]
     assert listed == [re.split(r"[<>=\[]", text)[0] for text in PROJECT["project"]["dependencies"]]
-
-
-def test_the_files_of_the_journey_exist_and_hold_what_is_named() -> None:
-    journey = ARCHITECTURE[ARCHITECTURE.index("## One sample's journey") : ARCHITECTURE.index("## The one loop")]
-    steps = re.findall(r"([\w.]+)\([^)]*\).*?((?:\w+/)+\w+\.py)", journey)
-    assert len(steps) >= 8
-    for name, file in steps:
-        assert name.split(".")[-1] in (CHECKOUT / "src/musclewire" / file).read_text("utf-8")
 
 
 def test_the_citation_has_the_version_and_the_paper() -> None:

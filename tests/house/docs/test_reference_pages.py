@@ -6,12 +6,11 @@ import re
 
 import pytest
 from pydantic_core import PydanticUndefined
-from tests.house.docs.doc_pages import code_words, resolve, tables_of
+from tests.house.docs.doc_pages import code_words, tables_of
 from tests.places import CHECKOUT
 
-from musclewire.controllers import load_rule_base, rule_base_names
-from musclewire.parameters import finger_names, load_bench, load_wire, names
-from musclewire.rigs import LOAD_PARTS, RigConfiguration, Surroundings, rig_names
+from musclewire.parameters import load_bench, load_wire
+from musclewire.rigs import LOAD_PARTS, RigConfiguration, Surroundings
 from musclewire.sensing import ModelFile
 from musclewire.signals import COLUMNS
 
@@ -79,42 +78,6 @@ def test_every_key_of_the_air_is_listed_with_its_default_and_unit() -> None:
     for key, row in listed.items():
         if row["Unit"] != "1":
             assert getattr(Surroundings.model_validate({key: f"2 {row['Unit']}"}), key) == 2.0
-
-
-def test_the_wires_benches_rigs_and_fingers_that_ship_are_named() -> None:
-    page = (DOCS / "reference/files.md").read_text("utf-8")
-    shipped = [*(name for kind in ("wire", "bench") for name in names(kind)), *rig_names(), *finger_names()]
-    assert [name for name in shipped if f"`{name}`" not in page] == []
-
-
-def test_every_rule_base_is_listed_with_its_source() -> None:
-    assert sorted(column_of("reference/rules.md", "Rule base")) == sorted(rule_base_names())
-    text = (DOCS / "reference/rules.md").read_text("utf-8")
-    assert "10.1109/21.260670" in text
-    assert "10.1109/21.260670" in load_rule_base("zhao-1993").source
-
-
-@pytest.mark.parametrize("name", ["zhao-1993", "liu-7x7"])
-def test_the_printed_tables_are_those_of_the_rule_base(name: str) -> None:
-    text = (DOCS / "reference/rules.md").read_text("utf-8")
-    block = text.split(f"`{name}`, ", 1)[1].split("\n\n", 2)[1].splitlines()[1:]
-    rules = load_rule_base(name).rules
-    tables = [rules.kp, rules.kd, rules.alpha] if name == "zhao-1993" else [rules.kp, rules.ki, rules.kd]  # type: ignore[union-attr]
-    assert len(block) == 7
-    for index, line in enumerate(block):
-        cells = [group.split() for group in re.split(r"\s{3,}", line.strip())]
-        for printed, table in zip(cells, tables, strict=True):
-            row = [f"{cell:g}" if isinstance(cell, float) else cell for cell in table[index]]
-            assert printed == row
-
-
-@pytest.mark.parametrize(
-    "row", [row for table in tables_of((DOCS / "reference/symbols.md").read_text("utf-8")) for row in table]
-)
-def test_every_symbol_leads_to_code(row: dict[str, str]) -> None:
-    assert row["Where"] == "to come" or code_words(row["Where"])
-    for name in code_words(row["Where"]):
-        assert resolve(name) is not None
 
 
 def test_every_error_message_explained_is_one_that_the_code_says() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
-import re
 import tomllib
 
 import pytest
@@ -33,11 +32,3 @@ def test_the_page_names_the_version_that_is_written(file: str, row: str) -> None
     text = (FILES / file).read_text("utf-8")
     found = json.loads(text) if file.endswith(".json") else tomllib.loads(text)
     assert WRITTEN[row] == str(found["version"])
-
-
-def test_the_pythons_of_the_page_are_those_of_the_package() -> None:
-    project = tomllib.loads((CHECKOUT / "pyproject.toml").read_text("utf-8"))["project"]
-    claimed = set(re.findall(r"Python :: (3\.\d+)", "\n".join(project["classifiers"])))
-    said = {row["Python"] for table in tables_of(PAGE) for row in table if row.get("System", "").startswith("Debian")}
-    assert {version for cell in said for version in cell.split(", ")} == claimed
-    assert project["requires-python"] == f">={min(claimed)}"

@@ -2,19 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from benchmarks.speed.batch_cases import batch_cases
 from benchmarks.speed.loop_cases import PlainLoop, loop_cases, plain_environment, plain_steps
-from benchmarks.speed.our_wire import different_wires
-
-
-def test_the_wires_of_the_batch_all_differ() -> None:
-    batch = different_wires(40, 0.01, 1)
-    batch.advance(np.full(40, 2.0), 0.5)
-    kelvin = batch.states["temperature_k"]
-    assert np.unique(kelvin).size == 40
-    assert kelvin.min() > 300.0
 
 
 def test_the_plain_loop_reaches_its_targets_and_the_plain_environment_moves() -> None:

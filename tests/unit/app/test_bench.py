@@ -43,14 +43,6 @@ def test_an_installed_wheel_times_four_rows_and_names_the_others(musclewire: Cal
     assert found["machine"]["vector_flops_per_s"] is None
 
 
-@pytest.mark.usefixtures("_outside_a_checkout")
-def test_the_table_of_an_installed_wheel_says_where_the_other_rows_are(musclewire: Callable[..., Any]) -> None:
-    answer = musclewire("bench", "--quick", "--only", "slow")
-    assert answer.code == 0, answer.err
-    assert "not measured outside a checkout, whose benchmarks/speed has them: slow_loop\n" in answer.out
-    assert "Gflop/s" not in answer.out
-
-
 def test_the_rows_that_only_a_checkout_has_are_listed() -> None:
     folder = bench_rows.checkout()
     assert folder is not None

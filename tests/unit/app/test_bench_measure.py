@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from benchmarks.speed.cases import cases
-from benchmarks.speed.machine import measured_machine
 from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.app._bench_measure import TimedProgram, comparison, paired_us
-from musclewire.app._bench_rows import bench, cases_with_fixed_work
+from musclewire.app._bench_rows import bench
 from musclewire.errors import CallerError
 
 
@@ -67,24 +65,9 @@ def test_what_is_prepared_is_not_timed() -> None:
     assert TimedProgram(run, 1.0, prepare).time_us(clock) == pytest.approx(1e6)
 
 
-def test_names_begin_as_the_interface_says_and_say_what_the_work_is() -> None:
-    found = [*cases(), *cases_with_fixed_work()]
-    assert len({case.name for case in found}) == len(found)
-    begins = {case.name.partition("[")[0] for case in found}
-    assert {"step", "slow_loop", "closed_loop_period", "exchange", "fuzzy_pid_tick", "first_step"} <= begins
-    assert all(case.work and case.theirs for case in found)
-
-
 def test_a_name_that_no_comparison_has_is_answered_with_the_nearest() -> None:
     with pytest.raises(CallerError, match="did you mean 'exchange'"):
         bench("exchnge")
-
-
-def test_the_peaks_of_the_machine_are_in_their_order() -> None:
-    machine = measured_machine()
-    assert machine.vector_flops_per_s > machine.chained_flops_per_s > 0.0
-    assert machine.bandwidth_bytes_per_s > 0.0
-    assert machine.cores >= 1
 
 
 def test_what_is_repeated_in_a_turn_counts_once() -> None:

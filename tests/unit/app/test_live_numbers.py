@@ -18,14 +18,9 @@ ROW = {"time_s": 1.0, "drive_voltage_v": 1.5, "wire_voltage_v": 1.4, "shunt_volt
 @pytest.mark.parametrize(
     ("columns", "said"),
     [
-        ({}, "resistance 14.000 ohm   drive 1.500 V   about 77 C"),
         (
             {"target_strain": 0.025, "estimated_strain": 0.0248, "estimated_strain_std": 1e-4, "valid": 1.0},
             "target 2.50 %   estimate 2.48 %   resistance 14.000 ohm   drive 1.500 V   about 77 C",
-        ),
-        (
-            {"target_displacement_m": 2e-3, "estimated_displacement_m": 1.9e-3, "valid": 0.0},
-            "target 2.000 mm   estimate -   resistance 14.000 ohm   drive 1.500 V   about 77 C",
         ),
         (
             {"estimated_grip_force_n": 0.5, "target_grip_force_n": math.nan, "estimated_temperature_k": 363.15},

@@ -1,4 +1,4 @@
-"""Tables are plain text: a row a line where nobody sees them, folded to the width of a terminal where somebody does."""
+"""Tables are plain text, folded to the width of a terminal where somebody sees them."""
 
 from __future__ import annotations
 
@@ -10,14 +10,6 @@ from musclewire.app._output import table
 
 HEAD = ("event [ms]", "lasting", "when")
 ROWS = [("over_current", "20", "current above what the wire bears, " * 5 + "end"), ("rest", "-", "[always]")]
-
-
-def test_in_a_pipe_each_row_is_one_line_of_plain_text() -> None:
-    head, first, second = table(HEAD, ROWS, left=(0, 2)).splitlines()
-    assert head.split() == ["event", "[ms]", "lasting", "when"]
-    assert first.endswith("end")
-    assert second.split() == ["rest", "-", "[always]"]
-    assert not {"\x1b", "|", "+"} & set(head + first + second)
 
 
 def test_in_a_narrow_terminal_a_long_cell_is_folded_in_its_column(monkeypatch: pytest.MonkeyPatch) -> None:

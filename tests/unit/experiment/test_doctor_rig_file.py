@@ -56,7 +56,6 @@ def test_writing_what_is_right_already_changes_no_number() -> None:
     ("text", "words"),
     [
         ('kind = "nidaq"\n', "no \\[inputs.wire_voltage\\]"),
-        ('kind = "nidaq"\ninputs = {wire_voltage = {channel = "ai0"}}\n', "table of its own"),
         ("kind = \n", "rig file rig.toml"),
     ],
 )

@@ -54,11 +54,7 @@ def rig(load: str) -> GuardedRig:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "job",
-    [pytest.param(job, marks=pytest.mark.slow) if job.load.startswith("antagonist") else job for job in JOBS],
-    ids=lambda job: f"{job.load}, {job.quantity}",
-)
+@pytest.mark.parametrize("job", JOBS, ids=lambda job: f"{job.load}, {job.quantity}")
 def test_characterize_fit_and_control_run_on_any_load(job: Job) -> None:
     with rig(job.load) as opened:
         loop = characterize(opened, cycles=2, period_s=60.0)

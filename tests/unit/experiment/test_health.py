@@ -75,7 +75,3 @@ def test_what_the_estimator_has_found_counts() -> None:
     ]
     assert not result_holds(run)
     assert result_holds(loop(health=np.where(between(10.0, 12.0), 3.0, 0.0)))
-
-
-def test_a_recording_without_a_target_has_no_findings() -> None:
-    assert findings(Recording({"time_s": [0.0, 0.05], "drive_voltage_v": [3.6, 3.6]}, FACTS)) == ()

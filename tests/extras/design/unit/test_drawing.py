@@ -60,10 +60,3 @@ def test_the_svg_is_one_to_one_in_millimetres_and_closed() -> None:
     assert circle is not None
     assert path.get("d") == "M 2.0000 22.0000 L 32.0000 22.0000 L 32.0000 2.0000 L 2.0000 2.0000 L 2.0000 22.0000 Z"
     assert (circle.get("cx"), circle.get("cy"), circle.get("r")) == ("12.0000", "12.0000", "2.0000")
-
-
-def test_the_outline_stays_within_the_parts_sizes() -> None:
-    drawing = serpentine_drawing(GEOMETRY, "a part")
-    xs, ys = [vertex.x_m for vertex in drawing.outline], [vertex.y_m for vertex in drawing.outline]
-    assert max(xs) - min(xs) == pytest.approx(GEOMETRY.across_m)
-    assert (min(ys), max(ys)) == pytest.approx((0.0, GEOMETRY.along_m))

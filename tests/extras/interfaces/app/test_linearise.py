@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from musclewire.app import run
 
-
-def test_it_prints_points_poles_and_margins(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["linearise", "simulated", "--displacement", "2 mm"]) == 0
-    said = capsys.readouterr().out
+def test_it_prints_points_poles_and_margins(musclewire: Callable[..., Any]) -> None:
+    said = musclewire("linearise", "simulated", "--displacement", "2 mm").out
     for words in ("heating    |", "cooling    |", "heating, branch", "cooling, minor loop", "gain margin", "drifts"):
         assert words in said
 
 
-def test_the_json_has_two_points_and_four_linear_wires(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_the_json_has_two_points_and_four_linear_wires(musclewire: Callable[..., Any], tmp_path: Path) -> None:
     picture = tmp_path / "bode.svg"
-    assert run(["linearise", "simulated", "--displacement", "2 mm", "--json", "--plot", str(picture)]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = musclewire("linearise", "simulated", "--displacement", "2 mm", "--json", "--plot", picture).json
     assert [one["branch"] for one in found["operating_points"]] == ["heating", "cooling"]
     assert [one["motion"] for one in found["linearisations"]] == ["branch", "minor loop"] * 2
     assert found["width_v"] > 0.1
@@ -28,6 +25,5 @@ def test_the_json_has_two_points_and_four_linear_wires(capsys: pytest.CaptureFix
 
 
 @pytest.mark.parametrize("given", ["20 mm", "2 V", "-1 mm"])
-def test_an_impossible_displacement_is_one_line_and_exit_code_2(given: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["linearise", "simulated", "--displacement", given]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+def test_an_impossible_displacement_is_one_line_and_exit_code_2(given: str, musclewire: Callable[..., Any]) -> None:
+    assert musclewire("linearise", "simulated", "--displacement", given).refusal

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -100,13 +99,3 @@ class Slave:
             values = get([variable.valueReference for variable in variables])
             found |= {variable.name: float(value) for variable, value in zip(variables, values, strict=True)}
         return found
-
-
-def largest_difference(ours: Mapping[str, Iterable[float]], theirs: Mapping[str, Iterable[float]]) -> dict[str, float]:
-    """Return the largest difference of each trajectory relative to the largest magnitude of the second."""
-    found = {}
-    for name, values in theirs.items():
-        pairs = list(zip(ours[name], values, strict=True))
-        scale = max(abs(value) for _, value in pairs) or 1.0
-        found[name] = max(abs(one - other) for one, other in pairs) / scale
-    return found

@@ -179,33 +179,6 @@ def test_at_its_gain_margin_a_loop_has_a_pole_on_the_unit_circle(
     assert not loop_margins(linear, PidSettings(input_scale=1.1 * raised.input_scale)).stable
 
 
-def simulated_loop(point: OperatingPoint, settings: PidSettings, duration_s: float) -> np.ndarray:
-    """Return strain over time of the nonlinear wire in a loop with the plain PID, from beside its operating point."""
-    controller = pid_controller(ControllerSetup(DriveLimits(0.3, 3.6), settings=settings))
-    target, strains = point.strain * 1.02, []
-    state, law, drive_v = point.state, controller.start(point.drive_voltage_v), point.drive_voltage_v
-    for _ in range(round(duration_s / 0.05)):
-        state, means = advance(state, point.wire.constants, drive_v, 0.05)
-        strains.append(means.displacement_m / point.wire.constants.leg_length_m)
-        step = controller.step(law, target, QuantityEstimate(strains[-1], 0.0, True), 0.05)
-        law = step.state
-        assert isinstance(step.command, Drive)
-        drive_v = step.command.voltage_v
-    return np.array(strains) - target
-
-
-def test_the_margin_is_that_of_the_nonlinear_loop_too(points: dict[tuple[float, str], OperatingPoint]) -> None:
-    """Well inside the margin the loop settles within the gap; beyond it, it goes on oscillating."""
-    point = points[2e-3, "heating"]
-    margin = loop_margins(linearised(point)).gain_margin
-    assert margin is not None
-    inside, outside = (
-        simulated_loop(point, PidSettings(input_scale=factor * margin * PidSettings().input_scale), 20.0)
-        for factor in (0.5, 2.0)
-    )
-    assert np.ptp(inside[-100:]) < 0.1 * np.ptp(outside[-100:])
-
-
 def test_a_loop_by_a_model_takes_the_slope_of_its_curve() -> None:
     from musclewire.experiment import characterize
     from musclewire.identify import fit
@@ -229,7 +202,6 @@ def test_a_loop_by_a_model_takes_the_slope_of_its_curve() -> None:
     [
         ({"displacement_m": 0.02}, "choose a displacement between them"),
         ({"displacement_m": 1e-3, "rig": "gripper"}, "two wires"),
-        ({"displacement_m": 1e-3, "rig": "simulatd"}, "simulated"),
     ],
 )
 def test_what_has_no_operating_point_is_said_in_one_line(wrong: dict[str, Any], said: str) -> None:

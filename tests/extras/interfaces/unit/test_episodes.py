@@ -32,7 +32,6 @@ def test_it_can_be_given_by_name_or_by_its_numbers() -> None:
     [
         ("stairs", "'staircase'"),
         ({"low": 0.03, "high": 0.02}, "the lower one first"),
-        ({"hold_s": 0.0}, "above 0"),
     ],
 )
 def test_what_cannot_be_followed_is_refused_in_one_line(wrong: object, said: str) -> None:

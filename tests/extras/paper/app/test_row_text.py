@@ -12,7 +12,6 @@ from musclewire.extras.paper._page.paper_page import contents
 from musclewire.extras.paper._page.row_names import row_name, row_words
 from musclewire.extras.paper._page.row_text import (
     limit_text,
-    ours_text,
     paper_text,
 )
 from musclewire.extras.paper._reproduce import PaperCheck, ReproductionRow, RunCache, SeedResult, all_checks, judged
@@ -27,33 +26,12 @@ def row(
 
 
 @pytest.mark.parametrize(
-    ("ours", "paper", "tolerance", "text"),
-    [
-        (15.148649, 15.1526, 0.02, "15.1486"),  # the paper's digits
-        (8.50308, 8.196, 0.5, "8.503"),
-        (0.2392, 1.0, 1.0, "0.24"),
-        (121.56, 126.0, 6.3, "121.6"),
-        (5.9e-15, 0.0, 1e-6, "6e-15"),  # small, and not zero
-        (0.0, 0.0, 1e-6, "0.000000"),
-        (588.6, 588.6, 0.0, "588.6"),
-    ],
-)
-def test_our_number_has_the_digits_that_tolerance_and_paper_ask_for(
-    ours: float, paper: float, tolerance: float, text: str
-) -> None:
-    assert ours_text(row(ours, paper, tolerance)) == text
-
-
-@pytest.mark.parametrize(
     ("tolerance", "compare", "kind", "paper", "limit"),
     [
         (0.5, "within", "printed", "2", "± 0.5"),
-        (0.5, "within", "words", "–", "2 ± 0.5"),
-        (0.0, "within", "input", "2", "the same"),
         (0.0, "within", "words", "–", "= 2"),
         (0.5, "at most", "printed", "2", "≤ 2.5"),
         (0.5, "at least", "equation", "–", "≥ 1.5"),
-        (0.0, "reported", "printed", "2", "–"),
     ],
 )
 def test_what_is_allowed_is_said_so_that_it_can_be_checked_by_eye(

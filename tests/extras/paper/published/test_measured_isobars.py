@@ -24,7 +24,6 @@ from studies.measured_isobars import (
     levelled,
     measured_isobar,
     rates_after_turns_per_k,
-    steepest_rates_per_k,
     temperatures_k,
 )
 
@@ -86,10 +85,6 @@ def test_a_strain_linear_in_temperature_is_found_and_taken_off(per_k: float) -> 
     assert (found.stroke, found.barrier_k) == pytest.approx((0.04, 10.0), rel=5e-3)
     assert less_linear_strain(loop, per_k).strain == pytest.approx(normal_loop(20.0).strain, abs=1e-12)
     assert rates_after_turns_per_k(loop) == pytest.approx((-per_k, -per_k), abs=2e-8)
-
-
-def test_the_steepest_rate_is_that_of_the_straight_line() -> None:
-    assert steepest_rates_per_k(straight_loop(20.0)) == pytest.approx((1.0 / 30.0, 1.0 / 30.0))
 
 
 # Grains of two phases that all have one expansion: what is left of the sample is its martensite and its barriers.

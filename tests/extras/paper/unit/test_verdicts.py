@@ -26,12 +26,6 @@ def row(*ours: float | None, compare: Compare = "within") -> ReproductionRow:
     return judged(check(compare), found, {})
 
 
-@pytest.mark.parametrize(("count", "places"), [(6, (1, 6)), (10, (2, 9)), (20, (6, 15)), (25, (8, 18)), (50, (18, 33))])
-def test_the_interval_has_the_ranks_of_the_printed_tables(count: int, places: tuple[int, int]) -> None:
-    """Conover, Practical Nonparametric Statistics (1999), section 3.2; Zar, Biostatistical Analysis (2010)."""
-    assert median_interval(list(range(1, count + 1))) == places
-
-
 @pytest.mark.parametrize("count", range(6, 140, 7))
 def test_the_interval_is_that_of_scipy(count: int) -> None:
     values = np.random.default_rng(count).normal(size=count)
@@ -70,23 +64,12 @@ def test_a_limit_inside_the_interval_is_at_the_bar_whatever_the_median() -> None
     assert row(*(2.8 + 0.01 * seed for seed in range(-10, 11))).verdict == "fails"
 
 
-@pytest.mark.parametrize("ours", [2.5, 1.5])
-def test_numbers_that_no_seed_changes_are_never_at_the_bar(ours: float) -> None:
-    assert row(*[ours] * 31).verdict == "holds"
-
-
 def test_seeds_without_a_number_are_counted_and_a_tenth_of_them_fails_the_row() -> None:
     few, many = row(*[2.0] * 19, None), row(*[2.0] * 18, None, None)
     assert (few.ours, few.seeds, few.verdict) == (2.0, 19, "holds")
     assert few.problem == "1 of 20 seeds have no number: no loop"
     assert (many.ours, many.seeds, many.verdict) == (2.0, 18, "fails")
     assert many.problem == "2 of 20 seeds have no number: no loop"
-
-
-def test_no_number_at_all_fails_with_the_reason_of_the_first_seed() -> None:
-    found = row(None, None)
-    assert (found.ours, found.low, found.high, found.seeds, found.verdict) == (None, None, None, 0, "fails")
-    assert found.problem == "no loop"
 
 
 def test_a_known_failure_still_fails_and_carries_its_reason() -> None:
@@ -107,9 +90,3 @@ def test_a_row_that_is_reported_neither_holds_nor_fails(ours: float) -> None:
 def test_a_row_that_cannot_be_reported_fails() -> None:
     found = row(None, None, compare="reported")
     assert (found.ok, found.is_judged) == (False, True)
-
-
-def test_rows_are_counted_by_origin() -> None:
-    rows = [row(2.0), row(9.0), row(*(2.5 + 0.01 * seed for seed in range(-10, 11)))]
-    (fitted,) = counts_by_origin(rows)
-    assert (fitted.origin, fitted.rows, fitted.holds, fitted.at_the_bar, fitted.fails) == ("fitted", 3, 1, 1, 1)

@@ -1,10 +1,6 @@
 """``musclewire robustness``: a table, its files, exit code 1 for a missed bar, and a run that goes on."""
 
-import json
-
 import pytest
-
-from musclewire.app import run
 
 ONE = ("--condition", "load +50 %", "--track", "sines", "--controllers", "none", "--workers", "1")
 
@@ -21,9 +17,10 @@ def one_wire(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("one_wire")
-def test_a_missed_bar_ends_with_1_and_is_named(tmp_path, capsys):
-    assert run(["robustness", "-o", str(tmp_path / "out"), "--json", *ONE]) == 1
-    found = json.loads(capsys.readouterr().out)
+def test_a_missed_bar_ends_with_1_and_is_named(tmp_path, musclewire):
+    answer = musclewire("robustness", "-o", tmp_path / "out", "--json", *ONE)
+    assert answer.code == 1
+    found = answer.json
     row = next(row for row in found["rows"] if row["estimator"] == "polynomial")
     assert row["disturbance"] == "load"
     assert row["level"] == "+50 %"
@@ -35,15 +32,13 @@ def test_a_missed_bar_ends_with_1_and_is_named(tmp_path, capsys):
     assert (tmp_path / "out" / "rows.csv").read_text("utf-8").startswith("disturbance,level,estimator")
     kept = sorted((tmp_path / "out" / "wires").rglob("*.npz"))
     times = [file.stat().st_mtime_ns for file in kept]
-    assert run(["robustness", "-o", str(tmp_path / "out"), "--json", *ONE, "--plot", str(tmp_path / "all.svg")]) == 1
+    again = musclewire("robustness", "-o", tmp_path / "out", "--json", *ONE, "--plot", tmp_path / "all.svg")
     assert "<svg" in (tmp_path / "all.svg").read_text("utf-8")
-    again = json.loads(capsys.readouterr().out)
-    assert again["rows"] == found["rows"]
+    assert again.json["rows"] == found["rows"]
     assert [file.stat().st_mtime_ns for file in kept] == times
 
 
-def test_the_names_can_be_listed(capsys):
-    assert run(["robustness", "--list", "--json"]) == 0
-    known = json.loads(capsys.readouterr().out)
+def test_the_names_can_be_listed(musclewire):
+    known = musclewire("robustness", "--list", "--json").json
     assert "load -50 %" in known["conditions"]
     assert "polynomial" in known["estimators"]

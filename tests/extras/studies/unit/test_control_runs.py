@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from study_parts import study_of
+from tests.extras.studies.unit.study_parts import study_of
 
 import musclewire as mw
 from musclewire.extras.studies._design import run_seed

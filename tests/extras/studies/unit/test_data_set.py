@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
-from study_parts import study_of
+from tests.extras.studies.unit.study_parts import study_of
 
 from musclewire.extras.studies._data_set import on_grid
-from musclewire.extras.studies._folder import Chunks
 from musclewire.extras.studies._study import StudyResult, joined, read_study
 
 
@@ -49,14 +47,3 @@ def test_series_of_different_lengths_end_with_nan() -> None:
     assert np.isnan(found).tolist() == [[False, False, True], [False, False, True], [False, False, False]]
     assert joined([]).size == 0
     assert joined([np.empty((2, 0))]).shape == (2, 1)
-
-
-def test_chunks_are_made_when_they_are_asked_for() -> None:
-    design = result_of().plan.design
-    chunks = Chunks(design, [(0, 5), (5, 24)])
-    assert len(chunks) == 2
-    assert [chunk.first for chunk in chunks] == [0, 5]
-    assert chunks[1].values == design.rows(5, 24)
-    assert chunks[1:][0].stop == 24
-    with pytest.raises(IndexError):
-        chunks[2]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from types import ModuleType
 from typing import Any
@@ -13,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.places import EXAMPLES
 
-from musclewire.errors import NumericsError
 from musclewire.extras.studies._segmented import Conditions
 from musclewire.parameters import load_catalogue
 from musclewire.rigs import open_rig
@@ -115,9 +113,3 @@ def test_the_vendors_current_contracts_it_in_about_a_second_and_it_cools_in_the_
     fall_s = 0.05 * (1 + np.argmax(contracted[40:] < 0.1 * full))
     assert rise_s == pytest.approx(1.0, rel=0.4)
     assert fall_s == pytest.approx(row.cooling_lt_s.value, rel=0.4)
-
-
-def test_conditions_that_are_no_numbers_end_the_simulation(plants: ModuleType) -> None:
-    device = wire(plants, Conditions(load_force_n=math.nan))
-    with pytest.raises(NumericsError, match="no numbers"):
-        device.exchange(Drive(1.0))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 
 import numpy as np
@@ -11,7 +9,7 @@ import pytest
 
 from musclewire.arrays import FloatArray
 from musclewire.extras.studies._design import StudyDesign, design_of
-from musclewire.extras.studies._sensitivity import Sensitivity, sensitivity_of, sensitivity_text
+from musclewire.extras.studies._sensitivity import sensitivity_of
 from musclewire.extras.studies._varied_parameters import GridAxis, SampledParameter
 
 A, B = 7.0, 0.1
@@ -102,12 +100,3 @@ def test_failed_runs_are_left_out_of_a_sample_and_end_a_complete_design() -> Non
 def test_a_constant_quantity_and_a_series_have_no_indices() -> None:
     design = three("sobol", 64)
     assert sensitivity_of(design, {"f": np.ones(64), "g": np.ones((64, 3))}, 1) == []
-
-
-def test_the_table_leaves_unknown_indices_empty() -> None:
-    text = sensitivity_text([Sensitivity("f", "x", "some method", first=0.5)])
-    rows = list(csv.DictReader(io.StringIO(text)))
-    assert rows == [
-        {"quantity": "f", "parameter": "x", "method": "some method", "first": "0.5", "first_error": "", "total": "",
-         "total_error": "", "pawn": ""}
-    ]  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from study_parts import study_of
+from tests.extras.studies.unit.study_parts import study_of
 
 from musclewire.errors import CallerError
 from musclewire.extras.studies._study import Workers, sweep

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from fingers import CURVED, PLAIN
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.extras.design.unit.finger.fingers import CURVED, PLAIN
 
 from musclewire.errors import CallerError, NumericsError
 from musclewire.extras.design._finger.chain import finger_chain

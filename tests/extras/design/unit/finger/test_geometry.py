@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from fingers import CURVED, PLAIN
+from tests.extras.design.unit.finger.fingers import CURVED, PLAIN
 
 from musclewire.errors import CallerError
 from musclewire.extras.design._finger.chain import finger_chain, place
@@ -23,8 +23,6 @@ from musclewire.parameters import Parameter
     [
         ({"youngs_modulus_pa": math.nan}, "youngs_modulus_pa is nan"),
         ({"columns": 2.5}, "1 to 40 columns, not 2.5"),
-        ({"plate_length_m": 0.009}, "nothing is left to bend"),
-        ({"inward_angle_rad": 2.0}, "at most a right angle"),
         ({"tendon_offset_m": 0.05e-3}, "inside the beam"),
     ],
 )

@@ -112,12 +112,6 @@ def test_lvm_numbers_are_those_that_lvm_read_reads(lab_files, name):
     assert ours == pytest.approx(theirs[:, :4], abs=1e-12)
 
 
-def test_a_rate_that_a_file_states_takes_the_place_of_a_clock(lab_files):
-    table = table_of(lab_files / "read" / "mat5_matrix.mat")
-    assert table.sample_period_s == pytest.approx(0.05)
-    assert "0.05 s apart" in table.notes[0]
-
-
 def test_titles_parameters_and_units_above_a_sheet_are_understood(lab_files):
     path = lab_files / "read" / "xlsx_titles_and_units.xlsx"
     assert table_of(path).metadata == {"shunt_resistance_ohm": 0.47, "operator": "lab"}

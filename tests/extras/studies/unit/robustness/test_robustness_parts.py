@@ -157,20 +157,8 @@ def test_an_answer_is_what_was_kept_of_it():
 def test_what_is_chosen_is_checked():
     with pytest.raises(CallerError, match="load"):
         chosen_by(Selection(conditions=("load +60 %",)), bars())
-    with pytest.raises(CallerError, match="polynomial"):
-        chosen_by(Selection(estimators=("polynomail",)), bars())
-    with pytest.raises(CallerError, match="minor loops"):
-        reference_targets("minor loop", np.array([0.0]), 0.04, 1)
-    with pytest.raises(CallerError, match="fuzzy-pid"):
-        chosen_by(Selection(controllers=("fuzzy-pit",)), bars())
     assert chosen_by(Selection(controllers=()), bars()).loops == ()
     assert chosen_by(Selection(quick=True), bars()).seeds == settings().population.quick_seeds
-
-
-def test_every_condition_has_a_bar_and_every_name_once():
-    names = [item.name for item in settings().condition]
-    assert len(names) == len(set(names))
-    assert {item.bar for item in settings().condition} == {row.bar for row in bars().row}
 
 
 def test_a_grip_changes_only_what_its_condition_names():

@@ -190,7 +190,6 @@ def test_a_rig_file_says_all_of_it(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ('kind = "segmented"\nsegmets = 4\n', "segments"),
-        ('kind = "segmented"\n[conditions]\nambient_temperature = 300.0\n', "ambient"),
         ('kind = "segmented"\n[[grains]]\nweight = 0.5\nmean = 0.0\ndeviation = 1.0\n', "add up to 0.5"),
     ],
 )

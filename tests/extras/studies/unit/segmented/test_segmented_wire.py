@@ -268,10 +268,8 @@ def test_a_wire_that_ages_ends_longer_and_of_more_resistance_than_one_that_does_
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        (lambda: paper(WireStructure(0)), "1 segment or more"),
         (lambda: paper(WireStructure(3, temperature_shifts_k=(1.0, 2.0))), "each of the 3 segments"),
         (lambda: paper(WireStructure(2, length_fractions=(0.7, 0.7))), "add up to 1.4"),
-        (lambda: paper(WireStructure(1), 0.0), "positive number of seconds"),
         (lambda: mixture_distribution([NormalMixture(0.5, 0.0, 1.0)]), "add up to 1"),
     ],
 )
