@@ -25,7 +25,15 @@ def entries(manifest: Path) -> list[dict[str, Any]]:
     """Return the entries of a manifest, with what is usual in it and where its files are."""
     document = tomllib.loads(manifest.read_text("utf-8"))
     usual = document.get("usual", {})
-    return [{**({} if "refused" in one else usual), **one, "beside": manifest.parent} for one in document["file"]]
+    found = [*document["file"]]
+    found += [
+        {"name": name, "folder": "damaged", "refused": text} for name, text in document.get("refused", {}).items()
+    ]
+    if usual:
+        named = {one["name"] for one in found}
+        there = sorted(path.name for path in (manifest.parent / "read").iterdir())
+        found += [{"name": name, "folder": "read"} for name in there if name not in named]
+    return [{**({} if "refused" in one else usual), **one, "beside": manifest.parent} for one in found]
 
 
 ENTRIES = [entry for manifest in MANIFESTS for entry in entries(manifest)]

@@ -49,8 +49,6 @@ def test_a_number_is_in_si_or_carries_its_unit() -> None:
         ({"part": "spring"}, "the key 'load.1.spring.stiffness' is missing"),
         ({"part": "spring", "stiffness": "3 mm"}, "'3 mm': mm is a length; a stiffness is needed"),
         ({"part": "spring", "stiffness": 0.0}, "load.1.spring.stiffness: must be above 0 N/m, not 0"),
-        ({**CONTACT, "clearance": -1e-3}, "load.1.contact.clearance: must be 0 m or more, not -0.001"),
-        ({"part": "weight", "force": float("nan")}, "load.1.weight.force: must be above 0 N, not nan"),
         ({"part": "weight", "force": [1.0]}, "load.1.weight.force: must be a number, not a list"),
     ],
 )

@@ -101,18 +101,6 @@ def test_the_last_stretch_is_waited_for_awake(clock: Clock) -> None:
     assert clock.slept_s == [pytest.approx(0.01 - SPIN_S, abs=1e-5)]
 
 
-def test_after_a_rest_nothing_is_due(clock: Clock) -> None:
-    pacer = SamplePacer(0.01)
-    pacer.wait()
-    clock.now_s += 60.0
-    assert pacer.late_s() == pytest.approx(59.99, abs=1e-3)
-    pacer.rest()
-    assert pacer.late_s() == 0.0
-    pacer.wait()
-    pacer.wait()
-    assert len(clock.slept_s) == 1
-
-
 def test_without_real_time_nobody_looks_at_the_clock(clock: Clock) -> None:
     with open_rig("simulated") as rig:
         for _ in range(5):

@@ -40,19 +40,6 @@ def test_the_noise_of_displacement_and_force_is_as_the_bench_says() -> None:
     assert displacement.mean() == pytest.approx(0.0, abs=5e-6 / 20 * 3.5)
 
 
-def test_without_noise_a_single_reading_is_a_step_of_the_converter() -> None:
-    rig = open_rig("simulated", acquisition_noise_v=0.0, acquisition_readings=1.0, acquisition_bits=12.0)
-    step = 20.0 / 2**12
-    for sample in samples(rig):
-        for voltage in (sample.wire_voltage_v, sample.shunt_voltage_v):
-            assert voltage / step == pytest.approx(round(voltage / step), abs=1e-9)
-
-
-def test_the_converter_clips_at_its_range() -> None:
-    rig = open_rig("simulated", acquisition_range_v=1.0)
-    assert samples(rig, [3.0])[0].wire_voltage_v == pytest.approx(1.0)
-
-
 def test_the_drive_goes_out_in_steps_of_the_amplifier() -> None:
     rig = open_rig("simulated", amplifier_resolution_v=0.1)
     assert samples(rig, [1.23])[0].drive_voltage_v == pytest.approx(1.2)
@@ -71,19 +58,6 @@ def test_the_stage_sets_the_pretension_and_zeroes_the_instruments() -> None:
     assert sample.displacement_m == pytest.approx(0.0, abs=1e-9)
     assert sample.time_s == pytest.approx(warm.time_s + rig.sample_period_s)
     assert rig.metadata()["pretension_n"] == 2.5
-
-
-def test_a_new_wire_goes_on_settling_when_the_stage_moves() -> None:
-    from musclewire.rigs._configuration import RigConfiguration
-
-    rig = open_rig(RigConfiguration(new_wire=True))
-    with rig:
-        for _ in range(100):
-            rig.exchange(rig.maximum_voltage_v)
-        cycles = ability(rig, HasTrueState).wire_state.cycles
-        ability(rig, HasStage).set_pretension(2.5)
-    assert cycles > 0.1
-    assert ability(rig, HasTrueState).wire_state.cycles == cycles
 
 
 @pytest.mark.parametrize("pretension_n", [-1.0, float("nan")])

@@ -131,29 +131,6 @@ def test_thresholds_have_the_slopes_that_they_state(
 starts = st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)).map(lambda pair: (min(pair), max(pair)))
 
 
-@given(kinds, temperatures, stresses, starts)
-def test_fronts_have_the_slopes_that_they_state(
-    kind: str, temperature_k: float, stress_pa: float, start: tuple[float, float]
-) -> None:
-    record = WIRES[kind].derived.record
-
-    def front(place: int, kelvin: float, pascal: float) -> float:
-        return float(fronts_after(record, kelvin, pascal, 1.0, 0.0, start)[place])
-
-    at = fronts_after(record, temperature_k, stress_pa, 1.0, 0.0, start)
-    assert at.austenite <= at.martensite
-    for place, per_k, per_pa in (
-        (0, at.austenite_per_k, at.austenite_per_pa),
-        (1, at.martensite_per_k, at.martensite_per_pa),
-    ):
-        assert quotient(lambda kelvin, place=place: front(place, kelvin, stress_pa), temperature_k, DT_K) == near(
-            per_k, 1e-8
-        )
-        assert quotient(lambda pascal, place=place: front(place, temperature_k, pascal), stress_pa, DS_PA) == near(
-            per_pa, 1e-13
-        )
-
-
 @pytest.mark.parametrize("kind", sorted(ALLOYS))
 def test_the_density_of_the_grains_is_the_slope_of_their_fraction(kind: str) -> None:
     k, cells = (part[0] for part in WIRES[kind].step_arrays()[:2])

@@ -6,10 +6,12 @@ import statistics
 import sys
 import threading
 import time
+from collections.abc import Callable
 from itertools import pairwise
 
 import pytest
 from emulation.daq_bench import card_of
+from emulation.daq_card import CardTask
 from emulation.daq_server import DaqServer
 from tests.extras.board.contract.nidaq_rigs import at_seam, wiring_of
 
@@ -24,6 +26,19 @@ ATTEMPTS = 5
 
 def output_v(rig: GuardedRig) -> float:
     return rig.device.server.card.outputs_v["ao0"]
+
+
+def wait_until(reached: Callable[[], bool]) -> None:
+    """Wait until the card is as wanted; the limit is there only so that a fault does not hang a test."""
+    until_s = time.monotonic() + 60.0
+    while not reached():
+        assert time.monotonic() < until_s
+        time.sleep(0.001)
+
+
+def input_task(rig: GuardedRig) -> CardTask:
+    """Return the card's task that reads, with the readings that wait in it."""
+    return next(task for task in rig.device.server.card._tasks.values() if task.inputs)
 
 
 @pytest.mark.emulated
@@ -76,7 +91,7 @@ def test_a_host_that_is_late_skips_whole_periods_and_the_times_say_so(name: str)
         times = []
         for index in range(6):
             if index == 3:
-                time.sleep(0.12)  # at the sense voltage a late host harms nothing
+                wait_until(lambda: len(input_task(rig).rows) > 120)  # of 1 ms; at the sense voltage that harms nothing
             times.append(rig.exchange(rig.sense_voltage_v).time_s)
         late = rig.metadata()["late_samples"]
     steps = [(after - before) / rig.sample_period_s for before, after in pairwise(times)]
@@ -89,10 +104,9 @@ def test_a_host_that_is_late_skips_whole_periods_and_the_times_say_so(name: str)
 def test_a_driven_wire_goes_off_when_the_samples_come_too_late() -> None:
     with at_seam("ni-usb-6001", paced=True) as rig:
         rig.exchange(2.0)
-        time.sleep(0.4)
+        wait_until(lambda: output_v(rig) == 0.0)
         with pytest.raises(ProtectionTripError) as caught:
             rig.exchange(2.0)
-        assert output_v(rig) == 0.0
     assert caught.value.event in (Event.COMMAND_MISSING, Event.SAMPLE_LATE)
 
 
@@ -101,7 +115,7 @@ def test_readings_that_were_overwritten_are_a_stalled_host(monkeypatch: pytest.M
     monkeypatch.setattr(device_module, "BUFFER_S", 0.2)
     with at_seam("ni-usb-6001", paced=True) as rig:
         rig.exchange(rig.sense_voltage_v)
-        time.sleep(0.5)
+        wait_until(lambda: input_task(rig).overwritten)
         with pytest.raises(ProtectionTripError, match="overwritten before they were fetched") as caught:
             rig.exchange(rig.sense_voltage_v)
         assert output_v(rig) == 0.0
@@ -133,21 +147,24 @@ def test_a_reset_by_another_program_ends_the_run_off(name: str) -> None:
 @pytest.mark.emulated
 @pytest.mark.parametrize("name", NAMES)
 def test_another_thread_may_switch_off_while_readings_are_awaited(name: str) -> None:
-    """The card's clock is the real one: of the 50 ms of a sample nearly all is waiting."""
+    """The card's clock is the real one: of the 50 ms of a sample nearly all is waiting.
+
+    At the sense voltage, where a busy machine that is late ends nothing.
+    """
     rig = at_seam(name, paced=True)
-    rig.exchange(1.0)
-    ended = []
+    ended, sampled = [], threading.Event()
 
     def exchange_until_it_fails() -> None:
         try:
             while True:
-                rig.exchange(1.0)
+                rig.exchange(rig.sense_voltage_v)
+                sampled.set()
         except RigError as error:
             ended.append(str(error))
 
     thread = threading.Thread(target=exchange_until_it_fails)
     thread.start()
-    time.sleep(0.12)
+    assert sampled.wait(60.0)
     card = rig.device.server.card
     rig.close()
     assert card.outputs_v["ao0"] == 0.0

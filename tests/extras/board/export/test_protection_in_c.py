@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from emulation.exported_library.on_this_machine import HostLibrary
-from tests.extras.board.export.export_parts import Exported, compiled, export
+from tests.extras.board.export.export_parts import Exported
 
 from musclewire.controllers import (
     Effect,
     Event,
     ProtectionState,
-    ProtectionTable,
     Signal,
     State,
     allowed_drive_v,
@@ -208,52 +206,6 @@ def test_an_event_seen_outside_does_what_the_table_says(loaded: Loaded, event: E
     library.event(event, 0.15)
     expected = {"trip": State.TRIPPED, "degrade": State.DEGRADED}
     assert State(library.protection()[0]) is expected[protection_table().row(event).action]
-
-
-@pytest.mark.parametrize("double", [True, False], ids=["double", "single"])
-def test_a_silence_is_held_then_sensed_then_off_at_the_table_s_times_by_ticks_of_a_millisecond(
-    loaded: Loaded, double: bool
-) -> None:
-    library, table = loaded("fixed", double), protection_table()
-    library.start()
-    library.command(1.0)
-    states = []
-    for tick in range(1, 300):
-        library.missing(Event.COMMAND_MISSING, tick * 1e-3)
-        states.append(State(library.protection()[0]))
-    assert states.index(State.DEGRADED) + 1 == round(table.sense_after_s * 1e3)
-    assert states.index(State.TRIPPED) + 1 == round(table.trip_after_s * 1e3)
-
-
-@pytest.mark.parametrize(
-    ("event", "action"), [("wire_open", "trip"), ("output_stuck", "degrade"), ("command_refused", "degrade")]
-)
-def test_host_and_c_follow_another_table_alike(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, event: str, action: str
-) -> None:
-    document = protection_table().model_dump()
-    next(row for row in document["event"] if row["name"] == event)["action"] = action
-    table = ProtectionTable.model_validate(document)
-    monkeypatch.setattr("musclewire.extras.board._c.constants.protection_table", lambda: table)
-    written = export(tmp_path)
-    library, limits = compiled(written.library, tmp_path, double=True), written.limits
-    python = start(library, limits)
-    library.command(1.5)
-    python, seen = protect_command(python, limits, 1.5, table), set()
-    voltages = {"wire_open": (1.5, 0.0), "output_stuck": (1.5, 1.5 / 16.0 * limits.shunt_resistance_ohm)}
-    for step in range(40):
-        if event in voltages:
-            wire_v, shunt_v = (value * (1.0 + 1e-9 * step) for value in voltages[event])
-            library.reading(1.0, wire_v, shunt_v, 0.01)
-            python = protect_reading(python, limits, 1.0, wire_v, shunt_v, 0.01, table)
-        else:
-            library.command(math.nan)
-            python = protect_command(python, limits, math.nan, table)
-        assert library.protection()[:2] == (python.state, python.event)
-        seen.add(python.state)
-    assert python.event is Event[event.upper()]
-    between = {"wire_open": set(), "output_stuck": {State.DEGRADED}, "command_refused": {State.HOLD}}
-    assert seen - {State.RUN, State.TRIPPED} == between[event]
 
 
 @pytest.mark.parametrize("double", [True, False], ids=["double", "single"])

@@ -95,15 +95,6 @@ def test_a_typed_target_is_followed_and_the_plot_shows_it(typist: Typist, board:
     assert board.log()["output_voltage_v"][-1] == 0.0
 
 
-def test_a_command_ends_at_the_sense_voltage_without_anybody(typist: Typist, board: EmulatedBoard) -> None:
-    typist.switch_on()
-    typist.type("drive 1.5 2")
-    typist.wait_for(lambda typist: bool(typist.numbers()) and typist.numbers()[3] == 1.5)
-    typist.wait_for(lambda typist: typist.said("# time is over: sense voltage"))
-    typist.wait_for(lambda typist: bool(typist.numbers()) and typist.numbers()[3] == 0.3)
-    assert board.log()["output_voltage_v"][-1] == pytest.approx(0.3, abs=0.01)
-
-
 def test_a_host_takes_over_with_its_first_frame(board: EmulatedBoard) -> None:
     typist = Typist(board.port)
     typist.switch_on()

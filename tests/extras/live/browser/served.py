@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import socket
 import subprocess
-import sys
 import time
 import urllib.request
 from collections.abc import Callable, Iterator
@@ -13,11 +11,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from benchmarks.live_server import running_server
+
 __all__ = ["BENCH", "Served", "serving", "until"]
 
 BENCH = "simulated"
 # Only so that a fault does not hang a test: compiling may come before everything else.
-MAX_START_S, MAX_WAIT_S, MAX_END_S = 180.0, 60.0, 20.0
+MAX_START_S, MAX_WAIT_S = 180.0, 60.0
 # Proxies of the environment are for other machines.
 DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
 
@@ -125,38 +125,9 @@ class Rows:
 
 
 @contextmanager
-def serving(folder: Path, *arguments: str, log: Path | None = None) -> Iterator[Served]:
-    """Start ``musclewire serve`` at a free port, and end it by Ctrl-C."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with (log or folder.with_name(f"{folder.name}.log")).open("w+") as errors:
-        where = ("--port", str(free_port()), "--output", str(folder))
-        command = [sys.executable, "-m", "musclewire", "serve", *arguments, *where]
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True)
-        try:
-            served = Served(process, printed_address(process), folder)
-            served.until_phase("off", max_wait_s=MAX_START_S)
-            yield served
-        finally:
-            process.terminate()
-            try:
-                process.wait(MAX_END_S)
-            finally:
-                process.kill()
-                assert process.stdout is not None
-                process.stdout.close()
-
-
-def free_port() -> int:
-    """Return a port that was free just now; the server takes the next one if it no longer is."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-def printed_address(process: subprocess.Popen[str]) -> str:
-    """Return the address that a server prints once it can be opened."""
-    assert process.stdout is not None
-    for line in process.stdout:
-        if line.startswith("http"):
-            return line.strip().partition("?")[0]
-    raise AssertionError(f"musclewire serve has ended with {process.wait()}: see its log")
+def serving(folder: Path, *arguments: str) -> Iterator[Served]:
+    """Start ``musclewire serve`` with a folder named ``session``, and end it."""
+    with running_server(folder.parent, *arguments, rigs=()) as server:
+        served = Served(server.process, server.link.partition("?")[0], folder)
+        served.until_phase("off", max_wait_s=MAX_START_S)
+        yield served

@@ -108,33 +108,6 @@ CASES = {
 }
 
 
-def endpoint_force_n(state: WireState, of: WireConstants) -> float:
-    """Return what pushes a finger's endpoint back, from the balance at its connector; a tendon does not push."""
-    x = moved_m(state, of)
-    asked = of.pretension_n + BESIDE_N_PER_M * x + ALONG_N_PER_M * max(x, 0.0)
-    return (pulls_n(state, of) - asked) / LEVER
-
-
-def test_what_two_fingers_hold_pushes_both_alike_and_nothing_before_they_touch_it() -> None:
-    """Newton's third law, for two unlike wires."""
-    both = (wire(finger_load()), thick(finger_load(), pretension_n=1.1))
-    visited, means = course(both, PairConnection(APART, OWN_SUPPLY, 1.6, 1.0), CYCLE_V, grip())
-    touched = 0
-    for (first, second), mean in zip(visited, means, strict=True):
-        apart_m = CLEARANCE_M - RATIO * (moved_m(first, both[0]) + moved_m(second, both[1]))
-        push, other_push = endpoint_force_n(first, both[0]), endpoint_force_n(second, both[1])
-        if apart_m > 1e-4:
-            assert mean.grip_n == 0.0
-            assert (push, other_push) == pytest.approx((0.0, 0.0), abs=1e-7)
-        elif apart_m < -1e-4:
-            touched += 1
-            soft = FOAM_N_PER_M / (1.0 + 2.0 * FOAM_N_PER_M * GIVE_M_PER_N)
-            assert push == pytest.approx(other_push, abs=1e-7)
-            assert push == pytest.approx(-soft * apart_m, abs=1e-7)
-            assert mean.grip_n == pytest.approx(push, abs=0.02)
-    assert 200 < touched < 850
-
-
 @pytest.mark.parametrize("name", sorted(CASES))
 def test_the_states_given_are_left_as_they_were(name: str) -> None:
     both, pair, between = CASES[name]

@@ -17,11 +17,6 @@ def heard(drive_v: float) -> SilenceWatch:
     return watch
 
 
-def test_orders_survive_the_way_to_another_process() -> None:
-    assert GuardianOrders.from_text(ORDERS.as_text()) == ORDERS
-    assert "\n" not in ORDERS.as_text()
-
-
 def test_a_driven_wire_goes_to_the_sense_voltage_and_then_off() -> None:
     watch = heard(2.0)
     assert watch.due(100.099) is None

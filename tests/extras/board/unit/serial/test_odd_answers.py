@@ -46,15 +46,6 @@ def test_a_board_that_does_not_know_the_command_ends_the_run_with_its_answer() -
     assert caught.value.event is Event.COMMAND_REFUSED
 
 
-def test_ticks_that_run_backwards_are_a_restart_whose_reason_is_asked_for() -> None:
-    board, rig = driven(tick=100_000)
-    board.tick, board.event_at_reset = 0, Event.WATCHDOG.value
-    with pytest.raises(ProtectionTripError, match="is not armed any more") as caught:
-        rig.exchange(1.0)
-    assert caught.value.event is Event.WATCHDOG
-    assert board.drive_v == 0.0
-
-
 @pytest.mark.parametrize(("says", "event"), [(True, Event.WATCHDOG), (False, Event.POWER_LOST)])
 def test_a_refusal_is_explained_by_what_the_board_says_after_it(says: bool, event: Event) -> None:
     class Restarted(BoardInMemory):
