@@ -141,18 +141,6 @@ def test_a_header_of_another_program_is_taken_by_an_explicit_mapping(
         ("grip --known-stiffness 200", "--known-stiffness: '200' has no unit"),
         ("grip --no-object --clearance 3mm", "--no-object"),
         ("grip --learned learned.txt", ".json"),
-        ("simulate --wire flexinol-0.1-lt", "'flexinol-0.10-lt'"),
-        ("simulate --current 5V", "'0.5 A'"),
-        ("simulate --load 1N --stress 172MPa", "not both"),
-        ("simulate --wire paper-100um", "--supply or --current"),
-        ("simulate --wire-length 0mm", "length"),
-        ("simulate --off-after 3 --duration 1", "ends before"),
-        ("simulate --supply 10mV", "to measure"),
-        ("simulate --load 100N", "4.75"),
-        ("simulate --ambient 400degC", "contracted"),
-        ("simulate --duty 50% --duty-period 20ms", "[pwm]"),
-        ("simulate --duty 0%", "above 0"),
-        ("simulate --table --supply 5V", "--supply"),
     ],
 )
 def test_wrong_usage_is_one_line_too(

@@ -1,5 +1,8 @@
 """The list of names that other rooms may use."""
 
+from ._answer import ABSENT as ABSENT
+from ._answer import AnswerModel as AnswerModel
+from ._answer import AnswerRecord as AnswerRecord
 from ._bench_measure import MachinePeaks as MachinePeaks
 from ._bench_measure import PreparedComparison as PreparedComparison
 from ._bench_measure import TimedProgram as TimedProgram
@@ -44,6 +47,7 @@ from ._doctor_command import text as text
 from ._figure_options import FigureOptions as FigureOptions
 from ._files import require_figure_file as require_figure_file
 from ._files import require_folder as require_folder
+from ._files import require_recording_file as require_recording_file
 from ._files import require_zip_file as require_zip_file
 from ._files import save_figure as save_figure
 from ._installation import REQUIREMENT as REQUIREMENT
@@ -54,11 +58,13 @@ from ._json_schemas import schema_names as schema_names
 from ._main import app as app
 from ._main import main as main
 from ._main import run as run
+from ._options import AMBIENT as AMBIENT
 from ._options import CLEARANCE as CLEARANCE
 from ._options import CPU as CPU
 from ._options import ESTIMATOR as ESTIMATOR
 from ._options import FILE as FILE
 from ._options import LIST as LIST
+from ._options import LOAD as LOAD
 from ._options import NAME as NAME
 from ._options import OBJECT_STIFFNESS as OBJECT_STIFFNESS
 from ._options import OLD_NAMES as OLD_NAMES
@@ -73,6 +79,7 @@ from ._options import RIG as RIG
 from ._options import RULES as RULES
 from ._options import SEED as SEED
 from ._options import SETTINGS as SETTINGS
+from ._options import SHUNT as SHUNT
 from ._options import WIRE as WIRE
 from ._options import WIRE_LENGTH as WIRE_LENGTH
 from ._options import WORKERS as WORKERS
@@ -81,10 +88,13 @@ from ._options import RigName as RigName
 from ._options import in_si as in_si
 from ._options import option as option
 from ._options import quantity as quantity
+from ._output import Result as Result
 from ._output import emit_json as emit_json
+from ._output import progress_bar as progress_bar
 from ._output import run_bar as run_bar
 from ._output import say as say
 from ._output import show as show
+from ._output import table as table
 from ._output import warn as warn
 from ._recording_options import ReadingOptions as ReadingOptions
 from ._report.figures import loops_figure as loops_figure
@@ -93,4 +103,3 @@ from ._report.grip_figure import plot_grip as plot_grip
 from ._stopping import StoppedCommand as StoppedCommand
 from ._stopping import stop_if_asked as stop_if_asked
 from ._stopping import stops_between_samples as stops_between_samples
-from ._wire_table_text import table_text as table_text

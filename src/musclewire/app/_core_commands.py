@@ -121,20 +121,6 @@ COMMANDS = (
         answer="musclewire.app._recover_command:RecoverAnswer",
     ),
     Command(
-        "simulate",
-        "musclewire.app._wire_commands:simulate",
-        "Simulate a drive through a wire: which supply, shunt and current it needs.",
-        panel=CHOOSE,
-        answer="musclewire.app._answers:SimulateAnswers",
-    ),
-    Command(
-        "catalogue",
-        "musclewire.app._wire_commands:catalogue",
-        "Compare the Flexinol catalogue with the simulation: contraction after one second, and cooling times.",
-        panel=CHOOSE,
-        answer="musclewire.app._answers:CatalogueAnswer",
-    ),
-    Command(
         "rules",
         "musclewire.app._model_commands:rules",
         "Show a fuzzy rule base, and its surfaces with --plot.",

@@ -133,3 +133,28 @@ def test_the_cooling_time_stands_next_to_the_catalogues(musclewire: Callable[...
     said = musclewire("simulate", "--wire", "flexinol-0.15-lt", "--json").json["catalogue"]
     assert said["test_cooling_s"] == rows["flexinol-0.15-lt"]["cooling_s"]
     assert "times the catalogue's" in musclewire("simulate", "--wire", "flexinol-0.15-lt").out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("simulate --wire flexinol-0.1-lt", "'flexinol-0.10-lt'"),
+        ("simulate --current 5V", "'0.5 A'"),
+        ("simulate --load 1N --stress 172MPa", "not both"),
+        ("simulate --wire paper-100um", "--supply or --current"),
+        ("simulate --wire-length 0mm", "length"),
+        ("simulate --off-after 3 --duration 1", "ends before"),
+        ("simulate --supply 10mV", "to measure"),
+        ("simulate --load 100N", "4.75"),
+        ("simulate --ambient 400degC", "contracted"),
+        ("simulate --duty 50% --duty-period 20ms", "[pwm]"),
+        ("simulate --duty 0%", "above 0"),
+        ("simulate --table --supply 5V", "--supply"),
+        ("simulate --length 0mm", "length"),  # by its old name
+    ],
+)
+def test_wrong_usage_is_one_line(arguments: str, words: str, musclewire: Callable[..., Any]) -> None:
+    answer = musclewire(*arguments.split())
+    assert (answer.code, answer.out) == (2, "")
+    assert len(answer.err.strip().splitlines()) == 1
+    assert words in answer.err
