@@ -38,7 +38,7 @@ COMMANDS = (
     ),
     Command(
         "tune",
-        "musclewire.app._tune_command:tune",
+        "musclewire.app._model_commands:tune",
         "Find a controller's gains from the slow loop, by a published rule; prints plant, gains and margins.",
         panel=LOOP,
         answer="musclewire.app._answers:TuneAnswer",

@@ -6,14 +6,14 @@ from ._closed_loop import control as control
 from ._closed_loop import default_estimator as default_estimator
 from ._demo import DemoResult as DemoResult
 from ._demo import run_demo as run_demo
-from ._doctor.calibration import ChannelCalibration as ChannelCalibration
+from ._doctor.evidence import OnProbe as OnProbe
+from ._doctor.evidence import RigCheck as RigCheck
+from ._doctor.evidence import SkippedCheck as SkippedCheck
 from ._doctor.examine import STOPPING as STOPPING
 from ._doctor.examine import Examination as Examination
 from ._doctor.examine import examination_s as examination_s
 from ._doctor.examine import examine as examine
-from ._doctor.findings import RigCheck as RigCheck
-from ._doctor.findings import SkippedCheck as SkippedCheck
-from ._doctor.probing import OnProbe as OnProbe
+from ._doctor.rig_file import ChannelCalibration as ChannelCalibration
 from ._doctor.rig_file import require_calibrated_kind as require_calibrated_kind
 from ._doctor.rig_file import write_calibration as write_calibration
 from ._drive import ALWAYS as ALWAYS
@@ -77,7 +77,7 @@ from ._run_warnings import friction_warnings as friction_warnings
 from ._run_warnings import run_warnings as run_warnings
 from ._run_warnings import step_warnings as step_warnings
 from ._speed_limits import speed_limits as speed_limits
-from ._staircases import staircase_within as staircase_within
+from ._speed_limits import staircase_within as staircase_within
 from ._timing_facts import timing_json as timing_json
 from ._training import TrainingCycle as TrainingCycle
 from ._training import train as train

@@ -17,9 +17,7 @@ from musclewire.controllers import CONTROLLERS, Controller, ControllerFactory, C
 from musclewire.errors import RigError
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
-from musclewire.experiment._speed_limits import speed_metadata
-from musclewire.experiment._staircases import staircase_within
-from musclewire.experiment._target_range import check_targets
+from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
 from musclewire.identify import COLUMN_SUFFIX, check_made_for, error_unit_for, users_wire
 from musclewire.rigs import Rig
 from musclewire.sensing import (

@@ -14,9 +14,7 @@ from musclewire.errors import CallerError
 from musclewire.experiment._closed_loop import APPROACH_S, check_same_wire
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, OnSample, run_on_rig
-from musclewire.experiment._speed_limits import speed_metadata
-from musclewire.experiment._staircases import staircase_within
-from musclewire.experiment._target_range import check_targets
+from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
 from musclewire.identify import COLUMN_SUFFIX, settings_for
 from musclewire.rigs import HasOnBoardLoop, Rig, ability
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
