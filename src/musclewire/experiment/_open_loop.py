@@ -9,8 +9,7 @@ import math
 from collections.abc import Callable
 from functools import lru_cache
 from math import inf
-from pathlib import Path
-from typing import NamedTuple, TypedDict
+from typing import NamedTuple, TypedDict, Unpack
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.experiment._home_sweep import HomeSweep, SweepPlan
 from musclewire.experiment._known_drive import KnownDrive
-from musclewire.experiment._run import Decision, OnSample, refuse_unusable, run_on_rig
+from musclewire.experiment._run import Decision, OnSample, RunOptions, refuse_unusable, run_on_rig
 from musclewire.identify import shows_c
 from musclewire.parameters import ValidityLimits
 from musclewire.rigs import Rig, protection_limits_of
@@ -222,9 +221,7 @@ def characterize(
     period_s: float = PAPER_PERIOD_S,
     cycles: int = 2,
     until_level: bool = False,
-    path: str | Path | None = None,
-    overwrite: bool = False,
-    on_sample: OnSample | None = None,
+    **run: Unpack[RunOptions],
 ) -> Recording:
     """Heat and cool the wire slowly and record both voltages and the reference instruments.
 
@@ -244,12 +241,9 @@ def characterize(
     until_level
         Whether an amplitude that is not given is raised above the rig's own, within its limits, until the fall of the
         resistance levels off; a sweep of half a minute before the slow sine finds it. The metadata say what stopped it.
-    path
-        File that is written while the run lasts; none if None.
-    overwrite
-        Whether an existing file is replaced; refused otherwise.
-    on_sample
-        Called with every recorded row, numbers by column name; it may raise to stop the run.
+    **run
+        ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
+        may raise to stop the run, ``until`` asked after each whether the run is to end now.
 
     Returns
     -------
@@ -275,22 +269,15 @@ def characterize(
     >>> loop.names
     ('time_s', 'drive_voltage_v', 'wire_voltage_v', 'shunt_voltage_v', 'displacement_m', 'force_n', 'cycle')
     """
-    refuse_unusable(path, overwrite)
+    path = run.get("path")
+    refuse_unusable(path, run.get("overwrite", False))
     raised: dict[str, MetadataValue] = {}
     if until_level and amplitude_v is None:
-        found = levelling_amplitude(rig, on_sample)
+        found = levelling_amplitude(rig, run.get("on_sample"))
         amplitude_v = found.amplitude_v
         raised = {"amplitude_raised": "until the fall levelled off" if found.levelled else found.stopped_by}
     sine = slow_sine_run(rig, amplitude_v, period_s, cycles)
-    recording = run_on_rig(
-        rig,
-        sine.policy,
-        sine.duration_s,
-        metadata={**sine.metadata, **raised},
-        path=path,
-        overwrite=overwrite,
-        on_sample=on_sample,
-    )
+    recording = run_on_rig(rig, sine.policy, sine.duration_s, metadata={**sine.metadata, **raised}, **run)
     seen = shows_c(recording)
     if seen is None:
         return recording
