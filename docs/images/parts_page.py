@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from musclewire.app import table_text
 from musclewire.extras.board import load_parts
+from musclewire.extras.design import table_text
 from musclewire.identify import PULL_STRESS_PA, wire_table
 
 __all__ = ["WIRES", "block"]

@@ -6,7 +6,7 @@ __all__ = ["IN_EVERY_SHELL", "QUESTIONS"]
 
 QUESTIONS = [
     ("contr", "control"),
-    ("simulate --wire flexinol-0.10-l", "flexinol-0.10-lt"),
+    ("fit --wire flexinol-0.10-l", "flexinol-0.10-lt"),
     ("control simulated model.json --estim", "--estimator"),
     ("control simulated model.json --rules zh", "zhao-1993"),
 ]

@@ -55,7 +55,6 @@ def test_times_lengths_and_all_other_quantities_have_a_unit() -> None:
     [
         (("demo", "--out", "{0}", "--seed", "-1"), ("demo", "--output", "{0}", "--seed", "-1")),
         (("fit", "lan-fan-2010-table-2", "--length=7"), ("fit", "lan-fan-2010-table-2", "--leg-length=7")),
-        (("simulate", "--length", "0 mm"), ("simulate", "--wire-length", "0 mm")),
     ],
 )  # fmt: skip
 def test_an_option_reads_by_its_old_name(

@@ -119,12 +119,6 @@ def test_a_header_of_another_program_is_taken_by_an_explicit_mapping(
         ("characterize simulated -o x.h5 --real-time-priority", "add --real-time"),
         ("doctor simulated --write", "rig file of your own"),
         ("bench --only stap", "did you mean 'step'"),
-        ("simulate --wire flexinol-0.1-lt", "'flexinol-0.10-lt'"),
-        ("simulate --load 1N --stress 172MPa", "not both"),
-        ("simulate --wire paper-100um", "--supply or --current"),
-        ("simulate --off-after 3 --duration 1", "ends before"),
-        ("simulate --load 100N", "4.75"),
-        ("simulate --duty 50% --duty-period 20ms", "[pwm]"),
     ],
 )
 def test_wrong_usage_is_one_line_too(

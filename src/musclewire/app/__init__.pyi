@@ -1,6 +1,8 @@
 """The list of names that other rooms may use."""
 
+from ._answer import ABSENT as ABSENT
 from ._answer import AnswerModel as AnswerModel
+from ._answer import AnswerRecord as AnswerRecord
 from ._bench_measure import MachinePeaks as MachinePeaks
 from ._bench_measure import PreparedComparison as PreparedComparison
 from ._bench_measure import TimedProgram as TimedProgram
@@ -56,12 +58,14 @@ from ._json_schemas import schema_names as schema_names
 from ._main import app as app
 from ._main import main as main
 from ._main import run as run
+from ._options import AMBIENT as AMBIENT
 from ._options import CLEARANCE as CLEARANCE
 from ._options import CPU as CPU
 from ._options import ESTIMATOR as ESTIMATOR
 from ._options import FILE as FILE
 from ._options import KNOWN_STIFFNESS as KNOWN_STIFFNESS
 from ._options import LIST as LIST
+from ._options import LOAD as LOAD
 from ._options import NAME as NAME
 from ._options import OBJECT_STIFFNESS as OBJECT_STIFFNESS
 from ._options import OLD_NAMES as OLD_NAMES
@@ -76,6 +80,7 @@ from ._options import RIG as RIG
 from ._options import RULES as RULES
 from ._options import SEED as SEED
 from ._options import SETTINGS as SETTINGS
+from ._options import SHUNT as SHUNT
 from ._options import WIRE as WIRE
 from ._options import WIRE_LENGTH as WIRE_LENGTH
 from ._options import WORKERS as WORKERS
@@ -90,6 +95,7 @@ from ._output import progress_bar as progress_bar
 from ._output import run_bar as run_bar
 from ._output import say as say
 from ._output import show as show
+from ._output import table as table
 from ._output import tell as tell
 from ._output import warn as warn
 from ._recording_options import ReadingOptions as ReadingOptions
@@ -98,4 +104,3 @@ from ._report.figures import staircase_figure as staircase_figure
 from ._stopping import StoppedCommand as StoppedCommand
 from ._stopping import stop_if_asked as stop_if_asked
 from ._stopping import stops_between_samples as stops_between_samples
-from ._wire_table_text import table_text as table_text

@@ -1,4 +1,4 @@
-"""The command that closes the loop by the wire's own resistance: control."""
+"""The command that closes the loop by the wire's own resistance, once or for many seeds at a time: control."""
 
 from __future__ import annotations
 
@@ -14,16 +14,11 @@ import typer
 from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_recording_file
 from musclewire.app._home_command import HomeOptions, home_found, home_text
-from musclewire.app._many_loops_command import (
-    MIN_VALID_FRACTION,
-    ManyLoopsChoice,
-    refuse_single_run_options,
-    run_many_loops,
-)
 from musclewire.app._options import (
     CONTROLLER,
     ESTIMATOR,
     GAINS,
+    IN_PYTHON,
     KNOWN_STIFFNESS,
     ON_BOARD,
     OUTPUT,
@@ -31,12 +26,14 @@ from musclewire.app._options import (
     QUANTITY,
     REFERENCE,
     RULES,
+    RUNS,
     SEED,
+    THREADS,
     WIRE_FILE,
     RigName,
     in_si,
 )
-from musclewire.app._output import Result, progress_bar, warn
+from musclewire.app._output import Result, progress_bar, say, warn
 from musclewire.app._rig_options import TimingOptions
 from musclewire.app._stopping import stops_between_samples
 from musclewire.errors import CallerError, MusclewireError, RecordingError, nearest_hint
@@ -44,10 +41,11 @@ from musclewire.errors import CallerError, MusclewireError, RecordingError, near
 if TYPE_CHECKING:
     from musclewire.app._answers import ControlRunAnswer
     from musclewire.controllers import Reference
-    from musclewire.experiment import ControlRun
+    from musclewire.experiment import ControlMetrics, ControlRun, LoopOutcome
     from musclewire.identify import Homing, SpeedLimits
     from musclewire.rigs import Rig
     from musclewire.sensing import KnownSpring, SensingModel
+
 
 # Steps as a text: "2.5 mm to 6 mm by 0.5 mm".
 STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
@@ -306,3 +304,76 @@ def read_reference(reference: str, quantity: str) -> Reference | None:
         )
     table = read_recording(reference)
     return sampled_reference(table["time_s"] - table["time_s"][0], table[f"target_{COLUMN_SUFFIX[quantity]}"])
+
+
+# A closed loop with a smaller fraction of valid estimates was not closed.
+MIN_VALID_FRACTION = 0.8
+
+
+@dataclass(frozen=True)
+class ManyLoopsChoice:
+    """How many loops run at once, and how."""
+
+    runs: Annotated[int | None, RUNS] = None
+    in_python: Annotated[bool, IN_PYTHON] = False
+    threads: Annotated[int | None, THREADS] = None
+
+
+def refuse_single_run_options(many: ManyLoopsChoice, single: dict[str, bool]) -> None:
+    """Raise CallerError for options of one run together with --runs, and for those of many runs without it.
+
+    ``single`` holds which options of one run were given, by name.
+    """
+    if many.runs is None:
+        given = [name for name, on in (("--in-python", many.in_python), ("--threads", many.threads)) if on]
+        if given:
+            raise CallerError(f"{given[0]} belongs to --runs: give the number of loops, or leave it out")
+    elif any(single.values()):
+        name = next(name for name, on in single.items() if on)
+        raise CallerError(f"{name} belongs to a single run: leave it out, or --runs")
+
+
+def run_many_loops(
+    rig: str, seed: int | None, many: ManyLoopsChoice, loop: dict[str, Any], target: Reference
+) -> Result:
+    """Run the loops and return their errors, which do not hold if an error ended one of them."""
+    from musclewire.app._answers import LoopRunAnswer, ManyLoopsAnswer
+    from musclewire.experiment import approach_of, control_many
+
+    assert many.runs is not None
+    first = 1 if seed is None else seed
+    duration_s, done = approach_of(loop["controller"]) + target.duration_s, 0
+    with progress_bar("Closed loops", many.runs * duration_s) as advance:
+
+        def on_outcome(_: LoopOutcome) -> None:
+            nonlocal done
+            done += 1
+            advance({"time_s": done * duration_s})
+
+        found = control_many(
+            rig,
+            reference=target,
+            seeds=range(first, first + many.runs),
+            threads=many.threads,
+            in_python=many.in_python,
+            on_outcome=on_outcome,
+            **loop,
+        )
+    warn(found.warnings)
+    unsensed = sum(metrics.valid_share < MIN_VALID_FRACTION for metrics in found.metrics)
+    if unsensed:
+        say(f"musclewire: {unsensed} loops could sense less than {100 * MIN_VALID_FRACTION:.0f} % of their samples")
+    ended = next(iter(found.metrics), None)
+    answer = ManyLoopsAnswer.read_from(
+        approach_s=None if ended is None else ended.approach_s,
+        approach=None if ended is None else ended.approach,
+        steps=found.steps,
+        runs=[LoopRunAnswer.read_from(one, one.metrics, **step_errors(one.metrics)) for one in found.outcomes],
+    )
+    return Result(answer, str(found), holds=not (found.failed or unsensed))
+
+
+def step_errors(metrics: ControlMetrics | None) -> dict[str, list[float | None]]:
+    """Return the errors of each step of a loop in both readings; nothing without metrics."""
+    names = () if metrics is None else ("mae_pct", "mae_approached_pct")
+    return {name: [getattr(step, name) for step in metrics.steps] for name in names if metrics is not None}

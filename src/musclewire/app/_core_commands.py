@@ -38,7 +38,7 @@ COMMANDS = (
     ),
     Command(
         "tune",
-        "musclewire.app._tune_command:tune",
+        "musclewire.app._model_commands:tune",
         "Find a controller's gains from the slow loop, by a published rule; prints plant, gains and margins.",
         panel=LOOP,
         answer="musclewire.app._answers:TuneAnswer",
@@ -112,20 +112,6 @@ COMMANDS = (
         "Make plain HDF5 of the journal that a run left when it was cut off; with -o the journal stays.",
         panel=RECORDINGS,
         answer="musclewire.app._recover_command:RecoverAnswer",
-    ),
-    Command(
-        "simulate",
-        "musclewire.app._wire_commands:simulate",
-        "Simulate a drive through a wire: which supply, shunt and current it needs.",
-        panel=CHOOSE,
-        answer="musclewire.app._answers:SimulateAnswers",
-    ),
-    Command(
-        "catalogue",
-        "musclewire.app._wire_commands:catalogue",
-        "Compare the Flexinol catalogue with the simulation: contraction after one second, and cooling times.",
-        panel=CHOOSE,
-        answer="musclewire.app._answers:CatalogueAnswer",
     ),
     Command(
         "rules",

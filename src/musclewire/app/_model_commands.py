@@ -1,7 +1,8 @@
-"""Commands that work on files: fit, estimate, rules, cite."""
+"""Commands that work on files: fit, with or without an instrument, estimate, tune, rules, cite."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,14 +11,87 @@ import typer
 from musclewire.app._answer import AnswerModel
 from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_free, require_model_file
-from musclewire.app._options import CYCLE, ESTIMATOR, ORDER, OUTPUT, OVERWRITE, QUANTITY, WIRE_FILE
+from musclewire.app._options import (
+    CLOSED_LOOP_TIME,
+    CONTROLLER,
+    CYCLE,
+    ESTIMATOR,
+    LENGTH_ERROR,
+    MARK,
+    MARK_ERROR,
+    ORDER,
+    OUTPUT,
+    OVERWRITE,
+    QUANTITY,
+    RULES,
+    SEED,
+    SET,
+    WIRE,
+    WIRE_FILE,
+    in_si,
+    mapping,
+)
 from musclewire.app._output import Result, table, warn
 from musclewire.app._recording_options import ReadingOptions
-from musclewire.app._resistance_options import ResistanceOptions
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, nearest_hint
 
 if TYPE_CHECKING:
-    from musclewire.identify import EstimateReport
+    from musclewire.identify import EstimateReport, Marks, ResistanceFit
+    from musclewire.signals import Recording
+
+
+MARKS = {"cold": "cold_m", "hot": "hot_m", "stop": "end_stop_m"}
+
+
+@dataclass(frozen=True)
+class ResistanceOptions:
+    """What a fit rests on if only the resistance was measured; without a wire's name there is no such fit."""
+
+    wire: Annotated[str | None, WIRE] = None
+    set: Annotated[list[str] | None, SET] = None
+    mark: Annotated[list[str] | None, MARK] = None
+    mark_error: Annotated[str, MARK_ERROR] = "0.5 mm"
+    length_error: Annotated[str, LENGTH_ERROR] = "0.5 mm"
+    seed: Annotated[int, SEED] = 1
+
+    def marks(self) -> Marks:
+        """Return the marks. Raises CallerError for an unknown mark, or one that is no length."""
+        from musclewire.identify import Marks
+        from musclewire.signals import parse_quantity
+
+        positions = {}
+        for name, text in mapping(self.mark, "--mark").items():
+            if name not in MARKS:
+                raise CallerError(f"--mark {name}: there is no such mark{nearest_hint(name, MARKS)}")
+            try:
+                positions[MARKS[name]] = parse_quantity(text, "m")
+            except CallerError as error:
+                raise CallerError(f"--mark {name}: {error}") from None
+        return Marks(
+            **positions,
+            reading_std_m=in_si("--mark-error", self.mark_error),
+            leg_length_std_m=in_si("--length-error", self.length_error),
+        )
+
+    def require_wire(self) -> None:
+        """Raise CallerError for marks or numbers of the bench that a fit with an instrument does not take."""
+        if self.wire is None and (self.mark or self.set):
+            raise CallerError("--mark and --set belong to a fit from resistance alone: name the wire with --wire")
+
+    def fit(self, recording: Recording, order: int | str, quantity: str) -> ResistanceFit:
+        """Return the fit to the resistance of a recording."""
+        from musclewire.identify import fit_resistance
+
+        return fit_resistance(
+            recording,
+            self.wire or "",
+            bench=mapping(self.set, "--set"),
+            marks=self.marks(),
+            order=order,
+            quantity=quantity,
+            seed=self.seed,
+        )
+
 
 RecordingPath = Annotated[
     str,
@@ -155,3 +229,36 @@ def whole_number_or(text: str, *words: str) -> Any:
                 f"'{text}' is neither a whole number nor {' or '.join(words)}: write one of these"
             ) from None
         return text
+
+
+def tune(
+    model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
+    recording: RecordingPath,
+    reading: ReadingOptions,
+    figure: FigureOptions,
+    output: Annotated[Path | None, OUTPUT] = None,
+    controller: Annotated[str, CONTROLLER] = "feedforward",
+    rules: Annotated[str | None, RULES] = None,
+    closed_loop_time: Annotated[str | None, CLOSED_LOOP_TIME] = None,
+    overwrite: Annotated[bool, OVERWRITE] = False,
+) -> Result:
+    """Find a controller's gains from the slow loop, by a published rule; prints plant, gains and margins."""
+    from musclewire.app._answers import TuneAnswer
+    from musclewire.identify import tune as run_tune
+    from musclewire.sensing import load_model
+
+    figure.check()
+    if output is not None:
+        require_free(output, overwrite)
+    found = run_tune(
+        load_model(model),
+        reading.read(recording),
+        controller=controller,
+        closed_loop_time_s=in_si("--closed-loop-time", closed_loop_time),
+        rule_base=rules,
+    )
+    if output is not None:
+        found.save(output)
+    figure.draw(found.plot)
+    answer = TuneAnswer(**found.report(), gains=None if output is None else str(output))
+    return Result(answer, str(found) if output is None else f"{found}\ngains written to {output}")

@@ -17,9 +17,7 @@ from musclewire.controllers import CONTROLLERS, Controller, ControllerFactory, C
 from musclewire.errors import RigError
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
-from musclewire.experiment._speed_limits import speed_metadata
-from musclewire.experiment._staircases import staircase_within
-from musclewire.experiment._target_range import check_targets
+from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
 from musclewire.identify import COLUMN_SUFFIX, check_made_for, error_unit_for, users_wire
 from musclewire.rigs import Rig
 from musclewire.sensing import (
@@ -54,32 +52,6 @@ def approach_of(controller: str | ControllerFactory, given_s: float | None = Non
         return given_s
     factory = CONTROLLERS.find(controller) if isinstance(controller, str) else controller
     return float(getattr(factory, "approach_s", APPROACH_S))
-
-
-def controller_for(
-    rig: Rig,
-    model: SensingModel,
-    settings: Any = None,
-    load: KnownSpring | None = None,
-    controller: str | ControllerFactory = "fuzzy-pid",
-) -> Controller:
-    """Return a controller within a rig's limits, its error unit fitted to the model's quantity."""
-    factory = CONTROLLERS.find(controller) if isinstance(controller, str) else controller
-    limits = DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v)
-    return factory(ControllerSetup(limits, error_unit_for(model, load), settings))
-
-
-def estimator_for(
-    rig: Rig,
-    model: SensingModel,
-    load: KnownSpring | None = None,
-    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR,
-    wire_file: str | Path | None = None,
-) -> Estimator:
-    """Return an estimator for a rig's circuit by a model; with a ``load`` the model is one of the force on it."""
-    factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
-    wire = None if wire_file is None else users_wire(wire_file, rig.metadata())
-    return factory(EstimatorSetup(model, rig.shunt_resistance_ohm, rig.sample_period_s, load, wire))
 
 
 class SelfSensingPolicy:
@@ -167,12 +139,6 @@ class SelfSensingPolicy:
         return step, (float(status),)
 
 
-class LoopRunOptions(RunOptions, total=False):
-    """What the caller of a closed loop chooses beyond estimator and controller."""
-
-    wire_file: str | Path | None
-
-
 def control(
     rig: Rig,
     model: SensingModel,
@@ -183,7 +149,8 @@ def control(
     settings: Any = None,
     load: KnownSpring | None = None,
     approach_s: float | None = None,
-    **run: Unpack[LoopRunOptions],
+    wire_file: str | Path | None = None,
+    **run: Unpack[RunOptions],
 ) -> ControlRun:
     """Move the wire along a target in a closed loop that senses by the wire's resistance alone.
 
@@ -212,10 +179,11 @@ def control(
         Time [s] for which the reference's start is held before the reference begins. By default 12 s, enough for a wire
         to warm up from cold, and 0 for a controller that brings it there by itself ("feedforward"). The metrics give
         Eq. 7 from the first target on, which counts the first step without it, and after it; with 0 both are the same.
+    wire_file
+        The wire's own file, as ``calibrate`` writes it, for an estimator on physics.
     **run
-        ``wire_file``, the wire's own file as ``calibrate`` writes it, for an estimator on physics; ``path`` of the
-        recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row, ``until`` asked after
-        each whether the run is to end now.
+        ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
+        may raise to stop the run, ``until`` asked after each whether the run is to end now.
 
     Returns
     -------
@@ -241,13 +209,6 @@ def control(
     >>> [step.target for step in run.metrics.steps]
     [0.015, 0.018, 0.015]
     """
-    wire_file = run.get("wire_file")
-    kept = RunOptions(
-        path=run.get("path"),
-        overwrite=run.get("overwrite", False),
-        on_sample=run.get("on_sample"),
-        until=run.get("until"),
-    )
     named = estimator or default_estimator(wire_file)
     choice = LoopChoice(named, controller, settings, load, approach_of(controller, approach_s), wire_file)
     loop = prepared_loop(rig, model, reference, choice)
@@ -266,7 +227,7 @@ def control(
     policy.metadata |= {**loop.metadata, **({} if slow is None else slow.metadata())}
     policy.metadata |= speed_metadata(rig, loop.model, loop.reference, settings)
     try:
-        recording = run_on_rig(rig, policy, loop.duration_s, metadata=policy.metadata, **kept)
+        recording = run_on_rig(rig, policy, loop.duration_s, metadata=policy.metadata, **run)
     finally:
         if slow is not None:
             slow.close()
@@ -328,12 +289,19 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
     chosen = staircase_within(model) if reference is None else reference
     check_targets(model, chosen, rig.sample_period_s)
-    check_same_wire(model, rig)
+    # Resistance is proportional to length: a model of another length would read a cold wire as a contracted one. And
+    # the displacement of a finger's endpoint belongs to that finger.
+    facts = rig.metadata()
+    check_made_for(model, facts)
+    make_estimator = ESTIMATORS.find(choice.estimator) if isinstance(choice.estimator, str) else choice.estimator
+    make_controller = CONTROLLERS.find(choice.controller) if isinstance(choice.controller, str) else choice.controller
+    wire = None if choice.wire_file is None else users_wire(choice.wire_file, facts)
+    limits = DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v)
     return PreparedLoop(
         model,
         chosen,
-        estimator_for(rig, model, load, choice.estimator, choice.wire_file),
-        controller_for(rig, model, choice.settings, load, choice.controller),
+        make_estimator(EstimatorSetup(model, rig.shunt_resistance_ohm, rig.sample_period_s, load, wire)),
+        make_controller(ControllerSetup(limits, error_unit_for(model, load), choice.settings)),
         choice.approach_s + chosen.duration_s,
         {"experiment": "closed loop", "quantity": model.quantity, **choice.metadata},
     )
@@ -342,12 +310,3 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
 def name_of(kind: str | EstimatorFactory | ControllerFactory) -> str:
     """Return the name of an estimator or a controller in a recording: as registered, or its factory's."""
     return kind if isinstance(kind, str) else str(getattr(kind, "__name__", type(kind).__name__))
-
-
-def check_same_wire(model: SensingModel, rig: Rig) -> None:
-    """Raise CallerError if model and rig both state their wire, its length or what it moves, and differ.
-
-    Resistance is proportional to length, so a model of another length would read a cold wire as a contracted one; the
-    displacement of a finger's endpoint belongs to that finger.
-    """
-    check_made_for(model, rig.metadata())

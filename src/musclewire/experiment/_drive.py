@@ -6,14 +6,13 @@ Both policies would run on a real rig: the held current is regulated by the curr
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
-from typing import NamedTuple, TypedDict, Unpack
+from typing import NamedTuple, Unpack
 
 import numpy as np
 
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment._known_drive import KnownDrive, KnownDrivePolicy
-from musclewire.experiment._run import Decision, OnSample, Policy, run_on_rig
+from musclewire.experiment._run import Decision, Policy, RunOptions, run_on_rig
 from musclewire.physics import wire_resistance
 from musclewire.rigs import HasTrueState, Rig, ability
 from musclewire.sensing import dropout_failure
@@ -167,14 +166,6 @@ class WithTruth:
         return known and known._replace(true_names=tuple(self._names.values()))
 
 
-class RecordingChoice(TypedDict, total=False):
-    """Where a run is recorded, whether an earlier file may be replaced, and what is called with every row."""
-
-    path: str | Path | None
-    overwrite: bool
-    on_sample: OnSample | None
-
-
 def drive_wire(
     rig: Rig,
     *,
@@ -183,7 +174,7 @@ def drive_wire(
     supply_v: float | None = None,
     current_a: float | None = None,
     pulses: PulseTrain = ALWAYS,
-    **kept: Unpack[RecordingChoice],
+    **run: Unpack[RunOptions],
 ) -> Recording:
     """Switch a supply or a held current on for ``on_s`` and record the rig for ``duration_s`` in total.
 
@@ -198,7 +189,7 @@ def drive_wire(
         described |= {"duty": pulses.on / pulses.period, "duty_period_s": pulses.period * rig.sample_period_s}
     described |= {} if supply_v is None else {"supply_v": supply_v}
     described |= {} if current_a is None else {"held_current_a": current_a}
-    return run_on_rig(rig, policy, duration_s, metadata=described, **kept)
+    return run_on_rig(rig, policy, duration_s, metadata=described, **run)
 
 
 def policy_for(rig: Rig, on_s: float, limit_v: float, current_a: float | None, pulses: PulseTrain) -> Policy:

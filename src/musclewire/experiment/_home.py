@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import Unpack
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment._home_sweep import HomeSweep, SweepPlan
-from musclewire.experiment._run import OnSample, run_on_rig
+from musclewire.experiment._run import RunOptions, run_on_rig
 from musclewire.identify import Homing, check_made_for, homed_model, loop_of, require_load, seen_points
 from musclewire.rigs import Rig
 from musclewire.sensing import SensingModel
@@ -23,9 +23,7 @@ def home(
     load_n: float | None = None,
     ambient_k: float | None = None,
     cycles: float | None = None,
-    path: str | Path | None = None,
-    overwrite: bool = False,
-    on_sample: OnSample | None = None,
+    **run: Unpack[RunOptions],
 ) -> Homing:
     """Heat the wire once just beyond its transformation, at a known load, and bring its model up to date.
 
@@ -46,12 +44,9 @@ def home(
         shift of the transformation is known to 3 K instead of 9 K, and a changed load is noticed more surely.
     cycles
         Cycles that the wire has made since the characterisation, if they were counted; kept in the model.
-    path
-        File of the sweep that is written while it lasts; none if None.
-    overwrite
-        Whether an existing file is replaced; refused otherwise.
-    on_sample
-        Called with every recorded row, numbers by column name; it may raise to stop the run.
+    **run
+        ``path`` of the recorded sweep, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
+        may raise to stop the run, ``until`` asked after each whether the run is to end now.
 
     Returns
     -------
@@ -86,9 +81,7 @@ def home(
     metadata: dict[str, MetadataValue] = {"experiment": "home move", "assumed_load_n": assumed_n}
     if ambient_k is not None:
         metadata["measured_ambient_k"] = ambient_k
-    recording = run_on_rig(
-        rig, sweep, plan.duration_s, metadata=metadata, path=path, overwrite=overwrite, on_sample=on_sample
-    )
+    recording = run_on_rig(rig, sweep, plan.duration_s, metadata=metadata, **run)
     try:
         return homed_model(model, recording, load_n=assumed_n, ambient_k=ambient_k, cycles=cycles)
     except RecordingError as error:

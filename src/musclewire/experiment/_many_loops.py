@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, NamedTuple, TypedDict, Unpack
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,22 +42,6 @@ from musclewire.rigs import (
 )
 from musclewire.sensing import DEFAULT_ESTIMATOR, EstimatorFactory, KnownSpring, SensingModel
 from musclewire.signals import MetadataValue, Recording, declared_tick
-
-
-class ManyLoopsOptions(TypedDict, total=False):
-    """Keywords of :func:`control_many`.
-
-    ``approach_s`` is the time for which the reference's start is held before it begins; ``threads`` how many loops run
-    at a time, by default one on each core; ``keep_recordings`` whether the outcomes have their recordings;
-    ``in_python`` whether every loop is run by ``control``, one after another; ``on_outcome`` is called with each
-    outcome.
-    """
-
-    approach_s: float
-    threads: int | None
-    keep_recordings: bool
-    in_python: bool
-    on_outcome: Callable[[LoopOutcome], None]
 
 
 class LoopCase(NamedTuple):
@@ -90,7 +74,11 @@ def control_many(
     controller: str | ControllerFactory = "fuzzy-pid",
     settings: Any = None,
     load: KnownSpring | None = None,
-    **options: Unpack[ManyLoopsOptions],
+    approach_s: float | None = None,
+    threads: int | None = None,
+    keep_recordings: bool = False,
+    in_python: bool = False,
+    on_outcome: Callable[[LoopOutcome], None] | None = None,
 ) -> ManyControlRuns:
     """Run many closed loops of simulated rigs as one call: for each seed what ``control`` runs on a rig of that seed.
 
@@ -117,9 +105,16 @@ def control_many(
         The controller's settings; its defaults if None.
     load
         A known spring, if force is controlled through its stiffness.
-    **options
-        ``approach_s``, ``threads``, ``keep_recordings``, ``in_python`` and ``on_outcome``: see
-        :class:`ManyLoopsOptions`.
+    approach_s
+        Time [s] for which the reference's start is held before the reference begins; as of ``control`` if None.
+    threads
+        How many loops run at a time; by default one on each core.
+    keep_recordings
+        Whether the outcomes have their recordings.
+    in_python
+        Whether every loop is run by ``control``, one after another.
+    on_outcome
+        Called with each outcome.
 
     Returns
     -------
@@ -144,18 +139,17 @@ def control_many(
     >>> runs.mae_pct.shape  # loops, steps
     (3, 3)
     """
-    choice = LoopChoice(estimator, controller, settings, load, approach_of(controller, options.get("approach_s")))
+    choice = LoopChoice(estimator, controller, settings, load, approach_of(controller, approach_s))
     cases = cases_of(rig, model, tuple(seeds))
-    if options.get("in_python", False):
+    if in_python:
         found = outcomes_in_python(cases, reference, choice)
     else:
-        found = compiled_outcomes(cases, reference, choice, options.get("threads"))
-    kept = options.get("keep_recordings", False)
+        found = compiled_outcomes(cases, reference, choice, threads)
     outcomes: list[LoopOutcome] = []
     for outcome in found:
-        outcomes.append(outcome if kept else outcome._replace(run=None))
-        if "on_outcome" in options:
-            options["on_outcome"](outcomes[-1])
+        outcomes.append(outcome if keep_recordings else outcome._replace(run=None))
+        if on_outcome is not None:
+            on_outcome(outcomes[-1])
     return ManyControlRuns(tuple(outcomes))
 
 

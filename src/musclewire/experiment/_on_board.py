@@ -7,17 +7,15 @@ another model is refused by its checksum.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
+from typing import Unpack
 
 from musclewire.controllers import FuzzyPidSettings, Reference
 from musclewire.errors import CallerError
-from musclewire.experiment._closed_loop import APPROACH_S, check_same_wire
+from musclewire.experiment._closed_loop import APPROACH_S
 from musclewire.experiment._metrics import ControlRun, control_metrics
-from musclewire.experiment._run import Decision, OnSample, run_on_rig
-from musclewire.experiment._speed_limits import speed_metadata
-from musclewire.experiment._staircases import staircase_within
-from musclewire.experiment._target_range import check_targets
-from musclewire.identify import COLUMN_SUFFIX, settings_for
+from musclewire.experiment._run import Decision, RunOptions, run_on_rig
+from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
+from musclewire.identify import COLUMN_SUFFIX, check_made_for, settings_for
 from musclewire.rigs import HasOnBoardLoop, Rig, ability
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
 from musclewire.signals import Command, RawSample, Target
@@ -81,9 +79,7 @@ def control_on_board(
     settings: FuzzyPidSettings | None = None,
     estimator: str = PAPER_ESTIMATOR,
     approach_s: float = APPROACH_S,
-    path: str | Path | None = None,
-    overwrite: bool = False,
-    on_sample: OnSample | None = None,
+    **run: Unpack[RunOptions],
 ) -> ControlRun:
     """Let a board's firmware move the wire along a reference.
 
@@ -101,12 +97,9 @@ def control_on_board(
         Name of the estimator that it was built with.
     approach_s
         Time [s] for which the reference's start is held before the reference begins.
-    path
-        File that is written while the run lasts; none if None.
-    overwrite
-        Whether an existing file is replaced; refused otherwise.
-    on_sample
-        Gets every recorded row; it may raise to stop the run.
+    **run
+        ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
+        may raise to stop the run, ``until`` asked after each whether the run is to end now.
 
     Returns
     -------
@@ -130,7 +123,7 @@ def control_on_board(
         )
     chosen = staircase_within(model) if reference is None else reference
     check_targets(model, chosen, rig.sample_period_s)
-    check_same_wire(model, rig)
+    check_made_for(model, rig.metadata())
     recording = run_on_rig(
         rig,
         TargetPolicy(loop, model, chosen, sample_period_s=rig.sample_period_s, approach_s=approach_s),
@@ -141,8 +134,6 @@ def control_on_board(
             "approach_s": approach_s,
             **speed_metadata(rig, model, chosen, None),
         },
-        path=path,
-        overwrite=overwrite,
-        on_sample=on_sample,
+        **run,
     )
     return ControlRun(recording.columns, recording.metadata, control_metrics(recording, model.quantity, chosen))

@@ -1,23 +1,88 @@
-"""Driving a wire by a waveform, and the slow sine that characterises it."""
+"""Driving a wire by a waveform, and the slow sine that characterises it.
+
+Its amplitude may be found beforehand: one sweep shows where the resistance has stopped falling.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path
-from typing import NamedTuple, TypedDict
+from math import inf
+from typing import NamedTuple, TypedDict, Unpack
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
+from musclewire.experiment._home_sweep import HomeSweep, SweepPlan
 from musclewire.experiment._known_drive import KnownDrive
-from musclewire.experiment._levelling_amplitude import levelling_amplitude
-from musclewire.experiment._run import Decision, OnSample, refuse_unusable, run_on_rig
+from musclewire.experiment._run import Decision, OnSample, RunOptions, refuse_unusable, run_on_rig
 from musclewire.identify import shows_c
-from musclewire.rigs import Rig
+from musclewire.parameters import ValidityLimits
+from musclewire.rigs import Rig, protection_limits_of
 from musclewire.signals import Command, Drive, MetadataValue, RawSample, Recording, describe_recording
+
+# A transformation takes a tenth of a wire's resistance and more; a smaller fall is not judged.
+MIN_FALL_FRACTION = 0.06
+# Below the highest temperature at which the alloy was measured by so much [K], in both estimated from the power.
+BELOW_COVERED_K = 2.0
+
+
+class LevellingAmplitude(NamedTuple):
+    """An amplitude, and why it is no larger.
+
+    Parameters
+    ----------
+    amplitude_v
+        Greatest drive voltage [V], at least the rig's own.
+    levelled
+        Whether the fall of the resistance has levelled off there.
+    stopped_by
+        The limit that was met before, in words; empty if it has levelled off.
+    """
+
+    amplitude_v: float
+    levelled: bool
+    stopped_by: str
+
+
+def levelling_amplitude(rig: Rig, on_sample: OnSample | None = None) -> LevellingAmplitude:
+    """Raise the power of a wire until the fall of its resistance levels off, within the limits of rig and alloy.
+
+    Parameters
+    ----------
+    rig
+        The rig, open; it is driven for about half a minute, and more for a thick wire.
+    on_sample
+        Called with every row, numbers by column name; it may raise to stop the run.
+
+    Returns
+    -------
+    The amplitude for a slow sine, and the limit that was met if one was.
+
+    Raises
+    ------
+    CallerError
+        For a rig without limits of resistance and temperature.
+    RigError
+        If the rig failed or was tripped.
+    """
+    limits = protection_limits_of(rig)
+    if limits is None:
+        raise CallerError("this rig states no limits, within which the amplitude could be raised: give the amplitude")
+    nominal_ohm = 0.5 * (limits.resistance_low_ohm + limits.resistance_high_ohm)
+    own_w = nominal_ohm * (rig.drive_amplitude_v / (nominal_ohm + limits.shunt_resistance_ohm)) ** 2
+    covered_k = ValidityLimits.stated_in(rig.metadata()).covered_temperature_high_k
+    highest_k = inf if covered_k is None else covered_k - BELOW_COVERED_K
+    plan = SweepPlan.for_rig(rig, own_w, MIN_FALL_FRACTION * nominal_ohm, until_level=True, highest_k=highest_k)
+    sweep = HomeSweep(rig, plan)
+    recording = run_on_rig(
+        rig, sweep, plan.duration_s, metadata={"experiment": "levelling amplitude"}, on_sample=on_sample
+    )
+    highest_v = max(float(recording["drive_voltage_v"].max()), rig.drive_amplitude_v)
+    return LevellingAmplitude(min(highest_v, rig.maximum_voltage_v), not sweep.stopped_by, sweep.stopped_by)
+
 
 Waveform = Callable[[float], float]
 PAPER_PERIOD_S = 90.0
@@ -156,9 +221,7 @@ def characterize(
     period_s: float = PAPER_PERIOD_S,
     cycles: int = 2,
     until_level: bool = False,
-    path: str | Path | None = None,
-    overwrite: bool = False,
-    on_sample: OnSample | None = None,
+    **run: Unpack[RunOptions],
 ) -> Recording:
     """Heat and cool the wire slowly and record both voltages and the reference instruments.
 
@@ -178,12 +241,9 @@ def characterize(
     until_level
         Whether an amplitude that is not given is raised above the rig's own, within its limits, until the fall of the
         resistance levels off; a sweep of half a minute before the slow sine finds it. The metadata say what stopped it.
-    path
-        File that is written while the run lasts; none if None.
-    overwrite
-        Whether an existing file is replaced; refused otherwise.
-    on_sample
-        Called with every recorded row, numbers by column name; it may raise to stop the run.
+    **run
+        ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
+        may raise to stop the run, ``until`` asked after each whether the run is to end now.
 
     Returns
     -------
@@ -209,22 +269,15 @@ def characterize(
     >>> loop.names
     ('time_s', 'drive_voltage_v', 'wire_voltage_v', 'shunt_voltage_v', 'displacement_m', 'force_n', 'cycle')
     """
-    refuse_unusable(path, overwrite)
+    path = run.get("path")
+    refuse_unusable(path, run.get("overwrite", False))
     raised: dict[str, MetadataValue] = {}
     if until_level and amplitude_v is None:
-        found = levelling_amplitude(rig, on_sample)
+        found = levelling_amplitude(rig, run.get("on_sample"))
         amplitude_v = found.amplitude_v
         raised = {"amplitude_raised": "until the fall levelled off" if found.levelled else found.stopped_by}
     sine = slow_sine_run(rig, amplitude_v, period_s, cycles)
-    recording = run_on_rig(
-        rig,
-        sine.policy,
-        sine.duration_s,
-        metadata={**sine.metadata, **raised},
-        path=path,
-        overwrite=overwrite,
-        on_sample=on_sample,
-    )
+    recording = run_on_rig(rig, sine.policy, sine.duration_s, metadata={**sine.metadata, **raised}, **run)
     seen = shows_c(recording)
     if seen is None:
         return recording

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from musclewire.experiment._extrapolation import extrapolation_warnings
-from musclewire.experiment._force_limit import force_warnings
 from musclewire.experiment._health import health_warnings
+from musclewire.sensing import noise_level
 from musclewire.signals import Recording
 
 # Friction counts as holding the wire from this fraction of a leg's length on: 0.01 points of strain.
@@ -57,4 +59,40 @@ def friction_warnings(recording: Recording) -> tuple[str, ...]:
         f"friction holds the wire: cooling, it became up to {1e3 * held_m:.2f} mm longer than the connector let it, "
         "since the load cannot pull guide and wire back; displacement, strain and force then show the friction: more "
         "pretension, a stiffer spring, or a guide with less friction",
+    )
+
+
+# A reading counts as above the limit if it exceeds it by this many standard deviations of the load cell's noise.
+NOISES = 4.0
+
+
+def force_limit_n(recording: Recording) -> float | None:
+    """Return the force allowed in a recording's run [N], None if it states neither its own limit nor the wire's."""
+    limit = recording.facts.number_or_none("force_limit_n")
+    return recording.facts.number_or_none("maximum_force_n") if limit is None else limit
+
+
+def force_warnings(recording: Recording) -> tuple[str, ...]:
+    """Return a warning if the measured force, ``force_n``, exceeds the wire's limit; none otherwise.
+
+    The limit is the recording's ``force_limit_n`` or, without it, the wire's ``maximum_force_n`` [N]. A recording
+    without load cell or limit cannot be judged and gets no warning.
+    """
+    limit = force_limit_n(recording)
+    if "force_n" not in recording or limit is None:
+        return ()
+    force, time = recording["force_n"], recording["time_s"]
+    above = force > limit + NOISES * noise_level(force)
+    if not above.any():
+        return ()
+    worst = int(np.argmax(force))
+    step_s = float(np.median(np.diff(time))) if time.size > 1 else 0.0
+    drive = f", drive {recording['drive_voltage_v'][worst]:.2f} V" if "drive_voltage_v" in recording else ""
+    whose = f" of wire {wire}" if (wire := recording.facts.text_or_none("wire")) else ""
+    together = "parallel wire" in recording.facts.load
+    over_s = step_s * int(above.sum())
+    return (
+        f"{'the wires pull' if together else 'the wire pulls'} with up to {force[worst]:.2f} N at {time[worst]:.1f} s"
+        f"{drive}, {force[worst] - limit:.2f} N above the {limit:g} N allowed (maximum_force_n{whose}), and above it "
+        f"for {over_s:.1f} s in total: drive less, set less pretension, or take a softer load or a thicker wire",
     )

@@ -1,18 +1,69 @@
-"""Speed limits of a reference on a rig, said before the wire is heated."""
+"""A reference before the wire is heated: the staircase within a model's range, its targets, and its speed limits."""
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
-from musclewire.controllers import FeedforwardSettings, Reference, SteeredReference
-from musclewire.errors import RecordingError
+from musclewire.controllers import FeedforwardSettings, Reference, Staircase, SteeredReference, staircase
+from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment._run import what_protects
-from musclewire.experiment._staircases import staircase_within
-from musclewire.experiment._target_range import check_targets
 from musclewire.identify import SpeedLimits, speed_limits_of
 from musclewire.rigs import Rig
-from musclewire.sensing import KnownSpring, SensingModel, force_model
+from musclewire.sensing import SHOWN_AS, KnownSpring, SensingModel, force_model
 from musclewire.signals import RunFacts
+
+# The paper's staircase goes to 3.0 % where its wire reaches 3.6 %, from half of that, in five steps.
+TOP_FRACTION = 0.84
+STEPS = 5
+DIGITS = 2
+
+
+def staircase_within(model: SensingModel) -> Staircase:
+    """Return the paper's staircase for strain; for displacement and force, from half of a round top in five steps.
+
+    The top is 84 % of the model's maximum, rounded down to two digits. Raises CallerError if half of it is below the
+    model's minimum.
+    """
+    if model.quantity == "strain":
+        return staircase()
+    top = TOP_FRACTION * model.quantity_max
+    unit = 10.0 ** (math.floor(math.log10(top)) - DIGITS + 1)
+    top = unit * math.floor(top / unit)
+    if 0.5 * top < model.quantity_min:
+        factor, name = SHOWN_AS[model.quantity]
+        raise CallerError(
+            f"no staircase fits: its first step would be {factor * 0.5 * top:.4g} {name}, and the model senses "
+            f"{model.quantity} from {factor * model.quantity_min:.4g} {name}: give a reference of your own"
+        )
+    return staircase(0.5 * top, top, 0.5 * top / STEPS)
+
+
+def check_targets(model: SensingModel, reference: Reference, sample_period_s: float) -> None:
+    """Raise CallerError if a reference leaves the range in which the model senses."""
+    if reference.duration_s < sample_period_s:
+        raise CallerError(
+            f"the reference lasts {reference.duration_s:g} s, less than one sample of {sample_period_s:g} s: "
+            "its last row states when it ends, give one later"
+        )
+    low, high = range_of(reference, sample_period_s)
+    margin = 1e-3 * (model.quantity_max - model.quantity_min)
+    if low < model.quantity_min - margin or high > model.quantity_max + margin:
+        factor, unit = SHOWN_AS[model.quantity]
+        raise CallerError(
+            f"the reference goes from {factor * low:.4g} to {factor * high:.4g} {unit}, but this model senses "
+            f"{model.quantity} only from {factor * model.quantity_min:.4g} to {factor * model.quantity_max:.4g} "
+            f"{unit}: choose targets inside"
+        )
+
+
+def range_of(reference: Reference, sample_period_s: float) -> tuple[float, float]:
+    """Return the lowest and the highest target of a reference; of a steered one, those that it allows."""
+    if isinstance(reference, SteeredReference):
+        return reference.lowest, reference.highest
+    times = [index * sample_period_s for index in range(round(reference.duration_s / sample_period_s) + 1)]
+    targets = reference.targets_at(times)
+    return float(targets.min()), float(targets.max())
 
 
 def speed_limits(

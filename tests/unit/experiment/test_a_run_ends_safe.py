@@ -13,7 +13,7 @@ from fake_rig import FakeRig, straight_model
 
 from musclewire.controllers import FuzzyPidSettings, sampled_reference
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment._closed_loop import control, controller_for
+from musclewire.experiment._closed_loop import LoopChoice, control, prepared_loop
 from musclewire.experiment._open_loop import WaveformPolicy, characterize, slow_sine
 from musclewire.experiment._run import run_on_rig
 from musclewire.sensing import SensingModel
@@ -132,9 +132,9 @@ def test_a_step_too_short_to_settle_has_no_error_rather_than_a_wrong_one() -> No
 
 def test_the_controllers_error_unit_is_fitted_to_the_quantity_unless_the_caller_gave_one() -> None:
     metres = replace(straight_model(), quantity="displacement")
-    assert controller_for(FakeRig(), metres).settings.error_unit == pytest.approx(0.04 / 3.0)
-    given = FuzzyPidSettings(error_unit=0.123)
-    assert controller_for(FakeRig(), metres, given).settings.error_unit == 0.123
+    for given, unit in ((None, pytest.approx(0.04 / 3.0)), (FuzzyPidSettings(error_unit=0.123), 0.123)):
+        loop = prepared_loop(FakeRig(), metres, None, LoopChoice(settings=given))
+        assert loop.controller.settings.error_unit == unit
 
 
 def test_a_finished_run_ends_at_the_sense_voltage_and_leaving_the_block_switches_off() -> None:

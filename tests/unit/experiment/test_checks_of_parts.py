@@ -7,7 +7,7 @@ import sys
 import pytest
 
 import musclewire as mw
-from musclewire.experiment._doctor.findings import Findings, RigCheck
+from musclewire.experiment._doctor.evidence import Findings, RigCheck
 from musclewire.manifest import Manifest
 from musclewire.rigs import GuardedRig
 

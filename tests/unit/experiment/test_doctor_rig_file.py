@@ -7,8 +7,7 @@ import tomllib
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.experiment._doctor.calibration import ChannelCalibration
-from musclewire.experiment._doctor.rig_file import with_calibration
+from musclewire.experiment._doctor.rig_file import ChannelCalibration, with_calibration
 
 FILE = """# my bench
 kind = "nidaq"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.experiment._force_limit import force_warnings
 from musclewire.experiment._open_loop import characterize
+from musclewire.experiment._run_warnings import force_warnings
 from musclewire.rigs import RigConfiguration, open_rig
 from musclewire.signals import MetadataValue, Recording
 

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from musclewire.experiment._levelling_amplitude import levelling_amplitude
-from musclewire.experiment._open_loop import characterize
+from musclewire.experiment._open_loop import characterize, levelling_amplitude
 from musclewire.identify import shows_c
 from musclewire.rigs import RigConfiguration, amplitude_is_given, open_rig
 from musclewire.signals import Recording, read_recording

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError
-from musclewire.experiment._staircases import staircase_within
+from musclewire.experiment._speed_limits import staircase_within
 from musclewire.sensing import SensingModel
 
 STRAIN = SensingModel(15.0, 17.0, (0.036, -0.036), (0.036, -0.036), 0.0, 1.0)

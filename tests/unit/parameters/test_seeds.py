@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.experiment import SupplyRequest, plan_supply
 from musclewire.identify import SearchSettings
 from musclewire.parameters._seeds import require_seed
 from musclewire.rigs import RigConfiguration
@@ -21,7 +20,6 @@ TAKERS: dict[str, Callable[[Any], Any]] = {
     "open_rig": lambda seed: mw.open_rig("simulated", seed=seed),
     "a rig's configuration": lambda seed: RigConfiguration(seed=seed),
     "a search": lambda seed: SearchSettings(seed=seed),
-    "simulate": lambda seed: plan_supply(SupplyRequest("flexinol-0.10-ht", seed=seed)),
 }
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from musclewire.controllers import staircase
 from musclewire.errors import RecordingError
-from musclewire.experiment import control_metrics, drive_numbers, elapsed
+from musclewire.experiment import control_metrics, elapsed
 from musclewire.identify import (
     contraction_force_n,
     fit,
@@ -78,13 +78,6 @@ USERS: dict[str, tuple[dict[str, MetadataValue], str, Callable[[Recording], obje
         {"leg_length_m": 0.07},
         "sample_period_s",
         lambda recording: control_metrics(recording, "strain", staircase(0.02, 0.03, 0.01)),
-    ),
-    "a drive's numbers": ({"leg_length_m": 0.07}, "sample_period_s", lambda one: drive_numbers(one, 1.0, 0.03)),
-    "its strain": ({"sample_period_s": 0.05}, "leg_length_m", lambda one: drive_numbers(one, 1.0, 0.03)),
-    "its current": (
-        {"sample_period_s": 0.05, "leg_length_m": 0.07},
-        "shunt_resistance_ohm",
-        lambda one: drive_numbers(one, 1.0, 0.03),
     ),
     "resistance": ({}, "shunt_resistance_ohm", resistance_reading),
     "strain": ({"shunt_resistance_ohm": 1.0}, "leg_length_m", lambda one: required_quantity(one, "strain")),

@@ -7,9 +7,15 @@ import math
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.experiment._doctor.evidence import Evidence, LinearFit, noise_v
-from musclewire.experiment._doctor.findings import Findings, RigCheck, SkippedCheck
-from musclewire.experiment._doctor.probing import VoltageLevel
+from musclewire.experiment._doctor.evidence import (
+    Evidence,
+    Findings,
+    LinearFit,
+    RigCheck,
+    SkippedCheck,
+    VoltageLevel,
+    noise_v,
+)
 
 # An offset may be this fraction of the reading at the sense voltage: it shifts resistance by the same fraction there.
 OFFSET_FRACTION = 0.01

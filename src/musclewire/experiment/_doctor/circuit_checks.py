@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from musclewire.experiment._doctor.evidence import Evidence
-from musclewire.experiment._doctor.findings import Findings, RigCheck, SkippedCheck
+from musclewire.experiment._doctor.evidence import Evidence, Findings, RigCheck, SkippedCheck
 
 # Eq. 1 treats less than 1 mA as no current; a sense current must be twice that.
 MIN_SENSE_CURRENT_A = 2e-3

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from musclewire.controllers import ProtectionLimits
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment._doctor.calibration import ChannelCalibration, calibrations
 from musclewire.experiment._doctor.channel_checks import (
     finite_check,
     hum_check,
@@ -18,9 +17,18 @@ from musclewire.experiment._doctor.channel_checks import (
     range_check,
 )
 from musclewire.experiment._doctor.circuit_checks import ExpectedWire, circuit_findings
-from musclewire.experiment._doctor.evidence import Evidence, evidence_of
-from musclewire.experiment._doctor.findings import Findings, RigCheck, SkippedCheck
-from musclewire.experiment._doctor.probing import LOW_FRACTIONS, OnProbe, VoltageLevel, VoltageProbe
+from musclewire.experiment._doctor.evidence import (
+    LOW_FRACTIONS,
+    Evidence,
+    Findings,
+    OnProbe,
+    RigCheck,
+    SkippedCheck,
+    VoltageLevel,
+    VoltageProbe,
+    evidence_of,
+)
+from musclewire.experiment._doctor.rig_file import ChannelCalibration, calibrations
 from musclewire.experiment._doctor.sense_checks import clock_findings, protection_findings, warmth_findings
 from musclewire.manifest import loaded, manifests
 from musclewire.parameters import Wire, load_wire

@@ -6,9 +6,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers import ProtectionLimits
-from musclewire.experiment._doctor.evidence import Evidence
-from musclewire.experiment._doctor.findings import Findings, RigCheck, SkippedCheck
-from musclewire.experiment._doctor.probing import VoltageLevel
+from musclewire.experiment._doctor.evidence import Evidence, Findings, RigCheck, SkippedCheck, VoltageLevel
 from musclewire.identify import steady_temperature_k
 from musclewire.parameters import Wire
 

@@ -1,4 +1,4 @@
-"""Sizing of what a wire pulls: pretensioner and finger."""
+"""Sizing of what a wire needs and pulls: supply, pretensioner and finger."""
 
 from __future__ import annotations
 
@@ -14,6 +14,20 @@ MANIFEST = Manifest(
         ),
     ),
     commands=(
+        Command(
+            "simulate",
+            "musclewire.extras.design._supply.command:simulate",
+            "Simulate a drive through a wire: which supply, shunt and current it needs.",
+            panel="Choose, simulate and design",
+            answer="musclewire.extras.design._supply.answers:SimulateAnswers",
+        ),
+        Command(
+            "catalogue",
+            "musclewire.extras.design._supply.command:catalogue",
+            "Compare the Flexinol catalogue with the simulation: contraction after one second, and cooling times.",
+            panel="Choose, simulate and design",
+            answer="musclewire.extras.design._supply.answers:CatalogueAnswer",
+        ),
         Command(
             "pretensioner",
             "musclewire.extras.design._commands.pretensioner_command:pretensioner",

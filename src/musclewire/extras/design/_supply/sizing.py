@@ -16,10 +16,16 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.experiment._drive import ALWAYS, PulseTrain, drive_wire, pulses_of
-from musclewire.experiment._extrapolation import extrapolation_warnings
-from musclewire.experiment._run import OnSample
-from musclewire.experiment._run_warnings import friction_warnings, step_warnings
+from musclewire.experiment import (
+    ALWAYS,
+    OnSample,
+    PulseTrain,
+    drive_wire,
+    extrapolation_warnings,
+    friction_warnings,
+    pulses_of,
+    step_warnings,
+)
 from musclewire.identify import (
     OVERHEATED_K,
     PULL_STRESS_PA,

@@ -121,3 +121,21 @@ def test_a_duty_heats_in_pulses_and_shows_largest_and_final_contraction(musclewi
     lowest, highest = pulsed["last_period_pct"]
     assert 0.0 < lowest < highest <= pulsed["largest_contraction_pct"]
     assert "on for 50 % of every 1 s" in musclewire("simulate", "--duty", "0.5").out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("simulate --wire flexinol-0.1-lt", "'flexinol-0.10-lt'"),
+        ("simulate --load 1N --stress 172MPa", "not both"),
+        ("simulate --wire paper-100um", "--supply or --current"),
+        ("simulate --off-after 3 --duration 1", "ends before"),
+        ("simulate --load 100N", "4.75"),
+        ("simulate --duty 50% --duty-period 20ms", "[pwm]"),
+    ],
+)
+def test_wrong_usage_is_one_line(arguments: str, words: str, musclewire: Callable[..., Any]) -> None:
+    answer = musclewire(*arguments.split())
+    assert (answer.code, answer.out) == (2, "")
+    assert len(answer.err.strip().splitlines()) == 1
+    assert words in answer.err

@@ -11,7 +11,7 @@ from musclewire.pages import AVERAGE, COOLING, HEATING, TARGET
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from musclewire.experiment._supply_sizing import SupplySizing
+    from musclewire.extras.design._supply.sizing import SupplySizing
 
 
 def drive_axes(sizing: SupplySizing, *, style: str = "screen") -> Axes:

@@ -1,27 +1,36 @@
-"""How a simulated drive, the list of wires and the catalogue's comparison read: as text, and as keys for JSON."""
+"""How a simulated drive, list and table of wires and the catalogue's comparison read: as text, and as keys for JSON."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from musclewire.app._output import table
+from musclewire.app import table
 
 if TYPE_CHECKING:
-    from musclewire.app._answers import CatalogueAnswer, CatalogueSide, SimulateAnswer, WiresAnswer
-    from musclewire.experiment import SupplyPlan, SupplySizing
-    from musclewire.identify import CatalogueComparison, JudgedValue
+    from musclewire.extras.design._supply.answers import (
+        CatalogueAnswer,
+        CatalogueSide,
+        SimulateAnswer,
+        WiresAnswer,
+        WireTableAnswer,
+    )
+    from musclewire.extras.design._supply.sizing import SupplyPlan, SupplySizing
+    from musclewire.identify import CatalogueComparison, JudgedValue, WireRow
     from musclewire.parameters import CatalogueCell
 
 ZERO_DEGC_K = 273.15
 MARKS = {"corroborated": "", "unverified": "?", "suspect": "??"}
+# Columns of the table of all wires.
+HEAD = ("wire", "R cold [ohm]", "1 s [mA]", "catalogue", "holds", "for long", "supply [V]", "power [W]", "sense [V]",
+        "slow sine [V]", "shunt [ohm]", "[mW]", "buy [W]")  # fmt: skip
 
 
 def simulate_answer(sizing: SupplySizing, recording: Path | None) -> SimulateAnswer:
     """Return a drive's answer in SI and percent."""
-    from musclewire.app._answers import SimulateAnswer, SuggestedParts
-    from musclewire.experiment import catalogue_side
+    from musclewire.extras.design._supply.answers import SimulateAnswer, SuggestedParts
+    from musclewire.extras.design._supply.sizing import catalogue_side
 
     numbers, plan, best, shunt = sizing.numbers, sizing.plan, sizing.one_second, sizing.shunt
     pulsed = plan.request.duty is not None
@@ -161,7 +170,7 @@ def amperes(current_a: float) -> str:
 
 def wires() -> WiresAnswer:
     """Return all wires that come with musclewire."""
-    from musclewire.app._answers import WireOfLibrary, WiresAnswer
+    from musclewire.extras.design._supply.answers import WireOfLibrary, WiresAnswer
     from musclewire.parameters import load_alloy, load_wire, names, validity_of
 
     loaded = [load_wire(name) for name in names("wire")]
@@ -201,7 +210,7 @@ def covered_words(limits: dict[str, float]) -> str:
 
 def comparison_answer(compared: Sequence[CatalogueComparison]) -> CatalogueAnswer:
     """Return the comparison with the catalogue: a row for each wire, in order."""
-    from musclewire.app._answers import CatalogueAnswer, ComparedWire
+    from musclewire.extras.design._supply.answers import CatalogueAnswer, ComparedWire
     from musclewire.identify import BARS
 
     verdicts = [one.ok for each in compared for one in (each.contraction, each.cooling)]
@@ -277,3 +286,59 @@ def judged_text(one: JudgedValue, scale: float, digits: int) -> str:
     """Return a number of ours with its verdict."""
     shown = "-" if one.ours is None else f"{scale * one.ours:.{digits}f}"
     return shown if one.ok is None else f"{shown} {'ok' if one.ok else 'FAIL'}"
+
+
+def table_answer(rows: Sequence[WireRow], length_m: float, stress_pa: float, ambient_k: float) -> WireTableAnswer:
+    """Return the table: a row for each wire, in order; SI."""
+    from musclewire.extras.design._supply.answers import WireTableAnswer
+
+    return WireTableAnswer.read_from(
+        length_m=length_m,
+        stress_pa=stress_pa,
+        ambient_temperature_degc=ambient_k - ZERO_DEGC_K,
+        simulated=True,
+        rows=[row_keys(row) for row in rows],
+    )
+
+
+def row_keys(row: WireRow) -> dict[str, Any]:
+    """Return one wire of the table."""
+    keys = row._asdict()
+    shunt, cell = keys.pop("shunt"), keys.pop("catalogue_current")
+    keys |= {f"shunt_{name}": value for name, value in shunt._asdict().items()}
+    return {**keys, "catalogue_current_a": 1e-3 * cell.value, "catalogue_current_status": cell.status}
+
+
+def table_text(rows: Sequence[WireRow], length_m: float, stress_pa: float, ambient_k: float) -> str:
+    """Return the table as lines."""
+    air = f"still air of {ambient_k - ZERO_DEGC_K:g} C"
+    lines = [
+        f"{1e3 * length_m:g} mm of wire, {stress_pa / 1e6:.0f} MPa, {air}; simulated",
+        "",
+        table(HEAD, map(cells, rows)),
+        "",
+        "1 s: contracts by 90 % in a second; then lower it to what holds. For long: settles at 150 C, a working limit",
+        "(assumed). Supply across wire and shunt at the one-second current, power in the wire; the switch or amplifier",
+        "comes on top. ? the catalogue's number is not corroborated. Shunt: power at that current, and what to buy.",
+    ]
+    return "\n".join(lines)
+
+
+def cells(row: WireRow) -> tuple[str, ...]:
+    """Return one wire as the cells of its row."""
+    printed, shunt = row.catalogue_current, row.shunt
+    currents_a = (row.holding_current_a, row.lasting_current_a)
+    return (
+        row.wire,
+        f"{row.cold_resistance_ohm:.4g}",
+        f"{1e3 * row.one_second_current_a:.0f}",
+        f"{printed.value:g}{MARKS[printed.status]}",
+        *(f"{1e3 * current_a:.0f}" for current_a in currents_a),
+        f"{row.supply_v:.2f}",
+        f"{row.power_w:.3g}",
+        f"{row.sense_voltage_v:.3f}",
+        f"{row.amplitude_v:.2f}",
+        f"{shunt.resistance_ohm:g}",
+        f"{1e3 * shunt.power_w:.0f}",
+        f"{shunt.rating_w:g}",
+    )

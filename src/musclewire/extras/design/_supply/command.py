@@ -7,45 +7,51 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from musclewire.app._figure_options import FigureOptions
-from musclewire.app._files import require_recording_file
-from musclewire.app._options import (
+from musclewire.app import (
     AMBIENT,
-    CURRENT,
-    DURATION,
-    DUTY,
-    DUTY_PERIOD,
     LIST,
     LOAD,
-    OFF_AFTER,
     OUTPUT,
     OVERWRITE,
     SEED,
     SHUNT,
+    WIRE,
+    WIRE_LENGTH,
+    FigureOptions,
+    Result,
+    in_si,
+    progress_bar,
+    require_recording_file,
+    stops_between_samples,
+    warn,
+)
+from musclewire.errors import CallerError
+from musclewire.extras.design._options import (
+    CURRENT,
+    DURATION,
+    DUTY,
+    DUTY_PERIOD,
+    OFF_AFTER,
     SPRING,
     STRESS,
     SUPPLY,
     TABLE,
-    WIRE,
-    WIRE_LENGTH,
-    in_si,
 )
-from musclewire.app._output import Result, progress_bar, warn
-from musclewire.app._stopping import stops_between_samples
-from musclewire.app._wire_text import (
+from musclewire.extras.design._supply.text import (
     answer_text,
     comparison_answer,
     comparison_text,
     simulate_answer,
+    table_answer,
+    table_text,
     wires,
     wires_text,
 )
-from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from musclewire.experiment import SupplyRequest, SupplySizing
+    from musclewire.extras.design._supply.sizing import SupplyRequest, SupplySizing
 
 
 @dataclass(frozen=True)
@@ -74,7 +80,7 @@ class MountingOptions:
 
 def request_of(wire: str, drive: DriveOptions, mounting: MountingOptions, seed: int) -> SupplyRequest:
     """Return the request that the options describe, in SI."""
-    from musclewire.experiment import SupplyRequest
+    from musclewire.extras.design._supply.sizing import SupplyRequest
 
     return SupplyRequest(
         wire=wire,
@@ -112,7 +118,7 @@ def simulate(
     if table:
         refuse_with_table(drive, mounting, output, figure.plot)
         return table_of_wires(mounting)
-    from musclewire.experiment import plan_supply, size_supply
+    from musclewire.extras.design._supply.sizing import plan_supply, size_supply
 
     request = request_of(wire, drive, mounting, seed)
     if output is not None:
@@ -128,7 +134,7 @@ def simulate(
 
 def drawn(answer: SupplySizing, *, style: str) -> Axes:
     """Return the drawn drive; loads what draws only now."""
-    from musclewire.experiment import drive_axes
+    from musclewire.extras.design._supply.figure import drive_axes
 
     return drive_axes(answer, style=style)
 
@@ -152,7 +158,6 @@ def refuse_with_table(drive: DriveOptions, mounting: MountingOptions, output: Pa
 
 def table_of_wires(mounting: MountingOptions) -> Result:
     """Return what every wire of the catalogue needs at a length."""
-    from musclewire.app._wire_table_text import table_answer, table_text
     from musclewire.identify import PULL_STRESS_PA, wire_table
 
     length_m = in_si("--wire-length", mounting.wire_length)
