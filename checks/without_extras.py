@@ -22,8 +22,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 EXTRAS = ROOT / "src" / "musclewire" / "extras"
-# Which extra imports which, as ARCHITECTURE.md draws it and pyproject.toml holds it.
-ARROWS = {"design": ("paper",), "board": ("interfaces",)}
+# Which extra needs which: by imports, as ARCHITECTURE.md draws and pyproject.toml holds them, or by name, as studies
+# compare the particle filter.
+ARROWS = {"design": ("paper",), "board": ("interfaces",), "particles": ("studies",)}
 # What a copy has: what the tests of one part or another read.
 COPIED = (
     *("src", "tests", "examples", "benchmarks", "checks", "docs", "emulation", "firmware", "hardware", "studies"),

@@ -180,7 +180,6 @@ def test_wrong_usage_is_one_line_too(
         ("--quantity displacment", "did you mean 'displacement'?"),
         ("--quantity force", "--known-stiffness"),
         ("--known-stiffness 588.6N/m", "--quantity force"),
-        ("--estimator particle-filter", "needs a wire file"),
         ("--reference stairs", "did you mean 'staircase'"),
     ],
 )

@@ -27,7 +27,9 @@ from ._gaps import hysteresis_gap as hysteresis_gap
 from ._gaps import signed_hysteresis_gap as signed_hysteresis_gap
 from ._gated_estimator import GATES as GATES
 from ._gated_estimator import GatedEstimator as GatedEstimator
+from ._gated_estimator import GatedState as GatedState
 from ._gated_estimator import compile_estimators as compile_estimators
+from ._gated_estimator import gated_estimator as gated_estimator
 from ._gated_estimator import gated_numbers as gated_numbers
 from ._grip_force import GripCurve as GripCurve
 from ._grip_force import fall_by_cooling as fall_by_cooling

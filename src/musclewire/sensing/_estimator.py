@@ -179,7 +179,6 @@ ESTIMATORS: Registry[EstimatorFactory] = Registry(
     {
         "polynomial": "musclewire.sensing._polynomial_estimator:polynomial_estimator",
         "gated": "musclewire.sensing._gated_estimator:gated_estimator",
-        "particle-filter": "musclewire.sensing._particles.estimator:particle_filter",
     },
 )
 

@@ -23,7 +23,7 @@ FOLDER = Path("robustness")
 # estimator decides neither: whoever works on one keeps all runs.
 ROOMS = (
     *("physics", "wire", "parameters", "sensing", "controllers", "rigs", "identify", "experiment"),
-    *("extras/studies/_segmented", "extras/studies/_robustness"),
+    *("extras/studies/_segmented", "extras/studies/_robustness", "extras/particles"),
 )
 OF_ESTIMATORS = ("estimator", "gated", "particles", "tick")
 
