@@ -21,6 +21,7 @@ from ._estimator import Estimator as Estimator
 from ._estimator import EstimatorFactory as EstimatorFactory
 from ._estimator import EstimatorSetup as EstimatorSetup
 from ._estimator import dropout_failure as dropout_failure
+from ._estimator import estimates as estimates
 from ._fitting import fit_branches as fit_branches
 from ._fitting import fit_loop as fit_loop
 from ._gaps import hysteresis_gap as hysteresis_gap
@@ -53,12 +54,6 @@ from ._segment_tracking import segment_course as segment_course
 from ._segments import LoopSegments as LoopSegments
 from ._segments import find_loops as find_loops
 from ._segments import find_segments as find_segments
-from ._slow_corrections import CORRECTION_COLUMN as CORRECTION_COLUMN
-from ._slow_corrections import InLine as InLine
-from ._slow_corrections import InThread as InThread
-from ._slow_corrections import SlowCorrections as SlowCorrections
-from ._slow_corrections import SlowStatus as SlowStatus
-from ._slow_corrections import estimates as estimates
 from ._smoothing import noise_level as noise_level
 from ._smoothing import smooth as smooth
 from ._smoothing import smoothing_window as smoothing_window

@@ -9,7 +9,7 @@ import types
 from pathlib import Path
 
 import pytest
-from tests.slow_estimators import drifting
+from tests.other_estimators import DriftingEstimator
 from typer.testing import CliRunner
 
 import musclewire as mw
@@ -48,7 +48,7 @@ def on_off(setup: ControllerSetup) -> OnOff:
 def registered(monkeypatch: pytest.MonkeyPatch) -> None:
     for registry in (ESTIMATORS, CONTROLLERS):
         monkeypatch.setattr(registry, "_registered", {})
-    ESTIMATORS.register("drifting", drifting())
+    ESTIMATORS.register("drifting", DriftingEstimator)
     CONTROLLERS.register("on-off", on_off)
 
 
@@ -56,7 +56,7 @@ def registered(monkeypatch: pytest.MonkeyPatch) -> None:
 def offered(monkeypatch: pytest.MonkeyPatch) -> None:
     """A package that offers both as entry points and registers nothing."""
     module = types.ModuleType("another_package")
-    module.on_off, module.drifting = on_off, drifting()  # type: ignore[attr-defined]
+    module.on_off, module.drifting = on_off, DriftingEstimator  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "another_package", module)
     points = {
         "musclewire.controllers": [importlib.metadata.EntryPoint("on-off", "another_package:on_off", "-")],

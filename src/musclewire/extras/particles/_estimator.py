@@ -93,7 +93,6 @@ class ParticleFilter:
 
     columns = PARTICLE_COLUMNS
     has_c_form = False
-    slow_part = None
 
     def __init__(
         self, branches: GatedEstimator, wire: WireConstants, setup: EstimatorSetup, settings: ParticleSettings
