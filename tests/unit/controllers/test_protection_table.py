@@ -8,7 +8,7 @@ import pytest
 from pydantic import ValidationError
 from tests.unit.controllers.protected_wire import LIMITS as WIRE
 
-from musclewire.controllers._protection import (
+from musclewire.controllers import (
     Event,
     ProtectionState,
     ProtectionTable,
@@ -18,14 +18,13 @@ from musclewire.controllers._protection import (
     armed,
     closed,
     protect_command,
-    protect_event,
     protect_missing,
     protect_reading,
     protection_table,
     rested,
     tripped_by,
 )
-from musclewire.controllers._protection.protect import state_after
+from musclewire.controllers._protection.protect import protect_event, state_after
 from musclewire.controllers._protection.table import AllowedDrive, Effect
 
 LIMITS = WIRE._replace(wire_range_v=10.0, shunt_range_v=10.0, readings_noisy=0.0, maximum_temperature_k=473.15)
