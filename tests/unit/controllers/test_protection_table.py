@@ -38,7 +38,7 @@ REACHED: dict[State, ProtectionState] = {
     State.OFF: closed(RUNNING),
     State.ARMED: armed(LIMITS),
     State.RUN: RUNNING,
-    State.HOLD: protect_missing(RUNNING, Event.SAMPLE_LATE, 0.01),
+    State.HOLD: protect_missing(RUNNING, Event.SAMPLE_LATE, 0.0),
     State.DEGRADED: protect_missing(RUNNING, Event.SAMPLE_LATE, 0.2),
     State.TRIPPED: tripped_by(RUNNING, Event.WIRE_SHORT),
 }
@@ -114,6 +114,7 @@ def test_what_is_missing_never_puts_out_more_than_before() -> None:
 def test_armed_and_degraded_both_put_out_the_sense_voltage_and_only_one_follows_a_command() -> None:
     for state in (State.ARMED, State.DEGRADED):
         assert allowed_drive_v(REACHED[state], LIMITS) == LIMITS.sense_voltage_v
+    assert allowed_drive_v(protect_command(REACHED[State.HOLD], LIMITS, 1.5), LIMITS) == 2.0
     assert allowed_drive_v(protect_command(REACHED[State.ARMED], LIMITS, 1.5), LIMITS) == 1.5
     assert allowed_drive_v(protect_command(REACHED[State.DEGRADED], LIMITS, 1.5), LIMITS) == LIMITS.sense_voltage_v
 
