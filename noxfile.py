@@ -33,7 +33,7 @@ PLATFORMS = {
 }
 # All extras, and which of them imports which, as ARCHITECTURE.md draws it and pyproject.toml holds it.
 EXTRAS = sorted(path.parent.name for path in ROOT.glob("src/musclewire/extras/*/manifest.py"))
-ARROWS = {"design": ("paper",), "board": ("interfaces",), "grip": ("studies",)}
+ARROWS = {"design": ("paper",), "board": ("interfaces",), "grip": ("studies",), "particles": ("studies",)}
 # What a copy of the checkout does without: what is made in it, and the tests that are about the whole of it.
 NOT_COPIED = shutil.ignore_patterns(".*", "__pycache__", "build", "*.egg-info", "house")
 # Files that are named run whole, their long tests too, unless these are left out.

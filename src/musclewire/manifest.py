@@ -240,7 +240,7 @@ def absent_part(kind: str, name: str) -> CallerError | None:
     Parameters
     ----------
     kind
-        "commands", "names", "devices", "run_kinds" or "suffixes": a key of ``parts.toml``.
+        "commands", "names", "estimators", "devices", "run_kinds" or "suffixes": a key of ``parts.toml``.
     name
         What was asked for.
 

@@ -138,7 +138,6 @@ def test_wrong_usage_is_one_line_too(
         ("--runs 2 -o run.h5", "--output belongs to a single run"),
         ("--refrence x", "(Possible options: --reference)"),
         ("--quantity force", "--known-stiffness"),
-        ("--estimator particle-filter", "needs a wire file"),
     ],
 )
 def test_what_control_cannot_do_is_one_line_too(

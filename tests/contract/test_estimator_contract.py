@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.slow_estimators import drifting
+from tests.other_estimators import DriftingEstimator
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.sensing import (
@@ -31,7 +31,7 @@ MODEL = SensingModel(
     13.5, 17.5, (0.0405, -0.04), (0.0395, -0.04), 0.05, 0.95, resistance_noise_ohm=0.005, scale_std=0.03
 )
 PERIOD_S = 0.05
-FACTORIES = {**{name: ESTIMATORS.find(name) for name in ESTIMATORS.names()}, "with a slow part": drifting()}
+FACTORIES = {**{name: ESTIMATORS.find(name) for name in ESTIMATORS.names()}, "drifting": DriftingEstimator}
 # The wire of a user's file, for estimators on physics: any will do for what all promise.
 WIRE = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
 MADE: dict[str, Estimator] = {
@@ -148,9 +148,7 @@ def test_all_at_once_is_as_one_by_one(name: str) -> None:
         step = MADE[name].step(state, one)
         state = step.state
         single.append((step.estimate, step.recorded))
-    if MADE[name].slow_part is None:
-        assert list(estimates(MADE[name], samples)) == single
-    assert list(estimates(MADE[name], samples)) == list(estimates(MADE[name], iter(samples)))
+    assert list(estimates(MADE[name], iter(samples))) == single
 
 
 @every_curve
@@ -162,11 +160,6 @@ def test_on_a_known_spring_the_friction_belongs_to_the_force(name: str) -> None:
     # A wire whose resistance rises again is one that is heated less.
     found = followed(estimator, [*heating, *heating[::-1]], [2.0] * 20 + [1.0] * 20)
     assert found[10].value - found[-11].value == pytest.approx(0.4, abs=0.02)
-
-
-def test_the_papers_estimator_has_a_c_form_and_no_slow_part() -> None:
-    assert MADE["polynomial"].has_c_form
-    assert MADE["polynomial"].slow_part is None
 
 
 COMPILED = [name for name in FACTORIES if declared_tick(MADE[name]) is not None]

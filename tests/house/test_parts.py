@@ -13,6 +13,7 @@ def names_by_kind(one: Manifest) -> dict[str, list[str]]:
     return {
         "commands": sorted([group.name for group in one.groups] + top),
         "names": sorted(one.names),
+        "estimators": sorted(one.estimators),
         "devices": sorted(one.devices),
         "rig_files": sorted(file.stem for file in folder_of(one.rig_files).glob("*.toml")) if one.rig_files else [],
         "suffixes": sorted(one.suffixes_read),

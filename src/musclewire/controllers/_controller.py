@@ -1,7 +1,9 @@
 """The interface of controllers: target, estimate and state in; command, state and the numbers to record out.
 
 A controller has no clock, knows no rig and keeps nothing to itself: its only memory is its state, which the loop passes
-back. ``tests/contract/test_controller_contract.py`` tests every implementation for this.
+back. ``tests/contract/test_controller_contract.py`` tests every implementation for this. One that also declares
+``compiled_tick(drive_voltage_v)``, a :class:`~musclewire.signals.CompiledTick` of its step with the state of ``start``,
+can run in compiled loops (``mw.control_many``).
 
 Another controller is one file with a factory, a ``ControllerFactory``, and a name for it: a line in ``CONTROLLERS``
 here, or from outside ``CONTROLLERS.register("name", factory)`` or an entry point of the group "musclewire.controllers".
@@ -16,7 +18,7 @@ from typing import Any, Protocol
 from musclewire.controllers._drive_limits import DriveLimits
 from musclewire.errors import CallerError, NumericsError
 from musclewire.registry import Registry
-from musclewire.signals import CompiledTick, ControlStep, QuantityEstimate
+from musclewire.signals import ControlStep, QuantityEstimate
 
 PERCENT_STRAIN = 0.01
 
@@ -75,26 +77,6 @@ class Controller(Protocol):
             If target or estimate is not finite.
         CallerError
             If ``dt_s`` is not above 0.
-        """
-        ...
-
-
-class CompiledController(Controller, Protocol):
-    """A controller whose tick can also run in compiled code, in loops that run as a batch (``mw.control_many``)."""
-
-    def compiled_tick(self, drive_voltage_v: float) -> CompiledTick | None:
-        """Return ``step`` as a compiled function, with the state of ``start``: the same arithmetic.
-
-        It counts only in the class that declares it: one that inherits another step declares its own tick.
-
-        Parameters
-        ----------
-        drive_voltage_v
-            The drive [V] that was commanded last, as for ``start``.
-
-        Returns
-        -------
-        The function, its constants and its first state; None if it is made of parts that have no compiled form.
         """
         ...
 

@@ -21,29 +21,22 @@ from musclewire.experiment._speed_limits import check_targets, speed_metadata, s
 from musclewire.identify import COLUMN_SUFFIX, check_made_for, error_unit_for, users_wire
 from musclewire.rigs import Rig
 from musclewire.sensing import (
-    CORRECTION_COLUMN,
     DEFAULT_ESTIMATOR,
     ESTIMATORS,
     Estimator,
     EstimatorFactory,
     EstimatorSetup,
-    InLine,
-    InThread,
     KnownSpring,
     SensingModel,
-    SlowCorrections,
-    SlowStatus,
     force_model,
 )
-from musclewire.signals import Command, Drive, EstimatorStep, MetadataValue, RawSample, WireSample, wire_sample
+from musclewire.signals import Command, Drive, MetadataValue, RawSample, wire_sample
 
 # A wire at rest is cold, where resistance does not determine strain; it gets this long to come to the first target
 # before the first step begins. Eq. 7 is given from the first target on, and after this approach.
 APPROACH_S = 12.0
 # What a loop takes if it has the wire's own file.
 DEFAULT_WITH_WIRE_FILE = "particle-filter"
-# Of an estimator without a slow part no status is recorded.
-NO_STATUS: tuple[float, ...] = ()
 
 
 def approach_of(controller: str | ControllerFactory, given_s: float | None = None) -> float:
@@ -71,8 +64,6 @@ class SelfSensingPolicy:
         Time [s] the wire gets to reach the first target.
     first_drive_voltage_v
         The drive voltage [V] that the rig already puts out.
-    slow
-        Runs the estimator's slow part; None if it has none.
     """
 
     def __init__(
@@ -84,23 +75,20 @@ class SelfSensingPolicy:
         sample_period_s: float,
         approach_s: float,
         first_drive_voltage_v: float,
-        slow: SlowCorrections | None = None,
     ) -> None:
         """Start estimator and controller from the present drive voltage."""
-        self._estimator, self._controller, self._reference, self._slow = estimator, controller, reference, slow
+        self._estimator, self._controller, self._reference = estimator, controller, reference
         self._sample_period_s, self._approach_s = sample_period_s, approach_s
         self._first = Drive(controller.limits.clamp(first_drive_voltage_v))
         self._estimator_state, self._controller_state = estimator.start(), controller.start(self._first.voltage_v)
         suffix = COLUMN_SUFFIX[estimator.quantity]
         self._columns = (
             *estimator.columns,
-            *(() if slow is None else (CORRECTION_COLUMN,)),
             f"target_{suffix}",
             f"estimated_{suffix}",
             "valid",
             *controller.columns,
         )
-        self.metadata: dict[str, MetadataValue] = {}
 
     @property
     def columns(self) -> Sequence[str]:
@@ -113,11 +101,7 @@ class SelfSensingPolicy:
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the controller's answer to one sample. Raises RigError if the estimator cannot continue."""
-        measured, status = wire_sample(sample), NO_STATUS
-        if self._slow is None:
-            estimate, self._estimator_state, sensed = self._estimator.step(self._estimator_state, measured)
-        else:
-            (estimate, self._estimator_state, sensed), status = self._corrected(self._slow, measured)
+        estimate, self._estimator_state, sensed = self._estimator.step(self._estimator_state, wire_sample(sample))
         if estimate.failure:
             raise RigError(estimate.failure)
         # The sample that has just ended is judged by the target that held while it was taken.
@@ -126,17 +110,8 @@ class SelfSensingPolicy:
         command, self._controller_state, controlled = self._controller.step(
             self._controller_state, target, estimate, self._sample_period_s
         )
-        values = (*sensed, *status, judged, estimate.value, float(estimate.valid), *controlled)
+        values = (*sensed, judged, estimate.value, float(estimate.valid), *controlled)
         return Decision(command, values)
-
-    def _corrected(self, slow: SlowCorrections, sample: WireSample) -> tuple[EstimatorStep, tuple[float, ...]]:
-        """Return the estimator's step, with a due correction of its slow part, and the status of that."""
-        state, status = slow.before(self._estimator_state)
-        step = self._estimator.step(state, sample)
-        slow.after(sample)
-        if status is not SlowStatus.NONE_DUE:
-            self.metadata.update(slow.metadata())
-        return step, (float(status),)
 
 
 def control(
@@ -212,25 +187,16 @@ def control(
     named = estimator or default_estimator(wire_file)
     choice = LoopChoice(named, controller, settings, load, approach_of(controller, approach_s), wire_file)
     loop = prepared_loop(rig, model, reference, choice)
-    made = loop.estimator
-    slow = None if made.slow_part is None else SlowCorrections(made.slow_part, InThread() if rig.paced else InLine())
     policy = SelfSensingPolicy(
-        made,
+        loop.estimator,
         loop.controller,
         loop.reference,
         sample_period_s=rig.sample_period_s,
         approach_s=choice.approach_s,
         first_drive_voltage_v=rig.drive_voltage_v,
-        slow=slow,
     )
-    # The corrections of a slow part are known only at the end and are added to the policy's metadata.
-    policy.metadata |= {**loop.metadata, **({} if slow is None else slow.metadata())}
-    policy.metadata |= speed_metadata(rig, loop.model, loop.reference, settings)
-    try:
-        recording = run_on_rig(rig, policy, loop.duration_s, metadata=policy.metadata, **run)
-    finally:
-        if slow is not None:
-            slow.close()
+    metadata = loop.metadata | speed_metadata(rig, loop.model, loop.reference, settings)
+    recording = run_on_rig(rig, policy, loop.duration_s, metadata=metadata, **run)
     metrics = control_metrics(recording, loop.model.quantity, loop.reference)
     return ControlRun(recording.columns, recording.metadata, metrics)
 

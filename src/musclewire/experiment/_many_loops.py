@@ -290,11 +290,6 @@ def ticks_of(prepared: PreparedLoop, choice: LoopChoice, first_drive_v: float) -
                 f"the {kind} {name} has no compiled tick: declare one by a method compiled_tick of its own class, or "
                 "run the loops in Python (in_python=True, --in-python)"
             )
-    if prepared.estimator.slow_part is not None:
-        raise CallerError(
-            f"the estimator {name_of(choice.estimator)} has a slow part, which has no compiled form: run the loops in "
-            "Python (in_python=True, --in-python)"
-        )
     assert estimator is not None
     assert controller is not None
     return LoopTicks(estimator, controller, prepared.estimator.columns, prepared.controller.columns)

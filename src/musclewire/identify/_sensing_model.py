@@ -370,7 +370,7 @@ def at_once(model: SensingModel, recording: Recording) -> dict[str, FloatArray]:
 def one_by_one(
     factory: EstimatorFactory, model: SensingModel, recording: Recording, wire: WireConstants | None = None
 ) -> dict[str, FloatArray]:
-    """Return the columns of an estimator that runs sample by sample, its slow part computed in line."""
+    """Return the columns of an estimator that runs sample by sample."""
     times = recording["time_s"]
     period_s = float(np.median(np.diff(times))) if times.size > 1 else 0.0
     made = factory(EstimatorSetup(model, recording.facts.shunt_resistance_ohm, period_s, wire=wire))

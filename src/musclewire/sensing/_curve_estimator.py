@@ -51,7 +51,6 @@ class CurveEstimator:
 
     columns = ("wire_resistance_ohm",)
     has_c_form = True
-    slow_part = None
 
     def __init__(self, curve: ResistanceCurve, function: Any, numbers: Sequence[float], first_state: Any) -> None:
         """Take the tick, and compile it here: not in the first sample of a loop."""

@@ -1,7 +1,9 @@
 """What an estimator is: a sample of the wire in, state in; estimate with standard deviation, validity and reason out.
 
 An estimator has no clock, reads no reference instrument and keeps nothing to itself: its only memory is its state,
-which the loop passes back. ``tests/contract/test_estimator_contract.py`` tests every implementation for this.
+which the loop passes back. ``tests/contract/test_estimator_contract.py`` tests every implementation for this. One that
+also declares ``compiled_tick()``, a :class:`~musclewire.signals.CompiledTick` of its step with the state of ``start``,
+can run in compiled loops (``mw.control_many``).
 
 Another estimator is one file with a factory, an ``EstimatorFactory``, and a name for it: a line in ``ESTIMATORS`` here,
 or from outside ``ESTIMATORS.register("name", factory)`` or an entry point of the group "musclewire.estimators". One
@@ -11,14 +13,14 @@ simulator.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from musclewire.registry import Registry
 from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._known_load import KnownSpring
-from musclewire.signals import CompiledTick, EstimatorStep, RawSample, WireSample
+from musclewire.signals import EstimatorStep, QuantityEstimate, RawSample, WireSample
 from musclewire.wire import WireConstants
 
 # What a closed loop runs unless another is named (docs/explanation/decisions/0041-gated-branches-by-default.md).
@@ -27,60 +29,6 @@ DEFAULT_ESTIMATOR = "gated"
 PAPER_ESTIMATOR = "polynomial"
 # A sample without current is bridged by holding the drive; this many in a row are a broken wire or circuit.
 MAX_DROPOUTS = 10
-
-
-class SlowPart(Protocol):
-    """The part of an estimator that takes longer than a tick: a window of samples in, a correction out.
-
-    Every ``every_ticks`` ticks a correction is requested, and exactly ``after_ticks`` ticks later it takes effect: in
-    line in simulation, out of a thread on a rig with a clock, with the same result. One that is late or fails leaves
-    the old correction in place, and the sample records so (``sensing/_slow_corrections.py``).
-    """
-
-    @property
-    def window_ticks(self) -> int:
-        """Number of latest samples in a correction; the first correction is requested when there are as many."""
-        ...
-
-    @property
-    def every_ticks(self) -> int:
-        """Number of ticks from one request to the next."""
-        ...
-
-    @property
-    def after_ticks(self) -> int:
-        """Number of ticks from a request until the correction takes effect: from 1 to ``every_ticks``."""
-        ...
-
-    def correction(self, window: tuple[WireSample, ...]) -> Any:
-        """Return a correction. Pure, and run in another thread on a rig: it depends on its argument only.
-
-        Parameters
-        ----------
-        window
-            The latest ``window_ticks`` samples, oldest first.
-
-        Returns
-        -------
-        An immutable value that only ``corrected`` reads.
-        """
-        ...
-
-    def corrected(self, state: Any, correction: Any) -> Any:
-        """Return the estimator's state with a correction in effect. Pure and quick: it runs within a tick.
-
-        Parameters
-        ----------
-        state
-            The estimator's state before the tick.
-        correction
-            The value that ``correction`` returned.
-
-        Returns
-        -------
-        The state with which the tick is estimated.
-        """
-        ...
 
 
 class Estimator(Protocol):
@@ -99,11 +47,6 @@ class Estimator(Protocol):
     @property
     def has_c_form(self) -> bool:
         """Whether ``musclewire export c`` writes it, so that a board can run it."""
-        ...
-
-    @property
-    def slow_part(self) -> SlowPart | None:
-        """The part that takes longer than a tick; None if there is none."""
         ...
 
     def start(self) -> Any:
@@ -126,22 +69,6 @@ class Estimator(Protocol):
         Returns
         -------
         Estimate, next state, and the numbers to record.
-        """
-        ...
-
-
-class CompiledEstimator(Estimator, Protocol):
-    """An estimator whose tick can also run in compiled code, in loops that run as a batch (``mw.control_many``)."""
-
-    def compiled_tick(self) -> CompiledTick | None:
-        """Return ``step`` as a compiled function, with the state of ``start``. Our own estimators run it in ``step``.
-
-        It counts only in the class that declares it: one that inherits another step declares its own tick. A slow part
-        has no compiled form.
-
-        Returns
-        -------
-        The function, its constants and its first state; None if it is made of parts that have no compiled form.
         """
         ...
 
@@ -179,7 +106,6 @@ ESTIMATORS: Registry[EstimatorFactory] = Registry(
     {
         "polynomial": "musclewire.sensing._polynomial_estimator:polynomial_estimator",
         "gated": "musclewire.sensing._gated_estimator:gated_estimator",
-        "particle-filter": "musclewire.sensing._particles.estimator:particle_filter",
     },
 )
 
@@ -210,3 +136,25 @@ def dropout_failure(
         f"no current through the {pulls} for {dropouts} samples up to {sample.time_s:.2f} s at "
         f"{sample.drive_voltage_v:.2f} V: check {pulls}, clamps and shunt; the rig is at its sense voltage"
     )
+
+
+def estimates(
+    estimator: Estimator, samples: Iterable[WireSample]
+) -> Iterator[tuple[QuantityEstimate, tuple[float, ...]]]:
+    """Estimate samples in order from the estimator's start.
+
+    Parameters
+    ----------
+    estimator
+        An estimator.
+    samples
+        The measured samples, in order.
+
+    Returns
+    -------
+    For each sample the estimate, and the numbers that the estimator records.
+    """
+    state = estimator.start()
+    for sample in samples:
+        estimate, state, recorded = estimator.step(state, sample)
+        yield estimate, recorded

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
+from typing import ClassVar
 
 from musclewire.errors import CallerError
 
 # Drift of the resistance that is allowed for, as a fraction of its span from B to C.
 DRIFT_FRACTION = 0.003
 DRIFT_SOURCE = "a wire counts as trained when five cycles move its loop by less than 0.3 % (musclewire train)"
+# Besides all standard deviations.
+NEVER_NEGATIVE = ("cycles", "load_n", "ambient_k", "drift_resistance_ohm")
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,9 @@ class HomeMove:
         For a number that is not finite, or a negative standard deviation or drift.
     """
 
+    # How a model file is checked against these fields.
+    __pydantic_config__: ClassVar[dict[str, object]] = {"extra": "forbid", "strict": True}
+
     time: str
     moves: int
     cycles: float | None
@@ -73,7 +79,7 @@ class HomeMove:
         """Check the numbers."""
         numbers = {name: value for name, value in vars(self).items() if isinstance(value, float)}
         for name, value in numbers.items():
-            if not isfinite(value) or (value < 0.0 and ("std" in name or name in ("drift_resistance_ohm", "cycles"))):
+            if not isfinite(value) or (value < 0.0 and ("std" in name or name in NEVER_NEGATIVE)):
                 raise CallerError(f"home move: {name} is {value:g}, and must be finite and not negative")
         if not (self.resistance_scale > 0.0 and self.convection_ratio > 0.0 and self.moves >= 1):
             raise CallerError(

@@ -32,29 +32,6 @@ Samples = Annotated[list[tuple[Finite, Finite]], Field(max_length=2000)]
 Rows = Annotated[list[tuple[Finite, Finite, Finite]], Field(max_length=2000)]
 
 
-class HomeTable(BaseModel):
-    """The home move in a model file."""
-
-    model_config = ConfigDict(extra="forbid", strict=True)
-
-    time: str
-    moves: Annotated[int, Field(ge=1)]
-    cycles: NotNegative | None = None
-    load_n: NotNegative | None = None
-    ambient_k: NotNegative | None = None
-    corrected: bool
-    resistance_scale: Finite
-    resistance_scale_std: NotNegative
-    resistance_offset_ohm: Finite
-    resistance_offset_std_ohm: NotNegative
-    transformation_shift_k: Finite
-    transformation_shift_std_k: NotNegative
-    convection_ratio: Finite
-    convection_ratio_std: NotNegative
-    drift_resistance_ohm: NotNegative
-    drift_source: str = ""
-
-
 class ModelFile(BaseModel):
     """The keys of a model file; anything else is an error."""
 
@@ -90,7 +67,7 @@ class ModelFile(BaseModel):
     heating_samples: Samples = []
     cooling_samples: Samples = []
     slow_loop: Rows = []
-    home: HomeTable | None = None
+    home: HomeMove | None = None
 
 
 # Written for the file's reader; computed, not passed in, when a model is made.
@@ -182,7 +159,7 @@ def _fields(contents: ModelFile) -> dict[str, Any]:
     """Return the fields of a model from the keys of its file."""
     fields = {name: value for name, value in contents.model_dump().items() if name not in DERIVED}
     found = {name: tuple(value) if isinstance(value, list) else value for name, value in fields.items()}
-    return found | {"home": None if contents.home is None else HomeMove(**contents.home.model_dump())}
+    return found | {"home": contents.home}
 
 
 def _check_derived(model: FittedCurve, contents: ModelFile) -> None:
@@ -214,7 +191,7 @@ def _first(error: ValidationError) -> str:
     where = ".".join(str(part) for part in fault["loc"])
     if fault["type"] == "missing":
         return f"key {where!r} is missing"
-    return f"{where}: {_short(fault['msg'])}"
+    return f"{where}: {_short(fault['msg'].removeprefix('Value error, '))}"
 
 
 def _short(message: object) -> str:

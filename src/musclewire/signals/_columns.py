@@ -71,7 +71,12 @@ _ALL = (
     Column("derivative_gain", "", "derivative gain at this tick", "control"),
     Column("steady_power_w", "W", "steady power by which the controller holds the wire", "control"),
     Column("pending_heat_j", "J", "heat that the controller has still to give, or to let go", "control"),
-    Column("slow_correction", "", "an estimator's slow correction: 0 none due, 1 applied, 2 late, 3 failed", "control"),
+    Column(
+        "slow_correction",
+        "",
+        "a late correction, of versions before 0.2: 0 none due, 1 applied, 2 late, 3 failed",
+        "control",
+    ),
     Column("cycle", "", "number of the cycle this row belongs to", "control"),
     Column("resistance_ohm", "ohm", "resistance at which both branches are given", "table"),
     Column("strain_heating", "", "strain on the heating branch at this resistance", "table"),

@@ -1,6 +1,6 @@
 """One HDF5 file per recording: a dataset per column, metadata as attributes; MATLAB and any other reader opens it.
 
-Files are written whole (``write_columns``). Those of earlier versions, which grew during a run, stay readable.
+Files are written whole. Those of earlier versions, which grew during a run, stay readable.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import io
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,19 +22,47 @@ from musclewire.signals._whole_files import write_whole
 
 FORMAT = "musclewire-recording"
 FORMAT_VERSION = 1
+_CHUNK_ROWS = 16_384
 
 
 def fill_hdf5(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
     """Write columns to ``path`` directly; ``write_columns`` makes sure that the file is complete."""
     with _quiet_file(path, "w") as file:
         for name, values in columns.items():
-            dataset = file.create_dataset(name, data=np.asarray(values, dtype=np.float64))
-            dataset.attrs["unit"] = COLUMNS[name].unit
-        file.attrs["format"] = FORMAT
-        file.attrs["format_version"] = FORMAT_VERSION
-        file.attrs["columns"] = ",".join(columns)
-        file.attrs.create("rows", len(next(iter(columns.values()))), dtype=np.int64)
-        _write_metadata(file, metadata)
+            _with_unit(file.create_dataset(name, data=np.asarray(values, dtype=np.float64)), name)
+        _describe(file, tuple(columns), len(next(iter(columns.values()))), metadata)
+
+
+def fill_hdf5_blocks(
+    names: Sequence[str],
+    blocks: Iterable[tuple[FloatArray, ...]],
+    metadata: Mapping[str, MetadataValue],
+    path: Path,
+) -> None:
+    """Write blocks of columns to ``path`` directly, for recordings that do not fit in memory."""
+    rows = 0
+    with _quiet_file(path, "w") as file:
+        for name in names:
+            _with_unit(file.create_dataset(name, (0,), "f8", maxshape=(None,), chunks=(_CHUNK_ROWS,)), name)
+        for block in blocks:
+            stop = rows + block[0].size
+            for name, values in zip(names, block, strict=True):
+                file[name].resize((stop,))
+                file[name][rows:stop] = values
+            rows = stop
+        _describe(file, names, rows, metadata)
+
+
+def _with_unit(dataset: Any, name: str) -> None:
+    dataset.attrs["unit"] = COLUMNS[name].unit
+
+
+def _describe(file: Any, names: Sequence[str], rows: int, metadata: Mapping[str, MetadataValue]) -> None:
+    file.attrs["format"] = FORMAT
+    file.attrs["format_version"] = FORMAT_VERSION
+    file.attrs["columns"] = ",".join(names)
+    file.attrs.create("rows", rows, dtype=np.int64)
+    _write_metadata(file, metadata)
 
 
 def describe_recording(path: str | Path, metadata: Mapping[str, MetadataValue]) -> None:

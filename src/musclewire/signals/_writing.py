@@ -70,7 +70,7 @@ def _block_format_of(path: Path) -> Callable[[Sequence[str], Blocks, Metadata, P
     """Return what writes a format block after block, or None."""
     suffix = path.suffix.lower()
     if suffix in {".h5", ".hdf5"}:
-        from musclewire.signals._hdf5_blocks import fill_hdf5_blocks
+        from musclewire.signals._hdf5 import fill_hdf5_blocks
 
         return fill_hdf5_blocks
     if suffix == ".csv":

@@ -9,17 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.unit.controllers.protected_wire import LIMITS as WIRE
 
-from musclewire.controllers._protection import (
+from musclewire.controllers import (
     Event,
     ProtectionState,
     State,
     allowed_drive_v,
     armed,
     protect_command,
-    protect_missing,
     protect_reading,
     protection_table,
-    tripped_by,
 )
 from musclewire.controllers._protection.protect import CONDITION_EVENTS
 from musclewire.errors import CallerError
@@ -157,38 +155,10 @@ def test_what_is_missing_is_held_then_sensed_then_off_and_held_again_when_it_was
     assert back.event is Event.NONE
 
 
-def test_what_was_missing_for_no_time_at_all_is_also_recovered_from() -> None:
-    held = protect_missing(run(), Event.SAMPLE_LATE, 0.0)
-    assert held.state is State.HOLD
-    assert protect_reading(held, LIMITS, 2.0, *reading(16.0), 0.05).state is State.RUN
-
-
-def test_while_something_is_missing_commands_are_not_followed() -> None:
-    held = protect_reading(run(), LIMITS, 2.0, 2.0, 0.0, 0.05)
-    asked = protect_command(held, LIMITS, 3.0)
-    assert allowed_drive_v(asked, LIMITS) == 2.0
-    sensing = protect_reading(held, LIMITS, 2.0, 2.0, 0.0, 0.05)
-    assert sensing.state is State.DEGRADED
-    assert allowed_drive_v(protect_command(sensing, LIMITS, 3.0), LIMITS) == LIMITS.sense_voltage_v
-
-
 @pytest.mark.parametrize("wrong", [-1e-3, 3.61, math.nan, math.inf, -math.inf])
 def test_an_impossible_command_trips_at_once(wrong: float) -> None:
     state = run(drive_voltage_v=wrong)
     assert (state.state, state.event) == (State.TRIPPED, Event.COMMAND_REFUSED)
-
-
-def test_a_trip_is_latched_with_its_first_cause() -> None:
-    state = tripped_by(run(), Event.WIRE_SHORT)
-    for after in (
-        tripped_by(state, Event.DEVICE_LOST),
-        protect_command(state, LIMITS, 1.0),
-        protect_command(state, LIMITS, math.nan),
-        protect_reading(state, LIMITS, 1.0, *reading(16.0), 0.05),
-        protect_missing(state, Event.SAMPLE_LATE, 10.0),
-    ):
-        assert (after.state, after.event) == (State.TRIPPED, Event.WIRE_SHORT)
-        assert allowed_drive_v(after, LIMITS) == 0.0
 
 
 voltages = st.floats(allow_nan=True, allow_infinity=True, width=64)

@@ -9,7 +9,7 @@ import math
 
 import pytest
 
-from musclewire.controllers._protection import (
+from musclewire.controllers import (
     Event,
     ProtectionLimits,
     State,

@@ -8,7 +8,7 @@ import pytest
 from pydantic import ValidationError
 from tests.unit.controllers.protected_wire import LIMITS as WIRE
 
-from musclewire.controllers._protection import (
+from musclewire.controllers import (
     Event,
     ProtectionState,
     ProtectionTable,
@@ -18,14 +18,13 @@ from musclewire.controllers._protection import (
     armed,
     closed,
     protect_command,
-    protect_event,
     protect_missing,
     protect_reading,
     protection_table,
     rested,
     tripped_by,
 )
-from musclewire.controllers._protection.protect import state_after
+from musclewire.controllers._protection.protect import protect_event, state_after
 from musclewire.controllers._protection.table import AllowedDrive, Effect
 
 LIMITS = WIRE._replace(wire_range_v=10.0, shunt_range_v=10.0, readings_noisy=0.0, maximum_temperature_k=473.15)
@@ -39,7 +38,7 @@ REACHED: dict[State, ProtectionState] = {
     State.OFF: closed(RUNNING),
     State.ARMED: armed(LIMITS),
     State.RUN: RUNNING,
-    State.HOLD: protect_missing(RUNNING, Event.SAMPLE_LATE, 0.01),
+    State.HOLD: protect_missing(RUNNING, Event.SAMPLE_LATE, 0.0),
     State.DEGRADED: protect_missing(RUNNING, Event.SAMPLE_LATE, 0.2),
     State.TRIPPED: tripped_by(RUNNING, Event.WIRE_SHORT),
 }
@@ -115,6 +114,7 @@ def test_what_is_missing_never_puts_out_more_than_before() -> None:
 def test_armed_and_degraded_both_put_out_the_sense_voltage_and_only_one_follows_a_command() -> None:
     for state in (State.ARMED, State.DEGRADED):
         assert allowed_drive_v(REACHED[state], LIMITS) == LIMITS.sense_voltage_v
+    assert allowed_drive_v(protect_command(REACHED[State.HOLD], LIMITS, 1.5), LIMITS) == 2.0
     assert allowed_drive_v(protect_command(REACHED[State.ARMED], LIMITS, 1.5), LIMITS) == 1.5
     assert allowed_drive_v(protect_command(REACHED[State.DEGRADED], LIMITS, 1.5), LIMITS) == LIMITS.sense_voltage_v
 

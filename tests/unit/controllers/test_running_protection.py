@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.unit.controllers.protected_wire import LIMITS, of_wire
 
-from musclewire.controllers._protection import (
+from musclewire.controllers import (
     Event,
     ProtectionState,
     State,

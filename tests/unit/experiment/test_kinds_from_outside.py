@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.slow_estimators import drifting
+from tests.other_estimators import DriftingEstimator
 
 import musclewire as mw
 from musclewire.controllers import CONTROLLERS, ControllerSetup, DriveLimits, staircase
@@ -46,7 +46,7 @@ def on_off(setup: ControllerSetup) -> OnOff:
 def registered(monkeypatch: pytest.MonkeyPatch) -> None:
     for registry in (ESTIMATORS, CONTROLLERS):
         monkeypatch.setattr(registry, "_registered", {})
-    ESTIMATORS.register("drifting", drifting())
+    ESTIMATORS.register("drifting", DriftingEstimator)
     CONTROLLERS.register("on-off", on_off)
 
 
@@ -54,7 +54,7 @@ def registered(monkeypatch: pytest.MonkeyPatch) -> None:
 def offered(monkeypatch: pytest.MonkeyPatch) -> None:
     """A package that offers both as entry points and registers nothing."""
     module = types.ModuleType("another_package")
-    module.on_off, module.drifting = on_off, drifting()  # type: ignore[attr-defined]
+    module.on_off, module.drifting = on_off, DriftingEstimator  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "another_package", module)
     points = {
         "musclewire.controllers": [importlib.metadata.EntryPoint("on-off", "another_package:on_off", "-")],

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.slow_estimators import drifting
+from tests.other_estimators import DriftingEstimator
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
@@ -224,7 +224,7 @@ def cautious(setup: EstimatorSetup) -> Cautious:
 
 
 def test_without_a_tick_of_its_own_an_estimator_is_refused_by_its_name(model: SensingModel) -> None:
-    for estimator in (cautious, drifting()):
+    for estimator in (cautious, DriftingEstimator):
         with pytest.raises(CallerError, match=r"estimator \w+ has no compiled tick.*in_python"):
             control_many("simulated", model, SHORT, seeds=[7], estimator=estimator)
     done = control_many("simulated", model, SHORT, seeds=[7], estimator=cautious, in_python=True)

@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.sensing._estimator import EstimatorSetup
+from musclewire.sensing._estimator import EstimatorSetup, estimates
 from musclewire.sensing._gated_estimator import GATES, gated_estimator
 from musclewire.sensing._model import SensingModel
-from musclewire.sensing._slow_corrections import estimates
 from musclewire.signals import QuantityEstimate, Reason, WireSample
 
 # 4 % at 13.5 ohm, nothing at 17.5 ohm; the heating branch 0.2 % strain above the cooling one.

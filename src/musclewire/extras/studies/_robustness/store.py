@@ -23,7 +23,7 @@ FOLDER = Path("robustness")
 # estimator decides neither: whoever works on one keeps all runs.
 ROOMS = (
     *("physics", "wire", "parameters", "sensing", "controllers", "rigs", "identify", "experiment"),
-    *("extras/grip", "extras/studies/_segmented", "extras/studies/_robustness"),
+    *("extras/grip", "extras/particles", "extras/studies/_segmented", "extras/studies/_robustness"),
 )
 OF_ESTIMATORS = ("estimator", "gated", "particles", "tick")
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.sensing._particles.settings import ParticleSettings
+from musclewire.extras.particles._settings import ParticleSettings
 
 
 class ExplanationEstimate(NamedTuple):

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
+from musclewire.extras.particles._cloud import ParticleCloud, cloud_of
+from musclewire.extras.particles._estimator import ParticleFilter, ParticleState, particle_filter
+from musclewire.extras.particles._kernel import LOAD, MIN_LOAD
+from musclewire.extras.particles._settings import EXPLANATIONS, UNKNOWNS, ParticleSettings
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.sensing._estimator import EstimatorSetup
-from musclewire.sensing._model import SensingModel
-from musclewire.sensing._particles.cloud import ParticleCloud, cloud_of
-from musclewire.sensing._particles.estimator import ParticleFilter, ParticleState, particle_filter
-from musclewire.sensing._particles.kernel import LOAD, MIN_LOAD
-from musclewire.sensing._particles.settings import EXPLANATIONS, UNKNOWNS, ParticleSettings
+from musclewire.sensing import EstimatorSetup, SensingModel
 from musclewire.signals import EstimatorStep, Reason, WireSample
 from musclewire.wire import constants_from
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inner
+from musclewire.extras.particles._cloud import CLOCK, HISTORY, ParticleCloud
 from musclewire.random_numbers import normal_pair, philox, uniform
-from musclewire.sensing._particles.cloud import CLOCK, HISTORY, ParticleCloud
 from musclewire.wire import Rows, RunningWire, StepConstants, advance_heated
 
 # Places of the unknowns; see settings.UNKNOWNS.

@@ -9,13 +9,11 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
+from musclewire.extras.particles._estimator import PARTICLE_COLUMNS, particle_filter
+from musclewire.extras.particles._settings import ParticleSettings
 from musclewire.identify import fit
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.sensing._estimator import EstimatorSetup
-from musclewire.sensing._home_move import HomeMove
-from musclewire.sensing._model import SensingModel
-from musclewire.sensing._particles.estimator import PARTICLE_COLUMNS, particle_filter
-from musclewire.sensing._particles.settings import ParticleSettings
+from musclewire.sensing import EstimatorSetup, HomeMove, SensingModel
 from musclewire.signals import Reason, Recording, WireSample
 from musclewire.wire import CHOSEN, OneWire, constants_from, drive_path
 

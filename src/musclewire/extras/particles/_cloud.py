@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.sensing._particles.settings import UNKNOWNS, ParticleSettings
+from musclewire.extras.particles._settings import UNKNOWNS, ParticleSettings
 from musclewire.wire import Rows, WireState
 
 N_UNKNOWNS = len(UNKNOWNS)

@@ -10,20 +10,18 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
-from musclewire.sensing._estimator import EstimatorSetup
-from musclewire.sensing._gated_estimator import GatedEstimator, GatedState, gated_estimator
-from musclewire.sensing._health import ChangeEvidence, ChangeState, after_evidence, change_of
-from musclewire.sensing._home_move import HomeMove
-from musclewire.sensing._particles.cloud import cloud_at_rest, cloud_of, state_of
-from musclewire.sensing._particles.explanations import ExplanationEstimate, after_sample, combined, weights_of
-from musclewire.sensing._particles.kernel import (
+from musclewire.extras.particles._changes import ChangeEvidence, ChangeState, after_evidence, change_of
+from musclewire.extras.particles._cloud import cloud_at_rest, cloud_of, state_of
+from musclewire.extras.particles._explanations import ExplanationEstimate, after_sample, combined, weights_of
+from musclewire.extras.particles._kernel import (
     SUMMARY,
     HypothesisWire,
     ParticleNumbers,
     ParticleSample,
     follow_sample,
 )
-from musclewire.sensing._particles.settings import EXPLANATIONS, UNKNOWNS, ParticleSettings
+from musclewire.extras.particles._settings import EXPLANATIONS, UNKNOWNS, ParticleSettings
+from musclewire.sensing import EstimatorSetup, GatedEstimator, GatedState, HomeMove, gated_estimator
 from musclewire.signals import EstimatorStep, QuantityEstimate, Reason, WireSample
 from musclewire.wire import WireConstants, resting_state
 
@@ -95,7 +93,6 @@ class ParticleFilter:
 
     columns = PARTICLE_COLUMNS
     has_c_form = False
-    slow_part = None
 
     def __init__(
         self, branches: GatedEstimator, wire: WireConstants, setup: EstimatorSetup, settings: ParticleSettings

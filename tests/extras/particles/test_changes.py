@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from musclewire.sensing._health import CAUSE_TEXT, Cause, ChangeEvidence, ChangeState, after_evidence, change_of
+from musclewire.extras.particles._changes import ChangeEvidence, ChangeState, after_evidence, change_of
+from musclewire.sensing import CAUSE_TEXT, Cause
 from musclewire.signals import Reason
 
 NOTHING = ChangeEvidence(0.0, 0.0, 1.0, 0.0, 0.0, 1.0, Reason.OK)
