@@ -38,6 +38,8 @@ from ._pretensioner_file import read_pretensioner as read_pretensioner
 from ._priors import Prior as Prior
 from ._priors import PriorSet as PriorSet
 from ._priors import load_priors as load_priors
+from ._priors import load_spreads as load_spreads
+from ._priors import priors_around as priors_around
 from ._published_ranges import PublishedRange as PublishedRange
 from ._published_ranges import outside as outside
 from ._published_ranges import outside_as_a_spool as outside_as_a_spool
@@ -45,10 +47,8 @@ from ._published_ranges import published_ranges as published_ranges
 from ._published_ranges import spool_ranges as spool_ranges
 from ._published_ranges import spool_values as spool_values
 from ._seeds import require_seed as require_seed
-from ._spreads import load_spreads as load_spreads
-from ._spreads import priors_around as priors_around
-from ._tagged_tables import TaggedTable as TaggedTable
 from ._validation import CheckedFile as CheckedFile
+from ._validation import TaggedTable as TaggedTable
 from ._validation import first_problem as first_problem
 from ._validation import read_toml as read_toml
 from ._validation import unit_of as unit_of

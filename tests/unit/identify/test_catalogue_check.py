@@ -10,8 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import musclewire.identify._catalogue_check as check
-from musclewire.identify._catalogue_check import dead_weight_bench, run_catalogue_test, time_below
-from musclewire.identify._catalogue_table import compare_catalogue, judged_within
+from musclewire.identify._catalogue_check import (
+    compare_catalogue,
+    dead_weight_bench,
+    judged_within,
+    run_catalogue_test,
+    time_below,
+)
 from musclewire.parameters import Alloy, CatalogueCell, Wire, load_alloy, load_bench, load_wire
 
 ALLOY, BENCH = load_alloy("flexinol"), load_bench("dead-weight")
