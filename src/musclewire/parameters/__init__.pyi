@@ -51,6 +51,7 @@ from ._validation import CheckedFile as CheckedFile
 from ._validation import TaggedTable as TaggedTable
 from ._validation import first_problem as first_problem
 from ._validation import read_toml as read_toml
+from ._validation import toml_text as toml_text
 from ._validation import unit_of as unit_of
 from ._validation import validated as validated
 from ._validity import ReachedConditions as ReachedConditions
@@ -60,7 +61,5 @@ from ._validity import section_m2 as section_m2
 from ._validity import validity_of as validity_of
 from ._wire_file import WireFile as WireFile
 from ._wire_file import is_wire_file as is_wire_file
-from ._wire_file import parameter_lines as parameter_lines
-from ._wire_file import quoted as quoted
 from ._wire_file import read_wire_file as read_wire_file
 from ._wire_file import wire_file_text as wire_file_text

@@ -29,8 +29,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters._parameter_groups import Parameter
-from musclewire.parameters._validation import read_toml, validated
-from musclewire.parameters._wire_file import parameter_lines, quoted
+from musclewire.parameters._validation import read_toml, toml_text, validated
 
 MIN_POINTS = 5
 EVEN_TOLERANCE = 1e-6
@@ -166,15 +165,7 @@ def read_finger_file(path: Path) -> FingerFile:
 
 def finger_file_text(name: str, description: str, geometry: dict[str, Parameter], curve: FingerCurve) -> str:
     """Return the text of a finger's file; every number keeps all its bits."""
-    lines = [
-        'format = "musclewire-finger"',
-        "version = 1",
-        f"name = {quoted(name)}",
-        f"description = {quoted(description)}",
-    ]
-    for key, item in geometry.items():
-        lines += ["", f"[geometry.{key}]", *parameter_lines(item)]
-    lines += ["", "[curve]"]
-    for key in FingerCurve.model_fields:
-        lines.append(f"{key} = [{', '.join(repr(float(value)) for value in getattr(curve, key))}]")
-    return "\n".join(lines) + "\n"
+    made = FingerFile(
+        format="musclewire-finger", version=1, name=name, description=description, geometry=geometry, curve=curve
+    )
+    return toml_text(made.model_dump())

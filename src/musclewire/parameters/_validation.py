@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -131,6 +132,29 @@ def read_toml(path: Path, kind: str, instead: str = "") -> dict[str, Any]:
         raise CallerError(f"there is no {kind} {path}{instead}") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise CallerError(f"{kind} {path} cannot be read: {error}") from None
+
+
+def toml_text(content: Mapping[str, Any], place: str = "") -> str:
+    """Return nested tables as TOML, without what is None or an empty text; numbers keep every bit."""
+    stated = {key: value for key, value in content.items() if value is not None and value != ""}
+    own = [f"{key} = {toml_value(value)}\n" for key, value in stated.items() if not isinstance(value, Mapping)]
+    head = [f"[{place}]\n"] if place and own else []
+    tables = (
+        toml_text(value, f"{place}.{key}" if place else key)
+        for key, value in stated.items()
+        if isinstance(value, Mapping)
+    )
+    return "\n".join(filter(None, ("".join(head + own), *tables)))
+
+
+def toml_value(value: Any) -> str:
+    """Return a text, a number or a list of them as TOML."""
+    if isinstance(value, str):
+        # JSON's strings are TOML's, but for the character that JSON leaves as it is.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(toml_value, value))}]"
+    return repr(float(value) if isinstance(value, float) else value)
 
 
 class CheckedFile(BaseModel):
