@@ -17,6 +17,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import NumericsError
+from musclewire.identify._electrical_sizing import heat
 from musclewire.parameters import (
     CLASSES,
     Alloy,
@@ -29,7 +30,7 @@ from musclewire.parameters import (
     load_catalogue,
     load_wire,
 )
-from musclewire.wire import DrivenPath, WireConstants, WireState, constants_from, drive_path, isobaric_path
+from musclewire.wire import WireConstants, WireState, constants_from, drive_path, isobaric_path
 
 PULL_STRESS_PA = 172e6
 HEATING_S = 1.0
@@ -89,7 +90,7 @@ def run_catalogue_test(
     """
     constants = constants_from(alloy, wire, dead_weight_bench(bench, wire.diameter_m.value, stress_pa))
     step_s = step_for(constants)
-    heated, state = heated_by(constants, current_a, heating_s, step_s)
+    heated, state = heat(constants, current_a, heating_s, step_s)
     contraction = state.contraction
     if not np.isfinite(contraction):
         raise NumericsError(f"the simulation of {wire.name} diverges at {current_a:g} A: use a smaller current")
@@ -103,14 +104,6 @@ def run_catalogue_test(
         temperature_k=float(heated.temperature_k.max()),
         energy_j=state.heat_in_j,
     )
-
-
-def heated_by(
-    constants: WireConstants, current_a: float, heating_s: float, step_s: float
-) -> tuple[DrivenPath, WireState]:
-    """Return path and final state of a cold wire under a constant current [A], in steps of about ``step_s``."""
-    samples = max(round(heating_s / step_s), 1)
-    return drive_path(constants, np.full(samples, current_a), sample_s=heating_s / samples, regulated_current=True)
 
 
 def step_for(constants: WireConstants) -> float:

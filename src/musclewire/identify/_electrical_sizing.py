@@ -66,9 +66,11 @@ class ShuntChoice(NamedTuple):
     rating_w: float
 
 
-def heat(constants: WireConstants, current_a: float, seconds: float) -> tuple[DrivenPath, WireState]:
-    """Return path and final state of a cold wire at rest under a constant current."""
-    samples = max(round(seconds / STEP_S), 1)
+def heat(
+    constants: WireConstants, current_a: float, seconds: float, step_s: float = STEP_S
+) -> tuple[DrivenPath, WireState]:
+    """Return path and final state of a cold wire at rest under a constant current, in steps of about ``step_s``."""
+    samples = max(round(seconds / step_s), 1)
     return drive_path(
         constants,
         np.full(samples, current_a),

@@ -12,7 +12,6 @@ from ._finger_file import FingerFile as FingerFile
 from ._finger_file import finger_file_text as finger_file_text
 from ._finger_file import finger_names as finger_names
 from ._finger_file import load_finger as load_finger
-from ._finger_file import read_finger_file as read_finger_file
 from ._library import bench_known_with as bench_known_with
 from ._library import load_alloy as load_alloy
 from ._library import load_bench as load_bench

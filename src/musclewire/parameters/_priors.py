@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
-from functools import cache
-from importlib.resources import files
-from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import nearest_hint
 from musclewire.parameters._parameter_groups import Alloy, Bench, Wire
-from musclewire.parameters._validation import read_toml, validated
+from musclewire.parameters._validation import load_named
 
 SCHEMAS: dict[str, type[Alloy] | type[Wire] | type[Bench]] = {"alloy": Alloy, "wire": Wire, "bench": Bench}
 
@@ -91,13 +87,6 @@ class PriorSet(BaseModel):
         return self
 
 
-def prior_set_names() -> list[str]:
-    """Return the names of the prior sets that ship with musclewire."""
-    folder = files("musclewire.parameters") / "data" / "priors"
-    return sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml"))
-
-
-@cache
 def load_priors(name: str = "niti-wire") -> PriorSet:
     """Return a set of priors.
 
@@ -115,20 +104,7 @@ def load_priors(name: str = "niti-wire") -> PriorSet:
     CallerError
         For an unknown name, or a file that cannot be read or breaks the schema.
     """
-    if name.endswith(".toml"):
-        return validated(PriorSet, read_file(Path(name)), f"priors {name}")
-    if name not in prior_set_names():
-        raise CallerError(f"there are no priors called '{name}'{nearest_hint(name, prior_set_names())}")
-    text = (files("musclewire.parameters") / "data" / "priors" / f"{name}.toml").read_text("utf-8")
-    return validated(PriorSet, tomllib.loads(text), f"priors {name}")
-
-
-def read_file(path: Path) -> dict[str, Any]:
-    """Return a TOML file as plain data, or raise CallerError."""
-    try:
-        return tomllib.loads(path.read_text("utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise CallerError(f"priors {path} cannot be read: {error}") from None
+    return load_named(PriorSet, "priors", "set of priors", name)
 
 
 Kind = Literal["alloy", "wire", "bench"]
@@ -177,12 +153,9 @@ class WireSpreads(BaseModel):
         return self
 
 
-@cache
 def load_spreads(name: str = "named-wire") -> WireSpreads:
     """Return spreads that ship with musclewire, or those of a TOML file. Raises CallerError for a wrong file."""
-    shipped = files("musclewire.parameters") / "data" / "spreads" / f"{name}.toml"
-    path = Path(name) if name.endswith(".toml") else Path(str(shipped))
-    return validated(WireSpreads, read_toml(path, "spreads"), f"spreads {name}")
+    return load_named(WireSpreads, "spreads", "set of spreads", name)
 
 
 def priors_around(alloy: Alloy, wire: Wire, bench: Bench, spreads: WireSpreads) -> PriorSet:

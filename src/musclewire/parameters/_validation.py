@@ -6,6 +6,8 @@ import json
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 from math import inf, isfinite
 from pathlib import Path
 from types import UnionType
@@ -86,6 +88,7 @@ def placed(tag: str, problem: Any) -> InitErrorDetails:
 
 
 Model = TypeVar("Model", bound=BaseModel)
+DATA = Path(str(files("musclewire.parameters"))) / "data"
 
 # Messages by pydantic's name of the error; braces are filled from the violated rule, u is the unit.
 IN_WORDS = {
@@ -132,6 +135,29 @@ def read_toml(path: Path, kind: str, instead: str = "") -> dict[str, Any]:
         raise CallerError(f"there is no {kind} {path}{instead}") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise CallerError(f"{kind} {path} cannot be read: {error}") from None
+
+
+def shipped_names(folder: str) -> list[str]:
+    """Return the names of the files in a folder of the data that ship with musclewire."""
+    return sorted(item.stem for item in (DATA / folder).glob("*.toml"))
+
+
+def load_named(model: type[Model], folder: str, what: str, name: str) -> Model:
+    """Return a file that ships with musclewire, by name, or a user's (.toml), which is read at every call.
+
+    Raises CallerError for an unknown name or a wrong file, naming the key and the nearest right one.
+    """
+    if name.endswith(".toml"):
+        return validated(model, read_toml(Path(name), f"{what} file"), f"{what} file {name}")
+    if name not in shipped_names(folder):
+        raise CallerError(f"there is no {what} called '{name}'{nearest_hint(name, shipped_names(folder))}")
+    return shipped(model, folder, what, name)
+
+
+@cache
+def shipped(model: type[Model], folder: str, what: str, name: str) -> Model:
+    """Return a file that ships with musclewire, checked."""
+    return validated(model, read_toml(DATA / folder / f"{name}.toml", f"{what} file"), f"{what} {name}")
 
 
 def toml_text(content: Mapping[str, Any], place: str = "") -> str:
