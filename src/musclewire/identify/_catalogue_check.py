@@ -62,16 +62,8 @@ def dead_weight_bench(bench: Bench, diameter_m: float, stress_pa: float = PULL_S
 
     It has one leg, no spring and no friction, and the length, shunt and ambient temperature of ``bench``.
     """
-    weight_n = stress_pa * 0.25 * np.pi * diameter_m**2
-    numbers = {
-        "legs": 1.0,
-        "spring_stiffness_n_per_m": 0.0,
-        "guide_friction_n": 0.0,
-        "pretension_n": float(weight_n),
-    }
-    return bench.model_copy(
-        update={name: getattr(bench, name).model_copy(update={"value": value}) for name, value in numbers.items()}
-    )
+    weight_n = float(stress_pa * 0.25 * np.pi * diameter_m**2)
+    return bench.with_values(legs=1.0, spring_stiffness_n_per_m=0.0, guide_friction_n=0.0, pretension_n=weight_n)
 
 
 def run_catalogue_test(

@@ -222,7 +222,7 @@ def wire_row(name: str, length_m: float, stress_pa: float, ambient_k: float) -> 
     """Return one wire of the catalogue."""
     wire, row = load_wire(name), catalogue_row(name)
     pull_n = stress_pa * 0.25 * math.pi * wire.diameter_m.value**2
-    bench = bench_with(load_bench(BENCH), length_m, pull_n, ambient_k)
+    bench = load_bench(BENCH).with_values(wire_length_m=length_m, pretension_n=pull_n, ambient_temperature_k=ambient_k)
     best = one_second_current(load_alloy(wire.alloy), wire, bench)
     cold_ohm = wire.resistance_per_metre_ohm_per_m.value * length_m
     shunt = suggested_shunt(cold_ohm, best.current_a)
@@ -246,11 +246,3 @@ def wire_row(name: str, length_m: float, stress_pa: float, ambient_k: float) -> 
 def heat_ratio(wire: Wire, held_k: float, ambient_k: float) -> float:
     """Return the heat loss at the working limit over that at the temperature held; resistance hardly differs."""
     return convective_loss_w_per_m(OVERHEATED_K, wire, ambient_k) / convective_loss_w_per_m(held_k, wire, ambient_k)
-
-
-def bench_with(bench: Bench, length_m: float, pull_n: float, ambient_k: float) -> Bench:
-    """Return the bench at a length, a weight and a temperature."""
-    values = {"wire_length_m": length_m, "pretension_n": pull_n, "ambient_temperature_k": ambient_k}
-    return bench.model_copy(
-        update={key: getattr(bench, key).model_copy(update={"value": value}) for key, value in values.items()}
-    )

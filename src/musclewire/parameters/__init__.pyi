@@ -40,11 +40,7 @@ from ._priors import load_priors as load_priors
 from ._priors import load_spreads as load_spreads
 from ._priors import priors_around as priors_around
 from ._published_ranges import PublishedRange as PublishedRange
-from ._published_ranges import outside as outside
-from ._published_ranges import outside_as_a_spool as outside_as_a_spool
 from ._published_ranges import published_ranges as published_ranges
-from ._published_ranges import spool_ranges as spool_ranges
-from ._published_ranges import spool_values as spool_values
 from ._seeds import require_seed as require_seed
 from ._validation import CheckedFile as CheckedFile
 from ._validation import TaggedTable as TaggedTable

@@ -151,7 +151,8 @@ def load_named(model: type[Model], folder: str, what: str, name: str) -> Model:
         return validated(model, read_toml(Path(name), f"{what} file"), f"{what} file {name}")
     if name not in shipped_names(folder):
         raise CallerError(f"there is no {what} called '{name}'{nearest_hint(name, shipped_names(folder))}")
-    return shipped(model, folder, what, name)
+    found: Model = shipped(model, folder, what, name)
+    return found
 
 
 @cache
