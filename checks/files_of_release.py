@@ -142,9 +142,9 @@ def numbers_of_gripper(path: Path) -> Numbers:
 
 def numbers_of_finger(path: Path) -> Numbers:
     """Return every number of a finger."""
-    from musclewire.parameters import read_finger_file
+    from musclewire.parameters import load_finger
 
-    return plain(read_finger_file(path).model_dump())
+    return plain(load_finger(str(path)).model_dump())
 
 
 def numbers_of_pretensioner(path: Path) -> Numbers:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections import defaultdict
 from collections.abc import Sequence
@@ -19,17 +20,15 @@ from musclewire.parameters import (
     load_bench,
     load_priors,
     load_wire,
-    outside,
-    outside_as_a_spool,
     published_ranges,
-    spool_ranges,
-    spool_values,
 )
 from musclewire.wire import SHAPE, two_populations
 
 ALLOY, BENCH = "flexinol", "paper"
 WIRES = ("paper-100um", "paper-125um", "paper-200um", "finger-100um", "isobar-sample")
 EXAMPLE_STRESS_PA = 100e6
+# The wire whose resistance per metre the alloy's resistivities belong to.
+REFERENCE_WIRE = "paper-100um"
 ZERO_DEGC_K = 273.15
 # How SI is shown: factor and unit. Temperatures go to degrees Celsius, strains to percent.
 SHOWN = {
@@ -379,3 +378,48 @@ def priors_table() -> str:
             ]
         )
     return table(["parameter", "mean", "deviation", "bounds", "experiment"], rows)
+
+
+def outside(group: Alloy | Wire | Bench) -> dict[str, Parameter]:
+    """Return the parameters of a file that lie outside their published range; one figure makes no range."""
+    ranges = published_ranges().parameters
+    return {
+        name: item
+        for name, item in group.items()
+        if name in ranges and not ranges[name].is_one_figure and ranges[name].beyond(item.value) != 0.0
+    }
+
+
+def spool_values(wire: Wire) -> dict[str, float]:
+    """Return what a spool differs in from its alloy, by the names of ``PublishedRanges.spools``, in SI."""
+    values, alloy = wire.values(), load_alloy(wire.alloy).values()
+    reference = load_wire(REFERENCE_WIRE).values()
+    nominal = nominal_resistivity_ohm_m(values) / nominal_resistivity_ohm_m(reference)
+    return {
+        "temperature_shift_k": values["temperature_shift_k"],
+        "r_phase_temperature_shift_k": values["temperature_shift_k"] + values["r_phase_shift_k"],
+        "resistivity_over_nominal": values["resistivity_factor"] / reference["resistivity_factor"] / nominal,
+        "martensite_barrier_k": alloy["martensite_barrier_k"] + values["martensite_barrier_shift_k"],
+    }
+
+
+def nominal_resistivity_ohm_m(wire: dict[str, float]) -> float:
+    """Return resistance per metre times section."""
+    return wire["resistance_per_metre_ohm_per_m"] * math.pi / 4.0 * wire["diameter_m"] ** 2
+
+
+def spool_ranges(wire: Wire) -> dict[str, PublishedRange]:
+    """Return what may lie between a spool and its alloy, by the names of ``spool_values``."""
+    ranges = published_ranges()
+    return ranges.spools | ranges.spools_of.get(wire.name, {})
+
+
+def outside_as_a_spool(wire: Wire) -> dict[str, float]:
+    """Return in what a spool differs from its alloy by more than spools may, with its values.
+
+    A barrier without a shift of the spool's own is the alloy's, and counts there alone.
+    """
+    ranges, values = spool_ranges(wire), spool_values(wire)
+    if wire.martensite_barrier_shift_k.value == 0.0:
+        del values["martensite_barrier_k"]
+    return {name: value for name, value in values.items() if ranges[name].beyond(value) != 0.0}

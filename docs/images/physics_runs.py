@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from musclewire.experiment import slow_sine
 from musclewire.parameters import load_alloy, load_bench, load_wire, read_published
-from musclewire.physics import phase_resistivity_ohm_m
+from musclewire.physics import REFERENCE_TEMPERATURE_K
 from musclewire.sensing import find_segments, hysteresis_gap, signed_hysteresis_gap
 from musclewire.wire import DrivenPath, WireConstants, constants_from, drive_path, with_pretension
 
@@ -140,19 +140,11 @@ def at_strain(branch: Branch, contraction: FloatArray) -> Branch:
 
 def resistivities(constants: WireConstants, temperature_k: FloatArray) -> FloatArray:
     """Return the resistivity of austenite, R-phase and martensite at each temperature, (3, n)."""
-    return np.array(
-        [
-            [
-                phase_resistivity_ohm_m(
-                    getattr(constants, f"{phase}_resistivity_ohm_m"),
-                    getattr(constants, f"{phase}_resistivity_per_k"),
-                    float(kelvin),
-                )
-                for kelvin in temperature_k
-            ]
-            for phase in PHASES
-        ]
+    at_20_degc, per_k = (
+        np.array([[getattr(constants, f"{phase}_{name}")] for phase in PHASES])
+        for name in ("resistivity_ohm_m", "resistivity_per_k")
     )
+    return np.asarray(at_20_degc * (1.0 + per_k * (temperature_k - REFERENCE_TEMPERATURE_K)))
 
 
 def parts_of_the_difference(loop: LoopTruth, points: int = 200) -> Parts:

@@ -4,6 +4,9 @@ The test according to the catalogue's footnotes: a wire under 172 MPa is heated 
 current and cools in still air; the last 0.5 % of deformation is not counted. Here a deformation of 0.5 % is a strain of
 0.005, and the wire counts as cold within that strain of its cold length under the same load. The wire starts cold, at
 rest, at the bench's ambient temperature.
+
+Limits of acceptance apply to 70 C wire of 0.05 to 0.31 mm if the catalogue's cell itself is corroborated: that of the
+current for contraction, that of the cooling time for cooling. All other numbers are shown without a verdict.
 """
 
 from __future__ import annotations
@@ -14,8 +17,20 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import NumericsError
-from musclewire.parameters import Alloy, Bench, Wire
-from musclewire.wire import DrivenPath, WireConstants, WireState, constants_from, drive_path, isobaric_path
+from musclewire.identify._electrical_sizing import heat
+from musclewire.parameters import (
+    CLASSES,
+    Alloy,
+    Bench,
+    CatalogueCell,
+    CatalogueRow,
+    Wire,
+    load_alloy,
+    load_bench,
+    load_catalogue,
+    load_wire,
+)
+from musclewire.wire import WireConstants, WireState, constants_from, drive_path, isobaric_path
 
 PULL_STRESS_PA = 172e6
 HEATING_S = 1.0
@@ -47,16 +62,8 @@ def dead_weight_bench(bench: Bench, diameter_m: float, stress_pa: float = PULL_S
 
     It has one leg, no spring and no friction, and the length, shunt and ambient temperature of ``bench``.
     """
-    weight_n = stress_pa * 0.25 * np.pi * diameter_m**2
-    numbers = {
-        "legs": 1.0,
-        "spring_stiffness_n_per_m": 0.0,
-        "guide_friction_n": 0.0,
-        "pretension_n": float(weight_n),
-    }
-    return bench.model_copy(
-        update={name: getattr(bench, name).model_copy(update={"value": value}) for name, value in numbers.items()}
-    )
+    weight_n = float(stress_pa * 0.25 * np.pi * diameter_m**2)
+    return bench.with_values(legs=1.0, spring_stiffness_n_per_m=0.0, guide_friction_n=0.0, pretension_n=weight_n)
 
 
 def run_catalogue_test(
@@ -75,7 +82,7 @@ def run_catalogue_test(
     """
     constants = constants_from(alloy, wire, dead_weight_bench(bench, wire.diameter_m.value, stress_pa))
     step_s = step_for(constants)
-    heated, state = heated_by(constants, current_a, heating_s, step_s)
+    heated, state = heat(constants, current_a, heating_s, step_s)
     contraction = state.contraction
     if not np.isfinite(contraction):
         raise NumericsError(f"the simulation of {wire.name} diverges at {current_a:g} A: use a smaller current")
@@ -89,14 +96,6 @@ def run_catalogue_test(
         temperature_k=float(heated.temperature_k.max()),
         energy_j=state.heat_in_j,
     )
-
-
-def heated_by(
-    constants: WireConstants, current_a: float, heating_s: float, step_s: float
-) -> tuple[DrivenPath, WireState]:
-    """Return path and final state of a cold wire under a constant current [A], in steps of about ``step_s``."""
-    samples = max(round(heating_s / step_s), 1)
-    return drive_path(constants, np.full(samples, current_a), sample_s=heating_s / samples, regulated_current=True)
 
 
 def step_for(constants: WireConstants) -> float:
@@ -137,3 +136,85 @@ def time_below(curve: FloatArray, step_s: float, start: float, level: float) -> 
     after = int(below[0])
     before = start if after == 0 else float(curve[after - 1])
     return step_s * (after + (before - level) / (before - float(curve[after])))
+
+
+JUDGED_CLASS = "lt"
+JUDGED_SIZES_MM = (0.05, 0.31)
+CONTRACTION_RANGE = (0.8, 1.0)
+COOLING_TOLERANCE = 0.35
+# A complete contraction must not fail by rounding.
+ROUNDING = 1e-3
+BARS = (
+    f"contraction {100 * CONTRACTION_RANGE[0]:.0f} to {100 * CONTRACTION_RANGE[1]:.0f} % of stroke, cooling within "
+    f"{100 * COOLING_TOLERANCE:.0f} %; judged: {CLASSES[JUDGED_CLASS]}, {JUDGED_SIZES_MM[0]} to {JUDGED_SIZES_MM[1]} "
+    "mm, corroborated cells"
+)
+
+
+class JudgedValue(NamedTuple):
+    """One simulated number next to the catalogue's; ``ok`` is None if no limit applies to it."""
+
+    ours: float | None
+    low: float
+    high: float
+    cell: CatalogueCell
+    ok: bool | None
+
+
+class CatalogueComparison(NamedTuple):
+    """One wire of the catalogue: its simulated test and the verdicts."""
+
+    wire: str
+    row: CatalogueRow
+    wire_class: str
+    run: CatalogueRun
+    contraction: JudgedValue
+    cooling: JudgedValue
+
+    @property
+    def ok(self) -> bool:
+        """Whether all numbers with limits are within them."""
+        return self.contraction.ok is not False and self.cooling.ok is not False
+
+
+def compare_catalogue() -> list[CatalogueComparison]:
+    """Return the vendor's test of all wires of the catalogue, thinnest first, LT before HT; deterministic."""
+    alloy, bench = load_alloy(load_catalogue().wire.alloy), load_bench("dead-weight")
+    compared = []
+    for row in load_catalogue().row:
+        for wire_class in CLASSES:
+            name = f"flexinol-{row.name}-{wire_class}"
+            run = run_catalogue_test(alloy, load_wire(name), bench, row.current_a)
+            compared.append(judged(name, row, wire_class, run))
+    return compared
+
+
+def judged(name: str, row: CatalogueRow, wire_class: str, run: CatalogueRun) -> CatalogueComparison:
+    """Return a wire's test with its verdicts."""
+    low, high = JUDGED_SIZES_MM
+    counts = wire_class == JUDGED_CLASS and low <= row.diameter_mm <= high
+    time = row.cooling_cell(wire_class)
+    return CatalogueComparison(
+        name,
+        row,
+        wire_class,
+        run,
+        judged_within(run.contraction_fraction, *CONTRACTION_RANGE, row.current_ma, counts, ROUNDING),
+        judged_within(
+            run.cooling_s,
+            time.value * (1.0 - COOLING_TOLERANCE),
+            time.value * (1.0 + COOLING_TOLERANCE),
+            time,
+            counts,
+            0.0,
+        ),
+    )
+
+
+def judged_within(
+    ours: float | None, low: float, high: float, cell: CatalogueCell, counts: bool, rounding: float
+) -> JudgedValue:
+    """Return a number with its verdict: None if the cell is not corroborated or the wire has no limits."""
+    if not (counts and cell.corroborated):
+        return JudgedValue(ours, low, high, cell, None)
+    return JudgedValue(ours, low, high, cell, ours is not None and low <= ours <= high + rounding)

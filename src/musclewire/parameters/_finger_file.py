@@ -19,18 +19,13 @@ tendon_travel_m = [0.0, ...]
 from __future__ import annotations
 
 import math
-from functools import cache
-from importlib.resources import files
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters._parameter_groups import Parameter
-from musclewire.parameters._validation import read_toml, validated
-from musclewire.parameters._wire_file import parameter_lines, quoted
+from musclewire.parameters._validation import load_named, shipped_names, toml_text
 
 MIN_POINTS = 5
 EVEN_TOLERANCE = 1e-6
@@ -133,14 +128,9 @@ class FingerFile(BaseModel):
     curve: FingerCurve
 
 
-def folder_of_fingers() -> Path:
-    """Return the folder of the fingers that ship with musclewire."""
-    return Path(str(files("musclewire.parameters"))) / "data" / "fingers"
-
-
 def finger_names() -> list[str]:
     """Return the names of the fingers that ship with musclewire."""
-    return sorted(item.stem for item in folder_of_fingers().glob("*.toml"))
+    return shipped_names("fingers")
 
 
 def load_finger(name: str) -> FingerFile:
@@ -148,33 +138,12 @@ def load_finger(name: str) -> FingerFile:
 
     Raises CallerError for an unknown name or a wrong file, naming the key and the nearest right one.
     """
-    return read_finger_file(Path(name)) if name.endswith(".toml") else named_finger(name)
-
-
-@cache
-def named_finger(name: str) -> FingerFile:
-    """Return a finger that ships with musclewire."""
-    if name not in finger_names():
-        raise CallerError(f"there is no finger called '{name}'{nearest_hint(name, finger_names())}")
-    return read_finger_file(folder_of_fingers() / f"{name}.toml")
-
-
-def read_finger_file(path: Path) -> FingerFile:
-    """Return a finger file, checked."""
-    return validated(FingerFile, read_toml(path, "finger file"), f"finger file {path}")
+    return load_named(FingerFile, "fingers", "finger", name)
 
 
 def finger_file_text(name: str, description: str, geometry: dict[str, Parameter], curve: FingerCurve) -> str:
     """Return the text of a finger's file; every number keeps all its bits."""
-    lines = [
-        'format = "musclewire-finger"',
-        "version = 1",
-        f"name = {quoted(name)}",
-        f"description = {quoted(description)}",
-    ]
-    for key, item in geometry.items():
-        lines += ["", f"[geometry.{key}]", *parameter_lines(item)]
-    lines += ["", "[curve]"]
-    for key in FingerCurve.model_fields:
-        lines.append(f"{key} = [{', '.join(repr(float(value)) for value in getattr(curve, key))}]")
-    return "\n".join(lines) + "\n"
+    made = FingerFile(
+        format="musclewire-finger", version=1, name=name, description=description, geometry=geometry, curve=curve
+    )
+    return toml_text(made.model_dump())

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import tomllib
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters._catalogue import catalogue_names, catalogue_wire, load_catalogue, same_size_hint
 from musclewire.parameters._parameter_groups import Alloy, Bench, Parameter, Wire
-from musclewire.parameters._validation import validated
+from musclewire.parameters._validation import DATA, shipped_names, validated
 from musclewire.parameters._wire_file import is_wire_file, read_wire_file
 
 FOLDERS = {"wire": "wires", "alloy": "alloys", "bench": "benches"}
@@ -28,9 +27,7 @@ def names(kind: str) -> list[str]:
     -------
     The names.
     """
-    folder = files("musclewire.parameters") / "data" / FOLDERS[kind]
-    found = sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml"))
-    return found + (catalogue_names() if kind == "wire" else [])
+    return shipped_names(FOLDERS[kind]) + (catalogue_names() if kind == "wire" else [])
 
 
 def read_named(kind: str, name: str) -> dict[str, Any]:
@@ -38,7 +35,7 @@ def read_named(kind: str, name: str) -> dict[str, Any]:
     if name not in names(kind):
         hint = same_size_hint(name) if kind == "wire" else ""
         raise CallerError(f"there is no {kind} called '{name}'{hint or nearest_hint(name, names(kind))}")
-    text = (files("musclewire.parameters") / "data" / FOLDERS[kind] / f"{name}.toml").read_text("utf-8")
+    text = (DATA / FOLDERS[kind] / f"{name}.toml").read_text("utf-8")
     return tomllib.loads(text)
 
 
@@ -125,7 +122,7 @@ def load_bench(name: str) -> Bench:
 
 def published_text(name: str) -> str:
     """Return the text of a file of published results."""
-    return (files("musclewire.parameters") / "data" / "published" / name).read_text("utf-8")
+    return (DATA / "published" / name).read_text("utf-8")
 
 
 @cache

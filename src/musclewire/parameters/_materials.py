@@ -17,8 +17,6 @@ source = "bending test of a strip"
 
 from __future__ import annotations
 
-from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Literal
 
@@ -26,9 +24,8 @@ from pydantic import Field, model_validator
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters._parameter_groups import Parameter, ParameterGroup, parameter
-from musclewire.parameters._validation import read_toml, validated
+from musclewire.parameters._validation import DATA, load_named, shipped_names
 
-SUFFIX = ".toml"
 # What printers' owners call the processes.
 SYNONYMS = {"fdm": "print", "fff": "print", "sls": "sinter"}
 
@@ -112,12 +109,12 @@ class Material(ParameterGroup):
 
 def folder_of_materials() -> Path:
     """Return the folder of the materials that ship with musclewire."""
-    return Path(str(files("musclewire.parameters"))) / "data" / "materials"
+    return DATA / "materials"
 
 
 def material_names() -> list[str]:
     """Return the names of the materials that ship with musclewire."""
-    return sorted(item.stem for item in folder_of_materials().glob(f"*{SUFFIX}"))
+    return shipped_names("materials")
 
 
 def load_material(name: str) -> Material:
@@ -137,17 +134,4 @@ def load_material(name: str) -> Material:
     CallerError
         For an unknown name or a wrong file, naming the key and the nearest right one.
     """
-    return read_material_file(Path(name)) if name.endswith(SUFFIX) else named_material(name)
-
-
-@cache
-def named_material(name: str) -> Material:
-    """Return a material that ships with musclewire."""
-    if name not in material_names():
-        raise CallerError(f"there is no material called '{name}'{nearest_hint(name, material_names())}")
-    return read_material_file(folder_of_materials() / f"{name}{SUFFIX}")
-
-
-def read_material_file(path: Path) -> Material:
-    """Return a material file, checked."""
-    return validated(Material, read_toml(path, "material file"), f"material file {path}")
+    return load_named(Material, "materials", "material", name)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import ceil, floor
-from typing import Annotated, Any, Literal, Protocol
+from typing import Annotated, Any, Literal, Protocol, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
@@ -111,6 +111,11 @@ class ParameterGroup(BaseModel):
     def values(self) -> dict[str, float]:
         """Return the bare numbers, by name."""
         return {key: item.value for key, item in self.items()}
+
+    def with_values(self, **values: float) -> Self:
+        """Return the group with other numbers, of which unit, kind and source stay."""
+        changed = {key: getattr(self, key).model_copy(update={"value": value}) for key, value in values.items()}
+        return self.model_copy(update=changed)
 
     def items(self) -> list[tuple[str, Parameter]]:
         """Return all parameters in the order of the schema."""

@@ -1,18 +1,14 @@
-"""Priors: the knowledge of a wire's parameters before any measurement."""
+"""Priors: the knowledge of a wire's parameters before any measurement, of any wire or of a named one."""
 
 from __future__ import annotations
 
-import tomllib
-from functools import cache
-from importlib.resources import files
-from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import nearest_hint
 from musclewire.parameters._parameter_groups import Alloy, Bench, Wire
-from musclewire.parameters._validation import validated
+from musclewire.parameters._validation import load_named
 
 SCHEMAS: dict[str, type[Alloy] | type[Wire] | type[Bench]] = {"alloy": Alloy, "wire": Wire, "bench": Bench}
 
@@ -91,13 +87,6 @@ class PriorSet(BaseModel):
         return self
 
 
-def prior_set_names() -> list[str]:
-    """Return the names of the prior sets that ship with musclewire."""
-    folder = files("musclewire.parameters") / "data" / "priors"
-    return sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml"))
-
-
-@cache
 def load_priors(name: str = "niti-wire") -> PriorSet:
     """Return a set of priors.
 
@@ -115,17 +104,89 @@ def load_priors(name: str = "niti-wire") -> PriorSet:
     CallerError
         For an unknown name, or a file that cannot be read or breaks the schema.
     """
-    if name.endswith(".toml"):
-        return validated(PriorSet, read_file(Path(name)), f"priors {name}")
-    if name not in prior_set_names():
-        raise CallerError(f"there are no priors called '{name}'{nearest_hint(name, prior_set_names())}")
-    text = (files("musclewire.parameters") / "data" / "priors" / f"{name}.toml").read_text("utf-8")
-    return validated(PriorSet, tomllib.loads(text), f"priors {name}")
+    return load_named(PriorSet, "priors", "set of priors", name)
 
 
-def read_file(path: Path) -> dict[str, Any]:
-    """Return a TOML file as plain data, or raise CallerError."""
-    try:
-        return tomllib.loads(path.read_text("utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise CallerError(f"priors {path} cannot be read: {error}") from None
+Kind = Literal["alloy", "wire", "bench"]
+# A normal distribution is cut off at so many standard deviations.
+CUT_OFF = 4.0
+
+
+class Spread(BaseModel):
+    """The standard deviation of one number of a wire or its bench: absolute, or as a fraction of the value."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    group: Kind
+    std: float | None = Field(default=None, ge=0.0, allow_inf_nan=False)
+    relative: float | None = Field(default=None, ge=0.0, lt=1.0)
+    source: str = Field(min_length=3)
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Spread:
+        if (self.std is None) == (self.relative is None):
+            raise ValueError("give std, in the parameter's unit, or relative, a fraction: one of both")
+        return self
+
+    def around(self, value: float) -> float:
+        """Return the standard deviation around a value."""
+        return self.std if self.std is not None else (self.relative or 0.0) * abs(value)
+
+
+class WireSpreads(BaseModel):
+    """Spreads by parameter name; an alloy's other parameters have a fraction of their prior's."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    name: str
+    description: str
+    priors: str
+    fraction_of_priors: float = Field(ge=0.0, le=1.0)
+    spreads: dict[str, Spread]
+
+    @model_validator(mode="after")
+    def _names_are_those_of_the_groups(self) -> WireSpreads:
+        for name, spread in self.spreads.items():
+            fields = SCHEMAS[spread.group].model_fields
+            if name not in fields:
+                raise ValueError(f"'{name}' is no parameter of the {spread.group}{nearest_hint(name, fields)}")
+        return self
+
+
+def load_spreads(name: str = "named-wire") -> WireSpreads:
+    """Return spreads that ship with musclewire, or those of a TOML file. Raises CallerError for a wrong file."""
+    return load_named(WireSpreads, "spreads", "set of spreads", name)
+
+
+def priors_around(alloy: Alloy, wire: Wire, bench: Bench, spreads: WireSpreads) -> PriorSet:
+    """Return priors whose means are the numbers of a wire, its alloy and its bench."""
+    found = {}
+    general = load_priors(spreads.priors).parameters
+    groups: tuple[tuple[Kind, Alloy | Wire | Bench], ...] = (("alloy", alloy), ("wire", wire), ("bench", bench))
+    for kind, group in groups:
+        for name, item in group.items():
+            prior, spread = general.get(name), spreads.spreads.get(name)
+            if spread is not None:
+                std, source = spread.around(item.value), spread.source
+            elif kind == "alloy" and prior is not None:
+                std, source = (
+                    spreads.fraction_of_priors * prior.std,
+                    f"{spreads.fraction_of_priors:g} of: {prior.source}",
+                )
+            else:
+                continue
+            if std > 0.0:
+                low, high = limits(item.value, std, prior)
+                found[name] = Prior(
+                    group=kind, mean=item.value, std=std, low=low, high=high, unit=item.unit, source=source,
+                    measure="" if prior is None else prior.measure,
+                )  # fmt: skip
+    return PriorSet(name=spreads.name, description=spreads.description, parameters=found)
+
+
+def limits(value: float, std: float, prior: Prior | None) -> tuple[float, float]:
+    """Return where a distribution is cut off: where the prior of any such wire is, if the value lies within that."""
+    low, high = value - CUT_OFF * std, value + CUT_OFF * std
+    if prior is not None and prior.low < value < prior.high:
+        return max(low, prior.low), min(high, prior.high)
+    return low, high

@@ -1,22 +1,94 @@
-"""A user's TOML file is read and checked, with errors in one line."""
+"""A user's TOML file is read and checked, with errors in one line; a table's key may name its registered kind."""
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 from math import inf, isfinite
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError
 from pydantic.fields import FieldInfo
+from pydantic_core import CoreSchema, InitErrorDetails, PydanticKnownError, core_schema
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters._parameter_groups import key_hint
-from musclewire.parameters._tagged_tables import TaggedTable
+from musclewire.registry import Registry
+
+
+@dataclass(frozen=True)
+class TaggedTable:
+    """Annotation of a field that holds a table: one key names its kind, whose schema checks it.
+
+    Unlike a union of schemas it accepts kinds that were registered later, by a call or by another package.
+
+    Parameters
+    ----------
+    registry
+        Schemas by name; each has the key as a literal of that name.
+    key
+        The key that names the kind.
+    """
+
+    registry: Registry[Any]
+    key: str
+
+    def __get_pydantic_core_schema__(self, _source: Any, _handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Return a schema by which pydantic calls :meth:`checked`."""
+        return core_schema.no_info_plain_validator_function(self.checked)
+
+    def model_of(self, tag: str) -> type[BaseModel] | None:
+        """Return the schema of a kind, or None if there is none of that name."""
+        try:
+            found: type[BaseModel] = self.registry.find(tag)
+        except CallerError:
+            return None
+        return found
+
+    def checked(self, given: Any) -> BaseModel:
+        """Return a table as its kind; the location of an error includes the kind's name, as with a union."""
+        if isinstance(given, BaseModel):
+            return given
+        if not isinstance(given, dict):
+            raise PydanticKnownError("model_attributes_type")
+        if self.key not in given:
+            raise PydanticKnownError("union_tag_not_found", {"discriminator": f"'{self.key}'"})
+        tag = given[self.key]
+        model = self.model_of(tag) if isinstance(tag, str) else None
+        if model is None:
+            names = ", ".join(f"'{name}'" for name in self.registry.names())
+            raise PydanticKnownError(
+                "union_tag_invalid", {"discriminator": f"'{self.key}'", "tag": str(tag), "expected_tags": names}
+            )
+        try:
+            return model.model_validate(given)
+        except ValidationError as error:
+            raise ValidationError.from_exception_data(
+                error.title, [placed(tag, item) for item in errors_of(error)]
+            ) from None
+
+
+def errors_of(error: ValidationError) -> list[Any]:
+    """Return the single errors of a validation."""
+    return error.errors(include_url=False)
+
+
+def placed(tag: str, problem: Any) -> InitErrorDetails:
+    """Return an error with the kind's name at the head of its location."""
+    kind: Any = problem["type"]
+    return InitErrorDetails(
+        type=kind, loc=(tag, *problem["loc"]), input=problem["input"], ctx=dict(problem.get("ctx", {}))
+    )
+
 
 Model = TypeVar("Model", bound=BaseModel)
+DATA = Path(str(files("musclewire.parameters"))) / "data"
 
 # Messages by pydantic's name of the error; braces are filled from the violated rule, u is the unit.
 IN_WORDS = {
@@ -63,6 +135,53 @@ def read_toml(path: Path, kind: str, instead: str = "") -> dict[str, Any]:
         raise CallerError(f"there is no {kind} {path}{instead}") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise CallerError(f"{kind} {path} cannot be read: {error}") from None
+
+
+def shipped_names(folder: str) -> list[str]:
+    """Return the names of the files in a folder of the data that ship with musclewire."""
+    return sorted(item.stem for item in (DATA / folder).glob("*.toml"))
+
+
+def load_named(model: type[Model], folder: str, what: str, name: str) -> Model:
+    """Return a file that ships with musclewire, by name, or a user's (.toml), which is read at every call.
+
+    Raises CallerError for an unknown name or a wrong file, naming the key and the nearest right one.
+    """
+    if name.endswith(".toml"):
+        return validated(model, read_toml(Path(name), f"{what} file"), f"{what} file {name}")
+    if name not in shipped_names(folder):
+        raise CallerError(f"there is no {what} called '{name}'{nearest_hint(name, shipped_names(folder))}")
+    found: Model = shipped(model, folder, what, name)
+    return found
+
+
+@cache
+def shipped(model: type[Model], folder: str, what: str, name: str) -> Model:
+    """Return a file that ships with musclewire, checked."""
+    return validated(model, read_toml(DATA / folder / f"{name}.toml", f"{what} file"), f"{what} {name}")
+
+
+def toml_text(content: Mapping[str, Any], place: str = "") -> str:
+    """Return nested tables as TOML, without what is None or an empty text; numbers keep every bit."""
+    stated = {key: value for key, value in content.items() if value is not None and value != ""}
+    own = [f"{key} = {toml_value(value)}\n" for key, value in stated.items() if not isinstance(value, Mapping)]
+    head = [f"[{place}]\n"] if place and own else []
+    tables = (
+        toml_text(value, f"{place}.{key}" if place else key)
+        for key, value in stated.items()
+        if isinstance(value, Mapping)
+    )
+    return "\n".join(filter(None, ("".join(head + own), *tables)))
+
+
+def toml_value(value: Any) -> str:
+    """Return a text, a number or a list of them as TOML."""
+    if isinstance(value, str):
+        # JSON's strings are TOML's, but for the character that JSON leaves as it is.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(toml_value, value))}]"
+    return repr(float(value) if isinstance(value, float) else value)
 
 
 class CheckedFile(BaseModel):

@@ -28,24 +28,14 @@ high = 220e6
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, model_validator
 
-from musclewire.parameters._parameter_groups import (
-    Alloy,
-    Bench,
-    CoveredRange,
-    GrainQuantiles,
-    Parameter,
-    Wire,
-    checked,
-    key_hint,
-)
-from musclewire.parameters._validation import read_toml, validated
+from musclewire.parameters._parameter_groups import Alloy, Bench, Parameter, Wire, checked, key_hint
+from musclewire.parameters._validation import read_toml, toml_text, validated
 
 SUFFIX = ".toml"
 # Texts of a wire and an alloy that the file says once, at its head.
@@ -94,53 +84,14 @@ def read_wire_file(path: str | Path) -> WireFile:
 
 def wire_file_text(name: str, description: str, wire: Wire, alloy: Alloy, bench: Mapping[str, Parameter]) -> str:
     """Return the text of the file for a wire, its alloy and the known numbers of its bench."""
-    lines = [
-        'format = "musclewire-wire"',
-        "version = 1",
-        f"name = {quoted(name)}",
-        f"description = {quoted(description)}",
-    ]
-    for group, items in (("wire", dict(wire.items())), ("alloy", dict(alloy.items())), ("bench", dict(bench))):
-        for key, item in items.items():
-            lines += ["", f"[{group}.{key}]", *parameter_lines(item)]
-    if alloy.grain_quantiles is not None:
-        lines += ["", "[alloy.grain_quantiles]", *quantile_lines(alloy.grain_quantiles)]
-    if alloy.validity is not None:
-        for key, value in alloy.validity:
-            stated = range_lines(value) if isinstance(value, CoveredRange) else parameter_lines(value)
-            lines += ["", f"[alloy.validity.{key}]", *stated]
-    return "\n".join(lines) + "\n"
-
-
-def range_lines(item: CoveredRange) -> list[str]:
-    """Return a range that data cover as lines of TOML."""
-    first, *others = parameter_lines(Parameter(value=item.low, **item.model_dump(exclude={"low", "high"})))
-    return [first.replace("value", "low"), f"high = {item.high!r}", *others]
-
-
-def quantile_lines(item: GrainQuantiles) -> list[str]:
-    """Return measured quantiles as lines of TOML."""
-    lines = [
-        f"fraction = {list(item.fraction)!r}",
-        f"offset = {list(item.offset)!r}",
-        f"kind = {quoted(item.kind)}",
-        f"source = {quoted(item.source)}",
-    ]
-    return [*lines, f"note = {quoted(item.note)}"] if item.note else lines
-
-
-def parameter_lines(item: Parameter) -> list[str]:
-    """Return a parameter as lines of TOML."""
-    lines = [
-        # repr keeps every bit, so that a wire read back is the same wire.
-        f"value = {item.value!r}",
-        f"unit = {quoted(item.unit)}",
-        f"kind = {quoted(item.kind)}",
-        f"source = {quoted(item.source)}",
-    ]
-    return [*lines, f"note = {quoted(item.note)}"] if item.note else lines
-
-
-def quoted(text: str) -> str:
-    """Return text as a TOML basic string: JSON's is one, but for the character that JSON leaves as it is."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return toml_text(
+        {
+            "format": "musclewire-wire",
+            "version": 1,
+            "name": name,
+            "description": description,
+            "wire": wire.model_dump(exclude={*HEAD, "alloy"}),
+            "alloy": alloy.model_dump(exclude=set(HEAD)),
+            "bench": {key: item.model_dump() for key, item in bench.items()},
+        }
+    )

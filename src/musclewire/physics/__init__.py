@@ -1,8 +1,4 @@
-"""One published equation per pure function: heat, transformation, resistivity, mechanics.
-
-Every function takes and returns plain floats in SI units and is compiled by Numba, so the same function
-serves a doctest, an estimator and the simulator's inner loop.
-"""
+"""Published equations as pure functions of plain floats in SI units: heat loss, measured resistance, friction."""
 
 import lazy_loader
 

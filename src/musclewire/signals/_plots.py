@@ -18,10 +18,10 @@ PLOTS: Registry[PlotKind] = Registry(
     "plot",
     "musclewire.plots",
     {
-        "loop": "musclewire.identify._loop_figure:loop_figure",
+        "loop": "musclewire.identify._time_figures:loop_figure",
         "control": "musclewire.identify._time_figures:control_figure",
         "time": "musclewire.identify._time_figures:time_figure",
-        "table": "musclewire.identify._loop_figure:table_figure",
+        "table": "musclewire.identify._time_figures:table_figure",
     },
 )
 MOVEMENTS = {"reference_strain", "displacement_m"}

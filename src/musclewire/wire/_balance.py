@@ -205,8 +205,9 @@ def strain_at(
 
     References
     ----------
-    Transformation strain after Lagoudas et al. 2012, doi 10.1016/j.ijplas.2011.10.009
-    (``physics.material:maximum_transformation_strain``); compliance after Reuss 1929, doi 10.1002/zamm.19290090104.
+    Transformation strain after Lagoudas, Hartl, Chemisky, Machado and Popov 2012, doi 10.1016/j.ijplas.2011.10.009:
+    H(sigma) = H_0 + (H_sat - H_0) (1 - exp(-sigma / sigma_k)). Compliance after Reuss 1929,
+    doi 10.1002/zamm.19290090104: 1/E = (1 - xi) / E_A + xi / E_M.
     """
     k = constants
     unoriented = (k.strain_saturated - k.strain_at_no_stress) * decay(stress_pa * k.per_strain_scale_per_pa)
@@ -411,8 +412,9 @@ def resistance_at(
 
     References
     ----------
-    ``physics.resistance:phase_resistivity_ohm_m`` and ``physics.resistance:wire_resistance_ohm``, written out: the same
-    formulas, with products made once per wire.
+    R = rho l / A with the change of l and A by each strain: transformation keeps the volume, elastic strain thins by
+    Poisson's ratio, expansion widens as it lengthens. rho of a phase is linear in temperature from 20 C, with the
+    coefficients of the alloy's file.
     """
     k = constants
     warm_k = temperature_k - REFERENCE_TEMPERATURE_K

@@ -10,18 +10,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import musclewire.identify._catalogue_check as check
-from musclewire.identify._catalogue_check import dead_weight_bench, run_catalogue_test, time_below
-from musclewire.identify._catalogue_table import compare_catalogue, judged_within
-from musclewire.parameters import Alloy, CatalogueCell, Wire, load_alloy, load_bench, load_wire
+from musclewire.identify._catalogue_check import (
+    compare_catalogue,
+    dead_weight_bench,
+    judged_within,
+    run_catalogue_test,
+    time_below,
+)
+from musclewire.parameters import CatalogueCell, load_alloy, load_bench, load_wire
 
 ALLOY, BENCH = load_alloy("flexinol"), load_bench("dead-weight")
 WIRE = load_wire("flexinol-0.15-lt")
-
-
-def changed(group: Wire | Alloy, **numbers: float) -> Wire | Alloy:
-    return group.model_copy(
-        update={name: getattr(group, name).model_copy(update={"value": value}) for name, value in numbers.items()}
-    )
 
 
 def test_the_weight_pulls_with_the_stress_asked_for() -> None:
@@ -32,8 +31,8 @@ def test_the_weight_pulls_with_the_stress_asked_for() -> None:
 
 def test_an_inert_wire_warms_as_the_heat_balance_says() -> None:
     """No latent heat, hardly any convection: T = T_a + I^2 R t / (m c), within what resistance changes by."""
-    inert = changed(ALLOY, latent_heat_j_per_kg=0.0)
-    lonely = changed(WIRE, convection_factor=1e-6)
+    inert = ALLOY.with_values(latent_heat_j_per_kg=0.0)
+    lonely = WIRE.with_values(convection_factor=1e-6)
     run = run_catalogue_test(inert, lonely, BENCH, 0.2)
     values = ALLOY.values()
     mass = values["density_kg_per_m3"] * math.pi / 4 * WIRE.diameter_m.value**2 * 0.14
@@ -63,14 +62,14 @@ def test_more_current_never_contracts_less_nor_more_than_the_stroke(current_a: f
 
 
 def test_the_length_does_not_matter() -> None:
-    longer = BENCH.model_copy(update={"wire_length_m": BENCH.wire_length_m.model_copy(update={"value": 0.7})})
+    longer = BENCH.with_values(wire_length_m=0.7)
     here, there = (run_catalogue_test(ALLOY, WIRE, bench, 0.41) for bench in (BENCH, longer))
     assert there.contraction_fraction == pytest.approx(here.contraction_fraction, rel=1e-6)
     assert there.cooling_s == pytest.approx(here.cooling_s, rel=1e-6)
 
 
 def test_better_convection_cools_faster() -> None:
-    windy = changed(WIRE, convection_factor=2.0 * WIRE.convection_factor.value)
+    windy = WIRE.with_values(convection_factor=2.0 * WIRE.convection_factor.value)
     still, moving = run_catalogue_test(ALLOY, WIRE, BENCH, 0.45), run_catalogue_test(ALLOY, windy, BENCH, 0.48)
     assert still.cooling_s is not None
     assert moving.cooling_s is not None

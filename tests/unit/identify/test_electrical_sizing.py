@@ -36,7 +36,7 @@ def test_the_one_second_current_gives_nine_tenths_of_the_stroke_in_a_second(name
 
 def test_the_voltage_goes_with_the_length_and_the_current_does_not() -> None:
     wire, bench = load_wire("flexinol-0.10-lt"), load_bench("dead-weight")
-    longer = bench.model_copy(update={"wire_length_m": bench.wire_length_m.model_copy(update={"value": 0.28})})
+    longer = bench.with_values(wire_length_m=0.28)
     short, long = one_second_current(ALLOY, wire, bench), one_second_current(ALLOY, wire, longer)
     assert long.current_a == pytest.approx(short.current_a, rel=1e-3)
     assert long.wire_voltage_v == pytest.approx(2.0 * short.wire_voltage_v, rel=1e-3)

@@ -10,8 +10,8 @@ import pytest
 from musclewire.errors import CallerError, FitRejectedError, RecordingError
 from musclewire.experiment import characterize
 from musclewire.identify._resistance_alone.fitting import ResistanceFit, fit_resistance
-from musclewire.identify._resistance_alone.marks import Marks
-from musclewire.identify._resistance_alone.what_helps import combined_std
+from musclewire.identify._resistance_alone.observation import Marks
+from musclewire.identify._resistance_alone.possible_curves import combined_std
 from musclewire.identify._sensing_model import estimate, fit
 from musclewire.parameters import load_alloy, load_bench, load_spreads, load_wire, priors_around
 from musclewire.rigs import GuardedRig, SimulatedDevice, SimulatedSpool

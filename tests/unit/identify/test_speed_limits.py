@@ -13,10 +13,9 @@ from known_plant import COOLING_W, HEATING_W, LIMITS, MODEL, TAU_S, plant_settin
 
 from musclewire.controllers import sampled_reference, staircase
 from musclewire.errors import CallerError, RecordingError
-from musclewire.identify._speed_limits import speed_limits_of
-from musclewire.identify._speed_limits.help import diameter_for
-from musclewire.identify._speed_limits.plant import SpeedPlant
-from musclewire.identify._speed_limits.tracking import followed
+from musclewire.identify import speed_limits_of
+from musclewire.identify._speed_limits.limits import diameter_for
+from musclewire.identify._speed_limits.plant import SpeedPlant, followed
 from musclewire.signals import RunFacts
 
 LEVELS = np.linspace(0.005, 0.035, 33)

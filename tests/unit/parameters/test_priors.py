@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.parameters._priors import load_priors, prior_set_names
+from musclewire.parameters._priors import load_priors
+from musclewire.parameters._validation import shipped_names
 
 MINE = """name = "mine"
 description = "a wire"
@@ -24,7 +25,7 @@ measure = "fast heating"
 """
 
 
-@pytest.mark.parametrize("name", prior_set_names())
+@pytest.mark.parametrize("name", shipped_names("priors"))
 def test_priors_that_come_along_lie_well_inside_their_bounds(name: str) -> None:
     found = load_priors(name)
     assert found.name == name

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import re
+import sys
 from typing import Any
 
 import pytest
+from tests.places import CHECKOUT
 
 from musclewire.errors import CallerError
 from musclewire.parameters._library import load_alloy, load_wire, read_published
-from musclewire.parameters._parameter_groups import Wire
-from musclewire.parameters._published_ranges import (
-    PublishedRange,
-    PublishedRanges,
-    outside,
-    outside_as_a_spool,
-    published_ranges,
-    spool_ranges,
-    spool_values,
-)
+from musclewire.parameters._published_ranges import PublishedRange, PublishedRanges, published_ranges
 from musclewire.parameters._validation import validated
+
+sys.path.insert(0, str(CHECKOUT / "docs/images"))
+
+from parameter_page import outside, outside_as_a_spool, spool_ranges, spool_values
 
 BRANCHES = ("heating", "cooling")
 DENSITY = {"low": 6450.0, "high": 6500.0, "unit": "kg/m^3", "standing": "looked up", "source": "two data sheets"}
@@ -97,20 +94,15 @@ def test_one_figure_is_no_range_to_lie_in() -> None:
 
 def test_a_value_moved_out_of_its_range_is_found() -> None:
     wire = load_wire("paper-100um")
-    moved = wire.model_copy(update={"convection_factor": wire.convection_factor.model_copy(update={"value": 2.0})})
+    moved = wire.with_values(convection_factor=2.0)
     assert "convection_factor" not in outside(wire)
     assert set(outside(moved)) == {"convection_factor"}
 
 
-def spool(name: str, **values: float) -> Wire:
-    wire = load_wire(name)
-    return wire.model_copy(
-        update={key: getattr(wire, key).model_copy(update={"value": value}) for key, value in values.items()}
-    )
-
-
 def test_a_spools_r_phase_has_both_shifts() -> None:
-    wire = spool("paper-100um", temperature_shift_k=3.0, r_phase_shift_k=4.0, martensite_barrier_shift_k=0.0)
+    wire = load_wire("paper-100um").with_values(
+        temperature_shift_k=3.0, r_phase_shift_k=4.0, martensite_barrier_shift_k=0.0
+    )
     assert spool_values(wire)["r_phase_temperature_shift_k"] == pytest.approx(7.0)
     assert "r_phase_temperature_shift_k" in outside_as_a_spool(wire)
     assert "temperature_shift_k" not in outside_as_a_spool(wire)
@@ -120,16 +112,18 @@ def test_a_spools_r_phase_has_both_shifts() -> None:
 def test_a_resistivity_is_measured_against_resistance_per_metre_and_diameter(name: str) -> None:
     wire = load_wire(name)
     nominal = wire.resistance_per_metre_ohm_per_m.value * wire.diameter_m.value**2 / (126.0 * 100e-6**2)
-    assert spool_values(spool(name, resistivity_factor=nominal))["resistivity_over_nominal"] == pytest.approx(1.0)
+    assert spool_values(load_wire(name).with_values(resistivity_factor=nominal))[
+        "resistivity_over_nominal"
+    ] == pytest.approx(1.0)
     for factor, inside in ((1.02, True), (0.98, True), (1.04, False), (0.96, False)):
-        moved = outside_as_a_spool(spool(name, resistivity_factor=nominal * factor))
+        moved = outside_as_a_spool(load_wire(name).with_values(resistivity_factor=nominal * factor))
         assert ("resistivity_over_nominal" not in moved) == inside
 
 
 def test_the_isobars_sample_may_be_a_class_hotter_and_no_other_wire() -> None:
     shift = {"temperature_shift_k": 20.0, "r_phase_shift_k": 0.0}
-    assert "temperature_shift_k" not in outside_as_a_spool(spool("isobar-sample", **shift))
-    assert "temperature_shift_k" in outside_as_a_spool(spool("paper-100um", **shift))
+    assert "temperature_shift_k" not in outside_as_a_spool(load_wire("isobar-sample").with_values(**shift))
+    assert "temperature_shift_k" in outside_as_a_spool(load_wire("paper-100um").with_values(**shift))
     assert spool_ranges(load_wire("isobar-sample"))["temperature_shift_k"].source != ""
 
 

@@ -20,15 +20,13 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError
 from musclewire.identify._isobaric_loops import IsobaricLoop
 from musclewire.identify._physical.calibration import Calibration
-from musclewire.identify._physical.candidate import candidate_constants
-from musclewire.identify._physical.candidates import CandidateParameters, WireValues
+from musclewire.identify._physical.candidates import CandidateParameters, WireValues, candidate_constants
 from musclewire.identify._physical.cooling import CoolingObservation
 from musclewire.identify._physical.driven import DrivenObservation
 from musclewire.identify._physical.isobaric import IsobaricObservation
-from musclewire.identify._physical.measured_channels import RawChannel
-from musclewire.identify._physical.observations import Observation, residuals_of
+from musclewire.identify._physical.observations import Observation, RawChannel
+from musclewire.identify._physical.posterior import IDENTIFIABLE_FRACTION, PosteriorProblem
 from musclewire.identify._physical.search import ParallelProblem, jacobian, threads
-from musclewire.identify._physical.uncertainty import IDENTIFIABLE_FRACTION
 from musclewire.parameters import ReachedConditions, ValidityLimits, beyond_validity, section_m2, validity_of
 from musclewire.wire import isobaric_path
 
@@ -44,14 +42,6 @@ MINOR_FACTOR, LOW_FACTOR, HIGH_FACTOR = 0.875, 0.5, 2.0
 SENSE_FRACTION = 0.05
 ISOBAR_STRESSES_PA, ISOBAR_POINTS, ABOVE_TRANSFORMATION_K = (50e6, 100e6, 200e6), 150, 60.0
 COOLING_S, COOLING_SAMPLE_S = 20.0, 0.02
-
-
-@dataclass(frozen=True)
-class CandidateExperiment:
-    """A possible experiment: its key in the data file, and its observation simulated with the fitted wire."""
-
-    key: str
-    observation: Observation
 
 
 @dataclass(frozen=True)
@@ -97,12 +87,12 @@ def next_experiments(calibration: Calibration) -> tuple[ExperimentAdvice, ...]:
     now = deviations(information)
     found = []
     with threads(calibration.inputs.settings.threads) as each:
-        for experiment in proposed(calibration):
+        for key, experiment in proposed(calibration):
             try:
-                slope = slope_of(experiment.observation.refined(), candidates, coordinates, each)
+                slope = slope_of(experiment.refined(), candidates, coordinates, each)
             except MusclewireError:
                 continue  # the fitted wire cannot be simulated in this experiment, so it is not recommended
-            found.append(advice_of(experiment.key, candidates.names, now, deviations(information + slope.T @ slope)))
+            found.append(advice_of(key, candidates.names, now, deviations(information + slope.T @ slope)))
     worth = [item for item in found if item.identifies or item.narrows]
     return tuple(sorted(worth, key=lambda item: (-len(item.identifies), -item.gain))[:MAX_ADVICE])
 
@@ -149,37 +139,19 @@ def deviations(information: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.diag(np.linalg.inv(information))))
 
 
-class ExperimentProblem:
-    """An experiment as a least-squares problem: residuals against its simulated measurement, (m,)."""
-
-    def __init__(self, observation: Observation, candidates: CandidateParameters) -> None:
-        """Take an experiment and the unknown parameters."""
-        self._observation = observation
-        self._candidates = candidates
-        self.low, self.high = candidates.low, candidates.high
-
-    def residuals(self, coordinates: FloatArray) -> FloatArray:
-        """Return residuals in units of the instruments' uncertainty."""
-        return residuals_of(self._observation, self._candidates.wire_values(coordinates))
-
-    def refined(self) -> ExperimentProblem:
-        """Return itself: the choice of an experiment needs no finer time step."""
-        return self
-
-
 def slope_of(
     observation: Observation, candidates: CandidateParameters, coordinates: FloatArray, each: Any
 ) -> FloatArray:
     """Return the derivative of an experiment's normalised residuals by all parameters, (m, n)."""
-    parallel = ParallelProblem(ExperimentProblem(observation, candidates), each)
+    parallel = ParallelProblem(PosteriorProblem(candidates, [observation]), each)
     here = parallel.residuals(coordinates)
     if here is None:
         raise MusclewireError("the fitted wire cannot be simulated in this experiment")
-    return jacobian(parallel, coordinates, here, STEP, central=True)
+    return jacobian(parallel, coordinates, here, STEP, central=True)[: -len(candidates)]
 
 
-def proposed(calibration: Calibration) -> Iterator[CandidateExperiment]:
-    """Yield the experiments that would add information, simulated with the fitted wire."""
+def proposed(calibration: Calibration) -> Iterator[tuple[str, Observation]]:
+    """Yield the experiments that would add information, by key of the data file, simulated with the fitted wire."""
     values = calibration.values
     observations = calibration.problem.observations
     driven = [item for item in observations if isinstance(item, DrivenObservation)]
@@ -193,25 +165,23 @@ def proposed(calibration: Calibration) -> Iterator[CandidateExperiment]:
         return driven_experiment(values, around, slow_sine(drive * highest_v), SAMPLE_S, channels)
 
     if driven:
-        yield CandidateExperiment("half_pretension", loop(pretension=LOW_FACTOR))
+        yield "half_pretension", loop(pretension=LOW_FACTOR)
         if max_force_n(values, bench) <= values.wire["maximum_force_n"] and not beyond_stress(calibration, bench):
-            yield CandidateExperiment("twice_pretension", loop(pretension=HIGH_FACTOR))
-        yield CandidateExperiment("minor_loop", loop(drive=MINOR_FACTOR))
-        yield CandidateExperiment(
-            "fast_step", driven_experiment(values, bench, fast_step(highest_v), FAST_SAMPLE_S, usual)
-        )
+            yield "twice_pretension", loop(pretension=HIGH_FACTOR)
+        yield "minor_loop", loop(drive=MINOR_FACTOR)
+        yield "fast_step", driven_experiment(values, bench, fast_step(highest_v), FAST_SAMPLE_S, usual)
         if "temperature" not in measured:
-            yield CandidateExperiment("temperature", loop(channels=("temperature",)))
+            yield "temperature", loop(channels=("temperature",))
         if "force" not in measured and bench["spring_stiffness_n_per_m"] > 0.0:
-            yield CandidateExperiment("load_cell", loop(channels=("force",)))
+            yield "load_cell", loop(channels=("force",))
         if "strain" not in measured:
-            yield CandidateExperiment("displacement", loop(channels=("strain",)))
+            yield "displacement", loop(channels=("strain",))
     else:
-        yield CandidateExperiment("resistance", loop())
+        yield "resistance", loop()
     if not any(isinstance(item, IsobaricObservation) for item in observations):
-        yield CandidateExperiment("isobars", isobars_experiment(values))
+        yield "isobars", isobars_experiment(values)
     if not any(isinstance(item, CoolingObservation) for item in observations):
-        yield CandidateExperiment("cooling_curve", cooling_experiment(values, bench))
+        yield "cooling_curve", cooling_experiment(values, bench)
 
 
 def beyond_stress(calibration: Calibration, bench: Mapping[str, float]) -> bool:

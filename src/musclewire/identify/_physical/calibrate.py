@@ -16,16 +16,20 @@ from musclewire.errors import CallerError, MusclewireError
 from musclewire.identify._physical.bench import checked_settings
 from musclewire.identify._physical.calibration import Calibration, CalibrationInputs
 from musclewire.identify._physical.candidates import CandidateParameters
-from musclewire.identify._physical.journal import SearchJournal
-from musclewire.identify._physical.posterior import PosteriorProblem
+from musclewire.identify._physical.posterior import (
+    ParameterEstimate,
+    PosteriorProblem,
+    covariance,
+    estimates,
+    excess_variance,
+)
 from musclewire.identify._physical.recording_kinds import (
     StartingPoint,
     observable_parameters,
     observations_of,
     start_of,
 )
-from musclewire.identify._physical.search import OnProgress, OnStep, SearchResult, SearchSettings, search
-from musclewire.identify._physical.uncertainty import ParameterEstimate, covariance, estimates, excess_variance
+from musclewire.identify._physical.search import OnProgress, OnStep, SearchJournal, SearchResult, SearchSettings, search
 from musclewire.parameters import (
     Alloy,
     Bench,

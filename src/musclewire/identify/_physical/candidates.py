@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError, NumericsError
 from musclewire.parameters import Alloy, Bench, Prior, PriorSet, Wire
-from musclewire.wire import SHAPE, OffsetDistribution, measured_grains
+from musclewire.wire import SHAPE, ConnectorLoad, OffsetDistribution, WireConstants, constants_of, measured_grains
 
 
 class WireValues(NamedTuple):
@@ -71,3 +73,19 @@ class CandidateParameters:
                 if self.low[index] < found[index] < self.high[index]:
                     break
         return found
+
+
+def candidate_constants(
+    values: WireValues, spool: Mapping[str, float], bench: Mapping[str, float], load: ConnectorLoad | None = None
+) -> WireConstants:
+    """Return the constants of a candidate's alloy on a spool and a bench, which an observation may know better.
+
+    A load replaces the bench's spring.
+
+    Raises NumericsError if its numbers cannot be a wire's, with the reason: spreads with which the phases have no
+    order, for instance, which a prior's limits may allow for each number alone. A search passes such candidates over.
+    """
+    try:
+        return constants_of(values.alloy, spool, bench, load=load, distribution=values.grains)
+    except CallerError as error:
+        raise NumericsError(f"a candidate cannot be a wire: {error}") from error

@@ -2,34 +2,28 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from copy import copy
+from collections.abc import Mapping
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify._physical.bench import bench_of
-from musclewire.identify._physical.candidate import candidate_constants
 from musclewire.identify._physical.candidates import WireValues
-from musclewire.identify._physical.measured_channels import (
+from musclewire.identify._physical.observations import (
     CURVE_STRETCHES,
-    MAX_STEP_S,
+    ClockedObservation,
     RawChannel,
-    bin_size,
+    binned,
     binned_channel,
     even_clock,
     instruments_of,
     require_rows,
 )
-from musclewire.identify._physical.observations import ObservedChannel, binned
 from musclewire.parameters import load_bench
 from musclewire.signals import Recording
-from musclewire.wire import drive_path, fixed_steps, heated_state
+from musclewire.wire import heated_state
 
-# A wire without current cools fast: with larger steps it would warm for a moment as it transforms.
-REFINED_STEP_S = 0.002
 # A curve that falls by less does not determine a rate.
 MIN_FALL_K, MIN_OVER_NOISE = 5.0, 20.0
 # A curve may end this far below the stated temperature of the air: the accuracy of two thermometers.
@@ -40,7 +34,7 @@ EARLY_FRACTION, MIN_EARLY = 0.1, 6
 UNCOUNTED_ZERO = ("strain", "force")
 
 
-class CoolingObservation:
+class CoolingObservation(ClockedObservation):
     """A wire that cools in air: its temperature, and strain or force if they were recorded.
 
     The initial state is that after slow heating to the first temperature. The zeros of strain and force are unknown, so
@@ -58,53 +52,19 @@ class CoolingObservation:
         channels: Mapping[str, RawChannel],
     ) -> None:
         """Take channels, (samples,), on an even clock that begins at ``start_temperature_k``."""
-        self._title = title
+        super().__init__(title, sample_period_s, samples, bench, diameter_m)
         self._start_k = start_temperature_k
-        self._period_s = sample_period_s
         self._samples = samples
-        self._bench = dict(bench)
-        self._diameter_m = diameter_m
-        self._max_step_s = MAX_STEP_S
-        self._bin = bin_size(samples)
         time_s = np.asarray(sample_period_s * np.arange(samples))
-        self._channels = [
+        self.channels = [
             binned_channel(name, raw, time_s, self._bin, CURVE_STRETCHES)[0] for name, raw in channels.items()
         ]
 
-    @property
-    def title(self) -> str:
-        """Title in a few words."""
-        return self._title
-
-    @property
-    def channels(self) -> Sequence[ObservedChannel]:
-        """The channels that are compared, in bins."""
-        return self._channels
-
-    @property
-    def bench(self) -> Mapping[str, float]:
-        """The known numbers of the bench of the recording."""
-        return self._bench
-
-    def refined(self) -> CoolingObservation:
-        """Return the same observation, simulated with the step that a rig uses."""
-        finer = copy(self)
-        finer._max_step_s = REFINED_STEP_S
-        return finer
-
     def columns(self, values: WireValues) -> Mapping[str, FloatArray]:
         """Return the simulated channels of this wire, sample by sample."""
-        wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
-        constants = candidate_constants(values, wire, {**values.bench, **self._bench})
+        constants = self.constants(values, {})
         start = heated_state(constants, self._start_k)
-        steps = max(1, math.ceil(self._period_s / self._max_step_s - 1e-9))
-        path, _ = drive_path(
-            constants,
-            np.zeros(self._samples - 1),
-            sample_s=self._period_s,
-            stepping=fixed_steps(self._period_s / steps),
-            state=start,
-        )
+        path = self.path(constants, np.zeros(self._samples - 1), start)
         force = start.stress_pa * constants.legs * constants.area_m2
         return {
             "strain": np.concatenate([[start.contraction], path.displacement_m / constants.leg_length_m]),
@@ -116,7 +76,7 @@ class CoolingObservation:
         """Return the simulated channels of this wire, in bins."""
         columns = self.columns(values)
         found = {}
-        for channel in self._channels:
+        for channel in self.channels:
             predicted = binned(columns[channel.name], self._bin)
             if channel.name in UNCOUNTED_ZERO:
                 predicted = predicted + float(np.mean(channel.measured - predicted))

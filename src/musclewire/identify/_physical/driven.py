@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from copy import copy
 
 import numpy as np
@@ -11,26 +11,23 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify._physical.bench import bench_of
-from musclewire.identify._physical.candidate import candidate_constants
 from musclewire.identify._physical.candidates import WireValues
-from musclewire.identify._physical.measured_channels import (
+from musclewire.identify._physical.observations import (
     FIRST_ROWS,
-    MAX_STEP_S,
+    REFINED_STEP_S,
+    ClockedObservation,
     RawChannel,
-    bin_size,
+    binned,
     binned_channel,
     even_clock,
     instruments_of,
     require_rows,
 )
-from musclewire.identify._physical.observations import ObservedChannel, binned
 from musclewire.identify._recordings import resistance_reading
 from musclewire.sensing import noise_level
 from musclewire.signals import Recording
-from musclewire.wire import ConnectorLoad, DrivenPath, drive_path, fixed_steps
+from musclewire.wire import ConnectorLoad
 
-# The last descent and the derivative at the end are simulated with the step that a rig uses.
-REFINED_STEP_S = 0.002
 # In a recording of a drive the model's error has about this many independent values.
 STRETCHES = 20
 # A simulated circuit needs some resistance in series with the wire to measure the current; its voltage is negligible.
@@ -45,7 +42,7 @@ ZERO_FRACTION = 0.05
 MIN_RESISTIVITY, MAX_RESISTIVITY = 0.4e-6, 2.0e-6
 
 
-class DrivenObservation:
+class DrivenObservation(ClockedObservation):
     """A wire at rest and cold that is then driven: its resistance, and the instruments of the recording."""
 
     def __init__(
@@ -62,34 +59,13 @@ class DrivenObservation:
 
         ``circuit`` holds the series resistances within the drive voltage if they are not the bench's.
         """
-        self._title = title
+        super().__init__(title, sample_period_s, drive_voltage_v.size, bench, diameter_m)
         self._drive = drive_voltage_v
-        self._period_s = sample_period_s
-        self._bench = dict(bench)
         self._circuit = dict(circuit or {})
         self._load: ConnectorLoad | None = None
-        self._diameter_m = diameter_m
-        self._max_step_s = MAX_STEP_S
-        self._bin = bin_size(drive_voltage_v.shape[0])
-        time_s = sample_period_s * np.arange(1, drive_voltage_v.shape[0] + 1)
-        made = {name: binned_channel(name, raw, time_s, self._bin, STRETCHES) for name, raw in channels.items()}
+        made = {name: binned_channel(name, raw, self.ticks_s(), self._bin, STRETCHES) for name, raw in channels.items()}
         self._keep = {name: keep for name, (_, keep) in made.items()}
-        self._channels = [channel for channel, _ in made.values() if channel.measured.size]
-
-    @property
-    def title(self) -> str:
-        """Title in a few words."""
-        return self._title
-
-    @property
-    def channels(self) -> Sequence[ObservedChannel]:
-        """The channels that are compared, in bins."""
-        return self._channels
-
-    @property
-    def bench(self) -> Mapping[str, float]:
-        """The known numbers of the bench of the recording."""
-        return self._bench
+        self.channels = [channel for channel, _ in made.values() if channel.measured.size]
 
     def drive_at(self, times_s: FloatArray) -> FloatArray:
         """Return the drive at some times from the start of the recording, both (n,)."""
@@ -100,12 +76,6 @@ class DrivenObservation:
         """The highest absolute voltage of the drive [V]."""
         return float(np.abs(self._drive).max())
 
-    def refined(self) -> DrivenObservation:
-        """Return the same observation, simulated with the step that a rig uses."""
-        finer = copy(self)
-        finer._max_step_s = REFINED_STEP_S
-        return finer
-
     def loaded(self, load: ConnectorLoad | None, uncertain: Collection[str] = ()) -> DrivenObservation:
         """Return the same observation with a load in place of the bench's spring, and uncertain numbers of its bench.
 
@@ -113,7 +83,7 @@ class DrivenObservation:
         """
         other = copy(self)
         other._load = load
-        other._bench = {name: value for name, value in self._bench.items() if name not in uncertain}
+        other.bench = {name: value for name, value in self.bench.items() if name not in uncertain}
         return other
 
     def ticks_s(self) -> FloatArray:
@@ -124,21 +94,10 @@ class DrivenObservation:
         """Return a simulated column, (n,), in the bins of the channel of this name."""
         return binned(values, self._bin)[self._keep[name]]
 
-    def path(self, values: WireValues) -> DrivenPath:
-        """Return the simulated path of the wire under the recording's drive, sample by sample."""
-        wire = values.wire if self._diameter_m is None else {**values.wire, "diameter_m": self._diameter_m}
-        bench = {**values.bench, **self._bench, **self._circuit}
-        constants = candidate_constants(values, wire, bench, self._load)
-        steps = max(1, math.ceil(self._period_s / self._max_step_s - 1e-9))
-        path, _ = drive_path(
-            constants, self._drive, sample_s=self._period_s, stepping=fixed_steps(self._period_s / steps)
-        )
-        return path
-
     def columns(self, values: WireValues) -> Mapping[str, FloatArray]:
         """Return the simulated channels of this wire, sample by sample."""
-        path = self.path(values)
-        bench = {**values.bench, **self._bench, **self._circuit}
+        path = self.path(self.constants(values, self._circuit, self._load), self._drive)
+        bench = {**values.bench, **self.bench, **self._circuit}
         leg_m = bench["wire_length_m"] / bench["legs"]
         # Without current there is no resistance to compare, in the recording neither.
         current_a = np.maximum(path.shunt_voltage_v / bench["shunt_resistance_ohm"], 1e-9)

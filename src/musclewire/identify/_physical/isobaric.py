@@ -9,10 +9,8 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify._isobaric_loops import IsobaricLoop
-from musclewire.identify._physical.candidate import candidate_constants
-from musclewire.identify._physical.candidates import WireValues
-from musclewire.identify._physical.measured_channels import CURVE_STRETCHES
-from musclewire.identify._physical.observations import ObservedChannel, with_model_error
+from musclewire.identify._physical.candidates import WireValues, candidate_constants
+from musclewire.identify._physical.observations import CURVE_STRETCHES, ObservedChannel, with_model_error
 from musclewire.sensing import noise_level
 from musclewire.signals import Recording
 from musclewire.wire import isobaric_path
@@ -40,9 +38,9 @@ class IsobaricObservation:
 
     def __init__(self, title: str, isobars: Sequence[IsobaricLoop], model_error: float = ISOBAR_ERROR) -> None:
         """Take loops whose strains are positive in elongation."""
-        self._title = title
+        self.title = title
         self._isobars = list(isobars)
-        self._channels = [
+        self.channels: Sequence[ObservedChannel] = [
             ObservedChannel(
                 f"strain at {isobar.stress_pa / 1e6:.4g} MPa",
                 "1",
@@ -54,21 +52,6 @@ class IsobaricObservation:
             for isobar in isobars
         ]
 
-    @property
-    def title(self) -> str:
-        """Title in a few words."""
-        return self._title
-
-    @property
-    def isobars(self) -> Sequence[IsobaricLoop]:
-        """The loops as measured."""
-        return self._isobars
-
-    @property
-    def channels(self) -> Sequence[ObservedChannel]:
-        """One channel for each stress."""
-        return self._channels
-
     def refined(self) -> IsobaricObservation:
         """Return the observation itself: an isobar has no time step."""
         return self
@@ -78,7 +61,7 @@ class IsobaricObservation:
         constants = candidate_constants(values, values.wire, values.bench)
         strains = [isobaric_path(constants, item.stress_pa, item.temperature_k).strain for item in self._isobars]
         zero = float(np.mean(np.concatenate([item.strain for item in self._isobars]) - np.concatenate(strains)))
-        return {channel.name: strain + zero for channel, strain in zip(self._channels, strains, strict=True)}
+        return {channel.name: strain + zero for channel, strain in zip(self.channels, strains, strict=True)}
 
 
 def counts_contraction(isobars: Sequence[IsobaricLoop]) -> bool:

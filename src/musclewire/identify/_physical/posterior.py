@@ -1,8 +1,9 @@
-"""Observations of a wire and the prior as one vector of residuals."""
+"""Observations of a wire and the prior as one vector of residuals, and the uncertainty that follows."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,26 +19,91 @@ class PosteriorProblem:
         """Take the unknown parameters and the observations."""
         self.candidates = candidates
         self.observations = tuple(observations)
-
-    @property
-    def low(self) -> FloatArray:
-        """Lower bounds in coordinates, (n,)."""
-        return self.candidates.low
-
-    @property
-    def high(self) -> FloatArray:
-        """Upper bounds in coordinates, (n,)."""
-        return self.candidates.high
+        self.low, self.high = candidates.low, candidates.high
 
     def refined(self) -> PosteriorProblem:
         """Return the same problem, simulated with the finest time step."""
         return PosteriorProblem(self.candidates, [item.refined() for item in self.observations])
 
-    def observed_residuals(self, coordinates: FloatArray) -> FloatArray:
-        """Return residuals of the observations alone, (m,)."""
-        values = self.candidates.wire_values(coordinates)
-        return np.concatenate([residuals_of(item, values) for item in self.observations])
-
     def residuals(self, coordinates: FloatArray) -> FloatArray:
         """Return residuals of the observations, then those of the prior: the coordinates themselves, (m + n,)."""
-        return np.concatenate([self.observed_residuals(coordinates), coordinates])
+        values = self.candidates.wire_values(coordinates)
+        return np.concatenate([*(residuals_of(item, values) for item in self.observations), coordinates])
+
+
+# A parameter is identifiable if its interval is at most half its prior's; a wider one is mostly the prior's.
+IDENTIFIABLE_FRACTION = 0.5
+NEAR_BOUND = 0.02
+
+
+@dataclass(frozen=True)
+class ParameterEstimate:
+    """One parameter: value and standard deviation in SI after and before the data, and the measurement for it."""
+
+    name: str
+    group: str
+    unit: str
+    value: float
+    std: float
+    prior_mean: float
+    prior_std: float
+    low: float
+    high: float
+    measure: str
+
+    @property
+    def identifiable(self) -> bool:
+        """Whether the data narrowed the prior to half its width or less."""
+        return self.std <= IDENTIFIABLE_FRACTION * self.prior_std
+
+    @property
+    def at_bound(self) -> bool:
+        """Whether the value is at a bound of the search, so that its interval means little."""
+        margin = NEAR_BOUND * self.prior_std
+        return self.value - self.low < margin or self.high - self.value < margin
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The 95 % interval, not truncated at the bounds."""
+        return self.value - 1.96 * self.std, self.value + 1.96 * self.std
+
+
+def excess_variance(residuals: FloatArray, unknowns: int) -> float:
+    """Return the variance of normalised residuals, at least 1.
+
+    ``residuals``, (m,), are those of the observations without the prior's. If the model cannot follow the data, or
+    noise is correlated, the stated uncertainty is too small, and so would be every interval.
+    """
+    freedom = max(residuals.size - unknowns, 1)
+    return max(1.0, float(residuals @ residuals) / freedom)
+
+
+def covariance(jacobian: FloatArray, excess: float = 1.0) -> FloatArray:
+    """Return the covariance of coordinates, (n, n), after data with this ``jacobian``, (m, n), and a unit prior.
+
+    By Laplace's approximation the posterior is normal around the fit, with the curvature of the residuals.
+    """
+    information = jacobian.T @ jacobian / excess + np.eye(jacobian.shape[1])
+    return np.asarray(np.linalg.inv(information))
+
+
+def estimates(
+    candidates: CandidateParameters, coordinates: FloatArray, deviation: FloatArray
+) -> list[ParameterEstimate]:
+    """Return every parameter with its standard deviation; ``deviation``, (n,), is in coordinates."""
+    numbers = candidates.numbers(coordinates)
+    return [
+        ParameterEstimate(
+            name,
+            prior.group,
+            prior.unit,
+            float(number),
+            float(std * prior.std),
+            prior.mean,
+            prior.std,
+            prior.low,
+            prior.high,
+            prior.measure,
+        )
+        for name, prior, number, std in zip(candidates.names, candidates.priors, numbers, deviation, strict=True)
+    ]

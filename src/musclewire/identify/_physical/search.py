@@ -10,19 +10,82 @@ doi 10.1137/S1064827595289108). Derivatives are simulated on threads: the simula
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError, nearest_hint
-from musclewire.identify._physical.journal import SearchJournal
 from musclewire.parameters import require_seed
+
+
+class SearchJournal:
+    """A text file with one line of numbers for each descent, after a first line that identifies the search."""
+
+    def __init__(self, path: Path, fingerprint: str) -> None:
+        """Open or create a journal. Raises CallerError for a file that belongs to another search."""
+        self._path = path
+        self._remembered: list[list[float]] = []
+        self._position = 0
+        try:
+            if path.exists():
+                self._remembered = read_journal(path, fingerprint)
+            lines = [json.dumps({"search": fingerprint}), *(json.dumps(numbers) for numbers in self._remembered)]
+            path.write_text("\n".join(lines) + "\n", "utf-8")
+        except OSError as problem:
+            raise CallerError(f"{path}: cannot be written: {problem.strerror or problem}; check the folder") from None
+
+    @property
+    def remembered(self) -> int:
+        """Number of descents of an earlier run."""
+        return len(self._remembered)
+
+    def next(self) -> list[float] | None:
+        """Return the numbers of the next descent, None after the last one of the earlier run."""
+        if self._position >= len(self._remembered):
+            return None
+        self._position += 1
+        return self._remembered[self._position - 1]
+
+    def write(self, numbers: list[float]) -> None:
+        """Add a descent; it is on the disk when this returns."""
+        with self._path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps([float(number) for number in numbers]) + "\n")
+            file.flush()
+            os.fsync(file.fileno())
+
+    def remove(self) -> None:
+        """Delete the journal of a completed search."""
+        self._path.unlink(missing_ok=True)
+
+
+def read_journal(path: Path, fingerprint: str) -> list[list[float]]:
+    """Return the lines of a journal; an incomplete last line is dropped."""
+    try:
+        lines = path.read_text("utf-8").splitlines()
+        belongs = json.loads(lines[0])["search"] == fingerprint
+    except (IndexError, KeyError, TypeError, UnicodeDecodeError, json.JSONDecodeError):
+        raise CallerError(f"{path} is not the journal of a search: give another output, or move it away") from None
+    if not belongs:
+        raise CallerError(
+            f"{path} belongs to a search with other recordings, settings or another version: finish that one, or "
+            "delete the file"
+        )
+    found: list[list[float]] = []
+    for line in lines[1:]:
+        try:
+            found.append([float(number) for number in json.loads(line)])
+        except json.JSONDecodeError:
+            break
+    return found
+
 
 OnProgress = Callable[[str, int, int, float], None]
 OnStep = Callable[[], None]
@@ -42,35 +105,13 @@ START_SPREAD, JUMP_SPREAD = 0.8, 0.5
 
 
 class LeastSquaresProblem(Protocol):
-    """A vector's residuals, (n_observed + n,): the observations' in standard deviations, then the prior's."""
+    """Residuals of a vector, (n_observed + n,), in standard deviations, those of the prior last; and its bounds."""
 
-    @property
-    def low(self) -> FloatArray:
-        """Lower bounds, (n,)."""
-        ...
-
-    @property
-    def high(self) -> FloatArray:
-        """Upper bounds, (n,)."""
-        ...
+    low: FloatArray
+    high: FloatArray
 
     def residuals(self, coordinates: FloatArray) -> FloatArray:
-        """Return the residuals of a vector, in standard deviations.
-
-        Parameters
-        ----------
-        coordinates
-            Vector, (n,), dimensionless.
-
-        Returns
-        -------
-        Residuals of the observations, then of the prior, (n_observed + n,); not finite if the simulation diverges.
-
-        Raises
-        ------
-        NumericsError
-            If the vector cannot be simulated.
-        """
+        """Return the residuals of a vector, not finite if the simulation diverges. Raises NumericsError without one."""
         ...
 
     def refined(self) -> LeastSquaresProblem:

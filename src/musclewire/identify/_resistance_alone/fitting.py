@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -9,29 +10,81 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, FitRejectedError
+from musclewire.errors import CallerError, FitRejectedError, NumericsError
 from musclewire.identify._physical.bench import SETTABLE, bench_of, checked_settings
 from musclewire.identify._physical.candidates import CandidateParameters
+from musclewire.identify._physical.posterior import PosteriorProblem, covariance, excess_variance
 from musclewire.identify._physical.recording_kinds import start_of
+from musclewire.identify._physical.search import FINAL_STEP, SEARCH_STEP, ParallelProblem, descend, jacobian, threads
 from musclewire.identify._recordings import resistance_reading
-from musclewire.identify._resistance_alone.marks import Marks
 from musclewire.identify._resistance_alone.observation import (
+    Marks,
     ResistanceAndMarks,
     electrical_part,
     leg_length_m,
     observe_resistance,
 )
 from musclewire.identify._resistance_alone.possible_curves import (
+    HelpfulMeasurement,
     PossibleCurves,
+    VarianceShare,
+    costs_of,
     possible_curves,
     scale_and_offset_std,
+    what_helps,
 )
-from musclewire.identify._resistance_alone.posterior_wires import PosteriorWires, posterior_wires
-from musclewire.identify._resistance_alone.what_helps import HelpfulMeasurement, VarianceShare, costs_of, what_helps
 from musclewire.identify._sensing_model import loop_notes, power_loop
 from musclewire.parameters import Bench, Parameter, bench_known_with, load_spreads, priors_around, require_seed
 from musclewire.sensing import SensingModel, find_segments, fit_loop
 from musclewire.signals import Recording
+
+# Factors on the observations' uncertainty, descent by descent; one start suffices, since the prior is a named wire.
+SCALES = (30.0, 5.0, 1.0)
+EVALUATIONS = 15
+
+
+class PosteriorWires(NamedTuple):
+    """The most likely wire in coordinates, (n,), their covariance, (n, n), and the misfit of the resistance.
+
+    ``misfit`` is the root mean square of the residuals over their uncertainty, 1 for a wire that the model can be.
+    """
+
+    coordinates: FloatArray
+    covariance: FloatArray
+    misfit: float
+
+    def draw(self, candidates: CandidateParameters, count: int, seed: int) -> FloatArray:
+        """Return coordinates of wires drawn from the posterior, within the prior's bounds, (count, n)."""
+        random = np.random.default_rng(seed)
+        drawn = random.multivariate_normal(self.coordinates, self.covariance, size=count, method="cholesky")
+        return np.clip(drawn, candidates.low, candidates.high)
+
+
+def posterior_wires(
+    candidates: CandidateParameters, observation: ResistanceAndMarks, start: FloatArray | None = None
+) -> PosteriorWires:
+    """Return the wires that an observation leaves possible, by least squares (Laplace).
+
+    It starts at the prior's mean, or at ``start``, (n,), where an observation with less in it ended.
+    Raises NumericsError if the named wire cannot be simulated on this bench and drive.
+    """
+    problem = PosteriorProblem(candidates, [observation])
+    with threads(os.cpu_count()) as each:
+        parallel = ParallelProblem(problem, each)
+        best = np.zeros(len(candidates)) if start is None else start
+        for scale in SCALES if start is None else SCALES[-1:]:
+            cost, best = descend(parallel, best, scale, EVALUATIONS, SEARCH_STEP)
+            if not np.isfinite(cost):
+                raise NumericsError("the named wire cannot be simulated: check the recording's bench, drive and units")
+        residuals = parallel.residuals(best)
+        if residuals is None:
+            raise NumericsError("the best wire cannot be simulated: report this with the recording")
+        slope = jacobian(parallel, best, residuals, FINAL_STEP, central=True)
+    unknowns = len(candidates)
+    observed = residuals[:-unknowns]
+    spread = covariance(slope[:-unknowns], excess_variance(observed, unknowns))
+    return PosteriorWires(best, spread, float(np.sqrt(np.mean(observed**2))))
+
 
 PAPER_ORDER = 6
 DRAWN_WIRES = 80

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment import HomeSweep, characterize, plan_for, run_on_rig
-from musclewire.identify._home import homed_model
-from musclewire.identify._home.seen_points import has_levelled
+from musclewire.identify import homed_model
+from musclewire.identify._home.warming import has_levelled
 from musclewire.identify._sensing_model import fit
 from musclewire.rigs import open_rig
 from musclewire.sensing import SensingModel

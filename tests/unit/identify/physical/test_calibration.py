@@ -15,10 +15,8 @@ import musclewire as mw
 from musclewire.errors import CallerError
 from musclewire.identify._physical.advice import ExperimentAdvice, next_experiments, proposed
 from musclewire.identify._physical.calibrate import calibrate
-from musclewire.identify._physical.calibrated_wire import save_wire
-from musclewire.identify._physical.calibration import Calibration
-from musclewire.identify._physical.calibration_figures import channel_axes
-from musclewire.identify._physical.calibration_report import write_report
+from musclewire.identify._physical.calibration import Calibration, save_wire
+from musclewire.identify._physical.calibration_report import channel_axes, write_report
 from musclewire.identify._physical.posterior import PosteriorProblem
 from musclewire.identify._physical.recording_kinds import observations_of
 from musclewire.identify._physical.search import settings_of_effort
@@ -189,7 +187,7 @@ def test_nobody_is_told_to_pull_a_wire_apart() -> None:
     """Twice 1.9 N and the spring are more than the 4.601 N of this wire; twice 1.0 N are not."""
     gentle = replace(found("loop"), problem=problem_of(driven(TRUTH, slow_sine(), bench={"pretension_n": 1.0})))
     for calibration, offered in ((found("loop"), False), (gentle, True)):
-        keys = {experiment.key for experiment in proposed(calibration)}
+        keys = {key for key, _ in proposed(calibration)}
         assert ("twice_pretension" in keys) is offered
         assert "half_pretension" in keys
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.identify._physical.journal import SearchJournal, read_journal
+from musclewire.identify._physical.search import SearchJournal, read_journal
 
 
 @pytest.fixture

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify._physical.calibrate import calibrate
 from musclewire.identify._physical.driven import DrivenObservation
-from musclewire.identify._physical.measured_channels import even_clock
-from musclewire.identify._physical.observations import Observation, compare
+from musclewire.identify._physical.observations import Observation, compare, even_clock
 from musclewire.identify._physical.recording_kinds import observable_parameters, observations_of, start_of
 from musclewire.parameters import load_priors
 from musclewire.signals import Recording

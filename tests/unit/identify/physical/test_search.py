@@ -9,10 +9,10 @@ import pytest
 from numpy.typing import NDArray
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.identify._physical.journal import SearchJournal
 from musclewire.identify._physical.search import (
     EFFORTS,
     ParallelProblem,
+    SearchJournal,
     SearchResult,
     SearchSettings,
     jacobian,

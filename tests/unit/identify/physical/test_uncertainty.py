@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from made_wires import candidates
 
-from musclewire.identify._physical.uncertainty import covariance, estimates, excess_variance
+from musclewire.identify._physical.posterior import covariance, estimates, excess_variance
 
 
 def test_the_covariance_is_that_of_bayes_rule_for_a_linear_problem() -> None:

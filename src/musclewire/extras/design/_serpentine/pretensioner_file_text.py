@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from musclewire.extras.design._serpentine.analysis import PretensionerDesign
 from musclewire.extras.design._serpentine.geometry import SerpentineGeometry
-from musclewire.parameters import Parameter, PretensionerFile, parameter_lines, quoted
+from musclewire.parameters import Parameter, PretensionerFile, toml_text
 
 DIMENSIONS = ("half_length_m", "pitch_m", "thickness_m", "depth_m", "corner_radius_m")
 
@@ -17,19 +17,16 @@ def geometry_of(file: PretensionerFile) -> SerpentineGeometry:
 def pretensioner_text(made: PretensionerDesign, material_name: str) -> str:
     """Return the text of a pretensioner's file; every number keeps all its bits."""
     geometry = made.geometry
-    lines = [
-        'format = "musclewire-pretensioner"',
-        "version = 1",
-        f"material = {quoted(material_name)}",
-        f"process = {quoted(made.process)}",
-        "",
-        "[geometry]",
-        f"beams = {geometry.beams}",
-        *(f"{name} = {getattr(geometry, name)!r}" for name in DIMENSIONS),
-    ]
-    for key, item in computed(made).items():
-        lines += ["", f"[computed.{key}]", *parameter_lines(item)]
-    return "\n".join(lines) + "\n"
+    return toml_text(
+        {
+            "format": "musclewire-pretensioner",
+            "version": 1,
+            "material": material_name,
+            "process": made.process,
+            "geometry": {"beams": geometry.beams} | {name: getattr(geometry, name) for name in DIMENSIONS},
+            "computed": {key: item.model_dump() for key, item in computed(made).items()},
+        }
+    )
 
 
 def computed(made: PretensionerDesign) -> dict[str, Parameter]:
