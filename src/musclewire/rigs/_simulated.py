@@ -15,7 +15,7 @@ from musclewire.errors import CallerError, RigError
 from musclewire.parameters import Alloy, Bench, Numbers, Wire, load_alloy, load_wire, validity_of
 from musclewire.physics import convection_range_note, series_resistance_ohm
 from musclewire.rigs._air import AirModel, Surroundings
-from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
+from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Metadata, Missing
 from musclewire.rigs._load_part import LoadPart, Pull, SecondWire, Supply
 from musclewire.rigs._mechanism import (
     MAX_CONTRACTION,
@@ -25,7 +25,6 @@ from musclewire.rigs._mechanism import (
     load_metadata,
     mechanism_of,
 )
-from musclewire.rigs._protocol import Metadata
 from musclewire.rigs._simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.rigs._simulation_clock import SimulationClock
 from musclewire.rigs._wire_limits import WireCircuit, limits_of

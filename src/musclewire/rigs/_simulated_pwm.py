@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from musclewire.errors import CallerError
-from musclewire.rigs._protocol import Metadata
+from musclewire.rigs._device import Metadata
 from musclewire.rigs._pulse_width import APERTURE_S, PulseWidth, duty_of, left_over, pulse_width_problems
 from musclewire.rigs._simulated import SimulatedDevice, SimulatedInside, SimulatedSpool
 from musclewire.signals import RawSample

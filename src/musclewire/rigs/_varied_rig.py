@@ -20,12 +20,12 @@ from musclewire.parameters import (
     validity_of,
 )
 from musclewire.rigs._air import Surroundings
+from musclewire.rigs._device import Metadata
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.rigs._load_kinds import Parts
 from musclewire.rigs._load_part import LoadPart
 from musclewire.rigs._mechanism import FingerTendon, SimulatedLoad, mechanism_of
 from musclewire.rigs._mounted_wire import SETTINGS
-from musclewire.rigs._protocol import Metadata
 from musclewire.rigs._simulated import require_allowed_pull
 from musclewire.rigs._simulated_configuration import RigConfiguration, changed_group, device_of, parameters_of
 from musclewire.wire import SHAPE, OffsetDistribution, WireConstants, constants_of, measured_grains, spring_load

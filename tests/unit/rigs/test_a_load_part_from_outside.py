@@ -9,6 +9,7 @@ from types import SimpleNamespace
 from typing import ClassVar, Literal
 
 import pytest
+from musclewire.rigs._protocol import Metadata
 
 from musclewire import registry
 from musclewire.arrays import FloatArray
@@ -17,7 +18,6 @@ from musclewire.parameters import load_wire
 from musclewire.rigs._configuration import open_rig, read_rig_file
 from musclewire.rigs._load_kinds import LOAD_PARTS
 from musclewire.rigs._load_part import Length, LoadPart, Stiffness
-from musclewire.rigs._protocol import Metadata
 from musclewire.signals import Drive
 
 HEAD = '[[load]]\npart = "pretensioner"\nstiffness = "386.2 N/m"\n'

@@ -6,6 +6,7 @@ import threading
 from collections.abc import Iterator
 
 import pytest
+from musclewire.rigs._protocol import Metadata
 
 from musclewire.controllers import Event, State
 from musclewire.errors import CallerError, NumericsError, RigError
@@ -23,7 +24,6 @@ from musclewire.rigs._device import (
     Missing,
 )
 from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs._protocol import Metadata
 from musclewire.signals import Command, Drive, RawSample, Target
 
 LIMITS = open_rig("simulated").protection_limits
