@@ -31,7 +31,6 @@ from ._device import HasTendonStage as HasTendonStage
 from ._device import HasTrueState as HasTrueState
 from ._device import Metadata as Metadata
 from ._device import Missing as Missing
-from ._driven_wire import drive_varied as drive_varied
 from ._guarded import GuardedRig as GuardedRig
 from ._guarded import ProtectionTripError as ProtectionTripError
 from ._guarded import Rig as Rig

@@ -39,11 +39,10 @@ from musclewire.wire import (
     GrippedObject,
     OneWire,
     PairConnection,
-    SampleMeans,
-    SimulatedWires,
     StepControl,
     TwoWires,
     WireConstants,
+    WireMeans,
     WireState,
     constants_from,
     no_grip,
@@ -55,7 +54,7 @@ from musclewire.wire import (
 class SimulatedInside(NamedTuple):
     """What a simulated device is made of, for loops in compiled code. What may change is the device's own."""
 
-    wires: SimulatedWires
+    wires: OneWire | TwoWires
     bench: Mapping[str, float]
     stepping: StepControl
     instruments: BenchInstruments
@@ -164,6 +163,24 @@ class SimulatedSpool(NamedTuple):
     bench: Bench
     new_wire: bool = False
 
+    @property
+    def leg_length_m(self) -> float:
+        """Length of one leg of the wire [m]."""
+        return self.bench["wire_length_m"] / self.bench["legs"]
+
+    def facts(self) -> Metadata:
+        """Return the metadata of a recording that describe wire and circuit."""
+        return {
+            "wire": self.wire.name,
+            "wire_diameter_m": self.wire.diameter_m.value,
+            "wire_length_m": self.bench["wire_length_m"],
+            "leg_length_m": self.leg_length_m,
+            "shunt_resistance_ohm": self.bench["shunt_resistance_ohm"],
+            "maximum_force_n": self.wire.maximum_force_n.value,
+            **validity_of(self.alloy).facts(),
+            "sample_period_s": self.bench["sample_period_s"],
+        }
+
     def pulling(self, load: ConnectorLoad | None, pretension_n: float) -> WireConstants:
         """Return the constants of this wire at a cold force; without a load it acts on another wire's connector only.
 
@@ -221,51 +238,32 @@ class SimulatedDevice:
         faults: Sequence[SimulatedFault] = (),
     ) -> None:
         """Cool the wire under its pretension and wait at 0 V."""
-        wire, alloy, bench, new_wire = spool
-        self._alloy, self._wire = alloy, wire
-        self._parts, self._new_wire = tuple(parts), new_wire
-        self._bench = bench
+        self._spool, self._parts = spool, tuple(parts)
+        bench = spool.bench
         self._resolution_v = bench["amplifier_resolution_v"]
         self._seed = seed
         air = surroundings or Surroundings()
         self._air = None if air.still else AirModel(air, seed)
-        self._check_pretension(self._bench["pretension_n"])
+        self._check_pretension(bench["pretension_n"])
         self._tendon_slack_m: float | None = None
-        self._leg_length_m = self._bench["wire_length_m"] / self._bench["legs"]
-        self._mechanism = self._mechanism_at(self._bench["pretension_n"], None)
-        self._instruments = BenchInstruments(self._bench, seed, at_endpoint=self._mechanism.tendon is not None)
-        self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
+        self._mechanism = mechanism_on(spool, self._parts, bench["pretension_n"])
+        self._instruments = BenchInstruments(bench, seed, at_endpoint=self._mechanism.tendon is not None)
+        self._wires = wires_of(spool, self._parts, self._mechanism)
         self._off, self._drive_voltage_v = False, 0.0
         # By how much friction has kept the connector ahead of a slack wire at most, at this setting of the stages.
         self._held_m = 0.0
         self._facts = DeviceFacts(
-            sample_period_s=self._bench["sample_period_s"],
+            sample_period_s=bench["sample_period_s"],
             paced=real_time,
-            leg_length_m=self._leg_length_m,
-            drive_amplitude_v=self._wire["drive_amplitude_v"],
-            limits=simulated_limits(alloy, wire, self._bench, self._parts, limits).checked(),
+            leg_length_m=spool.leg_length_m,
+            drive_amplitude_v=spool.wire["drive_amplitude_v"],
+            limits=simulated_limits(spool, self._parts, limits).checked(),
             reference_columns=self._instruments_there(),
         )
         self._faults = SimulatedFaults(faults) if faults else None
-        self._wire_ohm = self._wire["resistance_per_metre_ohm_per_m"] * self._bench["wire_length_m"]
-        self._clock = SimulationClock(self._bench["sample_period_s"]) if real_time else None
-        self._stepping = self._stepping_of_the_bench()
-
-    def _mechanism_at(self, pretension_n: float, tendon_slack_m: float | None) -> SimulatedLoad:
-        """Return the wire's load at a setting of the stages."""
-        if not self._parts:
-            return SimulatedLoad(spring_load(self._bench["spring_stiffness_n_per_m"]), 0.0, True, None)
-        return mechanism_of(
-            self._parts,
-            pretension_n=pretension_n,
-            leg_length_m=self._leg_length_m,
-            object_between=any(part.second_wire and part.second_wire.pull is Pull.APART for part in self._parts),
-            tendon_slack_m=tendon_slack_m,
-        )
-
-    def _stepping_of_the_bench(self) -> StepControl:
-        """Return how samples are divided into steps. Raises CallerError for a fixed step that does not divide them."""
-        return stepping_of(self._bench)
+        self._wire_ohm = spool.wire["resistance_per_metre_ohm_per_m"] * bench["wire_length_m"]
+        self._clock = SimulationClock(bench["sample_period_s"]) if real_time else None
+        self._stepping = stepping_of(bench)
 
     @property
     def facts(self) -> DeviceFacts:
@@ -309,7 +307,7 @@ class SimulatedDevice:
         """Return the parts of the device."""
         return SimulatedInside(
             wires=self._wires,
-            bench=self._bench.values(),
+            bench=self._spool.bench.values(),
             stepping=self._stepping,
             instruments=self._instruments,
             air=self._air,
@@ -339,7 +337,7 @@ class SimulatedDevice:
     def __repr__(self) -> str:
         """Name the wire, its pretension and its drive."""
         return (
-            f"SimulatedDevice(wire {self._wire.name}, pretension {self._pretension_n:g} N, "
+            f"SimulatedDevice(wire {self._spool.wire.name}, pretension {self._pretension_n:g} N, "
             f"drive {self._drive_voltage_v:.3f} V, at {self._wires.time_s:.2f} s)"
         )
 
@@ -347,20 +345,13 @@ class SimulatedDevice:
         """Return the metadata of a recording that describe this rig."""
         return {
             "rig": "simulated",
-            "wire": self._wire.name,
-            "wire_diameter_m": self._wire.diameter_m.value,
-            **convection_metadata(self._wire.diameter_m.value, self._bench["ambient_temperature_k"]),
-            "wire_length_m": self._bench["wire_length_m"],
-            "leg_length_m": self._leg_length_m,
-            "shunt_resistance_ohm": self._facts.limits.shunt_resistance_ohm,
-            "maximum_force_n": self._wire.maximum_force_n.value,
-            **validity_of(self._alloy).facts(),
-            "force_limit_n": force_limit_n(self._wire, self._parts),
+            **self._spool.facts(),
+            **convection_metadata(self._spool.wire.diameter_m.value, self._spool.bench["ambient_temperature_k"]),
+            "force_limit_n": force_limit_n(self._spool.wire, self._parts),
             "pretension_n": self._pretension_n,
             **load_metadata(self._parts, self._mechanism, self.partner_state is not None),
-            "sample_period_s": self._facts.sample_period_s,
-            "time_step_s": self._bench["time_step_s"],
-            "new_wire": self._new_wire,
+            "time_step_s": self._spool.bench["time_step_s"],
+            "new_wire": self._spool.new_wire,
             "seed": self._seed,
             "friction_held_m": self._held_m,
             "step_error_k": self._wires.step_error_k,
@@ -370,7 +361,7 @@ class SimulatedDevice:
     @property
     def _pretension_n(self) -> float:
         """Force of the cold wire: that of the stage and of hanging weights."""
-        return (self._bench["pretension_n"] if self._mechanism.stage else 0.0) + self._mechanism.added_n
+        return (self._spool.bench["pretension_n"] if self._mechanism.stage else 0.0) + self._mechanism.added_n
 
     def set_pretension(self, pretension_n: float) -> None:
         """Let the wire cool, then move the stage; the instruments are zeroed there.
@@ -381,8 +372,8 @@ class SimulatedDevice:
         self._check_pretension(pretension_n)
         if not self._mechanism.stage:
             raise CallerError("a hanging weight is the pretension: change the part 'weight' instead of the stage")
-        changed = self._bench.pretension_n.model_copy(update={"value": pretension_n})
-        self._cool_at(self._bench.model_copy(update={"pretension_n": changed}), self._tendon_slack_m)
+        changed = self._spool.bench.pretension_n.model_copy(update={"value": pretension_n})
+        self._cool_at(self._spool.bench.model_copy(update={"pretension_n": changed}), self._tendon_slack_m)
 
     def set_tendon_slack(self, slack_m: float) -> None:
         """Let the wire cool, then move the finger's stage: the tendon has this slack, or is drawn taut below 0.
@@ -397,30 +388,33 @@ class SimulatedDevice:
             raise CallerError(
                 f"the tendon cannot be drawn {-1e3 * slack_m:g} mm: the finger's curve ends before, draw less"
             )
-        self._cool_at(self._bench, slack_m)
+        self._cool_at(self._spool.bench, slack_m)
 
     def _cool_at(self, around: Bench, tendon_slack_m: float | None) -> None:
         """Let the wires cool at another setting of the stages."""
         self._drive_voltage_v = 0.0
         self._rest()
         # Everything that can fail comes first: after a refused setting the rig keeps its previous one.
-        mechanism = self._mechanism_at(around.pretension_n.value, tendon_slack_m)
-        wires = wires_of(self._alloy, self._wire, around, self._parts, mechanism, new_wire=self._new_wire)
+        spool = self._spool._replace(bench=around)
+        mechanism = mechanism_on(spool, self._parts, around["pretension_n"], tendon_slack_m)
+        wires = wires_of(spool, self._parts, mechanism)
         wires.age_like(self._wires)
-        self._bench, self._tendon_slack_m = around, tendon_slack_m
+        self._spool, self._tendon_slack_m = spool, tendon_slack_m
         self._mechanism, self._wires, self._held_m = mechanism, wires, 0.0
 
     def _check_pretension(self, pretension_n: float) -> None:
-        allowed = self._wire["maximum_force_n"]
+        allowed = self._spool.wire["maximum_force_n"]
         if not 0.0 <= pretension_n <= allowed:
-            raise CallerError(f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self._wire.name} allows")
+            raise CallerError(
+                f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self._spool.wire.name} allows"
+            )
 
     def compile_exchange(self) -> None:
         """Compile all that an exchange runs, by a sample of copies at 0 V."""
         wires = deepcopy(self._wires)
         means = wires.advance(0.0, self._facts.sample_period_s, self._stepping)
         wires.require_resolved()
-        instruments = BenchInstruments(self._bench, self._seed, at_endpoint=self._mechanism.tendon is not None)
+        instruments = BenchInstruments(self._spool.bench, self._seed, at_endpoint=self._mechanism.tendon is not None)
         instruments.sample(means.wire_voltage_v, means.shunt_voltage_v, means.displacement_m, means.force_n)
 
     def exchange(self, command: Command) -> Answer:
@@ -438,7 +432,7 @@ class SimulatedDevice:
             return DeviceFault(Event.DEVICE_LOST, f"at {time_s:.2f} s, by the rig file's [[fault]]")
         if self._air is not None:
             air = self._air.after(time_s, self._facts.sample_period_s)
-            self._wires.surround(self._bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
+            self._wires.surround(self._spool.bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
         means = self._advance(self._drive_voltage_v) if self._faults is None else self._advance_faulty(self._faults)
         self._wires.require_resolved()
         self._held_m = max(self._held_m, self._wires.slack_m)
@@ -446,10 +440,10 @@ class SimulatedDevice:
             self._clock.wait()
         return SWITCHED_OFF if self._off else self._read(means)
 
-    def _advance(self, drive_voltage_v: float) -> SampleMeans:
+    def _advance(self, drive_voltage_v: float) -> WireMeans:
         return self._wires.advance(drive_voltage_v, self._facts.sample_period_s, self._stepping)
 
-    def _advance_faulty(self, faults: SimulatedFaults) -> SampleMeans:
+    def _advance_faulty(self, faults: SimulatedFaults) -> WireMeans:
         """Advance the wire with its current in the faulty circuit; return the voltages at the terminals."""
         time_s, shunt_ohm = self._wires.time_s, self._facts.limits.shunt_resistance_ohm
         output_v = faults.output_v(self._drive_voltage_v, time_s)
@@ -460,7 +454,7 @@ class SimulatedDevice:
         seen = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s)
         return means._replace(wire_voltage_v=seen.wire_voltage_v, shunt_voltage_v=seen.shunt_voltage_v)
 
-    def _read(self, means: SampleMeans) -> RawSample:
+    def _read(self, means: WireMeans) -> RawSample:
         """Return a sample of all instruments' readings."""
         wire_voltage, shunt_voltage, displacement_m, force_n = self._instruments.sample(
             means.wire_voltage_v, means.shunt_voltage_v, means.displacement_m, means.force_n
@@ -479,7 +473,7 @@ class SimulatedDevice:
             endpoint_displacement_m=endpoint_m, endpoint_force_n=endpoint_force_n if touches else None
         )
 
-    def _endpoint(self, means: SampleMeans) -> tuple[float, float]:
+    def _endpoint(self, means: WireMeans) -> tuple[float, float]:
         """Return the true position of the finger's endpoint [m] and the force on it [N]."""
         tendon = self._mechanism.tendon
         assert tendon is not None
@@ -512,23 +506,36 @@ class SimulatedDevice:
         return self._faults is None or not self._faults.device_lost(self._wires.time_s)
 
 
-def wires_of(
-    alloy: Alloy, wire: Wire, bench: Bench, parts: Sequence[LoadPart], mechanism: SimulatedLoad, *, new_wire: bool
-) -> SimulatedWires:
+def mechanism_on(
+    spool: SimulatedSpool, parts: Sequence[LoadPart], pretension_n: float, tendon_slack_m: float | None = None
+) -> SimulatedLoad:
+    """Return the load of a wire at a setting of the stages; the bench's spring without parts."""
+    if not parts:
+        return SimulatedLoad(spring_load(spool.bench["spring_stiffness_n_per_m"]), 0.0, True, None)
+    return mechanism_of(
+        parts,
+        pretension_n=pretension_n,
+        leg_length_m=spool.leg_length_m,
+        object_between=any(part.second_wire and part.second_wire.pull is Pull.APART for part in parts),
+        tendon_slack_m=tendon_slack_m,
+    )
+
+
+def wires_of(first: SimulatedSpool, parts: Sequence[LoadPart], mechanism: SimulatedLoad) -> OneWire | TwoWires:
     """Return the wires of a rig, cold and at rest under the stage's pretension and the weights on the connector.
 
     Raises CallerError for numbers that cannot belong to a wire, for a force or voltage that one does not allow, and
     for an unknown second wire.
     """
-    first = SimulatedSpool(wire, alloy, bench, new_wire)
-    stage_n = bench.pretension_n.value if mechanism.stage else 0.0
+    wire = first.wire
+    stage_n = first.bench["pretension_n"] if mechanism.stage else 0.0
     cold_n = stage_n + mechanism.added_n
     second = second_wire_of(parts)
     if second is None:
         return OneWire(first.pulling(mechanism.load, cold_n))
     other = wire if second.wire is None else load_wire(second.wire)
     require_voltage(second, other)
-    spool = SimulatedSpool(other, alloy if second.wire is None else load_alloy(other.alloy), bench, new_wire)
+    spool = first._replace(wire=other, alloy=first.alloy if second.wire is None else load_alloy(other.alloy))
     if second.pull is Pull.APART:
         one, two = (item.pulling(mechanism.load, cold_n) for item in (first, spool))
         grip = grip_between(parts, mechanism.tendon, one)
@@ -570,10 +577,10 @@ def force_limit_n(wire: Wire, parts: Sequence[LoadPart]) -> float:
 
 
 def simulated_limits(
-    alloy: Alloy, wire: Wire, bench: Numbers, parts: Sequence[LoadPart], changed: Mapping[str, float] | None
+    spool: SimulatedSpool, parts: Sequence[LoadPart], changed: Mapping[str, float] | None
 ) -> ProtectionLimits:
     """Return the limits of a simulated rig's protection. Raises CallerError for numbers that cannot belong together."""
-    maximum_v = wire.maximum_voltage_v.value
+    bench, maximum_v = spool.bench, spool.wire.maximum_voltage_v.value
     second = second_wire_of(parts)
     supply = None if second is None else second.supply
     if bench["sense_voltage_v"] >= maximum_v:
@@ -592,7 +599,7 @@ def simulated_limits(
         in_series=2 if supply is Supply.SERIES else 1,
         in_parallel=2 if supply is Supply.PARALLEL else 1,
     )
-    return limits_of(wire, alloy, circuit, changed)
+    return limits_of(spool.wire, spool.alloy, circuit, changed)
 
 
 def stepping_of(bench: Numbers) -> StepControl:

@@ -18,7 +18,7 @@ from musclewire.rigs._device import Metadata
 from musclewire.rigs._pulse_width import APERTURE_S, PulseWidth, duty_of, left_over, pulse_width_problems
 from musclewire.rigs._simulated import SimulatedDevice, SimulatedInside, SimulatedSpool
 from musclewire.signals import RawSample
-from musclewire.wire import SampleMeans
+from musclewire.wire import WireMeans
 
 
 class PulsePhase(NamedTuple):
@@ -86,7 +86,7 @@ class PulsedDevice(SimulatedDevice):
         """Return the parts of the device; its pulses have no compiled form."""
         return super().inside()._replace(pulsed=True)
 
-    def _advance(self, drive_voltage_v: float) -> SampleMeans:
+    def _advance(self, drive_voltage_v: float) -> WireMeans:
         """Run the pulses of one sample; the voltages are those read in its last ones, at the window's level."""
         pwm, off_v = self._pwm, self._off_voltage_v(drive_voltage_v)
         duty = duty_of(drive_voltage_v, off_v, pwm)
@@ -108,7 +108,7 @@ class PulsedDevice(SimulatedDevice):
         level_v = pwm.supply if pwm.window == "on" else off_v
         self._scale = self._drive_voltage_v / level_v if level_v > 0.0 else 0.0
         wire_v, shunt_v = (sum(values) / max(len(values), 1) for values in (read["wire"], read["shunt"]))
-        return SampleMeans(wire_v, pwm.shunt_gain * shunt_v, moved / sample_s, force / sample_s)
+        return WireMeans(wire_v, pwm.shunt_gain * shunt_v, moved / sample_s, force / sample_s)
 
     def _off_voltage_v(self, drive_voltage_v: float) -> float:
         """Return the voltage between pulses: the sense voltage if readings are taken there and the drive is not off."""
@@ -151,7 +151,7 @@ class PulsedDevice(SimulatedDevice):
             ("shunt", max((held_s + pwm.conversion_time) % period_s, APERTURE_S)),
         ]
 
-    def _run(self, phase: PulsePhase, read: Mapping[str, list[float]]) -> SampleMeans:
+    def _run(self, phase: PulsePhase, read: Mapping[str, list[float]]) -> WireMeans:
         """Run a piece of a pulse: wire, then filters, then the reading at its end."""
         means = self._wires.advance(phase.voltage_v, phase.duration_s, self._stepping)
         true = {"wire": means.wire_voltage_v, "shunt": means.shunt_voltage_v}
@@ -161,7 +161,7 @@ class PulsedDevice(SimulatedDevice):
             read[name].append(self._seen[name])
         return means
 
-    def _read(self, means: SampleMeans) -> RawSample:
+    def _read(self, means: WireMeans) -> RawSample:
         """Return a sample of all instruments' readings, the voltages scaled to the drive voltage."""
         sample = super()._read(means)
         return sample._replace(

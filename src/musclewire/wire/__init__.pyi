@@ -77,8 +77,6 @@ from ._stepping import rises_over as rises_over
 from ._stepping import shorter_step_s as shorter_step_s
 from ._stepping import steps_within as steps_within
 from ._wires import OneWire as OneWire
-from ._wires import SampleMeans as SampleMeans
-from ._wires import SimulatedWires as SimulatedWires
 from ._wires import TwoWires as TwoWires
 from ._wires import WireMeans as WireMeans
 from ._wires import advance as advance

@@ -64,8 +64,8 @@ def test_the_numbers_of_open_rig_with_the_same_settings_are_the_same() -> None:
     values = {"pretension_n": 1.4, "diameter_m": 0.95e-4}
     parameters = parameters_of(configuration, "test", None, None, values)
     numbers = rig.wire(values)
-    assert numbers.spool == parameters[1].values()
-    assert numbers.bench == parameters[2].values()
+    assert numbers.spool.wire.values() == parameters[1].values()
+    assert numbers.spool.bench.values() == parameters[2].values()
 
 
 @pytest.mark.parametrize("rig", ["simulated", "finger"])
