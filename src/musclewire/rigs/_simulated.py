@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -49,22 +49,6 @@ from musclewire.wire import (
     spring_load,
     steps_within,
 )
-
-
-class SimulatedInside(NamedTuple):
-    """What a simulated device is made of, for loops in compiled code. What may change is the device's own."""
-
-    wires: OneWire | TwoWires
-    bench: Mapping[str, float]
-    stepping: StepControl
-    instruments: BenchInstruments
-    air: AirModel | None
-    mechanism: SimulatedLoad
-    reference_columns: tuple[str, ...]
-    faulty: bool
-    paced: bool
-    pulsed: bool = False
-
 
 # Noise in steps of the converter times the root of the readings in a mean: from this value on, two means in a row are
 # equal in less than a tenth of all cases, and eight in a row once in a hundred million.
@@ -220,11 +204,24 @@ class SimulatedDevice:
     faults
         Faults of wire, circuit, channels and clock, with their times; none by default.
 
+    Attributes
+    ----------
+    wires, mechanism
+        The wire or wires with their present state, and what they pull at this setting of the stages.
+    instruments, air
+        Instruments and moving air, with their generators of random numbers; ``air`` is None if it is still.
+    stepping
+        How a sample is divided into steps.
+    pulsed
+        Whether the wire is heated by pulses.
+
     Raises
     ------
     CallerError
         For numbers that cannot belong to a bench.
     """
+
+    pulsed: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -238,17 +235,17 @@ class SimulatedDevice:
         faults: Sequence[SimulatedFault] = (),
     ) -> None:
         """Cool the wire under its pretension and wait at 0 V."""
-        self._spool, self._parts = spool, tuple(parts)
+        self.spool, self._parts = spool, tuple(parts)
         bench = spool.bench
         self._resolution_v = bench["amplifier_resolution_v"]
         self._seed = seed
         air = surroundings or Surroundings()
-        self._air = None if air.still else AirModel(air, seed)
+        self.air = None if air.still else AirModel(air, seed)
         self._check_pretension(bench["pretension_n"])
         self._tendon_slack_m: float | None = None
-        self._mechanism = mechanism_on(spool, self._parts, bench["pretension_n"])
-        self._instruments = BenchInstruments(bench, seed, at_endpoint=self._mechanism.tendon is not None)
-        self._wires = wires_of(spool, self._parts, self._mechanism)
+        self.mechanism = mechanism_on(spool, self._parts, bench["pretension_n"])
+        self.instruments = BenchInstruments(bench, seed, at_endpoint=self.mechanism.tendon is not None)
+        self.wires = wires_of(spool, self._parts, self.mechanism)
         self._off, self._drive_voltage_v = False, 0.0
         # By how much friction has kept the connector ahead of a slack wire at most, at this setting of the stages.
         self._held_m = 0.0
@@ -260,10 +257,10 @@ class SimulatedDevice:
             limits=simulated_limits(spool, self._parts, limits).checked(),
             reference_columns=self._instruments_there(),
         )
-        self._faults = SimulatedFaults(faults) if faults else None
+        self.faults = SimulatedFaults(faults) if faults else None
         self._wire_ohm = spool.wire["resistance_per_metre_ohm_per_m"] * bench["wire_length_m"]
         self._clock = SimulationClock(bench["sample_period_s"]) if real_time else None
-        self._stepping = stepping_of(bench)
+        self.stepping = stepping_of(bench)
 
     @property
     def facts(self) -> DeviceFacts:
@@ -283,39 +280,25 @@ class SimulatedDevice:
     @property
     def has_stage(self) -> bool:
         """Whether a stage sets the pretension; if the only load is a weight, the weight is the pretension."""
-        return self._mechanism.stage
+        return self.mechanism.stage
 
     @property
     def wire_state(self) -> WireState:
         """The true state of the wire: temperature, phases, energy. For judging a simulation, not for estimating."""
-        return self._wires.state
+        return self.wires.state
 
     @property
     def partner_state(self) -> WireState | None:
         """The true state of a second wire; None if there is only one wire."""
-        return self._wires.partner_state
+        return self.wires.partner_state
 
     def _instruments_there(self) -> tuple[str, ...]:
         """Return the names of the reference instruments this bench has."""
-        if self._mechanism.tendon is None:
+        if self.mechanism.tendon is None:
             return ("displacement_m", "force_n")
         touches = any(part.obstacle is not None for part in self._parts)
         endpoint = ("endpoint_displacement_m", "endpoint_force_n") if touches else ("endpoint_displacement_m",)
         return ("displacement_m", "force_n", *endpoint)
-
-    def inside(self) -> SimulatedInside:
-        """Return the parts of the device."""
-        return SimulatedInside(
-            wires=self._wires,
-            bench=self._spool.bench.values(),
-            stepping=self._stepping,
-            instruments=self._instruments,
-            air=self._air,
-            mechanism=self._mechanism,
-            reference_columns=self._facts.reference_columns,
-            faulty=self._faults is not None,
-            paced=self._facts.paced,
-        )
 
     def adopt(self, drive_voltage_v: float, rng: np.random.Generator, air: AirModel | None, held_m: float) -> None:
         """Go on from samples in compiled code; the wires' own state is theirs.
@@ -331,37 +314,37 @@ class SimulatedDevice:
         held_m
             Length by which friction has held the connector ahead of a slack wire at most [m].
         """
-        self._drive_voltage_v, self._air, self._held_m = drive_voltage_v, air, max(self._held_m, held_m)
-        self._instruments.take_generator(rng)
+        self._drive_voltage_v, self.air, self._held_m = drive_voltage_v, air, max(self._held_m, held_m)
+        self.instruments.take_generator(rng)
 
     def __repr__(self) -> str:
         """Name the wire, its pretension and its drive."""
         return (
-            f"SimulatedDevice(wire {self._spool.wire.name}, pretension {self._pretension_n:g} N, "
-            f"drive {self._drive_voltage_v:.3f} V, at {self._wires.time_s:.2f} s)"
+            f"SimulatedDevice(wire {self.spool.wire.name}, pretension {self._pretension_n:g} N, "
+            f"drive {self._drive_voltage_v:.3f} V, at {self.wires.time_s:.2f} s)"
         )
 
     def metadata(self) -> Metadata:
         """Return the metadata of a recording that describe this rig."""
         return {
             "rig": "simulated",
-            **self._spool.facts(),
-            **convection_metadata(self._spool.wire.diameter_m.value, self._spool.bench["ambient_temperature_k"]),
-            "force_limit_n": force_limit_n(self._spool.wire, self._parts),
+            **self.spool.facts(),
+            **convection_metadata(self.spool.wire.diameter_m.value, self.spool.bench["ambient_temperature_k"]),
+            "force_limit_n": force_limit_n(self.spool.wire, self._parts),
             "pretension_n": self._pretension_n,
-            **load_metadata(self._parts, self._mechanism, self.partner_state is not None),
-            "time_step_s": self._spool.bench["time_step_s"],
-            "new_wire": self._spool.new_wire,
+            **load_metadata(self._parts, self.mechanism, self.partner_state is not None),
+            "time_step_s": self.spool.bench["time_step_s"],
+            "new_wire": self.spool.new_wire,
             "seed": self._seed,
             "friction_held_m": self._held_m,
-            "step_error_k": self._wires.step_error_k,
+            "step_error_k": self.wires.step_error_k,
             **(self._clock.metadata() if self._clock else {}),
         }
 
     @property
     def _pretension_n(self) -> float:
         """Force of the cold wire: that of the stage and of hanging weights."""
-        return (self._spool.bench["pretension_n"] if self._mechanism.stage else 0.0) + self._mechanism.added_n
+        return (self.spool.bench["pretension_n"] if self.mechanism.stage else 0.0) + self.mechanism.added_n
 
     def set_pretension(self, pretension_n: float) -> None:
         """Let the wire cool, then move the stage; the instruments are zeroed there.
@@ -370,10 +353,10 @@ class SimulatedDevice:
         allow or the load cannot carry, and if the only load is a hanging weight: it is the pretension.
         """
         self._check_pretension(pretension_n)
-        if not self._mechanism.stage:
+        if not self.mechanism.stage:
             raise CallerError("a hanging weight is the pretension: change the part 'weight' instead of the stage")
-        changed = self._spool.bench.pretension_n.model_copy(update={"value": pretension_n})
-        self._cool_at(self._spool.bench.model_copy(update={"pretension_n": changed}), self._tendon_slack_m)
+        changed = self.spool.bench.pretension_n.model_copy(update={"value": pretension_n})
+        self._cool_at(self.spool.bench.model_copy(update={"pretension_n": changed}), self._tendon_slack_m)
 
     def set_tendon_slack(self, slack_m: float) -> None:
         """Let the wire cool, then move the finger's stage: the tendon has this slack, or is drawn taut below 0.
@@ -381,40 +364,40 @@ class SimulatedDevice:
         Raises CallerError without a finger on a pretensioner, and for a tendon that would be drawn beyond the finger's
         curve.
         """
-        tendon = self._mechanism.tendon
-        if tendon is None or not self._mechanism.load.stiffness_n_per_m:
+        tendon = self.mechanism.tendon
+        if tendon is None or not self.mechanism.load.stiffness_n_per_m:
             raise CallerError("there is no tendon to set: this rig has no finger with a pretensioner")
         if not -slack_m <= tendon.curve.tendon_travel_m[-1]:
             raise CallerError(
                 f"the tendon cannot be drawn {-1e3 * slack_m:g} mm: the finger's curve ends before, draw less"
             )
-        self._cool_at(self._spool.bench, slack_m)
+        self._cool_at(self.spool.bench, slack_m)
 
     def _cool_at(self, around: Bench, tendon_slack_m: float | None) -> None:
         """Let the wires cool at another setting of the stages."""
         self._drive_voltage_v = 0.0
         self._rest()
         # Everything that can fail comes first: after a refused setting the rig keeps its previous one.
-        spool = self._spool._replace(bench=around)
+        spool = self.spool._replace(bench=around)
         mechanism = mechanism_on(spool, self._parts, around["pretension_n"], tendon_slack_m)
         wires = wires_of(spool, self._parts, mechanism)
-        wires.age_like(self._wires)
-        self._spool, self._tendon_slack_m = spool, tendon_slack_m
-        self._mechanism, self._wires, self._held_m = mechanism, wires, 0.0
+        wires.age_like(self.wires)
+        self.spool, self._tendon_slack_m = spool, tendon_slack_m
+        self.mechanism, self.wires, self._held_m = mechanism, wires, 0.0
 
     def _check_pretension(self, pretension_n: float) -> None:
-        allowed = self._spool.wire["maximum_force_n"]
+        allowed = self.spool.wire["maximum_force_n"]
         if not 0.0 <= pretension_n <= allowed:
             raise CallerError(
-                f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self._spool.wire.name} allows"
+                f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self.spool.wire.name} allows"
             )
 
     def compile_exchange(self) -> None:
         """Compile all that an exchange runs, by a sample of copies at 0 V."""
-        wires = deepcopy(self._wires)
-        means = wires.advance(0.0, self._facts.sample_period_s, self._stepping)
+        wires = deepcopy(self.wires)
+        means = wires.advance(0.0, self._facts.sample_period_s, self.stepping)
         wires.require_resolved()
-        instruments = BenchInstruments(self._spool.bench, self._seed, at_endpoint=self._mechanism.tendon is not None)
+        instruments = BenchInstruments(self.spool.bench, self._seed, at_endpoint=self.mechanism.tendon is not None)
         instruments.sample(means.wire_voltage_v, means.shunt_voltage_v, means.displacement_m, means.force_n)
 
     def exchange(self, command: Command) -> Answer:
@@ -427,25 +410,25 @@ class SimulatedDevice:
         if self._off:  # looked at after it was put out, so that 0 V is the last word whichever thread comes first
             self._drive_voltage_v = 0.0
             return SWITCHED_OFF
-        time_s = self._wires.time_s
-        if self._faults is not None and self._faults.device_lost(time_s):
+        time_s = self.wires.time_s
+        if self.faults is not None and self.faults.device_lost(time_s):
             return DeviceFault(Event.DEVICE_LOST, f"at {time_s:.2f} s, by the rig file's [[fault]]")
-        if self._air is not None:
-            air = self._air.after(time_s, self._facts.sample_period_s)
-            self._wires.surround(self._spool.bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
-        means = self._advance(self._drive_voltage_v) if self._faults is None else self._advance_faulty(self._faults)
-        self._wires.require_resolved()
-        self._held_m = max(self._held_m, self._wires.slack_m)
+        if self.air is not None:
+            air = self.air.after(time_s, self._facts.sample_period_s)
+            self.wires.surround(self.spool.bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
+        means = self._advance(self._drive_voltage_v) if self.faults is None else self._advance_faulty(self.faults)
+        self.wires.require_resolved()
+        self._held_m = max(self._held_m, self.wires.slack_m)
         if self._clock is not None:
             self._clock.wait()
         return SWITCHED_OFF if self._off else self._read(means)
 
     def _advance(self, drive_voltage_v: float) -> WireMeans:
-        return self._wires.advance(drive_voltage_v, self._facts.sample_period_s, self._stepping)
+        return self.wires.advance(drive_voltage_v, self._facts.sample_period_s, self.stepping)
 
     def _advance_faulty(self, faults: SimulatedFaults) -> WireMeans:
         """Advance the wire with its current in the faulty circuit; return the voltages at the terminals."""
-        time_s, shunt_ohm = self._wires.time_s, self._facts.limits.shunt_resistance_ohm
+        time_s, shunt_ohm = self.wires.time_s, self._facts.limits.shunt_resistance_ohm
         output_v = faults.output_v(self._drive_voltage_v, time_s)
         current_a = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s).wire_current_a
         means = self._advance(current_a * (self._wire_ohm + shunt_ohm))
@@ -456,18 +439,18 @@ class SimulatedDevice:
 
     def _read(self, means: WireMeans) -> RawSample:
         """Return a sample of all instruments' readings."""
-        wire_voltage, shunt_voltage, displacement_m, force_n = self._instruments.sample(
+        wire_voltage, shunt_voltage, displacement_m, force_n = self.instruments.sample(
             means.wire_voltage_v, means.shunt_voltage_v, means.displacement_m, means.force_n
         )
-        time_s = self._wires.time_s
-        if self._faults is not None:
+        time_s = self.wires.time_s
+        if self.faults is not None:
             began_s = time_s - self._facts.sample_period_s
-            wire_voltage, shunt_voltage = self._faults.readings_v(wire_voltage, shunt_voltage, began_s)
-            time_s = self._faults.clock_s(time_s)
+            wire_voltage, shunt_voltage = self.faults.readings_v(wire_voltage, shunt_voltage, began_s)
+            time_s = self.faults.clock_s(time_s)
         sample = RawSample(time_s, self._drive_voltage_v, wire_voltage, shunt_voltage, displacement_m, force_n)
-        if self._mechanism.tendon is None:
+        if self.mechanism.tendon is None:
             return sample
-        endpoint_m, endpoint_force_n = self._instruments.endpoint(*self._endpoint(means))
+        endpoint_m, endpoint_force_n = self.instruments.endpoint(*self._endpoint(means))
         touches = any(part.obstacle is not None for part in self._parts)
         return sample._replace(
             endpoint_displacement_m=endpoint_m, endpoint_force_n=endpoint_force_n if touches else None
@@ -475,7 +458,7 @@ class SimulatedDevice:
 
     def _endpoint(self, means: WireMeans) -> tuple[float, float]:
         """Return the true position of the finger's endpoint [m] and the force on it [N]."""
-        tendon = self._mechanism.tendon
+        tendon = self.mechanism.tendon
         assert tendon is not None
         end_m = tendon.curve.tendon_travel_m[-1]
         travel_m = means.displacement_m + tendon.start_m - tendon.slack_m
@@ -503,7 +486,7 @@ class SimulatedDevice:
         self._off, self._drive_voltage_v = True, 0.0
         if self._clock is not None:
             self._clock.end()
-        return self._faults is None or not self._faults.device_lost(self._wires.time_s)
+        return self.faults is None or not self.faults.device_lost(self.wires.time_s)
 
 
 def mechanism_on(

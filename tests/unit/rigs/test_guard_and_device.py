@@ -6,7 +6,6 @@ import threading
 from collections.abc import Iterator
 
 import pytest
-from musclewire.rigs._protocol import Metadata
 
 from musclewire.controllers import Event, State
 from musclewire.errors import CallerError, NumericsError, RigError
@@ -21,6 +20,7 @@ from musclewire.rigs._device import (
     HasStage,
     HasTendonStage,
     HasTrueState,
+    Metadata,
     Missing,
 )
 from musclewire.rigs._guarded import GuardedRig, ProtectionTripError

@@ -53,7 +53,7 @@ def test_its_constants_are_those_of_the_rig_to_the_bit(load: list[dict[str, Any]
     rig = VariedRig(configuration, "test", values)
     alone = rig.wire(values).constants
     with rig.open(values, 1) as opened:
-        inside = opened.device._wires.constants  # type: ignore[attr-defined]  # a rig shows no one its constants
+        inside = opened.device.wires.constants  # type: ignore[attr-defined]  # a rig shows no one its constants
     assert alone.numbers.tobytes() == inside.numbers.tobytes()
     assert np.array_equal(alone.load_table_n, inside.load_table_n)
 
