@@ -15,8 +15,7 @@ from musclewire.compiled import compiled
 from musclewire.wire._building import resting_state
 from musclewire.wire._constants import WireConstants
 from musclewire.wire._coupling import APART, GrippedObject
-from musclewire.wire._pair_step import PairConnection
-from musclewire.wire._pairs import advance_pair
+from musclewire.wire._pairs import PairConnection, advance_pair
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
 from musclewire.wire._step import RunningWire
