@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
@@ -28,29 +27,6 @@ def test_another_seed_gives_other_noise_on_the_same_wire() -> None:
     assert (
         ability(first, HasTrueState).wire_state.temperature_k == ability(second, HasTrueState).wire_state.temperature_k
     )
-
-
-def test_the_noise_of_displacement_and_force_is_as_the_bench_says() -> None:
-    """A wire at rest: what the instruments show is all noise; 400 samples tell its size to 10 % (3 sigma)."""
-    rig = open_rig("simulated", displacement_noise_m=5e-6, force_noise_n=0.01)
-    shown = samples(rig, [0.0] * 400)
-    displacement, force = (np.array([getattr(s, f) for s in shown]) for f in ("displacement_m", "force_n"))
-    assert displacement.std() == pytest.approx(5e-6, rel=0.11)
-    assert force.std() == pytest.approx(0.01, rel=0.11)
-    assert displacement.mean() == pytest.approx(0.0, abs=5e-6 / 20 * 3.5)
-
-
-def test_without_noise_a_single_reading_is_a_step_of_the_converter() -> None:
-    rig = open_rig("simulated", acquisition_noise_v=0.0, acquisition_readings=1.0, acquisition_bits=12.0)
-    step = 20.0 / 2**12
-    for sample in samples(rig):
-        for voltage in (sample.wire_voltage_v, sample.shunt_voltage_v):
-            assert voltage / step == pytest.approx(round(voltage / step), abs=1e-9)
-
-
-def test_the_converter_clips_at_its_range() -> None:
-    rig = open_rig("simulated", acquisition_range_v=1.0)
-    assert samples(rig, [3.0])[0].wire_voltage_v == pytest.approx(1.0)
 
 
 def test_the_drive_goes_out_in_steps_of_the_amplifier() -> None:
