@@ -98,7 +98,7 @@ def compared(rig: str, folder: Path, quick: bool) -> list[dict[str, object]]:
     configuration, where = rig_configuration(RIGS[rig])
     assert isinstance(configuration, RigConfiguration)
     device = open_simulated(configuration, where, None, None, None, False, {})
-    wires = device.inside().wires
+    wires = device.wires
     assert isinstance(wires, OneWire)
     constants = wires.constants
     unpacked = fmpy.extract(str(mw.export_fmu(configuration, folder, overwrite=True).path))

@@ -10,7 +10,7 @@ from pydantic import TypeAdapter
 
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.rigs import SimulatedFault, SimulatedFaults, SimulatedLoad, wires_of, with_settings
+from musclewire.rigs import SimulatedFault, SimulatedFaults, SimulatedLoad, SimulatedSpool, wires_of, with_settings
 from musclewire.wire import CHOSEN, spring_load
 
 __all__ = ["BenchWire", "Converted", "Truth"]
@@ -67,7 +67,7 @@ class BenchWire:
         self._lead_ohm = bench.lead_resistance_ohm.value
         self._leg_m = bench.wire_length_m.value / bench.legs.value
         spring = SimulatedLoad(spring_load(bench.spring_stiffness_n_per_m.value), 0.0, True, None)
-        self._wires = wires_of(load_alloy(chosen.alloy), chosen, bench, (), spring, new_wire=False)
+        self._wires = wires_of(SimulatedSpool(chosen, load_alloy(chosen.alloy), bench), (), spring)
         self._random = np.random.default_rng(seed)
         self._noise: list[float] = []
         self._faults: list[SimulatedFault] = []

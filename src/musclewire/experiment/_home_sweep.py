@@ -15,7 +15,7 @@ from musclewire.errors import RigError
 from musclewire.experiment._run import Decision
 from musclewire.identify import has_levelled
 from musclewire.physics import wire_resistance
-from musclewire.rigs import Rig, protection_limits_of
+from musclewire.rigs import Rig
 from musclewire.sensing import dropout_failure
 from musclewire.signals import Command, Drive, RawSample
 
@@ -75,22 +75,18 @@ class SweepPlan(NamedTuple):
         cls, rig: Rig, loop_power_w: float, fall_ohm: float, until_level: bool, highest_k: float = inf
     ) -> SweepPlan:
         """Return the plan for a wire on a rig, which by its power stays below a temperature [K], too."""
-        limits = protection_limits_of(rig)
+        limits = rig.protection_limits
         highest_w, because = OVERDRIVE * loop_power_w, f"the power was at {OVERDRIVE:g} times the usual one"
-        lag_s = MIN_LAG_S
-        if limits is not None:
-            lag_s = max(lag_s, limits.heat_capacity_j_per_k / limits.heat_loss_w_per_k)
-            protected_k = limits.maximum_temperature_k - BELOW_LIMIT_K
-            allowed_k = min(protected_k, highest_k)
-            thermal_w = (allowed_k - limits.ambient_temperature_k) * limits.heat_loss_w_per_k
-            if thermal_w < highest_w:
-                why = (
-                    "near the protection's limit" if allowed_k == protected_k else "up to which the alloy was measured"
-                )
-                highest_w, because = (
-                    thermal_w,
-                    f"by its power the wire was at {allowed_k - ZERO_CELSIUS_K:.0f} C, {why}",
-                )
+        lag_s = max(MIN_LAG_S, limits.heat_capacity_j_per_k / limits.heat_loss_w_per_k)
+        protected_k = limits.maximum_temperature_k - BELOW_LIMIT_K
+        allowed_k = min(protected_k, highest_k)
+        thermal_w = (allowed_k - limits.ambient_temperature_k) * limits.heat_loss_w_per_k
+        if thermal_w < highest_w:
+            why = "near the protection's limit" if allowed_k == protected_k else "up to which the alloy was measured"
+            highest_w, because = (
+                thermal_w,
+                f"by its power the wire was at {allowed_k - ZERO_CELSIUS_K:.0f} C, {why}",
+            )
         times_s = (REST_LAGS * lag_s, UP_LAGS * lag_s, DOWN_LAGS * lag_s)
         return cls(*times_s, loop_power_w, highest_w, fall_ohm, until_level, because)
 

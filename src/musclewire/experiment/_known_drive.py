@@ -13,7 +13,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.rigs import GuardedRig, HasTrueState, Rig, ability
+from musclewire.rigs import HasTrueState, Rig, ability
 
 
 class KnownDrive(NamedTuple):
@@ -71,7 +71,7 @@ def run_compiled_drive(rig: Rig, policy: object, samples: int) -> TakenRun | str
     The reason is empty if the drive is not known, or if no simulation runs: then nobody expects it. The rig is left as
     the samples leave it, without them as it was.
     """
-    if not (isinstance(policy, KnownDrivePolicy) and isinstance(rig, GuardedRig)) or ability(rig, HasTrueState) is None:
+    if not isinstance(policy, KnownDrivePolicy) or ability(rig, HasTrueState) is None:
         return ""
     # Only now: a real rig does without the simulator.
     from musclewire.rigs import CompiledLoopEnd, run_known_drive, times_on_rig_s, uncompiled

@@ -20,7 +20,7 @@ from musclewire.experiment._known_drive import KnownDrive
 from musclewire.experiment._run import Decision, OnSample, RunOptions, refuse_unusable, run_on_rig
 from musclewire.identify import shows_c
 from musclewire.parameters import ValidityLimits
-from musclewire.rigs import Rig, protection_limits_of
+from musclewire.rigs import Rig
 from musclewire.signals import Command, Drive, MetadataValue, RawSample, Recording, describe_recording
 
 # A transformation takes a tenth of a wire's resistance and more; a smaller fall is not judged.
@@ -63,14 +63,10 @@ def levelling_amplitude(rig: Rig, on_sample: OnSample | None = None) -> Levellin
 
     Raises
     ------
-    CallerError
-        For a rig without limits of resistance and temperature.
     RigError
         If the rig failed or was tripped.
     """
-    limits = protection_limits_of(rig)
-    if limits is None:
-        raise CallerError("this rig states no limits, within which the amplitude could be raised: give the amplitude")
+    limits = rig.protection_limits
     nominal_ohm = 0.5 * (limits.resistance_low_ohm + limits.resistance_high_ohm)
     own_w = nominal_ohm * (rig.drive_amplitude_v / (nominal_ohm + limits.shunt_resistance_ohm)) ** 2
     covered_k = ValidityLimits.stated_in(rig.metadata()).covered_temperature_high_k

@@ -28,10 +28,9 @@ from musclewire.experiment._extrapolation import extrapolation_metadata
 from musclewire.experiment._health import health_metadata
 from musclewire.experiment._known_drive import TakenRun, run_compiled_drive
 from musclewire.experiment._timing_facts import NO_CLOCK, RunPacing, timing_metadata
-from musclewire.rigs import AdjustableClock, HasExchangeTimes, Rig, ability, adjustable_clock_of, protection_limits_of
+from musclewire.rigs import Rig, SimulationClock, adjustable_clock_of
 from musclewire.signals import (
     ELECTRICAL_COLUMNS,
-    REFERENCE_COLUMNS,
     Command,
     MetadataValue,
     OpenJournal,
@@ -182,14 +181,9 @@ def run_on_rig(
     described = {**what_protects(rig), **rig.metadata(), **(metadata or {})}
     timing = LoopTiming(rig.sample_period_s, rig.paced, adjustable_clock_of(rig))
     exchange = timed_exchange(rig, timing)
-    first: RawSample | None = None
     try:
         command = policy.first_command()
-        instruments = rig.reference_columns
-        if instruments is None:  # then the first sample shows them
-            first = exchange(command)
-            instruments = tuple(name for name in REFERENCE_COLUMNS if getattr(first, name) is not None)
-        measured = (*ELECTRICAL_COLUMNS, *instruments)
+        measured = (*ELECTRICAL_COLUMNS, *rig.reference_columns)
         columns = (*measured, *policy.columns)
         with Recorder(columns, described, path, overwrite=overwrite) as recorder, few_collections():
             taken: TakenRun | str = ""
@@ -200,9 +194,8 @@ def run_on_rig(
                 if isinstance(taken, TakenRun):
                     recorder.append_all(taken.rows(measured))
                 else:
-                    first = exchange(command) if first is None else first
                     loop = RunParts(policy, exchange, recorder, measured, until)
-                    follow(loop, first, samples, rig.sample_period_s, timing, on_sample)
+                    follow(loop, exchange(command), samples, rig.sample_period_s, timing, on_sample)
             finally:
                 rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
                 # Once more: what a rig counts, lost frames for one, is known only now.
@@ -267,29 +260,19 @@ def row_of(
 
 
 def timed_exchange(rig: Rig, timing: LoopTiming) -> Exchange:
-    """Return the rig's exchange, with its times recorded: the rig's own if it reports them."""
-    times = ability(rig, HasExchangeTimes)
-    if times is not None:
+    """Return the rig's exchange, with its times recorded."""
 
-        def exchange(command: Command) -> RawSample:
-            sample = rig.exchange(command)
-            timing.sampled(times.drive_at_ns, times.sample_at_ns)
-            return sample
-    else:
-
-        def exchange(command: Command) -> RawSample:
-            drive_at_ns = perf_counter_ns()
-            sample = rig.exchange(command)
-            timing.sampled(drive_at_ns, perf_counter_ns())
-            return sample
+    def exchange(command: Command) -> RawSample:
+        sample = rig.exchange(command)
+        timing.sampled(rig.drive_at_ns, rig.sample_at_ns)
+        return sample
 
     return exchange
 
 
 def what_protects(rig: Rig) -> dict[str, MetadataValue]:
     """Return the limits a rig is protected by; a replay of the recording is held to the same."""
-    protection = protection_limits_of(rig)
-    limits = {} if protection is None else protection._asdict()
+    limits = rig.protection_limits._asdict()
     return {"drive_amplitude_v": rig.drive_amplitude_v, **{f"limit_{name}": value for name, value in limits.items()}}
 
 
@@ -419,7 +402,7 @@ class LoopTiming:
     All times are in nanoseconds of one monotonic clock.
     """
 
-    def __init__(self, sample_period_s: float, paced: bool, clock: AdjustableClock | None = None) -> None:
+    def __init__(self, sample_period_s: float, paced: bool, clock: SimulationClock | None = None) -> None:
         """Watch a run of this sample period; ``paced`` if a real clock sets its pace, at the speed of ``clock``."""
         self._pace = RunPacing(sample_period_s, paced, clock)
         self._drive_ns, self._sample_ns, self._callbacks_ns = array("q"), array("q"), array("q")

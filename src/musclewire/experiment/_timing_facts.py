@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.arrays import FloatArray, IntArray
-from musclewire.rigs import AdjustableClock, scheduling
+from musclewire.rigs import SimulationClock, scheduling
 from musclewire.signals import MetadataValue
 
 NO_CLOCK = "none: samples came as fast as they were computed"
@@ -29,7 +29,7 @@ def percentiles(name: str, values_us: FloatArray) -> dict[str, MetadataValue]:
 class RunPacing:
     """What paces a run from its beginning on: nothing, real time, or a clock whose speed may change."""
 
-    def __init__(self, sample_period_s: float, paced: bool, clock: AdjustableClock | None) -> None:
+    def __init__(self, sample_period_s: float, paced: bool, clock: SimulationClock | None) -> None:
         """Look at the clock as it is now."""
         self._clock, self._changes = clock, 0 if clock is None else clock.changes
         self._speed = 1.0 if clock is None else clock.speed

@@ -1,10 +1,8 @@
 """The list of names that other rooms may use."""
 
-from ._abilities import HasExchangeTimes as HasExchangeTimes
 from ._abilities import ability as ability
 from ._abilities import adjustable_clock_of as adjustable_clock_of
 from ._abilities import keeps_real_time as keeps_real_time
-from ._abilities import protection_limits_of as protection_limits_of
 from ._abilities import required_true_state as required_true_state
 from ._air import Surroundings as Surroundings
 from ._compiled_loop.kernel import CompiledLoopEnd as CompiledLoopEnd
@@ -23,7 +21,6 @@ from ._configuration import rig_names as rig_names
 from ._configuration import shipped_rig_files as shipped_rig_files
 from ._configuration import simulated_configuration as simulated_configuration
 from ._device import SWITCHED_OFF as SWITCHED_OFF
-from ._device import AdjustableClock as AdjustableClock
 from ._device import Answer as Answer
 from ._device import Device as Device
 from ._device import DeviceFacts as DeviceFacts
@@ -32,10 +29,11 @@ from ._device import HasOnBoardLoop as HasOnBoardLoop
 from ._device import HasStage as HasStage
 from ._device import HasTendonStage as HasTendonStage
 from ._device import HasTrueState as HasTrueState
+from ._device import Metadata as Metadata
 from ._device import Missing as Missing
-from ._driven_wire import drive_varied as drive_varied
 from ._guarded import GuardedRig as GuardedRig
 from ._guarded import ProtectionTripError as ProtectionTripError
+from ._guarded import Rig as Rig
 from ._kinds import DEVICES as DEVICES
 from ._kinds import DeviceConfiguration as DeviceConfiguration
 from ._kinds import DeviceKind as DeviceKind
@@ -57,8 +55,6 @@ from ._mounted_wire import SiName as SiName
 from ._mounted_wire import WireKeys as WireKeys
 from ._mounted_wire import numbers_given as numbers_given
 from ._pacing import SamplePacer as SamplePacer
-from ._protocol import Metadata as Metadata
-from ._protocol import Rig as Rig
 from ._pulse_width import PulseWidth as PulseWidth
 from ._pulse_width import unsettled_error as unsettled_error
 from ._real_time import pin_to_cpu as pin_to_cpu
@@ -80,6 +76,7 @@ from ._simulated_configuration import with_settings as with_settings
 from ._simulated_faults import SimulatedFault as SimulatedFault
 from ._simulated_faults import SimulatedFaults as SimulatedFaults
 from ._simulated_pwm import PulsedDevice as PulsedDevice
+from ._simulation_clock import SimulationClock as SimulationClock
 from ._varied_rig import Value as Value
 from ._varied_rig import VariedKey as VariedKey
 from ._varied_rig import VariedRig as VariedRig

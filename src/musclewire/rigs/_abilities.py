@@ -2,33 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, TypeVar, runtime_checkable
+from typing import Any, TypeVar
 
-from musclewire.controllers import ProtectionLimits
 from musclewire.errors import CallerError
-from musclewire.rigs._device import AdjustableClock, HasAdjustableClock, HasStage, HasTendonStage, HasTrueState
-from musclewire.rigs._guarded import GuardedRig
-from musclewire.rigs._protocol import Rig
+from musclewire.rigs._device import HasStage, HasTendonStage, HasTrueState
+from musclewire.rigs._guarded import GuardedRig, Rig
+from musclewire.rigs._simulation_clock import SimulationClock
 
 AbilityT = TypeVar("AbilityT")
-
-
-@runtime_checkable
-class HasExchangeTimes(Protocol):
-    """A rig that notes when its drive went out and when its sample was there (``time.perf_counter_ns``)."""
-
-    drive_at_ns: int
-    sample_at_ns: int
-
-
-@runtime_checkable
-class HasProtection(Protocol):
-    """A rig with protection limits."""
-
-    @property
-    def protection_limits(self) -> ProtectionLimits:
-        """The limits that the protection table applies."""
-        ...
 
 
 class GuardedStages:
@@ -64,11 +45,10 @@ def ability(rig: Rig, kind: type[AbilityT]) -> AbilityT | None:
     -------
     An object with the ability, None for a rig without it.
     """
-    able = (rig, rig.device) if isinstance(rig, GuardedRig) else (rig,)
-    found: Any = next((one for one in able if isinstance(one, kind)), None)
-    if found is not None and isinstance(rig, GuardedRig) and kind in (HasStage, HasTendonStage):
-        found = GuardedStages(rig, found)
-    return found  # type: ignore[no-any-return]
+    if not isinstance(rig.device, kind):
+        return None
+    able: Any = GuardedStages(rig, rig.device) if kind in (HasStage, HasTendonStage) else rig.device
+    return able  # type: ignore[no-any-return]
 
 
 def required_true_state(rig: Rig) -> HasTrueState:
@@ -94,7 +74,7 @@ def required_true_state(rig: Rig) -> HasTrueState:
     return found
 
 
-def adjustable_clock_of(rig: Rig) -> AdjustableClock | None:
+def adjustable_clock_of(rig: Rig) -> SimulationClock | None:
     """Return the clock of a simulated rig that keeps pace with the computer's and may run faster or slower.
 
     Parameters
@@ -106,17 +86,11 @@ def adjustable_clock_of(rig: Rig) -> AdjustableClock | None:
     -------
     The clock; None for hardware, whose clock is its own, and for a rig without a clock.
     """
-    found = ability(rig, HasAdjustableClock)
-    return None if found is None else found.adjustable_clock
+    clock = getattr(rig.device, "adjustable_clock", None)
+    return clock if isinstance(clock, SimulationClock) else None
 
 
 def keeps_real_time(rig: Rig) -> bool:
     """Return whether a second of an open rig's samples is one of the computer's clock: hardware, or paced so now."""
     clock = adjustable_clock_of(rig)
     return rig.paced and (clock is None or clock.speed == 1.0)
-
-
-def protection_limits_of(rig: Rig) -> ProtectionLimits | None:
-    """Return the limits that a rig is protected by, None for a rig without a protection table."""
-    found = ability(rig, HasProtection)
-    return None if found is None else found.protection_limits

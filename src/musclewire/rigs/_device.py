@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
 from musclewire.controllers import Event, FuzzyPidSettings, ProtectionLimits
-from musclewire.rigs._protocol import Metadata
 from musclewire.sensing import SensingModel
 from musclewire.signals import Command, RawSample
+
+Metadata = dict[str, str | int | float | bool | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,46 +235,6 @@ class HasTrueState(Protocol):
     @property
     def partner_state(self) -> TrueState | None:
         """State of a second wire, None if there is none."""
-        ...
-
-
-class AdjustableClock(Protocol):
-    """The clock of a simulation that keeps pace with the computer's, at a speed that may change between two samples."""
-
-    @property
-    def speed(self) -> float:
-        """Simulated seconds in a second; 1 is real time."""
-        ...
-
-    @property
-    def changes(self) -> int:
-        """How often the speed has been changed since the rig was opened."""
-        ...
-
-    def set_speed(self, factor: float) -> None:
-        """Run at another speed from now on; may be called from another thread while a sample is awaited.
-
-        Parameters
-        ----------
-        factor
-            Simulated seconds in a second, 0.01 to 1000: slower is watched better in a recording, and no machine
-            computes faster.
-
-        Raises
-        ------
-        CallerError
-            For a factor outside this range.
-        """
-        ...
-
-
-@runtime_checkable
-class HasAdjustableClock(Protocol):
-    """A simulation that may run faster or slower than the computer's clock."""
-
-    @property
-    def adjustable_clock(self) -> AdjustableClock | None:
-        """The clock that paces the samples; None if they come as fast as they are computed."""
         ...
 
 

@@ -9,8 +9,7 @@ from typing import NoReturn, Self, final
 
 from musclewire.controllers import Event, ProtectionLimits, ProtectionState, Rows, RunningProtection, protection_table
 from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.rigs._device import Device, HasCompiledExchange, HasOnBoardLoop, Missing
-from musclewire.rigs._protocol import Metadata
+from musclewire.rigs._device import Device, HasCompiledExchange, HasOnBoardLoop, Metadata, Missing
 from musclewire.signals import Command, Drive, RawSample, Target, as_command, drive_voltage_of
 
 # No more is known of a device that does not answer.
@@ -345,3 +344,7 @@ class GuardedRig:
         self.close()
         if kind is None and was_on and not self._off_confirmed:
             raise RigError(f"the device did not answer at the end: {NOT_CONFIRMED}")
+
+
+# What takes any rig names it so.
+Rig = GuardedRig

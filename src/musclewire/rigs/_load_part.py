@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.arrays import FloatArray
 from musclewire.parameters import FingerFile
-from musclewire.rigs._protocol import Metadata
+from musclewire.rigs._device import Metadata
 from musclewire.signals import measured_in
 from musclewire.wire import ElasticObject
 

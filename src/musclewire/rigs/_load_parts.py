@@ -20,8 +20,8 @@ from pydantic import model_validator
 
 from musclewire.arrays import FloatArray
 from musclewire.parameters import FingerFile, load_finger, read_pretensioner
+from musclewire.rigs._device import Metadata
 from musclewire.rigs._load_part import Force, Length, LoadPart, Pull, SecondWire, Stiffness, Supply, Voltage
-from musclewire.rigs._protocol import Metadata
 from musclewire.wire import ElasticObject
 
 

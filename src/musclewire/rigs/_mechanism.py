@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.parameters import FingerCurve
+from musclewire.rigs._device import Metadata
 from musclewire.rigs._load_part import LoadPart
-from musclewire.rigs._protocol import Metadata
 from musclewire.wire import ConnectorLoad, ElasticObject, spring_load, with_table
 
 # A wire contracts by at most about 8 %; tables reach a little further.

@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 from musclewire.controllers import ProtectionLimits
 from musclewire.parameters import Wire, load_alloy, load_wire, validity_of
-from musclewire.rigs._protocol import Metadata
+from musclewire.rigs._device import Metadata
 from musclewire.rigs._wire_limits import WireCircuit, limits_of
 from musclewire.signals import measured_in
 

@@ -12,7 +12,7 @@ from pydantic import Field
 from musclewire.controllers import ProtectionLimits
 from musclewire.errors import RecordingError, RigError
 from musclewire.parameters import validated
-from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts
+from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, Metadata
 from musclewire.rigs._kinds import DeviceConfiguration, DeviceKind
 from musclewire.rigs._mounted_wire import (
     DriveAmplitude,
@@ -27,7 +27,6 @@ from musclewire.rigs._mounted_wire import (
     WireLength,
     may_be_left_out,
 )
-from musclewire.rigs._protocol import Metadata
 from musclewire.signals import (
     REFERENCE_COLUMNS,
     Command,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from musclewire.errors import CallerError, RigError
 from musclewire.parameters import Alloy, Bench, Numbers, Wire, load_alloy, load_wire, validity_of
 from musclewire.physics import convection_range_note, series_resistance_ohm
 from musclewire.rigs._air import AirModel, Surroundings
-from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Missing
+from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Metadata, Missing
 from musclewire.rigs._load_part import LoadPart, Pull, SecondWire, Supply
 from musclewire.rigs._mechanism import (
     MAX_CONTRACTION,
@@ -25,7 +25,6 @@ from musclewire.rigs._mechanism import (
     load_metadata,
     mechanism_of,
 )
-from musclewire.rigs._protocol import Metadata
 from musclewire.rigs._simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.rigs._simulation_clock import SimulationClock
 from musclewire.rigs._wire_limits import WireCircuit, limits_of
@@ -40,33 +39,16 @@ from musclewire.wire import (
     GrippedObject,
     OneWire,
     PairConnection,
-    SampleMeans,
-    SimulatedWires,
     StepControl,
     TwoWires,
     WireConstants,
+    WireMeans,
     WireState,
     constants_from,
     no_grip,
     spring_load,
     steps_within,
 )
-
-
-class SimulatedInside(NamedTuple):
-    """What a simulated device is made of, for loops in compiled code. What may change is the device's own."""
-
-    wires: SimulatedWires
-    bench: Mapping[str, float]
-    stepping: StepControl
-    instruments: BenchInstruments
-    air: AirModel | None
-    mechanism: SimulatedLoad
-    reference_columns: tuple[str, ...]
-    faulty: bool
-    paced: bool
-    pulsed: bool = False
-
 
 # Noise in steps of the converter times the root of the readings in a mean: from this value on, two means in a row are
 # equal in less than a tenth of all cases, and eight in a row once in a hundred million.
@@ -165,6 +147,24 @@ class SimulatedSpool(NamedTuple):
     bench: Bench
     new_wire: bool = False
 
+    @property
+    def leg_length_m(self) -> float:
+        """Length of one leg of the wire [m]."""
+        return self.bench["wire_length_m"] / self.bench["legs"]
+
+    def facts(self) -> Metadata:
+        """Return the metadata of a recording that describe wire and circuit."""
+        return {
+            "wire": self.wire.name,
+            "wire_diameter_m": self.wire.diameter_m.value,
+            "wire_length_m": self.bench["wire_length_m"],
+            "leg_length_m": self.leg_length_m,
+            "shunt_resistance_ohm": self.bench["shunt_resistance_ohm"],
+            "maximum_force_n": self.wire.maximum_force_n.value,
+            **validity_of(self.alloy).facts(),
+            "sample_period_s": self.bench["sample_period_s"],
+        }
+
     def pulling(self, load: ConnectorLoad | None, pretension_n: float) -> WireConstants:
         """Return the constants of this wire at a cold force; without a load it acts on another wire's connector only.
 
@@ -204,11 +204,24 @@ class SimulatedDevice:
     faults
         Faults of wire, circuit, channels and clock, with their times; none by default.
 
+    Attributes
+    ----------
+    wires, mechanism
+        The wire or wires with their present state, and what they pull at this setting of the stages.
+    instruments, air
+        Instruments and moving air, with their generators of random numbers; ``air`` is None if it is still.
+    stepping
+        How a sample is divided into steps.
+    pulsed
+        Whether the wire is heated by pulses.
+
     Raises
     ------
     CallerError
         For numbers that cannot belong to a bench.
     """
+
+    pulsed: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -222,51 +235,32 @@ class SimulatedDevice:
         faults: Sequence[SimulatedFault] = (),
     ) -> None:
         """Cool the wire under its pretension and wait at 0 V."""
-        wire, alloy, bench, new_wire = spool
-        self._alloy, self._wire = alloy, wire
-        self._parts, self._new_wire = tuple(parts), new_wire
-        self._bench = bench
+        self.spool, self._parts = spool, tuple(parts)
+        bench = spool.bench
         self._resolution_v = bench["amplifier_resolution_v"]
         self._seed = seed
         air = surroundings or Surroundings()
-        self._air = None if air.still else AirModel(air, seed)
-        self._check_pretension(self._bench["pretension_n"])
+        self.air = None if air.still else AirModel(air, seed)
+        self._check_pretension(bench["pretension_n"])
         self._tendon_slack_m: float | None = None
-        self._leg_length_m = self._bench["wire_length_m"] / self._bench["legs"]
-        self._mechanism = self._mechanism_at(self._bench["pretension_n"], None)
-        self._instruments = BenchInstruments(self._bench, seed, at_endpoint=self._mechanism.tendon is not None)
-        self._wires = wires_of(alloy, wire, bench, self._parts, self._mechanism, new_wire=new_wire)
+        self.mechanism = mechanism_on(spool, self._parts, bench["pretension_n"])
+        self.instruments = BenchInstruments(bench, seed, at_endpoint=self.mechanism.tendon is not None)
+        self.wires = wires_of(spool, self._parts, self.mechanism)
         self._off, self._drive_voltage_v = False, 0.0
         # By how much friction has kept the connector ahead of a slack wire at most, at this setting of the stages.
         self._held_m = 0.0
         self._facts = DeviceFacts(
-            sample_period_s=self._bench["sample_period_s"],
+            sample_period_s=bench["sample_period_s"],
             paced=real_time,
-            leg_length_m=self._leg_length_m,
-            drive_amplitude_v=self._wire["drive_amplitude_v"],
-            limits=simulated_limits(alloy, wire, self._bench, self._parts, limits).checked(),
+            leg_length_m=spool.leg_length_m,
+            drive_amplitude_v=spool.wire["drive_amplitude_v"],
+            limits=simulated_limits(spool, self._parts, limits).checked(),
             reference_columns=self._instruments_there(),
         )
-        self._faults = SimulatedFaults(faults) if faults else None
-        self._wire_ohm = self._wire["resistance_per_metre_ohm_per_m"] * self._bench["wire_length_m"]
-        self._clock = SimulationClock(self._bench["sample_period_s"]) if real_time else None
-        self._stepping = self._stepping_of_the_bench()
-
-    def _mechanism_at(self, pretension_n: float, tendon_slack_m: float | None) -> SimulatedLoad:
-        """Return the wire's load at a setting of the stages."""
-        if not self._parts:
-            return SimulatedLoad(spring_load(self._bench["spring_stiffness_n_per_m"]), 0.0, True, None)
-        return mechanism_of(
-            self._parts,
-            pretension_n=pretension_n,
-            leg_length_m=self._leg_length_m,
-            object_between=any(part.second_wire and part.second_wire.pull is Pull.APART for part in self._parts),
-            tendon_slack_m=tendon_slack_m,
-        )
-
-    def _stepping_of_the_bench(self) -> StepControl:
-        """Return how samples are divided into steps. Raises CallerError for a fixed step that does not divide them."""
-        return stepping_of(self._bench)
+        self.faults = SimulatedFaults(faults) if faults else None
+        self._wire_ohm = spool.wire["resistance_per_metre_ohm_per_m"] * bench["wire_length_m"]
+        self._clock = SimulationClock(bench["sample_period_s"]) if real_time else None
+        self.stepping = stepping_of(bench)
 
     @property
     def facts(self) -> DeviceFacts:
@@ -286,39 +280,25 @@ class SimulatedDevice:
     @property
     def has_stage(self) -> bool:
         """Whether a stage sets the pretension; if the only load is a weight, the weight is the pretension."""
-        return self._mechanism.stage
+        return self.mechanism.stage
 
     @property
     def wire_state(self) -> WireState:
         """The true state of the wire: temperature, phases, energy. For judging a simulation, not for estimating."""
-        return self._wires.state
+        return self.wires.state
 
     @property
     def partner_state(self) -> WireState | None:
         """The true state of a second wire; None if there is only one wire."""
-        return self._wires.partner_state
+        return self.wires.partner_state
 
     def _instruments_there(self) -> tuple[str, ...]:
         """Return the names of the reference instruments this bench has."""
-        if self._mechanism.tendon is None:
+        if self.mechanism.tendon is None:
             return ("displacement_m", "force_n")
         touches = any(part.obstacle is not None for part in self._parts)
         endpoint = ("endpoint_displacement_m", "endpoint_force_n") if touches else ("endpoint_displacement_m",)
         return ("displacement_m", "force_n", *endpoint)
-
-    def inside(self) -> SimulatedInside:
-        """Return the parts of the device."""
-        return SimulatedInside(
-            wires=self._wires,
-            bench=self._bench.values(),
-            stepping=self._stepping,
-            instruments=self._instruments,
-            air=self._air,
-            mechanism=self._mechanism,
-            reference_columns=self._facts.reference_columns,
-            faulty=self._faults is not None,
-            paced=self._facts.paced,
-        )
 
     def adopt(self, drive_voltage_v: float, rng: np.random.Generator, air: AirModel | None, held_m: float) -> None:
         """Go on from samples in compiled code; the wires' own state is theirs.
@@ -334,44 +314,37 @@ class SimulatedDevice:
         held_m
             Length by which friction has held the connector ahead of a slack wire at most [m].
         """
-        self._drive_voltage_v, self._air, self._held_m = drive_voltage_v, air, max(self._held_m, held_m)
-        self._instruments.take_generator(rng)
+        self._drive_voltage_v, self.air, self._held_m = drive_voltage_v, air, max(self._held_m, held_m)
+        self.instruments.take_generator(rng)
 
     def __repr__(self) -> str:
         """Name the wire, its pretension and its drive."""
         return (
-            f"SimulatedDevice(wire {self._wire.name}, pretension {self._pretension_n:g} N, "
-            f"drive {self._drive_voltage_v:.3f} V, at {self._wires.time_s:.2f} s)"
+            f"SimulatedDevice(wire {self.spool.wire.name}, pretension {self._pretension_n:g} N, "
+            f"drive {self._drive_voltage_v:.3f} V, at {self.wires.time_s:.2f} s)"
         )
 
     def metadata(self) -> Metadata:
         """Return the metadata of a recording that describe this rig."""
         return {
             "rig": "simulated",
-            "wire": self._wire.name,
-            "wire_diameter_m": self._wire.diameter_m.value,
-            **convection_metadata(self._wire.diameter_m.value, self._bench["ambient_temperature_k"]),
-            "wire_length_m": self._bench["wire_length_m"],
-            "leg_length_m": self._leg_length_m,
-            "shunt_resistance_ohm": self._facts.limits.shunt_resistance_ohm,
-            "maximum_force_n": self._wire.maximum_force_n.value,
-            **validity_of(self._alloy).facts(),
-            "force_limit_n": force_limit_n(self._wire, self._parts),
+            **self.spool.facts(),
+            **convection_metadata(self.spool.wire.diameter_m.value, self.spool.bench["ambient_temperature_k"]),
+            "force_limit_n": force_limit_n(self.spool.wire, self._parts),
             "pretension_n": self._pretension_n,
-            **load_metadata(self._parts, self._mechanism, self.partner_state is not None),
-            "sample_period_s": self._facts.sample_period_s,
-            "time_step_s": self._bench["time_step_s"],
-            "new_wire": self._new_wire,
+            **load_metadata(self._parts, self.mechanism, self.partner_state is not None),
+            "time_step_s": self.spool.bench["time_step_s"],
+            "new_wire": self.spool.new_wire,
             "seed": self._seed,
             "friction_held_m": self._held_m,
-            "step_error_k": self._wires.step_error_k,
+            "step_error_k": self.wires.step_error_k,
             **(self._clock.metadata() if self._clock else {}),
         }
 
     @property
     def _pretension_n(self) -> float:
         """Force of the cold wire: that of the stage and of hanging weights."""
-        return (self._bench["pretension_n"] if self._mechanism.stage else 0.0) + self._mechanism.added_n
+        return (self.spool.bench["pretension_n"] if self.mechanism.stage else 0.0) + self.mechanism.added_n
 
     def set_pretension(self, pretension_n: float) -> None:
         """Let the wire cool, then move the stage; the instruments are zeroed there.
@@ -380,10 +353,10 @@ class SimulatedDevice:
         allow or the load cannot carry, and if the only load is a hanging weight: it is the pretension.
         """
         self._check_pretension(pretension_n)
-        if not self._mechanism.stage:
+        if not self.mechanism.stage:
             raise CallerError("a hanging weight is the pretension: change the part 'weight' instead of the stage")
-        changed = self._bench.pretension_n.model_copy(update={"value": pretension_n})
-        self._cool_at(self._bench.model_copy(update={"pretension_n": changed}), self._tendon_slack_m)
+        changed = self.spool.bench.pretension_n.model_copy(update={"value": pretension_n})
+        self._cool_at(self.spool.bench.model_copy(update={"pretension_n": changed}), self._tendon_slack_m)
 
     def set_tendon_slack(self, slack_m: float) -> None:
         """Let the wire cool, then move the finger's stage: the tendon has this slack, or is drawn taut below 0.
@@ -391,37 +364,40 @@ class SimulatedDevice:
         Raises CallerError without a finger on a pretensioner, and for a tendon that would be drawn beyond the finger's
         curve.
         """
-        tendon = self._mechanism.tendon
-        if tendon is None or not self._mechanism.load.stiffness_n_per_m:
+        tendon = self.mechanism.tendon
+        if tendon is None or not self.mechanism.load.stiffness_n_per_m:
             raise CallerError("there is no tendon to set: this rig has no finger with a pretensioner")
         if not -slack_m <= tendon.curve.tendon_travel_m[-1]:
             raise CallerError(
                 f"the tendon cannot be drawn {-1e3 * slack_m:g} mm: the finger's curve ends before, draw less"
             )
-        self._cool_at(self._bench, slack_m)
+        self._cool_at(self.spool.bench, slack_m)
 
     def _cool_at(self, around: Bench, tendon_slack_m: float | None) -> None:
         """Let the wires cool at another setting of the stages."""
         self._drive_voltage_v = 0.0
         self._rest()
         # Everything that can fail comes first: after a refused setting the rig keeps its previous one.
-        mechanism = self._mechanism_at(around.pretension_n.value, tendon_slack_m)
-        wires = wires_of(self._alloy, self._wire, around, self._parts, mechanism, new_wire=self._new_wire)
-        wires.age_like(self._wires)
-        self._bench, self._tendon_slack_m = around, tendon_slack_m
-        self._mechanism, self._wires, self._held_m = mechanism, wires, 0.0
+        spool = self.spool._replace(bench=around)
+        mechanism = mechanism_on(spool, self._parts, around["pretension_n"], tendon_slack_m)
+        wires = wires_of(spool, self._parts, mechanism)
+        wires.age_like(self.wires)
+        self.spool, self._tendon_slack_m = spool, tendon_slack_m
+        self.mechanism, self.wires, self._held_m = mechanism, wires, 0.0
 
     def _check_pretension(self, pretension_n: float) -> None:
-        allowed = self._wire["maximum_force_n"]
+        allowed = self.spool.wire["maximum_force_n"]
         if not 0.0 <= pretension_n <= allowed:
-            raise CallerError(f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self._wire.name} allows")
+            raise CallerError(
+                f"pretension {pretension_n} N is outside 0 to {allowed} N, what {self.spool.wire.name} allows"
+            )
 
     def compile_exchange(self) -> None:
         """Compile all that an exchange runs, by a sample of copies at 0 V."""
-        wires = deepcopy(self._wires)
-        means = wires.advance(0.0, self._facts.sample_period_s, self._stepping)
+        wires = deepcopy(self.wires)
+        means = wires.advance(0.0, self._facts.sample_period_s, self.stepping)
         wires.require_resolved()
-        instruments = BenchInstruments(self._bench, self._seed, at_endpoint=self._mechanism.tendon is not None)
+        instruments = BenchInstruments(self.spool.bench, self._seed, at_endpoint=self.mechanism.tendon is not None)
         instruments.sample(means.wire_voltage_v, means.shunt_voltage_v, means.displacement_m, means.force_n)
 
     def exchange(self, command: Command) -> Answer:
@@ -434,25 +410,25 @@ class SimulatedDevice:
         if self._off:  # looked at after it was put out, so that 0 V is the last word whichever thread comes first
             self._drive_voltage_v = 0.0
             return SWITCHED_OFF
-        time_s = self._wires.time_s
-        if self._faults is not None and self._faults.device_lost(time_s):
+        time_s = self.wires.time_s
+        if self.faults is not None and self.faults.device_lost(time_s):
             return DeviceFault(Event.DEVICE_LOST, f"at {time_s:.2f} s, by the rig file's [[fault]]")
-        if self._air is not None:
-            air = self._air.after(time_s, self._facts.sample_period_s)
-            self._wires.surround(self._bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
-        means = self._advance(self._drive_voltage_v) if self._faults is None else self._advance_faulty(self._faults)
-        self._wires.require_resolved()
-        self._held_m = max(self._held_m, self._wires.slack_m)
+        if self.air is not None:
+            air = self.air.after(time_s, self._facts.sample_period_s)
+            self.wires.surround(self.spool.bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
+        means = self._advance(self._drive_voltage_v) if self.faults is None else self._advance_faulty(self.faults)
+        self.wires.require_resolved()
+        self._held_m = max(self._held_m, self.wires.slack_m)
         if self._clock is not None:
             self._clock.wait()
         return SWITCHED_OFF if self._off else self._read(means)
 
-    def _advance(self, drive_voltage_v: float) -> SampleMeans:
-        return self._wires.advance(drive_voltage_v, self._facts.sample_period_s, self._stepping)
+    def _advance(self, drive_voltage_v: float) -> WireMeans:
+        return self.wires.advance(drive_voltage_v, self._facts.sample_period_s, self.stepping)
 
-    def _advance_faulty(self, faults: SimulatedFaults) -> SampleMeans:
+    def _advance_faulty(self, faults: SimulatedFaults) -> WireMeans:
         """Advance the wire with its current in the faulty circuit; return the voltages at the terminals."""
-        time_s, shunt_ohm = self._wires.time_s, self._facts.limits.shunt_resistance_ohm
+        time_s, shunt_ohm = self.wires.time_s, self._facts.limits.shunt_resistance_ohm
         output_v = faults.output_v(self._drive_voltage_v, time_s)
         current_a = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s).wire_current_a
         means = self._advance(current_a * (self._wire_ohm + shunt_ohm))
@@ -461,28 +437,28 @@ class SimulatedDevice:
         seen = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s)
         return means._replace(wire_voltage_v=seen.wire_voltage_v, shunt_voltage_v=seen.shunt_voltage_v)
 
-    def _read(self, means: SampleMeans) -> RawSample:
+    def _read(self, means: WireMeans) -> RawSample:
         """Return a sample of all instruments' readings."""
-        wire_voltage, shunt_voltage, displacement_m, force_n = self._instruments.sample(
+        wire_voltage, shunt_voltage, displacement_m, force_n = self.instruments.sample(
             means.wire_voltage_v, means.shunt_voltage_v, means.displacement_m, means.force_n
         )
-        time_s = self._wires.time_s
-        if self._faults is not None:
+        time_s = self.wires.time_s
+        if self.faults is not None:
             began_s = time_s - self._facts.sample_period_s
-            wire_voltage, shunt_voltage = self._faults.readings_v(wire_voltage, shunt_voltage, began_s)
-            time_s = self._faults.clock_s(time_s)
+            wire_voltage, shunt_voltage = self.faults.readings_v(wire_voltage, shunt_voltage, began_s)
+            time_s = self.faults.clock_s(time_s)
         sample = RawSample(time_s, self._drive_voltage_v, wire_voltage, shunt_voltage, displacement_m, force_n)
-        if self._mechanism.tendon is None:
+        if self.mechanism.tendon is None:
             return sample
-        endpoint_m, endpoint_force_n = self._instruments.endpoint(*self._endpoint(means))
+        endpoint_m, endpoint_force_n = self.instruments.endpoint(*self._endpoint(means))
         touches = any(part.obstacle is not None for part in self._parts)
         return sample._replace(
             endpoint_displacement_m=endpoint_m, endpoint_force_n=endpoint_force_n if touches else None
         )
 
-    def _endpoint(self, means: SampleMeans) -> tuple[float, float]:
+    def _endpoint(self, means: WireMeans) -> tuple[float, float]:
         """Return the true position of the finger's endpoint [m] and the force on it [N]."""
-        tendon = self._mechanism.tendon
+        tendon = self.mechanism.tendon
         assert tendon is not None
         end_m = tendon.curve.tendon_travel_m[-1]
         travel_m = means.displacement_m + tendon.start_m - tendon.slack_m
@@ -510,26 +486,39 @@ class SimulatedDevice:
         self._off, self._drive_voltage_v = True, 0.0
         if self._clock is not None:
             self._clock.end()
-        return self._faults is None or not self._faults.device_lost(self._wires.time_s)
+        return self.faults is None or not self.faults.device_lost(self.wires.time_s)
 
 
-def wires_of(
-    alloy: Alloy, wire: Wire, bench: Bench, parts: Sequence[LoadPart], mechanism: SimulatedLoad, *, new_wire: bool
-) -> SimulatedWires:
+def mechanism_on(
+    spool: SimulatedSpool, parts: Sequence[LoadPart], pretension_n: float, tendon_slack_m: float | None = None
+) -> SimulatedLoad:
+    """Return the load of a wire at a setting of the stages; the bench's spring without parts."""
+    if not parts:
+        return SimulatedLoad(spring_load(spool.bench["spring_stiffness_n_per_m"]), 0.0, True, None)
+    return mechanism_of(
+        parts,
+        pretension_n=pretension_n,
+        leg_length_m=spool.leg_length_m,
+        object_between=any(part.second_wire and part.second_wire.pull is Pull.APART for part in parts),
+        tendon_slack_m=tendon_slack_m,
+    )
+
+
+def wires_of(first: SimulatedSpool, parts: Sequence[LoadPart], mechanism: SimulatedLoad) -> OneWire | TwoWires:
     """Return the wires of a rig, cold and at rest under the stage's pretension and the weights on the connector.
 
     Raises CallerError for numbers that cannot belong to a wire, for a force or voltage that one does not allow, and
     for an unknown second wire.
     """
-    first = SimulatedSpool(wire, alloy, bench, new_wire)
-    stage_n = bench.pretension_n.value if mechanism.stage else 0.0
+    wire = first.wire
+    stage_n = first.bench["pretension_n"] if mechanism.stage else 0.0
     cold_n = stage_n + mechanism.added_n
     second = second_wire_of(parts)
     if second is None:
         return OneWire(first.pulling(mechanism.load, cold_n))
     other = wire if second.wire is None else load_wire(second.wire)
     require_voltage(second, other)
-    spool = SimulatedSpool(other, alloy if second.wire is None else load_alloy(other.alloy), bench, new_wire)
+    spool = first._replace(wire=other, alloy=first.alloy if second.wire is None else load_alloy(other.alloy))
     if second.pull is Pull.APART:
         one, two = (item.pulling(mechanism.load, cold_n) for item in (first, spool))
         grip = grip_between(parts, mechanism.tendon, one)
@@ -571,10 +560,10 @@ def force_limit_n(wire: Wire, parts: Sequence[LoadPart]) -> float:
 
 
 def simulated_limits(
-    alloy: Alloy, wire: Wire, bench: Numbers, parts: Sequence[LoadPart], changed: Mapping[str, float] | None
+    spool: SimulatedSpool, parts: Sequence[LoadPart], changed: Mapping[str, float] | None
 ) -> ProtectionLimits:
     """Return the limits of a simulated rig's protection. Raises CallerError for numbers that cannot belong together."""
-    maximum_v = wire.maximum_voltage_v.value
+    bench, maximum_v = spool.bench, spool.wire.maximum_voltage_v.value
     second = second_wire_of(parts)
     supply = None if second is None else second.supply
     if bench["sense_voltage_v"] >= maximum_v:
@@ -593,7 +582,7 @@ def simulated_limits(
         in_series=2 if supply is Supply.SERIES else 1,
         in_parallel=2 if supply is Supply.PARALLEL else 1,
     )
-    return limits_of(wire, alloy, circuit, changed)
+    return limits_of(spool.wire, spool.alloy, circuit, changed)
 
 
 def stepping_of(bench: Numbers) -> StepControl:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Literal, Self, TypeVar
 
 from pydantic import Field, ValidationError, model_validator
 
@@ -169,8 +170,12 @@ def open_simulated(
 ) -> SimulatedDevice:
     """Return the open simulated rig of a rig file, changed as ``open_rig`` says."""
     drawn_from = require_seed(configuration.seed if seed is None else seed, f"{where}: seed")
-    parameters = parameters_of(configuration, where, wire, bench, settings)
-    return device_of(configuration, where, parameters, seed=drawn_from, real_time=real_time, settings=settings)
+    # The simulator is loaded when a rig is opened: to check a file, or to open hardware, nobody waits for it.
+    from musclewire.rigs._simulated import SimulatedSpool
+
+    alloy, chosen, around = parameters_of(configuration, where, wire, bench, settings)
+    spool = SimulatedSpool(chosen, alloy, around, configuration.new_wire)
+    return device_of(configuration, where, spool, seed=drawn_from, real_time=real_time, settings=settings)
 
 
 def parameters_of(
@@ -198,29 +203,32 @@ def parameters_of(
 def device_of(
     configuration: RigConfiguration,
     where: str,
-    parameters: tuple[Alloy, Wire, Bench],
+    spool: SimulatedSpool,
     *,
     seed: int,
     real_time: bool,
     settings: Mapping[str, float | str],
 ) -> SimulatedDevice:
-    """Return the simulated device of a rig file with the numbers of an alloy, a wire and a bench.
+    """Return the simulated device of a rig file with the numbers of a spool, with a steady drive or heated by pulses.
 
     ``settings`` are those that the numbers already have; they are only checked. Raises CallerError for one that the
-    rig's load leaves without effect.
+    rig's load leaves without effect, and for pulses whose readings are useless.
     """
-    from musclewire.rigs._simulated import SimulatedSpool
+    from musclewire.rigs._simulated import SimulatedDevice
+    from musclewire.rigs._simulated_pwm import PulsedDevice
 
-    alloy, chosen, around = parameters
     given = {*configuration.numbers_set(), *settings}
     if configuration.load and "spring_stiffness_n_per_m" in given:
         raise CallerError(
             f"{where}: the setting 'spring_stiffness_n_per_m' belongs to the bench's spring, and [[load]] replaces it: "
             "give a part 'spring' with a stiffness"
         )
-    device = device_with(
-        configuration.pwm,
-        SimulatedSpool(chosen, alloy, around, configuration.new_wire),
+    pwm = configuration.pwm
+    problem = None if pwm is None else sampling_problem(pwm, spool.bench.sense_voltage_v.value)
+    if problem is not None and problem.useless:
+        raise CallerError(f"[pwm] {problem.text}")
+    device = (SimulatedDevice if pwm is None else partial(PulsedDevice, pwm))(
+        spool,
         parts=configuration.load,
         surroundings=configuration.surroundings,
         seed=seed,
@@ -234,20 +242,6 @@ def device_of(
             "pretension"
         )
     return device
-
-
-def device_with(pwm: PulseWidth | None, spool: SimulatedSpool, **how: Any) -> SimulatedDevice:
-    """Return the simulated device, with a steady drive or heated by pulses. Raises CallerError for useless readings."""
-    # The simulator is loaded when a rig is opened: to check a file, or to open hardware, nobody waits for it.
-    from musclewire.rigs._simulated import SimulatedDevice
-    from musclewire.rigs._simulated_pwm import PulsedDevice
-
-    if pwm is None:
-        return SimulatedDevice(spool, **how)
-    problem = sampling_problem(pwm, spool.bench.sense_voltage_v.value)
-    if problem is not None and problem.useless:
-        raise CallerError(f"[pwm] {problem.text}")
-    return PulsedDevice(pwm, spool, **how)
 
 
 def opened(configuration: RigConfiguration) -> SimulatedDevice:

@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from musclewire.errors import CallerError
-from musclewire.rigs._protocol import Metadata
+from musclewire.rigs._device import Metadata
 from musclewire.rigs._pulse_width import APERTURE_S, PulseWidth, duty_of, left_over, pulse_width_problems
-from musclewire.rigs._simulated import SimulatedDevice, SimulatedInside, SimulatedSpool
+from musclewire.rigs._simulated import SimulatedDevice, SimulatedSpool
 from musclewire.signals import RawSample
-from musclewire.wire import SampleMeans
+from musclewire.wire import WireMeans
 
 
 class PulsePhase(NamedTuple):
@@ -47,6 +47,8 @@ class PulsedDevice(SimulatedDevice):
         For a supply below the highest drive voltage or above the converter's range, for pulses too short for their
         readings, and for a bench as ``SimulatedDevice`` does.
     """
+
+    pulsed: ClassVar[bool] = True
 
     def __init__(self, pwm: PulseWidth, spool: SimulatedSpool, **how: Any) -> None:
         """Cool the wire and wait without pulses."""
@@ -82,11 +84,7 @@ class PulsedDevice(SimulatedDevice):
             **({"pwm_problem": "; ".join(problems)} if problems else {}),
         }
 
-    def inside(self) -> SimulatedInside:
-        """Return the parts of the device; its pulses have no compiled form."""
-        return super().inside()._replace(pulsed=True)
-
-    def _advance(self, drive_voltage_v: float) -> SampleMeans:
+    def _advance(self, drive_voltage_v: float) -> WireMeans:
         """Run the pulses of one sample; the voltages are those read in its last ones, at the window's level."""
         pwm, off_v = self._pwm, self._off_voltage_v(drive_voltage_v)
         duty = duty_of(drive_voltage_v, off_v, pwm)
@@ -95,20 +93,20 @@ class PulsedDevice(SimulatedDevice):
         for pulse in range(self._pulses):
             reading = drive_voltage_v > 0.0 and pulse >= self._pulses - pwm.readings
             on_s = self._on_time_s(duty, reading)
-            coldest_k = self._wires.state.temperature_k if reading else 0.0
+            coldest_k = self.wires.state.temperature_k if reading else 0.0
             for phase in self._phases(on_s, off_v, reading):
                 means = self._run(phase, read)
                 moved += means.displacement_m * phase.duration_s
                 force += means.force_n * phase.duration_s
                 squares += phase.voltage_v**2 * phase.duration_s
                 if reading and phase.voltage_v == pwm.supply:
-                    self._ripple_k = max(self._ripple_k, self._wires.state.temperature_k - coldest_k)
+                    self._ripple_k = max(self._ripple_k, self.wires.state.temperature_k - coldest_k)
         sample_s = self.facts.sample_period_s
         self._drive_voltage_v = math.sqrt(squares / sample_s)
         level_v = pwm.supply if pwm.window == "on" else off_v
         self._scale = self._drive_voltage_v / level_v if level_v > 0.0 else 0.0
         wire_v, shunt_v = (sum(values) / max(len(values), 1) for values in (read["wire"], read["shunt"]))
-        return SampleMeans(wire_v, pwm.shunt_gain * shunt_v, moved / sample_s, force / sample_s)
+        return WireMeans(wire_v, pwm.shunt_gain * shunt_v, moved / sample_s, force / sample_s)
 
     def _off_voltage_v(self, drive_voltage_v: float) -> float:
         """Return the voltage between pulses: the sense voltage if readings are taken there and the drive is not off."""
@@ -151,9 +149,9 @@ class PulsedDevice(SimulatedDevice):
             ("shunt", max((held_s + pwm.conversion_time) % period_s, APERTURE_S)),
         ]
 
-    def _run(self, phase: PulsePhase, read: Mapping[str, list[float]]) -> SampleMeans:
+    def _run(self, phase: PulsePhase, read: Mapping[str, list[float]]) -> WireMeans:
         """Run a piece of a pulse: wire, then filters, then the reading at its end."""
-        means = self._wires.advance(phase.voltage_v, phase.duration_s, self._stepping)
+        means = self.wires.advance(phase.voltage_v, phase.duration_s, self.stepping)
         true = {"wire": means.wire_voltage_v, "shunt": means.shunt_voltage_v}
         for name, settling_s in (("wire", self._pwm.wire_settling), ("shunt", self._pwm.shunt_settling)):
             self._seen[name] = true[name] + (self._seen[name] - true[name]) * left_over(phase.duration_s, settling_s)
@@ -161,7 +159,7 @@ class PulsedDevice(SimulatedDevice):
             read[name].append(self._seen[name])
         return means
 
-    def _read(self, means: SampleMeans) -> RawSample:
+    def _read(self, means: WireMeans) -> RawSample:
         """Return a sample of all instruments' readings, the voltages scaled to the drive voltage."""
         sample = super()._read(means)
         return sample._replace(

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from musclewire.errors import CallerError
+from musclewire.rigs._device import Metadata
 from musclewire.rigs._pacing import SamplePacer
-from musclewire.rigs._protocol import Metadata
 
 # A wire that is slower than this is watched better in its recording; faster than this no machine computes one.
 MINIMUM_SPEED, MAXIMUM_SPEED = 0.01, 1000.0

@@ -5,30 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
+import numpy as np
 from pydantic.fields import FieldInfo
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters import (
-    Alloy,
-    Bench,
-    ParameterGroup,
-    ValidityLimits,
-    Wire,
-    checked,
-    unit_of,
-    validated,
-    validity_of,
-)
+from musclewire.parameters import Alloy, Bench, Parameter, ParameterGroup, Wire, checked, unit_of, validated
 from musclewire.rigs._air import Surroundings
+from musclewire.rigs._device import Metadata
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.rigs._load_kinds import Parts
 from musclewire.rigs._load_part import LoadPart
-from musclewire.rigs._mechanism import FingerTendon, SimulatedLoad, mechanism_of
+from musclewire.rigs._mechanism import FingerTendon, SimulatedLoad
 from musclewire.rigs._mounted_wire import SETTINGS
-from musclewire.rigs._protocol import Metadata
-from musclewire.rigs._simulated import require_allowed_pull
-from musclewire.rigs._simulated_configuration import RigConfiguration, changed_group, device_of, parameters_of
-from musclewire.wire import SHAPE, OffsetDistribution, WireConstants, constants_of, measured_grains, spring_load
+from musclewire.rigs._simulated import SimulatedSpool, mechanism_on, require_allowed_pull, stepping_of
+from musclewire.rigs._simulated_configuration import RigConfiguration, device_of, parameters_of
+from musclewire.wire import SHAPE, DrivenPath, WireConstants, drive_path
 
 Value = float | str | bool
 GROUPS: Mapping[str, type[ParameterGroup]] = {"wire": Wire, "alloy": Alloy, "bench": Bench}
@@ -57,55 +49,62 @@ class VariedKey(NamedTuple):
 
 
 class VariedWire(NamedTuple):
-    """A wire of a varied rig without its instruments.
+    """A wire of a varied rig without its instruments: what studies of thousands of wires evaluate.
 
     Parameters
     ----------
-    name
-        Name of the wire.
+    spool
+        The wire with its alloy and bench.
     constants
         Its constants, load included.
-    spool
-        The wire's numbers by name.
-    bench
-        The bench's numbers by name.
     tendon
         The finger at the connector; None without one.
-    validity
-        What its alloy's data cover, and its vendor's limits.
     """
 
-    name: str
+    spool: SimulatedSpool
     constants: WireConstants
-    spool: Mapping[str, float]
-    bench: Mapping[str, float]
     tendon: FingerTendon | None
-    validity: ValidityLimits
 
     def facts(self) -> Metadata:
         """Return the metadata of a recording that describe wire and circuit, as its rig states them."""
-        bench = self.bench
-        return {
-            "rig": "simulated",
-            "wire": self.name,
-            "wire_diameter_m": self.spool["diameter_m"],
-            "wire_length_m": bench["wire_length_m"],
-            "leg_length_m": bench["wire_length_m"] / bench["legs"],
-            "shunt_resistance_ohm": bench["shunt_resistance_ohm"],
-            "maximum_force_n": self.spool["maximum_force_n"],
-            **self.validity.facts(),
-            "pretension_n": self.constants.pretension_n,
-            "sample_period_s": bench["sample_period_s"],
-        }
+        return {"rig": "simulated", **self.spool.facts(), "pretension_n": self.constants.pretension_n}
+
+    def driven(self, drive_v: FloatArray) -> tuple[FloatArray, DrivenPath]:
+        """Return a drive as the bench puts it out, and the response of the wire to it; cold at the start.
+
+        Parameters
+        ----------
+        drive_v
+            Drive voltages [V], one for each sample of its bench, which are held during it.
+
+        Returns
+        -------
+        The voltages [V] in the steps of the bench's amplifier, (n_samples,), and means and states of all samples.
+
+        Raises
+        ------
+        CallerError
+            For a drive above the wire's maximum, and for steps that do not divide a sample.
+        NumericsError
+            If the simulation does not resolve what the wire does.
+        """
+        allowed_v, bench = self.spool.wire["maximum_voltage_v"], self.spool.bench
+        if drive_v.max() > allowed_v:
+            raise CallerError(
+                f"the drive of {drive_v.max():g} V is {drive_v.max() - allowed_v:.3g} V above the wire's maximum of "
+                f"{allowed_v:g} V: drive less or, if the wire bears it, raise maximum_voltage_v"
+            )
+        stepping, step_v = stepping_of(bench), bench["amplifier_resolution_v"]
+        held_v = np.asarray(step_v * np.round(drive_v / step_v))
+        path, _ = drive_path(self.constants, held_v, sample_s=bench["sample_period_s"], stepping=stepping)
+        return held_v, path
 
 
 class BaseRig(NamedTuple):
-    """A rig file with its own numbers, before any of them varies."""
+    """A rig file with its own alloy, wire and bench, before any of their numbers varies."""
 
     configuration: RigConfiguration
     groups: Mapping[str, ParameterGroup]
-    numbers: Mapping[str, dict[str, float]]
-    grains: OffsetDistribution | None
 
 
 def keys_of(configuration: RigConfiguration) -> dict[str, VariedKey]:
@@ -205,28 +204,28 @@ class VariedRig:
         """Return a rig file with some keys changed."""
         configuration = changed_file(self.configuration, changed, self.where)
         alloy, wire, bench = parameters_of(configuration, self.where, None, None, {})
-        groups: dict[str, ParameterGroup] = {"wire": wire, "alloy": alloy, "bench": bench}
-        grains = measured_grains(alloy)
         shape = [name for name, key in self.keys.items() if key.place[0] in SHAPE]
-        if grains is not None and shape:
+        if alloy.grain_quantiles is not None and shape:
             raise CallerError(
                 f"{self.where}: '{shape[0]}' has no effect: the alloy's [grain_quantiles] replaces it, leave it out"
             )
-        return BaseRig(configuration, groups, {group: item.values() for group, item in groups.items()}, grains)
+        return BaseRig(configuration, {"wire": wire, "alloy": alloy, "bench": bench})
 
-    def _numbers(self, values: Mapping[str, Value], base: BaseRig) -> dict[str, dict[str, float]]:
-        """Return the numbers of wire, alloy and bench for a set of values. Raises CallerError for one out of range."""
-        found = {group: dict(numbers) for group, numbers in base.numbers.items()}
+    def _spool(self, base: BaseRig, values: Mapping[str, Value]) -> SimulatedSpool:
+        """Return the wire, its alloy and bench for a set of values. Raises CallerError for one out of range."""
+        changed: dict[str, dict[str, Parameter]] = {group: {} for group in GROUPS}
         for name, key in self.keys.items():
             if key.group:
-                number, schema = str(key.place[0]), type(base.groups[key.group])
-                item = getattr(base.groups[key.group], number).model_copy(update={"value": float(values[name])})
+                number, own = str(key.place[0]), base.groups[key.group]
+                changed_to = {"value": float(values[name]), "kind": "assumed", "source": self.where, "note": "varied"}
+                item = getattr(own, number).model_copy(update=changed_to)
                 try:
-                    checked(name, item, schema.model_fields[number])
+                    checked(name, item, type(own).model_fields[number])
                 except ValueError as problem:
                     raise CallerError(f"{self.where}: {problem}") from None
-                found[key.group][number] = item.value
-        return found
+                changed[key.group][number] = item
+        wire, alloy, bench = (base.groups[group].model_copy(update=changed[group]) for group in GROUPS)
+        return SimulatedSpool(wire, alloy, bench, base.configuration.new_wire)  # type: ignore[arg-type]  # by their keys
 
     def wire(self, values: Mapping[str, Value]) -> VariedWire:
         """Return the wire on its load, without noise, steps of a converter and protection.
@@ -247,36 +246,23 @@ class VariedRig:
         """
         base = self._base(values)
         refuse_what_only_a_rig_has(base.configuration, self.where)
-        numbers = self._numbers(values, base)
-        spool, bench = numbers["wire"], numbers["bench"]
-        name, allowed_n = str(base.groups["wire"].name), spool["maximum_force_n"]
-        require_allowed_pull(bench["pretension_n"], allowed_n, name)
-        mechanism = self._mechanism(base.configuration, bench)
-        cold_n = (bench["pretension_n"] if mechanism.stage else 0.0) + mechanism.added_n
-        require_allowed_pull(cold_n, allowed_n, name)
-        constants = constants_of(
-            numbers["alloy"],
-            spool,
-            {**bench, "pretension_n": cold_n},
-            load=mechanism.load,
-            new_wire=base.configuration.new_wire,
-            distribution=base.grains,
-        )
-        validity = validity_of(base.groups["alloy"])  # type: ignore[arg-type]  # by its key
-        return VariedWire(name, constants, spool, bench, mechanism.tendon, validity)
+        spool = self._spool(base, values)
+        pretension_n = spool.bench["pretension_n"]
+        require_allowed_pull(pretension_n, spool.wire["maximum_force_n"], spool.wire.name)
+        mechanism = self._mechanism(base.configuration, spool)
+        constants = spool.pulling(mechanism.load, (pretension_n if mechanism.stage else 0.0) + mechanism.added_n)
+        return VariedWire(spool, constants, mechanism.tendon)
 
-    def _mechanism(self, configuration: RigConfiguration, bench: Mapping[str, float]) -> SimulatedLoad:
+    def _mechanism(self, configuration: RigConfiguration, spool: SimulatedSpool) -> SimulatedLoad:
         """Return what the wire pulls; a load of parts is tabulated once for the same parts, pretension and leg."""
+        pretension_n = spool.bench["pretension_n"]
         if not configuration.load:
-            return SimulatedLoad(spring_load(bench["spring_stiffness_n_per_m"]), 0.0, True, None)
-        leg_length_m = bench["wire_length_m"] / bench["legs"]
-        of = (*configuration.load, bench["pretension_n"], leg_length_m)
+            return mechanism_on(spool, (), pretension_n)
+        of = (*configuration.load, pretension_n, spool.leg_length_m)
         if of not in self._mechanisms:
             if len(self._mechanisms) >= REMEMBERED:
                 self._mechanisms.clear()
-            self._mechanisms[of] = mechanism_of(
-                configuration.load, pretension_n=bench["pretension_n"], leg_length_m=leg_length_m
-            )
+            self._mechanisms[of] = mechanism_on(spool, configuration.load, pretension_n)
         return self._mechanisms[of]
 
     def open(self, values: Mapping[str, Value], seed: int) -> GuardedRig:
@@ -299,27 +285,11 @@ class VariedRig:
             For values that cannot belong to a rig.
         """
         base = self._base(values)
-        alloy, wire, bench = (self._group(base, group, values) for group in ("alloy", "wire", "bench"))
-        assert isinstance(alloy, Alloy)
-        assert isinstance(wire, Wire)
-        assert isinstance(bench, Bench)
         numbers = {str(key.place[0]): float(values[name]) for name, key in self.keys.items() if key.group == "bench"}
-        device = device_of(
-            base.configuration, self.where, (alloy, wire, bench), seed=seed, real_time=False, settings=numbers
+        spool = self._spool(base, values)
+        return GuardedRig(
+            device_of(base.configuration, self.where, spool, seed=seed, real_time=False, settings=numbers)
         )
-        return GuardedRig(device)
-
-    def _group(self, base: BaseRig, group: str, values: Mapping[str, Value]) -> ParameterGroup:
-        """Return wire, alloy or bench with the values that belong to it."""
-        own = base.groups[group]
-        changed = {
-            str(key.place[0]): getattr(own, str(key.place[0])).model_copy(
-                update={"value": float(values[name]), "kind": "assumed", "source": self.where, "note": "varied"}
-            )
-            for name, key in self.keys.items()
-            if key.group == group
-        }
-        return changed_group(own, changed, self.where)
 
 
 def changed_file(

@@ -30,10 +30,10 @@ from ._loads import ConnectorLoad as ConnectorLoad
 from ._loads import ElasticObject as ElasticObject
 from ._loads import spring_load as spring_load
 from ._loads import with_table as with_table
-from ._pair_step import OWN_SUPPLY as OWN_SUPPLY
-from ._pair_step import PARALLEL as PARALLEL
-from ._pair_step import SERIES as SERIES
-from ._pair_step import PairConnection as PairConnection
+from ._pairs import OWN_SUPPLY as OWN_SUPPLY
+from ._pairs import PARALLEL as PARALLEL
+from ._pairs import SERIES as SERIES
+from ._pairs import PairConnection as PairConnection
 from ._paths import DrivenPath as DrivenPath
 from ._paths import drive_path as drive_path
 from ._paths import heated_state as heated_state
@@ -77,8 +77,6 @@ from ._stepping import rises_over as rises_over
 from ._stepping import shorter_step_s as shorter_step_s
 from ._stepping import steps_within as steps_within
 from ._wires import OneWire as OneWire
-from ._wires import SampleMeans as SampleMeans
-from ._wires import SimulatedWires as SimulatedWires
 from ._wires import TwoWires as TwoWires
 from ._wires import WireMeans as WireMeans
 from ._wires import advance as advance

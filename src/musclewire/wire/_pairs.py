@@ -13,33 +13,305 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
-from musclewire.wire._constants import WireConstants
-from musclewire.wire._coupling import APART, GrippedObject, grip_force_n
-from musclewire.wire._pair_step import (
-    PairConnection,
-    PairInstant,
-    PairSetting,
-    RunningPair,
-    accept_pair_step,
-    attempt_both,
-    error_ratio_of_both,
-    instant_of_both,
-    present,
+from musclewire.wire._balance import ConnectorForce, convection_w_per_m2_k, loss_w
+from musclewire.wire._constants import StepConstants, WireConstants
+from musclewire.wire._coupling import (
+    APART,
+    BalanceGuess,
+    CoupledBalance,
+    GrippedObject,
+    balance_connector,
+    grip_force_n,
+    hold_object,
 )
+from musclewire.wire._fronts import shakedown_of
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
-from musclewire.wire._step import RunningWire
+from musclewire.wire._step import Equilibrium, RunningWire, accept, guess_after, middle_of_step
 from musclewire.wire._stepping import (
     CHOSEN,
     DURATION,
     MIN_STEP_S,
     STEPS,
+    StepAttempt,
     StepControl,
+    WireInstant,
+    error_ratio,
     longest_step_s,
     next_step_s,
+    owed_j,
     plan_of,
+    rises_over,
     shorter_step_s,
 )
+
+# Supply of the second wire: its own one, in parallel with the first wire, or in series with it.
+OWN_SUPPLY, PARALLEL, SERIES = 0, 1, 2
+
+
+class PairConnection(NamedTuple):
+    """What joins two wires.
+
+    Parameters
+    ----------
+    direction
+        Which way the second wire pulls the connector of the first: 1 in its direction, -1 against it; 0 if each has a
+        connector of its own.
+    feed
+        How the second wire gets its current: ``OWN_SUPPLY``, ``PARALLEL`` or ``SERIES``.
+    partner_voltage_v
+        Voltage of the second wire's own supply [V]; not used by the other two feeds.
+    partner_series_ohm
+        Resistance in series with the second wire at its own supply [ohm].
+    """
+
+    direction: float
+    feed: int
+    partner_voltage_v: float
+    partner_series_ohm: float
+
+
+class RunningPair(NamedTuple):
+    """Two wires in compiled code."""
+
+    first: RunningWire
+    second: RunningWire
+
+
+class PairSetting(NamedTuple):
+    """What does not change during a sample: the drive [V], what joins the wires, and the object between them."""
+
+    drive_voltage_v: float
+    pair: PairConnection
+    grip: GrippedObject
+
+
+class PairInstant(NamedTuple):
+    """Both wires at one moment: each in circuit and air, voltage across the terminals [V], current of the shunt [A]."""
+
+    first: WireInstant
+    second: WireInstant
+    terminals_v: float
+    shunt_a: float
+
+
+class PredictedWire(NamedTuple):
+    """A wire as it is, or as it is expected after some heat: temperature, resistance, stress, its connector's place."""
+
+    temperature_k: float
+    resistance_ohm: float
+    stress_pa: float
+    contraction: float
+
+
+class PairAttempt(NamedTuple):
+    """A step of a pair that was tried: of each wire, of what joins them, and both in the circuit at its end."""
+
+    first: StepAttempt
+    second: StepAttempt
+    joint: CoupledBalance
+    ended: PairInstant
+
+
+@compiled_inline
+def currents_a(
+    first_ohm: float, second_ohm: float, series_ohm: float, drive_voltage_v: float, pair: PairConnection
+) -> tuple[float, float, float, float]:
+    """Return the currents of both wires [A], the voltage across the terminals and the current through the shunt."""
+    if pair.feed == SERIES:
+        current = drive_voltage_v / (first_ohm + second_ohm + series_ohm)
+        return current, current, current * (first_ohm + second_ohm), current
+    if pair.feed == PARALLEL:
+        together = first_ohm * second_ohm / (first_ohm + second_ohm)
+        current = drive_voltage_v / (together + series_ohm)
+        voltage = current * together
+        return voltage / first_ohm, voltage / second_ohm, voltage, current
+    current = drive_voltage_v / (first_ohm + series_ohm)
+    partner = pair.partner_voltage_v / (second_ohm + pair.partner_series_ohm)
+    return current, partner, current * first_ohm, current
+
+
+@compiled_inline
+def heat_loss_w(constants: StepConstants, temperature_k: float) -> float:
+    """Return the heat that a wire loses to the air at a temperature [W]."""
+    return loss_w(constants, convection_w_per_m2_k(constants, constants, temperature_k), temperature_k)
+
+
+@compiled_inline
+def instant_of_both(
+    wires: RunningPair, setting: PairSetting, first: PredictedWire, second: PredictedWire
+) -> PairInstant:
+    """Return both wires in their circuit and in the air; shunt and leads are the first one's."""
+    one, two = wires.first.constants, wires.second.constants
+    own_ohm, other_ohm = first.resistance_ohm, second.resistance_ohm
+    current, partner, voltage, through = currents_a(
+        own_ohm, other_ohm, one.series_resistance_ohm, setting.drive_voltage_v, setting.pair
+    )
+    return PairInstant(
+        WireInstant(current, current * current * own_ohm, heat_loss_w(one, first.temperature_k)),
+        WireInstant(partner, partner * partner * other_ohm, heat_loss_w(two, second.temperature_k)),
+        voltage,
+        through,
+    )
+
+
+@compiled_inline
+def present(state: WireState) -> PredictedWire:
+    """Return a wire as it is."""
+    return PredictedWire(state.temperature_k, state.resistance_ohm, state.stress_pa, state.connector_contraction)
+
+
+@compiled_inline
+def ahead(state: WireState, constants: StepConstants, half_j: float, heat_j: float) -> PredictedWire:
+    """Return a wire after some heat, by the slopes of the last step; ``half_j`` is half of the heat at its start."""
+    middle = middle_of_step(state, constants, half_j)
+    temperature_k, stress_pa = guess_after(state, middle, heat_j)
+    moved = 0.0 if half_j * state.last_heat_j < 0.0 else state.contraction_slope_per_j * heat_j
+    return PredictedWire(temperature_k, middle.resistance_ohm, stress_pa, state.connector_contraction + moved)
+
+
+@compiled_inline
+def start_of(state: WireState, constants: StepConstants, heat_j: float, expected: PredictedWire) -> BalanceGuess:
+    """Return where the solution of a wire begins."""
+    shakedown = shakedown_of(constants, state.cycles)
+    enthalpy_j = state.enthalpy_j + heat_j
+    return BalanceGuess(shakedown, enthalpy_j, expected.temperature_k, expected.stress_pa, expected.contraction)
+
+
+@compiled_inline
+def net_w(instant: WireInstant) -> float:
+    """Return the rate at which a wire gains heat [W]."""
+    return instant.power_w - instant.loss_w
+
+
+@compiled_inline
+def tried_of(
+    wire: RunningWire,
+    found: Equilibrium,
+    instants: tuple[WireInstant, WireInstant, WireInstant],
+    half_j: float,
+    heat_j: float,
+    step_s: float,
+    joined: bool,
+) -> StepAttempt:
+    """Return the attempt of one wire from start, middle and end of the step, as that of a single wire is made.
+
+    Of a wire that feels the other one the slopes are those of what both did.
+    """
+    began, within, ended = instants
+    state, k = wire.state, wire.constants
+    owes_j = owed_j(began, within, ended, step_s)
+    turned = joined or half_j * state.last_heat_j < 0.0
+    before = k.per_capacity_k_per_j if turned else state.temperature_slope_k_per_j
+    error_k = abs(owes_j) * max(found.temperature_slope_k_per_j, before)
+    if joined:
+        slopes = rises_over(k, state, found.wire, heat_j)
+        found = Equilibrium(
+            found.wire,
+            slopes.temperature_k_per_j,
+            slopes.stress_pa_per_j,
+            slopes.contraction_per_j,
+            found.stress_per_contraction_pa,
+            found.evaluations,
+            found.solved,
+        )
+    return StepAttempt(found, within, ended, heat_j, owes_j, error_k)
+
+
+@compiled_inline
+def attempt_both(
+    wires: RunningPair, setting: PairSetting, joined: bool, began: PairInstant, grip_n: float, step_s: float
+) -> PairAttempt:
+    """Return a step of both wires, which do not move yet: the method of a single wire, with both solved at once.
+
+    ``grip_n`` is the force on the object [N] at the start.
+    """
+    first, second = wires
+    half_j, other_half_j = 0.5 * step_s * net_w(began.first), 0.5 * step_s * net_w(began.second)
+    middle = ahead(first.state, first.constants, half_j, half_j)
+    other_middle = ahead(second.state, second.constants, other_half_j, other_half_j)
+    within = instant_of_both(wires, setting, middle, other_middle)
+    heat_j = net_w(within.first) * step_s + first.state.carried_heat_j
+    other_j = net_w(within.second) * step_s + second.state.carried_heat_j
+    start = start_of(first.state, first.constants, heat_j, ahead(first.state, first.constants, half_j, heat_j))
+    other_expected = ahead(second.state, second.constants, other_half_j, other_j)
+    other_start = start_of(second.state, second.constants, other_j, other_expected)
+    if setting.pair.direction != APART:
+        joint = balance_connector(first, second, setting.pair.direction, start, other_start)
+    else:
+        joint = hold_object(first, second, setting.grip, grip_n, start, other_start)
+    ended = instant_of_both(wires, setting, settled_ahead(joint.first), settled_ahead(joint.second))
+    instants = (began.first, within.first, ended.first)
+    others = (began.second, within.second, ended.second)
+    return PairAttempt(
+        tried_of(first, joint.first, instants, half_j, heat_j, step_s, joined),
+        tried_of(second, joint.second, others, other_half_j, other_j, step_s, joined),
+        joint,
+        ended,
+    )
+
+
+@compiled_inline
+def settled_ahead(found: Equilibrium) -> PredictedWire:
+    """Return a wire as it is in a solution."""
+    after = found.wire
+    return PredictedWire(after.temperature_k, after.resistance_ohm, after.stress_pa, after.contraction)
+
+
+@compiled_inline
+def accept_coupled_step(
+    wire: RunningWire, tried: StepAttempt, push: ConnectorForce, began: WireInstant, step_s: float, joined: bool
+) -> None:
+    """Move a wire by a step that was tried, in place."""
+    state = wire.state
+    slopes = rises_over(wire.constants, state, tried.found.wire, tried.heat_j)
+    accept(wire, tried.found, tried.heat_j, push)
+    if joined:
+        state.resistance_slope_ohm_per_j = slopes.resistance_ohm_per_j
+    state.carried_heat_j = tried.owed_j
+    state.heat_in_j += 0.5 * (began.power_w + tried.ended.power_w) * step_s
+    state.heat_out_j += 0.5 * (began.loss_w + tried.ended.loss_w) * step_s
+    state.step_error_k = max(state.step_error_k, tried.error_k)
+
+
+@compiled_inline
+def accept_pair_step(
+    wires: RunningPair,
+    setting: PairSetting,
+    tried: PairAttempt,
+    began: PairInstant,
+    step_s: float,
+    joined: bool,
+) -> None:
+    """Move both wires by a step that was tried, in place."""
+    first, second = wires
+    one, two, joint = first.state, second.state, tried.joint
+    direction = setting.pair.direction
+    if direction != APART:  # the common connector, set below, does not follow a single slack wire
+        one.connector_contraction, two.connector_contraction = -math.inf, -math.inf
+    accept_coupled_step(first, tried.first, joint.push, began.first, step_s, joined)
+    accept_coupled_step(second, tried.second, joint.other_push, began.second, step_s, joined)
+    if direction != APART:
+        lengths = first.constants.leg_length_m / second.constants.leg_length_m
+        one.connector_contraction, one.friction_n = joint.contraction, joint.friction_n
+        two.connector_contraction, two.friction_n = direction * joint.contraction * lengths, 0.0
+    one.evaluations += joint.earlier[0]
+    two.evaluations += joint.earlier[1]
+    if not joint.solved and tried.first.found.solved and tried.second.found.solved:
+        one.unsolved_steps += 1.0
+        two.unsolved_steps += 1.0
+
+
+@compiled_inline
+def error_ratio_of_both(
+    wires: RunningPair, tried: PairAttempt, began: PairInstant, step_s: float, plan: FloatArray
+) -> float:
+    """Return the largest error of a step of both wires over its tolerance."""
+    first, second = wires.first.state, wires.second.state
+    return max(
+        error_ratio(first, tried.first, began.first, step_s, plan),
+        error_ratio(second, tried.second, began.second, step_s, plan),
+    )
 
 
 class PairMeans(NamedTuple):

@@ -6,7 +6,7 @@ The circuit of one wire is a buffer amplifier, wire, shunt and leads in series.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,8 +15,7 @@ from musclewire.compiled import compiled
 from musclewire.wire._building import resting_state
 from musclewire.wire._constants import WireConstants
 from musclewire.wire._coupling import APART, GrippedObject
-from musclewire.wire._pair_step import PairConnection
-from musclewire.wire._pairs import advance_pair
+from musclewire.wire._pairs import PairConnection, advance_pair
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
 from musclewire.wire._step import RunningWire
@@ -33,7 +32,7 @@ from musclewire.wire._stepping import (
 
 
 class WireMeans(NamedTuple):
-    """Means over one call of :func:`advance`: what an averaging acquisition card measures.
+    """Means over a sample: what an averaging acquisition card measures.
 
     Parameters
     ----------
@@ -44,13 +43,16 @@ class WireMeans(NamedTuple):
     displacement_m
         Displacement of the connector [m], positive for a shorter wire.
     force_n
-        Force of all legs together [N].
+        Force of all legs together [N]: of both wires if they pull together, otherwise of the first one.
+    grip_n
+        Force between each endpoint and the object [N]; None with one wire.
     """
 
     wire_voltage_v: float
     shunt_voltage_v: float
     displacement_m: float
     force_n: float
+    grip_n: float | None = None
 
 
 def advance(
@@ -114,92 +116,6 @@ def advance_rows(
     )
 
 
-class SampleMeans(NamedTuple):
-    """Means over a sample: what averaging instruments measure; ``grip_n`` is None with one wire.
-
-    Force is that of both wires if they pull together, otherwise of the first one.
-    """
-
-    wire_voltage_v: float
-    shunt_voltage_v: float
-    displacement_m: float
-    force_n: float
-    grip_n: float | None = None
-
-
-class SimulatedWires(Protocol):
-    """One wire or two, with their present state."""
-
-    @property
-    def state(self) -> WireState:
-        """State of the wire whose voltages are measured, the first of two."""
-        ...
-
-    @property
-    def partner_state(self) -> WireState | None:
-        """State of the second wire; None if there is one wire."""
-        ...
-
-    @property
-    def time_s(self) -> float:
-        """Time since the wires were first at rest [s]."""
-        ...
-
-    @property
-    def slack_m(self) -> float:
-        """Length by which friction holds a connector ahead of its slack wire [m], 0 for taut wires."""
-        ...
-
-    @property
-    def step_error_k(self) -> float:
-        """Largest estimated error of a step in temperature since the wires were at rest [K]."""
-        ...
-
-    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> SampleMeans:
-        """Advance by one sample at one drive voltage.
-
-        Parameters
-        ----------
-        drive_voltage_v
-            Drive voltage [V] during the sample.
-        duration_s
-            Length of the sample [s].
-        stepping
-            How it is divided into steps.
-
-        Returns
-        -------
-        Means over the sample, as averaging instruments measure them.
-        """
-        ...
-
-    def require_resolved(self) -> None:
-        """Raise NumericsError if steps of the last sample were unsolved or too long."""
-        ...
-
-    def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
-        """Change the temperature and the convection of the air from now on.
-
-        Parameters
-        ----------
-        ambient_temperature_k
-            Temperature of the air [K].
-        convection_ratio
-            Loss to the air as a multiple of that in still air.
-        """
-        ...
-
-    def age_like(self, before: SimulatedWires) -> None:
-        """Take over clock and cycles from the wires at the previous setting.
-
-        Parameters
-        ----------
-        before
-            Wires of the same kind, one or two, at another setting of the stages.
-        """
-        ...
-
-
 def aged(constants: WireConstants, before: WireState) -> tuple[WireConstants, WireState]:
     """Return a wire at rest with the clock and cycles of another, its instruments zeroed at this setting."""
     # The length that a new wire has gained until now belongs to the new zero.
@@ -254,14 +170,14 @@ class OneWire:
         """Largest estimated error of a step in temperature since the wire was at rest [K]."""
         return float(self._state.step_error_k)
 
-    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> SampleMeans:
+    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> WireMeans:
         """Advance by one sample at one drive voltage."""
         if self._handed_out:
             self._state, self._handed_out = self._state.copy(), False
         self._last = (stepping, duration_s)
         plan = plan_of(stepping, duration_s)
         means = advance_rows(self._state.row, self._derived, self._cells, self._load, drive_voltage_v, plan)
-        return SampleMeans(*means)
+        return WireMeans(*means)
 
     def adopt_compiled_state(self, states: Rows, constants: Rows) -> None:
         """Take the state that samples in compiled code have left behind, (1,), and the constants in the air then."""
@@ -282,7 +198,7 @@ class OneWire:
         """Return surface times convection factor [m2] for a loss to the air as a multiple of that in still air."""
         return self.constants.surface_m2 * (self.constants.convection_factor * convection_ratio)
 
-    def age_like(self, before: SimulatedWires) -> None:
+    def age_like(self, before: OneWire | TwoWires) -> None:
         """Take over clock and cycles from the wire at the previous setting."""
         self._stand_at(*aged(self.constants, before.state))
 
@@ -327,14 +243,14 @@ class TwoWires:
         """The larger of both errors [K]."""
         return max(state.step_error_k for state in self._states)
 
-    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> SampleMeans:
+    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> WireMeans:
         """Advance by one sample at one drive voltage."""
         self._last = (stepping, duration_s)
         self._states, means = advance_pair(
             self._states, self._both, self._pair, self._grip, drive_voltage_v, duration_s, stepping
         )
         together_n = means.force_n + means.partner_force_n if self._pair.direction > 0.0 else means.force_n
-        return SampleMeans(
+        return WireMeans(
             means.wire_voltage_v,
             means.shunt_voltage_v,
             means.displacement_m,
@@ -355,10 +271,9 @@ class TwoWires:
         )
         self._both = (first, second)
 
-    def age_like(self, before: SimulatedWires) -> None:
+    def age_like(self, before: OneWire | TwoWires) -> None:
         """Take over clock and cycles from the wires at the previous setting."""
-        partner = before.partner_state
-        assert partner is not None  # another setting of one rig: its parts are the same
+        assert isinstance(before, TwoWires)  # another setting of one rig: its parts are the same
         first, state = aged(self._both[0], before.state)
-        second, other = aged(self._both[1], partner)
+        second, other = aged(self._both[1], before.partner_state)
         self._both, self._states = (first, second), (state, other)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from time import perf_counter_ns
 from types import TracebackType
 from typing import Self
 
+from musclewire.controllers import ProtectionLimits
 from musclewire.rigs import Metadata
 from musclewire.sensing import SensingModel
 from musclewire.signals import Command, RawSample, as_command, drive_voltage_of
@@ -23,7 +25,12 @@ class FakeRig:
     drive_amplitude_v = 3.2
     shunt_resistance_ohm = 1.0
     leg_length_m = LENGTH_M
-    reference_columns = None
+    reference_columns = ("displacement_m",)
+    drive_at_ns = sample_at_ns = 0
+    protection_limits = ProtectionLimits(
+        0.3, 3.6, 1.0, 1e-3, 0.5, 2.0, 10.0, 25.0, 0.1, 10.0, 10.0, 0.0, 0.02, 0.006, 295.15, 473.15
+    )
+    device = None
 
     def __init__(self, *, fails_at: int | None = None, dropouts: range = range(0)) -> None:
         self.drive_voltage_v = 0.0
@@ -37,7 +44,7 @@ class FakeRig:
         return {"rig": "fake", "leg_length_m": LENGTH_M, "shunt_resistance_ohm": 1.0, "sample_period_s": 0.05}
 
     def exchange(self, command: Command | float) -> RawSample:
-        drive_voltage_v = drive_voltage_of(as_command(command))
+        drive_voltage_v, self.drive_at_ns = drive_voltage_of(as_command(command)), perf_counter_ns()
         if self.samples == self.fails_at:
             raise OSError("the cable came off")
         self.drive_voltage_v = drive_voltage_v
@@ -45,6 +52,7 @@ class FakeRig:
         wanted = 0.02 * max(drive_voltage_v - 1.0, 0.0)
         self.strain += (wanted - self.strain) * (1.0 - math.exp(-0.05 / 0.3))
         resistance = 17.5 - 100.0 * self.strain
+        self.sample_at_ns = perf_counter_ns()
         current = 0.0 if self.samples in self.dropouts else drive_voltage_v / (resistance + 1.0)
         return RawSample(
             0.05 * self.samples, drive_voltage_v, current * resistance, current, displacement_m=LENGTH_M * self.strain

@@ -15,9 +15,9 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.parameters import load_wire
 from musclewire.rigs._configuration import open_rig, read_rig_file
+from musclewire.rigs._device import Metadata
 from musclewire.rigs._load_kinds import LOAD_PARTS
 from musclewire.rigs._load_part import Length, LoadPart, Stiffness
-from musclewire.rigs._protocol import Metadata
 from musclewire.signals import Drive
 
 HEAD = '[[load]]\npart = "pretensioner"\nstiffness = "386.2 N/m"\n'

@@ -168,10 +168,10 @@ def test_a_wire_file_is_a_wire_and_says_what_is_known_of_its_bench(tmp_path: Pat
     for rig in (open_rig("simulated", wire=str(path)), open_rig("simulated", wire=str(path), pretension_n=1.0)):
         assert rig.metadata()["wire"] == "mine"
         assert rig.metadata()["wire_diameter_m"] == 125e-6
-        assert rig.device._bench["guide_friction_n"] == 0.0123
+        assert rig.device.spool.bench["guide_friction_n"] == 0.0123
     named = open_rig("simulated", wire=str(path), bench="dead-weight")
-    assert named.device._bench["guide_friction_n"] == load_bench("dead-weight").guide_friction_n.value
-    assert open_rig("simulated", wire=str(path), guide_friction_n=0.05).device._bench["guide_friction_n"] == 0.05
+    assert named.device.spool.bench["guide_friction_n"] == load_bench("dead-weight").guide_friction_n.value
+    assert open_rig("simulated", wire=str(path), guide_friction_n=0.05).device.spool.bench["guide_friction_n"] == 0.05
 
 
 def test_a_rig_file_finds_its_wire_file_beside_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

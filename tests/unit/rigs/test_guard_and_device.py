@@ -20,10 +20,10 @@ from musclewire.rigs._device import (
     HasStage,
     HasTendonStage,
     HasTrueState,
+    Metadata,
     Missing,
 )
 from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs._protocol import Metadata
 from musclewire.signals import Command, Drive, RawSample, Target
 
 LIMITS = open_rig("simulated").protection_limits

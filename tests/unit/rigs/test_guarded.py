@@ -39,7 +39,7 @@ def test_a_wire_that_was_cooled_between_two_runs_has_not_jumped() -> None:
 
 
 def test_what_was_held_before_a_rig_was_made_safe_is_not_put_out_again_after_it() -> None:
-    with open_rig(faulty(kind="reading not finite", at=1.0, lasts=0.08)) as rig:
+    with open_rig(faulty(kind="reading_not_finite", at=1.0, lasts=0.08)) as rig:
         while rig.protection.state is not State.HOLD:
             rig.exchange(rig.drive_amplitude_v)
         rig.make_safe()
@@ -49,7 +49,7 @@ def test_what_was_held_before_a_rig_was_made_safe_is_not_put_out_again_after_it(
 
 
 def test_what_is_missing_goes_on_counting_through_a_pause() -> None:
-    with open_rig(faulty(kind="reading not finite", at=1.0)) as rig:
+    with open_rig(faulty(kind="reading_not_finite", at=1.0)) as rig:
         while rig.protection.state is not State.HOLD:
             rig.exchange(rig.drive_amplitude_v)
         for _ in range(3):
@@ -78,7 +78,7 @@ def test_whatever_breaks_into_an_exchange_leaves_the_sense_voltage(
 
 def test_nobody_says_that_a_lost_device_is_off() -> None:
     with pytest.raises(ProtectionTripError) as caught:
-        use_at_the_sense_voltage(faulty(kind="device lost", at=0.5), 20)
+        use_at_the_sense_voltage(faulty(kind="device_lost", at=0.5), 20)
     assert caught.value.event is Event.DEVICE_LOST
     assert NOT_CONFIRMED in str(caught.value)
     assert "the drive is off" not in str(caught.value)
@@ -86,10 +86,10 @@ def test_nobody_says_that_a_lost_device_is_off() -> None:
 
 def test_a_run_that_ends_on_a_device_that_is_gone_says_so() -> None:
     with pytest.raises(RigError, match="did not answer at the end: 0 V was ordered and nothing confirms it"):
-        use_at_the_sense_voltage(faulty(kind="device lost", at=0.09), 2)
+        use_at_the_sense_voltage(faulty(kind="device_lost", at=0.09), 2)
 
 
 def test_an_output_that_is_stuck_is_not_called_off() -> None:
     with pytest.raises(ProtectionTripError) as caught:
-        use_at_the_sense_voltage(faulty(kind="output stuck", at=0.5), 20)
+        use_at_the_sense_voltage(faulty(kind="output_stuck", at=0.5), 20)
     assert "0 V was ordered; CUT THE POWER" in str(caught.value)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RigError
@@ -82,13 +81,6 @@ def test_an_object_holds_the_endpoint_back_and_the_wire_pulls_harder() -> None:
     assert free.endpoint_displacement_m > blocked.endpoint_displacement_m > 2e-3
     assert blocked.endpoint_force_n == pytest.approx(200.0 * (blocked.endpoint_displacement_m - 2e-3), rel=1e-6)
     assert blocked.force_n > free.force_n + 0.5
-
-
-def test_the_laser_and_the_cell_under_the_object_have_the_noise_of_the_bench() -> None:
-    """400 samples of a cold wire tell its size to 11 % (3 sigma)."""
-    shown = held(rig(*LOADS["contact"], endpoint_noise_m=8e-6, endpoint_force_noise_n=0.005), 0.0, 400)
-    for name, noise in (("endpoint_displacement_m", 8e-6), ("endpoint_force_n", 0.005)):
-        assert np.std([getattr(sample, name) for sample in shown]) == pytest.approx(noise, rel=0.11)
 
 
 def test_without_a_pretensioner_the_finger_stands_bent_when_cold() -> None:

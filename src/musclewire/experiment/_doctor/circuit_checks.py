@@ -27,8 +27,8 @@ class ExpectedWire(NamedTuple):
     """The rig file's statements about the wire: cold resistance, and the window that contains all its states."""
 
     resistance_ohm: float | None
-    low_ohm: float | None
-    high_ohm: float | None
+    low_ohm: float
+    high_ohm: float
     why_unknown: str = ""
 
 
@@ -120,12 +120,9 @@ def resistance_findings(evidence: Evidence, expected: ExpectedWire) -> Findings:
         missing.append(SkippedCheck("wire_resistance_ohm", expected.why_unknown))
     else:
         made.append(resistance_check(measured, expected.resistance_ohm, evidence))
-    if expected.low_ohm is None or expected.high_ohm is None:
-        missing.append(SkippedCheck("resistance_in_window", "this rig does not report limits of its protection"))
-    else:
-        ok = expected.low_ohm <= measured <= expected.high_ohm
-        advice = f"the protection allows {expected.low_ohm:.3g} to {expected.high_ohm:.3g} ohm"
-        made.append(RigCheck("resistance_in_window", ok, measured, "ohm", advice))
+    ok = expected.low_ohm <= measured <= expected.high_ohm
+    advice = f"the protection allows {expected.low_ohm:.3g} to {expected.high_ohm:.3g} ohm"
+    made.append(RigCheck("resistance_in_window", ok, measured, "ohm", advice))
     return Findings(tuple(made), tuple(missing))
 
 

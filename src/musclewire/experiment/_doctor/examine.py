@@ -32,11 +32,10 @@ from musclewire.experiment._doctor.rig_file import ChannelCalibration, calibrati
 from musclewire.experiment._doctor.sense_checks import clock_findings, protection_findings, warmth_findings
 from musclewire.manifest import loaded, manifests
 from musclewire.parameters import Wire, load_wire
-from musclewire.rigs import Metadata, ProtectionTripError, Rig, keeps_real_time, protection_limits_of
+from musclewire.rigs import Metadata, ProtectionTripError, Rig, keeps_real_time
 from musclewire.signals import RunFacts
 
 ZERO_S, LOW_S, SENSE_S = 2.0, 1.0, 5.0
-AMBIENT_K = 295.15
 # With one of these the sense voltage is not put out: the wiring is not what the rig file says.
 STOPPING = frozenset(
     {
@@ -82,7 +81,7 @@ class ExaminedRig(NamedTuple):
     metadata: Metadata
     wire: Wire | None
     length_m: float | None
-    limits: ProtectionLimits | None
+    limits: ProtectionLimits
     expected: ExpectedWire
 
 
@@ -159,7 +158,7 @@ def probed(
 def subject_of(rig: Rig) -> ExaminedRig:
     """Return a rig with its statements about its wire; None for what it does not state."""
     metadata = rig.metadata()
-    limits = protection_limits_of(rig)
+    limits = rig.protection_limits
     facts = RunFacts(metadata, "this rig")
     length_m = facts.positive_or_none("wire_length_m")
     wire, why = known_wire(facts.text_or_none("wire"))
@@ -169,8 +168,8 @@ def subject_of(rig: Rig) -> ExaminedRig:
         # In series or in parallel: the protection's window accounts for it, ohm per metre times length does not.
         wire, why = None, "several wires share the drive; see the window"
     cold = None if wire is None or length_m is None else wire.resistance_per_metre_ohm_per_m.value * length_m
-    low, high = (None, None) if limits is None else (limits.resistance_low_ohm, limits.resistance_high_ohm)
-    return ExaminedRig(rig, metadata, wire, length_m, limits, ExpectedWire(cold, low, high, why))
+    expected = ExpectedWire(cold, limits.resistance_low_ohm, limits.resistance_high_ohm, why)
+    return ExaminedRig(rig, metadata, wire, length_m, limits, expected)
 
 
 def known_wire(name: str | None) -> tuple[Wire | None, str]:
@@ -243,7 +242,7 @@ def stuck_findings(levels: tuple[VoltageLevel, ...], subject: ExaminedRig) -> Fi
 
 def sense_findings(evidence: Evidence, at_sense: VoltageLevel | None, subject: ExaminedRig) -> Findings:
     """Return the checks that need the sense voltage, and those of noise."""
-    ambient = subject.limits.ambient_temperature_k if subject.limits is not None else AMBIENT_K
+    ambient = subject.limits.ambient_temperature_k
     return (
         quiet_checks(evidence, at_sense, subject.rig.sample_period_s)
         + hum_check(evidence, subject.rig.sample_period_s)

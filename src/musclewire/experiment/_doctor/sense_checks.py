@@ -93,10 +93,8 @@ def host_checks(level: VoltageLevel, sample_period_s: float) -> tuple[RigCheck, 
     )
 
 
-def protection_findings(limits: ProtectionLimits | None) -> Findings:
+def protection_findings(limits: ProtectionLimits) -> Findings:
     """Return whether the protection is armed, with its limits."""
-    if limits is None:
-        return Findings((), (SkippedCheck("protection", "this rig does not report the limits of its protection"),))
     said = (
         f"armed: {limits.maximum_current_a:.3g} A, {limits.maximum_power_w:.3g} W, "
         f"{limits.resistance_low_ohm:.3g} to {limits.resistance_high_ohm:.3g} ohm, "

@@ -66,9 +66,8 @@ def simulated_wire(rig: str | Path | RigConfiguration = "simulated", **settings:
     """
     configuration, where = simulated_configuration(rig)
     device = open_simulated(configuration, where, None, None, None, False, settings)
-    inside = device.inside()
-    if not isinstance(inside.wires, OneWire):
+    if not isinstance(device.wires, OneWire):
         raise CallerError(f"{where} has two wires: this needs a rig with one")
     quiet = configuration.surroundings.still and not configuration.fault and configuration.pwm is None
-    name = str(device.metadata()["wire"])
-    return SimulatedWire(name, inside.wires.constants, device.facts.limits, inside.bench, inside.stepping, quiet)
+    bench, constants = device.spool.bench.values(), device.wires.constants
+    return SimulatedWire(device.spool.wire.name, constants, device.facts.limits, bench, device.stepping, quiet)

@@ -98,8 +98,8 @@ def outcome_of(runs: StudyRuns[CharacterizeOptions], run: StudyRun[CharacterizeO
 
 def drive_v(options: CharacterizeOptions, wire: VariedWire) -> FloatArray:
     """Return the slow sine of a run [V], (n_samples,), with the numbers of ``experiment.slow_sine``."""
-    amplitude_v = wire.spool["drive_amplitude_v"] if options.amplitude is None else options.amplitude
-    sense_v, sample_s = wire.bench["sense_voltage_v"], wire.bench["sample_period_s"]
+    amplitude_v = wire.spool.wire["drive_amplitude_v"] if options.amplitude is None else options.amplitude
+    sense_v, sample_s = wire.spool.bench["sense_voltage_v"], wire.spool.bench["sample_period_s"]
     if not sense_v < amplitude_v:
         raise CallerError(f"the amplitude of {amplitude_v:g} V must be above the sense voltage of {sense_v:g} V")
     samples = round(options.cycles * options.period / sample_s)

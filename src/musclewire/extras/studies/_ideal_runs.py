@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.rigs import VariedWire, drive_varied
+from musclewire.rigs import VariedWire
 from musclewire.signals import Recording
 
 # Whether a wire is read without errors, or through the rig's instruments and protection.
@@ -55,9 +55,9 @@ def ideal_run(wire: VariedWire, drive_v: FloatArray) -> IdealRun:
     NumericsError
         If the simulation does not resolve what the wire does.
     """
-    held_v, path = drive_varied(wire, drive_v)
+    held_v, path = wire.driven(drive_v)
     columns = {
-        "time_s": sample_times_s(held_v.size, wire.bench["sample_period_s"]),
+        "time_s": sample_times_s(held_v.size, wire.spool.bench["sample_period_s"]),
         "drive_voltage_v": held_v,
         "wire_voltage_v": path.wire_voltage_v,
         "shunt_voltage_v": path.shunt_voltage_v,

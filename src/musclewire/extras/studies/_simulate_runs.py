@@ -88,7 +88,7 @@ def outcome_of(runs: StudyRuns[SimulateOptions], run: StudyRun[SimulateOptions])
 
 def drive_v(options: SimulateOptions, wire: VariedWire) -> FloatArray:
     """Return the drive of a run [V], (n_samples,): a sample at the sense voltage, the supply, the sense voltage."""
-    sense_v, sample_s = wire.bench["sense_voltage_v"], wire.bench["sample_period_s"]
+    sense_v, sample_s = wire.spool.bench["sense_voltage_v"], wire.spool.bench["sample_period_s"]
     if not (sense_v < options.supply and options.off_after <= options.duration):
         raise CallerError(
             f"supply {options.supply:g} V must be above the sense voltage of {sense_v:g} V, and off_after "

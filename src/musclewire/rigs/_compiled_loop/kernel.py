@@ -14,10 +14,9 @@ import numpy as np
 from musclewire.arrays import FloatArray, IntArray
 from musclewire.compiled import compiled, compiled_inner
 from musclewire.controllers import sound_command, sound_sample
-from musclewire.rigs._compiled_loop.one_wire import WireArrays, advance_sample, is_resolved, slack_m, surround, time_s
 from musclewire.rigs._simulated import read_sample
 from musclewire.signals import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS
-from musclewire.wire import Rows
+from musclewire.wire import Rows, advance_rows, is_resolved
 
 # A `compiled.Callback`, which only compiled code can call.
 Tick = Any
@@ -51,15 +50,21 @@ ESTIMATOR_FAILED, CONTROLLER_FAILED = int(CompiledLoopEnd.ESTIMATOR_FAILED), int
 class RigArrays(NamedTuple):
     """All that compiled code takes of one simulated rig; the arrays that change are its own.
 
-    ``noise`` has a row of standard normal numbers for each sample, in the order in which the instruments draw them;
-    ``air`` the temperature [K] and the convection factor of each sample, no rows in still air.
+    The wire is ``states``, ``constants``, ``cells`` and ``load``, arrays of one record each; ``plan`` says how a sample
+    is divided into steps. ``noise`` has a row of standard normal numbers for each sample, in the order in which the
+    instruments draw them; ``air`` the temperature [K] and the surface times the convection factor [m2] of each sample,
+    no rows in still air.
     ``readings`` and ``scales`` are those of the instruments. Of the wire's state, the numbers in ``places`` are written
     into ``true`` after each sample. ``shown`` has a row for each sample, which begins with ``RIG_COLUMNS``;
     ``true_displacement_m`` the true mean of the connector's displacement, ``held_m`` by how much friction held it ahead
     of the wire at most, (1,).
     """
 
-    wire: WireArrays
+    states: Rows
+    constants: Rows
+    cells: Rows
+    load: Rows
+    plan: FloatArray
     sample_period_s: float
     reading_period_s: float
     amplifier_resolution_v: float
@@ -97,18 +102,19 @@ class LoopArrays(NamedTuple):
 def exchange(rig: RigArrays, row: int, drive_voltage_v: float) -> bool:
     """Hold a drive for one sample and write ``RIG_COLUMNS`` into its row; whether its steps are resolved."""
     resolution_v, shown = rig.amplifier_resolution_v, rig.shown[row]
+    state, constants = rig.states[0], rig.constants[0]
     output_v = resolution_v * np.rint(drive_voltage_v / resolution_v)
     if rig.air.shape[0] > 0:
-        surround(rig.wire, rig.air[row, 0], rig.air[row, 1])
-    means = advance_sample(rig.wire, output_v)
-    shown[0], shown[1] = time_s(rig.wire), output_v
+        constants.ambient_temperature_k, constants.surface_factor_m2 = rig.air[row, 0], rig.air[row, 1]
+    means = advance_rows(rig.states, rig.constants, rig.cells, rig.load, output_v, rig.plan)
+    shown[0], shown[1] = state.time_s, output_v
     shown[2], shown[3], shown[4], shown[5] = read_sample(rig.noise[row], rig.readings, means, rig.scales)
     rig.true_displacement_m[row] = means[2]
-    rig.held_m[0] = max(rig.held_m[0], slack_m(rig.wire))
-    numbers = rig.wire.states.view(np.float64)
+    rig.held_m[0] = max(rig.held_m[0], (state.connector_contraction - state.contraction) * constants.leg_length_m)
+    numbers = rig.states.view(np.float64)
     for column in range(rig.places.size):
         rig.true[row, column] = numbers[rig.places[column]]
-    return is_resolved(rig.wire)
+    return is_resolved(state)
 
 
 @compiled

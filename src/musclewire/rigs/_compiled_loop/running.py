@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.arrays import FloatArray
+from musclewire.arrays import FloatArray, IntArray
 from musclewire.compiled import callback
 from musclewire.controllers import State, packed_limits, packed_memory, protection_table
 from musclewire.errors import CallerError
@@ -25,11 +25,10 @@ from musclewire.rigs._compiled_loop.kernel import (
     run_loop,
     scheduled_drive,
 )
-from musclewire.rigs._compiled_loop.one_wire import places_of, sample_times_s, wire_arrays
 from musclewire.rigs._guarded import GuardedRig
-from musclewire.rigs._simulated import SimulatedDevice, SimulatedInside
+from musclewire.rigs._simulated import SimulatedDevice
 from musclewire.signals import CONTROLLER_ANSWERS, ELECTRICAL_COLUMNS, ESTIMATOR_ANSWERS, CompiledTick
-from musclewire.wire import OneWire
+from musclewire.wire import OneWire, WireState, plan_of
 
 
 class LoopTicks(NamedTuple):
@@ -58,35 +57,42 @@ def uncompiled(rig: GuardedRig) -> str:
     device = rig.device
     if not isinstance(device, SimulatedDevice):
         return "the rig is not simulated"
-    inside = device.inside()
-    if inside.paced:
+    if device.facts.paced:
         return "the rig is paced by the machine's clock"
-    if inside.faulty:
+    if device.faults is not None:
         return "the rig file lists faults"
-    if inside.pulsed:
+    if device.pulsed:
         return "the rig heats by pulse width"
-    if not isinstance(inside.wires, OneWire):
+    if not isinstance(device.wires, OneWire):
         return "the rig has two wires"
     if rig.protection.state is not State.ARMED:
         return "the rig is being driven, or has failed"
     return ""
 
 
-def parts_of(rig: GuardedRig) -> tuple[SimulatedDevice, SimulatedInside, OneWire]:
-    """Return device, parts and wire of a rig whose loop can be compiled. Raises CallerError for another rig."""
+def parts_of(rig: GuardedRig) -> tuple[SimulatedDevice, OneWire]:
+    """Return device and wire of a rig whose loop can be compiled. Raises CallerError for another rig."""
     reason = uncompiled(rig)
     if reason:
         raise CallerError(f"this loop has no compiled form, because {reason}: run it in Python (--in-python)")
     assert isinstance(rig.device, SimulatedDevice)
-    inside = rig.device.inside()
-    assert isinstance(inside.wires, OneWire)
-    return rig.device, inside, inside.wires
+    assert isinstance(rig.device.wires, OneWire)
+    return rig.device, rig.device.wires
 
 
 def times_on_rig_s(rig: GuardedRig, samples: int) -> FloatArray:
     """Return the times of a rig's next samples on its clock [s], (n_samples,), as its steps will add them up."""
-    _, inside, wire = parts_of(rig)
-    return sample_times_s(wire, inside.bench["sample_period_s"], samples)
+    _, wire = parts_of(rig)
+    return sample_times_s(wire, rig.sample_period_s, samples)
+
+
+def sample_times_s(wire: OneWire, sample_period_s: float, samples: int) -> FloatArray:
+    """Return the times at the ends of a wire's next samples [s], (n_samples,), as the kernel adds them up."""
+    time_s, times = wire.time_s, np.empty(samples)
+    for row in range(samples):
+        time_s += sample_period_s
+        times[row] = time_s
+    return times
 
 
 def run_compiled(
@@ -98,24 +104,29 @@ def run_compiled(
     that held while each sample was taken and those that hold after it. The interpreter is free meanwhile: loops of
     several rigs run in threads. Raises CallerError for a rig whose loop has no compiled form.
     """
-    device, inside, wire = parts_of(rig)
-    samples = targets.shape[1]
-    noise, generator = inside.instruments.noise_ahead(samples)
-    air = deepcopy(inside.air)
-    own_wire = wire_arrays(wire, inside.stepping, inside.bench["sample_period_s"])
-    places = places_of(own_wire, true_names)
+    device, wire = parts_of(rig)
+    samples, period_s = targets.shape[1], rig.sample_period_s
+    noise, generator = device.instruments.noise_ahead(samples)
+    air = deepcopy(device.air)
+    state = wire.state.copy()
+    derived, cells, load = wire.constants.step_arrays()
+    places = places_of(state, true_names)
     names = names_of(ticks)
     own = RigArrays(
-        wire=own_wire,
-        sample_period_s=inside.bench["sample_period_s"],
+        states=state.row,
+        constants=derived.copy(),
+        cells=cells,
+        load=load,
+        plan=plan_of(device.stepping, period_s),
+        sample_period_s=period_s,
         reading_period_s=protection_table().reading_period_s,
-        amplifier_resolution_v=inside.bench["amplifier_resolution_v"],
+        amplifier_resolution_v=device.spool.bench["amplifier_resolution_v"],
         limits=packed_limits(rig.protection_limits),
         memory=packed_memory(rig.protection),
         noise=noise,
-        air=air_of(air, inside, wire, samples),
-        readings=inside.instruments.readings,
-        scales=inside.instruments.scales,
+        air=air_of(air, device, wire, samples),
+        readings=device.instruments.readings,
+        scales=device.instruments.scales,
         places=places,
         true=np.empty((samples, places.size)),
         true_displacement_m=np.empty(samples),
@@ -125,11 +136,11 @@ def run_compiled(
     functions = (callback(ticks.estimator.function, 4), callback(ticks.controller.function, 4))
     ended, complete = run_loop(*functions, arrays_of(own, ticks, targets), first_drive_v)
     columns = dict(zip(names, np.ascontiguousarray(own.shown.T), strict=True))
-    run = with_endpoint(CompiledRun(CompiledLoopEnd(ended), complete, columns, own.true), own, inside)
+    run = with_endpoint(CompiledRun(CompiledLoopEnd(ended), complete, columns, own.true), own, device)
     if run.ended is CompiledLoopEnd.DONE:
         drive_v = float(columns["drive_voltage_v"][-1])
         rig.adopt_compiled_samples(drive_v, own.memory, float(columns["time_s"][-1]))
-        wire.adopt_compiled_state(own.wire.states, own.wire.constants)
+        wire.adopt_compiled_state(own.states, own.constants)
         device.adopt(drive_v, generator, air, float(own.held_m[0]))
     return run
 
@@ -139,6 +150,13 @@ def run_known_drive(rig: GuardedRig, drives_v: FloatArray, true_names: Sequence[
     schedule = CompiledTick(scheduled_drive, drives_v, np.zeros(1))
     ticks = LoopTicks(CompiledTick(no_estimate, np.zeros(1), np.zeros(1)), schedule, (), ())
     return run_compiled(rig, ticks, np.zeros((2, drives_v.size)), float(drives_v[0]), true_names)
+
+
+def places_of(state: WireState, names: Sequence[str]) -> IntArray:
+    """Return the places of fields among the plain numbers of a wire's state."""
+    fields = state.row.dtype.fields
+    assert fields is not None  # a row is a record
+    return np.array([fields[name][1] // state.numbers.itemsize for name in names], dtype=np.int64)
 
 
 def arrays_of(rig: RigArrays, ticks: LoopTicks, targets: FloatArray) -> LoopArrays:
@@ -156,14 +174,14 @@ def arrays_of(rig: RigArrays, ticks: LoopTicks, targets: FloatArray) -> LoopArra
     )
 
 
-def air_of(model: AirModel | None, inside: SimulatedInside, wire: OneWire, samples: int) -> FloatArray:
+def air_of(model: AirModel | None, device: SimulatedDevice, wire: OneWire, samples: int) -> FloatArray:
     """Return the air's temperature [K] and surface times convection factor [m2], (n_samples, 2); no rows if still.
 
     The air is drawn here as a rig draws it from sample to sample: at their beginnings.
     """
     if model is None:
         return np.empty((0, 2))
-    period_s, ambient_k = inside.bench["sample_period_s"], inside.bench["ambient_temperature_k"]
+    period_s, ambient_k = device.facts.sample_period_s, device.spool.bench["ambient_temperature_k"]
     began_s = [wire.time_s, *sample_times_s(wire, period_s, samples - 1).tolist()]
     drawn = [model.after(time_s, period_s) for time_s in began_s]
     return np.array([(ambient_k + air.warmer_k, wire.surface_factor_m2(air.convection_ratio)) for air in drawn])
@@ -174,19 +192,19 @@ def names_of(ticks: LoopTicks) -> tuple[str, ...]:
     return (*RIG_COLUMNS, *ticks.estimator_columns, "target", "estimated", "valid", *ticks.controller_columns)
 
 
-def with_endpoint(run: CompiledRun, rig: RigArrays, inside: SimulatedInside) -> CompiledRun:
+def with_endpoint(run: CompiledRun, rig: RigArrays, device: SimulatedDevice) -> CompiledRun:
     """Return a run with the readings of the instruments at a finger's endpoint, if there is a finger."""
-    tendon, moved_m = inside.mechanism.tendon, rig.true_displacement_m
+    tendon, moved_m = device.mechanism.tendon, rig.true_displacement_m
     if tendon is None:
         return run
     beyond = moved_m[: run.samples] + tendon.start_m - tendon.slack_m > tendon.curve.tendon_travel_m[-1]
     if beyond.any():  # the rig ends the run there
         return run._replace(ended=CompiledLoopEnd.BEYOND_FINGER, samples=int(np.argmax(beyond)))
     pull_n = tendon.endpoint_force_n(moved_m)
-    displacement_noise_m, force_noise_n = inside.instruments.endpoint_noise
+    displacement_noise_m, force_noise_n = device.instruments.endpoint_noise
     there = run.columns | {
         "endpoint_displacement_m": tendon.endpoint_m(moved_m, pull_n) + displacement_noise_m * rig.noise[:, -2],
         "endpoint_force_n": pull_n + force_noise_n * rig.noise[:, -1],
     }
-    own = (*ELECTRICAL_COLUMNS, *inside.reference_columns)
+    own = (*ELECTRICAL_COLUMNS, *device.facts.reference_columns)
     return run._replace(columns={name: there[name] for name in own} | run.columns)

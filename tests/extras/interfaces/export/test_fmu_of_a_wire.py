@@ -77,7 +77,7 @@ def wires(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Wire]:
             configuration, where = rig_configuration(RIGS[name])
             assert isinstance(configuration, RigConfiguration)
             device = open_simulated(configuration, where, None, None, None, False, {})
-            wires = device.inside().wires
+            wires = device.wires
             assert isinstance(wires, OneWire)
             known[name] = Wire(export_fmu(RIGS[name], tmp_path_factory.mktemp("fmu")), device, wires.constants)
         return known[name]
@@ -183,7 +183,7 @@ def test_fmpy_finds_nothing_to_complain_of(wires: Callable[[str], Wire], name: s
 def test_the_trajectory_is_python_s(wires: Callable[[str], Wire], name: str, course: str, step_s: float) -> None:
     wire = wires(name)
     drive = COURSES[course](wire.device)
-    python = rows_of_python(wire.constants, drive, step_s, wire.device.inside().mechanism.tendon)
+    python = rows_of_python(wire.constants, drive, step_s, wire.device.mechanism.tendon)
     found = largest_differences(rows_of_fmu(wire.fmu.path, drive, step_s), python)
     assert max(found.values()) <= MAX_DIFFERENCE, found
     assert max(row["martensite_fraction"] for row in python) - min(row["martensite_fraction"] for row in python) > 0.3

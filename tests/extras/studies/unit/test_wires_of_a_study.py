@@ -53,7 +53,7 @@ def test_its_constants_are_those_of_the_rig_to_the_bit(load: list[dict[str, Any]
     rig = VariedRig(configuration, "test", values)
     alone = rig.wire(values).constants
     with rig.open(values, 1) as opened:
-        inside = opened.device._wires.constants  # type: ignore[attr-defined]  # a rig shows no one its constants
+        inside = opened.device.wires.constants  # type: ignore[attr-defined]  # a rig shows no one its constants
     assert alone.numbers.tobytes() == inside.numbers.tobytes()
     assert np.array_equal(alone.load_table_n, inside.load_table_n)
 
@@ -64,8 +64,8 @@ def test_the_numbers_of_open_rig_with_the_same_settings_are_the_same() -> None:
     values = {"pretension_n": 1.4, "diameter_m": 0.95e-4}
     parameters = parameters_of(configuration, "test", None, None, values)
     numbers = rig.wire(values)
-    assert numbers.spool == parameters[1].values()
-    assert numbers.bench == parameters[2].values()
+    assert numbers.spool.wire.values() == parameters[1].values()
+    assert numbers.spool.bench.values() == parameters[2].values()
 
 
 @pytest.mark.parametrize("rig", ["simulated", "finger"])

@@ -22,12 +22,11 @@ PARAMETERS_START = (
 def wire_contents(configuration: RigConfiguration, where: str) -> FmuContents:
     """Return what is in the FMU of a simulated rig's wire. Raises CallerError for a rig with two wires."""
     device = open_simulated(configuration, where, None, None, None, False, {})
-    inside = device.inside()
-    if not isinstance(inside.wires, OneWire):
+    if not isinstance(device.wires, OneWire):
         raise CallerError(f"{where} has two wires, and an FMU is of one: export a rig without the second")
-    constants, tendon = inside.wires.constants, inside.mechanism.tendon
+    constants, tendon = device.wires.constants, device.mechanism.tendon
     variables = wire_variables(
-        constants, inside.stepping, device.facts.limits.maximum_voltage_v, finger=tendon is not None
+        constants, device.stepping, device.facts.limits.maximum_voltage_v, finger=tendon is not None
     )
     sources = {
         **c_files("c_wire"),

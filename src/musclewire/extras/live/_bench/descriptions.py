@@ -29,7 +29,7 @@ def described_rig(rig: GuardedRig, name: str, *, simulated: bool) -> dict[str, A
         "shunt_resistance_ohm": rig.shunt_resistance_ohm,
         "leg_length_m": rig.leg_length_m,
         "has_stage": ability(rig, HasStage) is not None,
-        "reference_columns": list(rig.reference_columns or ()),
+        "reference_columns": list(rig.reference_columns),
         "limits": rig.protection_limits._asdict(),
         **{key: facts.get(key) for key in FACTS},
         "wiring": wiring(
