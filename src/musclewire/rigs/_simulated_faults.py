@@ -13,11 +13,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from musclewire.signals import measured_in
+
+# Earlier names of kinds in rig files, before they were those of the protection's events; they can still be read.
+OLD_KINDS = {
+    "broken wire": "wire_open",
+    "short circuit": "wire_short",
+    "contact": "bad_contact",
+    "slipped clamp": "clamp_slipped",
+    "frozen channel": "channel_frozen",
+    "saturated channel": "channel_saturated",
+    "swapped channels": "channels_swapped",
+    "reading not finite": "reading_not_finite",
+    "output stuck": "output_stuck",
+    "supply lost": "supply_missing",
+    "device lost": "device_lost",
+    "clock jump": "clock_jump",
+}
 
 Seconds = Annotated[float, measured_in("s"), Field(ge=0.0, allow_inf_nan=False)]
 Duration = Annotated[float, measured_in("s"), Field(gt=0.0, allow_inf_nan=False)]
@@ -120,6 +136,14 @@ class ClockJump(FaultBase):
     by: Annotated[float, measured_in("s"), Field(allow_inf_nan=False)] = -1.0
 
 
+def by_present_names(given: Any) -> Any:
+    """Return a [[fault]] table with earlier names replaced: those of kinds, and ``share`` for ``fraction``."""
+    if not isinstance(given, dict):
+        return given
+    kind = OLD_KINDS.get(str(given.get("kind")), given.get("kind"))
+    return {("fraction" if key == "share" else key): value for key, value in {**given, "kind": kind}.items()}
+
+
 SimulatedFault = Annotated[
     BrokenWire
     | ShortCircuit
@@ -134,6 +158,7 @@ SimulatedFault = Annotated[
     | DeviceLost
     | ClockJump,
     Field(discriminator="kind"),
+    BeforeValidator(by_present_names),
 ]
 
 

@@ -11,7 +11,7 @@ from musclewire.errors import CallerError
 from musclewire.parameters import validated
 from musclewire.rigs._configuration import RigConfiguration, open_rig
 from musclewire.rigs._guarded import ProtectionTripError
-from musclewire.rigs._simulated_faults import SimulatedFaults
+from musclewire.rigs._simulated_faults import OLD_KINDS, SimulatedFaults
 
 WIRE_OHM, SHUNT_OHM = 14.0, 1.0
 
@@ -100,3 +100,13 @@ def test_each_fault_ends_with_its_cause_and_the_drive_off_within_half_a_second(k
         assert rig.drive_voltage_v == 0.0
     assert event is CAUSES[kind]
     assert sampled * rig.sample_period_s < began_s + 0.5
+
+
+@pytest.mark.parametrize(("old", "new"), OLD_KINDS.items())
+def test_a_rig_file_with_a_faults_old_name_still_reads(old: str, new: str) -> None:
+    assert RigConfiguration(fault=[{"kind": old}]) == RigConfiguration(fault=[{"kind": new}])  # type: ignore[list-item]
+    left = [
+        faulty(kind=kind, **{share: 0.5}).circuit(3.0, WIRE_OHM, SHUNT_OHM, 0.0)
+        for kind, share in (("slipped clamp", "share"), ("clamp_slipped", "fraction"))
+    ]
+    assert left[0] == left[1]
