@@ -1,5 +1,9 @@
 """The list of names that other rooms may use."""
 
+from ._answer import ABSENT as ABSENT
+from ._answer import AnswerModel as AnswerModel
+from ._answer import AnswerRecord as AnswerRecord
+from ._answer import Finite as Finite
 from ._bench_measure import MachinePeaks as MachinePeaks
 from ._bench_measure import PreparedComparison as PreparedComparison
 from ._bench_measure import TimedProgram as TimedProgram
@@ -81,10 +85,12 @@ from ._options import RigName as RigName
 from ._options import in_si as in_si
 from ._options import option as option
 from ._options import quantity as quantity
+from ._output import Result as Result
 from ._output import emit_json as emit_json
 from ._output import run_bar as run_bar
 from ._output import say as say
 from ._output import show as show
+from ._output import tell as tell
 from ._output import warn as warn
 from ._recording_options import ReadingOptions as ReadingOptions
 from ._report.figures import loops_figure as loops_figure

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app import CLEARANCE, OBJECT_STIFFNESS, WIRE, WIRE_LENGTH, Json, emit_json, in_si, show, warn
+from musclewire.app import CLEARANCE, OBJECT_STIFFNESS, WIRE, WIRE_LENGTH, Result, in_si, warn
 from musclewire.errors import CallerError
-from musclewire.extras.design._commands.finger_text import answer_json, answer_text
+from musclewire.extras.design._commands.finger_text import answer_text, finger_answer
 from musclewire.extras.design._commands.part_options import OPTIONS_FILE, PartFiles, given_options
 from musclewire.extras.design._options import (
     COLUMN_WIDTH,
@@ -150,8 +150,7 @@ def finger(
     options_file: Annotated[Path | None, OPTIONS_FILE] = None,
     compare: Annotated[bool, COMPARE] = False,
     refined: Annotated[int, REFINED] = 1,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Size a tendon-driven flexible finger, or compute what one of given dimensions does."""
     from musclewire.extras.design._finger.finger_study import FingerStudy, study_finger
     from musclewire.parameters import load_material
@@ -181,13 +180,9 @@ def finger(
     if "tendon_hole" in given_options(context):
         require_tendon_holes(answer.geometry, hole_m)
     write_files(answer, files, hole_m)
-    if json:
-        emit_json(answer_json(answer, files.output, files.drawings, files.solids))
-    else:
-        show(answer_text(answer))
-        warn([*answer.warnings, *(f"it does not hold: {one.name}" for one in answer.checks if not one.ok)])
-    if not all(check.ok for check in answer.checks):
-        raise typer.Exit(1)
+    warn([*answer.warnings, *(f"it does not hold: {one.name}" for one in answer.checks if not one.ok)])
+    shown = finger_answer(answer, files)
+    return Result(shown, answer_text(answer), holds=shown.holds)
 
 
 # Batches and sheets of one material differ by less.

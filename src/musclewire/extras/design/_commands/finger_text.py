@@ -3,60 +3,41 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from musclewire.extras.design._commands.check_text import check_json, check_lines
+from musclewire.extras.design._commands.check_text import check_lines
 
 if TYPE_CHECKING:
+    from musclewire.extras.design._answers import FingerAnswer
+    from musclewire.extras.design._commands.part_options import PartFiles
     from musclewire.extras.design._finger.finger_study import FingerStudyResult
 
 MM, MPA = 1e3, 1e-6
 
 
-def answer_json(
-    answer: FingerStudyResult, output: Path | None, drawings: list[Path], solids: list[Path]
-) -> dict[str, Any]:
+def finger_answer(answer: FingerStudyResult, files: PartFiles) -> FingerAnswer:
     """Return an answer under the keys of the interface."""
-    geometry, at, curve = answer.geometry, answer.at, answer.curve
-    return {
-        "stiffness_n_per_m": answer.stiffness_n_per_m,
-        "stress_max_pa": answer.stress_pa,
-        "geometry": {**geometry.values(), "segment_length_m": geometry.segment_length_m},
-        "endpoint_m": at.endpoint_displacement_m,
-        "travel_m": at.travel_m,
-        "travel_available_m": answer.study.travel_m,
-        "tendon_force_n": at.tendon_force_n,
-        "pulling_force_n": answer.friction.pulling_n,
-        "easing_force_n": answer.friction.easing_n,
-        "friction_share": answer.friction.fraction,
-        "tendon_force_per_endpoint_force": answer.slope.tendon_force_per_endpoint_force,
-        "endpoint_compliance_m_per_n": answer.slope.endpoint_compliance_m_per_n,
-        "range_over_length": at.endpoint_displacement_m / geometry.overall_length_m,
-        "bend_rad": float(at.angles_rad[-1]) - geometry.inward_angle_rad,
-        "checks": [check_json(check) for check in answer.checks],
-        "foam": object_json(answer),
-        "wire": None if answer.wire is None else answer.wire._asdict(),
-        "schemes": [schemes_json(scheme._asdict()) for scheme in answer.schemes],
-        "holds": all(check.ok for check in answer.checks),
-        "curve": curve.model_dump(),
-        "warnings": answer.warnings,
-        "finger": None if output is None else str(output),
-        "drawings": [str(drawing) for drawing in drawings],
-        "solids": [str(solid) for solid in solids],
-    }
+    from musclewire.extras.design._answers import FingerAnswer
 
-
-def object_json(answer: FingerStudyResult) -> dict[str, Any] | None:
-    """Return the finger on an object, None without one."""
-    if answer.contact is None:
-        return None
-    return {key: value for key, value in answer.contact._asdict().items() if key != "at"}
-
-
-def schemes_json(scheme: dict[str, Any]) -> dict[str, Any]:
-    """Return one way to pull the finger without its angles."""
-    return {key: value for key, value in scheme.items() if key != "angles_rad"}
+    geometry, at = answer.geometry, answer.at
+    return FingerAnswer.read_from(
+        answer,
+        at,
+        answer.slope,
+        stress_max_pa=answer.stress_pa,
+        endpoint_m=at.endpoint_displacement_m,
+        travel_available_m=answer.study.travel_m,
+        pulling_force_n=answer.friction.pulling_n,
+        easing_force_n=answer.friction.easing_n,
+        friction_share=answer.friction.fraction,
+        range_over_length=at.endpoint_displacement_m / geometry.overall_length_m,
+        bend_rad=float(at.angles_rad[-1]) - geometry.inward_angle_rad,
+        foam=answer.contact,
+        holds=all(check.ok for check in answer.checks),
+        finger=None if files.output is None else str(files.output),
+        drawings=list(map(str, files.drawings)),
+        solids=list(map(str, files.solids)),
+    )
 
 
 def answer_text(answer: FingerStudyResult) -> str:

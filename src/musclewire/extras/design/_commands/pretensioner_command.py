@@ -7,12 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from musclewire.app import FILE, LIST, Json, emit_json, in_si, save_figure, show, warn
+from musclewire.app import FILE, LIST, Result, in_si, save_figure, warn
 from musclewire.errors import CallerError
 from musclewire.extras.design._commands.part_options import OPTIONS_FILE, PartFiles
-from musclewire.extras.design._commands.pretensioner_text import made_json, made_text, materials_json, materials_text
+from musclewire.extras.design._commands.pretensioner_text import (
+    made_answer,
+    made_text,
+    materials_answer,
+    materials_text,
+)
 from musclewire.extras.design._options import (
     BEAMS,
     CORNER_RADIUS,
@@ -114,13 +117,11 @@ def pretensioner(
     stiffness: Annotated[str | None, STIFFNESS] = None,
     file: Annotated[str | None, FILE] = None,
     list_materials: Annotated[bool, LIST] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Size a serpentine pretensioner, or compute what one of given dimensions does."""
     del options_file  # its values have become those of the options
     if list_materials:
-        emit_json(materials_json()) if json else show(materials_text())
-        return
+        return Result(materials_answer(), materials_text())
     require_one_way(stiffness, file, dimensions)
     if file is not None and making.depth is not None:
         raise CallerError("--depth and --file contradict each other: the file has a depth, leave --depth out")
@@ -131,13 +132,8 @@ def pretensioner(
     else:
         made, name, room = computed(file, dimensions, duty.duty(), making)
     write_files(made, name, files)
-    if json:
-        emit_json(made_json(made, name, room))
-    else:
-        show(made_text(made, room))
-    if not made.holds:
-        warn(f"it does not hold: {check.name}" for check in made.checks if not check.ok)
-        raise typer.Exit(1)
+    warn(f"it does not hold: {check.name}" for check in made.checks if not check.ok)
+    return Result(made_answer(made, name, room), made_text(made, room), made.holds)
 
 
 def require_one_way(stiffness: str | None, file: str | None, dimensions: DimensionOptions) -> None:

@@ -2,52 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from musclewire.extras.design._commands.check_text import check_json, check_lines, finite
+from musclewire.extras.design._commands.check_text import check_lines
 
 if TYPE_CHECKING:
+    from musclewire.extras.design._answers import MaterialsAnswer, PretensionerAnswer
     from musclewire.extras.design._serpentine.analysis import PretensionerDesign
     from musclewire.extras.design._serpentine.geometry import AvailableRoom
 
 MM, MPA = 1e3, 1e-6
 
 
-def made_json(made: PretensionerDesign, material: str, room: AvailableRoom | None) -> dict[str, Any]:
-    """Return a pretensioner under the keys of the interface; numbers that are not finite become null."""
-    geometry, curve, duty = made.geometry, made.curve, made.duty
-    return {
-        "stiffness_n_per_m": made.stiffness_n_per_m,
-        "stiffness_guided_n_per_m": made.guided.stiffness_n_per_m,
-        "stress_max_pa": finite(made.stress_pa),
-        "stress_allowable_pa": made.material.allowable_stress_pa.value,
-        "stress_yield_pa": made.material.yield_stress_pa.value,
-        "pretension_n": duty.pretension_n,
-        "travel_m": made.travel_m,
-        "safe_travel_m": curve.safe_travel_m,
-        "finger_share": finger_share(made),
-        "geometry": {
-            "beams": geometry.beams,
-            "half_length_m": geometry.half_length_m,
-            "pitch_m": geometry.pitch_m,
-            "thickness_m": geometry.thickness_m,
-            "depth_m": geometry.depth_m,
-            "corner_radius_m": geometry.corner_radius_m,
-            "across_m": geometry.across_m,
-            "along_m": geometry.along_m,
-        },
-        "envelope_m": None if room is None else list(room),
-        "material": material,
-        "process": made.process,
-        "mass_kg": made.mass_kg,
-        "curve": {
-            "travel_m": curve.travel_m.tolist(),
-            "force_n": curve.force_n.tolist(),
-            "stress_pa": curve.stress_pa.tolist(),
-        },
-        "checks": [check_json(check) for check in made.checks],
-        "holds": made.holds,
-    }
+def made_answer(made: PretensionerDesign, material: str, room: AvailableRoom | None) -> PretensionerAnswer:
+    """Return a pretensioner under the keys of the interface."""
+    from musclewire.extras.design._answers import PretensionerAnswer
+
+    return PretensionerAnswer.read_from(
+        made,
+        stiffness_guided_n_per_m=made.guided.stiffness_n_per_m,
+        stress_max_pa=made.stress_pa,
+        stress_allowable_pa=made.material.allowable_stress_pa.value,
+        stress_yield_pa=made.material.yield_stress_pa.value,
+        pretension_n=made.duty.pretension_n,
+        safe_travel_m=made.curve.safe_travel_m,
+        finger_share=finger_share(made),
+        envelope_m=room,
+        material=material,
+    )
 
 
 def finger_share(made: PretensionerDesign) -> float | None:
@@ -102,20 +84,17 @@ def duty_lines(made: PretensionerDesign) -> list[str]:
     ]
 
 
-def materials_json() -> dict[str, Any]:
+def materials_answer() -> MaterialsAnswer:
     """Return all included materials."""
+    from musclewire.extras.design._answers import IncludedMaterial, MaterialsAnswer
     from musclewire.parameters import load_material, material_names
 
-    return {
-        "materials": [
-            {
-                "name": name,
-                **load_material(name).values(),
-                "minimum_thickness_m": {key: it.value for key, it in load_material(name).minimum_thickness_m.items()},
-            }
-            for name in material_names()
-        ]
-    }
+    found = []
+    for name in material_names():
+        material = load_material(name)
+        thinnest_m = {process: thickness.value for process, thickness in material.minimum_thickness_m.items()}
+        found.append(IncludedMaterial(name=name, minimum_thickness_m=thinnest_m, **material.values()))
+    return MaterialsAnswer(materials=tuple(found))
 
 
 def materials_text() -> str:
