@@ -1,6 +1,5 @@
 """The list of names that other rooms may use."""
 
-from ._answer import ABSENT as ABSENT
 from ._answer import AnswerModel as AnswerModel
 from ._answer import AnswerRecord as AnswerRecord
 from ._answer import Finite as Finite
@@ -80,13 +79,11 @@ from ._options import SETTINGS as SETTINGS
 from ._options import WIRE as WIRE
 from ._options import WIRE_LENGTH as WIRE_LENGTH
 from ._options import WORKERS as WORKERS
-from ._options import Json as Json
 from ._options import RigName as RigName
 from ._options import in_si as in_si
 from ._options import option as option
 from ._options import quantity as quantity
 from ._output import Result as Result
-from ._output import emit_json as emit_json
 from ._output import run_bar as run_bar
 from ._output import say as say
 from ._output import show as show

@@ -1,4 +1,4 @@
-"""The command that takes a controller out of Python as a C library: export c."""
+"""The command that takes a controller out of Python as a C library, with the limits of its rig: export c."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ from musclewire.app import (
     require_zip_file,
 )
 from musclewire.controllers import DriveLimits, ProtectionLimits
+from musclewire.errors import CallerError
 from musclewire.extras.board._options import ARDUINO_ZIP, DOUBLE
+from musclewire.extras.board._serial.device import SerialConfiguration
+from musclewire.rigs import Metadata, RigConfiguration, open_rig, rig_configuration
 
 
 class ExportCAnswer(AnswerModel):
@@ -63,7 +66,6 @@ def export_c(
 ) -> Result:
     """Model, controller, limits and protection as a self-contained C99 library, with its own test vectors."""
     from musclewire.extras.board._c import write_arduino_zip, write_library
-    from musclewire.extras.board._rig_limits import limits_of_rig
     from musclewire.identify import check_made_for, settings_for
     from musclewire.sensing import load_model
 
@@ -112,3 +114,25 @@ def export_text(answer: ExportCAnswer, rig: str) -> str:
     if answer.arduino_zip is not None:
         lines.append(f"{answer.arduino_zip}: in the Arduino IDE, Sketch, Include Library, Add .ZIP Library")
     return "\n".join(lines)
+
+
+def limits_of_rig(rig: str | Path) -> tuple[ProtectionLimits, Metadata]:
+    """Return limits and facts of a rig without driving anything: a simulated one, or a board's rig file.
+
+    Raises CallerError for a rig of another kind.
+    """
+    configuration, where = rig_configuration(rig)
+    if isinstance(configuration, RigConfiguration):
+        with open_rig(configuration) as opened:
+            return opened.protection_limits, opened.metadata()
+    if isinstance(configuration, SerialConfiguration):
+        limits = configuration.protection_limits(
+            wire_range_v=configuration.wire_range,
+            shunt_range_v=configuration.shunt_range,
+            readings_noisy=configuration.readings_noisy,
+        )
+        return limits, configuration.facts()
+    raise CallerError(
+        f"{where} is no board: an exported controller's limits come from the channels of the board it runs on; write "
+        'a rig file with kind = "serial" for it'
+    )

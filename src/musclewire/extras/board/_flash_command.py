@@ -10,7 +10,7 @@ from musclewire.app import WIRE, AnswerModel, Result, tell
 from musclewire.extras.board._options import DRY_RUN, OLD_BOOTLOADER, SERIAL_PORT
 
 if TYPE_CHECKING:
-    from musclewire.extras.board._serial.images import FirmwareImage
+    from musclewire.extras.board._serial.flash import FirmwareImage
 
 # What stands for the port in a command that is only shown.
 NO_PORT = "PORT"
@@ -47,8 +47,7 @@ def flash(
     dry_run: Annotated[bool, DRY_RUN] = False,
 ) -> Result:
     """Put the built firmware for a wire on a board, and ask the board whether it runs."""
-    from musclewire.extras.board._serial.flash import loader_for, run_loader
-    from musclewire.extras.board._serial.images import find_image, require_sound
+    from musclewire.extras.board._serial.flash import find_image, loader_for, require_sound, run_loader
 
     image = find_image(board, wire)
     require_sound(image)

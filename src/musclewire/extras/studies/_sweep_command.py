@@ -81,8 +81,7 @@ def run_study(plan: Plan, workers: Workers, folder: Path, figure: FigureOptions,
     """Run a study and write what it leaves."""
     from musclewire.extras.studies._answers import SweepAnswer
     from musclewire.extras.studies._study import sweep as run_sweep
-    from musclewire.extras.studies._study_figures import distributions
-    from musclewire.extras.studies._study_page import require_packages, write_study
+    from musclewire.extras.studies._study_page import distributions, require_packages, write_study
 
     require_packages()
     started = time.perf_counter()

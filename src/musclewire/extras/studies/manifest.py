@@ -51,8 +51,5 @@ MANIFEST = Manifest(
     },
     devices={"segmented": "musclewire.extras.studies._segmented.configuration:SEGMENTED"},
     schemas={"study": "musclewire.extras.studies._study_file:StudyFile"},
-    kernels=(
-        "musclewire.extras.studies._segmented.kernel",
-        "musclewire.extras.studies._segmented.state",
-    ),
+    kernels=("musclewire.extras.studies._segmented.kernel",),
 )
