@@ -47,8 +47,7 @@ class Command:
     before
         Command or group of the same panel before which it is listed; last of its panel if that one is not there.
     answer
-        "module:model" of what it prints with --json, for ``musclewire schema``; "" if :attr:`Manifest.outputs` has the
-        schema.
+        "module:model" of what it prints with --json, for ``musclewire schema``; "" if it prints none.
     """
 
     name: str
@@ -110,8 +109,6 @@ class Manifest:
         Places of :class:`musclewire.signals._writing.FileWriter` by the suffix that they write.
     schemas
         Kinds of files by name, each with the place of the model that checks it.
-    outputs
-        "package:folder" with the JSON Schemas of what its commands print, "" for none.
     doctor_checks
         Places of functions that the doctor calls with its examination of a rig.
     kernels
@@ -136,7 +133,6 @@ class Manifest:
     suffixes_read: tuple[str, ...] = ()
     writers: Mapping[str, str] = field(default_factory=dict)
     schemas: Mapping[str, str] = field(default_factory=dict)
-    outputs: str = ""
     doctor_checks: tuple[str, ...] = ()
     kernels: tuple[str, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)

@@ -3,6 +3,7 @@
 from ._answer import ABSENT as ABSENT
 from ._answer import AnswerModel as AnswerModel
 from ._answer import AnswerRecord as AnswerRecord
+from ._answer import Finite as Finite
 from ._bench_measure import MachinePeaks as MachinePeaks
 from ._bench_measure import PreparedComparison as PreparedComparison
 from ._bench_measure import TimedProgram as TimedProgram
@@ -84,13 +85,11 @@ from ._options import SHUNT as SHUNT
 from ._options import WIRE as WIRE
 from ._options import WIRE_LENGTH as WIRE_LENGTH
 from ._options import WORKERS as WORKERS
-from ._options import Json as Json
 from ._options import RigName as RigName
 from ._options import in_si as in_si
 from ._options import option as option
 from ._options import quantity as quantity
 from ._output import Result as Result
-from ._output import emit_json as emit_json
 from ._output import progress_bar as progress_bar
 from ._output import run_bar as run_bar
 from ._output import say as say

@@ -3,43 +3,26 @@
 from __future__ import annotations
 
 import time
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
-from musclewire.app._options import ONLY, QUICK, Json
-from musclewire.app._output import emit_json, say, show
+from musclewire.app._options import ONLY, QUICK
+from musclewire.app._output import Result, tell
 
 if TYPE_CHECKING:
     from musclewire.app._bench_measure import MachinePeaks
     from musclewire.app._bench_rows import Benchmark
 
 
-def bench(
-    only: Annotated[str | None, ONLY] = None,
-    quick: Annotated[bool, QUICK] = False,
-    json: Json = False,
-) -> None:
+def bench(only: Annotated[str | None, ONLY] = None, quick: Annotated[bool, QUICK] = False) -> Result:
     """How fast it is on this machine, as ratios to what one would use instead."""
+    from musclewire.app._answers import BenchAnswer, UnmeasuredRow
     from musclewire.app._bench_rows import bench as run_bench
 
     began_s = time.perf_counter()
-    found = run_bench(
-        only, quick=quick, on_case=None if json else lambda name, number, of: say(f"{number + 1} of {of}: {name}")
-    )
-    if json:
-        emit_json({**bench_json(found), "wall_s": time.perf_counter() - began_s})
-    else:
-        show(bench_text(found))
-
-
-def bench_json(found: Benchmark) -> dict[str, Any]:
-    """Return a benchmark under the keys of the interface."""
-    return {
-        "rows": [asdict(row) for row in found.rows],
-        "left_out": [{"name": name, "needs_extra": extra} for name, extra in found.left_out],
-        "machine": asdict(found.machine),
-        "quick": found.quick,
-    }
+    found = run_bench(only, quick=quick, on_case=lambda name, number, of: tell(f"{number + 1} of {of}: {name}"))
+    left_out = [UnmeasuredRow(name=name, needs_extra=extra) for name, extra in found.left_out]
+    answer = BenchAnswer.read_from(found, left_out=left_out, wall_s=time.perf_counter() - began_s)
+    return Result(answer, bench_text(found))
 
 
 def bench_text(found: Benchmark) -> str:

@@ -125,6 +125,7 @@ COMMANDS = (
         "musclewire.app._bench_command:bench",
         "How fast it is on this machine, as ratios to what one would use instead.",
         panel=STUDIES,
+        answer="musclewire.app._answers:BenchAnswer",
     ),
     Command(
         "cite",

@@ -6,9 +6,7 @@ unit fits its quantity, is checked when the file is read.
 
 from __future__ import annotations
 
-import json
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, TypeAdapter
@@ -17,7 +15,7 @@ from pydantic_core import core_schema
 
 from musclewire.app._core_commands import COMMANDS
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.manifest import folder_of, loaded, manifests, offered
+from musclewire.manifest import loaded, manifests, offered
 from musclewire.parameters import TaggedTable
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -82,12 +80,6 @@ def answers() -> dict[str, str]:
     }
 
 
-def output_files() -> dict[str, Path]:
-    """Return the schemas of what commands print, by command: of the core, and of the parts that are there."""
-    folders = ["musclewire.app:data/outputs", *(manifest.outputs for manifest in manifests() if manifest.outputs)]
-    return {file.stem: file for folder in folders for file in folder_of(folder).glob("*.json")}
-
-
 @cache
 def schema_names() -> tuple[str, ...]:
     """Return the names of all schemas: files first, then what commands print with ``--json``.
@@ -96,7 +88,7 @@ def schema_names() -> tuple[str, ...]:
     -------
     Names for :func:`json_schema`, such as "model", "rig-serial" and "output-control".
     """
-    return (*file_models(), *(f"{OUTPUT}{name}" for name in sorted({*answers(), *output_files()})))
+    return (*file_models(), *(f"{OUTPUT}{name}" for name in sorted(answers())))
 
 
 def json_schema(name: str) -> dict[str, Any]:
@@ -123,9 +115,6 @@ def json_schema(name: str) -> dict[str, Any]:
     if command in answers():
         schema = TypeAdapter(loaded(answers()[command])).json_schema(mode="serialization")
         return {"$schema": DIALECT, **schema, "title": f"musclewire {command.replace('-', ' ')} --json"}
-    if name.startswith(OUTPUT):
-        found: dict[str, Any] = json.loads(output_files()[command].read_text("utf-8"))
-        return found
     return {"$schema": DIALECT, **of_model(name, file_models()[name])}
 
 

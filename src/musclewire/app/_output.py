@@ -172,13 +172,13 @@ def step_bar(unit: str) -> Iterator[OnStage]:
 
 
 @contextmanager
-def run_bar(unit: str, quiet: bool = False) -> Iterator[OnRuns]:
+def run_bar(unit: str) -> Iterator[OnRuns]:
     """Show a bar over the runs of a study; yields what takes the number of finished ones and of all.
 
-    On a pipe every tenth of the runs is a line. Nothing is shown where ``quiet``.
+    On a pipe every tenth of the runs is a line.
     """
     shown = console()
-    if quiet:
+    if not _Shown.progress:
         yield lambda _done, _total: None
     elif not shown.is_terminal:
         tenths: set[int] = set()

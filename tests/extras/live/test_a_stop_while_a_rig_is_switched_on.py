@@ -22,8 +22,8 @@ from musclewire.extras.live import _messages as messages
 from musclewire.extras.live._bench import loop, opening
 from musclewire.extras.live._bench.descriptions import described_rig
 from musclewire.extras.live._bench.lines import MessageWriter
-from musclewire.extras.live._bench.loop import perform
 from musclewire.extras.live._bench.orders import NumberedOrder, OrderQueue
+from musclewire.extras.live._bench.process import perform
 from musclewire.extras.live._bench.recipes import RECIPES
 from musclewire.extras.live._bench.session import BenchSession
 from musclewire.extras.live._bench.state import PublishedState

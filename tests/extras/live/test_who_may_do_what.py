@@ -178,7 +178,7 @@ def read_all(socket: ClientConnection) -> None:
 def test_a_flood_of_messages_is_not_read_but_a_stop_in_it_is_and_its_sender_is_disconnected(
     server: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("musclewire.extras.live._server.live_socket.MESSAGES_A_SECOND", 5)
+    monkeypatch.setattr("musclewire.extras.live._server.application.MESSAGES_A_SECOND", 5)
     with connect(server.socket) as flooding, connect(server.socket) as other:
         for _ in range(20):
             flooding.send('{"type":"ask_control","bench":"simulated"}')

@@ -3,7 +3,7 @@
 from ._c.constants import collect as collect
 from ._c.exercise import ExerciseRow as ExerciseRow
 from ._c.exercise import exercise as exercise
-from ._c.golden import golden_ticks as golden_ticks
+from ._c.exercise import golden_ticks as golden_ticks
 from ._c.header import constants_header as constants_header
 from ._c.library import CLibrary as CLibrary
 from ._c.library import library_license as library_license
@@ -13,6 +13,7 @@ from ._c.numbers import literal as literal
 from ._c.numbers import rows as rows
 from ._c.reference import ReferenceTick as ReferenceTick
 from ._c.reference import TickOutcome as TickOutcome
+from ._export_c_command import limits_of_rig as limits_of_rig
 from ._nidaq.configuration import DisplacementInput as DisplacementInput
 from ._nidaq.configuration import ForceInput as ForceInput
 from ._nidaq.configuration import NiDaqConfiguration as NiDaqConfiguration
@@ -22,15 +23,14 @@ from ._nidaq.device import COLUMNS as COLUMNS
 from ._parts import PartsList as PartsList
 from ._parts import load_parts as load_parts
 from ._parts import parts_names as parts_names
-from ._rig_limits import limits_of_rig as limits_of_rig
 from ._serial.board import Board as Board
 from ._serial.boards import BOARD_NAMES as BOARD_NAMES
-from ._serial.configuration import SerialConfiguration as SerialConfiguration
+from ._serial.device import SerialConfiguration as SerialConfiguration
 from ._serial.device import SerialDevice as SerialDevice
+from ._serial.flash import FOLDER as FOLDER
 from ._serial.frames import FrameParser as FrameParser
 from ._serial.frames import SerialFrame as SerialFrame
 from ._serial.frames import encode_frame as encode_frame
-from ._serial.images import FOLDER as FOLDER
 from ._serial.line import open_line as open_line
 from ._serial.message_types import MAXIMUM_BODY_BYTES as MAXIMUM_BODY_BYTES
 from ._serial.message_types import Acknowledgement as Acknowledgement

@@ -1,10 +1,10 @@
-"""The command that takes a controller out of Python as a C library: export c."""
+"""The command that takes a controller out of Python as a C library, with the limits of its rig: export c."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -16,13 +16,33 @@ from musclewire.app import (
     RIG,
     RULES,
     SETTINGS,
-    Json,
-    emit_json,
+    AnswerModel,
+    AnswerRecord,
+    Result,
     read_settings,
     require_zip_file,
-    show,
 )
+from musclewire.controllers import DriveLimits, ProtectionLimits
+from musclewire.errors import CallerError
 from musclewire.extras.board._options import ARDUINO_ZIP, DOUBLE
+from musclewire.extras.board._serial.device import SerialConfiguration
+from musclewire.rigs import Metadata, RigConfiguration, open_rig, rig_configuration
+
+
+class ExportCAnswer(AnswerModel):
+    """Of ``export c``; a limit that there is not is null."""
+
+    folder: str
+    arduino_zip: str | None
+    name: str
+    files: tuple[str, ...]
+    quantity: str
+    rule_base: str
+    estimator: str
+    precision: str
+    limits: Annotated[ProtectionLimits, AnswerRecord(infinite=...)]
+    single_error_share: float
+    golden_rows: int
 
 
 @dataclass(frozen=True)
@@ -43,12 +63,9 @@ def export_c(
     name: Annotated[str, NAME] = "musclewire_wire",
     arduino_zip: Annotated[Path | None, ARDUINO_ZIP] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Model, controller, limits and protection as a self-contained C99 library, with its own test vectors."""
-    from musclewire.controllers import DriveLimits
     from musclewire.extras.board._c import write_arduino_zip, write_library
-    from musclewire.extras.board._rig_limits import limits_of_rig
     from musclewire.identify import check_made_for, settings_for
     from musclewire.sensing import load_model
 
@@ -68,43 +85,54 @@ def export_c(
         overwrite=overwrite,
         estimator=estimator,
     )
-    answer = {
-        "folder": str(output),
-        "arduino_zip": None if arduino_zip is None else str(write_arduino_zip(library, arduino_zip)),
-        "name": name,
-        "files": list(library.files),
-        "quantity": loaded.quantity,
-        "rule_base": chosen.rule_base,
-        "estimator": estimator,
-        "precision": "double" if double else "single",
-        "limits": finite_numbers(limits._asdict()),
-        "single_error_share": library.single_error_share,
-        "golden_rows": library.golden_rows,
-    }
-    if json:
-        emit_json(answer)
-    else:
-        show(export_text(answer, rig))
+    answer = ExportCAnswer.read_from(
+        library,
+        loaded,
+        chosen,
+        folder=str(output),
+        arduino_zip=None if arduino_zip is None else str(write_arduino_zip(library, arduino_zip)),
+        estimator=estimator,
+        precision="double" if double else "single",
+        limits=limits,
+    )
+    return Result(answer, export_text(answer, rig))
 
 
-def finite_numbers(numbers: dict[str, float]) -> dict[str, float | None]:
-    """Return the numbers with None for "no limit": a JSON document knows no infinity."""
-    return {name: value if abs(value) < float("inf") else None for name, value in numbers.items()}
-
-
-def export_text(answer: dict[str, Any], rig: str) -> str:
+def export_text(answer: ExportCAnswer, rig: str) -> str:
     """Return what was written and how it is tested, for people."""
-    limits = answer["limits"]
+    limits = answer.limits
     lines = [
-        f"{answer['folder']}: {answer['quantity']} from resistance, rule base {answer['rule_base']}, "
-        f"{answer['precision']} precision",
-        f"limits of rig {rig}: shunt {limits['shunt_resistance_ohm']:g} ohm, drive {limits['sense_voltage_v']:g} to "
-        f"{limits['maximum_voltage_v']:g} V, resistance {limits['resistance_low_ohm']:.3g} to "
-        f"{limits['resistance_high_ohm']:.3g} ohm",
-        f"single precision moves an estimate by at most {100.0 * answer['single_error_share']:.2g} % of the full scale",
-        f"{len(answer['files'])} files, {answer['golden_rows']} golden vectors: "
-        f"cmake -S {answer['folder']} -B build && cmake --build build && ctest --test-dir build",
+        f"{answer.folder}: {answer.quantity} from resistance, rule base {answer.rule_base}, "
+        f"{answer.precision} precision",
+        f"limits of rig {rig}: shunt {limits.shunt_resistance_ohm:g} ohm, drive {limits.sense_voltage_v:g} to "
+        f"{limits.maximum_voltage_v:g} V, resistance {limits.resistance_low_ohm:.3g} to "
+        f"{limits.resistance_high_ohm:.3g} ohm",
+        f"single precision moves an estimate by at most {100.0 * answer.single_error_share:.2g} % of the full scale",
+        f"{len(answer.files)} files, {answer.golden_rows} golden vectors: "
+        f"cmake -S {answer.folder} -B build && cmake --build build && ctest --test-dir build",
     ]
-    if answer["arduino_zip"] is not None:
-        lines.append(f"{answer['arduino_zip']}: in the Arduino IDE, Sketch, Include Library, Add .ZIP Library")
+    if answer.arduino_zip is not None:
+        lines.append(f"{answer.arduino_zip}: in the Arduino IDE, Sketch, Include Library, Add .ZIP Library")
     return "\n".join(lines)
+
+
+def limits_of_rig(rig: str | Path) -> tuple[ProtectionLimits, Metadata]:
+    """Return limits and facts of a rig without driving anything: a simulated one, or a board's rig file.
+
+    Raises CallerError for a rig of another kind.
+    """
+    configuration, where = rig_configuration(rig)
+    if isinstance(configuration, RigConfiguration):
+        with open_rig(configuration) as opened:
+            return opened.protection_limits, opened.metadata()
+    if isinstance(configuration, SerialConfiguration):
+        limits = configuration.protection_limits(
+            wire_range_v=configuration.wire_range,
+            shunt_range_v=configuration.shunt_range,
+            readings_noisy=configuration.readings_noisy,
+        )
+        return limits, configuration.facts()
+    raise CallerError(
+        f"{where} is no board: an exported controller's limits come from the channels of the board it runs on; write "
+        'a rig file with kind = "serial" for it'
+    )

@@ -2,19 +2,41 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app import WIRE, Json, emit_json, show
+from musclewire.app import WIRE, AnswerModel, Result, tell
 from musclewire.extras.board._options import DRY_RUN, OLD_BOOTLOADER, SERIAL_PORT
 
 if TYPE_CHECKING:
-    from musclewire.extras.board._serial.flash import FlashLoader
-    from musclewire.extras.board._serial.images import FirmwareImage
+    from musclewire.extras.board._serial.flash import FirmwareImage
 
 # What stands for the port in a command that is only shown.
 NO_PORT = "PORT"
+
+
+class GreetedBoard(AnswerModel):
+    """What the flashed board says it is."""
+
+    board: str
+    firmware: str
+    started_by: str
+
+
+class FlashAnswer(AnswerModel):
+    """Of ``flash``: the image, how it was written, and who answered."""
+
+    board: str
+    wire: str
+    file: str
+    sha256: str
+    wire_length_m: float
+    shunt_resistance_ohm: float
+    maximum_voltage_v: float
+    serial_port: str | None
+    command: tuple[str, ...]
+    answered: GreetedBoard | None
 
 
 def flash(
@@ -23,27 +45,21 @@ def flash(
     serial_port: Annotated[str | None, SERIAL_PORT] = None,
     old_bootloader: Annotated[bool, OLD_BOOTLOADER] = False,
     dry_run: Annotated[bool, DRY_RUN] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Put the built firmware for a wire on a board, and ask the board whether it runs."""
-    from musclewire.extras.board._serial.flash import loader_for, run_loader
-    from musclewire.extras.board._serial.images import find_image, require_sound
+    from musclewire.extras.board._serial.flash import find_image, loader_for, require_sound, run_loader
 
     image = find_image(board, wire)
     require_sound(image)
     port = chosen_port(image, serial_port, dry_run)
     loader = loader_for(image, port, old_bootloader)
-    if not (json or dry_run):
-        show(f"{image.file}: wire {image.wire} of {1e3 * image.wire_length_m:g} mm, {limits_text(image)}")
     greeted = None
     if not dry_run:
+        tell(f"{image.file}: wire {image.wire} of {1e3 * image.wire_length_m:g} mm, {limits_text(image)}")
         run_loader(loader, old_bootloader)
         greeted = who(image, port) if port else None
-    answer = document(image, loader, port, greeted)
-    if json:
-        emit_json(answer)
-    else:
-        show(text(answer, dry_run))
+    answer = FlashAnswer.read_from(image, serial_port=port or None, command=loader.command, answered=greeted)
+    return Result(answer, text(answer, dry_run))
 
 
 def chosen_port(image: FirmwareImage, given: str | None, dry_run: bool) -> str:
@@ -61,12 +77,12 @@ def chosen_port(image: FirmwareImage, given: str | None, dry_run: bool) -> str:
         raise
 
 
-def who(image: FirmwareImage, port: str) -> dict[str, Any]:
+def who(image: FirmwareImage, port: str) -> GreetedBoard:
     """Return what the flashed board says it is. Raises RigError if it is silent or another."""
     from musclewire.extras.board._serial.flash import greet
 
     identity = greet(image, port)
-    return {"board": identity.board, "firmware": identity.firmware_version, "started_by": identity.reset_by}
+    return GreetedBoard(board=identity.board, firmware=identity.firmware_version, started_by=identity.reset_by)
 
 
 def limits_text(image: FirmwareImage) -> str:
@@ -74,23 +90,12 @@ def limits_text(image: FirmwareImage) -> str:
     return f"shunt {image.shunt_resistance_ohm:g} ohm, at most {image.maximum_voltage_v:g} V"
 
 
-def document(image: FirmwareImage, loader: FlashLoader, port: str, greeted: dict[str, Any] | None) -> dict[str, Any]:
-    """Return what was done under the keys of the interface."""
-    return {
-        **{key: value for key, value in image._asdict().items() if key != "compiler"},
-        "serial_port": port or None,
-        "command": list(loader.command),
-        "answered": greeted,
-    }
-
-
-def text(answer: dict[str, Any], dry_run: bool) -> str:
+def text(answer: FlashAnswer, dry_run: bool) -> str:
     """Return what was done for people; of a dry run the command alone."""
     from musclewire.extras.board._serial.flash import shown
 
     if dry_run:
-        return shown(answer["command"])
-    if answer["answered"] is None:
+        return shown(answer.command)
+    if answer.answered is None:
         return "written; not asked who it is: give the port of its serial line by --serial-port for that"
-    said = answer["answered"]
-    return f"written; {answer['serial_port']} answers: {said['board']}, firmware {said['firmware']}"
+    return f"written; {answer.serial_port} answers: {answer.answered.board}, firmware {answer.answered.firmware}"

@@ -13,6 +13,7 @@ MANIFEST = Manifest(
             "flash",
             "musclewire.extras.board._flash_command:flash",
             "Put the built firmware for a wire on a board, and ask the board whether it runs.",
+            answer="musclewire.extras.board._flash_command:FlashAnswer",
             panel="A wire on a bench",
             before="doctor",
         ),
@@ -21,6 +22,7 @@ MANIFEST = Manifest(
             "musclewire.extras.board._export_c_command:export_c",
             "Model, controller, limits and protection as a self-contained C99 library, with its own test vectors.",
             group="export",
+            answer="musclewire.extras.board._export_c_command:ExportCAnswer",
         ),
     ),
     devices={
@@ -36,6 +38,5 @@ MANIFEST = Manifest(
         "black-pill": "stm32f411",
         "blackpill": "stm32f411",
     },
-    outputs="musclewire.extras.board:outputs",
     versions={"firmware_protocol": "musclewire.extras.board._serial.message_types:PROTOCOL_VERSION"},
 )

@@ -33,13 +33,14 @@ MANIFEST = Manifest(
             "musclewire.extras.design._commands.pretensioner_command:pretensioner",
             "Size a serpentine pretensioner, or compute what one of given dimensions does.",
             group="design",
+            answer="musclewire.extras.design._answers:PretensionerAnswers",
         ),
         Command(
             "finger",
             "musclewire.extras.design._commands.finger_command:finger",
             "Size a tendon-driven flexible finger, or compute what one of given dimensions does.",
             group="design",
+            answer="musclewire.extras.design._answers:FingerAnswer",
         ),
     ),
-    outputs="musclewire.extras.design:outputs",
 )

@@ -4,16 +4,32 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app import NAME, OUTPUT, OVERWRITE, RIG, RULES, SETTINGS, Json, emit_json, read_settings, show
+from musclewire.app import NAME, OUTPUT, OVERWRITE, RIG, RULES, SETTINGS, AnswerModel, Result, read_settings
 from musclewire.errors import CallerError
 from musclewire.extras.interfaces._options import SOURCES_ONLY
 
 if TYPE_CHECKING:
     from musclewire.extras.interfaces._fmu import Fmu
+
+
+class ExportFmuAnswer(AnswerModel):
+    """Of ``export fmu``; without a binary platform and compiler are null."""
+
+    file: str
+    kind: str
+    fmi_version: str
+    platform: str | None
+    compiler: str | None
+    step_s: float
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    parameters: tuple[str, ...]
+    files: tuple[str, ...]
+    left_out: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -39,8 +55,7 @@ def export_fmu(
     name: Annotated[str | None, NAME] = None,
     sources_only: Annotated[bool, SOURCES_ONLY] = False,
     overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Wire or controller as a functional mock-up unit (FMI 2.0, co-simulation) with its C sources and a binary."""
     from musclewire.extras.interfaces._fmu import export_fmu as write_fmu
     from musclewire.extras.interfaces._fmu import is_model
@@ -59,44 +74,38 @@ def export_fmu(
             overwrite=overwrite,
         )
     )
-    if json:
-        emit_json(answer)
-    else:
-        show(fmu_text(answer))
+    return Result(answer, fmu_text(answer))
 
 
-def fmu_answer(fmu: Fmu) -> dict[str, Any]:
+def fmu_answer(fmu: Fmu) -> ExportFmuAnswer:
     """Return what the command export fmu answers."""
     from musclewire.extras.interfaces._fmu import FMI_VERSION
 
-    return {
-        "file": str(fmu.path),
-        "kind": fmu.kind,
-        "fmi_version": FMI_VERSION,
-        "platform": fmu.platform or None,
-        "compiler": fmu.compiler or None,
-        "step_s": fmu.step_s,
-        "inputs": fmu.names("input"),
-        "outputs": fmu.names("output"),
-        "parameters": fmu.names("fixed"),
-        "files": list(fmu.files),
-        "left_out": list(fmu.left_out),
-    }
+    return ExportFmuAnswer.read_from(
+        fmu,
+        file=str(fmu.path),
+        fmi_version=FMI_VERSION,
+        platform=fmu.platform or None,
+        compiler=fmu.compiler or None,
+        inputs=fmu.names("input"),
+        outputs=fmu.names("output"),
+        parameters=fmu.names("fixed"),
+    )
 
 
-def fmu_text(answer: dict[str, Any]) -> str:
+def fmu_text(answer: ExportFmuAnswer) -> str:
     """Return what was written, for people."""
     binary = (
-        f"binary for {answer['platform']} by {answer['compiler']}"
-        if answer["platform"]
+        f"binary for {answer.platform} by {answer.compiler}"
+        if answer.platform
         else "sources only: the importing tool must compile them"
     )
     return "\n".join(
         [
-            f"{answer['file']}: {answer['kind']}, FMI {answer['fmi_version']} co-simulation, {binary}",
-            f"inputs: {', '.join(answer['inputs'])}",
-            f"outputs: {', '.join(answer['outputs'])}",
-            f"{len(answer['parameters'])} parameters; communication step by default {answer['step_s']:g} s",
-            *(f"not in it: {text}" for text in answer["left_out"]),
+            f"{answer.file}: {answer.kind}, FMI {answer.fmi_version} co-simulation, {binary}",
+            f"inputs: {', '.join(answer.inputs)}",
+            f"outputs: {', '.join(answer.outputs)}",
+            f"{len(answer.parameters)} parameters; communication step by default {answer.step_s:g} s",
+            *(f"not in it: {text}" for text in answer.left_out),
         ]
     )

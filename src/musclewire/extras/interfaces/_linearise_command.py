@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
-from musclewire.app import FigureOptions, Json, RigName, emit_json, in_si, show
+from musclewire.app import AnswerModel, FigureOptions, Result, RigName, in_si
+from musclewire.controllers import PidSettings
 from musclewire.extras.interfaces._options import DISPLACEMENT, SENSED_BY
 
 if TYPE_CHECKING:
@@ -15,13 +16,56 @@ if TYPE_CHECKING:
 ZERO_DEGC_K = 273.15
 
 
+class OperatingPointAnswer(AnswerModel):
+    """One operating point."""
+
+    branch: str
+    drive_voltage_v: float
+    temperature_degc: float
+    resistance_ohm: float
+    force_n: float
+    martensite_fraction: float
+    r_phase_fraction: float
+
+
+class LinearLoopAnswer(AnswerModel):
+    """One linear wire with its margins; null for a margin that there is not."""
+
+    branch: str
+    motion: str
+    pole_per_s: float
+    time_constant_s: float
+    displacement_m_per_v: float
+    resistance_ohm_per_v: float
+    temperature_k_per_v: float
+    stable: bool
+    slowest_s: float | None
+    gain_margin: float | None
+    phase_margin_deg: float | None
+    delay_margin_s: float | None
+    crossover_hz: float | None
+
+
+class LineariseAnswer(AnswerModel):
+    """Of ``linearise``."""
+
+    wire: str
+    displacement_m: float
+    strain_pct: float
+    sample_period_s: float
+    width_v: float
+    operating_points: tuple[OperatingPointAnswer, ...]
+    linearisations: tuple[LinearLoopAnswer, ...]
+    controller: PidSettings
+    sensed_by: str
+
+
 def linearise(
     rig: RigName,
     displacement: Annotated[str, DISPLACEMENT],
     figure: FigureOptions,
     sensed_by: Annotated[Path | None, SENSED_BY] = None,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Linearise the simulated wire at a displacement: operating points, poles, margins of the closed loop."""
     figure.check()
     from musclewire.extras.interfaces import _control_systems as control_systems
@@ -30,59 +74,42 @@ def linearise(
     model = None if sensed_by is None else load_model(sensed_by)
     found = control_systems.linearise(in_si("--displacement", displacement), rig, model=model)
     figure.draw(partial(control_systems.bode_axes, found))
-    if json:
-        emit_json(linearisation_json(found))
-    else:
-        show(linearisation_text(found))
+    return Result(linearisation_answer(found), linearisation_text(found))
 
 
-def linearisation_json(found: Linearisation) -> dict[str, Any]:
+def linearisation_answer(found: Linearisation) -> LineariseAnswer:
     """Return a linearisation under the keys of the interface."""
     point = found.points[0]
-    return {
-        "wire": point.wire.name,
-        "displacement_m": point.displacement_m,
-        "strain_pct": 100.0 * point.strain,
-        "sample_period_s": point.wire.sample_period_s,
-        "width_v": found.width_v,
-        "operating_points": [point_json(one) for one in found.points],
-        "linearisations": [loop_json(one) for one in found.loops],
-        "controller": found.settings.model_dump(),
-        "sensed_by": "strain" if found.model is None else "model",
-    }
+    return LineariseAnswer.read_from(
+        found,
+        point,
+        point.wire,
+        wire=point.wire.name,
+        strain_pct=100.0 * point.strain,
+        operating_points=[point_answer(one) for one in found.points],
+        linearisations=[loop_answer(one) for one in found.loops],
+        controller=found.settings,
+        sensed_by="strain" if found.model is None else "model",
+    )
 
 
-def point_json(point: OperatingPoint) -> dict[str, Any]:
+def point_answer(point: OperatingPoint) -> OperatingPointAnswer:
     """Return one operating point."""
-    return {
-        "branch": point.branch,
-        "drive_voltage_v": point.drive_voltage_v,
-        "temperature_degc": point.temperature_k - ZERO_DEGC_K,
-        "resistance_ohm": point.resistance_ohm,
-        "force_n": point.force_n,
-        "martensite_fraction": point.state.martensite_fraction,
-        "r_phase_fraction": point.state.r_phase_fraction,
-    }
+    return OperatingPointAnswer.read_from(point, point.state, temperature_degc=point.temperature_k - ZERO_DEGC_K)
 
 
-def loop_json(one: LinearisedLoop) -> dict[str, Any]:
-    """Return one linear wire with its margins; null for a margin that there is not."""
-    linear, margins = one.linear, one.margins
-    return {
-        "branch": linear.point.branch,
-        "motion": linear.motion,
-        "pole_per_s": linear.rate_per_s,
-        "time_constant_s": linear.time_constant_s,
-        "displacement_m_per_v": linear.steady_per_volt(linear.displacement_m_per_j),
-        "resistance_ohm_per_v": linear.steady_per_volt(linear.resistance_ohm_per_j),
-        "temperature_k_per_v": linear.steady_per_volt(linear.temperature_k_per_j),
-        "stable": margins.stable,
-        "slowest_s": margins.slowest_s,
-        "gain_margin": margins.gain_margin,
-        "phase_margin_deg": margins.phase_margin_deg,
-        "delay_margin_s": margins.delay_margin_s,
-        "crossover_hz": margins.crossover_hz,
-    }
+def loop_answer(one: LinearisedLoop) -> LinearLoopAnswer:
+    """Return one linear wire with its margins."""
+    linear = one.linear
+    return LinearLoopAnswer.read_from(
+        one.margins,
+        linear,
+        branch=linear.point.branch,
+        pole_per_s=linear.rate_per_s,
+        displacement_m_per_v=linear.steady_per_volt(linear.displacement_m_per_j),
+        resistance_ohm_per_v=linear.steady_per_volt(linear.resistance_ohm_per_j),
+        temperature_k_per_v=linear.steady_per_volt(linear.temperature_k_per_j),
+    )
 
 
 def linearisation_text(found: Linearisation) -> str:

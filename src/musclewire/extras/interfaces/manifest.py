@@ -15,12 +15,14 @@ MANIFEST = Manifest(
             "Linearise the simulated wire at a displacement: operating points, poles, margins of the closed loop.",
             panel="Choose, simulate and design",
             before="design",
+            answer="musclewire.extras.interfaces._linearise_command:LineariseAnswer",
         ),
         Command(
             "fmu",
             "musclewire.extras.interfaces._export_fmu_command:export_fmu",
             "Wire or controller as a functional mock-up unit (FMI 2.0, co-simulation) with its C sources and a binary.",
             group="export",
+            answer="musclewire.extras.interfaces._export_fmu_command:ExportFmuAnswer",
         ),
     ),
     names={
@@ -33,7 +35,6 @@ MANIFEST = Manifest(
         "operating_point": "musclewire.extras.interfaces._control_systems.operating_points:operating_point",
         "wire_system": "musclewire.extras.interfaces._control_systems.systems:wire_system",
     },
-    outputs="musclewire.extras.interfaces:outputs",
     kernels=(
         "musclewire.extras.interfaces._control_systems.heating",
         "musclewire.extras.interfaces._environments.kernels",

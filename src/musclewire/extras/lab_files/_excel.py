@@ -11,17 +11,19 @@ import io
 import itertools
 import re
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
-from musclewire.errors import MissingExtraError, RecordingError, nearest_hint
-from musclewire.extras.lab_files._excel_export import METADATA_SHEET, RECORDING_SHEET
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError, MissingExtraError, RecordingError, nearest_hint
 from musclewire.extras.lab_files._file_table import check_limits, damage_reported, one_line
-from musclewire.signals import Line, MetadataValue, TextTable, entry_from_text, table_of_lines
+from musclewire.signals import Line, MetadataValue, TextTable, entry_from_text, table_of_lines, value_to_text
 
 MAX_ROWS = 1_048_576
 MAX_COLUMNS = 16_384
@@ -143,3 +145,37 @@ def _formulas(path: Path, title: str, table: TextTable, openpyxl: Any) -> list[s
                     found.append(one_line(column.header))
     cure = "open the workbook in Excel or LibreOffice and save it"
     return [f"column '{name}' holds formulas without values: {cure}" for name in dict.fromkeys(found)]
+
+
+RECORDING_SHEET, METADATA_SHEET = "recording", "metadata"
+SHEET_ROWS = 1_048_575
+
+
+def fill_excel(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
+    """Write a workbook. Raises CallerError for more rows than a sheet holds, MissingExtraError without openpyxl."""
+    try:
+        from openpyxl import Workbook
+        from openpyxl.cell import WriteOnlyCell
+    except ImportError:
+        raise MissingExtraError("an Excel workbook", "labfiles") from None
+    rows = len(next(iter(columns.values())))
+    if rows > SHEET_ROWS:
+        raise CallerError(f"{path}: {rows} rows are more than the {SHEET_ROWS} of an Excel sheet; save as .csv or .h5")
+    workbook = Workbook(write_only=True)
+    sheet = workbook.create_sheet(RECORDING_SHEET)
+    sheet.append(list(columns))
+    for row in zip(*(_cells(values) for values in columns.values()), strict=True):
+        sheet.append(row)
+    sheet = workbook.create_sheet(METADATA_SHEET)
+    for key, value in metadata.items():
+        cell = WriteOnlyCell(sheet, value_to_text(key, value))
+        # Text, whatever it begins with: "=" would make it a formula.
+        cell.data_type = "s"
+        sheet.append([key, cell])
+    with path.open("wb") as file:
+        workbook.save(file)
+
+
+def _cells(values: FloatArray) -> list[float | None]:
+    """Return a column as cells: what is no number is an empty cell, which Excel can keep."""
+    return [value if np.isfinite(value) else None for value in values.tolist()]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from musclewire.arrays import FloatArray
 from musclewire.errors import MissingExtraError, RecordingError
 from musclewire.extras.lab_files._file_table import check_limits, damage_reported, metadata_of, one_line
-from musclewire.signals import BLOCK_ROWS, Cells, MetadataValue, RowBlock, SourceColumn
+from musclewire.signals import BLOCK_ROWS, COLUMNS, Cells, MetadataValue, RowBlock, SourceColumn
 
 # Our files keep the metadata under this key of the schema, as JSON.
 PARQUET_KEY = b"musclewire-recording"
@@ -140,3 +141,33 @@ def _pandas_attrs(text: bytes) -> dict[str, object]:
         return {str(key): value for key, value in json.loads(text).items()}
     except (ValueError, AttributeError, RecursionError):
         return {}
+
+
+def fill_parquet(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
+    """Write columns to ``path`` with our names, units as field metadata, and the metadata as JSON."""
+    fill_parquet_blocks(tuple(columns), [tuple(columns.values())], metadata, path)
+
+
+def fill_parquet_blocks(
+    names: Sequence[str],
+    blocks: Iterable[tuple[FloatArray, ...]],
+    metadata: Mapping[str, MetadataValue],
+    path: Path,
+) -> None:
+    """Write blocks of columns to ``path``, as ``fill_parquet`` does."""
+    pa, parquet = _pyarrow()
+    fields = [pa.field(name, pa.float64(), nullable=False, metadata={"unit": COLUMNS[name].unit}) for name in names]
+    document = json.dumps({"format_version": 1, "metadata": dict(metadata)})
+    schema = pa.schema(fields, metadata={PARQUET_KEY: document.encode()})
+    with parquet.ParquetWriter(path, schema) as writer:
+        for block in blocks:
+            writer.write_table(pa.Table.from_arrays([pa.array(values) for values in block], schema=schema))
+
+
+def _pyarrow() -> tuple[Any, Any]:
+    try:
+        import pyarrow as pa
+        from pyarrow import parquet
+    except ImportError:
+        raise MissingExtraError("a Parquet file", "parquet") from None
+    return pa, parquet

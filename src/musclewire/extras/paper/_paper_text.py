@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import sys
+from io import StringIO
 from typing import TYPE_CHECKING
 
-from musclewire.app import show
 from musclewire.extras.paper._page.row_text import (
     limit_text,
     ours_text,
@@ -17,15 +16,15 @@ from musclewire.extras.paper._page.row_text import (
 )
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from rich.table import Table
 
     from musclewire.extras.paper._reproduce import Reproduction
 
 TABLE_WIDTH = 150
 
 
-def print_rows(result: Reproduction) -> None:
-    """Print all rows on stdout."""
+def rows_text(result: Reproduction) -> str:
+    """Return all rows as a table; on a terminal those that fail are red."""
     from rich.table import Table
 
     table = Table(box=None, pad_edge=False, header_style="bold")
@@ -42,32 +41,30 @@ def print_rows(result: Reproduction) -> None:
             verdict_text(row),
         )
         table.add_row(*map(plain_markup, cells), style=style)
-    stdout_console().print(table)
+    return drawn(table)
 
 
-def print_summary(result: Reproduction) -> None:
-    """Print how many rows of each origin hold, and name the failures by whether they are known."""
-    show(f"\n{seeds_text(result.seeds)}")
-    print_origins(result)
+def summary_text(result: Reproduction) -> str:
+    """Return how many rows of each origin hold, and the names of the failures by whether they are known."""
     count, failing = len(result.judged_rows), len(result.failing)
     reported = len(result.rows) - count
     more = f"; {reported} more are reported and not judged" if reported else ""
-    show(f"{count - failing} of {count} rows hold{more}")
+    lines = ["", seeds_text(result.seeds), origins_text(result), f"{count - failing} of {count} rows hold{more}"]
     groups = (
         ("known failures", [row for row in result.failing if row.known_failure]),
         ("new failures, not on the committed list", result.new_failures),
         ("repaired: on the committed list, and they hold", result.repaired),
     )
     for title, rows in groups:
-        if rows:
-            show(f"{title}:")
+        lines += [f"{title}:"] if rows else []
         for row in rows:
             reason = reason_text(row)
-            show(f"  {row.name}" + (f": {reason}" if reason else ""))
+            lines.append(f"  {row.name}" + (f": {reason}" if reason else ""))
+    return "\n".join(lines)
 
 
-def print_origins(result: Reproduction) -> None:
-    """Print how many rows of each origin hold, are at the bar, and fail."""
+def origins_text(result: Reproduction) -> str:
+    """Return how many rows of each origin hold, are at the bar, and fail."""
     from rich.table import Table
 
     from musclewire.extras.paper._reproduce import counts_by_origin
@@ -78,16 +75,17 @@ def print_origins(result: Reproduction) -> None:
         table.add_column(name, justify="right")
     for one in counts_by_origin(result.rows):
         table.add_row(one.origin, *map(str, (one.rows, one.holds, one.at_the_bar, one.fails)))
-    stdout_console().print(table)
+    return drawn(table)
 
 
-def stdout_console() -> Console:
-    """Return a console for stdout, on a pipe wide enough for the table."""
+def drawn(table: Table) -> str:
+    """Return a table as it is on stdout, on a pipe wide enough for it."""
     from rich.console import Console
 
-    out = Console(file=sys.stdout, highlight=False)
-    out.width = max(out.width, TABLE_WIDTH) if not out.is_terminal else out.width
-    return out
+    out, text = Console(), StringIO()
+    width = out.width if out.is_terminal else max(out.width, TABLE_WIDTH)
+    Console(file=text, highlight=False, force_terminal=out.is_terminal, width=width).print(table)
+    return text.getvalue().removesuffix("\n")
 
 
 def plain_markup(text: str) -> str:

@@ -15,8 +15,8 @@ MANIFEST = Manifest(
             "Compare every printed number and figure of the paper with ours, in a folder; exit code 1 if a row fails.",
             panel="Studies and the paper",
             before="rules",
+            answer="musclewire.extras.paper._answers:ReproduceAnswer",
         ),
     ),
     names={"reproduce": "musclewire.extras.paper._reproduce:reproduce"},
-    outputs="musclewire.extras.paper:outputs",
 )

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json as json_text
+import json
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
-
-import typer
 
 from musclewire.app import (
     LIST,
@@ -16,10 +14,8 @@ from musclewire.app import (
     QUICK,
     WORKERS,
     FigureOptions,
-    Json,
-    emit_json,
+    Result,
     run_bar,
-    show,
     stop_if_asked,
     stops_between_samples,
 )
@@ -28,6 +24,7 @@ from musclewire.extras.studies._options import CONDITION, CONTROLLERS, ESTIMATOR
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from musclewire.extras.studies._answers import RobustnessAnswer
     from musclewire.extras.studies._robustness import Robustness, Selection
 
 
@@ -65,8 +62,7 @@ def robustness(
     output: Annotated[Path | None, OUTPUT] = None,
     workers: Annotated[int | None, WORKERS] = None,
     list_all: Annotated[bool, LIST] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Compare estimators and controllers on a population of simulated wires under disturbance.
 
     The output is a folder, "robustness" by default, with a page, the rows as CSV and JSON, and all runs: the same
@@ -74,29 +70,20 @@ def robustness(
     """
     from musclewire.extras.studies._robustness import robustness as run_robustness
     from musclewire.extras.studies._robustness.store import FOLDER
+    from musclewire.extras.studies._robustness.table_text import table_text
 
     if list_all:
-        show_known(json)
-        return
+        return known_names()
     figure.check()
     folder = output or FOLDER
-    with resumable(folder), stops_between_samples(), run_bar("parts", json) as on_progress:
+    with resumable(folder), stops_between_samples(), run_bar("parts") as on_progress:
         result = run_robustness(
             what.selection(), folder=folder, workers=workers, on_progress=on_progress, look=stop_if_asked
         )
-    page = write_files(result, folder)
+    answer = written(result, folder)
     figure.draw(partial(drawn, result))
-    if json:
-        from musclewire.extras.studies._robustness.table_text import document
-
-        emit_json({**document(result), "report": str(page)})
-    else:
-        from musclewire.extras.studies._robustness.table_text import table_text
-
-        show(table_text(result))
-        show(f"{result.wall_s:.0f} s; open {page}")
-    if result.missed:
-        raise typer.Exit(1)
+    text = f"{table_text(result)}\n{result.wall_s:.0f} s; open {answer.report}"
+    return Result(answer, text, holds=not result.missed)
 
 
 def drawn(result: Robustness, *, style: str) -> Figure:
@@ -106,32 +93,40 @@ def drawn(result: Robustness, *, style: str) -> Figure:
     return error_figure(result, style=style)
 
 
-def write_files(result: Robustness, folder: Path) -> Path:
-    """Write rows and page into the folder; return the page."""
+def written(result: Robustness, folder: Path) -> RobustnessAnswer:
+    """Write rows and page into the folder; return the answer."""
+    from musclewire.extras.studies._answers import RobustnessAnswer
     from musclewire.extras.studies._robustness.report_page import write_report
-    from musclewire.extras.studies._robustness.table_text import csv_text, document
+    from musclewire.extras.studies._robustness.table_text import csv_text, rows_answer
     from musclewire.signals import write_text_whole
 
     page = folder / "report.html"
+    answer = RobustnessAnswer.read_from(
+        result,
+        rows=rows_answer(result),
+        bars=result.verdicts,
+        missed=[f"{verdict.condition}: {verdict.name}" for verdict in result.missed],
+        seeds_are=result.seeds_text,
+        report=str(page),
+    )
     write_report(result, page)
     write_text_whole(folder / "rows.csv", csv_text(result))
-    write_text_whole(folder / "rows.json", json_text.dumps(document(result), indent=2, allow_nan=False) + "\n")
-    return page
+    rows = answer.model_dump(mode="json", exclude={"report"})
+    write_text_whole(folder / "rows.json", json.dumps(rows, indent=2, allow_nan=False) + "\n")
+    return answer
 
 
-def show_known(json: bool) -> None:
-    """Print the names of conditions, references, estimators and controllers."""
+def known_names() -> Result:
+    """Return the names of conditions, references, estimators and controllers."""
     from musclewire import controllers, sensing
+    from musclewire.extras.studies._answers import RobustnessNames
     from musclewire.extras.studies._robustness.references import REFERENCES
     from musclewire.extras.studies._robustness.settings import settings
 
-    known = {
-        "conditions": [item.name for item in settings().condition],
-        "tracks": list(REFERENCES),
-        "estimators": list(sensing.ESTIMATORS.names()),
-        "controllers": list(controllers.CONTROLLERS.names()),
-    }
-    if json:
-        emit_json(known)
-    else:
-        show("\n".join(f"{kind}: {', '.join(names)}" for kind, names in known.items()))
+    known = RobustnessNames(
+        conditions=tuple(item.name for item in settings().condition),
+        tracks=tuple(REFERENCES),
+        estimators=tuple(sensing.ESTIMATORS.names()),
+        controllers=tuple(controllers.CONTROLLERS.names()),
+    )
+    return Result(known, "\n".join(f"{kind}: {', '.join(names)}" for kind, names in known))

@@ -16,10 +16,8 @@ from musclewire.app import (
     OVERWRITE,
     WORKERS,
     FigureOptions,
-    Json,
-    emit_json,
+    Result,
     run_bar,
-    show,
     stop_if_asked,
     stops_between_samples,
     warn,
@@ -28,8 +26,9 @@ from musclewire.errors import CallerError
 from musclewire.extras.studies._options import PLAN, RETRIES, RUNS_PER_CHUNK, SCHEDULER, resumable
 
 if TYPE_CHECKING:
+    from musclewire.extras.studies._answers import QuantitySpread, SweepAnswer
     from musclewire.extras.studies._plan import Plan
-    from musclewire.extras.studies._study import StudyResult, Workers
+    from musclewire.extras.studies._study import Workers
 
 
 @dataclass(frozen=True)
@@ -59,8 +58,7 @@ def sweep(
     plan_only: Annotated[bool, PLAN] = False,
     list_all: Annotated[bool, LIST] = False,
     overwrite: Annotated[bool, OVERWRITE] = False,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Run a study of many wires: on all cores, or on a Dask cluster.
 
     The output is a folder, by default named like the study file. The same command continues a study that was
@@ -69,63 +67,59 @@ def sweep(
     from musclewire.extras.studies._study import read_study
 
     if list_all:
-        show_known(json)
-        return
+        return known_kinds()
     if study is None:
         raise CallerError("give a study file (.toml); --list shows what can be run, kept and varied")
     figure.check()
     plan = read_study(study)
     if plan_only:
-        show_plan(plan, json)
-        return
-    run_study(plan, where.chosen(), output or Path(study.stem), figure, overwrite=overwrite, json=json)
+        return planned(plan)
+    return run_study(plan, where.chosen(), output or Path(study.stem), figure, overwrite=overwrite)
 
 
-def run_study(
-    plan: Plan, workers: Workers, folder: Path, figure: FigureOptions, *, overwrite: bool, json: bool
-) -> None:
+def run_study(plan: Plan, workers: Workers, folder: Path, figure: FigureOptions, *, overwrite: bool) -> Result:
     """Run a study and write what it leaves."""
+    from musclewire.extras.studies._answers import SweepAnswer
     from musclewire.extras.studies._study import sweep as run_sweep
-    from musclewire.extras.studies._study_figures import distributions
-    from musclewire.extras.studies._study_page import require_packages, write_study
+    from musclewire.extras.studies._study_page import distributions, require_packages, write_study
 
     require_packages()
     started = time.perf_counter()
-    with resumable(folder), stops_between_samples(), run_bar("runs", json) as on_progress:
+    with resumable(folder), stops_between_samples(), run_bar("runs") as on_progress:
         result = run_sweep(
             plan, folder, workers=workers, overwrite=overwrite, on_progress=on_progress, look=stop_if_asked
         )
     files = write_study(result, folder)
     if result.failed < len(result):
         figure.draw(partial(distributions, result))
-    if json:
-        emit_json({**document(result), "wall_s": time.perf_counter() - started, "files": [str(file) for file in files]})
-    else:
-        show(result_text(result))
-        show(f"{time.perf_counter() - started:.1f} s; open {files[-1]}")
     if result.failed:
         first = next(text for text in result.errors if text)
         warn([f"{result.failed} of {len(result)} runs failed; the first: {first}"])
-    if result.failed == len(result):
-        raise typer.Exit(1)
+    answer = SweepAnswer.read_from(
+        result,
+        plan,
+        runs=len(result),
+        quantities={name: spread(column) for name, column in result.columns.items() if column.ndim == 1},
+        wall_s=time.perf_counter() - started,
+        files=[str(file) for file in files],
+    )
+    text = f"{result_text(answer, plan)}\n{answer.wall_s:.1f} s; open {files[-1]}"
+    return Result(answer, text, holds=result.failed < len(result))
 
 
-def show_plan(plan: Plan, json: bool) -> None:
-    """Print what a study would run."""
+def planned(plan: Plan) -> Result:
+    """Return what a study would run."""
+    from musclewire.extras.studies._answers import SweepPlan, VariedRange
+
     design = plan.design
     parameters = {
-        name: {"unit": design.units[name], "from": plain(column.min()), "to": plain(column.max())}
+        name: VariedRange(unit=design.units[name], least=plain(column.min()), most=plain(column.max()))
         for name, column in ((name, design.column(name)) for name in design.names)
     }
-    if json:
-        emit_json(
-            {"runs": len(design), "kind": plan.file.run["kind"], "keep": list(plan.keep), "parameters": parameters}
-        )
-        return
-    show(f"{plan.file.name}: {len(design)} runs of '{plan.file.run['kind']}', {plan.kind.runs_per_chunk} in a chunk")
-    for name, ends in parameters.items():
-        show(f"  {name}: {ends['from']} to {ends['to']} {ends['unit']}".rstrip())
-    show(f"kept: {', '.join(plan.keep)}")
+    answer = SweepPlan(runs=len(design), kind=plan.file.run["kind"], keep=tuple(plan.keep), parameters=parameters)
+    lines = [f"{plan.file.name}: {answer.runs} runs of '{answer.kind}', {plan.kind.runs_per_chunk} in a chunk"]
+    lines += [f"  {name}: {ends.least} to {ends.most} {ends.unit}".rstrip() for name, ends in parameters.items()]
+    return Result(answer, "\n".join([*lines, f"kept: {', '.join(plan.keep)}"]))
 
 
 def plain(value: Any) -> Any:
@@ -133,50 +127,37 @@ def plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") else value
 
 
-def show_known(json: bool) -> None:
-    """Print which kinds of runs there are, and what may vary on the simulated rig."""
+def known_kinds() -> Result:
+    """Return which kinds of runs there are, and what may vary on the simulated rig."""
+    from musclewire.extras.studies._answers import SweepKinds
     from musclewire.extras.studies._run_kind import RUN_KINDS
     from musclewire.rigs import RigConfiguration, keys_of
 
-    kinds = {name: list(RUN_KINDS.find(name).options.model_fields) for name in RUN_KINDS.names()}
+    kinds = {name: tuple(RUN_KINDS.find(name).options.model_fields) for name in RUN_KINDS.names()}
     keys = {name: key.unit for name, key in keys_of(RigConfiguration()).items()}
-    if json:
-        emit_json({"kinds": kinds, "parameters": keys})
-        return
-    for name, options in kinds.items():
-        show(f'kind = "{name}": {", ".join(options)}')
-    show("\nwhat may vary, besides run.KEY and, with [[load]] parts, load.PART.KEY:")
-    for name, unit in keys.items():
-        show(f"  {name} [{unit}]" if unit not in ("", "1") else f"  {name}")
+    lines = [f'kind = "{name}": {", ".join(options)}' for name, options in kinds.items()]
+    lines += ["", "what may vary, besides run.KEY and, with [[load]] parts, load.PART.KEY:"]
+    lines += [f"  {name} [{unit}]" if unit not in ("", "1") else f"  {name}" for name, unit in keys.items()]
+    return Result(SweepKinds(kinds=kinds, parameters=keys), "\n".join(lines))
 
 
-def document(result: StudyResult) -> dict[str, Any]:
-    """Return the numbers of a study under the keys of the interface."""
-    return {
-        "runs": len(result),
-        "evaluated": result.evaluated,
-        "failed": result.failed,
-        "fingerprint": result.plan.fingerprint,
-        "quantities": {name: spread(column) for name, column in result.columns.items() if column.ndim == 1},
-    }
-
-
-def spread(column: Any) -> dict[str, float | None]:
+def spread(column: Any) -> QuantitySpread:
     """Return least, median and largest value of a quantity; None if every run failed."""
     import numpy as np
 
+    from musclewire.extras.studies._answers import QuantitySpread
+
     finite = column[np.isfinite(column)]
     found = (finite.min(), np.median(finite), finite.max()) if finite.size else (None, None, None)
-    return dict(zip(("least", "median", "largest"), map(plain, found), strict=True))
+    return QuantitySpread(**dict(zip(("least", "median", "largest"), found, strict=True)))
 
 
-def result_text(result: StudyResult) -> str:
+def result_text(answer: SweepAnswer, plan: Plan) -> str:
     """Return the numbers of a study as lines."""
-    lines = [f"{len(result)} runs, {result.evaluated} of them evaluated now"]
-    for name, ends in document(result)["quantities"].items():
-        unit = result.plan.keep[name].unit
-        unit = "" if unit == "1" else unit
-        if ends["least"] is not None:
-            shown = f"{ends['least']:.5g} to {ends['largest']:.5g}, median {ends['median']:.5g} {unit}"
+    lines = [f"{answer.runs} runs, {answer.evaluated} of them evaluated now"]
+    for name, ends in answer.quantities.items():
+        unit = plan.keep[name].unit
+        if ends.least is not None:
+            shown = f"{ends.least:.5g} to {ends.largest:.5g}, median {ends.median:.5g} {'' if unit == '1' else unit}"
             lines.append(f"{name}: {shown}".rstrip())
     return "\n".join(lines)

@@ -15,6 +15,7 @@ MANIFEST = Manifest(
             "Run a study of many wires: on all cores, or on a Dask cluster.",
             panel="Studies and the paper",
             before="reproduce",
+            answer="musclewire.extras.studies._answers:SweepAnswers",
         ),
         Command(
             "robustness",
@@ -22,6 +23,7 @@ MANIFEST = Manifest(
             "Compare estimators and controllers on a population of simulated wires under disturbance.",
             panel="Studies and the paper",
             before="reproduce",
+            answer="musclewire.extras.studies._answers:RobustnessAnswers",
         ),
     ),
     names={
@@ -49,9 +51,5 @@ MANIFEST = Manifest(
     },
     devices={"segmented": "musclewire.extras.studies._segmented.configuration:SEGMENTED"},
     schemas={"study": "musclewire.extras.studies._study_file:StudyFile"},
-    outputs="musclewire.extras.studies:outputs",
-    kernels=(
-        "musclewire.extras.studies._segmented.kernel",
-        "musclewire.extras.studies._segmented.state",
-    ),
+    kernels=("musclewire.extras.studies._segmented.kernel",),
 )

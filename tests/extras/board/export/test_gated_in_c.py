@@ -12,8 +12,7 @@ from tests.tools import require_tool
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError
 from musclewire.extras.board._c import loop_checksum, write_library
-from musclewire.extras.board._c.exercise import exercise
-from musclewire.extras.board._c.golden import golden_ticks
+from musclewire.extras.board._c.exercise import exercise, golden_ticks
 
 LIMITS = limits_for(usual_model())
 

@@ -22,8 +22,7 @@ from tests.places import included_rig_file
 
 from musclewire.errors import MusclewireError, RecordingError
 from musclewire.experiment import Decision, run_on_rig
-from musclewire.extras.board._serial.configuration import SerialConfiguration
-from musclewire.extras.board._serial.device import SerialDevice
+from musclewire.extras.board._serial.device import SerialConfiguration, SerialDevice
 from musclewire.extras.board._serial.frames import SerialFrame, encode_frame
 from musclewire.extras.board._serial.messages import MessageKind
 from musclewire.rigs import GuardedRig, ProtectionTripError, open_rig, rig_configuration

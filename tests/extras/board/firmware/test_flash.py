@@ -12,7 +12,7 @@ import pytest
 from musclewire.app import run
 from musclewire.errors import CallerError, RigError
 from musclewire.extras.board._serial import flash, images
-from musclewire.extras.board._serial.images import FOLDER, find_image, firmware_images, require_sound
+from musclewire.extras.board._serial.flash import FOLDER, find_image, firmware_images, require_sound
 from musclewire.extras.board._serial.ports import SerialPort
 
 UNO = SerialPort("/dev/ttyACM0", "arduino-uno", "Arduino Uno")

@@ -13,8 +13,7 @@ from emulation.boot_loaders import FOLDER
 from tests.tools import require_tool
 
 from musclewire.app import run
-from musclewire.extras.board._serial.flash import greet
-from musclewire.extras.board._serial.images import find_image
+from musclewire.extras.board._serial.flash import find_image, greet
 
 pytestmark = pytest.mark.emulated
 

@@ -13,8 +13,8 @@ from tests.tools import require_tool
 
 from musclewire.experiment import characterize
 from musclewire.extras.board._serial import flash
+from musclewire.extras.board._serial.flash import FirmwareImage, find_image, firmware_images
 from musclewire.extras.board._serial.frames import SerialFrame
-from musclewire.extras.board._serial.images import FirmwareImage, find_image, firmware_images
 from musclewire.rigs import open_rig
 
 pytestmark = pytest.mark.emulated

@@ -9,7 +9,7 @@ import pytest
 from tests.places import CHECKOUT
 
 from musclewire.extras.board._parts import load_parts
-from musclewire.extras.board._serial.configuration import SerialConfiguration
+from musclewire.extras.board._serial.device import SerialConfiguration
 from musclewire.rigs import rig_configuration
 
 FOLDER = CHECKOUT / "firmware" / "boards" / "arduino-uno"

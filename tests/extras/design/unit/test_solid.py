@@ -15,9 +15,9 @@ import trimesh
 
 from musclewire.errors import CallerError, MissingExtraError
 from musclewire.extras.design._drawing import polyline_m
+from musclewire.extras.design._finger.drawing import finger_solid
 from musclewire.extras.design._finger.finger_file_text import finger_geometry
 from musclewire.extras.design._finger.geometry import FingerGeometry
-from musclewire.extras.design._finger.solid import finger_solid
 from musclewire.extras.design._serpentine.geometry import SerpentineGeometry
 from musclewire.extras.design._serpentine.outline import serpentine_drawing
 from musclewire.extras.design._solid import Solid, require_cad, write_solid

@@ -16,8 +16,7 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.experiment import characterize
 from musclewire.extras.interfaces._environments import ENVIRONMENT, WireEnv, WireVectorEnv
 from musclewire.extras.interfaces._environments.kernels import ENDS, MEMORY, read_lanes
-from musclewire.extras.interfaces._environments.vector import facts_of
-from musclewire.extras.interfaces._environments.watch import ProtectionWatch
+from musclewire.extras.interfaces._environments.vector import ProtectionWatch, facts_of
 from musclewire.extras.interfaces._simulated_wire import simulated_wire
 from musclewire.identify import fit
 from musclewire.rigs import RigConfiguration, open_rig

@@ -8,8 +8,7 @@ import pytest
 
 from musclewire.errors import RecordingError
 from musclewire.extras.paper._page.paper_figures import FIGURES, drawn
-from musclewire.extras.paper._page.paper_page import contents
-from musclewire.extras.paper._page.row_names import row_name, row_words
+from musclewire.extras.paper._page.paper_page import contents, row_name, row_words
 from musclewire.extras.paper._page.row_text import (
     limit_text,
     paper_text,

@@ -9,8 +9,13 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.extras.studies._distributions import quantile_function
-from musclewire.extras.studies._varied_parameters import GridAxis, ParameterTable, SampledParameter, resolved
+from musclewire.extras.studies._varied_parameters import (
+    GridAxis,
+    ParameterTable,
+    SampledParameter,
+    quantile_function,
+    resolved,
+)
 
 # Of the standard normal distribution, as every table prints it.
 NORMAL_975 = 1.959964

@@ -1,9 +1,10 @@
-"""Random but repeatable ticks that exercise a library: targets, noise, lost readings and faults."""
+"""Repeatable random ticks that exercise a library: targets, noise, lost readings, faults; and the table of them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -141,3 +142,33 @@ class _RandomWalkWire:
 def _single(value: float) -> float:
     """Return the nearest number that single precision holds, so that both precisions start from the same value."""
     return float(np.float32(value))
+
+
+SEED = 2010
+# Ticks without faults first, then faults at the control rate, then a converter that is faster than the controller.
+CALM, FAULTY, FAST = 150, 250, 300
+COLUMNS = ("start", "wire_voltage_v", "shunt_voltage_v", "target", "tick_s", "control_s", *TickOutcome._fields)
+
+
+def golden_ticks(reference: ReferenceTick) -> list[ExerciseRow]:
+    """Return the ticks of the golden vectors, the same each time."""
+    return list(
+        chain(
+            exercise(reference, SEED, CALM, fault_probability=0.0),
+            exercise(reference, SEED + 1, FAULTY, fault_probability=0.05),
+            exercise(reference, SEED + 2, FAST, tick_s=0.002, ticks_a_control=10, fault_probability=0.01),
+        )
+    )
+
+
+def golden_vectors(reference: ReferenceTick) -> str:
+    """Return the golden vectors as comma-separated values; every number reads back as the same double."""
+    lines = [",".join(COLUMNS)]
+    for tick in golden_ticks(reference):
+        values = (*tick[:-1], *tick.outcome)
+        lines.append(",".join(_text(value) for value in values))
+    return "\n".join(lines) + "\n"
+
+
+def _text(value: float) -> str:
+    return str(int(value)) if isinstance(value, (bool, int)) else repr(float(value))

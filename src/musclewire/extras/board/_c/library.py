@@ -11,12 +11,22 @@ from typing import NamedTuple, TypedDict, Unpack
 from musclewire.controllers import DriveLimits, FuzzyPidSettings, ProtectionLimits, RuleBase, load_rule_base
 from musclewire.errors import CallerError
 from musclewire.extras.board._c.constants import CConstants, collect, control_numbers
-from musclewire.extras.board._c.golden import golden_vectors
+from musclewire.extras.board._c.exercise import golden_vectors
 from musclewire.extras.board._c.header import constants_header, model_checksum
-from musclewire.extras.board._c.keywords import keywords_file
 from musclewire.extras.board._c.precision import check_precision, single_error_share
 from musclewire.extras.board._c.reference import ReferenceTick
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
+
+FUNCTION = re.compile(r"^\w+ \*?(mw_\w+)\(", re.M)
+TYPE = re.compile(r"^\} (mw_\w+);", re.M)
+
+
+def keywords_file(header: str) -> str:
+    """Return keywords.txt, which colours types and functions of a header in the IDE's editor."""
+    types, functions = sorted(set(TYPE.findall(header))), sorted(set(FUNCTION.findall(header)))
+    lines = [f"{name}\tKEYWORD1" for name in types] + [f"{name}\tKEYWORD2" for name in functions]
+    return "\n".join(lines) + "\n"
+
 
 TEST_FILES = (
     "golden_test.c",

@@ -10,10 +10,8 @@ from typing import NamedTuple
 
 from musclewire.controllers import Event, protection_table
 from musclewire.errors import RigError
-from musclewire.extras.board._nidaq.channels import ReadingSpan
-from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
-from musclewire.extras.board._nidaq.driver import AcquisitionCard, InputStream, OutputSettings
-from musclewire.extras.board._nidaq.driver_errors import STALLED, DaqFaultError
+from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration, ReadingSpan
+from musclewire.extras.board._nidaq.driver import STALLED, AcquisitionCard, DaqFaultError, InputStream, OutputSettings
 from musclewire.extras.board._nidaq.guardian import GuardianOrders
 from musclewire.extras.board._nidaq.output import GuardedOutput, GuardianLostError, HostStalledError
 from musclewire.rigs import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, DeviceKind, Metadata, Missing

@@ -22,9 +22,8 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from musclewire.errors import MusclewireError, RigError
-from musclewire.extras.board._nidaq.channels import LinearScale
-from musclewire.extras.board._nidaq.driver import OutputLine, OutputSettings
-from musclewire.extras.board._nidaq.driver_errors import DaqFaultError
+from musclewire.extras.board._nidaq.configuration import LinearScale
+from musclewire.extras.board._nidaq.driver import DaqFaultError, OutputLine, OutputSettings
 
 # Host to guardian: a command, and a drive voltage [V].
 COMMAND = struct.Struct("<cd")

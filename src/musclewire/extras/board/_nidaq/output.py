@@ -11,8 +11,7 @@ from contextlib import suppress
 from typing import NoReturn
 
 from musclewire.errors import RigError
-from musclewire.extras.board._nidaq.driver import OutputLine
-from musclewire.extras.board._nidaq.driver_errors import DaqFaultError
+from musclewire.extras.board._nidaq.driver import DaqFaultError, OutputLine
 from musclewire.extras.board._nidaq.guardian import BEGIN, COMMAND, END, KEEP, PUT, REPLY, SAFE, GuardianOrders
 
 # Starting Python and the driver takes a second or two on a slow machine.

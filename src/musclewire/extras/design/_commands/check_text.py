@@ -1,31 +1,16 @@
-"""How the checks of a design read: as lines, and as keys for JSON."""
+"""How the checks of a design read: as lines."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from musclewire.extras.design._design_checks import DesignCheck
 
-    pass
-
 # How numbers of a unit are shown: unit, factor.
 SHOWN = {"N/m": ("N/m", 1.0), "Pa": ("MPa", 1e-6), "m": ("mm", 1e3), "N": ("N", 1.0), "1": ("", 1.0)}
 RULES = {"about": "", "below": "at most ", "above": "at least ", "shown": ""}
-
-
-def check_json(check: DesignCheck) -> dict[str, Any]:
-    """Return a check under the keys of the interface."""
-    return {
-        "name": check.name,
-        "value": finite(check.value),
-        "reference": finite(check.reference),
-        "unit": check.unit,
-        "rule": check.rule,
-        "ok": check.ok,
-    }
 
 
 def check_lines(checks: Sequence[DesignCheck]) -> list[str]:
@@ -43,8 +28,3 @@ def check_line(check: DesignCheck, width: int) -> str:
     if check.rule in ("about", "shown"):
         off = f", {100 * (check.value / check.reference - 1):+.2f} %"
     return f"  {mark}{check.name:<{width}}  {factor * check.value:>8.5g}  {against}{off}"
-
-
-def finite(value: float | None) -> float | None:
-    """Return a number that JSON knows, or None."""
-    return value if value is not None and math.isfinite(value) else None

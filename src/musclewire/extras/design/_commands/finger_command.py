@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app import CLEARANCE, OBJECT_STIFFNESS, WIRE, WIRE_LENGTH, Json, emit_json, in_si, show, warn
+from musclewire.app import CLEARANCE, OBJECT_STIFFNESS, WIRE, WIRE_LENGTH, Result, in_si, warn
 from musclewire.errors import CallerError
-from musclewire.extras.design._commands.finger_text import answer_json, answer_text
+from musclewire.extras.design._commands.check_text import check_lines
 from musclewire.extras.design._commands.part_options import OPTIONS_FILE, PartFiles, given_options
 from musclewire.extras.design._options import (
     COLUMN_WIDTH,
@@ -37,6 +38,8 @@ from musclewire.extras.design._options import (
 )
 
 if TYPE_CHECKING:
+    from musclewire.extras.design._answers import FingerAnswer
+    from musclewire.extras.design._commands.part_options import PartFiles
     from musclewire.extras.design._finger.finger_study import FingerStudyResult, WireToPull
     from musclewire.extras.design._finger.geometry import FingerGeometry
     from musclewire.extras.design._finger.sizing import FingerRequest
@@ -150,8 +153,7 @@ def finger(
     options_file: Annotated[Path | None, OPTIONS_FILE] = None,
     compare: Annotated[bool, COMPARE] = False,
     refined: Annotated[int, REFINED] = 1,
-    json: Json = False,
-) -> None:
+) -> Result:
     """Size a tendon-driven flexible finger, or compute what one of given dimensions does."""
     from musclewire.extras.design._finger.finger_study import FingerStudy, study_finger
     from musclewire.parameters import load_material
@@ -181,13 +183,9 @@ def finger(
     if "tendon_hole" in given_options(context):
         require_tendon_holes(answer.geometry, hole_m)
     write_files(answer, files, hole_m)
-    if json:
-        emit_json(answer_json(answer, files.output, files.drawings, files.solids))
-    else:
-        show(answer_text(answer))
-        warn([*answer.warnings, *(f"it does not hold: {one.name}" for one in answer.checks if not one.ok)])
-    if not all(check.ok for check in answer.checks):
-        raise typer.Exit(1)
+    warn([*answer.warnings, *(f"it does not hold: {one.name}" for one in answer.checks if not one.ok)])
+    shown = finger_answer(answer, files)
+    return Result(shown, answer_text(answer), holds=shown.holds)
 
 
 # Batches and sheets of one material differ by less.
@@ -293,7 +291,7 @@ def geometry_from_file(name: str) -> FingerGeometry:
 
 def require_tendon_holes(geometry: FingerGeometry, diameter_m: float) -> None:
     """Raise CallerError for tendon holes that do not fit, whether or not a solid is written."""
-    from musclewire.extras.design._finger.solid import require_room
+    from musclewire.extras.design._finger.drawing import require_room
 
     require_room(geometry, diameter_m)
 
@@ -311,7 +309,7 @@ def write_files(answer: FingerStudyResult, files: PartFiles, tendon_hole_m: floa
 
         write_finger_drawing(answer.geometry, drawing)
     for solid in files.solids:
-        from musclewire.extras.design._finger.solid import write_finger_solid
+        from musclewire.extras.design._finger.drawing import write_finger_solid
 
         write_finger_solid(answer.geometry, solid, tendon_hole_m)
     if files.plot is not None:
@@ -320,3 +318,95 @@ def write_files(answer: FingerStudyResult, files: PartFiles, tendon_hole_m: floa
         suffix = files.plot.suffix.removeprefix(".")
         figure = plot_finger(answer)
         write_whole(files.plot, lambda part: figure.savefig(part, format=suffix))
+
+
+MM, MPA = 1e3, 1e-6
+
+
+def finger_answer(answer: FingerStudyResult, files: PartFiles) -> FingerAnswer:
+    """Return an answer under the keys of the interface."""
+    from musclewire.extras.design._answers import FingerAnswer
+
+    geometry, at = answer.geometry, answer.at
+    return FingerAnswer.read_from(
+        answer,
+        at,
+        answer.slope,
+        stress_max_pa=answer.stress_pa,
+        endpoint_m=at.endpoint_displacement_m,
+        travel_available_m=answer.study.travel_m,
+        pulling_force_n=answer.friction.pulling_n,
+        easing_force_n=answer.friction.easing_n,
+        friction_share=answer.friction.fraction,
+        range_over_length=at.endpoint_displacement_m / geometry.overall_length_m,
+        bend_rad=float(at.angles_rad[-1]) - geometry.inward_angle_rad,
+        foam=answer.contact,
+        holds=all(check.ok for check in answer.checks),
+        finger=None if files.output is None else str(files.output),
+        drawings=list(map(str, files.drawings)),
+        solids=list(map(str, files.solids)),
+    )
+
+
+def answer_text(answer: FingerStudyResult) -> str:
+    """Return an answer as lines for people."""
+    geometry, at, friction = answer.geometry, answer.at, answer.friction
+    lines = [
+        f"finger of {answer.study.material.name}, {MM * geometry.overall_length_m:g} mm long, "
+        f"{MM * geometry.plate_length_m:g} mm of it plate",
+        f"  beam          {MM * geometry.beam_thickness_m:.2f} mm thick, {MM * geometry.beam_depth_m:.2f} mm deep, in "
+        f"{geometry.columns} segments of {MM * geometry.segment_length_m:.3f} mm, curved inward by "
+        f"{degrees(geometry.inward_angle_rad):.1f} deg in total",
+        f"  columns       {geometry.columns}, {MM * geometry.column_width_m:.2f} mm wide, "
+        f"{MM * geometry.column_height_m:.2f} mm high; tendon {MM * geometry.tendon_offset_m:.2f} mm from the beam's "
+        "middle",
+        f"  stiffness     {answer.stiffness_n_per_m:.1f} N/m along the tendon, both legs",
+        f"  endpoint      {MM * at.endpoint_displacement_m:.2f} mm at {MM * at.travel_m:.3f} mm of travel, of "
+        f"{MM * answer.study.travel_m:g} mm there are; bent by "
+        f"{degrees(float(at.angles_rad[-1]) - geometry.inward_angle_rad):.1f} deg",
+        f"  tendon        {at.tendon_force_n:.3f} N there without friction; {friction.pulling_n:.3f} N pulling, "
+        f"{friction.easing_n:.3f} N easing (friction {answer.study.friction:g})",
+        f"  endpoint load 1 N back costs {answer.slope.tendon_force_per_endpoint_force:.2f} N at the tendon and "
+        f"{MM * answer.slope.endpoint_compliance_m_per_n:.2f} mm",
+        f"  stress        {MPA * answer.stress_pa:.1f} MPa, a strain of "
+        f"{100 * answer.stress_pa / geometry.youngs_modulus_pa:.2g} %; {answer.study.material.name} yields at "
+        f"{MPA * answer.study.material.yield_stress_pa.value:g} MPa",
+    ]
+    return "\n".join([*lines, *load_lines(answer), *scheme_lines(answer), "", *check_lines(answer.checks)])
+
+
+def degrees(angle_rad: float) -> float:
+    """Return an angle in degrees."""
+    return math.degrees(angle_rad)
+
+
+def load_lines(answer: FingerStudyResult) -> list[str]:
+    """Return what object and wire do, if there are any."""
+    lines = []
+    contact, wire = answer.contact, answer.wire
+    if contact is not None and answer.study.obstacle is not None:
+        lines.append(
+            f"  object        {answer.study.obstacle.stiffness_n_per_m:g} N/m after "
+            f"{MM * answer.study.obstacle.clearance_m:g} mm: {contact.force_n:.3f} N on it at the end of the travel, "
+            f"endpoint {MM * contact.endpoint_m:.2f} mm, tendon {contact.tendon_force_n:.2f} N, beam "
+            f"{MPA * contact.stress_pa:.0f} MPa (by the linear curve {contact.linear_force_n:.3f} N)"
+        )
+    if wire is not None and answer.study.wire is not None:
+        lines.append(
+            f"  wire          {answer.study.wire.name} takes it to {MM * wire.endpoint_m:.2f} mm "
+            f"({MM * wire.travel_m:.3f} mm, {100 * wire.contraction:.2f} % of a leg), bearing "
+            f"{wire.wire_force_n:.2f} N, {MPA * wire.wire_stress_pa:.0f} MPa; {MM * wire.reserve_m:.3f} mm in reserve"
+        )
+    return lines
+
+
+def scheme_lines(answer: FingerStudyResult) -> list[str]:
+    """Return the ways to pull the finger as a table, where they were compared."""
+    if not answer.schemes:
+        return []
+    rows = [
+        f"  {scheme.name:<28} {scheme.range_over_length:>6.3f} {MM * scheme.endpoint_m:>8.2f} "
+        f"{MM * scheme.travel_m:>8.3f} {scheme.tendon_force_n:>8.2f} {MPA * scheme.stress_pa:>6.1f}  {scheme.limit}"
+        for scheme in answer.schemes
+    ]
+    return ["", "  actuation              range/length       mm   travel        N    MPa  used up", *rows]

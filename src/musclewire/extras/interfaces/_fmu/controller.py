@@ -11,8 +11,7 @@ from musclewire.controllers import (
     protection_table,
 )
 from musclewire.extras.board import collect, constants_header, library_sources
-from musclewire.extras.interfaces._fmu.contents import FmuContents, c_files
-from musclewire.extras.interfaces._fmu.variables import FmuVariables
+from musclewire.extras.interfaces._fmu.contents import FmuContents, FmuVariables, c_files
 from musclewire.sensing import SensingModel
 
 QUANTITY_UNITS = {"strain": "", "displacement": "m", "force": "N"}

@@ -2,24 +2,135 @@
 
 from __future__ import annotations
 
+import io
+import os
+import platform
 import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 from musclewire.controllers import FuzzyPidSettings
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, NumericsError
 from musclewire.extras.board import limits_of_rig
-from musclewire.extras.interfaces._fmu.archive import archive_bytes, write_archive
-from musclewire.extras.interfaces._fmu.binary import compiled_binary
-from musclewire.extras.interfaces._fmu.contents import FmuContents, fmu_texts
+from musclewire.extras.interfaces._fmu.contents import FmuContents, FmuVariables, Role, fmu_texts
 from musclewire.extras.interfaces._fmu.controller import controller_contents
-from musclewire.extras.interfaces._fmu.variables import FmuVariables, Role
 from musclewire.extras.interfaces._fmu.wire import wire_contents
 from musclewire.identify import check_made_for, settings_for
 from musclewire.rigs import RigConfiguration, rig_configuration
 from musclewire.sensing import SensingModel
-from musclewire.signals import RunFacts
+from musclewire.signals import RunFacts, write_whole
+
+# The earliest time that a zip archive can hold: with the day of the export in it no two exports would be alike.
+NO_TIME = (1980, 1, 1, 0, 0, 0)
+
+
+def archive_bytes(contents: Mapping[str, bytes]) -> bytes:
+    """Return the bytes of a zip archive with these files, by their path in it."""
+    written = io.BytesIO()
+    with zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in sorted(contents):
+            entry = zipfile.ZipInfo(path, NO_TIME)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o755 if path.startswith("binaries/") else 0o644) << 16
+            archive.writestr(entry, contents[path])
+    return written.getvalue()
+
+
+def write_archive(path: Path, content: bytes, *, overwrite: bool) -> None:
+    """Write an FMU whole or not at all; its folder is made if need be.
+
+    Raises CallerError if there is another file of this name and it is not to be replaced, or the folder cannot be
+    written to.
+    """
+    if not overwrite and path.exists() and path.read_bytes() != content:
+        raise CallerError(
+            f"{path} is another FMU: choose another folder or name, or allow replacing (--overwrite, overwrite=True)"
+        )
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CallerError(f"cannot make the folder {path.parent}: {error.strerror or error}") from error
+
+    def write(temporary: Path) -> None:
+        temporary.write_bytes(content)
+
+    write_whole(path, write)
+
+
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden", "-w")
+COMPILERS = ("cc", "gcc", "clang")
+SUFFIXES = {"linux": ".so", "darwin": ".dylib", "win": ".dll"}
+
+
+class FmuBinary(NamedTuple):
+    """A compiled binary: its path in the FMU, its bytes, and the compiler."""
+
+    path: str
+    content: bytes
+    compiler: str
+
+
+def binary_platform() -> str:
+    """Return the folder of this machine's binaries as FMI 2.0 names it: ``linux64``, ``win64``, ``darwin64``."""
+    system = next((name for name in SUFFIXES if sys.platform.startswith(name)), sys.platform)
+    return f"{system}{'64' if sys.maxsize > 2**32 else '32'}"
+
+
+def compiled_binary(name: str, sources: Mapping[str, str]) -> FmuBinary:
+    """Return the binary of an FMU's sources, by the compiler of the environment variable CC, or cc, gcc or clang.
+
+    Raises CallerError if there is no compiler or no platform of FMI 2.0 here, and NumericsError with the compiler's
+    first complaint.
+    """
+    compiler = compiler_here()
+    place = binary_platform()
+    suffix = next((suffix for system, suffix in SUFFIXES.items() if place.startswith(system)), None)
+    if suffix is None:
+        raise CallerError(f"FMI 2.0 has no name for binaries of {sys.platform}: export with --sources-only")
+    with tempfile.TemporaryDirectory() as temporary:
+        folder, out = Path(temporary), f"{name}{suffix}"
+        for file, text in sources.items():
+            (folder / file).write_text(text, encoding="utf-8")
+        files = sorted(file for file in sources if file.endswith(".c"))
+        compile_in(folder, [*compiler, *FLAGS, *files, "-o", out])
+        return FmuBinary(f"binaries/{place}/{out}", (folder / out).read_bytes(), " ".join(compiler))
+
+
+def compile_in(folder: Path, command: list[str]) -> None:
+    """Run a compiler in a folder. Raises NumericsError with its first complaint."""
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode:
+        lines = (done.stderr or done.stdout).strip().splitlines() or ["nothing was printed"]
+        first = next((line for line in lines if "error" in line), lines[0])
+        raise NumericsError(
+            f"{command[0]} cannot compile the FMU for {platform.machine()}: {first}; export with --sources-only and "
+            "let the importing tool compile"
+        )
+
+
+def compiler_here() -> list[str]:
+    """Return the command of a C compiler. Raises CallerError if there is none."""
+    named = os.environ.get("CC")
+    if named:
+        command = shlex.split(named)
+        if command and shutil.which(command[0]):
+            return command
+        raise CallerError(f"the environment variable CC names {named!r}, which is not there: correct or unset it")
+    found = next((name for name in COMPILERS if shutil.which(name)), None)
+    if found is None:
+        raise CallerError(
+            "there is no C compiler (cc, gcc, clang) for the FMU's binary: install one (apt-get install gcc "
+            "libc6-dev), or export with --sources-only for tools that compile it themselves"
+        )
+    return [found]
+
 
 FMI_VERSION = "2.0"
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")

@@ -1,19 +1,196 @@
-"""The web application of a session: routes, the WebSocket and the page; every error is one line of JSON."""
+"""The web application of a session: routes, the WebSocket of a viewer and the page; every error is one line of JSON."""
 
 from __future__ import annotations
 
+import asyncio
+import time
+from contextlib import suppress
 from importlib.metadata import version
+from typing import Any, TypeAlias
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException as StarletteHTTPException
 from starlette.responses import JSONResponse, Response
+from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 
 from musclewire.errors import CallerError, MusclewireError
+from musclewire.extras.live._messages import NEEDS_NO_CONTROL
 from musclewire.extras.live._server import bench_routes, file_routes
-from musclewire.extras.live._server.live_socket import live
-from musclewire.extras.live._server.session import Session
-from musclewire.extras.live._server.socket_messages import one_line
+from musclewire.extras.live._server.json_texts import read_json
+from musclewire.extras.live._server.session import ORDERED, OnlineBench, Session
+from musclewire.extras.live._server.socket_messages import (
+    AnswerControl,
+    AskControl,
+    CommandAnswer,
+    CommandMessage,
+    FromPage,
+    Pong,
+    Problem,
+    one_line,
+    read_message,
+)
+from musclewire.extras.live._server.viewers import Viewer, ViewerTooSlowError
+
+# A slider sends some dozens of targets a second. A long message counts as one more for each so many characters.
+MESSAGES_A_SECOND, CHARACTERS_EACH = 400, 8192
+# What comes too fast is not read, but for a stop, which is short; a client that does not end is disconnected.
+SHORT, MAX_UNREAD = 200, 1000
+MAX_COMMANDS_WAITING = 8
+# A message that could not be sent for so long: the connection is closed.
+SEND_S, CLOSE_S = 5.0, 1.0
+# Of WebSocket: a policy was violated; try again later.
+POLICY, LATER = 1008, 1013
+
+Ended: TypeAlias = int | None
+
+
+async def live(websocket: WebSocket) -> None:
+    """Serve one viewer from the handshake to the end."""
+    session: Session = websocket.app.state.session
+    await websocket.accept()
+    viewer = session.enter()
+    if viewer is None:
+        await websocket.close(LATER, "too many viewers")
+        return
+    await ViewerConnection(websocket, session, viewer).run()
+
+
+class ViewerConnection:
+    """A viewer's connection.
+
+    Parameters
+    ----------
+    websocket
+        Accepted.
+    session
+        What it shows.
+    viewer
+        Who is at its other end.
+    """
+
+    def __init__(self, websocket: WebSocket, session: Session, viewer: Viewer) -> None:
+        """Take the parts."""
+        self._websocket, self._session, self._viewer = websocket, session, viewer
+        self._second, self._count = 0, 0
+        self._unread = 0
+        self._commands: set[asyncio.Task[None]] = set()
+
+    async def run(self) -> None:
+        """Read and send until one of both ends; then the viewer has left."""
+        tasks = [asyncio.create_task(self._read()), asyncio.create_task(self._send())]
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            self._session.leave(self._viewer)
+            for task in (*tasks, *self._commands):
+                task.cancel()
+            ends = await asyncio.gather(*tasks, return_exceptions=True)
+        await self._close(next((end for end in ends if isinstance(end, int)), LATER))
+        for end in ends:
+            if isinstance(end, Exception):
+                raise end
+
+    async def _close(self, code: int) -> None:
+        if self._websocket.application_state is WebSocketState.CONNECTED:
+            with suppress(TimeoutError, RuntimeError, WebSocketDisconnect, OSError):
+                await asyncio.wait_for(self._websocket.close(code), CLOSE_S)
+
+    async def _send(self) -> Ended:
+        while True:
+            try:
+                text = await self._viewer.next_text()
+                async with asyncio.timeout(SEND_S):
+                    await self._websocket.send_text(text)
+            except (ViewerTooSlowError, TimeoutError):
+                return LATER
+            except (WebSocketDisconnect, RuntimeError, OSError):
+                return None
+
+    async def _read(self) -> Ended:
+        while True:
+            message = await self._websocket.receive()
+            if message["type"] != "websocket.receive":
+                return None
+            self._take(message.get("text"))
+            if self._unread > MAX_UNREAD:
+                return POLICY
+            # Many small messages come in one portion; between two of them it is everybody else's turn.
+            await asyncio.sleep(0)
+
+    def _take(self, text: str | None) -> None:
+        """Take a message, if its sender keeps to the limits; a stop is always taken."""
+        second = int(time.monotonic())
+        self._second, self._count = second, self._count if second == self._second else 0
+        self._count += 1 + len(text or "") // CHARACTERS_EACH
+        allowed = self._count <= MESSAGES_A_SECOND
+        if not allowed:
+            self._unread += 1
+            if text is None or len(text) > SHORT or '"stop"' not in text:
+                return
+        try:
+            if text is None:
+                raise CallerError("message: send text, not bytes")
+            message = read_message(read_json(text))
+            if allowed or is_stop(message):
+                self._act(message)
+        except CallerError as error:
+            self._problem(str(error))
+
+    def _act(self, message: FromPage) -> None:
+        viewer, session = self._viewer, self._session
+        if isinstance(message, Pong):
+            session.pong(viewer.key, message.n)
+            return
+        bench = session.bench(message.bench)
+        if isinstance(message, CommandMessage):
+            self._command(bench, message)
+        elif isinstance(message, AskControl):
+            viewer.name = plain_name(message.name) or viewer.name
+            session.ask(bench, viewer.key, viewer.name)
+        elif isinstance(message, AnswerControl):
+            session.answer(bench, viewer.key, message.give)
+        else:
+            session.give_up(bench, viewer.key, f"{viewer.name} gave control up")
+
+    def _command(self, bench: OnlineBench, message: CommandMessage) -> None:
+        """Begin a command. A stop goes out here and now; the others wait for the bench's answer in tasks."""
+        if is_stop(message):
+            bench.handle.stop(self._viewer.name)
+            self._answer(message.id, True, ORDERED)
+        elif message.command.do not in NEEDS_NO_CONTROL and not self._session.may_command(bench, self._viewer.key):
+            self._answer(message.id, False, "you do not have control of this bench: ask for it first")
+        elif len(self._commands) >= MAX_COMMANDS_WAITING:
+            self._answer(message.id, False, "too many commands wait for the bench's answer")
+        else:
+            task = asyncio.create_task(self._passed_on(bench, message))
+            self._commands.add(task)
+            task.add_done_callback(self._commands.discard)
+
+    async def _passed_on(self, bench: OnlineBench, message: CommandMessage) -> None:
+        try:
+            answer = await self._session.command(bench, message.command, self._viewer.name)
+        except CallerError as error:
+            self._answer(message.id, False, str(error))
+        else:
+            self._answer(message.id, answer.accepted, answer.message)
+
+    def _answer(self, number: int, accepted: bool, text: str) -> None:
+        self._viewer.say(CommandAnswer(id=number, accepted=accepted, message=text).model_dump_json())
+
+    def _problem(self, text: str) -> None:
+        self._viewer.say(Problem(message=text).model_dump_json())
+
+
+def is_stop(message: Any) -> bool:
+    """Return whether a message is a stop."""
+    return isinstance(message, CommandMessage) and message.command.do == "stop"
+
+
+def plain_name(name: str | None) -> str:
+    """Return a name with printable characters only."""
+    return "".join(letter for letter in name or "" if letter.isprintable()).strip()
+
 
 LIVE = "/api/v1/live"
 DESCRIPTION = (

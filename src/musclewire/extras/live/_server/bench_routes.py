@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import secrets
-from typing import Annotated
+from typing import Annotated, Any
 
-from fastapi import APIRouter, HTTPException, Query, Response
+from fastapi import APIRouter, Depends, Header, HTTPException, Query, Request, Response
 
+from musclewire.errors import CallerError
 from musclewire.extras.live._messages import NEEDS_NO_CONTROL, Command
+from musclewire.extras.live._server.access import RequestOutcome
 from musclewire.extras.live._server.frames import ROWS_PER_S, shunt_of, thinned, with_computed
 from musclewire.extras.live._server.http_messages import (
     BenchList,
@@ -17,12 +19,46 @@ from musclewire.extras.live._server.http_messages import (
     ControlRequest,
     ControlState,
     PhaseAnswer,
+    ProblemAnswer,
     RowsAnswer,
 )
 from musclewire.extras.live._server.json_texts import compact
-from musclewire.extras.live._server.leases import RequestOutcome
-from musclewire.extras.live._server.requests import PROBLEMS, BenchOf, LeaseOf, SessionOf
 from musclewire.extras.live._server.session import SAFE_PHASES, OnlineBench, Session, name_of
+
+PROBLEMS: dict[int | str, dict[str, Any]] = {
+    status: {"model": ProblemAnswer, "description": text}
+    for status, text in (
+        (401, "a token is needed"),
+        (403, "another origin, or no control of the bench"),
+        (404, "nothing of that name"),
+        (413, "the body is too large"),
+        (415, "the body is not JSON"),
+        (421, "the server was called by a name that is not its own"),
+        (422, "the request is not understood"),
+    )
+}
+
+
+def session_of(request: Request) -> Session:
+    """Return the session of the application."""
+    session: Session = request.app.state.session
+    return session
+
+
+SessionOf = Annotated[Session, Depends(session_of)]
+
+
+def bench_of(bench: str, session: SessionOf) -> OnlineBench:
+    """Return the bench of an address."""
+    try:
+        return session.bench(bench)
+    except CallerError as error:
+        raise HTTPException(404, str(error)) from None
+
+
+BenchOf = Annotated[OnlineBench, Depends(bench_of)]
+LeaseOf = Annotated[str | None, Header(alias="Musclewire-Lease", description="The lease, from POST .../control.")]
+
 
 # A stop is answered when the drive is off; after this time in any case.
 STOP_ANSWER_S = 1.0

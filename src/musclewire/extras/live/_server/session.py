@@ -15,15 +15,15 @@ from musclewire.controllers import rule_base_names
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.extras.live._messages import Answer, Command, Stop
 from musclewire.extras.live._messages import Control as ClosedLoop
-from musclewire.extras.live._server.frames import FrameMaker, RowFrame
-from musclewire.extras.live._server.json_texts import compact
-from musclewire.extras.live._server.leases import (
+from musclewire.extras.live._server.access import (
     LEASE_AT_REST_S,
     LEASE_S,
     BenchControl,
     ControlClient,
     RequestOutcome,
 )
+from musclewire.extras.live._server.frames import FrameMaker, RowFrame
+from musclewire.extras.live._server.json_texts import compact
 from musclewire.extras.live._server.socket_messages import ControlMessage, Hello, Ping
 from musclewire.extras.live._server.viewers import Viewer
 

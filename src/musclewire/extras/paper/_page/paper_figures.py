@@ -24,13 +24,15 @@ from musclewire.extras.paper._page.paper_drawing import (
     readings_text,
 )
 from musclewire.extras.paper._reproduce.all_checks import tolerance_of
-from musclewire.extras.paper._reproduce.force_ratios import FORCE_RATIOS, MIDDLE_RATIO, loops_at_ratio
 from musclewire.extras.paper._reproduce.measures import rank_correlation
 from musclewire.extras.paper._reproduce.section2 import (
+    FORCE_RATIOS,
+    MIDDLE_RATIO,
     STIFFNESS_FACTORS,
     SWEEP_WIRE,
     loop_of_amplitude,
     loop_of_stiffness,
+    loops_at_ratio,
     sweep_settings_n,
 )
 from musclewire.extras.paper._reproduce.section3 import strain_at_pct

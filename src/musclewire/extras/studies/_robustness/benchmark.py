@@ -10,13 +10,12 @@ from typing import Any, NamedTuple
 
 from musclewire.controllers import CONTROLLERS
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.studies._robustness.bars import RobustnessBars, bars
 from musclewire.extras.studies._robustness.grips import GripRow, grip_rows
 from musclewire.extras.studies._robustness.kind import ANSWER, JobAnswer, answer_of_text
 from musclewire.extras.studies._robustness.population import held_out_seeds, tuning_seeds
 from musclewire.extras.studies._robustness.references import REFERENCES, require_reference
 from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow, estimator_rows, loop_rows
-from musclewire.extras.studies._robustness.settings import Condition, settings
+from musclewire.extras.studies._robustness.settings import Condition, RobustnessBars, bars, settings
 from musclewire.extras.studies._robustness.store import FOLDER, sources
 from musclewire.extras.studies._robustness.verdicts import BarVerdict, verdicts_of
 from musclewire.extras.studies._study import Workers, read_study, sweep

@@ -10,9 +10,9 @@ import numpy as np
 
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.experiment import APPROACH_S, ControlRun, StepMetrics, control, staircase_within
-from musclewire.extras.studies._robustness.homing import homed
 from musclewire.extras.studies._robustness.plant import DisturbedPlant, open_plant
 from musclewire.extras.studies._robustness.population import PopulationWire
+from musclewire.extras.studies._robustness.recording_runs import homed
 from musclewire.extras.studies._robustness.scoring import judged_from_s
 from musclewire.extras.studies._robustness.settings import Condition, settings
 from musclewire.rigs import required_true_state

@@ -1,4 +1,4 @@
-"""Recorded runs for the table of estimators: the wire follows a reference by its displacement sensor.
+"""Recorded runs for the table of estimators: after a home move the wire follows a reference by its displacement sensor.
 
 A PI controller on the measured strain drives it, so that the trajectory is the same whatever an estimator says. Each
 run is recorded once, and every estimator is run over its samples.
@@ -7,15 +7,15 @@ run is recorded once, and every estimator is run over its samples.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import NumericsError, RigError
+from musclewire.errors import CallerError, NumericsError, RecordingError, RigError
+from musclewire.experiment import home
 from musclewire.extras.studies._robustness.characterising import UsersKnowledge
-from musclewire.extras.studies._robustness.disturbances import AS_CHARACTERISED
-from musclewire.extras.studies._robustness.homing import homed
-from musclewire.extras.studies._robustness.plant import DisturbedPlant, open_plant
+from musclewire.extras.studies._robustness.plant import AS_CHARACTERISED, DisturbedPlant, open_plant
 from musclewire.extras.studies._robustness.population import PopulationWire
 from musclewire.extras.studies._robustness.recorded_run import RecordedRun
 from musclewire.extras.studies._robustness.references import REFERENCES, reference_targets, start_up
@@ -23,6 +23,60 @@ from musclewire.extras.studies._robustness.settings import Condition, RunSetting
 from musclewire.rigs import Rig, required_true_state
 from musclewire.sensing import SensingModel
 from musclewire.signals import RawSample
+
+# Error of a thermometer in the air [K].
+THERMOMETER_STD_K = 0.3
+STREAM = 17
+
+
+class HomedModel(NamedTuple):
+    """The model after a home move.
+
+    Parameters
+    ----------
+    model
+        The model of today; the old one without a home move and after one that was refused.
+    outcome
+        "corrected", "not corrected", or "refused: " with the cause; "" without a home move.
+    """
+
+    model: SensingModel
+    outcome: str
+
+
+def homed(plant: DisturbedPlant, condition: Condition, model: SensingModel) -> HomedModel:
+    """Return the model after the home move that a condition has, made on the rig as it is now.
+
+    Parameters
+    ----------
+    plant
+        The rig, open and cold; it is driven if the condition has a home move.
+    condition
+        The condition.
+    model
+        The user's model.
+
+    Returns
+    -------
+    The model, and what became of the move.
+
+    Raises
+    ------
+    RigError
+        If the protection ended the move.
+    """
+    if not condition.home:
+        return HomedModel(model, "")
+    ambient_k = None
+    if condition.thermometer:
+        noise_k = THERMOMETER_STD_K * float(np.random.default_rng([STREAM, plant.seed]).standard_normal())
+        ambient_k = plant.disturbance.ambient_k(0.0) + noise_k
+    try:
+        found = home(plant.rig, model, ambient_k=ambient_k)
+    except (CallerError, RecordingError) as error:
+        return HomedModel(model, f"refused: {' '.join(str(error).split())}")
+    return HomedModel(found.model, "corrected" if found.home.corrected else "not corrected")
+
 
 # Power, as a fraction of that at the amplitude, per error in strokes, and the time of the integral.
 GAIN, INTEGRAL_S = 6.0, 1.2

@@ -12,7 +12,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from musclewire.extras.studies._robustness.benchmark import Robustness
-from musclewire.extras.studies._robustness.table_text import COLUMNS, number, rows_data
+from musclewire.extras.studies._robustness.table_text import COLUMNS, number, rows_answer
 from musclewire.figures import StyledFigure, figure_style
 from musclewire.pages import STYLE, NumberCard, page, svg_in_frame
 from musclewire.signals import write_text_whole
@@ -196,6 +196,6 @@ def bar_cells(result: Robustness) -> list[list[str]]:
 def row_cells(result: Robustness) -> list[list[str]]:
     """Return every row as cells."""
     return [
-        [number(value, 3) if isinstance(value, float) or value is None else str(value) for value in row.values()]
-        for row in rows_data(result)
+        [number(value, 3) if isinstance(value, float) or value is None else str(value) for _, value in row]
+        for row in rows_answer(result)
     ]

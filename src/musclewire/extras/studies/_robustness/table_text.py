@@ -1,106 +1,96 @@
-"""What the benchmark found as text: tables for people, CSV for spreadsheets, plain data for programs."""
+"""What the benchmark found as text: tables for people, CSV for spreadsheets, rows for programs."""
 
 from __future__ import annotations
 
 import csv
 import io
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict
-from typing import Any
 
+from musclewire.app import AnswerModel
 from musclewire.extras.studies._robustness.benchmark import Robustness
 from musclewire.extras.studies._robustness.grips import GripRow
 from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow
 
-# Keys of a row; the first ones are those of the interface, null if a row has none.
-COLUMNS = (
-    *("disturbance", "level", "estimator", "controller", "estimate_rms_pct", "beyond_5_share", "valid_share"),
-    *("flagged_s", "mae_mean_pct", "mae_max_pct", "estimate_rms_new_zero_pct", "estimate_rms_counted_pct"),
-    *("one_segment_rms_pct", "segmented_rms_pct", "worst_wire_seed", "worst_wire_rms_pct", "interval_coverage"),
-    *("valid_before_b_fraction", "flags_in_time_fraction", "false_flags_per_hour", "force_rms_pct", "mae_first_pct"),
-    *("mae_other_max_pct", "ended_early", "home_moves_refused", "hottest_k", "problem"),
-)
+
+class RobustnessRow(AnswerModel):
+    """A row of an estimator, or of a closed loop; null what only the other has, and what could not be found."""
+
+    disturbance: str
+    level: str
+    estimator: str
+    controller: str | None = None
+    estimate_rms_pct: float | None = None
+    beyond_5_share: float | None = None
+    valid_share: float | None = None
+    flagged_s: float | None = None
+    mae_mean_pct: float | None = None
+    mae_max_pct: float | None = None
+    estimate_rms_new_zero_pct: float | None = None
+    estimate_rms_counted_pct: float | None = None
+    one_segment_rms_pct: float | None = None
+    segmented_rms_pct: float | None = None
+    worst_wire_seed: int | None = None
+    worst_wire_rms_pct: float | None = None
+    interval_coverage: float | None = None
+    valid_before_b_fraction: float | None = None
+    flags_in_time_fraction: float | None = None
+    false_flags_per_hour: float | None = None
+    force_rms_pct: float | None = None
+    mae_first_pct: float | None = None
+    mae_other_max_pct: float | None = None
+    ended_early: int | None = None
+    home_moves_refused: int | None = None
+    hottest_k: float | None = None
+    problem: str
 
 
-def estimator_data(row: EstimatorRow) -> dict[str, Any]:
-    """Return an estimator's row as plain data."""
+COLUMNS = tuple(RobustnessRow.model_fields)
+
+
+def estimator_answer(row: EstimatorRow) -> RobustnessRow:
+    """Return an estimator's row."""
     score, worst = row.score, row.worst
-    return {
-        "disturbance": row.condition.disturbance,
-        "level": row.condition.level,
-        "estimator": row.estimator,
-        "controller": None,
-        "estimate_rms_pct": score.rms_pct,
-        "beyond_5_share": score.beyond_5_share,
-        "valid_share": score.valid_share,
-        "flagged_s": score.flagged_s,
-        "estimate_rms_new_zero_pct": score.rms_new_zero_pct,
-        "estimate_rms_counted_pct": row.counted_pct,
-        "one_segment_rms_pct": row.one_segment_pct,
-        "segmented_rms_pct": row.segmented_pct,
-        "worst_wire_seed": None if worst is None else worst.seed,
-        "worst_wire_rms_pct": None if worst is None else worst.counted_pct,
-        "interval_coverage": score.coverage,
-        "valid_before_b_fraction": score.valid_cold_fraction,
-        "flags_in_time_fraction": score.flags_in_time_fraction,
-        "false_flags_per_hour": score.false_flags_per_hour,
-        "force_rms_pct": row.force.rms_pct,
-        "ended_early": row.ended,
-        "home_moves_refused": row.refused,
-        "problem": row.problem,
-    }
+    return RobustnessRow.read_from(
+        row,
+        score,
+        disturbance=row.condition.disturbance,
+        level=row.condition.level,
+        estimate_rms_pct=score.rms_pct,
+        estimate_rms_new_zero_pct=score.rms_new_zero_pct,
+        estimate_rms_counted_pct=row.counted_pct,
+        one_segment_rms_pct=row.one_segment_pct,
+        segmented_rms_pct=row.segmented_pct,
+        worst_wire_seed=None if worst is None else worst.seed,
+        worst_wire_rms_pct=None if worst is None else worst.counted_pct,
+        interval_coverage=score.coverage,
+        valid_before_b_fraction=score.valid_cold_fraction,
+        force_rms_pct=row.force.rms_pct,
+        ended_early=row.ended,
+        home_moves_refused=row.refused,
+    )
 
 
-def loop_data(row: LoopRow) -> dict[str, Any]:
-    """Return a closed loop's row as plain data."""
+def loop_answer(row: LoopRow) -> RobustnessRow:
+    """Return a closed loop's row."""
     rms = [one.estimate_rms_pct for one in row.outcomes if one.estimate_rms_pct is not None]
     valid = [one.valid_share for one in row.outcomes if one.valid_share is not None]
-    return {
-        "disturbance": row.condition.disturbance,
-        "level": row.condition.level,
-        "estimator": row.estimator,
-        "controller": row.controller,
-        "estimate_rms_pct": sum(rms) / len(rms) if rms else None,
-        "valid_share": sum(valid) / len(valid) if valid else None,
-        "mae_mean_pct": row.mae_mean_pct,
-        "mae_max_pct": row.mae_max_pct,
-        "mae_first_pct": row.largest("mae_first_pct"),
-        "mae_other_max_pct": row.largest("mae_other_max_pct"),
-        "ended_early": row.ended,
-        "hottest_k": row.largest("hottest_k"),
-        "problem": next((one.ended for one in row.outcomes if one.ended), ""),
-    }
+    return RobustnessRow.read_from(
+        row,
+        disturbance=row.condition.disturbance,
+        level=row.condition.level,
+        estimate_rms_pct=sum(rms) / len(rms) if rms else None,
+        valid_share=sum(valid) / len(valid) if valid else None,
+        mae_first_pct=row.largest("mae_first_pct"),
+        mae_other_max_pct=row.largest("mae_other_max_pct"),
+        ended_early=row.ended,
+        hottest_k=row.largest("hottest_k"),
+        problem=next((one.ended for one in row.outcomes if one.ended), ""),
+    )
 
 
-def rows_data(result: Robustness) -> list[dict[str, Any]]:
-    """Return all rows as plain data, each with all keys."""
-    found = [*map(estimator_data, result.estimators), *map(loop_data, result.loops)]
-    return [{name: row.get(name) for name in COLUMNS} for row in found]
-
-
-def document(result: Robustness) -> dict[str, Any]:
-    """Return what the benchmark found as one JSON document.
-
-    Parameters
-    ----------
-    result
-        What ``robustness`` returned.
-
-    Returns
-    -------
-    Rows under the keys of the interface, the verdicts, and what was run.
-    """
-    return {
-        "rows": rows_data(result),
-        "grips": [asdict(row) for row in result.grips],
-        "bars": [{**verdict._asdict(), "holds": verdict.holds} for verdict in result.verdicts],
-        "missed": [f"{verdict.condition}: {verdict.name}" for verdict in result.missed],
-        "seeds": list(result.seeds),
-        "seeds_are": result.seeds_text,
-        "references": list(result.references),
-        "quick": result.quick,
-        "wall_s": result.wall_s,
-    }
+def rows_answer(result: Robustness) -> list[RobustnessRow]:
+    """Return all rows, those of estimators first."""
+    return [*map(estimator_answer, result.estimators), *map(loop_answer, result.loops)]
 
 
 def csv_text(result: Robustness) -> str:
@@ -108,7 +98,7 @@ def csv_text(result: Robustness) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
-    writer.writerows(rows_data(result))
+    writer.writerows(row.model_dump() for row in rows_answer(result))
     return text.getvalue()
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from musclewire.extras.studies._robustness.bars import RobustnessBars, RowBar
 from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow
-from musclewire.extras.studies._robustness.settings import Condition
+from musclewire.extras.studies._robustness.settings import Condition, RobustnessBars, RowBar
 
 
 class BarVerdict(NamedTuple):

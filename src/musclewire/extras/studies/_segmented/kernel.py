@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
-from musclewire.extras.studies._segmented.state import SegmentSums
 from musclewire.wire import (
     DURATION,
     MIN_STEP_S,
@@ -22,6 +21,7 @@ from musclewire.wire import (
     BalancedWire,
     ConnectorForce,
     Equilibrium,
+    Row,
     Rows,
     RunningWire,
     StepAttempt,
@@ -30,6 +30,7 @@ from musclewire.wire import (
     accept_step,
     convection_w_per_m2_k,
     error_ratio,
+    field,
     guess_after,
     load_at,
     longest_step_s,
@@ -41,6 +42,28 @@ from musclewire.wire import (
     shorter_step_s,
     solve,
 )
+
+
+class SegmentPlace(Row):
+    """Where a segment lies, and its numbers of the step in progress."""
+
+    weight: float = field("1", "fraction of the wire's length")
+    before_w_per_k: float = field("W/K", "conductance to the segment before, or to the clamp")
+    after_w_per_k: float = field("W/K", "conductance to the segment after, or to the clamp")
+    trial_k: float = field("K", "temperature at the moment that is looked at")
+    trial_ohm: float = field("ohm", "resistance at that moment")
+    net_w: float = field("W", "power less loss and conduction at that moment")
+    started_w: float = field("W", "the same at the start of the step")
+    within_w: float = field("W", "the same in the middle of the step")
+    heat_j: float = field("J", "heat of the step")
+
+
+class SegmentSums(Row):
+    """Sums since the start that a wire does not have."""
+
+    heat_to_clamps_j: float = field("J", "heat lost to the clamps since the start")
+    hottest_k: float = field("K", "highest temperature of any segment since the start")
+
 
 # The stress is found to within this: the force to some 2e-7 N.
 CLOSE_PA = 10.0

@@ -11,8 +11,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.extras.studies._segmented.conditions import Conditions
-from musclewire.extras.studies._segmented.kernel import advance_segments
-from musclewire.extras.studies._segmented.state import SegmentPlace, SegmentSums
+from musclewire.extras.studies._segmented.kernel import SegmentPlace, SegmentSums, advance_segments
 from musclewire.extras.studies._segmented.structure import WireStructure, fin_length_m
 from musclewire.parameters import Alloy, Bench, Wire
 from musclewire.physics import convection_coefficient_w_per_m2_k

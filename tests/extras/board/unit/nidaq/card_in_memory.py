@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from musclewire.extras.board._nidaq.driver import OutputSettings
-from musclewire.extras.board._nidaq.driver_errors import DaqFaultError
+from musclewire.extras.board._nidaq.driver import DaqFaultError, OutputSettings
 from musclewire.extras.board._nidaq.guardian import GuardianOrders
 
 __all__ = ["OFF_V", "ORDERS", "CardInMemory"]

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.extras.board._nidaq.channels import SETTLING_READINGS, LinearScale, layout_of
+from musclewire.extras.board._nidaq.configuration import SETTLING_READINGS, LinearScale, layout_of
 
 NUMBERS = st.floats(-1e3, 1e3).filter(lambda value: abs(value) > 1e-3)
 

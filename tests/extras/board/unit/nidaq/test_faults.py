@@ -6,7 +6,7 @@ import pytest
 from nidaqmx.error_codes import DAQmxErrors
 from nidaqmx.errors import DaqError
 
-from musclewire.extras.board._nidaq.driver_errors import LATE_WRITE, MEANINGS, STALLED, explained
+from musclewire.extras.board._nidaq.driver import LATE_WRITE, MEANINGS, STALLED, explained
 
 
 def test_every_number_is_one_that_the_driver_knows() -> None:

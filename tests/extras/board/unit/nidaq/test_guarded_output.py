@@ -13,7 +13,7 @@ from tests.extras.board.unit.nidaq.card_in_memory import OFF_V, ORDERS, CardInMe
 
 from musclewire.errors import RigError
 from musclewire.extras.board._nidaq import output as module
-from musclewire.extras.board._nidaq.driver_errors import DaqFaultError
+from musclewire.extras.board._nidaq.driver import DaqFaultError
 from musclewire.extras.board._nidaq.guardian import COMMAND, END, KEEP, PUT, REPLY, GuardianOrders
 from musclewire.extras.board._nidaq.output import GuardedOutput, GuardianLostError, HostStalledError
 

@@ -11,7 +11,7 @@ import pytest
 from tests.extras.board.unit.nidaq.card_in_memory import OFF_V, ORDERS, CardInMemory
 
 from musclewire.extras.board._nidaq import guardian as module
-from musclewire.extras.board._nidaq.driver_errors import DaqFaultError
+from musclewire.extras.board._nidaq.driver import DaqFaultError
 from musclewire.extras.board._nidaq.guardian import BEGIN, COMMAND, END, KEEP, PUT, REPLY, SAFE, OutputGuardian
 
 

@@ -13,8 +13,7 @@ from typing import Any
 
 from musclewire.controllers import Event
 from musclewire.extras.board._serial.board import Board
-from musclewire.extras.board._serial.configuration import SerialConfiguration
-from musclewire.extras.board._serial.device import SerialDevice
+from musclewire.extras.board._serial.device import SerialConfiguration, SerialDevice
 from musclewire.extras.board._serial.frames import FrameParser, SerialFrame, encode_frame
 from musclewire.extras.board._serial.line import LineLostError
 from musclewire.extras.board._serial.messages import MessageKind

@@ -7,9 +7,9 @@ import pytest
 from scipy.io import loadmat
 
 from musclewire.errors import CallerError
-from musclewire.extras.lab_files import _excel_export as excel_export
-from musclewire.extras.lab_files import _matlab_export as matlab_export
-from musclewire.extras.lab_files._matlab_export import fill_matlab, fill_matlab_73
+from musclewire.extras.lab_files import _excel as excel_export
+from musclewire.extras.lab_files import _matlab as matlab_export
+from musclewire.extras.lab_files._matlab import fill_matlab, fill_matlab_73
 from musclewire.signals import Recording, read_recording
 
 TIME_S = np.arange(5) * 0.1
@@ -71,7 +71,7 @@ def test_a_matlab_version_is_asked_for_by_its_number(tmp_path):
 
 
 def test_more_rows_than_a_sheet_holds_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(excel_export, "MAX_ROWS", 4)
+    monkeypatch.setattr(excel_export, "SHEET_ROWS", 4)
     with pytest.raises(CallerError, match="5 rows are more than the 4"):
         RECORDING.save(tmp_path / "a.xlsx")
 

@@ -11,17 +11,16 @@ from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
 from musclewire.extras.studies._robustness import Selection, held_out_seeds, tuning_seeds
-from musclewire.extras.studies._robustness.bars import bars
 from musclewire.extras.studies._robustness.benchmark import chosen_by
 from musclewire.extras.studies._robustness.closed_loops import ScoredLoop
-from musclewire.extras.studies._robustness.disturbances import Disturbance
 from musclewire.extras.studies._robustness.grips import changes
 from musclewire.extras.studies._robustness.kind import JobAnswer, RobustnessOptions, answer_of_text
+from musclewire.extras.studies._robustness.plant import Disturbance
 from musclewire.extras.studies._robustness.population import drawn_wire
 from musclewire.extras.studies._robustness.references import REFERENCES, reference_targets, start_up
 from musclewire.extras.studies._robustness.rows import estimator_rows
 from musclewire.extras.studies._robustness.scoring import ErrorSums, pooled
-from musclewire.extras.studies._robustness.settings import settings
+from musclewire.extras.studies._robustness.settings import bars, settings
 from musclewire.extras.studies._robustness.store import ROOMS, sources
 from musclewire.extras.studies._robustness.verdicts import verdicts_of
 

@@ -1,0 +1,88 @@
+"""What the commands ``sweep`` and ``robustness`` print with --json."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from musclewire.app import AnswerModel, AnswerRecord
+from musclewire.extras.studies._robustness.grips import GripRow
+from musclewire.extras.studies._robustness.table_text import RobustnessRow
+from musclewire.extras.studies._robustness.verdicts import BarVerdict
+
+Words = tuple[str, ...]
+
+
+class QuantitySpread(AnswerModel):
+    """Least, median and largest value of a quantity; null if every run failed."""
+
+    least: float | None
+    median: float | None
+    largest: float | None
+
+
+class SweepAnswer(AnswerModel):
+    """Of ``sweep``."""
+
+    runs: int
+    evaluated: int
+    failed: int
+    fingerprint: str
+    quantities: dict[str, QuantitySpread]
+    wall_s: float
+    files: Words
+
+
+class SweepKinds(AnswerModel):
+    """Of ``sweep --list``: the keys of each kind of run, and what may vary with its unit."""
+
+    kinds: dict[str, Words]
+    parameters: dict[str, str]
+
+
+class RobustnessAnswer(AnswerModel):
+    """Of ``robustness``; the file ``rows.json`` has all but ``report``."""
+
+    rows: tuple[RobustnessRow, ...]
+    grips: tuple[GripRow, ...]
+    bars: tuple[Annotated[BarVerdict, AnswerRecord(holds=bool)], ...]
+    missed: Words
+    seeds: tuple[int, ...]
+    seeds_are: str
+    references: Words
+    quick: bool
+    wall_s: float
+    report: str
+
+
+class RobustnessNames(AnswerModel):
+    """Of ``robustness --list``."""
+
+    conditions: Words
+    tracks: Words
+    estimators: Words
+    controllers: Words
+
+
+RobustnessAnswers = RobustnessAnswer | RobustnessNames
+
+
+class VariedRange(AnswerModel):
+    """The ends of what varies: numbers in the unit, or names."""
+
+    unit: str
+    least: float | str = Field(serialization_alias="from")
+    most: float | str = Field(serialization_alias="to")
+
+
+class SweepPlan(AnswerModel):
+    """Of ``sweep --plan``."""
+
+    runs: int
+    kind: str
+    keep: Words
+    parameters: dict[str, VariedRange]
+
+
+SweepAnswers = SweepAnswer | SweepPlan | SweepKinds
