@@ -19,7 +19,7 @@ from pydantic_core import from_json, to_json
 
 from musclewire.errors import CallerError, RigError
 from musclewire.extras.live import _messages as messages
-from musclewire.extras.live._bench import loop, opening
+from musclewire.extras.live._bench import opening, process
 from musclewire.extras.live._bench.descriptions import described_rig
 from musclewire.extras.live._bench.lines import MessageWriter
 from musclewire.extras.live._bench.orders import NumberedOrder, OrderQueue
@@ -355,11 +355,11 @@ def test_a_bench_that_was_stopped_while_opening_waits_and_does_not_spin(
         return next_order(0.0 if len(waits) > 1 else MAX_WAIT_S)
 
     monkeypatch.setattr(opening, "open_rig", slow)
-    monkeypatch.setattr(loop, "rest", rests.append)
+    monkeypatch.setattr(process, "rest", rests.append)
     monkeypatch.setattr(bench.orders, "next", counted)
     bench.order("switch_on")
-    loop.run_session(bench.session, bench.orders)
+    process.run_session(bench.session, bench.orders)
     assert refused(bench.answer())
     assert rests == []
-    assert waits == [loop.WAIT_S] * 3
+    assert waits == [process.WAIT_S] * 3
     monkeypatch.undo()

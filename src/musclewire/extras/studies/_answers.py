@@ -76,7 +76,7 @@ class VariedRange(AnswerModel):
     most: float | str = Field(serialization_alias="to")
 
 
-class SweepPlan(AnswerModel):
+class PlannedSweep(AnswerModel):
     """Of ``sweep --plan``."""
 
     runs: int
@@ -85,4 +85,4 @@ class SweepPlan(AnswerModel):
     parameters: dict[str, VariedRange]
 
 
-SweepAnswers = SweepAnswer | SweepPlan | SweepKinds
+SweepAnswers = SweepAnswer | PlannedSweep | SweepKinds

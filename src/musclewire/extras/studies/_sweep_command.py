@@ -109,14 +109,14 @@ def run_study(plan: Plan, workers: Workers, folder: Path, figure: FigureOptions,
 
 def planned(plan: Plan) -> Result:
     """Return what a study would run."""
-    from musclewire.extras.studies._answers import SweepPlan, VariedRange
+    from musclewire.extras.studies._answers import PlannedSweep, VariedRange
 
     design = plan.design
     parameters = {
         name: VariedRange(unit=design.units[name], least=plain(column.min()), most=plain(column.max()))
         for name, column in ((name, design.column(name)) for name in design.names)
     }
-    answer = SweepPlan(runs=len(design), kind=plan.file.run["kind"], keep=tuple(plan.keep), parameters=parameters)
+    answer = PlannedSweep(runs=len(design), kind=plan.file.run["kind"], keep=tuple(plan.keep), parameters=parameters)
     lines = [f"{plan.file.name}: {answer.runs} runs of '{answer.kind}', {plan.kind.runs_per_chunk} in a chunk"]
     lines += [f"  {name}: {ends.least} to {ends.most} {ends.unit}".rstrip() for name, ends in parameters.items()]
     return Result(answer, "\n".join([*lines, f"kept: {', '.join(plan.keep)}"]))

@@ -11,7 +11,7 @@ import pytest
 
 from musclewire.app import run
 from musclewire.errors import CallerError, RigError
-from musclewire.extras.board._serial import flash, images
+from musclewire.extras.board._serial import flash
 from musclewire.extras.board._serial.flash import FOLDER, find_image, firmware_images, require_sound
 from musclewire.extras.board._serial.ports import SerialPort
 
@@ -46,7 +46,7 @@ def test_an_image_leaves_the_boot_loader_its_place(wire: str) -> None:
 def test_a_changed_image_is_not_flashed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     image = find_image("uno", "paper-100um")
     (tmp_path / image.file).write_bytes(image.path.read_bytes()[:-1])
-    monkeypatch.setattr(images, "FOLDER", tmp_path)
+    monkeypatch.setattr(flash, "FOLDER", tmp_path)
     with pytest.raises(CallerError, match="damaged or changed"):
         require_sound(image)
 

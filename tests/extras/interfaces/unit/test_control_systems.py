@@ -125,7 +125,7 @@ def test_the_wire_system_is_the_simulator_to_the_bit() -> None:
     answer = control.input_output_response(system, times, drives, x)
     for sample, drive_v in enumerate(drives[:-1], 1):
         state, means = advance(state, wire.constants, float(drive_v), wire.sample_period_s, wire.stepping)
-        assert answer.outputs[:, sample].tolist() == list(means)
+        assert answer.outputs[:, sample].tolist() == list(means[:4])
     assert answer.states[: state.numbers.size, -1].tolist() == state.numbers.tolist()
 
 

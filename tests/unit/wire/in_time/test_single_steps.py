@@ -190,5 +190,5 @@ def test_means_of_a_sample_of_many_steps_are_those_of_its_steps() -> None:
     for _ in range(5):
         state, part = advance(state, WIRE, 3.0, 0.01, fixed_steps(0.01))
         parts.append(part)
-    assert tuple(means) == pytest.approx(tuple(np.mean(parts, axis=0)), rel=1e-12)
+    assert means[:4] == pytest.approx(np.mean([part[:4] for part in parts], axis=0), rel=1e-12)
     assert whole.temperature_k == state.temperature_k

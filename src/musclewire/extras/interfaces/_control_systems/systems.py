@@ -47,7 +47,7 @@ def wire_system(rig: str | Path | RigConfiguration = "simulated") -> tuple[Any, 
     def updated(_time_s: float, x: FloatArray, u: FloatArray, _params: dict[str, Any]) -> FloatArray:
         before = WireState(np.array(x[:count]), layout)
         after, means = advance(before, constants, float(np.ravel(u)[0]), wire.sample_period_s, wire.stepping)
-        return np.concatenate([after.numbers, means])
+        return np.concatenate([after.numbers, [getattr(means, name) for name in READINGS]])
 
     def readings(_time_s: float, x: FloatArray, _u: FloatArray, _params: dict[str, Any]) -> FloatArray:
         return x[count:]
