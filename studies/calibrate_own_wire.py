@@ -61,7 +61,7 @@ def curve_rms_pct(found: Calibration, truth: WireValues) -> float:
     Both wires run through the recording's drive; at equal resistance on the same branch, over what both have.
     """
     observation = found.problem.observations[0]
-    branches = [loop_branches(observation.path(values)) for values in (found.values, truth)]
+    branches = [loop_branches(observation.driven_path(values)) for values in (found.values, truth)]
     squares = []
     for ours, true in zip(*branches, strict=True):
         low, high = max(ours[0][0], true[0][0]), min(ours[0][-1], true[0][-1])

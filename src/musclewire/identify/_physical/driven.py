@@ -26,7 +26,7 @@ from musclewire.identify._physical.observations import (
 from musclewire.identify._recordings import resistance_reading
 from musclewire.sensing import noise_level
 from musclewire.signals import Recording
-from musclewire.wire import ConnectorLoad
+from musclewire.wire import ConnectorLoad, DrivenPath
 
 # In a recording of a drive the model's error has about this many independent values.
 STRETCHES = 20
@@ -94,9 +94,13 @@ class DrivenObservation(ClockedObservation):
         """Return a simulated column, (n,), in the bins of the channel of this name."""
         return binned(values, self._bin)[self._keep[name]]
 
+    def driven_path(self, values: WireValues) -> DrivenPath:
+        """Return what this wire does under the recording's drive, sample by sample."""
+        return self.path(self.constants(values, self._circuit, self._load), self._drive)
+
     def columns(self, values: WireValues) -> Mapping[str, FloatArray]:
         """Return the simulated channels of this wire, sample by sample."""
-        path = self.path(self.constants(values, self._circuit, self._load), self._drive)
+        path = self.driven_path(values)
         bench = {**values.bench, **self.bench, **self._circuit}
         leg_m = bench["wire_length_m"] / bench["legs"]
         # Without current there is no resistance to compare, in the recording neither.
