@@ -268,7 +268,7 @@ def judged(client: LiveClient, before: dict[str, Any], drives_v: list[float]) ->
     after = client.state()
     parts = ("revision", "phase", "doing", "steps", "model", "recordings", "clock_speed", "protection")
     return {
-        "changed": [name for name in parts if before[name] != after[name]],
+        "changed": {name: [before[name], after[name]] for name in parts if before[name] != after[name]},
         "rows": len(drives_v),
         "drive_voltage_v": [min(drives_v), max(drives_v)],
         "sense_voltage_v": after["rig"]["sense_voltage_v"],
