@@ -174,6 +174,7 @@ def signal_named(document: dict[str, Any], name: str) -> dict[str, Any]:
         (lambda table: table.update(signal=table["signal"][1:]), "signals are not those of the code"),
         (lambda table: table.update(state=table["state"][:5]), "states are not those of the code"),
         (lambda table: table["event"][0].update(action="report"), "action"),
+        (lambda table: table["event"][0].update(number=0), "number"),
         (lambda table: table["reserved"][0].update(number=1), "reserved"),
         (lambda table: table.update(sense_after_s=0.3), "must come before trip_after_s"),
     ],

@@ -23,6 +23,7 @@ from musclewire.parameters import (
 from musclewire.rigs._abilities import ability
 from musclewire.rigs._configuration import RigConfiguration, open_rig, read_rig_file, rig_names
 from musclewire.rigs._device import HasTrueState
+from musclewire.rigs._outside import OutsideConfiguration
 
 
 @pytest.fixture
@@ -216,3 +217,11 @@ def test_whatever_a_rig_file_holds_it_is_read_or_refused_in_plain_words(data: di
         message = str(error)
     assert "\n" not in message
     assert "Input should" not in message
+
+
+def test_a_wire_file_named_in_a_plants_rig_file_is_looked_for_next_to_it() -> None:
+    plant = OutsideConfiguration.model_construct(kind="python:plant")
+    by_file = plant.model_copy(update={"wire": "mine.toml"})
+    assert dict(by_file.with_files_in(Path("rigs")))["wire"] == str(Path("rigs/mine.toml"))
+    by_name = plant.model_copy(update={"wire": "paper-100um"})
+    assert by_name.with_files_in(Path("rigs")) is by_name

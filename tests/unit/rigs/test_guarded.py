@@ -93,3 +93,12 @@ def test_an_output_that_is_stuck_is_not_called_off() -> None:
     with pytest.raises(ProtectionTripError) as caught:
         use_at_the_sense_voltage(faulty(kind="output_stuck", at=0.5), 20)
     assert "0 V was ordered; CUT THE POWER" in str(caught.value)
+
+
+def test_a_trip_says_how_warm_the_wire_is_estimated_to_be() -> None:
+    with open_rig(faulty(kind="wire_open", at=1.0)) as rig:
+        with pytest.raises(ProtectionTripError) as tripped:
+            hold(rig, rig.drive_amplitude_v, 100)
+        degc = rig.protection.temperature_k - 273.15
+        assert 20.0 < degc < 200.0
+        assert f"estimated {degc:.0f} C" in str(tripped.value)

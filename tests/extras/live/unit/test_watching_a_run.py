@@ -1,0 +1,113 @@
+"""What a bench does by itself: it ends runs nobody watches over, closes its rig, and keeps a core free for the loop."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from musclewire.errors import CallerError
+from musclewire.extras.live import _messages as messages
+from musclewire.extras.live._bench import orders, process, recipes
+from musclewire.extras.live._bench_handle import BenchHandle, BenchSettings
+from musclewire.extras.live._server import running
+
+SAMPLE_S, MAX_SILENCE_S = 0.05, 0.6
+
+
+class Watched:
+    """A session that is watched for some seconds of a clock of the test's own; nobody gives a sign meanwhile."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, *, heating: bool, ending: str = "") -> None:
+        self.heating, self.ending = heating, ending
+        self.quitting, self.sample_s, self.max_silence_s = False, SAMPLE_S, MAX_SILENCE_S
+        self.now_s, self.stopped_at_s, self.ended_at_s = 0.0, [], None
+        clock = SimpleNamespace(sleep=self._sleep, monotonic=lambda: self.now_s)
+        monkeypatch.setattr(orders, "time", clock)
+
+    def _sleep(self, seconds_s: float) -> None:
+        if self.ending and self.ended_at_s is None:
+            self.ended_at_s = self.now_s
+        self.now_s += seconds_s
+        self.quitting = self.now_s > self._until_s
+
+    def stop(self, _who: str) -> None:
+        self.stopped_at_s.append(self.now_s)
+
+    def watch(self, until_s: float) -> None:
+        self._until_s = until_s
+        watch: Any = object.__new__(orders.OrderQueue)  # without its threads
+        watch._session, watch._alive_s, watch._ending_since_s = self, 0.0, None
+        watch._watch()
+
+
+def test_a_heated_run_nobody_watches_over_is_ended_and_switched_off_if_it_goes_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    session = Watched(monkeypatch, heating=True)
+    session.watch(until_s=3.0)
+    assert "nobody in control" in session.ending
+    assert session.ended_at_s == pytest.approx(MAX_SILENCE_S, abs=2.0 * orders.WATCHED_EVERY_S)
+    given_s = orders.MAX_ENDING_S + 2.0 * SAMPLE_S
+    assert session.stopped_at_s[0] - session.ended_at_s == pytest.approx(given_s, abs=3.0 * orders.WATCHED_EVERY_S)
+
+
+def test_a_wire_at_rest_is_not_ended_by_silence(monkeypatch: pytest.MonkeyPatch) -> None:
+    session = Watched(monkeypatch, heating=False)
+    session.watch(until_s=3.0)
+    assert (session.ending, session.stopped_at_s) == ("", [])
+
+
+def test_a_run_that_ends_has_its_last_samples_before_it_is_switched_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    session = Watched(monkeypatch, heating=True, ending="as asked")
+    session.watch(until_s=2.0 * SAMPLE_S)
+    assert session.stopped_at_s == []
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_a_session_that_ends_closes_its_rig_however_it_ends(fails: bool) -> None:
+    closed: list[bool] = []
+    rig = SimpleNamespace(close=lambda: closed.append(True))
+    session: Any = SimpleNamespace(quitting=not fails, rig=rig)  # without a state a turn of the loop fails
+    if fails:
+        with pytest.raises(AttributeError):
+            process.run_session(session, SimpleNamespace())  # type: ignore[arg-type]
+    else:
+        process.run_session(session, SimpleNamespace())  # type: ignore[arg-type]
+    assert closed == [True]
+
+
+def test_a_bench_without_a_process_refuses_what_is_ordered_and_says_why(tmp_path: Path) -> None:
+    handle = BenchHandle(BenchSettings("one", "simulated", tmp_path, 1))
+    handle.state["why"] = "its process has ended"
+    answer = asyncio.run(handle.command(messages.read_command({"do": "home"})))
+    assert (answer.accepted, answer.message) == (False, "its process has ended")
+
+
+def test_a_model_cannot_be_fitted_before_there_is_a_slow_loop() -> None:
+    session: Any = SimpleNamespace(work=SimpleNamespace(loop=None))
+    with pytest.raises(CallerError, match="no slow loop in this session yet"):
+        recipes.fit_model(session, messages.read_command({"do": "fit", "quantity": "strain"}))  # type: ignore[arg-type]
+
+
+def test_a_staircase_may_begin_at_zero() -> None:
+    steps = messages.Steps(kind="staircase", start=0.0, stop=0.02, step=0.01, hold_s=5.0)
+    reference = recipes.staircase_of(steps, SimpleNamespace())  # type: ignore[arg-type]
+    assert reference.targets_at([1.0, 6.0, 11.0]) == pytest.approx([0.0, 0.01, 0.02])
+
+
+@pytest.mark.parametrize(("cores", "chosen"), [({0, 1, 3}, [{0, 3}]), ({1}, [])])
+def test_the_server_leaves_the_loops_core_to_it_if_there_is_another(
+    cores: set[int], chosen: list[set[int]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    set_to: list[set[int]] = []
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _process: cores, raising=False)
+    monkeypatch.setattr(os, "sched_setaffinity", lambda _process, others: set_to.append(others), raising=False)
+    running.leave_core(1)
+    assert set_to == chosen
