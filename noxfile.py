@@ -11,6 +11,8 @@ from pathlib import Path
 
 import nox
 
+from musclewire.errors import MissingExtraError
+
 ROOT = Path(__file__).parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 OF_DEVELOPERS = ("test", "dev", "docs")
@@ -86,7 +88,7 @@ def without_extra(session: nox.Session, row: dict[str, str]) -> None:
     command = ["musclewire", *shlex.split(row["command"])] if is_command else ["python", "-c", row["python"]]
     code = 0 if row.get("works") else 2 if is_command else 1
     said = str(session.run(*command, silent=True, success_codes=[code])).strip().splitlines()
-    cure = f"needs the extra '{row['extra']}': pip install \"musclewire[{row['extra']}]\""
+    cure = str(MissingExtraError("", row["extra"])).strip()
     if not row.get("works") and (not said or not said[-1].endswith(cure) or (is_command and len(said) != 1)):
         session.error(f"{row} must say in one line '{cure}', and says: {said}")
 

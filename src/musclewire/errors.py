@@ -19,6 +19,7 @@ __all__ = [
     "RecordingNotWrittenError",
     "NumericsError",
     "FitRejectedError",
+    "installed_by",
     "nearest_hint",
 ]
 
@@ -45,8 +46,12 @@ class MissingExtraError(CallerError):
 
     def __init__(self, what: str, extra: str) -> None:
         """Say that ``what`` needs the optional extra ``extra``."""
-        install = f'pip install "musclewire[{extra}]"'  # quoted as every shell takes it, Windows' too
-        super().__init__(f"{what} needs the extra '{extra}': {install}")
+        super().__init__(f"{what} needs the extra '{extra}': {installed_by(extra)}")
+
+
+def installed_by(extra: str) -> str:
+    """Return the commands that install an extra, quoted as every shell takes them, Windows' too."""
+    return f'pip install ".[{extra}]" in a checkout, pip install "musclewire[{extra}]" from an index'
 
 
 class RecordingError(MusclewireError, ValueError):

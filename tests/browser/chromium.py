@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import pytest
+from tests.tools import require_oracle, require_tool
 
 # Debian's Chromium. What a root user's sandbox or a small /dev/shm would break is no subject here.
 FLAGS = [
@@ -18,29 +18,11 @@ FLAGS = [
 SIZES = {"phone": (390, 844), "tablet": (1024, 768), "screen": (1920, 1080), "tutorial": (1440, 1000)}
 
 
-def missing(line: str) -> None:
-    """Skip, saying that the test was not run and what it needs; where a browser is required, fail."""
-    if os.environ.get("MUSCLEWIRE_REQUIRE_BROWSER"):
-        pytest.fail(line, pytrace=False)
-    pytest.skip(f"not run: {line}")
-
-
 def chromium_path() -> str:
     """Return the path of Chromium, or skip."""
     names = ("chromium", "chromium-browser", "google-chrome")
     path = next((found for name in names if (found := shutil.which(name))), None)
-    if path is None:
-        missing("needs Chromium (apt-get install --no-install-recommends chromium)")
-    return str(path)
-
-
-def require_playwright() -> Any:
-    """Return Playwright's synchronous interface, or skip."""
-    try:
-        from playwright import sync_api
-    except ImportError:
-        missing("needs Playwright (pip install 'musclewire[test]'); its own browsers are not needed")
-    return sync_api
+    return path or require_tool("chromium", "chromium")
 
 
 @contextmanager
@@ -54,7 +36,7 @@ def started(playwright: Any, *flags: str) -> Iterator[Any]:
 @contextmanager
 def launched(*flags: str) -> Iterator[Any]:
     """Start Chromium."""
-    with require_playwright().sync_playwright() as interface, started(interface, *flags) as chromium:
+    with require_oracle("playwright.sync_api").sync_playwright() as interface, started(interface, *flags) as chromium:
         yield chromium
 
 
@@ -62,7 +44,7 @@ def launched(*flags: str) -> Iterator[Any]:
 def playwright() -> Iterator[Any]:
     """Playwright, with a Chromium to start."""
     chromium_path()
-    with require_playwright().sync_playwright() as interface:
+    with require_oracle("playwright.sync_api").sync_playwright() as interface:
         yield interface
 
 

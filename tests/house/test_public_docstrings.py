@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from typing import Any
 
 import pytest
-from checks.public_docstrings import problems_of
+from tests.tools import require_oracle
 
 from musclewire.errors import CallerError
+
+require_oracle("numpydoc")
+problems_of = importlib.import_module("checks.public_docstrings").problems_of
+pytestmark = pytest.mark.oracles
 
 
 def complete(voltage_v: float, folder: str) -> float | None:

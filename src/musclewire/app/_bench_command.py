@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from musclewire.app._options import ONLY, QUICK
 from musclewire.app._output import Result, tell
+from musclewire.errors import installed_by
 
 if TYPE_CHECKING:
     from musclewire.app._bench_measure import MachinePeaks
@@ -34,7 +35,7 @@ def bench_text(found: Benchmark) -> str:
         span = f"{ratio_text(row.ratio_low)} to {ratio_text(row.ratio_high)}"
         lines.append(f"{row.name:{width}}{times}  {span:18}{row.theirs}")
     lines += ["", "What the time is for:", *(f"  {row.name}: {row.work}" for row in found.rows)]
-    lines += [f'not measured: {name}: pip install "musclewire[{extra}]"' for name, extra in found.left_out if extra]
+    lines += [f"not measured: {name}: {installed_by(extra)}" for name, extra in found.left_out if extra]
     elsewhere = [name for name, extra in found.left_out if extra is None]
     if elsewhere:
         lines += ["", f"not measured outside a checkout, whose benchmarks/speed has them: {', '.join(elsewhere)}"]

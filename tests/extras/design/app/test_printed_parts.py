@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-import trimesh
 from tests.places import CHECKOUT
+from tests.tools import require_oracle
 
 from musclewire.extras.design._finger.chain import finger_chain
 from musclewire.extras.design._finger.curve import beam_stress_pa
@@ -36,7 +36,7 @@ def stress_at(dimensions: dict[str, float], travel_m: float) -> float:
     return float(beam_stress_pa(geometry, there).max())
 
 
-@pytest.mark.slow
+@pytest.mark.oracles
 @pytest.mark.parametrize(("name", "material"), FINGERS.items())
 def test_the_finger_keeps_every_limit_of_printer_material_and_wire(
     name: str, material: str, musclewire: Callable[..., Any], tmp_path: Path
@@ -51,12 +51,12 @@ def test_the_finger_keeps_every_limit_of_printer_material_and_wire(
     assert found["geometry"]["column_width_m"] >= thinnest_m
     assert stress_at(found["geometry"], found["wire"]["travel_m"]) < made_of.allowable_stress_pa.value
     assert found["wire"]["wire_stress_pa"] < 172e6  # what the vendor allows
-    mesh = trimesh.load_mesh(tmp_path / "finger.stl")
+    mesh = require_oracle("trimesh").load_mesh(tmp_path / "finger.stl")
     assert mesh.is_volume
     assert mesh.extents[2] == pytest.approx(1e3 * found["geometry"]["beam_depth_m"], abs=0.05)
 
 
-@pytest.mark.slow
+@pytest.mark.oracles
 def test_the_pretensioner_keeps_every_limit_of_printer_and_material(
     musclewire: Callable[..., Any], tmp_path: Path
 ) -> None:
@@ -68,7 +68,7 @@ def test_the_pretensioner_keeps_every_limit_of_printer_and_material(
     assert found["process"] == "print"
     assert found["geometry"]["thickness_m"] >= load_material("petg").minimum_thickness_by("print")
     assert found["stress_max_pa"] < found["stress_allowable_pa"]
-    mesh = trimesh.load_mesh(tmp_path / "part.stl")
+    mesh = require_oracle("trimesh").load_mesh(tmp_path / "part.stl")
     geometry = found["geometry"]
     size = [geometry[key] for key in ("across_m", "along_m", "depth_m")]
     assert mesh.is_volume

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-import trimesh
+from tests.tools import require_oracle
 
 from musclewire.errors import CallerError, MissingExtraError
 from musclewire.extras.design._drawing import polyline_m
@@ -23,8 +23,8 @@ from musclewire.extras.design._serpentine.outline import serpentine_drawing
 from musclewire.extras.design._solid import Solid, require_cad, write_solid
 from musclewire.parameters import load_finger
 
-# Loading two CAD kernels takes seconds.
-pytestmark = pytest.mark.slow
+trimesh = require_oracle("trimesh")
+pytestmark = pytest.mark.oracles
 # What the issue asks for: every dimension within 0.05 mm of the design.
 TOLERANCE_MM = 0.05
 SERPENTINE = SerpentineGeometry(4, 11.72e-3, 3.26e-3, 1.01e-3, 10e-3, 0.25e-3)
@@ -47,8 +47,7 @@ def solid(request: pytest.FixtureRequest) -> Solid:
 
 @pytest.fixture
 def gmsh() -> Iterator[Any]:
-    import gmsh
-
+    gmsh = require_oracle("gmsh")
     gmsh.initialize(interruptible=False)
     # gmsh no longer ignores SIGPIPE; a later test in this process that writes to a dead worker would be killed by it.
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)

@@ -7,10 +7,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-import fmpy
-from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
-from fmpy.model_description import ModelDescription
+from tests.tools import require_oracle
 
+fmpy, fmi2 = require_oracle("fmpy"), require_oracle("fmpy.fmi2")
 OK, WARNING, DISCARD, ERROR = range(4)
 
 
@@ -20,12 +19,12 @@ class Slave:
     def __init__(self, path: Path, folder: Path | None = None) -> None:
         """Unpack and instantiate it; ``folder`` is where it has been unpacked already."""
         self.folder = folder or Path(fmpy.extract(str(path)))
-        self.description: ModelDescription = fmpy.read_model_description(str(self.folder))
+        self.description = fmpy.read_model_description(str(self.folder))
         self.time_s = 0.0
         self._by_name = {variable.name: variable for variable in self.description.modelVariables}
         simulation = self.description.coSimulation
         assert simulation is not None
-        self.fmu = FMU2Slave(
+        self.fmu = fmi2.FMU2Slave(
             guid=self.description.guid,
             unzipDirectory=str(self.folder),
             modelIdentifier=simulation.modelIdentifier,
@@ -38,8 +37,8 @@ class Slave:
             for kind in sorted({variable.type for variable in outputs})
         ]
         self.messages: list[tuple[int, str]] = []
-        self._callbacks = fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
+        self._callbacks = fmi2.fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
         self.fmu.instantiate(callbacks=self._callbacks)
 
     def _log(self, _environment: Any, _name: bytes, status: int, category: bytes, message: bytes) -> None:

@@ -7,21 +7,23 @@ import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
-import fmpy
 import pytest
 from emulation.exported_library.on_this_machine import full_scales
-from fmpy.build import build_platform_binary
-from fmpy.simulation import simulate_fmu
-from fmpy.validation import validate_fmu
 from tests.extras.board.export.export_parts import drive_limits, usual_model
 from tests.extras.interfaces.export.fmu_parts import ERROR, WARNING, Slave
-from tests.tools import require_tool
+from tests.tools import require_oracle, require_tool
 
 from musclewire.controllers import Event, FuzzyPidSettings, State
 from musclewire.errors import CallerError
 from musclewire.extras.board import ReferenceTick, TickOutcome, exercise, limits_of_rig
 from musclewire.extras.interfaces._fmu import Fmu, export_fmu
 from musclewire.identify import settings_for
+
+pytestmark = pytest.mark.oracles
+fmpy = require_oracle("fmpy")
+build_platform_binary = require_oracle("fmpy.build").build_platform_binary
+simulate_fmu = require_oracle("fmpy.simulation").simulate_fmu
+validate_fmu = require_oracle("fmpy.validation").validate_fmu
 
 PERIOD_S = 0.05
 NAMES = {"valid": "estimate_valid", "state": "protection_state", "event": "protection_event"}
@@ -161,7 +163,6 @@ def test_its_own_sources_compile_without_a_warning_and_give_the_same_numbers(exp
     assert shipped != b""
 
 
-@pytest.mark.slow
 def test_the_same_model_gives_the_same_bytes_and_another_is_not_replaced_unasked(exported: Fmu, tmp_path: Path) -> None:
     again = export_fmu(usual_model(), tmp_path)
     assert again.path.read_bytes() == exported.path.read_bytes()

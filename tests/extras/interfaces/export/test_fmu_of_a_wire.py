@@ -10,16 +10,13 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import fmpy
 import numpy as np
 import pytest
-from fmpy.build import build_platform_binary
-from fmpy.validation import validate_fmu
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from tests.extras.board.export.export_parts import usual_model
 from tests.extras.interfaces.export.fmu_parts import DISCARD, ERROR, Slave
-from tests.tools import require_tool
+from tests.tools import require_oracle, require_tool
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
@@ -35,6 +32,11 @@ from musclewire.wire import (
     resting_state,
     with_pretension,
 )
+
+pytestmark = pytest.mark.oracles
+fmpy = require_oracle("fmpy")
+build_platform_binary = require_oracle("fmpy.build").build_platform_binary
+validate_fmu = require_oracle("fmpy.validation").validate_fmu
 
 SAMPLE_S = 0.05
 # What is asked for is 1e-9; what is found is the same bits, on machines with IEEE 754 arithmetic.
@@ -171,13 +173,12 @@ def drive_staircase(device: SimulatedDevice) -> FloatArray:
 COURSES = {"loop of 90 s": slow_loop, "staircase": drive_staircase}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", RIGS)
 def test_fmpy_finds_nothing_to_complain_of(wires: Callable[[str], Wire], name: str) -> None:
     assert validate_fmu(str(wires(name).fmu.path)) == []
 
 
-@pytest.mark.parametrize("step_s", [pytest.param(0.01, id="10 ms", marks=pytest.mark.slow), 0.05])
+@pytest.mark.parametrize("step_s", [pytest.param(0.01, id="10 ms"), 0.05])
 @pytest.mark.parametrize("course", COURSES)
 @pytest.mark.parametrize("name", [name for name in RIGS if name != "too long"])
 def test_the_trajectory_is_python_s(wires: Callable[[str], Wire], name: str, course: str, step_s: float) -> None:
@@ -307,7 +308,6 @@ def changed_wires(draw: st.DrawFn, of: WireConstants) -> dict[str, float]:
     return changes
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["simulated", "finger"])
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
@@ -420,7 +420,7 @@ def test_a_fixed_step_too_long_for_the_wire_is_discarded_and_one_by_tolerance_is
         assert other.get("temperature_k") > 340.0
 
 
-@pytest.mark.parametrize("name", ["simulated", pytest.param("finger", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["simulated", "finger"])
 def test_its_own_sources_compile_without_a_warning_and_give_the_same_bits(
     wires: Callable[[str], Wire], name: str, tmp_path: Path
 ) -> None:
@@ -448,7 +448,6 @@ def test_nothing_undefined_happens_in_its_c(wires: Callable[[str], Wire], name: 
     assert rows_of_fmu(wire.fmu.path, drive, 0.01, folder) == rows_of_fmu(wire.fmu.path, drive, 0.01)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["wire", "controller"])
 def test_memory_is_kept_in_order_over_a_whole_life(wires: Callable[[str], Wire], tmp_path: Path, kind: str) -> None:
     gcc = require_tool("gcc", "gcc libc6-dev")
@@ -468,7 +467,6 @@ def test_memory_is_kept_in_order_over_a_whole_life(wires: Callable[[str], Wire],
     assert said.stdout.endswith("the same to the bit\n")
 
 
-@pytest.mark.slow
 def test_clang_gives_the_same_bits(
     wires: Callable[[str], Wire], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -17,6 +17,7 @@ from musclewire.rigs import RigConfiguration, open_simulated
 from musclewire.sensing import SensingModel
 from musclewire.wire import OneWire, advance, resting_state
 
+pytestmark = pytest.mark.oracles
 SAMPLE_S, LEG_LENGTH_M = 0.05, 0.07
 TARGETS = [level for level in (0.01, 0.02, 0.025, 0.015) for _ in range(120)]
 

@@ -21,5 +21,5 @@ def test_the_message_names_the_extra(package: str, name: str, extra: str) -> Non
         "    print(error)\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert f'pip install "musclewire[{extra}]"' in done.stdout
+    assert f'pip install ".[{extra}]"' in done.stdout
     assert done.stdout.count("\n") == 1

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.browser.chromium import missing
 from tests.extras.live.browser.opened import opened, switch_on, wait_for_phase
 from tests.extras.live.browser.served import Served, serving, until
+from tests.tools import require_oracle
 
 import musclewire as mw
 
@@ -21,11 +21,7 @@ GRAVE = ("serious", "critical")
 @pytest.fixture(scope="module")
 def axe() -> Any:
     """axe-core."""
-    try:
-        from axe_core_python.sync_playwright import Axe
-    except ImportError:
-        missing("needs axe-core (pip install 'musclewire[test]')")
-    return Axe()
+    return require_oracle("axe_core_python.sync_playwright").Axe()
 
 
 @pytest.fixture

@@ -111,7 +111,7 @@ def test_without_the_extra_the_command_says_so_before_it_computes_anything(study
     code = "from musclewire.app._main import run; sys.exit(run(['sweep', 'study.toml']))"
     done = without_extra(study.parent, code)
     assert done.returncode == 2
-    assert 'pip install "musclewire[sweep]"' in done.stderr
+    assert 'pip install ".[sweep]"' in done.stderr
     assert [path.name for path in study.parent.iterdir()] == ["study.toml"]
 
 
