@@ -38,7 +38,7 @@ def test_a_paced_run_stopped_by_a_signal_ends_safe_and_readable(
     number: signal.Signals, code: int, tmp_path: Path
 ) -> None:
     path = tmp_path / "loop.h5"
-    process = start("characterize", "simulated", "--real-time", "-o", path)
+    process = start("characterize", "simulated", "--real-time", "--amplitude", "3.2 V", "-o", path)
     wait_for_rows(process, path, 20)
     process.send_signal(number)
     _, err = process.communicate(timeout=PATIENCE_S)
@@ -54,7 +54,7 @@ def test_a_paced_run_stopped_by_a_signal_ends_safe_and_readable(
 @pytest.mark.slow
 def test_an_impatient_second_ctrl_c_changes_nothing(tmp_path: Path) -> None:
     path = tmp_path / "loop.h5"
-    process = start("characterize", "simulated", "--real-time", "-o", path)
+    process = start("characterize", "simulated", "--real-time", "--amplitude", "3.2 V", "-o", path)
     wait_for_rows(process, path, 20)
     for _ in range(3):
         process.send_signal(signal.SIGINT)

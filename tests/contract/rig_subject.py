@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +23,7 @@ class RigSubject:
     ``opened`` is given the test that asks, and a folder. ``cold_ohm`` is between which resistances the cold wire lies;
     ``least_strain`` and ``least_force_n`` are what the hot wire does within ten seconds: strain, and force beyond that
     of the cold wire. ``fixed_pretension``: a part of the load is the pretension. ``emulated``: opening starts a card's
-    server or a board's emulator.
+    server or a board's emulator. ``in_full``: another of its kind is in CI.
     """
 
     name: str
@@ -33,6 +33,12 @@ class RigSubject:
     least_force_n: float = 0.1
     fixed_pretension: bool = False
     emulated: bool = False
+    in_full: bool = False
+
+    @property
+    def group(self) -> Sequence[pytest.MarkDecorator]:
+        """The group of tests of this rig."""
+        return (pytest.mark.full,) if self.in_full else (pytest.mark.emulated,) if self.emulated else ()
 
 
 def without_a_test(make: Callable[[], Rig]) -> Opened:

@@ -13,7 +13,9 @@ from tests.contract.late_compilations import JOBS, RIGS
 from tests.places import CHECKOUT
 
 PROGRAM = Path(__file__).with_name("late_compilations.py")
-CASES = [*((rig, "drive") for rig in RIGS), *(("simulated", job) for job in JOBS if job != "drive")]
+EVERY = [*((rig, "drive") for rig in RIGS), *(("simulated", job) for job in JOBS if job != "drive")]
+QUICKLY = (("simulated", "drive"), ("simulated", "characterize"))
+CASES = [pytest.param(*case, marks=pytest.mark.slow if case in QUICKLY else pytest.mark.full) for case in EVERY]
 
 
 def output_of(cache: Path, *arguments: str) -> str:
@@ -38,7 +40,6 @@ def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("rig", "job"), CASES)
 def test_nothing_compiles_once_the_drive_has_left_0_v(rig: str, job: str, prepared: Path) -> None:
     assert json.loads(output_of(prepared / "cache", rig, job, str(prepared))) == []

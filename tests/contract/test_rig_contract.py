@@ -35,12 +35,7 @@ METADATA_KEYS = {
 SUBJECTS: list[RigSubject] = sorted(subjects_of("contract", "*_rigs.py", "SUBJECTS"), key=lambda subject: subject.name)
 
 
-@pytest.fixture(
-    params=[
-        pytest.param(subject, id=subject.name, marks=pytest.mark.emulated if subject.emulated else ())
-        for subject in SUBJECTS
-    ]
-)
+@pytest.fixture(params=[pytest.param(subject, id=subject.name, marks=subject.group) for subject in SUBJECTS])
 def subject(request: pytest.FixtureRequest) -> RigSubject:
     found: RigSubject = request.param
     return found

@@ -14,8 +14,6 @@ from websockets.sync.client import ClientConnection, connect
 from musclewire.errors import RigError
 from musclewire.extras.live._client import LiveClient
 
-pytestmark = pytest.mark.slow
-
 BENCH = "/api/v1/benches/simulated"
 PATIENCE_S = 20.0
 
@@ -55,12 +53,14 @@ def page(server: Any) -> Iterator[Page]:
         yield Page(socket)
 
 
+@pytest.mark.slow
 def test_the_first_messages_say_who_you_are_and_all_there_is_to_know(server: Any) -> None:
     with page(server) as one:
         kinds = [json.loads(one.socket.recv())["type"] for _ in range(3)]
         assert kinds == ["hello", "control", "state"]
 
 
+@pytest.mark.slow
 def test_a_watcher_may_stop_and_nothing_else(server: Any) -> None:
     with page(server) as one:
         one.command(1, "switch_on")
@@ -70,6 +70,7 @@ def test_a_watcher_may_stop_and_nothing_else(server: Any) -> None:
     assert [what for what, _ in server.bench.told] == ["start", "stop"]
 
 
+@pytest.mark.slow
 def test_who_has_control_sends_commands_and_keeps_it_by_answering_pings(server: Any) -> None:
     with page(server) as one:
         one.send(type="ask_control", bench="simulated", name="Ann")
@@ -81,6 +82,7 @@ def test_who_has_control_sends_commands_and_keeps_it_by_answering_pings(server: 
     assert server.bench.signs_of_life >= 8
 
 
+@pytest.mark.slow
 def test_control_goes_over_when_the_holder_gives_it_and_the_run_is_not_ended(server: Any) -> None:
     with page(server) as ann, LiveClient(server.running.address.url) as program:
         ann.send(type="ask_control", bench="simulated", name="Ann")
@@ -98,6 +100,7 @@ def test_control_goes_over_when_the_holder_gives_it_and_the_run_is_not_ended(ser
             assert not ann.until(lambda said: said.get("id") == 3)["accepted"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["freezes", "closes", "gives up"])
 def test_a_holder_who_is_gone_has_lost_control_and_the_bench_is_released(server: Any, how: str) -> None:
     with page(server) as watcher:
@@ -114,6 +117,7 @@ def test_a_holder_who_is_gone_has_lost_control_and_the_bench_is_released(server:
     assert [what for what, _ in server.bench.told].count("release") == 1
 
 
+@pytest.mark.full
 def test_pongs_to_pings_that_were_never_sent_keep_no_lease(server: Any) -> None:
     with page(server) as watcher, page(server) as holder:
         holder.answers_pings = False
@@ -127,6 +131,7 @@ def test_pongs_to_pings_that_were_never_sent_keep_no_lease(server: Any) -> None:
         watcher.until(is_lost)
 
 
+@pytest.mark.slow
 def test_a_program_keeps_control_inside_its_block_and_leaves_it_at_its_end(server: Any) -> None:
     with LiveClient(server.running.address.url) as program:
         with pytest.raises(RigError, match="take control first"):
@@ -141,6 +146,7 @@ def test_a_program_keeps_control_inside_its_block_and_leaves_it_at_its_end(serve
         assert program.stop() == "stopped"
 
 
+@pytest.mark.slow
 def test_a_stolen_or_old_lease_is_worth_nothing(server: Any) -> None:
     lease = server.http.post(f"{BENCH}/control", json={"name": "x"}).json()["lease"]
     for offered in ("", "x", lease[:-1], lease + "x", "viewer 1"):
@@ -152,6 +158,7 @@ def test_a_stolen_or_old_lease_is_worth_nothing(server: Any) -> None:
     assert "command" not in [what for what, _ in server.bench.told]
 
 
+@pytest.mark.slow
 def test_a_rule_base_is_named_and_never_a_path(server: Any) -> None:
     with LiveClient(server.running.address.url) as program, program.control("a test"):
         for path in ("/etc/rules.toml", "rules.toml", 7, None):
@@ -160,6 +167,7 @@ def test_a_rule_base_is_named_and_never_a_path(server: Any) -> None:
     assert "command" not in [what for what, _ in server.bench.told]
 
 
+@pytest.mark.slow
 def test_a_viewer_that_reads_nothing_delays_nobody_and_is_closed_in_the_end(server: Any) -> None:
     """Rows come for it all the time; another viewer gets its own, and pings go on."""
     with page(server) as reading, connect(server.socket, max_queue=1, close_timeout=0.1):
@@ -171,6 +179,7 @@ def test_a_viewer_that_reads_nothing_delays_nobody_and_is_closed_in_the_end(serv
             )
 
 
+@pytest.mark.slow
 def test_rows_arrive_with_columns_once_and_what_follows_from_them(server: Any) -> None:
     with page(server) as one:
         one.until(lambda said: said["type"] == "ping")
@@ -185,6 +194,7 @@ def test_rows_arrive_with_columns_once_and_what_follows_from_them(server: Any) -
     assert (row["current_a"], row["power_w"], row["resistance_ohm"]) == (0.25, 0.75, 12.0)
 
 
+@pytest.mark.slow
 def test_a_number_of_the_state_that_is_not_known_is_null_and_ends_nothing(server: Any) -> None:
     with page(server) as one:
         server.bench.change(metrics={"mae_mean_pct": float("nan"), "steps": [float("inf"), 1.0]})

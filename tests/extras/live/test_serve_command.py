@@ -109,7 +109,7 @@ def test_stops_over_http_and_websocket_end_in_a_state_that_says_so(tmp_path: Pat
     assert live_stop.run(tmp_path, 6, 1)["stops"] == 6
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_ten_thousand_malformed_messages_change_nothing(tmp_path: Path) -> None:
     found = malformed_messages.run(tmp_path, 1, 10_000)
     assert found["passed"], found

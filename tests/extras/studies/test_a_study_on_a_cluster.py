@@ -12,8 +12,6 @@ from dask_cluster import DaskCluster
 from musclewire.errors import CallerError, NumericsError
 from musclewire.extras.studies._study import StudyResult, Workers, sweep
 
-pytestmark = pytest.mark.slow
-
 
 def same(one: StudyResult, other: StudyResult) -> bool:
     """Return whether two results are equal to the bit."""
@@ -22,6 +20,7 @@ def same(one: StudyResult, other: StudyResult) -> bool:
     )
 
 
+@pytest.mark.slow
 def test_workers_are_killed_and_nothing_that_was_finished_is_lost_or_repeated(counted: Counted, tmp_path: Path) -> None:
     """A worker is killed after every fourth chunk, whatever it does; in the end the numbers are those of one core."""
     study = counted.study(96, takes_s=0.1)
@@ -48,6 +47,7 @@ def test_workers_are_killed_and_nothing_that_was_finished_is_lost_or_repeated(co
     assert same(result, sweep(study, workers=Workers(processes=1)))
 
 
+@pytest.mark.slow
 def test_loops_on_a_cluster_have_the_digits_of_this_machines_cores(tmp_path: Path) -> None:
     study = {
         "format": "musclewire-study",
@@ -64,6 +64,7 @@ def test_loops_on_a_cluster_have_the_digits_of_this_machines_cores(tmp_path: Pat
     assert same(here, there)
 
 
+@pytest.mark.full
 def test_a_run_that_kills_every_worker_ends_the_study(counted: Counted, tmp_path: Path) -> None:
     with DaskCluster(tmp_path, workers=1) as cluster:
 
@@ -76,6 +77,7 @@ def test_a_run_that_kills_every_worker_ends_the_study(counted: Counted, tmp_path
     assert 9 not in counted.evaluated()
 
 
+@pytest.mark.slow
 def test_a_cluster_that_is_not_there_is_one_line(counted: Counted, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("musclewire.extras.studies._cluster.CONNECT_S", 0.5)
     with socket.socket() as free:

@@ -82,5 +82,6 @@ NIDAQ_RIGS: dict[str, Callable[[], GuardedRig]] = {
     "nidaq, USB-6001": lambda: at_seam("ni-usb-6001"),
 }
 SUBJECTS = tuple(
-    RigSubject(name, without_a_test(make), PAPERS_WIRE_OHM, emulated=True) for name, make in NIDAQ_RIGS.items()
+    RigSubject(name, without_a_test(make), PAPERS_WIRE_OHM, emulated=True, in_full="PCI" in name)
+    for name, make in NIDAQ_RIGS.items()
 )

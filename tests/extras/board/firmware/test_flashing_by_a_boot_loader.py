@@ -15,11 +15,13 @@ from tests.tools import require_tool
 from musclewire.app import run
 from musclewire.extras.board._serial.flash import find_image, greet
 
-pytestmark = pytest.mark.emulated
-
 
 @pytest.mark.parametrize(
-    ("board", "boot_loader", "options"), [("uno", "optiboot", ()), ("nano", "atmegaboot", ("--old-bootloader",))]
+    ("board", "boot_loader", "options"),
+    [
+        pytest.param("uno", "optiboot", (), marks=pytest.mark.emulated),
+        pytest.param("nano", "atmegaboot", ("--old-bootloader",), marks=pytest.mark.full),
+    ],
 )
 def test_a_boot_loader_writes_the_image_and_the_board_answers(
     board: str, boot_loader: str, options: tuple[str, ...], capsys: pytest.CaptureFixture[str]

@@ -17,9 +17,13 @@ from musclewire.extras.board._serial.flash import FirmwareImage, find_image, fir
 from musclewire.extras.board._serial.frames import SerialFrame
 from musclewire.rigs import open_rig
 
-pytestmark = pytest.mark.emulated
+WIRES = [
+    pytest.param("paper-100um", marks=pytest.mark.emulated),
+    pytest.param("flexinol-0.10-lt", marks=pytest.mark.full),
+]
 
 
+@pytest.mark.emulated
 @pytest.mark.parametrize("image", firmware_images(), ids=lambda image: image.file)
 def test_the_same_compiler_gives_the_same_bytes(image: FirmwareImage, tmp_path: Path) -> None:
     require_tool("avr-gcc", "gcc-avr avr-libc")
@@ -28,7 +32,7 @@ def test_the_same_compiler_gives_the_same_bytes(image: FirmwareImage, tmp_path: 
     assert image_of(image.board, image.wire, tmp_path).read_bytes() == image.path.read_bytes()
 
 
-@pytest.mark.parametrize("wire", ["paper-100um", "flexinol-0.10-lt"])
+@pytest.mark.parametrize("wire", WIRES)
 def test_the_hex_file_runs_greets_and_characterizes_the_wire(wire: str, tmp_path: Path) -> None:
     require_tool("simavr", "simavr libsimavr-dev libelf-dev gcc libc6-dev")
     image = find_image("uno", wire)
@@ -45,7 +49,7 @@ def test_the_hex_file_runs_greets_and_characterizes_the_wire(wire: str, tmp_path
     assert 14.0 < ohm.min() < 0.95 * ohm.max() < 18.0
 
 
-@pytest.mark.parametrize("wire", ["paper-100um", "flexinol-0.10-lt"])
+@pytest.mark.parametrize("wire", WIRES)
 def test_the_binary_file_starts_and_says_who_it_is(wire: str) -> None:
     require_tool("qemu-system-arm", "qemu-system-arm")
     frames = said_by(find_image("stm32f411", wire).path, [SerialFrame(HELLO, 1, b"")], IDENTITY, 2)

@@ -23,7 +23,7 @@ def without_design_packages(folder: Path, *arguments: str) -> subprocess.Complet
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_wire_is_characterised_fitted_controlled_and_simulated(tmp_path: Path) -> None:
     for command in (
         "demo",

@@ -177,7 +177,7 @@ def test_a_pretension_measured_anew_and_a_rig_that_says_less_are_no_other_grippe
     knowledge.gripper.require_same(replace(knowledge.gripper, finger=None, leg_length_m=None))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_of_unknown_stiffness_the_force_is_nearly_right_in_the_mean_over_objects_and_weather(
     knowledge: GripperKnowledge,
 ) -> None:

@@ -18,7 +18,8 @@ from musclewire.extras.paper._known_failures import known_failures
 from musclewire.extras.paper._page.paper_figures import FIGURES
 from musclewire.extras.paper._reproduce import DEFAULT_SEEDS, all_checks
 
-pytestmark = pytest.mark.slow
+# The whole table takes minutes; one row of each kind is in tests of the command.
+pytestmark = pytest.mark.full
 
 
 def reproduce(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

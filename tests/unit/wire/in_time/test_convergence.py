@@ -48,7 +48,7 @@ def test_a_slow_loop_in_one_step_a_sample_of_40_ms_is_right_to_a_millikelvin() -
     assert largest[RESISTANCE] < 1e-4
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_more_grains_lead_to_the_fronts_faster_than_in_proportion() -> None:
     """Classes as intervals are a piecewise linear distribution: between order one and two."""
     found = grain_distances(COURSE["slow loop"])
