@@ -1,4 +1,4 @@
-"""What is tried in environments of its own: the package, other Pythons, other systems, coverage (`nox --list`)."""
+"""What is tried in environments of its own, and what CI has no time for (`nox --list`)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from musclewire.errors import MissingExtraError
 
 ROOT = Path(__file__).parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-OF_DEVELOPERS = ("test", "dev", "docs")
+OF_DEVELOPERS = ("test", "oracles", "dev", "docs")
 # What needs an extra, and what it says without one.
 ACTIONS = tomllib.loads((ROOT / "checks/extras.toml").read_text("utf-8"))["action"]
 STUDY = """format = "musclewire-study"
@@ -40,6 +40,48 @@ ARROWS = {"design": ("paper",), "board": ("interfaces",), "grip": ("studies",), 
 NOT_COPIED = shutil.ignore_patterns(".*", "__pycache__", "build", "*.egg-info", "house")
 # Files that are named run whole, their long tests too, unless these are left out.
 NO_LONG_TESTS = "not (slow or emulated or documented or browser)"
+# What measures time, one after the other: another process beside it is part of the figure.
+TIMED = (
+    "checks/step_cost.py",
+    "musclewire bench",
+    "-m benchmarks.step",
+    "benchmarks/batch.py",
+    "benchmarks/wire_in_segments.py",
+    "benchmarks/start_up.py",
+    "benchmarks/exchange.py",
+    "benchmarks/import_large_file.py",
+    "benchmarks/kill_recording.py",
+    "benchmarks/many_closed_loops.py",
+    "benchmarks/host_loop.py",
+    "-m benchmarks.live_stop",
+    "-m benchmarks.malformed_messages",
+    "-m benchmarks.stop_latency",
+    "benchmarks/vector_environment.py",
+    "-m benchmarks.live_page --stop",
+    "-m benchmarks.live_page --growth",
+)
+# What judges numbers and not time. CI runs the quick form of the first ones.
+NUMBERS_IN_CI = (
+    "benchmarks/hysteresis_memory.py",
+    "studies/isobar_branches.py",
+    "benchmarks/convergence.py",
+    "benchmarks/kernel_accuracy.py",
+    "studies/fit_without_instruments.py",
+    "studies/force_self_sensing.py",
+    "studies/calibrate_isobars.py",
+)
+NUMBERS = (
+    "studies/calibrate_own_wire.py",
+    "studies/alternative_fits.py",
+    "studies/fit_paper_wires.py",
+    "studies/contact_detection.py",
+    "benchmarks/emulated_staircase.py",
+    "benchmarks/exported_c.py",
+    "benchmarks/fmu.py",
+    "benchmarks/fuzz_firmware.py",
+)
+WITHOUT_QUICK_FORM = ("checks/step_cost.py", "benchmarks/wire_in_segments.py", "benchmarks/hysteresis_memory.py",
+                      "studies/isobar_branches.py")  # fmt: skip
 nox.options.sessions = ["package"]
 
 
@@ -52,11 +94,22 @@ def extras_of_users() -> set[str]:
     }
 
 
-@nox.session
+@nox.session(venv_backend="uv")
 def package(session: nox.Session) -> None:
     """Build wheel and sdist, judge them, use the wheel where nothing else is, and try what needs each extra."""
     folder = Path(session.create_tmp())
-    session.run(sys.executable, "-m", "build", "-q", "--outdir", str(folder / "dist"), str(ROOT), external=True)
+    session.run(
+        sys.executable,
+        "-m",
+        "build",
+        "-q",
+        "--installer",
+        "uv",
+        "--outdir",
+        str(folder / "dist"),
+        str(ROOT),
+        external=True,
+    )
     wheel, sdist = sorted((folder / "dist").iterdir(), key=lambda path: path.suffix != ".whl")
     judges = Path(sys.executable).parent
     # The licence is there twice (W002): a project exported as C carries its own.
@@ -72,7 +125,6 @@ def package(session: nox.Session) -> None:
     session.run("musclewire", "demo")
     session.run("musclewire", "characterize", "simulated", "--cycles", "1", "-o", "loop.h5")
     session.run("musclewire", "fit", "loop.h5", "-o", "model.json")
-    session.run("musclewire", "bench", "--quick")
     Path("study.toml").write_text(STUDY, "utf-8")
     for name in ("loop.tdms", "loop.xlsx", "loop.parquet"):
         Path(name).touch()
@@ -120,6 +172,32 @@ def without_extras(session: nox.Session) -> None:
         if set(deleted) == set(EXTRAS):
             session.run(*python, "musclewire", "demo", "--out", "demo", env=variables)
         session.run(*python, "pytest", "-q", "-n", "auto", "--dist", "worksteal", *selected, env=variables)
+
+
+@nox.session(venv_backend="none")
+def full(session: nox.Session) -> None:
+    """Run what CI leaves out: the tests of the group full, benchmarks, long studies, the core without its extras.
+
+    `-- time`, `-- numbers` and `-- tests` run one of the three; `-- quick` the quick form of all benchmarks and studies, and
+    `-- quick numbers` those of them that CI runs.
+    """
+    words = set(session.posargs)
+    if wrong := words - {"quick", "time", "numbers", "tests"}:
+        session.error(f"{', '.join(sorted(wrong))}: say quick, time, numbers or tests")
+    quick, parts = "quick" in words, words - {"quick"}
+    chosen: tuple[str, ...] = ()
+    if not parts or "numbers" in parts:
+        chosen += NUMBERS_IN_CI if quick and parts else NUMBERS_IN_CI + NUMBERS
+    if not parts or "time" in parts:
+        chosen += TIMED
+    for line in chosen:
+        name, *options = shlex.split(line)
+        options += ["--quick"] if quick and name not in WITHOUT_QUICK_FORM else []
+        program = [f"{Path(sys.executable).parent}/{name}"] if name == "musclewire" else [sys.executable, name]
+        session.run(*program, *options, env={"PYTHONPATH": str(ROOT)}, external=True)
+    if not quick and (not parts or "tests" in parts):
+        session.run(sys.executable, "-m", "pytest", "-n", "auto", "--dist", "worksteal", "-m", "full", external=True)
+        session.notify("without_extras")
 
 
 @nox.session(python=PYTHONS)

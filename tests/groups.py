@@ -79,9 +79,9 @@ class Groups:
             self._config.hook.pytest_deselected(items=not_run)
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
-        """Note what was collected, if nothing will run."""
+        """Note what was collected, by its group, if nothing will run."""
         if self._config.option.collectonly:
-            self._ends = {item.nodeid: "collected" for item in session.items}
+            self._ends = {item.nodeid: self.group_of(item) or "collected" for item in session.items}
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Note how a test ended; with xdist, what its workers ran is reported here, too."""
