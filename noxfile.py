@@ -39,7 +39,7 @@ ARROWS = {"design": ("paper",), "board": ("interfaces",), "grip": ("studies",), 
 # What a copy of the checkout does without: what is made in it, and the tests that are about the whole of it.
 NOT_COPIED = shutil.ignore_patterns(".*", "__pycache__", "build", "*.egg-info", "house")
 # Files that are named run whole, their long tests too, unless these are left out.
-NO_LONG_TESTS = "not (slow or emulated or documented or browser)"
+NO_LONG_TESTS = "not (slow or emulated or documented or oracles or browser or full)"
 # What measures time, one after the other: another process beside it is part of the figure.
 TIMED = (
     "checks/step_cost.py",
@@ -178,8 +178,8 @@ def without_extras(session: nox.Session) -> None:
 def full(session: nox.Session) -> None:
     """Run what CI leaves out: the tests of the group full, benchmarks, long studies, the core without its extras.
 
-    `-- time`, `-- numbers` and `-- tests` run one of the three; `-- quick` the quick form of all benchmarks and studies, and
-    `-- quick numbers` those of them that CI runs.
+    `-- time`, `-- numbers` and `-- tests` run one of the three; `-- quick` the quick form of all benchmarks and
+    studies, and `-- quick numbers` those that CI runs.
     """
     words = set(session.posargs)
     if wrong := words - {"quick", "time", "numbers", "tests"}:

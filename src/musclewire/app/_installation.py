@@ -18,7 +18,7 @@ from musclewire.manifest import loaded, offered
 # Name at the beginning of a requirement, and the extra at its end.
 REQUIREMENT = re.compile(r"([\w.-]+).*?(?:;.*\bextra\s*==\s*['\"]([\w.-]+)['\"])?$")
 # Extras of those who change musclewire.
-OF_DEVELOPERS = ("test", "dev", "docs")
+OF_DEVELOPERS = ("test", "oracles", "dev", "docs")
 # What Numba compiles with, which it needs in one version only.
 COMPILER = "llvmlite"
 
