@@ -2,7 +2,8 @@
 
 A test that takes long, or needs a compiler, an emulator or a browser, carries the marker of one group. A run without
 names leaves the groups out and says at its end how many tests of which group it did not run, and the command that runs
-them. What is named is run: a file, a folder or a test on the command line, ``-m GROUP``, or ``--all``.
+them; files that need a missing package are named, too. What is named is run: a file, a folder or a test on the command
+line, ``-m GROUP``, or ``--all``.
 
 ``--record FILE`` writes which tests ran and how they ended; CI compares the files of all its runs with what there is.
 """
@@ -104,7 +105,13 @@ class Groups:
             self._config.option.record.write_text("".join(lines), encoding="utf-8")
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
-        """Say which groups were not run and which command runs them."""
+        """Say which files could not even be read, which groups were not run, and which command runs them."""
+        skipped = terminalreporter.stats.get("skipped", [])
+        unread = {report.nodeid: report.longrepr[2] for report in skipped if isinstance(report, pytest.CollectReport)}
+        if unread:
+            terminalreporter.section("not run: files of tests that need what is missing", sep="=", yellow=True)
+        for name, why in sorted(unread.items()):
+            terminalreporter.write_line(f"{name}: {why.removeprefix('Skipped: ')}")
         if not self._not_run:
             return
         terminalreporter.section("not run: groups of tests that nobody named", sep="=", yellow=True)

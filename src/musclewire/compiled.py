@@ -9,8 +9,10 @@ the core have folders of their own, named by the core's sources and theirs.
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 import sys
+import time
 from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.util import find_spec
@@ -19,7 +21,7 @@ from typing import Any, TypeVar
 
 import numba
 import numpy as np
-from numba.core import config
+from numba.core import config, event
 from numba.core.registry import CPUDispatcher
 from numba.extending import lower_builtin, type_callable
 
@@ -27,7 +29,7 @@ from musclewire.manifest import manifests
 
 numba_config: Any = config  # its options are set at run time, where mypy cannot see them
 
-__all__ = ["CompiledCallback", "callback", "compiled", "compiled_inline", "compiled_inner", "row_in"]
+__all__ = ["COMPILATION", "CompiledCallback", "callback", "compiled", "compiled_inline", "compiled_inner", "row_in"]
 
 # Strict IEEE 754 arithmetic that divides by 0 as NumPy does, and leaves the interpreter free.
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
@@ -35,6 +37,42 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 ROOMS_WITH_KERNELS = ("physics", "wire", "controllers", "sensing", "rigs/_compiled_loop")
 # Of a room of which few files hold kernels only these count, so that an edit of the others costs no compilation.
 FILES_WITH_KERNELS = ("rigs/_simulated.py", "random_numbers.py")
+
+
+class Compilation(event.Listener):
+    """How long this process has compiled; the first time it says so, to the logger ``musclewire.compiled``.
+
+    What the cache holds is loaded and is no compilation.
+    """
+
+    def __init__(self) -> None:
+        """Nothing has been compiled yet."""
+        self.total_s = 0.0
+        self._depth = 0
+        self._began_s = 0.0
+
+    def on_start(self, event: Any) -> None:  # noqa: ARG002
+        """Note the start; a kernel is compiled while one that calls it is."""
+        if self._depth == 0:
+            if self.total_s == 0.0:
+                kept = (
+                    "once: later runs take it from the cache"
+                    if cache_folder()
+                    else "in every run: no cache can be written"
+                )
+                logging.getLogger(__name__).info("compiling what is needed for the first time, %s", kept)
+            self._began_s = time.perf_counter()
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:  # noqa: ARG002
+        """Add what the outermost took."""
+        self._depth -= 1
+        if self._depth == 0:
+            self.total_s += time.perf_counter() - self._began_s
+
+
+COMPILATION = Compilation()
+event.register("numba:compile", COMPILATION)  # type: ignore[no-untyped-call]
 
 
 @cache

@@ -12,6 +12,7 @@ from musclewire import compiled as module
 from musclewire.compiled import (
     FILES_WITH_KERNELS,
     ROOMS_WITH_KERNELS,
+    Compilation,
     cache_folder,
     compiled,
     compiled_inline,
@@ -32,6 +33,19 @@ def _forget_folders() -> Iterator[None]:
     yield
     for remembered in (cache_folder, kernel_source_hash, part_source_hash):
         remembered.cache_clear()
+
+
+def test_a_process_says_once_that_it_compiles_and_counts_for_how_long(caplog: pytest.LogCaptureFixture) -> None:
+    compilation = Compilation()
+    with caplog.at_level("INFO", "musclewire.compiled"):
+        for _ in range(2):
+            compilation.on_start(None)
+            compilation.on_start(None)  # a kernel that the first one calls
+            compilation.on_end(None)
+            before_s = compilation.total_s
+            compilation.on_end(None)
+            assert compilation.total_s > before_s
+    assert [message.partition(",")[0] for message in caplog.messages] == ["compiling what is needed for the first time"]
 
 
 def doubled_plus_one(x: float) -> float:

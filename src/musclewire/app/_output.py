@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -89,16 +90,46 @@ def run_command(command: Callable[..., Result | None], with_json: bool, /, **arg
     """Run a command and print its result, if it returns one and has not printed it itself."""
     _Shown.progress = not with_json
     try:
-        found = command(**arguments)
+        with compilation_shown():
+            found = command(**arguments)
+        if found is None:
+            return
+        emit_json(found.answer) if with_json else show(found.text)
     finally:
         _Shown.progress = True
-    if found is None:
-        return
-    emit_json(found.answer) if with_json else show(found.text)
     if found.error is not None:
         raise found.error
     if not found.holds:
         raise SystemExit(1)
+
+
+class _AsProgress(logging.Handler):
+    """Tells what is logged, as progress."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print it on stderr, unless only the answer is wanted."""
+        tell(record.getMessage())
+
+
+@contextmanager
+def compilation_shown() -> Iterator[None]:
+    """Say that kernels are compiled when that begins, and at a good end for how long. Numba is not loaded for it."""
+    logger, handler = logging.getLogger("musclewire.compiled"), _AsProgress()
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    before_s = seconds_compiling()
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+    if (compiling_s := seconds_compiling() - before_s) > 0.0:
+        tell(f"compiled for {compiling_s:.1f} s")
+
+
+def seconds_compiling() -> float:
+    """Return how long this process has compiled; 0 where nothing compiled has been loaded."""
+    compiled = sys.modules.get("musclewire.compiled")
+    return 0.0 if compiled is None else float(compiled.COMPILATION.total_s)
 
 
 def tell(text: str) -> None:
