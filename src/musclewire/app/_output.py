@@ -104,7 +104,7 @@ def run_command(command: Callable[..., Result | None], with_json: bool, /, **arg
 
 
 class _AsProgress(logging.Handler):
-    """Tells what is logged, as progress."""
+    """Shows what is logged, as progress."""
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print it on stderr, unless only the answer is wanted."""
