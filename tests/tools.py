@@ -18,6 +18,7 @@ __all__ = ["require_oracle", "require_tool"]
 
 def require_tool(program: str, packages: str) -> str:
     """Return the path of a program; without it skip the test (or fail it in CI) with the apt line of ``packages``."""
+    __tracebackhide__ = True  # reports name the test's file, and not this one
     path = shutil.which(program)
     if path is None:
         not_run(f"{program} is missing: apt-get install --no-install-recommends -y {packages}")
@@ -26,6 +27,7 @@ def require_tool(program: str, packages: str) -> str:
 
 def require_oracle(module: str) -> Any:
     """Return a module of the extra ``oracles``; without it skip the test, or all of a test's file that asks for it."""
+    __tracebackhide__ = True
     try:
         return importlib.import_module(module)
     except ImportError:
@@ -34,6 +36,7 @@ def require_oracle(module: str) -> Any:
 
 def not_run(reason: str) -> NoReturn:
     """Skip, saying what is missing; in CI, fail."""
+    __tracebackhide__ = True
     line = f"not run: {reason}"
     if os.environ.get("MUSCLEWIRE_REQUIRE_TOOLS") == "1":
         pytest.fail(line, pytrace=False)

@@ -9,7 +9,6 @@ from typing import Any, Self
 
 from tests.tools import require_oracle
 
-fmpy, fmi2 = require_oracle("fmpy"), require_oracle("fmpy.fmi2")
 OK, WARNING, DISCARD, ERROR = range(4)
 
 
@@ -18,6 +17,7 @@ class Slave:
 
     def __init__(self, path: Path, folder: Path | None = None) -> None:
         """Unpack and instantiate it; ``folder`` is where it has been unpacked already."""
+        fmpy, fmi2 = require_oracle("fmpy"), require_oracle("fmpy.fmi2")
         self.folder = folder or Path(fmpy.extract(str(path)))
         self.description = fmpy.read_model_description(str(self.folder))
         self.time_s = 0.0

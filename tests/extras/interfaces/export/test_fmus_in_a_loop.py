@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from tests.extras.board.export.export_parts import drive_limits
 from tests.extras.interfaces.export.fmu_parts import Slave
-from tests.tools import require_tool
+from tests.tools import require_oracle, require_tool
 
 import musclewire as mw
 from musclewire.extras.board import ReferenceTick, limits_of_rig
@@ -17,6 +17,7 @@ from musclewire.rigs import RigConfiguration, open_simulated
 from musclewire.sensing import SensingModel
 from musclewire.wire import OneWire, advance, resting_state
 
+require_oracle("fmpy")
 pytestmark = pytest.mark.oracles
 SAMPLE_S, LEG_LENGTH_M = 0.05, 0.07
 TARGETS = [level for level in (0.01, 0.02, 0.025, 0.015) for _ in range(120)]
