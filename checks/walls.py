@@ -48,6 +48,7 @@ ON_A_REAL_WIRE = (
 )  # fmt: skip
 SIMULATED = (
     "musclewire.rigs._simulated", "musclewire.wire._batch", "musclewire.wire._coupling", "musclewire.wire._lanes",
+    "musclewire.wire._lane_views",
     "musclewire.wire._pairs", "musclewire.wire._pairs", "musclewire.wire._paths", "musclewire.wire._wires",
 )  # fmt: skip
 

@@ -22,7 +22,8 @@ from musclewire.compiled import compiled, compiled_inline
 from musclewire.errors import CallerError
 from musclewire.wire._building import resting_state
 from musclewire.wire._constants import WireConstants, as_record
-from musclewire.wire._lanes import LANES, advance_lanes, workspace
+from musclewire.wire._lane_views import constants_in, wire_in
+from musclewire.wire._lanes import LANES, advance_lanes, give_block, take_block, workspace
 from musclewire.wire._paths import DrivenPath
 from musclewire.wire._row import Rows
 from musclewire.wire._state import WireState
@@ -373,19 +374,21 @@ def run_in_lanes(
     work, mean = workspaces[0], 0.5 / plan[DURATION]
     for first in range(0, places.shape[0], LANES):
         wires, constants = states[first : first + LANES], derived[first : first + LANES]
+        take_block(wires, constants, work)
         for sample in range(drive_v.shape[1]):
             for lane in range(LANES):
                 work.drive_v[lane] = drive_v[places[first + lane] if drive_v.shape[0] > 1 else 0, sample]
             advance_lanes(wires, constants, tables[0][0], tables[1][0], work, plan)
             for lane in range(LANES):
-                k = constants[lane]
+                k, state = constants_in(work, lane), wire_in(work, lane)
                 means = (
                     mean * work.voltage_sum[lane],
                     mean * work.current_sum[lane] * k.shunt_resistance_ohm,
                     mean * work.moved_sum[lane] * k.leg_length_m,
                     mean * work.stress_sum[lane] * k.section_m2,
                 )
-                keep(kept, columns, (places[first + lane], sample), means, wires[lane])
+                keep(kept, columns, (places[first + lane], sample), means, state)
+        give_block(wires, work)
 
 
 @compiled_inline

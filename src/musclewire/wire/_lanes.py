@@ -1,10 +1,10 @@
 """Sixteen wires side by side in vector registers, compiled: a sample of fixed steps of all of them in a few loops.
 
 Each loop calls the functions of one wire (``_fronts.py``, ``_balance.py``, ``_step.py``), which are free of branches,
-so that the compiler makes vector instructions of it; look-ups in tables have loops of their own. The wires stay in
-their rows; only what a step works with lies lane by lane. A wire whose first Newton step does not suffice is solved by
-the solver of one wire. All of it is strict IEEE 754 arithmetic in the order of one wire: a wire here has the same bits
-as alone.
+so that the compiler makes vector instructions of it; look-ups in tables have loops of their own. While a block runs,
+its states and constants lie lane by lane beside what a step works with. A wire whose first Newton step does not
+suffice is solved in its row by the solver of one wire. All of it is strict IEEE 754 arithmetic in the order of one
+wire: a wire here has the same bits as alone.
 """
 
 from __future__ import annotations
@@ -26,7 +26,16 @@ from musclewire.wire._fronts import (
     fronts_after,
     phases_of_class,
 )
-from musclewire.wire._row import Rows
+from musclewire.wire._lane_views import (
+    CONSTANTS,
+    WIRE,
+    constants_in,
+    give_wire,
+    take_constants,
+    take_wire,
+    wire_in,
+)
+from musclewire.wire._row import CLASSES, Rows
 from musclewire.wire._state import WireState
 from musclewire.wire._step import (
     NO_HEAT_J,
@@ -110,7 +119,18 @@ def workspace_layout(classes: int) -> np.dtype[np.void]:
     """Return the layout of a workspace: the same object for the same number of classes."""
     plain: list[tuple[str, str, tuple[int, ...]]] = [(name, "f8", (LANES,)) for name in IN_PROGRESS]
     per_class: list[tuple[str, str, tuple[int, ...]]] = [(name, "f8", (classes, LANES)) for name in CLASS_IN_PROGRESS]
-    return np.dtype((np.record, [*plain, *per_class]))
+    wires = [
+        (f"{WIRE}{item.name}", "f8", (*item.shape(classes), LANES))
+        for item in WireState.fields
+        if item.length in (None, CLASSES)
+    ]
+    # The air's table stays in the row: it is looked up and has no place in a vector.
+    constants = [
+        (f"{CONSTANTS}{item.name}", "f8", (*item.shape(classes), LANES))
+        for item in StepConstants.fields
+        if item.length in (None, CLASSES)
+    ]
+    return np.dtype((np.record, [*plain, *per_class, *wires, *constants]))
 
 
 def workspace(classes: int) -> Rows:
@@ -119,30 +139,33 @@ def workspace(classes: int) -> Rows:
 
 
 @compiled_inline
-def look_up_air(constants: Rows, work: Workspace, temperature_k: FloatArray) -> None:
-    """Look up the air's coefficient at a temperature of each lane."""
+def look_up_air(rows: Rows, work: Workspace, temperature_k: FloatArray) -> None:
+    """Look up the air's coefficient at a temperature of each lane, in the tables of the wires' rows of constants."""
     for lane in range(LANES):
-        work.coefficient[lane] = convection_w_per_m2_k(constants[lane], constants[lane], temperature_k[lane])
+        work.coefficient[lane] = convection_w_per_m2_k(constants_in(work, lane), rows[lane], temperature_k[lane])
 
 
 @compiled_inline
-def begin(wires: Rows, constants: Rows, work: Workspace) -> None:
+def begin(rows: Rows, work: Workspace) -> None:
     """Take circuit and air at the start of a sample; its drives are in place."""
     for lane in range(LANES):
-        work.temperature_k[lane] = wires[lane].temperature_k
-    look_up_air(constants, work, work.temperature_k)
+        work.temperature_k[lane] = wire_in(work, lane).temperature_k
+    look_up_air(rows, work, work.temperature_k)
     for lane in range(LANES):
-        state, drive = wires[lane], SourceOutput(work.drive_v[lane], VOLTAGE)
-        now = circuit_at(constants[lane], drive, state.resistance_ohm, state.temperature_k, work.coefficient[lane])
+        state, drive = wire_in(work, lane), SourceOutput(work.drive_v[lane], VOLTAGE)
+        now = circuit_at(
+            constants_in(work, lane), drive, state.resistance_ohm, state.temperature_k, work.coefficient[lane]
+        )
         work.current_a[lane], work.power_w[lane], work.loss_w[lane] = now.current_a, now.power_w, now.loss_w
         work.voltage_sum[lane] = work.current_sum[lane] = work.moved_sum[lane] = work.stress_sum[lane] = 0.0
 
 
 @compiled_inline
-def look_ahead(wires: Rows, constants: Rows, work: Workspace, step_s: float) -> None:
+def look_ahead(work: Workspace, step_s: float) -> None:
     """Predict the middle of the step in all lanes."""
     for lane in range(LANES):
-        middle = middle_of_step(wires[lane], constants[lane], 0.5 * step_s * (work.power_w[lane] - work.loss_w[lane]))
+        half_heat_j = 0.5 * step_s * (work.power_w[lane] - work.loss_w[lane])
+        middle = middle_of_step(wire_in(work, lane), constants_in(work, lane), half_heat_j)
         work.middle_k[lane], work.middle_ohm[lane] = middle.temperature_k, middle.resistance_ohm
         work.middle_temperature_slope[lane] = middle.temperature_slope_k_per_j
         work.middle_stress_slope[lane] = middle.stress_slope_pa_per_j
@@ -150,12 +173,13 @@ def look_ahead(wires: Rows, constants: Rows, work: Workspace, step_s: float) -> 
 
 
 @compiled_inline
-def guess(wires: Rows, constants: Rows, work: Workspace, step_s: float) -> None:
+def guess(work: Workspace, step_s: float) -> None:
     """Take the heat of the step, and guess temperature and stress at its end, in all lanes."""
     for lane in range(LANES):
         drive = SourceOutput(work.drive_v[lane], VOLTAGE)
-        within = circuit_at(constants[lane], drive, work.middle_ohm[lane], work.middle_k[lane], work.coefficient[lane])
-        heat_j = (within.power_w - within.loss_w) * step_s + wires[lane].carried_heat_j
+        state, k = wire_in(work, lane), constants_in(work, lane)
+        within = circuit_at(k, drive, work.middle_ohm[lane], work.middle_k[lane], work.coefficient[lane])
+        heat_j = (within.power_w - within.loss_w) * step_s + state.carried_heat_j
         middle = HalfStepWire(
             work.middle_k[lane],
             work.middle_ohm[lane],
@@ -164,14 +188,14 @@ def guess(wires: Rows, constants: Rows, work: Workspace, step_s: float) -> None:
         )
         work.within_w[lane] = within.power_w - within.loss_w
         work.heat_j[lane] = heat_j
-        work.trial_k[lane], work.trial_pa[lane] = guess_after(wires[lane], middle, heat_j)
+        work.trial_k[lane], work.trial_pa[lane] = guess_after(state, middle, heat_j)
 
 
 @compiled_inline
-def move_fronts(wires: Rows, constants: Rows, cells: Rows, work: Workspace, row: int) -> None:
+def move_fronts(cells: Rows, work: Workspace, row: int) -> None:
     """Let the fronts of a class follow the guess, and look the distribution up there, in all lanes."""
     for lane in range(LANES):
-        k, state = constants[lane], wires[lane]
+        k, state = constants_in(work, lane), wire_in(work, lane)
         before = (state.front_austenite[row], state.front_martensite[row])
         after = fronts_after(k, work.trial_k[lane], work.trial_pa[lane], 1.0, k.class_barrier_k[row], before)
         work.class_austenite[row, lane], work.class_martensite[row, lane] = after.austenite, after.martensite
@@ -180,10 +204,10 @@ def move_fronts(wires: Rows, constants: Rows, cells: Rows, work: Workspace, row:
         work.class_martensite_per_k[row, lane] = after.martensite_per_k
         work.class_martensite_per_pa[row, lane] = after.martensite_per_pa
     for lane in range(LANES):
-        found = cumulative_at(constants[lane], cells, row, work.class_martensite[row, lane])
+        found = cumulative_at(constants_in(work, lane), cells, row, work.class_martensite[row, lane])
         work.class_martensite_fraction[row, lane], work.class_martensite_density[row, lane] = found
     for lane in range(LANES):
-        found = cumulative_at(constants[lane], cells, row, work.class_austenite[row, lane])
+        found = cumulative_at(constants_in(work, lane), cells, row, work.class_austenite[row, lane])
         work.class_austenite_fraction[row, lane], work.class_austenite_density[row, lane] = found
 
 
@@ -215,13 +239,13 @@ def phases_of_lane(constants: StepConstants, work: Workspace, lane: int) -> Phas
 
 
 @compiled_inline
-def newton_step(wires: Rows, constants: Rows, cells: Rows, load: Rows, work: Workspace) -> float:
+def newton_step(cells: Rows, load: Rows, work: Workspace) -> float:
     """Take Newton's step in all lanes; mark those in which it does not suffice, and return how many. No wire moves."""
     for row in range(work.class_austenite.shape[0]):
-        move_fronts(wires, constants, cells, work, row)
+        move_fronts(cells, work, row)
     over = ShakedownEffects(1.0, 0.0, 1.0)
     for lane in range(LANES):
-        k, state = constants[lane], wires[lane]
+        k, state = constants_in(work, lane), wire_in(work, lane)
         trial = (work.trial_k[lane], work.trial_pa[lane], state.enthalpy_j + work.heat_j[lane])
         before = (state.connector_contraction, state.friction_n)
         phases = phases_of_lane(k, work, lane)
@@ -273,7 +297,8 @@ def take_found(work: Workspace, lane: int, found: Equilibrium, connector: tuple[
 
 @compiled_inner
 def solve_lane(state: WireState, constants: StepConstants, cells: Rows, load: Rows, work: Workspace, lane: int) -> None:
-    """Solve one lane by the solver of one wire, from the same guess, in place of what Newton's step found."""
+    """Solve one lane, in its row, by the solver of one wire, in place of what Newton's step found from the guess."""
+    give_wire(work, lane, state)
     wire, trial = RunningWire(state, constants, cells, load), (work.trial_k[lane], work.trial_pa[lane])
     over = ShakedownEffects(1.0, 0.0, 1.0)
     found = solve(wire, over, state.enthalpy_j + work.heat_j[lane], trial, NO_PUSH)
@@ -288,16 +313,17 @@ def solve_lane(state: WireState, constants: StepConstants, cells: Rows, load: Ro
         work.class_martensite_per_pa[row, lane] = state.front_trial[place + 5]
     work.evaluations[lane] = found.evaluations
     if not found.solved:
-        state.unsolved_steps += 1.0
+        wire_in(work, lane).unsolved_steps += 1.0
 
 
 @compiled_inline
-def finish(wires: Rows, constants: Rows, work: Workspace, step_s: float) -> None:
+def finish(work: Workspace, step_s: float) -> None:
     """Move all wires by the step, and make up its accounts: heat, what it owes, error and sums."""
     for lane in range(LANES):
-        state, drive, heat_j = wires[lane], SourceOutput(work.drive_v[lane], VOLTAGE), work.heat_j[lane]
+        state, k = wire_in(work, lane), constants_in(work, lane)
+        drive, heat_j = SourceOutput(work.drive_v[lane], VOLTAGE), work.heat_j[lane]
         resistance_ohm, temperature_slope = work.resistance_ohm[lane], work.temperature_slope[lane]
-        ended = circuit_at(constants[lane], drive, resistance_ohm, work.temperature_k[lane], work.coefficient[lane])
+        ended = circuit_at(k, drive, resistance_ohm, work.temperature_k[lane], work.coefficient[lane])
         started = WireInstant(work.current_a[lane], work.power_w[lane], work.loss_w[lane])
         owes_j = owed_j(started, WireInstant(0.0, work.within_w[lane], 0.0), ended, step_s)
         slope_before = work.middle_temperature_slope[lane]
@@ -340,25 +366,41 @@ def finish(wires: Rows, constants: Rows, work: Workspace, step_s: float) -> None
 def advance_lanes(wires: Rows, constants: Rows, cells: Rows, load: Rows, work: Workspace, plan: FloatArray) -> None:
     """Advance wires in place by a sample of fixed steps, leaving its sums in the workspace.
 
-    ``wires`` and ``constants`` are the rows of states and of derived constants, (LANES,) each; ``cells`` and ``load``
-    the records of the distribution and the load that they share. Their drives are in ``work.drive_v``.
+    They and their drives are in the workspace (:func:`take_block`). ``wires`` and ``constants`` are their rows of
+    states and of derived constants, (LANES,) each; ``cells`` and ``load`` the records of the distribution and the load
+    that they share.
     """
     step_s = plan[DURATION] / plan[STEPS]
-    begin(wires, constants, work)
+    begin(constants, work)
     for _ in range(int(plan[STEPS])):
-        look_ahead(wires, constants, work, step_s)
+        look_ahead(work, step_s)
         look_up_air(constants, work, work.middle_k)
-        guess(wires, constants, work, step_s)
-        missed = newton_step(wires, constants, cells, load, work)
+        guess(work, step_s)
+        missed = newton_step(cells, load, work)
         if missed > FEW:
             follow_newton(work)
-            missed = newton_step(wires, constants, cells, load, work)
+            missed = newton_step(cells, load, work)
         if missed > 0.0:
-            guess(wires, constants, work, step_s)
+            guess(work, step_s)
             for lane in range(LANES):
                 if work.missed[lane] > 0.0:
                     solve_lane(wires[lane], constants[lane], cells, load, work, lane)
         look_up_air(constants, work, work.temperature_k)
-        finish(wires, constants, work, step_s)
+        finish(work, step_s)
     for lane in range(LANES):
-        wires[lane].time_s += plan[DURATION]
+        wire_in(work, lane).time_s += plan[DURATION]
+
+
+@compiled_inner
+def take_block(wires: Rows, constants: Rows, work: Workspace) -> None:
+    """Copy the rows of a block's states and constants, (LANES,) each, into the workspace."""
+    for lane in range(LANES):
+        take_wire(work, lane, wires[lane])
+        take_constants(work, lane, constants[lane])
+
+
+@compiled_inner
+def give_block(wires: Rows, work: Workspace) -> None:
+    """Copy the states of a block back into their rows."""
+    for lane in range(LANES):
+        give_wire(work, lane, wires[lane])

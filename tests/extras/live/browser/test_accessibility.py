@@ -62,7 +62,7 @@ def follow(page: Any) -> None:
             page.locator('[data-part="steer"]').click(timeout=1000)
         return bool(page.locator("td.fired").count())
 
-    until(fired, "a fired rule", pause_s=0.2)
+    until(fired, "a fired rule", max_wait_s=240.0, pause_s=0.2)
 
 
 def ask(page: Any, watcher: Any) -> None:
