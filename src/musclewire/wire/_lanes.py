@@ -2,7 +2,7 @@
 
 Each loop calls the functions of one wire (``_fronts.py``, ``_balance.py``, ``_step.py``), which are free of branches,
 so that the compiler makes vector instructions of it; look-ups in tables have loops of their own. While a block runs,
-its states and constants lie lane by lane beside what a step works with. A wire whose first Newton step does not
+its states and constants lie lane by lane next to what a step works with. A wire whose first Newton step does not
 suffice is solved in its row by the solver of one wire. All of it is strict IEEE 754 arithmetic in the order of one
 wire: a wire here has the same bits as alone.
 """
