@@ -7,11 +7,13 @@ from time import perf_counter_ns
 from types import TracebackType
 from typing import NoReturn, Self, final
 
-from musclewire.controllers import Event, ProtectionLimits, ProtectionState, Rows, RunningProtection, protection_table
+from musclewire.controllers import Event, Protection, ProtectionLimits, ProtectionState, Rows, State, protection_table
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.rigs._device import Device, HasCompiledExchange, HasOnBoardLoop, Metadata, Missing
 from musclewire.signals import Command, Drive, RawSample, Target, as_command, drive_voltage_of
 
+# Python 3.11 takes longer to look up a member of an enumeration than to compare it.
+RUN, TRIPPED = int(State.RUN), int(State.TRIPPED)
 # No more is known of a device that does not answer.
 NOT_CONFIRMED = (
     "0 V was ordered and nothing confirms it: a board's drive expires by itself, a card's guardian has tried to switch "
@@ -72,7 +74,7 @@ class GuardedRig:
             device.off()
             raise
         self._accepts_targets = isinstance(device, HasOnBoardLoop)
-        self._protection = RunningProtection(self._limits, self._facts.sample_period_s)
+        self._protection = Protection(self._limits, self._facts.sample_period_s)
         if isinstance(device, HasCompiledExchange):
             device.compile_exchange()
         # Held whenever the protection's state is read and written, never while a sample is awaited.
@@ -190,15 +192,17 @@ class GuardedRig:
             self._judge(sample)
         return sample
 
-    def adopt_compiled_samples(self, drive_voltage_v: float, memory: Rows, time_s: float) -> None:
+    def protection_rows(self) -> tuple[Rows, Rows]:
+        """Return a copy of the protection's row, and the rules that it goes by, for samples in compiled code."""
+        return self._protection.row.copy(), self._protection.rules
+
+    def adopt_compiled_samples(self, protection: Rows, time_s: float) -> None:
         """Go on from sound samples of a simulated device in compiled code.
 
         Parameters
         ----------
-        drive_voltage_v
-            Drive voltage that was commanded last [V].
-        memory
-            What the protection remembers of readings after them, one record.
+        protection
+            Row of the protection after them, one record.
         time_s
             End of the last sample on the rig's clock [s].
 
@@ -210,7 +214,7 @@ class GuardedRig:
         with self._deciding:
             if self._off_for_good:
                 self._end_as_switched_off()
-            self._protection.adopt_compiled_samples(drive_voltage_v, memory)
+            self._protection.row[:] = protection
             self._last_time_s = time_s
 
     def _allowed(self, command: Command | float) -> Command:
@@ -225,15 +229,16 @@ class GuardedRig:
             except CallerError:
                 self.make_safe()
                 raise
-        if self._protection.command(drive_voltage_v):
+        allowed_v, state = self._protection.command(drive_voltage_v)
+        if state == RUN:
             return command if isinstance(command, Drive) and not command.by_protection else Drive(drive_voltage_v)
-        if self._protection.tripped:
+        if state == TRIPPED:
             self.close()
             raise ProtectionTripError(
                 f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; {self._off_in_words()}",
                 Event.COMMAND_REFUSED,
             )
-        return Drive(*self._protection.allowed())
+        return Drive(allowed_v, by_protection=True)
 
     def _awaited(self, command: Command) -> RawSample:
         """Return the sample of a command; while it is missing, the table decides the drive and how long to wait."""
@@ -259,17 +264,17 @@ class GuardedRig:
                 if answer.sample is None and not answer.missing_s > waited_s:
                     self._trip(Event.DEVICE_LOST, f"the device waits, but its clock stays at {answer.missing_s:.3f} s")
                 waited_s = answer.missing_s
-                self._miss(answer)
-                command = Drive(*self._protection.allowed())
+                command = self._miss(answer)
             if answer.sample is not None:
                 self.sample_at_ns = perf_counter_ns()
                 return answer.sample
 
-    def _miss(self, missing: Missing) -> None:
-        """Let the protection hold, go to the sense voltage or trip, by the total time that something was missing."""
-        self._protection.missing(missing.event, missing.missing_s)
-        if self._protection.tripped:
+    def _miss(self, missing: Missing) -> Drive:
+        """Hold, go to the sense voltage or trip, by the total time that something was missing; the drive meanwhile."""
+        allowed_v, state = self._protection.missing(missing.event, missing.missing_s)
+        if state == TRIPPED:
             self._trip(missing.event, f"missing for {missing.missing_s:.3f} s")
+        return Drive(allowed_v, by_protection=state != RUN)
 
     def _judge(self, sample: RawSample) -> None:
         """Run the protection over a sample."""
@@ -278,8 +283,8 @@ class GuardedRig:
             self._trip(Event.CLOCK_BACKWARDS, f"{time_s:.6f} s after {last_s:.6f} s")
         self._last_time_s = time_s
         protection = self._protection
-        protection.sample(sample.drive_voltage_v, sample.wire_voltage_v, sample.shunt_voltage_v)
-        if protection.tripped:
+        sound = protection.sample(sample.drive_voltage_v, sample.wire_voltage_v, sample.shunt_voltage_v)
+        if not sound and protection.tripped:
             measured = self._measured(*protection.last_reading_v)
             self._trip(protection.state.event, f"at {time_s:.3f} s: {measured}")
 

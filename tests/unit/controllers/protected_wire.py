@@ -1,8 +1,20 @@
-"""A wire whose protection is tried: its limits, and the voltages that a resistance gives."""
+"""A wire whose protection is tried: its limits, the voltages that a resistance gives, and states out of states.
+
+The functions make each state from another one, which they leave alone, by the protection that every rig has.
+"""
 
 from __future__ import annotations
 
-from musclewire.controllers import ProtectionLimits
+import numpy as np
+
+from musclewire.controllers import (
+    PROTECTION,
+    Event,
+    Protection,
+    ProtectionLimits,
+    ProtectionState,
+    ProtectionTable,
+)
 
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.3,
@@ -29,3 +41,72 @@ def of_wire(drive_v: float, ohm: float) -> Reading:
     """Drive, wire and shunt voltage of a wire with a resistance."""
     current_a = drive_v / (ohm + 1.0)
     return drive_v, current_a * ohm, current_a
+
+
+def protection_in(
+    state: ProtectionState, limits: ProtectionLimits = LIMITS, table: ProtectionTable | None = None
+) -> Protection:
+    """A protection that has come to a state."""
+    protection = Protection(limits, 0.05, table)
+    protection.row[:] = np.array([tuple(state)], PROTECTION)
+    return protection
+
+
+def armed(limits: ProtectionLimits) -> ProtectionState:
+    return Protection(limits, 0.05).state
+
+
+def protect_command(
+    state: ProtectionState, limits: ProtectionLimits, volts: float, table: ProtectionTable | None = None
+) -> ProtectionState:
+    protection = protection_in(state, limits, table)
+    protection.command(volts)
+    return protection.state
+
+
+def protect_reading(
+    state: ProtectionState,
+    limits: ProtectionLimits,
+    drive_v: float,
+    wire_v: float,
+    shunt_v: float,
+    dt_s: float,
+    table: ProtectionTable | None = None,
+) -> ProtectionState:
+    protection = protection_in(state, limits, table)
+    protection.reading(drive_v, wire_v, shunt_v, dt_s)
+    return protection.state
+
+
+def protect_missing(state: ProtectionState, event: Event, missing_s: float) -> ProtectionState:
+    protection = protection_in(state)
+    protection.missing(event, missing_s)
+    return protection.state
+
+
+def tripped_by(state: ProtectionState, event: Event) -> ProtectionState:
+    protection = protection_in(state)
+    protection.trip(event)
+    return protection.state
+
+
+def closed(state: ProtectionState) -> ProtectionState:
+    protection = protection_in(state)
+    protection.close()
+    return protection.state
+
+
+def rested(state: ProtectionState, limits: ProtectionLimits) -> ProtectionState:
+    protection = protection_in(state, limits)
+    protection.rest()
+    return protection.state
+
+
+def armed_again(state: ProtectionState, limits: ProtectionLimits) -> ProtectionState:
+    protection = protection_in(state, limits)
+    protection.arm()
+    return protection.state
+
+
+def allowed_drive_v(state: ProtectionState, limits: ProtectionLimits) -> float:
+    return protection_in(state, limits).allowed_drive_v

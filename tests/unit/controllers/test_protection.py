@@ -8,17 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.unit.controllers.protected_wire import LIMITS as WIRE
+from tests.unit.controllers.protected_wire import allowed_drive_v, armed, protect_command, protect_reading
 
-from musclewire.controllers import (
-    Event,
-    ProtectionState,
-    State,
-    allowed_drive_v,
-    armed,
-    protect_command,
-    protect_reading,
-    protection_table,
-)
+from musclewire.controllers import Event, ProtectionState, State, protection_table
 from musclewire.controllers._protection.protect import CONDITION_EVENTS
 from musclewire.errors import CallerError
 

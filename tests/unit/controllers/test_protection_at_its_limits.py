@@ -8,17 +8,9 @@ from __future__ import annotations
 import math
 
 import pytest
+from tests.unit.controllers.protected_wire import armed, protect_command, protect_missing, protect_reading
 
-from musclewire.controllers import (
-    Event,
-    ProtectionLimits,
-    State,
-    armed,
-    protect_command,
-    protect_missing,
-    protect_reading,
-    protection_table,
-)
+from musclewire.controllers import Event, ProtectionLimits, State, protection_table
 from musclewire.controllers._protection.protect import CONDITION_EVENTS, ProtectionState
 
 LIMITS = ProtectionLimits(

@@ -7,24 +7,19 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 from tests.unit.controllers.protected_wire import LIMITS as WIRE
-
-from musclewire.controllers import (
-    Event,
-    ProtectionState,
-    ProtectionTable,
-    Signal,
-    State,
+from tests.unit.controllers.protected_wire import (
     allowed_drive_v,
     armed,
+    armed_again,
     closed,
     protect_command,
     protect_missing,
     protect_reading,
-    protection_table,
     rested,
     tripped_by,
 )
-from musclewire.controllers._protection.protect import protect_event, state_after
+
+from musclewire.controllers import Event, ProtectionState, ProtectionTable, Signal, State, protection_table
 from musclewire.controllers._protection.table import AllowedDrive, Effect
 
 LIMITS = WIRE._replace(wire_range_v=10.0, shunt_range_v=10.0, readings_noisy=0.0, maximum_temperature_k=473.15)
@@ -78,7 +73,7 @@ def test_each_function_leads_where_the_table_says(state: State, signal: Signal) 
 @pytest.mark.parametrize("state", State, ids=lambda state: state.name)
 def test_arming_leads_from_everywhere_to_armed_and_forgets_all_but_the_warmth(state: State) -> None:
     before = REACHED[state]._replace(temperature_k=350.0, settled_ohm=16.0)
-    found = state_after(before, Signal.ARM, TABLE, drive_voltage_v=LIMITS.sense_voltage_v)
+    found = armed_again(before, LIMITS)
     assert found == armed(LIMITS)._replace(temperature_k=350.0)
 
 
@@ -144,12 +139,6 @@ def test_the_host_does_what_the_action_of_an_event_says() -> None:
     # Seen for its own time first, then bridged as what is missing is, then off for good.
     assert [states.count(one) for one in (State.RUN, State.HOLD, State.DEGRADED)] == [4, 5, 15]
     assert (state.state, state.event) == (State.TRIPPED, Event.OVER_POWER)
-
-
-@pytest.mark.parametrize("event", [event for event in Event if event is not Event.NONE])
-def test_an_event_seen_elsewhere_does_what_the_table_says(event: Event) -> None:
-    expected = {"trip": State.TRIPPED, "degrade": State.DEGRADED}
-    assert protect_event(RUNNING, event, 0.15).state is expected[TABLE.row(event).action]
 
 
 def broken(change: Any) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray, IntArray
 from musclewire.compiled import compiled, compiled_inner
-from musclewire.controllers import sound_command, sound_sample
+from musclewire.controllers import State, commanded, judged_sample
 from musclewire.rigs._simulated import read_sample
 from musclewire.signals import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS
 from musclewire.wire import Rows, advance_rows, is_resolved
@@ -37,6 +37,7 @@ class CompiledLoopEnd(IntEnum):
     BEYOND_FINGER = 6
 
 
+RUN = int(State.RUN)
 N_ESTIMATED, N_CONTROLLED = len(ESTIMATOR_ANSWERS), len(CONTROLLER_ANSWERS)
 DONE, COMMAND_NOT_SOUND, WIRE_NOT_RESOLVED = (
     int(CompiledLoopEnd.DONE),
@@ -66,10 +67,9 @@ class RigArrays(NamedTuple):
     load: Rows
     plan: FloatArray
     sample_period_s: float
-    reading_period_s: float
     amplifier_resolution_v: float
-    limits: Rows
-    memory: Rows
+    rules: Rows
+    protection: Rows
     noise: FloatArray
     air: FloatArray
     readings: int
@@ -122,17 +122,17 @@ def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: f
     """Run a loop on its arrays; return how it ended and how many samples are complete."""
     rig, estimated, controlled = arrays.rig, arrays.estimator_answer, arrays.controller_answer
     shown, period_s = rig.shown, rig.sample_period_s
-    sample, given, block = np.empty(4), np.empty(6), np.zeros(4)
+    sample, given = np.empty(4), np.empty(6)
     target_at = 6 + estimated.shape[0] - N_ESTIMATED
     drive_v = first_drive_v
     for row in range(shown.shape[0]):
-        if not sound_command(rig.limits[0], drive_v):
+        _, state = commanded(rig.protection, rig.rules, 0, drive_v)
+        if state != RUN:
             return COMMAND_NOT_SOUND, row
         if not exchange(rig, row, drive_v):
             return WIRE_NOT_RESOLVED, row
         sample[:] = shown[row, :4]
-        volts = sample[1], sample[2], sample[3]
-        if not sound_sample(block, rig.memory, rig.limits, *volts, period_s, rig.reading_period_s):
+        if not judged_sample(rig.protection, rig.rules, 0, sample[1], sample[2], sample[3], period_s):
             return READING_NOT_SOUND, row
         estimate(arrays.estimator_constants, arrays.estimator_state, sample, estimated)
         if estimated[4] != 0.0:

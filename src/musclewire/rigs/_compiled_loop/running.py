@@ -13,7 +13,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray, IntArray
 from musclewire.compiled import callback
-from musclewire.controllers import State, packed_limits, packed_memory, protection_table
+from musclewire.controllers import State
 from musclewire.errors import CallerError
 from musclewire.rigs._air import AirModel
 from musclewire.rigs._compiled_loop.kernel import (
@@ -112,6 +112,7 @@ def run_compiled(
     derived, cells, load = wire.constants.step_arrays()
     places = places_of(state, true_names)
     names = names_of(ticks)
+    protection, rules = rig.protection_rows()
     own = RigArrays(
         states=state.row,
         constants=derived.copy(),
@@ -119,10 +120,9 @@ def run_compiled(
         load=load,
         plan=plan_of(device.stepping, period_s),
         sample_period_s=period_s,
-        reading_period_s=protection_table().reading_period_s,
         amplifier_resolution_v=device.spool.bench["amplifier_resolution_v"],
-        limits=packed_limits(rig.protection_limits),
-        memory=packed_memory(rig.protection),
+        rules=rules,
+        protection=protection,
         noise=noise,
         air=air_of(air, device, wire, samples),
         readings=device.instruments.readings,
@@ -139,7 +139,7 @@ def run_compiled(
     run = with_endpoint(CompiledRun(CompiledLoopEnd(ended), complete, columns, own.true), own, device)
     if run.ended is CompiledLoopEnd.DONE:
         drive_v = float(columns["drive_voltage_v"][-1])
-        rig.adopt_compiled_samples(drive_v, own.memory, float(columns["time_s"][-1]))
+        rig.adopt_compiled_samples(own.protection, float(columns["time_s"][-1]))
         wire.adopt_compiled_state(own.states, own.constants)
         device.adopt(drive_v, generator, air, float(own.held_m[0]))
     return run

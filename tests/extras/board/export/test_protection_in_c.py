@@ -11,24 +11,18 @@ import numpy as np
 import pytest
 from emulation.exported_library.on_this_machine import HostLibrary
 from tests.extras.board.export.export_parts import Exported
-
-from musclewire.controllers import (
-    Effect,
-    Event,
-    ProtectionState,
-    Signal,
-    State,
+from tests.unit.controllers.protected_wire import (
     allowed_drive_v,
     armed,
     closed,
     protect_command,
     protect_missing,
     protect_reading,
-    protection_table,
     rested,
-    state_after,
     tripped_by,
 )
+
+from musclewire.controllers import Effect, Event, ProtectionState, Signal, State, protection_table
 
 Loaded = Callable[[str, bool], HostLibrary]
 PERIODS_S = (0.01, 0.02, 0.05)
@@ -160,7 +154,8 @@ class Both:
     def present(self) -> None:
         """Say that what was missing is back."""
         assert self.library.recover(self.python.event) is (self.python.state in (State.HOLD, State.DEGRADED))
-        self.python = state_after(self.python, Signal.PRESENT, protection_table())
+        if protection_table().transitions[self.python.state][Signal.PRESENT].effect is Effect.RESUME:
+            self.python = self.python._replace(state=State.RUN, event=Event.NONE, missing_s=0.0)
 
     def missing(self, from_s: float = 0.0, to_s: float = 0.099) -> None:
         event = Event(self.random.choice([Event.COMMAND_MISSING, Event.SAMPLE_LATE]))

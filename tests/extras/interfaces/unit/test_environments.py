@@ -11,12 +11,12 @@ from gymnasium.utils.env_checker import check_env
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.controllers import Event, State, allowed_drive_v, armed, protect_command, protect_reading
+from musclewire.controllers import Event, Protection
 from musclewire.errors import CallerError, NumericsError
 from musclewire.experiment import characterize
 from musclewire.extras.interfaces._environments import ENVIRONMENT, WireEnv, WireVectorEnv
-from musclewire.extras.interfaces._environments.kernels import ENDS, MEMORY, read_lanes
-from musclewire.extras.interfaces._environments.vector import ProtectionWatch, facts_of
+from musclewire.extras.interfaces._environments.kernels import ENDS, MEMORY, drive_lanes, read_lanes
+from musclewire.extras.interfaces._environments.vector import facts_of
 from musclewire.extras.interfaces._simulated_wire import simulated_wire
 from musclewire.identify import fit
 from musclewire.rigs import RigConfiguration, open_rig
@@ -193,27 +193,27 @@ def test_the_protection_of_many_is_that_of_every_rig(
     wire = simulated_wire("simulated")
     limits = wire.limits._replace(maximum_temperature_k=hottest_k, jump_share=jump_share)
     facts, memory = np.repeat(facts_of(wire), 2), np.zeros(2, MEMORY)
-    facts["maximum_temperature_k"][0], facts["jump_share"][0] = hottest_k, jump_share
     facts["acquisition_noise_v"] = facts["displacement_noise_m"] = 0.0
     facts["acquisition_step_v"] = 1e-12
-    watch = ProtectionWatch([limits, wire.limits], facts, memory)
-    watch.rest(np.array([True, True]))
-    state = armed(limits)
+    both = [Protection(limits, 0.05), Protection(wire.limits, 0.05)]
+    rules, rows = (np.concatenate([getattr(one, name) for one in both]) for name in ("rules", "row"))
+    single, span_v = both[0], limits.maximum_voltage_v - limits.sense_voltage_v
     for drive_v, wire_factor, shunt_v in readings:
-        drives = np.array([drive_v, 1.0])
-        memory["drive_voltage_v"] = drives
-        watch.command(drives)
-        state = protect_command(state, limits, drive_v)
-        assert drives.tolist() == [allowed_drive_v(state, limits), 1.0]
+        drives = np.empty(2)
+        actions = 2.0 * (np.array([drive_v, 1.0]) - limits.sense_voltage_v) / span_v - 1.0
+        drive_lanes(facts, rules, rows, memory, actions, drives)
+        step_v = facts["amplifier_resolution_v"][0]
+        allowed_v, _ = single.command(min(step_v * round(drive_v / step_v), limits.maximum_voltage_v))
+        assert drives == pytest.approx([allowed_v, step_v * round(1.0 / step_v)], abs=1e-12)
         means = np.array([[wire_factor * drive_v, 0.944], [shunt_v, 0.056], [0.0, 0.0]])
         ends = np.zeros(2, ENDS)
-        read_lanes(facts, memory, 1, means, ends)
-        watch.judge(ends)
-        state = protect_reading(state, limits, drives[0], ends["wire_voltage_v"][0], ends["shunt_voltage_v"][0], 0.05)
-        assert ends["event"].tolist() == [state.event if state.state is State.TRIPPED else Event.NONE, Event.NONE]
-        if state.state is State.TRIPPED:
+        read_lanes(facts, rules, rows, memory, 1, means, ends)
+        single.reading(drives[0], ends["wire_voltage_v"][0], ends["shunt_voltage_v"][0], 0.05)
+        state = single.state
+        assert ends["event"].tolist() == [state.event if single.tripped else Event.NONE, Event.NONE]
+        assert rows["temperature_k"][0] == state.temperature_k
+        if single.tripped:
             break
-        assert memory["temperature_k"][0] == state.temperature_k
 
 
 @pytest.mark.parametrize(

@@ -15,15 +15,10 @@ from musclewire.controllers import (
     Event,
     FuzzyPidController,
     FuzzyPidSettings,
+    Protection,
     ProtectionLimits,
-    ProtectionState,
     RuleBase,
-    allowed_drive_v,
-    armed,
-    protect_command,
-    protect_reading,
     protection_table,
-    tripped_by,
 )
 from musclewire.physics import wire_resistance
 from musclewire.sensing import PAPER_ESTIMATOR, GatedEstimator, SensingModel
@@ -67,7 +62,7 @@ class ReferenceTick:
     protection_limits: ProtectionLimits
     rule_base: RuleBase | None = None
     estimator: str = PAPER_ESTIMATOR
-    protection: ProtectionState = field(init=False)
+    protection: Protection = field(init=False)
 
     def __post_init__(self) -> None:
         """Build the controller and start."""
@@ -77,7 +72,7 @@ class ReferenceTick:
 
     def start(self) -> None:
         """Start cold: the drive is the sense voltage, and nothing is known of the wire."""
-        self.protection = armed(self.protection_limits)
+        self.protection = Protection(self.protection_limits, protection_table().reading_period_s)
         self._pid: tuple[float, ...] | None = None
         self._mean, self._block = SampleSums(), SampleSums()
         self._resistance_ohm = 0.0
@@ -89,11 +84,12 @@ class ReferenceTick:
     @property
     def drive_voltage_v(self) -> float:
         """Drive voltage [V] that the protection allows now."""
-        return allowed_drive_v(self.protection, self.protection_limits)
+        return self.protection.allowed_drive_v
 
     def outcome(self) -> TickOutcome:
         """Return the outcome of the last tick."""
         kp, ki, kd = self._gains
+        protection = self.protection.state
         return TickOutcome(
             self._resistance_ohm,
             self._estimate,
@@ -102,14 +98,14 @@ class ReferenceTick:
             ki,
             kd,
             self.drive_voltage_v,
-            int(self.protection.state),
-            int(self.protection.event),
+            int(protection.state),
+            int(protection.event),
         )
 
     def sample(self, wire_voltage_v: float, shunt_voltage_v: float, tick_s: float) -> TickOutcome:
         """Take one sample: add it to the sums, and pass each full block to the protection."""
         if not (tick_s > 0.0 and math.isfinite(tick_s)):
-            self.protection = tripped_by(self.protection, Event.CLOCK_BACKWARDS)
+            self.protection.trip(Event.CLOCK_BACKWARDS)
             return self.outcome()
         for sums in (self._mean, self._block):
             sums.drive_v += self.drive_voltage_v
@@ -120,9 +116,7 @@ class ReferenceTick:
         block = self._block
         if block.time_s > protection_table().reading_period_s - TIME_ROUNDING_S:
             drive_v, wire_v, shunt_v = (total / block.samples for total in (block.drive_v, block.wire_v, block.shunt_v))
-            self.protection = protect_reading(
-                self.protection, self.protection_limits, drive_v, wire_v, shunt_v, block.time_s
-            )
+            self.protection.reading(drive_v, wire_v, shunt_v, block.time_s)
             self._block = SampleSums()
         return self.outcome()
 
@@ -134,7 +128,7 @@ class ReferenceTick:
             self._voltages_v = (mean.wire_v / mean.samples, mean.shunt_v / mean.samples)
             self._resistance_ohm = wire_resistance(*self._voltages_v, self._shunt_ohm).resistance_ohm
         drive_v = self._controlled(target, dt_s) if math.isfinite(target) else -1.0
-        self.protection = protect_command(self.protection, self.protection_limits, drive_v)
+        self.protection.command(drive_v)
         return self.outcome()
 
     def _controlled(self, target: float, dt_s: float) -> float:

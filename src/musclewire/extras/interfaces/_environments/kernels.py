@@ -1,7 +1,6 @@
 """What happens to many simulated wires at the end of a sample, compiled: reading, protection, reward, observation.
 
-The lanes are in arrays of records, one record a lane. A reading that is not sound is judged by the protection itself,
-in ``watch.py``.
+The lanes are in arrays of records, one record a lane.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
-from musclewire.controllers import SOUND_LIMITS, SOUND_MEMORY, sound_reading
+from musclewire.controllers import State, commanded, judged_reading
 from musclewire.extras.interfaces._environments.episodes import MAX_RESISTANCE_FACTOR, PERCENT
 from musclewire.random_numbers import normal_pair, philox, uniform
 
@@ -24,8 +23,9 @@ TARGETS, READINGS = 0, 1
 # the mean of many readings is then one normal number with the variances of noise and rounding.
 MIN_DITHER_STEPS = 0.5
 
-# What a lane's rig is; the protection's limits are among it under their own names. Our own numbers come first: a record
-# that began with another one's fields would count as a kind of it, of which Numba warns.
+RUN, TRIPPED = int(State.RUN), int(State.TRIPPED)
+
+# What a lane's rig is, beyond the rules of its protection.
 FACTS = np.dtype(
     [
         (name, np.float64)
@@ -34,28 +34,18 @@ FACTS = np.dtype(
             "acquisition_step_v", "acquisition_readings", "displacement_noise_m",
         )
     ]
-    + SOUND_LIMITS.descr
 )  # fmt: skip
-# What a lane remembers beyond its wire: the drive that is out, episode and sample by number, whether the episode has
-# ended, and the protection's memory under its own names.
-MEMORY = np.dtype(
-    [
-        ("drive_voltage_v", np.float64),
-        ("episode", np.int64),
-        ("sample", np.int64),
-        ("ended", np.int64),
-        *SOUND_MEMORY.descr,
-    ]
-)
-# How a sample ends for a lane: both readings of the converter and that of the displacement sensor, as a strain; whether
-# they are sound; the number of the event by which the protection has switched off, 0 for none; the reward; and whether
-# the time of the episode has come to its end.
+# What a lane remembers beyond its wire and its protection: the drive that is out, episode and sample by number, and
+# whether the episode has ended.
+MEMORY = np.dtype([("drive_voltage_v", np.float64), ("episode", np.int64), ("sample", np.int64), ("ended", np.int64)])
+# How a sample ends for a lane: both readings of the converter and that of the displacement sensor, as a strain; the
+# number of the event by which the protection has switched off, 0 for none; the reward; and whether the time of the
+# episode has come to its end.
 ENDS = np.dtype(
     [
         ("wire_voltage_v", np.float64),
         ("shunt_voltage_v", np.float64),
         ("strain", np.float64),
-        ("sound", np.bool_),
         ("event", np.int64),
         ("reward", np.float64),
         ("truncated", np.bool_),
@@ -76,15 +66,21 @@ def draw_levels(seed: int, lane: int, episode: int, draws: FloatArray) -> None:
 
 
 @compiled
-def drive_lanes(facts: Rows, memory: Rows, actions: FloatArray, drive_v: FloatArray) -> None:
-    """Write the drive voltage of each lane, rounded to the amplifier's steps, for actions from -1 to 1, (n_lanes,)."""
+def drive_lanes(
+    facts: Rows, rules: Rows, protections: Rows, memory: Rows, actions: FloatArray, drive_v: FloatArray
+) -> None:
+    """Write the drive voltage that each lane allows, in the amplifier's steps, for actions from -1 to 1, (n_lanes,)."""
     for lane in range(actions.shape[0]):
-        fact, kept = facts[lane], memory[lane]
+        rule, kept = rules[lane], memory[lane]
+        highest_v = rule["maximum_voltage_v"]
         part = 0.5 * (min(max(actions[lane], -1.0), 1.0) + 1.0)
-        span_v = fact["maximum_voltage_v"] - fact["sense_voltage_v"]
-        wanted_v = fact["sense_voltage_v"] if kept["ended"] else fact["sense_voltage_v"] + part * span_v
-        step_v = fact["amplifier_resolution_v"]
-        kept["drive_voltage_v"] = step_v * round(min(wanted_v, fact["maximum_voltage_v"]) / step_v)
+        span_v = highest_v - rule["sense_voltage_v"]
+        wanted_v = rule["sense_voltage_v"] if kept["ended"] else rule["sense_voltage_v"] + part * span_v
+        step_v = facts[lane]["amplifier_resolution_v"]
+        stepped_v = step_v * round(min(wanted_v, highest_v) / step_v)
+        # The steps may have rounded it to above the maximum, which is not refused.
+        allowed_v, state = commanded(protections, rules, lane, min(stepped_v, highest_v))
+        kept["drive_voltage_v"] = stepped_v if state == RUN else allowed_v
         drive_v[lane] = kept["drive_voltage_v"]
 
 
@@ -107,7 +103,7 @@ def converted(fact: Record, voltage_v: float, normal: float, place: tuple[int, i
 
 @compiled
 def read_lane(
-    fact: Record, kept: Record, lane: int, seed: int, means: tuple[float, float, float]
+    fact: Record, rule: Record, kept: Record, lane: int, seed: int, means: tuple[float, float, float]
 ) -> tuple[float, float, float]:
     """Return the readings of wire voltage, shunt voltage and displacement for their true means over a sample."""
     words = philox(kept["sample"], kept["episode"], lane, READINGS, seed)
@@ -118,29 +114,35 @@ def read_lane(
     other = (kept["sample"], kept["episode"], lane, seed ^ -1)
     wire_v, shunt_v = converted(fact, means[0], wire, place), converted(fact, means[1], shunt, other)
     return (
-        min(max(wire_v, -fact["wire_range_v"]), fact["wire_range_v"]),
-        min(max(shunt_v, -fact["shunt_range_v"]), fact["shunt_range_v"]),
+        min(max(wire_v, -rule["wire_range_v"]), rule["wire_range_v"]),
+        min(max(shunt_v, -rule["shunt_range_v"]), rule["shunt_range_v"]),
         means[2] + fact["displacement_noise_m"] * sensor,
     )
 
 
 @compiled
-def read_lanes(facts: Rows, memory: Rows, seed: int, means: FloatArray, ends: Rows) -> None:
-    """Read all lanes from their true means over a sample: wire voltage, shunt voltage, displacement, (3, n_lanes)."""
+def read_lanes(
+    facts: Rows, rules: Rows, protections: Rows, memory: Rows, seed: int, means: FloatArray, ends: Rows
+) -> None:
+    """Read all lanes, and judge what is read by their protections.
+
+    ``means`` are true means over a sample: wire voltage, shunt voltage, displacement, (3, n_lanes).
+    """
     for lane in range(means.shape[1]):
         fact, kept, end = facts[lane], memory[lane], ends[lane]
         wire_v, shunt_v, displacement_m = read_lane(
-            fact, kept, lane, seed, (means[0, lane], means[1, lane], means[2, lane])
+            fact, rules[lane], kept, lane, seed, (means[0, lane], means[1, lane], means[2, lane])
         )
         end["wire_voltage_v"], end["shunt_voltage_v"] = wire_v, shunt_v
         end["strain"] = displacement_m / fact["leg_length_m"]
         drive_v, period_s = kept["drive_voltage_v"], fact["sample_period_s"]
-        end["sound"] = sound_reading(kept, fact, drive_v, wire_v, shunt_v, period_s)
+        judged_reading(protections, rules, lane, drive_v, wire_v, shunt_v, period_s)
+        end["event"] = protections[lane]["event"] if protections[lane]["state"] == TRIPPED else 0
 
 
 @compiled
 def judge_lanes(
-    facts: Rows,
+    rules: Rows,
     memory: Rows,
     targets: FloatArray,
     level_of_sample: NDArray[np.int64],
@@ -154,7 +156,7 @@ def judge_lanes(
     """
     last = level_of_sample.shape[0] - 1
     for lane in range(targets.shape[0]):
-        fact, kept, end, seen = facts[lane], memory[lane], ends[lane], observed[lane]
+        rule, kept, end, seen = rules[lane], memory[lane], ends[lane], observed[lane]
         before = level_of_sample[max(kept["sample"] - 1, 0)]
         # The sample that has just ended is judged by the target that was asked for while it was taken.
         error = abs(targets[lane, before] - end["strain"])
@@ -165,9 +167,9 @@ def judge_lanes(
             kept["drive_voltage_v"] = 0.0
         else:
             wire_v, shunt_v = end["wire_voltage_v"], end["shunt_voltage_v"]
-            resistance_ohm = wire_v / shunt_v * fact["shunt_resistance_ohm"]
+            resistance_ohm = wire_v / shunt_v * rule["shunt_resistance_ohm"]
             seen[0], seen[1] = wire_v, shunt_v
-            seen[2] = min(max(resistance_ohm, 0.0), MAX_RESISTANCE_FACTOR * fact["resistance_high_ohm"])
+            seen[2] = min(max(resistance_ohm, 0.0), MAX_RESISTANCE_FACTOR * rule["resistance_high_ohm"])
         seen[3] = kept["drive_voltage_v"]
         seen[4] = targets[lane, level_of_sample[kept["sample"]]]
         end["truncated"] = not tripped and kept["sample"] >= last

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,16 +14,9 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers import (
-    NOTHING_LASTS,
-    SOUND_MEMORY,
     Event,
+    Protection,
     ProtectionLimits,
-    ProtectionState,
-    State,
-    allowed_drive_v,
-    armed,
-    protect_command,
-    protect_reading,
     protection_table,
 )
 from musclewire.errors import CallerError, NumericsError
@@ -48,65 +41,6 @@ from musclewire.extras.interfaces._simulated_wire import SimulatedWire, simulate
 from musclewire.rigs import RigConfiguration
 from musclewire.sensing import ResistanceCurve, SensingModel
 from musclewire.wire import WireBatch, fixed_steps
-
-NAMES = SOUND_MEMORY.names or ()
-
-
-class ProtectionWatch:
-    """Lanes whose protection is in another state than ``run`` with nothing that lasts; as a rule there are none."""
-
-    def __init__(self, limits: list[ProtectionLimits], facts: NDArray[np.void], memory: NDArray[np.void]) -> None:
-        """Take the limits of each lane, and the arrays of records that the compiled code works in."""
-        self._limits, self._facts, self._memory = limits, facts, memory
-        self._states: dict[int, ProtectionState] = {}
-
-    def rest(self, lanes: NDArray[np.bool_]) -> None:
-        """Forget the readings of some lanes: they are armed again, cold."""
-        for lane in [lane for lane in self._states if lanes[lane]]:
-            del self._states[lane]
-        for name in NAMES:
-            self._memory[name][lanes] = 0.0
-        self._memory["temperature_k"][lanes] = self._facts["ambient_temperature_k"][lanes]
-
-    def command(self, drive_v: FloatArray) -> None:
-        """Replace the drives of watched lanes by those that are allowed, in place."""
-        for lane, state in self._states.items():
-            commanded = commanded_state(state, self._limits[lane], float(drive_v[lane]))
-            self._states[lane] = commanded
-            self._memory["drive_voltage_v"][lane] = drive_v[lane] = allowed_drive_v(commanded, self._limits[lane])
-
-    def judge(self, ends: NDArray[np.void]) -> None:
-        """Judge the readings that are not sound, and all of watched lanes; write the events of those that trip."""
-        ends["event"] = Event.NONE
-        if self._states or not ends["sound"].all():
-            self._judge({*self._states, *np.flatnonzero(~ends["sound"]).tolist()}, ends)
-
-    def _judge(self, lanes: Iterable[int], ends: NDArray[np.void]) -> None:
-        for lane in lanes:
-            kept, limits = self._memory[lane], self._limits[lane]
-            before = self._states.pop(lane, None) or running(kept, limits)
-            wire_v, shunt_v = float(ends["wire_voltage_v"][lane]), float(ends["shunt_voltage_v"][lane])
-            period_s = float(self._facts["sample_period_s"][lane])
-            state = protect_reading(before, limits, float(kept["drive_voltage_v"]), wire_v, shunt_v, period_s)
-            if state.state is State.TRIPPED:
-                ends["event"][lane] = state.event
-            elif state.state is not State.RUN or state.lasting_s is not NOTHING_LASTS:
-                self._states[lane] = state
-            for name in NAMES:
-                kept[name] = getattr(state, name)
-
-
-def running(kept: np.void, limits: ProtectionLimits) -> ProtectionState:
-    """Return the state of a lane that is driven and has had sound readings only."""
-    remembered: dict[str, Any] = {name: float(kept[name]) for name in NAMES}
-    driven = commanded_state(armed(limits), limits, float(kept["drive_voltage_v"]))
-    return driven._replace(**remembered)
-
-
-def commanded_state(state: ProtectionState, limits: ProtectionLimits, drive_voltage_v: float) -> ProtectionState:
-    """Return the state after a command, which the amplifier's steps may have rounded to above the maximum."""
-    return protect_command(state, limits, min(drive_voltage_v, limits.maximum_voltage_v))
-
 
 # Longest step of the simulation, and that as a fraction of the quickest wire's time constant: with both a jump of the
 # drive errs by hundredths of a kelvin (benchmarks/vector_environment.py).
@@ -170,11 +104,15 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         lanes = [wires[lane % len(wires)] for lane in range(num_envs)]
         self._step_s, self._period_s = step_s_of(wires, period_s), period_s
         self._wires = WireBatch([wire.constants for wire in lanes], stepping=fixed_steps(self._step_s))
-        self._facts = np.concatenate([facts_of(wire) for wire in wires])[np.arange(num_envs) % len(wires)]
+        own = np.arange(num_envs) % len(wires)
+        self._facts = np.concatenate([facts_of(wire) for wire in wires])[own]
+        protections = [Protection(wire.limits, period_s) for wire in wires]
+        self._rules = np.concatenate([protection.rules for protection in protections])[own]
+        self._armed = np.concatenate([protection.row for protection in protections])[own]
+        self._protections = self._armed.copy()
         self._memory = np.zeros(num_envs, MEMORY)
         self._targets = np.zeros((num_envs, self._episode.levels))
         self._drive_v = np.zeros(num_envs)
-        self._watch = ProtectionWatch([wire.limits for wire in lanes], self._facts, self._memory)
         self._seed, self._level_of_sample = 0, self._episode.level_of_sample(period_s)
         self.single_action_space = action_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -246,13 +184,12 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         ended = self._memory["ended"] != 0
         if ended.any():
             self._restart(ended)
-        drive_lanes(self._facts, self._memory, actions, self._drive_v)
-        self._watch.command(self._drive_v)
+        lanes = self._rules, self._protections, self._memory
+        drive_lanes(self._facts, *lanes, actions, self._drive_v)
         means = np.stack(self._wires.advance(self._drive_v, self._period_s)[:3])
         ends = np.zeros(self.num_envs, ENDS)
-        read_lanes(self._facts, self._memory, self._seed, means, ends)
-        self._watch.judge(ends)
-        judge_lanes(self._facts, self._memory, self._targets, self._level_of_sample, ends, self._observed)
+        read_lanes(self._facts, *lanes, self._seed, means, ends)
+        judge_lanes(self._rules, self._memory, self._targets, self._level_of_sample, ends, self._observed)
         if self._curve is not None:
             self._estimate(self._curve, ends)
         return ends
@@ -262,14 +199,14 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         driven = ends["event"] == 0
         with np.errstate(divide="ignore", invalid="ignore"):  # without current: the curve says how it reads that
             ratio = ends["wire_voltage_v"][driven] / ends["shunt_voltage_v"][driven]
-        resistance_ohm = ratio * self._facts["shunt_resistance_ohm"][driven]
+        resistance_ohm = ratio * self._rules["shunt_resistance_ohm"][driven]
         self._observed[driven, 5] = curve.estimate(resistance_ohm).value
 
     def _restart(self, lanes: Mask) -> None:
         """Begin the next episode of some wires: cold, with new targets."""
         self._require_resolved()
         self._wires.rest(lanes)
-        self._watch.rest(lanes)
+        self._protections[lanes] = self._armed[lanes]
         self._memory["sample"][lanes] = 0
         self._memory["episode"][lanes] += 1
         draws = np.empty((int(lanes.sum()), self._episode.levels))
@@ -315,8 +252,6 @@ def checked_period_s(wires: Sequence[SimulatedWire]) -> float:
 def facts_of(wire: SimulatedWire) -> NDArray[np.void]:
     """Return the record of a lane's rig, (1,)."""
     facts = np.zeros(1, FACTS)
-    for name, value in wire.limits._asdict().items():
-        facts[name] = value
     names = ("amplifier_resolution_v", "acquisition_noise_v", "acquisition_readings", "displacement_noise_m")
     for name in ("sample_period_s", *names):
         facts[name] = wire.bench[name]
