@@ -30,7 +30,9 @@ from ._protection.protect import CONDITION_EVENTS as CONDITION_EVENTS
 from ._protection.protect import DRIVEN_FRACTION as DRIVEN_FRACTION
 from ._protection.protect import FROZEN_READINGS as FROZEN_READINGS
 from ._protection.protect import FROZEN_S as FROZEN_S
+from ._protection.protect import MADE_UP_FRACTION as MADE_UP_FRACTION
 from ._protection.protect import MAXIMUM_ROUNDING as MAXIMUM_ROUNDING
+from ._protection.protect import MOST_OFTEN_MISSING as MOST_OFTEN_MISSING
 from ._protection.protect import MOVED_FRACTION as MOVED_FRACTION
 from ._protection.protect import PROTECTION as PROTECTION
 from ._protection.protect import SATURATED_FRACTION as SATURATED_FRACTION
@@ -43,6 +45,7 @@ from ._protection.protect import Rows as Rows
 from ._protection.protect import commanded as commanded
 from ._protection.protect import judged_reading as judged_reading
 from ._protection.protect import judged_sample as judged_sample
+from ._protection.protect import largest_power_w_per_v2 as largest_power_w_per_v2
 from ._protection.table import AllowedDrive as AllowedDrive
 from ._protection.table import Effect as Effect
 from ._protection.table import Event as Event

@@ -2,23 +2,50 @@
 
 from __future__ import annotations
 
-from threading import RLock
+import logging
+import math
+import weakref
+from numbers import Real
+from threading import RLock, get_ident
 from time import perf_counter_ns
 from types import TracebackType
 from typing import NoReturn, Self, final
 
-from musclewire.controllers import Event, Protection, ProtectionLimits, ProtectionState, Rows, State, protection_table
+from musclewire.controllers import (
+    STUCK_FRACTION,
+    Event,
+    Protection,
+    ProtectionLimits,
+    ProtectionState,
+    Rows,
+    State,
+    protection_table,
+)
 from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.rigs._device import Device, HasCompiledExchange, HasOnBoardLoop, Metadata, Missing
-from musclewire.signals import Command, Drive, RawSample, Target, as_command, drive_voltage_of
+from musclewire.rigs._device import Device, DeviceFault, HasCompiledExchange, HasOnBoardLoop, Metadata, Missing
+from musclewire.rigs._idle_watch import IdleWatch
+from musclewire.signals import Command, Drive, RawSample, Target, drive_voltage_of
 
 # Python 3.11 takes longer to look up a member of an enumeration than to compare it.
 RUN, TRIPPED = int(State.RUN), int(State.TRIPPED)
+# The device's word on its drive counts within this fraction of the maximum voltage; beyond it what was commanded does.
+DRIVE_AGREEMENT = STUCK_FRACTION
+# Longest time [s] for which a device may say that a sample is missing, by the host's own clock.
+LONGEST_WAIT_S = 1.0
+# A time between two samples within this much of the sample period is the sample period [s]: clocks round.
+CLOCK_ROUNDING_S = 1e-6
 # No more is known of a device that does not answer.
 NOT_CONFIRMED = (
     "0 V was ordered and nothing confirms it: a board's drive expires by itself, a card's guardian has tried to switch "
     "off; cut the supply to be sure"
 )
+
+
+LOGGER = logging.getLogger("musclewire.rigs")
+
+
+class SecondThreadError(CallerError):
+    """Another thread is in an exchange with this rig."""
 
 
 class ProtectionTripError(RigError):
@@ -40,6 +67,10 @@ class GuardedRig:
 
     One thread exchanges. ``close`` may be called from another one while a sample is awaited: the drive goes off, and
     the exchange ends with a RigError.
+
+    A rig whose samples come at the pace of a real clock goes to its sense voltage when nobody has talked to it for
+    ``sense_after_s`` of the protection table after a sample was due; the next exchange says so, to the logger
+    ``musclewire.rigs``, and runs. Every rig is switched off when the interpreter ends, or nobody holds it any more.
 
     Parameters
     ----------
@@ -74,14 +105,23 @@ class GuardedRig:
             device.off()
             raise
         self._accepts_targets = isinstance(device, HasOnBoardLoop)
-        self._protection = Protection(self._limits, self._facts.sample_period_s)
+        self._protection = Protection(self._limits)
         if isinstance(device, HasCompiledExchange):
             device.compile_exchange()
         # Held whenever the protection's state is read and written, never while a sample is awaited.
         self._deciding = RLock()
         self._last_time_s: float | None = None
+        # The drive that was ordered last; and whether the rig has paused since the last sample, at the sense voltage.
+        self._ordered_v, self._paused = 0.0, False
+        # The thread that is in an exchange; when the last one ended; since when nobody has talked to a driven rig.
+        self._exchanging: int | None = None
+        self._talked_ns = perf_counter_ns()
+        self._silent_since_ns: int | None = None
+        self._silence_s = self._facts.sample_period_s + protection_table().sense_after_s
         self._off_for_good, self._off_confirmed = False, True
         self.drive_at_ns = self.sample_at_ns = 0
+        weakref.finalize(self, device.off)
+        self._watch = IdleWatch(self._rest_if_silent, self._silence_s) if self._facts.paced else None
 
     @property
     def sample_period_s(self) -> float:
@@ -171,16 +211,36 @@ class GuardedRig:
         ------
         RigError
             With the drive switched off, for a voltage outside 0 to the maximum, for every event of the protection table
-            that trips, and if another thread has closed the rig. Any other exception leaves the rig at its sense
-            voltage.
+            that trips, and if another thread has closed the rig. Any other exception between entry and return, Ctrl-C
+            too, leaves the rig at its sense voltage.
         NumericsError
             With the drive switched off, from a simulation that cannot continue.
         CallerError
-            For a target if the device has no closed loop of its own.
+            For what is no voltage, for a target if the device has no closed loop of its own, and, with the other
+            exchange undisturbed, while another thread is in one.
         """
+        # All of it is inside, the return too: wherever Ctrl-C or another exception comes, the drive is not left on.
+        try:
+            sample = self._exchanged(command)
+            self._talked_ns, self._exchanging = perf_counter_ns(), None
+            return sample
+        except SecondThreadError:  # the drive belongs to the exchange of the other thread
+            raise
+        except BaseException:
+            self._exchanging = None
+            self._leave_safe()
+            raise
+
+    def _exchanged(self, command: Command | float) -> RawSample:
+        """Follow a command for one sample period and return the sample at its end."""
         with self._deciding:
+            if self._exchanging not in (None, get_ident()):
+                raise SecondThreadError("another thread is in an exchange with this rig: let one thread exchange")
+            self._exchanging = get_ident()
             if self._off_for_good:
                 raise RigError("this rig is closed or has failed and stays off: open it again")
+            if self._silent_since_ns is not None:
+                self._say_silence()
             allowed = self._allowed(command)
         sample = self._awaited(allowed)
         with self._deciding:
@@ -188,6 +248,7 @@ class GuardedRig:
                 self._end_as_switched_off()
             if isinstance(allowed, Target):
                 # The protection judges what the device put out as if the host had commanded it.
+                self._ordered_v = sample.drive_voltage_v
                 self._protection.command(min(sample.drive_voltage_v, self.maximum_voltage_v))
             self._judge(sample)
         return sample
@@ -219,39 +280,32 @@ class GuardedRig:
 
     def _allowed(self, command: Command | float) -> Command:
         """Return the command that is allowed now. Raises as ``exchange`` does for one that never is."""
-        if isinstance(command, Drive):
-            drive_voltage_v = command.voltage_v
-        elif self._accepts_targets and isinstance(command, Target):
+        if isinstance(command, Target):
+            if not self._accepts_targets:
+                drive_voltage_of(command)  # says why it cannot be
             return command
-        else:
-            try:
-                drive_voltage_v = drive_voltage_of(as_command(command))
-            except CallerError:
-                self.make_safe()
-                raise
+        drive_voltage_v = command.voltage_v if isinstance(command, Drive) else command
+        if type(drive_voltage_v) is not float:
+            drive_voltage_v = checked_voltage_v(drive_voltage_v)
         allowed_v, state = self._protection.command(drive_voltage_v)
-        if state == RUN:
-            return command if isinstance(command, Drive) and not command.by_protection else Drive(drive_voltage_v)
         if state == TRIPPED:
             self.close()
             raise ProtectionTripError(
                 f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; {self._off_in_words()}",
                 Event.COMMAND_REFUSED,
             )
-        return Drive(allowed_v, by_protection=True)
+        return Drive(allowed_v, by_protection=state != RUN)
 
     def _awaited(self, command: Command) -> RawSample:
         """Return the sample of a command; while it is missing, the table decides the drive and how long to wait."""
         self.drive_at_ns = perf_counter_ns()
-        waited_s = 0.0
+        waited_s, since_ns = 0.0, 0
         while True:
+            self._ordered_v = command.voltage_v if isinstance(command, Drive) else math.inf
             try:
                 answer = self.device.exchange(command)
             except (RigError, NumericsError):
                 self._end_unless_switched_off()
-                raise
-            except BaseException:
-                self.make_safe()  # Ctrl-C, or an error in a device: no further command may come
                 raise
             if isinstance(answer, RawSample):
                 self.sample_at_ns = perf_counter_ns()
@@ -259,15 +313,25 @@ class GuardedRig:
             with self._deciding:
                 if self._off_for_good:
                     self._end_as_switched_off()
-                if not isinstance(answer, Missing):
+                if isinstance(answer, DeviceFault):
                     self._trip(answer.event, answer.details)
-                if answer.sample is None and not answer.missing_s > waited_s:
-                    self._trip(Event.DEVICE_LOST, f"the device waits, but its clock stays at {answer.missing_s:.3f} s")
+                if not isinstance(answer, Missing):
+                    self._trip(Event.DEVICE_LOST, f"it answered {answer!r:.60} where a sample is due")
+                since_ns = since_ns or perf_counter_ns()
+                self._require_progress(answer, waited_s, 1e-9 * (perf_counter_ns() - since_ns))
                 waited_s = answer.missing_s
                 command = self._miss(answer)
             if answer.sample is not None:
                 self.sample_at_ns = perf_counter_ns()
                 return answer.sample
+
+    def _require_progress(self, answer: Missing, waited_s: float, own_s: float) -> None:
+        """Trip if a device waits whose clock does not go on, or not as the host's does."""
+        if not answer.missing_s >= 0.0 or (answer.sample is None and not answer.missing_s > waited_s):
+            self._trip(Event.DEVICE_LOST, f"the device waits, but its clock stays at {answer.missing_s:.3f} s")
+        if own_s > LONGEST_WAIT_S:
+            said = f"{answer.missing_s:.3g} s by its clock, and {own_s:.1f} s by the host's"
+            self._trip(Event.DEVICE_LOST, f"the device has waited for a sample for {said}")
 
     def _miss(self, missing: Missing) -> Drive:
         """Hold, go to the sense voltage or trip, by the total time that something was missing; the drive meanwhile."""
@@ -278,15 +342,42 @@ class GuardedRig:
 
     def _judge(self, sample: RawSample) -> None:
         """Run the protection over a sample."""
-        last_s, time_s = self._last_time_s, sample.time_s
-        if last_s is not None and not time_s > last_s:
-            self._trip(Event.CLOCK_BACKWARDS, f"{time_s:.6f} s after {last_s:.6f} s")
-        self._last_time_s = time_s
+        covered_s = self._covered_s(sample.time_s)
         protection = self._protection
-        sound = protection.sample(sample.drive_voltage_v, sample.wire_voltage_v, sample.shunt_voltage_v)
+        drive_v = self._counted_drive_v(sample.drive_voltage_v)
+        sound = protection.sample(drive_v, sample.wire_voltage_v, sample.shunt_voltage_v, covered_s)
         if not sound and protection.tripped:
             measured = self._measured(*protection.last_reading_v)
-            self._trip(protection.state.event, f"at {time_s:.3f} s: {measured}")
+            self._trip(protection.state.event, f"at {sample.time_s:.3f} s: {measured}")
+
+    def _covered_s(self, time_s: float) -> float:
+        """Return the time that a sample stands for [s], by the device's clock; trip if that goes back or leaps."""
+        last_s, period_s, paused = self._last_time_s, self._facts.sample_period_s, self._paused
+        if last_s is None:
+            last_s, paused = time_s - period_s, True
+        if not time_s > last_s:  # nor is it if the time is no number
+            self._trip(Event.CLOCK_BACKWARDS, f"{time_s:.6f} s after {last_s:.6f} s")
+        self._last_time_s, self._paused = time_s, False
+        covered_s = time_s - last_s
+        if paused or covered_s <= period_s + CLOCK_ROUNDING_S:
+            # How warm the wire is after a pause is not known: as warm as before is on the safe side. A clock that runs
+            # slow takes no heat away.
+            return period_s
+        longest_s = 2.0 * period_s + protection_table().trip_after_s
+        if covered_s > longest_s and not self._was_idle(covered_s):
+            self._trip(Event.CLOCK_LEAPT, f"{time_s:.6f} s after {last_s:.6f} s, samples come every {period_s:g} s")
+        return covered_s
+
+    def _was_idle(self, covered_s: float) -> bool:
+        """Whether a rig at rest has taken so long between two samples by the host's clock, too."""
+        own_s = 1e-9 * (perf_counter_ns() - self._talked_ns)
+        return self._facts.paced and self._ordered_v <= self.sense_voltage_v and covered_s <= own_s + self._silence_s
+
+    def _counted_drive_v(self, said_v: float) -> float:
+        """Return the drive [V] by which a sample is judged: what was ordered, unless the device agrees with it."""
+        if abs(said_v - self._ordered_v) <= DRIVE_AGREEMENT * self.maximum_voltage_v:
+            return said_v
+        return self._ordered_v
 
     def _measured(self, drive_v: float, wire_v: float, shunt_v: float) -> str:
         """Describe the reading at which the protection tripped."""
@@ -321,19 +412,50 @@ class GuardedRig:
             if self._off_for_good:
                 return
             if self.device.sense():
+                self._ordered_v = min(self._ordered_v, self.sense_voltage_v)
                 self.forget_readings()
             else:
                 self.close()  # a device that cannot go to the sense voltage is switched off
+
+    def _leave_safe(self) -> None:
+        """Go to the sense voltage, or off for good if that was on its way when something came between."""
+        with self._deciding:
+            if self._off_for_good:
+                self.close()
+            else:
+                self.make_safe()
+
+    def _rest_if_silent(self) -> float:
+        """Go to the sense voltage if nobody has talked to a driven rig for too long; return when to look again [s]."""
+        with self._deciding:
+            left_s = self._silence_s - 1e-9 * (perf_counter_ns() - self._talked_ns)
+            if left_s > 0.0 or self._exchanging is not None or self._off_for_good:
+                return max(left_s, 0.01)
+            if self._ordered_v > self.sense_voltage_v:
+                self._silent_since_ns = self._talked_ns
+                self.make_safe()
+            return self._silence_s
+
+    def _say_silence(self) -> None:
+        """Say that the rig was at rest because nobody talked to it."""
+        assert self._silent_since_ns is not None
+        silent_s = 1e-9 * (perf_counter_ns() - self._silent_since_ns)
+        self._silent_since_ns = None
+        text = "nobody talked to the rig for %.1f s: it went to its sense voltage, %g V, and goes on from there"
+        LOGGER.warning(text, silent_s, self.sense_voltage_v)
 
     def forget_readings(self) -> None:
         """Start again after a pause, or after the wire was changed: the next reading is not compared with the last."""
         with self._deciding:
             self._protection.rest()
+            self._paused = True
 
     def close(self) -> None:
         """Switch the drive off and release the hardware; may be called twice, and from another thread."""
         with self._deciding:
-            self._off_for_good = True
+            self._off_for_good, self._ordered_v = True, 0.0
+            if self._watch is not None:
+                self._watch.end()
             self._protection.close()
             self._off_confirmed = self.device.off()
 
@@ -349,6 +471,13 @@ class GuardedRig:
         self.close()
         if kind is None and was_on and not self._off_confirmed:
             raise RigError(f"the device did not answer at the end: {NOT_CONFIRMED}")
+
+
+def checked_voltage_v(voltage_v: object) -> float:
+    """Return a commanded voltage as a number. Raises CallerError for anything that is none."""
+    if isinstance(voltage_v, bool) or not isinstance(voltage_v, Real):
+        raise CallerError(f"a drive of {voltage_v!r:.60} is no voltage: give a number of volts")
+    return float(voltage_v)
 
 
 # What takes any rig names it so.

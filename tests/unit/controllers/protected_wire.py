@@ -47,13 +47,13 @@ def protection_in(
     state: ProtectionState, limits: ProtectionLimits = LIMITS, table: ProtectionTable | None = None
 ) -> Protection:
     """A protection that has come to a state."""
-    protection = Protection(limits, 0.05, table)
+    protection = Protection(limits, table=table)
     protection.row[:] = np.array([tuple(state)], PROTECTION)
     return protection
 
 
 def armed(limits: ProtectionLimits) -> ProtectionState:
-    return Protection(limits, 0.05).state
+    return Protection(limits).state
 
 
 def protect_command(

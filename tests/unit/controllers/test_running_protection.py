@@ -22,21 +22,21 @@ from musclewire.controllers import (
 
 
 def test_a_sample_of_whole_numbers_is_judged_as_floats_and_compiles_nothing() -> None:
-    running = Protection(LIMITS, 0.05)
+    running = Protection(LIMITS)
     functions: list[Any] = [commanded, judged_sample]
     known = [set(one.signatures) for one in functions]
     assert all(known)
     running.command(2)
-    running.sample(2, 1, 1)
+    running.sample(2, 1, 1, 0.05)
     assert running.state.lasting_s[CONDITION_EVENTS.index(Event.CHANNEL_SATURATED)] == 0.05
     assert [set(one.signatures) for one in functions] == known
 
 
 def test_a_reading_that_trips_is_kept_for_the_message() -> None:
-    running = Protection(LIMITS, 0.05)
+    running = Protection(LIMITS)
     running.command(1.0)
     for _ in range(20):
-        running.sample(1.0, 0.5, 0.31)
+        running.sample(1.0, 0.5, 0.31, 0.05)
     assert running.tripped
     assert running.last_reading_v == (1.0, 0.5, 0.31)
 
@@ -48,9 +48,9 @@ one_sample = st.tuples(st.floats(0.0, 3.6), st.floats(-5.0, 5.0), st.floats(-0.3
 
 @given(st.lists(one_sample, min_size=1, max_size=BLOCK))
 def test_a_block_of_fast_samples_covers_their_time_and_holds_their_means(samples: list[tuple[float, ...]]) -> None:
-    running = Protection(LIMITS, FAST_S)
+    running = Protection(LIMITS)
     for volts in samples:
-        running.sample(*volts)
+        running.sample(*volts, FAST_S)
     unfinished = samples[-((len(samples) - 1) % BLOCK + 1) :]
     block_s, *means_v = running.state[-4:]
     assert block_s == pytest.approx(len(unfinished) * FAST_S)
@@ -59,10 +59,10 @@ def test_a_block_of_fast_samples_covers_their_time_and_holds_their_means(samples
 
 @pytest.mark.parametrize("sound_one", range(BLOCK))
 def test_a_fault_in_all_fast_samples_but_one_is_seen_whichever_sample_is_sound(sound_one: int) -> None:
-    running = Protection(LIMITS, FAST_S)
+    running = Protection(LIMITS)
     running.command(3.0)
     for tick in range(60 * BLOCK):
-        running.sample(*of_wire(3.0, 16.0 if tick % BLOCK == sound_one else 1.5))
+        running.sample(*of_wire(3.0, 16.0 if tick % BLOCK == sound_one else 1.5), FAST_S)
     assert running.tripped
     sound_volts, bad_volts = np.array(of_wire(3.0, 16.0)), np.array(of_wire(3.0, 1.5))
     assert running.last_reading_v == pytest.approx(tuple(bad_volts + (sound_volts - bad_volts) / BLOCK))
@@ -71,9 +71,9 @@ def test_a_fault_in_all_fast_samples_but_one_is_seen_whichever_sample_is_sound(s
 @pytest.mark.parametrize("noisy_one", range(BLOCK))
 def test_noise_in_one_fast_sample_of_each_reading_trips_nothing(noisy_one: int) -> None:
     """Judged by itself such a sample would be outside the window of resistance; the mean is near that of the wire."""
-    running = Protection(LIMITS, FAST_S)
+    running = Protection(LIMITS)
     running.command(1.0)
     for tick in range(60 * BLOCK):
         drive_v, wire_v, shunt_v = of_wire(1.0 + 1e-5 * tick, 16.0)
-        running.sample(drive_v, wire_v * (1.7 if tick % BLOCK == noisy_one else 1.0), shunt_v)
+        running.sample(drive_v, wire_v * (1.7 if tick % BLOCK == noisy_one else 1.0), shunt_v, FAST_S)
     assert running.state.state is State.RUN

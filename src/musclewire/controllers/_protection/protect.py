@@ -46,6 +46,10 @@ FROZEN_S = 0.3
 TIME_ROUNDING_S = 1e-6
 # A block of samples counts as full from this much less than the period of readings [s]: its duration is a sum.
 PERIOD_ROUNDING_S = 1e-9
+# A sound reading makes up for this fraction of its time missing: readings of which more than a fifth keep missing, in
+# any pattern, add up to the time after which the sense voltage is out, and beyond that up to so many times as long.
+MADE_UP_FRACTION = 0.25
+MOST_OFTEN_MISSING = 2.0
 # A commanded maximum may have been rounded on its way.
 MAXIMUM_ROUNDING = 1.0 + 1e-6
 
@@ -68,11 +72,13 @@ CONDITIONS = len(CONDITION_EVENTS)
 class ProtectionState(NamedTuple):
     """The state of a protection as it stands: a copy of its row.
 
-    ``missing_s`` is how long a reading or command has been missing; ``lasting_s`` how long each of ``CONDITION_EVENTS``
-    has been seen; ``settled_ohm`` the last resistance that was no jump, 0 for none; ``wire_repeats`` and
-    ``shunt_repeats`` how often in a row a channel gave the same number, ``repeats_drive_v`` the drive when that began.
-    Samples that come faster than readings are judged are averaged first: ``block_s`` is the time that the unfinished
-    reading covers, the other three its means.
+    ``missing_s`` is how long a reading or command has been missing, ``often_missing_s`` how long they have been with
+    interruptions, less what sound ones have made up for; ``power_w_per_v2`` the power of the last reading per square of
+    its drive, 0 before the first; ``lasting_s`` how long each of ``CONDITION_EVENTS`` has been seen; ``settled_ohm``
+    the last resistance that was no jump, 0 for none; ``wire_repeats`` and ``shunt_repeats`` how often in a row a
+    channel gave the same number, ``repeats_drive_v`` the drive when that began. Samples that come faster than readings
+    are judged are averaged first: ``block_s`` is the time that the unfinished reading covers, the other three are its
+    means.
     """
 
     state: State
@@ -80,6 +86,8 @@ class ProtectionState(NamedTuple):
     drive_voltage_v: float
     temperature_k: float
     missing_s: float = 0.0
+    often_missing_s: float = 0.0
+    power_w_per_v2: float = 0.0
     lasting_s: tuple[float, ...] = CONDITIONS * (0.0,)
     settled_ohm: float = 0.0
     wire_voltage_v: float = 0.0
@@ -112,6 +120,7 @@ RULES = np.dtype(
         ("sense_after_s", np.float64),
         ("trip_after_s", np.float64),
         ("reading_period_s", np.float64),
+        ("largest_w_per_v2", np.float64),
     ]
 )
 # Arrays of such records, (1,) for one protection; and one of them. mypy knows no fields of either.
@@ -134,12 +143,23 @@ def rules_of(limits: ProtectionLimits, table: ProtectionTable | None = None) -> 
         rules["trips"][0, row.number] = row.action == "trip"
     for name in ("sense_after_s", "trip_after_s", "reading_period_s"):
         rules[name] = getattr(table, name)
+    rules["largest_w_per_v2"] = largest_power_w_per_v2(limits)
     return rules
+
+
+def largest_power_w_per_v2(limits: ProtectionLimits) -> float:
+    """Return the largest power in a wire of these limits per square of the drive [W/V2].
+
+    A wire in series with a shunt takes most where both have the same resistance.
+    """
+    shunt_ohm = limits.shunt_resistance_ohm
+    wire_ohm = min(max(shunt_ohm, limits.resistance_low_ohm), limits.resistance_high_ohm)
+    return wire_ohm / (wire_ohm + shunt_ohm) ** 2
 
 
 # Compiled code compares numbers.
 NO_EVENT, NOT_FINITE, NO_SUPPLY = int(Event.NONE), int(Event.READING_NOT_FINITE), int(Event.SUPPLY_MISSING)
-OPEN, REFUSED = int(Event.WIRE_OPEN), int(Event.COMMAND_REFUSED)
+OPEN, REFUSED, TOO_HOT = int(Event.WIRE_OPEN), int(Event.COMMAND_REFUSED), int(Event.OVER_TEMPERATURE)
 ARM, COMMAND, PRESENT, FAULT = int(Signal.ARM), int(Signal.COMMAND), int(Signal.PRESENT), int(Signal.FAULT)
 MISSING, MISSING_LONG, MISSING_TOO_LONG = (
     int(Signal.MISSING),
@@ -190,6 +210,7 @@ def follow(row: Row, rules: Row, signal: int, drive_voltage_v: float, event: int
 def forget(row: Row) -> None:
     """Forget all but the state and how warm the wire is."""
     row["event"], row["missing_s"] = NO_EVENT, 0.0
+    row["often_missing_s"] = row["power_w_per_v2"] = 0.0
     row["lasting_s"][:] = 0.0
     row["settled_ohm"] = row["wire_voltage_v"] = row["shunt_voltage_v"] = 0.0
     row["wire_repeats"] = row["shunt_repeats"] = row["repeats_drive_v"] = 0.0
@@ -208,7 +229,7 @@ def miss(row: Row, rules: Row, event: int, missing_s: float) -> None:
     signal = MISSING
     if missing_s > rules["trip_after_s"] - TIME_ROUNDING_S:
         signal = MISSING_TOO_LONG
-    elif missing_s > rules["sense_after_s"] - TIME_ROUNDING_S:
+    elif max(missing_s, row["often_missing_s"]) > rules["sense_after_s"] - TIME_ROUNDING_S:
         signal = MISSING_LONG
     follow(row, rules, signal, 0.0, event, missing_s)
 
@@ -279,14 +300,35 @@ def judged_reading(
         return False
     driven = drive_voltage_v >= DRIVEN_FRACTION * rule["sense_voltage_v"]
     missing = missing_event(rule, driven, drive_voltage_v, wire_voltage_v, shunt_voltage_v)
-    if missing != NO_EVENT:  # without a reading the wire counts as cooling, and nothing else is known
-        heat(row, rule, 0.0, dt_s)
-        happen(row, rule, missing, row["missing_s"] + dt_s)
+    if missing != NO_EVENT:
+        miss_reading(row, rule, missing, drive_voltage_v, dt_s)
         return False
-    heat(row, rule, wire_voltage_v * (shunt_voltage_v / rule["shunt_resistance_ohm"]), dt_s)
+    power_w = wire_voltage_v * (shunt_voltage_v / rule["shunt_resistance_ohm"])
+    heat(row, rule, power_w, dt_s)
+    if driven and power_w > 0.0:
+        row["power_w_per_v2"] = power_w / (drive_voltage_v * drive_voltage_v)
+    row["often_missing_s"] = max(0.0, row["often_missing_s"] - MADE_UP_FRACTION * dt_s)
     seen = conditions_in(row, rule, driven, drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_s)
-    follow(row, rule, PRESENT, 0.0, NO_EVENT, 0.0)
+    if row["often_missing_s"] > rule["sense_after_s"] - TIME_ROUNDING_S:
+        row["missing_s"] = 0.0  # this one is there, but too many have been missing to drive by them
+    else:
+        follow(row, rule, PRESENT, 0.0, NO_EVENT, 0.0)
     return judged(row, rule, seen, dt_s)
+
+
+@compiled_inner
+def miss_reading(row: Row, rules: Row, event: int, drive_voltage_v: float, dt_s: float) -> None:
+    """Take a reading that is missing: the wire counts as heated as by its drive before, and nothing else is known."""
+    known = row["power_w_per_v2"]
+    watt_per_v2 = known if known > 0.0 else rules["largest_w_per_v2"]
+    heat(row, rules, watt_per_v2 * drive_voltage_v * drive_voltage_v, dt_s)
+    # A gap that lasts counts until the sense voltage is out; then only further gaps do.
+    if row["missing_s"] < rules["sense_after_s"] - TIME_ROUNDING_S:
+        most_s = MOST_OFTEN_MISSING * rules["sense_after_s"]
+        row["often_missing_s"] = min(row["often_missing_s"] + dt_s, most_s)
+    if row["temperature_k"] > rules["maximum_temperature_k"]:
+        happen(row, rules, TOO_HOT, dt_s)
+    happen(row, rules, event, row["missing_s"] + dt_s)
 
 
 @compiled_inner
@@ -402,17 +444,17 @@ def judged_sample(
     drive_voltage_v: float,
     wire_voltage_v: float,
     shunt_voltage_v: float,
-    period_s: float,
+    dt_s: float,
 ) -> bool:
-    """Take a sample of ``period_s`` seconds; whether nothing is wrong with the reading that it completes, if any.
+    """Take a sample of ``dt_s`` seconds; whether nothing is wrong with the reading that it completes, if any.
 
     Samples that come faster than the table's readings are averaged first; a complete reading stays in the row's block.
     """
     row, full_s = rows[lane], rules[lane]["reading_period_s"] - PERIOD_ROUNDING_S
     if row["block_s"] >= full_s:
         empty_block(row)
-    weight = period_s / (row["block_s"] + period_s)
-    row["block_s"] += period_s
+    weight = dt_s / (row["block_s"] + dt_s)
+    row["block_s"] += dt_s
     row["block_drive_v"] += weight * (drive_voltage_v - row["block_drive_v"])
     row["block_wire_v"] += weight * (wire_voltage_v - row["block_wire_v"])
     row["block_shunt_v"] += weight * (shunt_voltage_v - row["block_shunt_v"])
@@ -429,27 +471,29 @@ class Protection:
     ----------
     limits
         Limits of wire and circuit, checked.
-    sample_period_s
-        Time between samples [s].
+    temperature_k
+        Temperature of the wire [K]; by default it is cold.
     table
         Another table than musclewire's own.
     """
 
-    def __init__(self, limits: ProtectionLimits, sample_period_s: float, table: ProtectionTable | None = None) -> None:
-        """Arm the protection of a cold wire; compile all that runs with a wire driven."""
-        self.rules, self._period_s = rules_of(limits, table), float(sample_period_s)
+    def __init__(
+        self, limits: ProtectionLimits, temperature_k: float | None = None, table: ProtectionTable | None = None
+    ) -> None:
+        """Arm the protection; compile all that runs with a wire driven."""
+        self.rules = rules_of(limits, table)
         self.row = np.zeros(1, PROTECTION)
-        self.row["temperature_k"] = limits.ambient_temperature_k
+        self.row["temperature_k"] = limits.ambient_temperature_k if temperature_k is None else temperature_k
         commanded(self.row.copy(), self.rules, 0, 0.0)
-        judged_sample(self.row.copy(), self.rules, 0, 0.0, 0.0, 0.0, self._period_s)
+        judged_sample(self.row.copy(), self.rules, 0, 0.0, 0.0, 0.0, 0.01)
         self.arm()
 
     @property
     def state(self) -> ProtectionState:
         """State of the protection, with the last event and the estimated temperature."""
-        state, event, *numbers = self.row[0].item()
-        numbers[3] = tuple(numbers[3].tolist())
-        return ProtectionState(State(state), Event(event), *numbers)
+        known = ProtectionState(*self.row[0].item())
+        lasting_s = tuple(self.row["lasting_s"][0].tolist())
+        return known._replace(state=State(known.state), event=Event(known.event), lasting_s=lasting_s)
 
     @property
     def tripped(self) -> bool:
@@ -472,10 +516,13 @@ class Protection:
         # Any other type than float would be compiled now, with the wire driven.
         return commanded(self.row, self.rules, 0, float(drive_voltage_v))
 
-    def sample(self, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float) -> bool:
-        """Take a sample; those that come faster than the table's readings are averaged first. Whether all is well."""
+    def sample(self, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float, dt_s: float) -> bool:
+        """Take a sample of ``dt_s`` seconds; whether all is well.
+
+        Those that come faster than the table's readings are averaged first.
+        """
         volts = float(drive_voltage_v), float(wire_voltage_v), float(shunt_voltage_v)
-        return judged_sample(self.row, self.rules, 0, *volts, self._period_s)
+        return judged_sample(self.row, self.rules, 0, *volts, float(dt_s))
 
     def reading(self, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float, dt_s: float) -> None:
         """Take a reading that stands for ``dt_s`` seconds, whose samples the caller has averaged."""

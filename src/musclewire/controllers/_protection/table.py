@@ -148,6 +148,7 @@ class Event(IntEnum):
     WATCHDOG = 20
     POWER_LOST = 21
     STOPPED = 23
+    CLOCK_LEAPT = 24
 
 
 class Transition(NamedTuple):

@@ -195,7 +195,7 @@ def test_the_protection_of_many_is_that_of_every_rig(
     facts, memory = np.repeat(facts_of(wire), 2), np.zeros(2, MEMORY)
     facts["acquisition_noise_v"] = facts["displacement_noise_m"] = 0.0
     facts["acquisition_step_v"] = 1e-12
-    both = [Protection(limits, 0.05), Protection(wire.limits, 0.05)]
+    both = [Protection(limits), Protection(wire.limits)]
     rules, rows = (np.concatenate([getattr(one, name) for one in both]) for name in ("rules", "row"))
     single, span_v = both[0], limits.maximum_voltage_v - limits.sense_voltage_v
     for drive_v, wire_factor, shunt_v in readings:

@@ -72,7 +72,7 @@ class ReferenceTick:
 
     def start(self) -> None:
         """Start cold: the drive is the sense voltage, and nothing is known of the wire."""
-        self.protection = Protection(self.protection_limits, protection_table().reading_period_s)
+        self.protection = Protection(self.protection_limits)
         self._pid: tuple[float, ...] | None = None
         self._mean, self._block = SampleSums(), SampleSums()
         self._resistance_ohm = 0.0

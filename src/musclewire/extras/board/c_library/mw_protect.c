@@ -1,5 +1,5 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
-/* The protection's arithmetic. The steps and their order are those of musclewire's controllers/protection/protect.py. */
+/* The protection's arithmetic. The steps and their order are those of musclewire's controllers/_protection/protect.py. */
 #include "mw_protect.h"
 
 #define MAX_MICROSECONDS 4000000000u
@@ -153,7 +153,7 @@ static void missing_for(mw_protection *protection, uint8_t event, uint32_t missi
     uint8_t signal = MW_SIGNAL_MISSING;
     if (missing_us >= MW_TRIP_AFTER_US)
         signal = MW_SIGNAL_MISSING_TOO_LONG;
-    else if (missing_us >= MW_SENSE_AFTER_US)
+    else if (missing_us >= MW_SENSE_AFTER_US || protection->often_missing_us >= MW_SENSE_AFTER_US)
         signal = MW_SIGNAL_MISSING_LONG;
     follow(protection, signal, with);
 }
@@ -182,7 +182,7 @@ void mw_protect_event(mw_protection *protection, uint8_t event, mw_real missing_
 
 uint8_t mw_protect_recover(mw_protection *protection, uint8_t event)
 {
-    if (protection->event != event)
+    if (protection->event != event || protection->often_missing_us >= MW_SENSE_AFTER_US)
         return 0;
     return signalled(protection, MW_SIGNAL_PRESENT, 0, MW_EVENT_NONE) == MW_EFFECT_RESUME;
 }
@@ -236,6 +236,11 @@ static void heat(mw_protection *protection, mw_real power_w, mw_real dt_s)
     const mw_real rate = MW_HEAT_LOSS_W_PER_K / MW_HEAT_CAPACITY_J_PER_K * dt_s;
     const mw_real rise = dt_s * power_w / MW_HEAT_CAPACITY_J_PER_K;
     protection->above_ambient_k = (protection->above_ambient_k + rise) / (1 + rate);
+}
+
+static uint8_t too_hot(const mw_protection *protection)
+{
+    return protection->above_ambient_k > MW_MAXIMUM_ABOVE_AMBIENT_K;
 }
 
 void mw_protect_cool(mw_protection *protection, mw_real dt_s)
@@ -323,7 +328,7 @@ static void see(mw_protection *protection, mw_real drive_voltage_v, mw_real wire
     seen[MW_LASTING_OVER_POWER] = wire_voltage_v * current_a > MW_MAXIMUM_POWER_W;
     seen[MW_LASTING_OUTPUT_STUCK] =
         wire_voltage_v + shunt_voltage_v > drive_voltage_v + MW_STUCK_SHARE * MW_MAXIMUM_VOLTAGE_V;
-    seen[MW_LASTING_OVER_TEMPERATURE] = protection->above_ambient_k > MW_MAXIMUM_ABOVE_AMBIENT_K;
+    seen[MW_LASTING_OVER_TEMPERATURE] = too_hot(protection);
 }
 
 static void judge(mw_protection *protection, const uint8_t *seen, uint32_t dt_us)
@@ -341,23 +346,55 @@ static void judge(mw_protection *protection, const uint8_t *seen, uint32_t dt_us
     }
 }
 
+/* Take a reading that is missing: the wire counts as heated as by its drive before, and nothing else is known. */
+static void miss_reading(mw_protection *protection, uint8_t event, mw_real drive_voltage_v, mw_real dt_s)
+{
+    const mw_real known = protection->power_w_per_v2;
+    const mw_real watt_per_v2 = known > 0 ? known : MW_LARGEST_W_PER_V2;
+    const uint32_t dt_us = mw_microseconds(dt_s);
+    heat(protection, watt_per_v2 * drive_voltage_v * drive_voltage_v, dt_s);
+    /* A gap that lasts counts until the sense voltage is out; then only further gaps do. */
+    if (protection->missing_us < MW_SENSE_AFTER_US) {
+        const uint32_t often_us = later(protection->often_missing_us, dt_us);
+        protection->often_missing_us = often_us < MW_MOST_OFTEN_MISSING_US ? often_us : MW_MOST_OFTEN_MISSING_US;
+    }
+    if (too_hot(protection))
+        event_for(protection, MW_EVENT_OVER_TEMPERATURE, dt_us);
+    event_for(protection, event, later(protection->missing_us, dt_us));
+}
+
+/* Take note of a reading that is there: unless too many have been missing, one drives by it again. */
+static void have_reading(mw_protection *protection, uint32_t dt_us)
+{
+    const uint32_t made_up_us = dt_us / MW_MADE_UP_PART;
+    protection->often_missing_us =
+        protection->often_missing_us > made_up_us ? protection->often_missing_us - made_up_us : 0;
+    if (protection->often_missing_us >= MW_SENSE_AFTER_US)
+        protection->missing_us = 0;
+    else
+        signalled(protection, MW_SIGNAL_PRESENT, 0, MW_EVENT_NONE);
+}
+
 void mw_protect_reading(mw_protection *protection, mw_real drive_voltage_v, mw_real wire_voltage_v,
                         mw_real shunt_voltage_v, mw_real dt_s)
 {
     const uint32_t dt_us = mw_microseconds(dt_s);
     uint8_t seen[MW_LASTING] = {0};
     uint8_t missing;
+    mw_real power_w;
     if (!mw_state_drives(protection->state))
         return;
     missing = missing_event(drive_voltage_v, wire_voltage_v, shunt_voltage_v);
     if (missing != MW_EVENT_NONE) {
-        heat(protection, 0, dt_s);
-        event_for(protection, missing, later(protection->missing_us, dt_us));
+        miss_reading(protection, missing, drive_voltage_v, dt_s);
         return;
     }
-    heat(protection, wire_voltage_v * (shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM), dt_s);
+    power_w = wire_voltage_v * (shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM);
+    heat(protection, power_w, dt_s);
+    if (driven(drive_voltage_v) && power_w > 0)
+        protection->power_w_per_v2 = power_w / (drive_voltage_v * drive_voltage_v);
     count_repeats(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v);
     see(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_us, seen);
-    signalled(protection, MW_SIGNAL_PRESENT, 0, MW_EVENT_NONE);
+    have_reading(protection, dt_us);
     judge(protection, seen, dt_us);
 }

@@ -21,6 +21,8 @@ typedef struct {
     mw_real drive_voltage_v;     /* the last drive that was commanded and allowed */
     mw_real above_ambient_k;     /* temperature of the wire above the air's, estimated from its power */
     uint32_t missing_us;         /* how long a reading or a command has been missing */
+    uint32_t often_missing_us;   /* how long readings have been, with interruptions, less what sound ones made up for */
+    mw_real power_w_per_v2;      /* power of the last reading per square of its drive; 0 before the first */
     uint32_t lasting_us[MW_LASTING];
     mw_real settled_ohm;         /* the last resistance that was no jump; 0 for none */
     mw_real wire_voltage_v, shunt_voltage_v; /* of the last reading */

@@ -106,7 +106,7 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         self._wires = WireBatch([wire.constants for wire in lanes], stepping=fixed_steps(self._step_s))
         own = np.arange(num_envs) % len(wires)
         self._facts = np.concatenate([facts_of(wire) for wire in wires])[own]
-        protections = [Protection(wire.limits, period_s) for wire in wires]
+        protections = [Protection(wire.limits) for wire in wires]
         self._rules = np.concatenate([protection.rules for protection in protections])[own]
         self._armed = np.concatenate([protection.row for protection in protections])[own]
         self._protections = self._armed.copy()
