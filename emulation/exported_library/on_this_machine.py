@@ -48,6 +48,7 @@ void shim_missing(mw_controller *c, unsigned char event, double missing)
     mw_protect_missing(&c->protection, event, (mw_real)missing);
 }
 void shim_trip(mw_controller *c, unsigned char event) { mw_protect_trip(&c->protection, event); }
+void shim_arm_again(mw_controller *c) { mw_protect_arm_again(&c->protection); }
 void shim_off(mw_controller *c) { mw_protect_off(&c->protection); }
 void shim_rest(mw_controller *c) { mw_protect_rest(&c->protection); }
 int shim_recover(mw_controller *c, unsigned char event) { return mw_protect_recover(&c->protection, event); }
@@ -177,6 +178,10 @@ class HostLibrary:
     def trip(self, event: int) -> None:
         """Trip the protection."""
         self._c.shim_trip(self._state, ctypes.c_ubyte(event))
+
+    def arm_again(self) -> None:
+        """Arm for a wire that is as warm as it was."""
+        self._c.shim_arm_again(self._state)
 
     def off(self) -> None:
         """Switch off."""

@@ -203,6 +203,7 @@ def follow(row: Row, rules: Row, signal: int, drive_voltage_v: float, event: int
         empty_block(row)
     elif effect == BEGIN:
         forget(row)
+        row["temperature_k"] = max(row["temperature_k"], rules["ambient_temperature_k"])
         row["drive_voltage_v"] = rules["sense_voltage_v"]
 
 
@@ -303,7 +304,8 @@ def judged_reading(
     if missing != NO_EVENT:
         miss_reading(row, rule, missing, drive_voltage_v, dt_s)
         return False
-    power_w = wire_voltage_v * (shunt_voltage_v / rule["shunt_resistance_ohm"])
+    # A channel that is reversed heats the wire all the same.
+    power_w = abs(wire_voltage_v * (shunt_voltage_v / rule["shunt_resistance_ohm"]))
     heat(row, rule, power_w, dt_s)
     if driven and power_w > 0.0:
         row["power_w_per_v2"] = power_w / (drive_voltage_v * drive_voltage_v)

@@ -389,7 +389,8 @@ void mw_protect_reading(mw_protection *protection, mw_real drive_voltage_v, mw_r
         miss_reading(protection, missing, drive_voltage_v, dt_s);
         return;
     }
-    power_w = wire_voltage_v * (shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM);
+    /* A channel that is reversed heats the wire all the same. */
+    power_w = size_of(wire_voltage_v * (shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM));
     heat(protection, power_w, dt_s);
     if (driven(drive_voltage_v) && power_w > 0)
         protection->power_w_per_v2 = power_w / (drive_voltage_v * drive_voltage_v);
