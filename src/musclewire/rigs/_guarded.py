@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import NoReturn, Self, final
 
 from musclewire.controllers import (
+    DRIVEN_FRACTION,
     STUCK_FRACTION,
     Event,
     Protection,
@@ -28,7 +29,8 @@ from musclewire.signals import Command, Drive, RawSample, Target, drive_voltage_
 
 # Python 3.11 takes longer to look up a member of an enumeration than to compare it.
 RUN, TRIPPED = int(State.RUN), int(State.TRIPPED)
-# The device's word on its drive counts within this fraction of the maximum voltage; beyond it what was commanded does.
+# The device's word on its drive counts within this fraction of the maximum voltage, if by both the wire is driven or by
+# neither; else what was ordered does.
 DRIVE_AGREEMENT = STUCK_FRACTION
 # Longest time [s] for which a device may say that a sample is missing, by the host's own clock.
 LONGEST_WAIT_S = 1.0
@@ -228,7 +230,11 @@ class GuardedRig:
             raise
         except BaseException:
             self._exchanging = None
-            self._leave_safe()
+            try:
+                self._leave_safe()
+            except BaseException:  # Ctrl-C while another error is dealt with
+                self._leave_safe()
+                raise
             raise
 
     def _exchanged(self, command: Command | float) -> RawSample:
@@ -375,9 +381,9 @@ class GuardedRig:
 
     def _counted_drive_v(self, said_v: float) -> float:
         """Return the drive [V] by which a sample is judged: what was ordered, unless the device agrees with it."""
-        if abs(said_v - self._ordered_v) <= DRIVE_AGREEMENT * self.maximum_voltage_v:
-            return said_v
-        return self._ordered_v
+        ordered_v, driven_v = self._ordered_v, DRIVEN_FRACTION * self.sense_voltage_v
+        near = abs(said_v - ordered_v) <= DRIVE_AGREEMENT * self.maximum_voltage_v
+        return said_v if near and (said_v >= driven_v) == (ordered_v >= driven_v) else ordered_v
 
     def _measured(self, drive_v: float, wire_v: float, shunt_v: float) -> str:
         """Describe the reading at which the protection tripped."""
