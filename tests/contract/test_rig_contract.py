@@ -6,11 +6,16 @@ cold and at rest when it has been opened.
 
 from __future__ import annotations
 
+import logging
 import math
+import signal
 import threading
+import time
 from itertools import pairwise
 from pathlib import Path
+from types import FrameType
 
+import numpy as np
 import pytest
 from tests.contract.rig_subject import RigSubject
 from tests.subjects import subjects_of
@@ -286,3 +291,81 @@ def test_a_devices_facts_do_not_change_while_it_is_open(rig: Rig) -> None:
         rig.exchange(1.0)
         assert rig.device.facts == before
         assert set(before.reference_columns) <= set(REFERENCE_COLUMNS)
+
+
+class AlarmedExchange:
+    """Whether Ctrl-C came while the rig was in an exchange of which something had run."""
+
+    def __init__(self) -> None:
+        self.inside = False
+
+    def __call__(self, _number: int, frame: FrameType | None) -> None:
+        first = GuardedRig.exchange.__code__.co_firstlineno
+        while frame is not None:
+            self.inside |= frame.f_code is GuardedRig.exchange.__code__ and frame.f_lineno > first
+            frame = frame.f_back
+        raise KeyboardInterrupt
+
+
+def interrupted(rig: Rig, drive_v: float, random: np.random.Generator) -> bool:
+    """Let Ctrl-C come at a random moment of some exchanges; return whether that was inside of one."""
+    alarm, main = AlarmedExchange(), threading.main_thread().ident
+    assert main is not None
+    longest_s = 2.0 * rig.sample_period_s if rig.paced else 2e-3
+    before = signal.signal(signal.SIGUSR1, alarm)
+    try:
+        timer = threading.Timer(random.uniform(1e-4, longest_s), signal.pthread_kill, (main, signal.SIGUSR1))
+        timer.start()
+        while True:
+            rig.exchange(drive_v)
+    except (KeyboardInterrupt, SystemError):  # what compiled code makes of Ctrl-C that comes while it is entered
+        return alarm.inside
+    finally:
+        timer.cancel()
+        timer.join()
+        signal.signal(signal.SIGUSR1, before)
+
+
+def require_no_drive_after_ctrl_c(rig: Rig, moments: int) -> None:
+    """At each of so many random moments: at once if it came inside an exchange, and anywhere after 0.2 s if paced."""
+    random, counted = np.random.default_rng(41), 0
+    with rig:
+        highest_v = rig.sense_voltage_v + 0.01
+        while counted < moments:
+            try:
+                inside = interrupted(rig, 5.0 * rig.sense_voltage_v, random)
+            except RigError as error:
+                assert "the recording" in str(error)  # a replay has come to its end
+                assert rig.drive_voltage_v == 0.0
+                return
+            if rig.paced and not inside:
+                time.sleep(0.2)
+            if rig.paced or inside:
+                assert rig.drive_voltage_v <= highest_v
+                counted += 1
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_ctrl_c_at_a_random_moment_leaves_no_drive_on(rig: Rig) -> None:
+    require_no_drive_after_ctrl_c(rig, 25)
+
+
+@pytest.mark.full
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_ctrl_c_at_500_random_moments_leaves_no_drive_on(rig: Rig) -> None:
+    require_no_drive_after_ctrl_c(rig, 500)
+
+
+def test_a_rig_that_nobody_talks_to_rests_and_the_next_exchange_says_so_and_runs(
+    rig: Rig, caplog: pytest.LogCaptureFixture
+) -> None:
+    with rig:
+        drive_v = 3.0 * rig.sense_voltage_v
+        for _ in range(3):
+            rig.exchange(drive_v)
+        time.sleep(rig.sample_period_s + 0.3)
+        assert rig.drive_voltage_v <= (rig.sense_voltage_v if rig.paced else drive_v) + 0.01
+        with caplog.at_level(logging.WARNING, logger="musclewire.rigs"):
+            samples = [rig.exchange(drive_v) for _ in range(3)]
+        assert ("nobody talked to the rig" in caplog.text) is rig.paced
+        assert samples[-1].drive_voltage_v == pytest.approx(drive_v, abs=0.05)

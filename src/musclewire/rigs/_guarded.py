@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import logging
 import math
 import weakref
@@ -43,6 +44,16 @@ NOT_CONFIRMED = (
 )
 
 
+OPEN_RIGS: weakref.WeakSet[GuardedRig] = weakref.WeakSet()
+
+
+@atexit.register
+def close_open_rigs() -> None:
+    """Switch off what is still open when the interpreter ends."""
+    for rig in list(OPEN_RIGS):
+        rig.close()
+
+
 LOGGER = logging.getLogger("musclewire.rigs")
 
 
@@ -72,7 +83,8 @@ class GuardedRig:
 
     A rig whose samples come at the pace of a real clock goes to its sense voltage when nobody has talked to it for
     ``sense_after_s`` of the protection table after a sample was due; the next exchange says so, to the logger
-    ``musclewire.rigs``, and runs. Every rig is switched off when the interpreter ends, or nobody holds it any more.
+    ``musclewire.rigs``, and runs. It is switched off when nobody holds it any more, and every rig when the interpreter
+    ends.
 
     Parameters
     ----------
@@ -122,8 +134,11 @@ class GuardedRig:
         self._silence_s = self._facts.sample_period_s + protection_table().sense_after_s
         self._off_for_good, self._off_confirmed = False, True
         self.drive_at_ns = self.sample_at_ns = 0
-        weakref.finalize(self, device.off)
-        self._watch = IdleWatch(self._rest_if_silent, self._silence_s) if self._facts.paced else None
+        self._watch: IdleWatch | None = None
+        if self._facts.paced:
+            weakref.finalize(self, device.off)  # at the interpreter's end, too
+            self._watch = IdleWatch(self._rest_if_silent, self._silence_s)
+        OPEN_RIGS.add(self)
 
     @property
     def sample_period_s(self) -> float:
