@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from musclewire.errors import MissingExtraError
 from musclewire.extras.board._serial.boards import USB_DEVICES
@@ -20,18 +20,44 @@ class SerialPort(NamedTuple):
     description: str
 
 
-def serial_ports() -> list[SerialPort]:
-    """Return the serial ports that exist now. Raises MissingExtraError without pyserial."""
+def ports_as_listed() -> list[Any]:
+    """Return pyserial's list of the ports that exist now. Raises MissingExtraError without pyserial."""
     try:
         from serial.tools import list_ports
     except ImportError:
         raise MissingExtraError("a board on a serial line", "serial") from None
+    return list(list_ports.comports())
+
+
+def serial_ports() -> list[SerialPort]:
+    """Return the serial ports that exist now. Raises MissingExtraError without pyserial."""
     found = []
-    for port in sorted(list_ports.comports(), key=lambda port: str(port.device)):
+    for port in sorted(ports_as_listed(), key=lambda port: str(port.device)):
         board, name = USB_DEVICES.get((port.vid, port.pid), ("", ""))
         said = "" if port.description in (None, "n/a") else str(port.description)
         found.append(SerialPort(str(port.device), board, name or said))
     return found
+
+
+def identity_of(port: str) -> str:
+    """Return a text by which the board at a port is known again: its USB converter's serial number, else the port.
+
+    Some makers give all their converters one number: if two ports have the same here, it says nothing. Raises
+    MissingExtraError without pyserial.
+    """
+    if "://" in port:
+        return port
+    place = os.path.normcase(port if os.name == "nt" else os.path.realpath(port))
+    numbers = {
+        os.path.normcase(str(found.device)): (found.vid, found.pid, found.serial_number)
+        for found in ports_as_listed()
+        if found.serial_number and found.vid is not None
+    }
+    number = numbers.get(place)
+    if number is None or list(numbers.values()).count(number) > 1:
+        return place
+    vendor, product, serial_number = number
+    return f"USB {vendor:04x}:{product:04x} {serial_number}"
 
 
 def ports_text(ports: list[SerialPort]) -> str:
