@@ -93,6 +93,7 @@ class Card:
     def __init__(self, name: str, model: Model, terminals: Terminals, tick_s: float, *, paced: bool) -> None:
         """Start at 0 V. ``paced`` lets the clock run in real time; otherwise time passes only during a read."""
         self.name, self.model, self.tick_s, self.paced = name, model, tick_s, paced
+        self.serial_number = 0  # it has none, as a simulated device of NI's driver, until a test gives it one
         self.outputs_v = dict.fromkeys(model.outputs, 0.0)
         self.late_writes = 0
         self._terminals = terminals

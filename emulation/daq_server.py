@@ -29,7 +29,7 @@ __all__ = ["DaqServer", "main"]
 
 # Attributes by the numbers that nidaqmx sends for them.
 DEVICE_NAMES = 0x193B
-PRODUCT_TYPE = 0x0631
+PRODUCT_TYPE, SERIAL_NUMBER = 0x0631, 0x0632
 AVAILABLE, CHANNELS = 0x1223, 0x217B
 INPUT_BUFFER = 0x186C
 SAMPLE_CLOCK_RATE = 0x1344
@@ -83,6 +83,13 @@ class Service(services.NiDAQmxServicer):
         if request.attribute_raw != PRODUCT_TYPE:
             raise CardError(-200452, f"Specified property is not supported: {request.attribute_raw:#x}")
         return messages.GetDeviceAttributeStringResponse(value=self._card.model.product)
+
+    @answered
+    def GetDeviceAttributeUInt32(self, request: Any) -> Any:  # noqa: N802
+        self._card.require(request.device_name)
+        if request.attribute_raw != SERIAL_NUMBER:
+            raise CardError(-200452, f"Specified property is not supported: {request.attribute_raw:#x}")
+        return messages.GetDeviceAttributeUInt32Response(value=self._card.serial_number)
 
     @answered
     def ResetDevice(self, request: Any) -> Any:  # noqa: N802

@@ -1,7 +1,11 @@
 from __future__ import annotations
 
+import atexit
 import os
+import shutil
 import sys
+import tempfile
+from itertools import count
 from pathlib import Path
 
 # As the command line has it: BLAS on several threads only waits for itself. Before anything loads NumPy.
@@ -17,7 +21,20 @@ from groups import pytest_addoption, pytest_configure
 
 __all__ = ["browser", "musclewire", "playwright", "pytest_addoption", "pytest_configure"]
 
+# Nothing of a test is kept in the user's own folder; processes that tests start inherit it, those of xdist, too.
+KEPT = Path(os.environ["MUSCLEWIRE_STATE_HOME"]) if "PYTEST_XDIST_WORKER" in os.environ else None
+if KEPT is None:
+    KEPT = Path(tempfile.mkdtemp(prefix="musclewire-kept-"))
+    os.environ["MUSCLEWIRE_STATE_HOME"] = str(KEPT)
+    atexit.register(shutil.rmtree, KEPT, ignore_errors=True)
+NUMBERS = count()
+
 # The first call of a compiled function takes seconds, and a busy machine is no defect: no deadlines. The same examples
 # every time, so that a red run can be repeated.
 settings.register_profile("musclewire", deadline=None, derandomize=True)
 settings.load_profile("musclewire")
+
+
+def pytest_runtest_setup() -> None:
+    """Give each test a folder of its own: a port's number comes again, and the wire behind it is another one."""
+    os.environ["MUSCLEWIRE_STATE_HOME"] = str(KEPT / f"{os.getpid()}-{next(NUMBERS)}")

@@ -58,6 +58,13 @@ def test_time_rises_by_the_sample_period(rig: Rig) -> None:
     assert steps == pytest.approx([rig.sample_period_s] * 19, rel=1e-6)
 
 
+def test_what_outlives_closing_has_an_identity_and_a_simulated_wire_has_none(rig: Rig, subject: RigSubject) -> None:
+    with rig:
+        identity = rig.device.facts.identity
+    assert (identity is not None) == subject.emulated
+    assert identity != ""
+
+
 def test_the_drive_is_off_before_and_after(rig: Rig) -> None:
     assert rig.drive_voltage_v == 0.0
     with rig as entered:

@@ -34,6 +34,9 @@ class DeviceFacts:
         Limits of the protection; sense voltage, maximum voltage and shunt are among them.
     reference_columns
         Names of the reference instruments, of ``musclewire.signals._exchange.REFERENCE_COLUMNS``.
+    identity
+        A text by which this device and its wire are known again at the next opening, also by another program: serial
+        number of its board or card, else its port. None for a device whose wire is new with each opening.
     """
 
     sample_period_s: float
@@ -42,6 +45,7 @@ class DeviceFacts:
     drive_amplitude_v: float
     limits: ProtectionLimits
     reference_columns: tuple[str, ...] = ()
+    identity: str | None = None
 
 
 class Missing(NamedTuple):

@@ -70,6 +70,7 @@ from ._understanding import FileInterpretation as FileInterpretation
 from ._units import measured_in as measured_in
 from ._units import measures as measures
 from ._units import parse_quantity as parse_quantity
+from ._whole_files import remove_parts as remove_parts
 from ._whole_files import write_text_whole as write_text_whole
 from ._whole_files import write_whole as write_whole
 from ._writing import FileWriter as FileWriter

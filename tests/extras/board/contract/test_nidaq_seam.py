@@ -188,6 +188,17 @@ def test_a_card_that_another_rig_uses_is_reserved() -> None:
         assert rig.exchange(rig.sense_voltage_v).drive_voltage_v == rig.sense_voltage_v
 
 
+@pytest.mark.parametrize(("number", "identity"), [(0x1A2B3C4, "NI 01A2B3C4 ao0"), (0, "NI Dev1 {address} ao0")])
+def test_a_card_is_known_by_its_serial_number_or_else_by_name_and_machine(number: int, identity: str) -> None:
+    wiring = wiring_of("ni-usb-6001")
+    with DaqServer(card_of(wiring, paced=False)) as server:
+        server.card.serial_number = number
+        at_server = wiring.model_copy(update={"grpc": server.address})
+        for _ in range(2):
+            with open_rig(at_server) as rig:
+                assert rig.device.facts.identity == identity.format(address=server.address)
+
+
 def test_a_wrong_device_channel_or_setting_is_named() -> None:
     wiring = wiring_of("ni-usb-6001")
     inputs = wiring.inputs.model_dump()

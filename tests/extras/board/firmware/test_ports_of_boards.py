@@ -9,13 +9,15 @@ from serial.tools import list_ports, list_ports_common
 
 from musclewire.errors import RigError
 from musclewire.extras.board._serial.line import open_line
-from musclewire.extras.board._serial.ports import ports_text, serial_ports
+from musclewire.extras.board._serial.ports import identity_of, ports_text, serial_ports
 from musclewire.rigs import rig_configuration
 
 
-def port(name: str, vendor: int | None, product: int | None, description: str = "n/a") -> object:
+def port(
+    name: str, vendor: int | None, product: int | None, description: str = "n/a", number: str | None = None
+) -> object:
     made = list_ports_common.ListPortInfo(name)
-    made.vid, made.pid, made.description = vendor, product, description
+    made.vid, made.pid, made.description, made.serial_number = vendor, product, description, number
     return made
 
 
@@ -49,6 +51,38 @@ def test_a_port_that_is_missing_lists_those_that_are_there(ports: list[object], 
     ports.clear()
     with pytest.raises(RigError, match="no serial port exists here now"):
         open_line(str(tmp_path / "nothing"), 115200)
+
+
+def test_a_board_is_known_by_its_serial_number_at_whichever_port_and_by_whichever_name(
+    ports: list[object], tmp_path: Path
+) -> None:
+    ports += [
+        port("/dev/ttyACM0", 0x2341, 0x0043, number="8573F0"),
+        port("/dev/ttyACM1", 0x2341, 0x0043, number="8573F1"),
+    ]
+    assert identity_of("/dev/ttyACM0") == "USB 2341:0043 8573F0"
+    link = tmp_path / "by-id"
+    link.symlink_to("/dev/ttyACM0")
+    assert identity_of(str(link)) == "USB 2341:0043 8573F0"
+    ports[:] = [port("/dev/ttyACM7", 0x2341, 0x0043, number="8573F0")]
+    assert identity_of("/dev/ttyACM7") == "USB 2341:0043 8573F0"
+
+
+def test_a_board_without_a_number_of_its_own_is_known_by_its_port(ports: list[object], tmp_path: Path) -> None:
+    ports += [
+        port("/dev/ttyUSB0", 0x10C4, 0xEA60, number="0001"),
+        port("/dev/ttyUSB1", 0x10C4, 0xEA60, number="0001"),
+        port("/dev/ttyUSB2", 0x1A86, 0x7523),
+        port("/dev/ttyUSB3", 0x1A86, 0x7523, number=""),
+        port("/dev/ttyS0", None, None),
+    ]
+    for name in ("/dev/ttyUSB0", "/dev/ttyUSB1", "/dev/ttyUSB2", "/dev/ttyUSB3", "/dev/ttyS0", "/dev/pts/7"):
+        assert identity_of(name) == name
+    link = tmp_path / "wire"
+    link.symlink_to("/dev/ttyUSB2")
+    assert identity_of(str(link)) == "/dev/ttyUSB2"
+    for url in ("socket://127.0.0.1:4000", "loop://", "rfc2217://board.local:4000"):
+        assert identity_of(url) == url
 
 
 @pytest.mark.parametrize("name", ["nano", "uno", "arduino-nano", "arduino-uno"])

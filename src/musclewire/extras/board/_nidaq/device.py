@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import weakref
 from contextlib import suppress
+from dataclasses import replace
 from threading import RLock
 from typing import NamedTuple
 
@@ -87,6 +88,8 @@ class NiDaqDevice:
         self._card = AcquisitionCard(configuration.device, configuration.grpc)
         try:
             self._product = self._card.product()
+            # A card has several outputs, and each may heat a wire of its own.
+            self._facts = replace(self._facts, identity=f"{self._card.identity()} {configuration.output.channel}")
             buffer = int(BUFFER_S * configuration.reading_rate)
             self._inputs = InputStream(self._card, self._wired, configuration.reading_rate, buffer)
         except BaseException:

@@ -116,7 +116,7 @@ class AcquisitionCard:
 
     def __init__(self, device: str, grpc_address: str | None = None) -> None:
         """Keep name and address. Raises MissingExtraError if a package for the connection is not installed."""
-        self.device = device
+        self.device, self.grpc_address = device, grpc_address
         self.package = nidaqmx_package()
         self._channel: Any = None
         self._options: Any = None
@@ -152,6 +152,13 @@ class AcquisitionCard:
         """Return what kind of card it is. Raises DaqFaultError if it is not there."""
         with self.explaining():
             return str(self.handle().product_type)
+
+    def identity(self) -> str:
+        """Return a text by which the card is known again: its serial number, else its name and machine."""
+        number = 0
+        with suppress(DaqFaultError), self.explaining():
+            number = int(self.handle().serial_num)  # 0 if it has none
+        return f"NI {number:08X}" if number else f"NI {self.device} {self.grpc_address or ''}".strip()
 
     def reset(self) -> None:
         """Abort every task on the card, whoever owns it, and put its outputs where a reset puts them."""

@@ -24,6 +24,7 @@ from musclewire.extras.board._serial.message_types import (
     MessageKind,
 )
 from musclewire.extras.board._serial.messages import BoardIdentity, Message, payload_of
+from musclewire.extras.board._serial.ports import identity_of
 from musclewire.rigs import (
     SWITCHED_OFF,
     Answer,
@@ -94,9 +95,13 @@ class SerialDevice:
     """
 
     def __init__(
-        self, configuration: SerialConfiguration, board: Board, clock_s: Callable[[], float] = time.monotonic
+        self,
+        configuration: SerialConfiguration,
+        board: Board,
+        clock_s: Callable[[], float] = time.monotonic,
+        identity: str | None = None,
     ) -> None:
-        """Read the board's identity; the output stays at 0 V until the first exchange.
+        """Read what the board is; the output stays at 0 V until the first exchange. ``identity`` is of the facts.
 
         Raises RigError if no board answers or it has another protocol version, CallerError if the rig file and the
         board contradict each other.
@@ -126,6 +131,7 @@ class SerialDevice:
                 shunt_range_v=configuration.shunt_range,
                 readings_noisy=configuration.readings_noisy,
             ),
+            identity=identity,
         )
         # A trip that is latched from an earlier session is cleared: opening the rig acknowledges it.
         self._command(MessageKind.OFF, b"")
@@ -438,7 +444,7 @@ def opened(configuration: SerialConfiguration) -> SerialDevice:
     """
     board = Board(open_line(configuration.port, configuration.baud, configuration.patience))
     try:
-        return SerialDevice(configuration, board)
+        return SerialDevice(configuration, board, identity=identity_of(configuration.port))
     except BaseException:
         board.close()
         raise

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import contextlib
+import errno
+import os
 import socket
 from typing import Any, Protocol
 
 from musclewire.errors import MissingExtraError, RigError
-from musclewire.extras.board._serial.ports import ports_text, serial_ports
+from musclewire.extras.board._serial.ports import holder_of, ports_text, serial_ports
 
 # More than a second of samples at any rate: a longer backlog has been abandoned.
 READ_BYTES = 65536
 PATIENCE_S = 0.25
+# Of a port that a program has locked, as this one does, or that it keeps from being opened.
+HELD = (errno.EWOULDBLOCK, errno.EBUSY)
 
 
 class LineLostError(RigError):
@@ -122,22 +126,41 @@ class SerialLine:
 def open_line(port: str, baud: int, patience_s: float = PATIENCE_S) -> SerialLine:
     """Open a port: ``/dev/ttyACM0``, ``COM3``, or a URL of pyserial's such as ``socket://127.0.0.1:4000``.
 
-    A line that takes no bytes for ``patience_s`` counts as lost. Raises MissingExtraError without pyserial, RigError
-    if the port is missing, busy, or not permitted.
+    A port of this computer is opened for this program alone, until it is closed or the program ends. A line that takes
+    no bytes for ``patience_s`` counts as lost. Raises MissingExtraError without pyserial, RigError if the port is
+    missing, held by another program or by this one, or not permitted.
     """
     try:
         import serial
     except ImportError:
         raise MissingExtraError("a board on a serial line", "serial") from None
     try:
-        opened = serial.serial_for_url(port, baudrate=baud, timeout=0.0, write_timeout=patience_s)
+        # Windows lets nobody else in by itself; what is no port of this computer, such as a socket, ignores it.
+        opened = serial.serial_for_url(port, baudrate=baud, timeout=0.0, write_timeout=patience_s, exclusive=True)
     except (serial.SerialException, OSError, ValueError) as error:
+        if getattr(error, "errno", None) in HELD:
+            raise held_error(port) from None
         reason = " ".join(str(error).split())
         raise RigError(
             f"cannot open the serial port {port}: {reason}; check that the board is plugged in, that no other program "
             f"holds the port, and that you may use it (on Linux: group dialout){ports_here(port)}"
         ) from None
     return SerialLine(opened, port)
+
+
+def held_error(port: str) -> RigError:
+    """Return the error of a port that is open already, with who holds it if the system shows it."""
+    holder = holder_of(port)
+    if holder is None:
+        who, what_to_do = "another program", "close the port there, or end that program"
+    elif holder.process_id == os.getpid():
+        who = f"this program itself (process {holder.process_id})"
+        what_to_do = "close the rig that holds it: end its `with` block, or call its `close()`"
+    else:
+        named = f"{holder.program}, " if holder.program else ""
+        who = f"another program ({named}process {holder.process_id})"
+        what_to_do = "close the port there, or end that program"
+    return RigError(f"cannot open the serial port {port}: it is held by {who}; {what_to_do}, and open it again")
 
 
 def ports_here(port: str) -> str:

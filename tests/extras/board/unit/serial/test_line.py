@@ -68,10 +68,11 @@ def test_a_port_that_another_thread_has_closed_fails_by_an_error_of_another_kind
     line.close()
 
 
-def test_ports_of_this_machine_say_nothing_about_another_machines_address() -> None:
+@pytest.mark.parametrize("kind", ["socket", "rfc2217"])
+def test_ports_of_this_machine_say_nothing_about_another_machines_address(kind: str) -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
-        address = f"socket://127.0.0.1:{server.getsockname()[1]}"
-    with pytest.raises(RigError, match="cannot open the serial port socket://") as caught:
+        address = f"{kind}://127.0.0.1:{server.getsockname()[1]}"
+    with pytest.raises(RigError, match=f"cannot open the serial port {kind}://.*efused") as caught:
         open_line(address, 115200)
     assert "here now" not in str(caught.value)
 

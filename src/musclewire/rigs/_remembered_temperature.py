@@ -1,0 +1,314 @@
+"""The wire's estimated temperature in a file, where it outlives the rig, its opening and its process.
+
+A file says: at this time the wire was at most this warm. While a rig runs, that is the estimate and what the largest
+drive can add until the file is written again, so that a killed process leaves no colder wire in its file than there is;
+when the rig is closed, it is the estimate itself. From then on the wire cools by the heat balance of its limits.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import sys
+import time
+import weakref
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from math import exp, isfinite
+from pathlib import Path
+from threading import Event, Thread
+from typing import NamedTuple, Protocol
+
+from musclewire.controllers import ProtectionLimits
+from musclewire.errors import CallerError
+from musclewire.signals import remove_parts, write_text_whole
+
+STATE_HOME = "MUSCLEWIRE_STATE_HOME"
+# How often the thread looks for a new temperature, and how often it writes one at most [s].
+LOOK_EVERY_S, WRITE_EVERY_S = 0.1, 1.0
+# For how long after an estimate the wire may warm by more than its file says, if the process is killed: until the next
+# one would have been written, and until a board or a card whose host is dead has switched off, with time to spare.
+AHEAD_S = 1.5
+# How long closing waits for the last write: a network drive may hang, and the drive is off by then.
+LAST_WRITE_S = 2.0
+# Nitinol melts: warmer is no temperature of a wire.
+MELTING_K = 1583.0
+MAX_FILE_BYTES = 4096
+MAX_NAME = 60
+
+
+class WireTemperature(NamedTuple):
+    """At most so warm [K] was the wire, at a time since 1970 [s]."""
+
+    temperature_k: float
+    unix_time_s: float
+
+
+class TemperatureAtOpening(NamedTuple):
+    """How warm a wire counts when its rig is opened.
+
+    Attributes:
+        temperature_k: the estimate now [K].
+        known: false for a file that cannot be read: it is then the limit, until the cold resistance shows less.
+        reason: one line to be said at opening, None if there is nothing to say.
+    """
+
+    temperature_k: float
+    known: bool
+    reason: str | None
+
+
+class KeptText(Protocol):
+    """A text that outlives the process."""
+
+    @property
+    def place(self) -> str:
+        """Where it is, for messages."""
+        ...
+
+    def read(self) -> str | None:
+        """Return the text, None if there is none. Raises OSError or ValueError for one that cannot be read."""
+        ...
+
+    def write(self, text: str) -> None:
+        """Replace the text, whole or not at all. Raises OSError or CallerError."""
+        ...
+
+
+class KeptFile:
+    """A device's file in the user's state folder; folder and file are made with the first text."""
+
+    def __init__(self, identity: str, folder: Path | None = None) -> None:
+        """Take the file of a device's identity, in the user's folder as it is now or in another one."""
+        self._name, self._folder = file_name_of(identity), folder
+        if folder is None:
+            with suppress(FileNotFoundError):
+                self._folder = state_folder()
+
+    def path(self) -> Path:
+        """Return the file. Raises FileNotFoundError for a user without a home folder."""
+        if self._folder is None:
+            raise FileNotFoundError("this user has no home folder")
+        return self._folder / "wire_temperatures" / self._name
+
+    @property
+    def place(self) -> str:
+        """The file, for messages."""
+        try:
+            return str(self.path())
+        except OSError:
+            return self._name
+
+    def read(self) -> str | None:
+        """Return the text, None without a file; remove parts of files that were left when a process was killed.
+
+        Raises OSError or ValueError for a file that cannot be read.
+        """
+        try:
+            path = self.path()
+            with suppress(OSError):
+                remove_parts(path)
+            with path.open("rb") as file:
+                return file.read(MAX_FILE_BYTES).decode("utf-8")
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+
+    def write(self, text: str) -> None:
+        """Replace the file. Raises OSError or CallerError."""
+        path = self.path()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_text_whole(path, text)
+
+
+def state_folder(environment: Mapping[str, str] = os.environ, system: str = sys.platform) -> Path:
+    """Return the folder of what is kept for this user from one process to the next.
+
+    Raises FileNotFoundError for a user without a home folder.
+    """
+    if given := environment.get(STATE_HOME):
+        return Path(given).absolute()
+    try:
+        if system == "win32":
+            return Path(environment.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "musclewire"
+        if system == "darwin":
+            return Path.home() / "Library" / "Application Support" / "musclewire"
+        base = environment.get("XDG_STATE_HOME", "")
+        # The XDG specification: a path that is not absolute is ignored.
+        return (Path(base) if base.startswith("/") else Path.home() / ".local" / "state") / "musclewire"
+    except RuntimeError:
+        raise FileNotFoundError("this user has no home folder") from None
+
+
+def file_name_of(identity: str) -> str:
+    """Return a device's file name, which every system takes and no other identity has."""
+    readable = re.sub(r"[^A-Za-z0-9]+", "-", identity).strip("-")[:MAX_NAME]
+    return f"{readable}-{hashlib.sha256(identity.encode('utf-8', 'backslashreplace')).hexdigest()[:12]}.json"
+
+
+def text_of(identity: str, stored: WireTemperature) -> str:
+    """Return the text that keeps a device's temperature."""
+    return json.dumps({"identity": identity, **stored._asdict()}) + "\n"
+
+
+def stored_in(text: str, identity: str) -> WireTemperature:
+    """Return the temperature that a text keeps. Raises ValueError for what is none, or of another device."""
+    try:
+        found = json.loads(text)
+        stored = WireTemperature(float(found["temperature_k"]), float(found["unix_time_s"]))
+    except (KeyError, TypeError, OverflowError, RecursionError):
+        raise ValueError("it has no temperature and time") from None
+    if found.get("identity") != identity:
+        raise ValueError("it is of another device")
+    if not (0.0 < stored.temperature_k < MELTING_K and isfinite(stored.unix_time_s)):
+        raise ValueError("its numbers make no sense")
+    return stored
+
+
+def cooled_k(stored: WireTemperature, limits: ProtectionLimits, unix_time_s: float) -> float:
+    """Return how warm a wire is [K] that has had no drive since; a clock that went back counts as no time passed."""
+    passed_s = max(unix_time_s - stored.unix_time_s, 0.0)
+    ambient_k = limits.ambient_temperature_k
+    left = exp(-limits.heat_loss_w_per_k * passed_s / limits.heat_capacity_j_per_k)
+    return ambient_k + max(stored.temperature_k - ambient_k, 0.0) * left
+
+
+def limit_k(limits: ProtectionLimits) -> float:
+    """Return the highest temperature [K] up to which the protection lets a wire be heated."""
+    return min(limits.maximum_temperature_k, MELTING_K)
+
+
+def warmest_k(temperature_k: float, limits: ProtectionLimits, within_s: float) -> float:
+    """Return how warm the largest drive makes a wire [K] within a time, as far as the protection lets it."""
+    shunt_ohm = limits.shunt_resistance_ohm
+    # V^2 R / (R + R_shunt)^2 is largest where both are equal.
+    wire_ohm = min(max(shunt_ohm, limits.resistance_low_ohm), limits.resistance_high_ohm)
+    power_w = limits.maximum_voltage_v**2 * wire_ohm / (wire_ohm + shunt_ohm) ** 2
+    settled_k = limits.ambient_temperature_k + power_w / limits.heat_loss_w_per_k
+    left = exp(-limits.heat_loss_w_per_k * within_s / limits.heat_capacity_j_per_k)
+    return max(temperature_k, min(settled_k + (temperature_k - settled_k) * left, limit_k(limits)))
+
+
+class TemperatureKeeper:
+    """Writes the last temperature that was noted; all of it runs in one thread, which is not that of the samples."""
+
+    def __init__(
+        self, identity: str, limits: ProtectionLimits, kept: KeptText, elapsed_s: Callable[[], float] = time.monotonic
+    ) -> None:
+        """Keep nothing yet; ``elapsed_s`` is a clock that nobody sets."""
+        self._identity, self._limits, self._kept, self._elapsed_s = identity, limits, kept, elapsed_s
+        self._written: WireTemperature | None = None
+        self._written_at_s: float | None = None
+        # The thread of the samples replaces it, which is one step of Python: no lock, and no half of it is read.
+        self.noted: WireTemperature | None = None
+        self.ended = Event()
+
+    def write_if_due(self) -> None:
+        """Write what was noted since the last time and what the drive can add, if a second has passed since then."""
+        noted, now_s = self.noted, self._elapsed_s()
+        if noted is None or noted is self._written:
+            return
+        if self._written_at_s is None or now_s - self._written_at_s >= WRITE_EVERY_S:
+            self._written, self._written_at_s = noted, now_s
+            warmest = warmest_k(noted.temperature_k, self._limits, AHEAD_S)
+            self._write(WireTemperature(warmest, noted.unix_time_s + AHEAD_S))
+
+    def write_last(self) -> None:
+        """Write what was noted last as it is: the drive is off."""
+        if self.noted is not None:
+            self._write(self.noted)
+
+    def _write(self, stored: WireTemperature) -> None:
+        try:
+            self._kept.write(text_of(self._identity, stored))
+        except (OSError, CallerError):
+            return  # it was possible at opening, or said there; a run does not end for it
+
+    def run(self) -> None:
+        """Write until the end is asked for."""
+        while not self.ended.wait(LOOK_EVERY_S):
+            self.write_if_due()
+        self.write_last()
+
+
+def opened(identity: str, limits: ProtectionLimits, kept: KeptText, unix_time_s: float) -> TemperatureAtOpening:
+    """Return how warm a wire counts now, from the text that is kept, and keep that, to see whether it can be done."""
+    temperature_k, known, reasons = limits.ambient_temperature_k, True, []
+    try:
+        text = kept.read()
+        if text is not None:
+            temperature_k = cooled_k(stored_in(text, identity), limits, unix_time_s)
+    except (OSError, ValueError) as problem:
+        temperature_k, known = limit_k(limits), False
+        reasons.append(
+            f"{kept.place}: how warm the wire was cannot be read ({in_one_line(problem)}); it counts as "
+            f"{temperature_k - 273.15:.0f} C until its cold resistance shows less"
+        )
+    try:
+        kept.write(text_of(identity, WireTemperature(temperature_k, unix_time_s)))
+    except (OSError, CallerError) as problem:
+        reasons.append(
+            f"{kept.place}: how warm the wire is cannot be kept ({in_one_line(problem)}): let it cool before you open "
+            f"it again, or set {STATE_HOME} to a folder that you may write to"
+        )
+    return TemperatureAtOpening(temperature_k, known, "; ".join(reasons) or None)
+
+
+def in_one_line(problem: Exception) -> str:
+    """Return an error's text without line breaks."""
+    return " ".join(str(problem).split()) or type(problem).__name__
+
+
+class RememberedTemperature:
+    """How warm a device's wire counts at opening, and the place where its temperature is kept from then on.
+
+    Parameters
+    ----------
+    identity
+        Identity of the device; None keeps nothing, and the wire begins cold.
+    limits
+        Limits of the wire, with its heat balance.
+    kept
+        Where it is kept; by default in the device's file in the user's state folder.
+    unix_time_s
+        Returns the time since 1970 [s].
+
+    Attributes
+    ----------
+    at_opening
+        How warm the wire counts at opening.
+    """
+
+    def __init__(
+        self,
+        identity: str | None,
+        limits: ProtectionLimits,
+        *,
+        kept: KeptText | None = None,
+        unix_time_s: Callable[[], float] = time.time,
+    ) -> None:
+        """Read what is kept, and let a thread keep what is noted; a folder that cannot be used is no error."""
+        self._unix_time_s = unix_time_s
+        self._keeper: TemperatureKeeper | None = None
+        self.at_opening = TemperatureAtOpening(limits.ambient_temperature_k, known=True, reason=None)
+        if identity is None:
+            return
+        kept = kept or KeptFile(identity)
+        self.at_opening = opened(identity, limits, kept, unix_time_s())
+        self._keeper = TemperatureKeeper(identity, limits, kept)
+        self._thread = Thread(target=self._keeper.run, name="wire temperature", daemon=True)
+        self._thread.start()
+        # The thread does not hold this object: one that nobody closes ends it nevertheless.
+        weakref.finalize(self, self._keeper.ended.set)
+
+    def note(self, temperature_k: float) -> None:
+        """Note the estimate [K] of a sample: two numbers are stored, nothing waits, nothing raises."""
+        if self._keeper is not None:
+            self._keeper.noted = WireTemperature(temperature_k, self._unix_time_s())
+
+    def close(self) -> None:
+        """Write what was noted last, and end; for a rig whose drive is off. May be called twice; never raises."""
+        if self._keeper is not None:
+            self._keeper.ended.set()
+            self._thread.join(LAST_WRITE_S)
