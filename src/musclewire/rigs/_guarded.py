@@ -26,6 +26,7 @@ from musclewire.controllers import (
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.rigs._device import Device, DeviceFault, HasCompiledExchange, HasOnBoardLoop, Metadata, Missing
 from musclewire.rigs._idle_watch import IdleWatch
+from musclewire.rigs._remembered_temperature import RememberedTemperature
 from musclewire.signals import Command, Drive, RawSample, Target, drive_voltage_of
 
 # Python 3.11 takes longer to look up a member of an enumeration than to compare it.
@@ -119,7 +120,10 @@ class GuardedRig:
             device.off()
             raise
         self._accepts_targets = isinstance(device, HasOnBoardLoop)
-        self._protection = Protection(self._limits)
+        self._remembered = RememberedTemperature(self._facts.identity, self._limits)
+        if self._remembered.at_opening.reason:
+            LOGGER.warning("%s", self._remembered.at_opening.reason)
+        self._protection = Protection(self._limits, self._remembered.at_opening.temperature_k)
         if isinstance(device, HasCompiledExchange):
             device.compile_exchange()
         # Held whenever the protection's state is read and written, never while a sample is awaited.
@@ -367,6 +371,8 @@ class GuardedRig:
         protection = self._protection
         drive_v = self._counted_drive_v(sample.drive_voltage_v)
         sound = protection.sample(drive_v, sample.wire_voltage_v, sample.shunt_voltage_v, covered_s)
+        if self._facts.identity is not None:
+            self._remembered.note(protection.temperature_k)
         if not sound and protection.tripped:
             measured = self._measured(*protection.last_reading_v)
             self._trip(protection.state.event, f"at {sample.time_s:.3f} s: {measured}")
@@ -479,6 +485,7 @@ class GuardedRig:
                 self._watch.end()
             self._protection.close()
             self._off_confirmed = self.device.off()
+            self._remembered.close()
 
     def __enter__(self) -> Self:
         """Return the rig itself."""

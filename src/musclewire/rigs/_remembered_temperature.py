@@ -21,7 +21,7 @@ from pathlib import Path
 from threading import Event, Thread
 from typing import NamedTuple, Protocol
 
-from musclewire.controllers import ProtectionLimits
+from musclewire.controllers import ProtectionLimits, largest_power_w_per_v2
 from musclewire.errors import CallerError
 from musclewire.signals import remove_parts, write_text_whole
 
@@ -51,7 +51,7 @@ class TemperatureAtOpening(NamedTuple):
 
     Attributes:
         temperature_k: the estimate now [K].
-        known: false for a file that cannot be read: it is then the limit, until the cold resistance shows less.
+        known: false for a file that cannot be read: it is then the limit, from which the wire cools.
         reason: one line to be said at opening, None if there is nothing to say.
     """
 
@@ -181,10 +181,7 @@ def limit_k(limits: ProtectionLimits) -> float:
 
 def warmest_k(temperature_k: float, limits: ProtectionLimits, within_s: float) -> float:
     """Return how warm the largest drive makes a wire [K] within a time, as far as the protection lets it."""
-    shunt_ohm = limits.shunt_resistance_ohm
-    # V^2 R / (R + R_shunt)^2 is largest where both are equal.
-    wire_ohm = min(max(shunt_ohm, limits.resistance_low_ohm), limits.resistance_high_ohm)
-    power_w = limits.maximum_voltage_v**2 * wire_ohm / (wire_ohm + shunt_ohm) ** 2
+    power_w = limits.maximum_voltage_v**2 * largest_power_w_per_v2(limits)
     settled_k = limits.ambient_temperature_k + power_w / limits.heat_loss_w_per_k
     left = exp(-limits.heat_loss_w_per_k * within_s / limits.heat_capacity_j_per_k)
     return max(temperature_k, min(settled_k + (temperature_k - settled_k) * left, limit_k(limits)))
@@ -243,7 +240,7 @@ def opened(identity: str, limits: ProtectionLimits, kept: KeptText, unix_time_s:
         temperature_k, known = limit_k(limits), False
         reasons.append(
             f"{kept.place}: how warm the wire was cannot be read ({in_one_line(problem)}); it counts as "
-            f"{temperature_k - 273.15:.0f} C until its cold resistance shows less"
+            f"{temperature_k - 273.15:.0f} C, its limit, and cools from there at the sense voltage"
         )
     try:
         kept.write(text_of(identity, WireTemperature(temperature_k, unix_time_s)))

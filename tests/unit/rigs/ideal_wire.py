@@ -30,8 +30,11 @@ class IdealWire:
         resistance_ohm: float = 17.0,
         ohm_per_k: float = 0.0,
         paced: bool = False,
+        identity: str | None = None,
     ) -> None:
-        self.facts = DeviceFacts(PERIOD_S, paced=paced, leg_length_m=0.07, drive_amplitude_v=3.2, limits=limits)
+        self.facts = DeviceFacts(
+            PERIOD_S, paced=paced, leg_length_m=0.07, drive_amplitude_v=3.2, limits=limits, identity=identity
+        )
         self.temperature_k = self.hottest_k = limits.ambient_temperature_k
         self.drive_voltage_v, self.samples = 0.0, 0
         self._changed, self._cold_ohm, self._ohm_per_k = changed, resistance_ohm, ohm_per_k

@@ -128,7 +128,7 @@ def test_a_text_that_makes_no_sense_counts_as_the_limit_and_is_said(text: str) -
     assert (found.temperature_k, found.known) == (LIMIT_K, False)
     assert found.reason is not None
     assert found.reason.startswith("kept.json: how warm the wire was cannot be read (")
-    assert found.reason.endswith("it counts as 200 C until its cold resistance shows less")
+    assert found.reason.endswith("it counts as 200 C, its limit, and cools from there at the sense voltage")
     assert "\n" not in found.reason
     assert kept.stored == (LIMIT_K, NOW_S)
 

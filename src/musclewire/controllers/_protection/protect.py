@@ -503,6 +503,11 @@ class Protection:
         return bool(self.row["state"][0] == State.TRIPPED)
 
     @property
+    def temperature_k(self) -> float:
+        """Estimated temperature of the wire [K]."""
+        return float(self.row["temperature_k"][0])
+
+    @property
     def last_reading_v(self) -> tuple[float, float, float]:
         """Drive, wire and shunt voltage of the last reading, if it is complete."""
         _, drive_v, wire_v, shunt_v = self.state[-4:]
