@@ -11,6 +11,7 @@ import os
 import re
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -43,8 +44,18 @@ def name_of(page: Path) -> str:
     return page.relative_to(CHECKOUT).as_posix()
 
 
-# A quick page, whose blocks every run of the tests runs.
+# A quick page, whose blocks every run of the tests runs; and pages whose commands search for minutes, which the tests
+# of `design` run too, in a quicker form.
 ALWAYS = "rules.md"
+LONG = {"choose_what_the_wire_pulls.md", "from_a_stroke_to_a_moving_finger.md"}
+
+
+def group_of(page: Path) -> tuple[pytest.MarkDecorator, ...]:
+    if page.name == ALWAYS:
+        return ()
+    return (pytest.mark.full if page.name in LONG else pytest.mark.documented,)
+
+
 WITH_CODE = [
     page
     for page in PAGES
@@ -54,7 +65,7 @@ WITH_CODE = [
 
 @pytest.mark.parametrize(
     "page",
-    [pytest.param(page, marks=() if page.name == ALWAYS else pytest.mark.documented) for page in WITH_CODE],
+    [pytest.param(page, marks=group_of(page)) for page in WITH_CODE],
     ids=name_of,
 )
 def test_every_block_of_the_page_runs(page: Path, tmp_path: Path) -> None:
@@ -63,15 +74,17 @@ def test_every_block_of_the_page_runs(page: Path, tmp_path: Path) -> None:
     # Which fonts a machine has is no fault of a page.
     strict = "error,ignore:none of the fonts"
     environment = {**os.environ, "PATH": python, "MPLBACKEND": "Agg", "PYTHONWARNINGS": strict}
-    said = ""
-    for language, text in blocks(page):
+    said, found = "", blocks(page)
+    for (language, text), (following, _) in pairwise([*found, ("", "")]):
         if "python3 -m venv" in text:
             continue  # setting up is what CI does before any test runs; see the test below
         if language == "sh":
             command = ["sh", "-eu", "-c", text.replace(".venv/bin/", "")]
         elif language == "python":
-            # Later blocks of a page may use the names of earlier ones.
+            # Later blocks of a page may use the names of earlier ones; blocks in a row run as one.
             said += text + "\n"
+            if following == language:
+                continue
             namespace.write_text(said, encoding="utf-8")
             command = [sys.executable, str(namespace)]
         else:

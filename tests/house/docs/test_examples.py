@@ -40,9 +40,16 @@ def test_every_study_is_one_and_every_example_promises_something() -> None:
     assert [path.stem for path in EXAMPLES] == sorted(PROMISES)
 
 
+def group_of(name: str) -> tuple[pytest.MarkDecorator, ...]:
+    if name == FIRST:
+        return ()
+    # A training of minutes; what it runs on is tested with the environments.
+    return (pytest.mark.full if name == "train_by_evolution" else pytest.mark.documented,)
+
+
 @pytest.mark.parametrize(
     "path",
-    [pytest.param(path, marks=() if path.stem == FIRST else pytest.mark.documented) for path in EXAMPLES],
+    [pytest.param(path, marks=group_of(path.stem)) for path in EXAMPLES],
     ids=lambda path: path.stem,
 )
 def test_the_example_runs_and_prints_what_it_promises(path: Path, tmp_path: Path) -> None:
