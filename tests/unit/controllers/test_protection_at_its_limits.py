@@ -11,7 +11,7 @@ import pytest
 from tests.unit.controllers.protected_wire import armed, protect_command, protect_missing, protect_reading
 
 from musclewire.controllers import Event, ProtectionLimits, State, protection_table
-from musclewire.controllers._protection.protect import CONDITION_EVENTS, ProtectionState
+from musclewire.controllers._protection.row import CONDITION_EVENTS, ProtectionState
 
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.5,

@@ -9,13 +9,26 @@ output asks for the allowed drive before every change. All voltages in volts, ti
 
 from __future__ import annotations
 
-import math
-from typing import Any, NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
 from musclewire.compiled import compiled, compiled_inner
+from musclewire.controllers._protection.reading import (
+    DRIVEN_FRACTION,
+    NO_EVENT,
+    TIME_ROUNDING_S,
+    conditions_in,
+    heat,
+    missing_event,
+)
+from musclewire.controllers._protection.row import (
+    CONDITION_EVENTS,
+    CONDITIONS,
+    PROTECTION,
+    ProtectionState,
+    Row,
+    Rows,
+    rules_of,
+)
 from musclewire.controllers._protection.table import (
     AllowedDrive,
     Effect,
@@ -24,26 +37,8 @@ from musclewire.controllers._protection.table import (
     ProtectionTable,
     Signal,
     State,
-    protection_table,
 )
 
-# A voltage counts as saturated from this fraction of its range.
-SATURATED_FRACTION = 0.999
-# Driven means at least this fraction of the sense voltage: below it no current is expected.
-DRIVEN_FRACTION = 0.5
-# Wire and shunt together may carry more than the drive by this fraction of the maximum voltage: offsets, a filter.
-STUCK_FRACTION = 0.1
-# Less than this fraction of the drive at wire and shunt: the supply is missing, not merely sagging.
-SUPPLY_FRACTION = 0.5
-# A resistance below this fraction of the window's lower end is a short circuit, not another wire.
-SHORT_FRACTION = 0.5
-# The drive must move by this fraction of the maximum voltage before an unmoved channel without noise counts as frozen.
-MOVED_FRACTION = 0.05
-# Number of equal readings in a row, and their duration [s]: by chance a number repeats only once or twice.
-FROZEN_READINGS = 8.0
-FROZEN_S = 0.3
-# Durations are sums of samples: this much less still counts as reached [s].
-TIME_ROUNDING_S = 1e-6
 # A block of samples counts as full from this much less than the period of readings [s]: its duration is a sum.
 PERIOD_ROUNDING_S = 1e-9
 # A sound reading makes up for this fraction of its time missing: readings of which more than a fifth keep missing, in
@@ -53,113 +48,8 @@ MOST_OFTEN_MISSING = 2.0
 # A commanded maximum may have been rounded on its way.
 MAXIMUM_ROUNDING = 1.0 + 1e-6
 
-# Events that are seen in a reading and must last, in the order of evaluation, here and in the C library.
-CONDITION_EVENTS = (
-    Event.CHANNEL_SATURATED,
-    Event.CHANNELS_SWAPPED,
-    Event.WIRE_SHORT,
-    Event.OVER_CURRENT,
-    Event.OVER_POWER,
-    Event.OUTPUT_STUCK,
-    Event.RESISTANCE_JUMP,
-    Event.RESISTANCE_OUTSIDE_WINDOW,
-    Event.CHANNEL_FROZEN,
-    Event.OVER_TEMPERATURE,
-)
-CONDITIONS = len(CONDITION_EVENTS)
-
-
-class ProtectionState(NamedTuple):
-    """The state of a protection as it stands: a copy of its row.
-
-    ``missing_s`` is how long a reading or command has been missing, ``often_missing_s`` how long they have been with
-    interruptions, less what sound ones have made up for; ``power_w_per_v2`` the power of the last reading per square of
-    its drive, 0 before the first; ``lasting_s`` how long each of ``CONDITION_EVENTS`` has been seen; ``settled_ohm``
-    the last resistance that was no jump, 0 for none; ``wire_repeats`` and ``shunt_repeats`` how often in a row a
-    channel gave the same number, ``repeats_drive_v`` the drive when that began. Samples that come faster than readings
-    are judged are averaged first: ``block_s`` is the time that the unfinished reading covers, the other three are its
-    means.
-    """
-
-    state: State
-    event: Event
-    drive_voltage_v: float
-    temperature_k: float
-    missing_s: float = 0.0
-    often_missing_s: float = 0.0
-    power_w_per_v2: float = 0.0
-    lasting_s: tuple[float, ...] = CONDITIONS * (0.0,)
-    settled_ohm: float = 0.0
-    wire_voltage_v: float = 0.0
-    shunt_voltage_v: float = 0.0
-    wire_repeats: float = 0.0
-    shunt_repeats: float = 0.0
-    repeats_drive_v: float = 0.0
-    block_s: float = 0.0
-    block_drive_v: float = 0.0
-    block_wire_v: float = 0.0
-    block_shunt_v: float = 0.0
-
-
-INTEGERS, SEVERAL = ("state", "event"), {"lasting_s": (CONDITIONS,)}
-PROTECTION = np.dtype(
-    [
-        (name, np.int64 if name in INTEGERS else np.float64, SEVERAL.get(name, ()))
-        for name in ProtectionState._fields
-    ]
-)  # fmt: skip
-STATES, SIGNALS, EVENTS = len(State), len(Signal), max(Event) + 1
-RULES = np.dtype(
-    [
-        *((name, np.float64) for name in ProtectionLimits._fields),
-        ("following", np.int64, (STATES, SIGNALS)),
-        ("effects", np.int64, (STATES, SIGNALS)),
-        ("output_drives", np.int64, (STATES,)),
-        ("trips", np.int64, (EVENTS,)),
-        ("lasts_s", np.float64, (EVENTS,)),
-        ("sense_after_s", np.float64),
-        ("trip_after_s", np.float64),
-        ("reading_period_s", np.float64),
-        ("largest_w_per_v2", np.float64),
-    ]
-)
-# Arrays of such records, (1,) for one protection; and one of them. mypy knows no fields of either.
-Rows = NDArray[np.void]
-Row = Any
-
-
-def rules_of(limits: ProtectionLimits, table: ProtectionTable | None = None) -> Rows:
-    """Return limits and table as one record, (1,): all that decisions go by."""
-    table = table or protection_table()
-    rules = np.zeros(1, RULES)
-    for name, value in limits._asdict().items():
-        rules[name] = value
-    for state in State:
-        for signal in Signal:
-            rules["following"][0, state, signal], rules["effects"][0, state, signal] = table.transitions[state][signal]
-    rules["output_drives"] = table.output_drives
-    rules["lasts_s"] = table.lasts_s
-    for row in table.event:
-        rules["trips"][0, row.number] = row.action == "trip"
-    for name in ("sense_after_s", "trip_after_s", "reading_period_s"):
-        rules[name] = getattr(table, name)
-    rules["largest_w_per_v2"] = largest_power_w_per_v2(limits)
-    return rules
-
-
-def largest_power_w_per_v2(limits: ProtectionLimits) -> float:
-    """Return the largest power in a wire of these limits per square of the drive [W/V2].
-
-    A wire in series with a shunt takes most where both have the same resistance.
-    """
-    shunt_ohm = limits.shunt_resistance_ohm
-    wire_ohm = min(max(shunt_ohm, limits.resistance_low_ohm), limits.resistance_high_ohm)
-    return wire_ohm / (wire_ohm + shunt_ohm) ** 2
-
-
 # Compiled code compares numbers.
-NO_EVENT, NOT_FINITE, NO_SUPPLY = int(Event.NONE), int(Event.READING_NOT_FINITE), int(Event.SUPPLY_MISSING)
-OPEN, REFUSED, TOO_HOT = int(Event.WIRE_OPEN), int(Event.COMMAND_REFUSED), int(Event.OVER_TEMPERATURE)
+REFUSED, TOO_HOT = int(Event.COMMAND_REFUSED), int(Event.OVER_TEMPERATURE)
 ARM, COMMAND, PRESENT, FAULT = int(Signal.ARM), int(Signal.COMMAND), int(Signal.PRESENT), int(Signal.FAULT)
 MISSING, MISSING_LONG, MISSING_TOO_LONG = (
     int(Signal.MISSING),
@@ -349,93 +239,6 @@ def judged(row: Row, rules: Row, seen: tuple[bool, ...], dt_s: float) -> bool:
     if acting >= 0:
         happen(row, rules, CONDITION_NUMBERS[acting], row["lasting_s"][acting])
     return sound
-
-
-@compiled_inner
-def conditions_in(
-    row: Row,
-    rules: Row,
-    driven: bool,
-    drive_voltage_v: float,
-    wire_voltage_v: float,
-    shunt_voltage_v: float,
-    dt_s: float,
-) -> tuple[bool, ...]:
-    """Return which of ``CONDITION_EVENTS`` a reading shows, and remember it."""
-    shunt_ohm, settled_ohm = rules["shunt_resistance_ohm"], row["settled_ohm"]
-    current_a = shunt_voltage_v / shunt_ohm
-    row["wire_repeats"] = row["wire_repeats"] + 1.0 if wire_voltage_v == row["wire_voltage_v"] else 0.0
-    row["shunt_repeats"] = row["shunt_repeats"] + 1.0 if shunt_voltage_v == row["shunt_voltage_v"] else 0.0
-    row["wire_voltage_v"], row["shunt_voltage_v"] = wire_voltage_v, shunt_voltage_v
-    if row["wire_repeats"] + row["shunt_repeats"] == 0.0:
-        row["repeats_drive_v"] = drive_voltage_v
-    low_ohm, high_ohm = rules["resistance_low_ohm"], rules["resistance_high_ohm"]
-    # A wire that is not driven has no resistance: a value inside the window then means "no fault".
-    resistance_ohm = wire_voltage_v / shunt_voltage_v * shunt_ohm if driven else low_ohm
-    outside = not low_ohm <= resistance_ohm <= high_ohm
-    jump_ohm = rules["jump_share"] * settled_ohm
-    jumped = driven and not outside and settled_ohm > 0.0 and abs(resistance_ohm - settled_ohm) > jump_ohm
-    if driven and not outside and not jumped:
-        row["settled_ohm"] = resistance_ohm
-    saturated = (
-        abs(wire_voltage_v) >= SATURATED_FRACTION * rules["wire_range_v"]
-        or abs(shunt_voltage_v) >= SATURATED_FRACTION * rules["shunt_range_v"]
-    )
-    return (
-        saturated,
-        outside and is_swapped(rules, wire_voltage_v, shunt_voltage_v, resistance_ohm),
-        resistance_ohm < SHORT_FRACTION * low_ohm,
-        abs(current_a) > rules["maximum_current_a"],
-        wire_voltage_v * current_a > rules["maximum_power_w"],
-        wire_voltage_v + shunt_voltage_v > drive_voltage_v + STUCK_FRACTION * rules["maximum_voltage_v"],
-        jumped,
-        outside,
-        driven and is_frozen(row, rules, drive_voltage_v, dt_s),
-        row["temperature_k"] > rules["maximum_temperature_k"],
-    )
-
-
-@compiled_inner
-def missing_event(
-    rules: Row, driven: bool, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float
-) -> int:
-    """Return why a reading is missing: not finite, no supply, or no current in the wire; 0 if it is there."""
-    if not (math.isfinite(wire_voltage_v) and math.isfinite(shunt_voltage_v)):
-        return NOT_FINITE
-    if driven and abs(wire_voltage_v) + abs(shunt_voltage_v) < SUPPLY_FRACTION * drive_voltage_v:
-        return NO_SUPPLY
-    if driven and abs(shunt_voltage_v) < rules["minimum_current_a"] * rules["shunt_resistance_ohm"]:
-        return OPEN
-    return NO_EVENT
-
-
-@compiled_inner
-def heat(row: Row, rules: Row, power_w: float, dt_s: float) -> None:
-    """Let a power in the wire act on the estimated temperature (backward Euler: stable for any ``dt_s``)."""
-    rate = rules["heat_loss_w_per_k"] / rules["heat_capacity_j_per_k"] * dt_s
-    rise = dt_s * power_w / rules["heat_capacity_j_per_k"]
-    ambient_k = rules["ambient_temperature_k"]
-    row["temperature_k"] = ambient_k + (row["temperature_k"] - ambient_k + rise) / (1.0 + rate)
-
-
-@compiled_inner
-def is_swapped(rules: Row, wire_voltage_v: float, shunt_voltage_v: float, resistance_ohm: float) -> bool:
-    """Whether a channel is reversed, or the two would fit the window if they changed places."""
-    if resistance_ohm < 0.0:
-        return True
-    if resistance_ohm >= rules["resistance_low_ohm"] or wire_voltage_v == 0.0:
-        return False
-    other_way = shunt_voltage_v / wire_voltage_v * rules["shunt_resistance_ohm"]
-    return bool(rules["resistance_low_ohm"] <= other_way <= rules["resistance_high_ohm"])
-
-
-@compiled_inner
-def is_frozen(row: Row, rules: Row, drive_voltage_v: float, dt_s: float) -> bool:
-    """Whether so many equal numbers in a row cannot be chance: noise or a changed drive should have changed them."""
-    repeats = max(row["wire_repeats"], row["shunt_repeats"])
-    moved = abs(drive_voltage_v - row["repeats_drive_v"]) > MOVED_FRACTION * rules["maximum_voltage_v"]
-    long = repeats >= FROZEN_READINGS and repeats * dt_s > FROZEN_S - TIME_ROUNDING_S
-    return bool(long and (rules["readings_noisy"] > 0.0 or moved))
 
 
 @compiled
