@@ -32,7 +32,16 @@ RULES = """- **Latched.** After a trip the drive stays off whatever is commanded
   added, because a fault shows in the next sample.
 - **Missing.** A reading without current, a late sample or a missing command is bridged: the drive is held at once,
   falls to the sense voltage after {sense} s and goes off after {trip} s. Nothing that a script commands is followed
-  meanwhile.
+  meanwhile. Readings that are missing again and again add up, in any pattern; a reading that is there makes up for a
+  quarter of its time.
+- **Heat.** While a reading is missing the wire counts as heated by its last known power, times the square of what the
+  drive has changed by since; before any reading, by the largest power that the drive allows. What was ordered counts
+  where the device says that less is out. Time is that of the sample's own clock; one that leaps is a fault.
+- **Silence.** A rig whose samples come at the pace of a real clock goes to the sense voltage {sense} s after a sample
+  was due if nobody has asked for it, and is not tripped: the next `exchange` says so and runs. Any exception inside
+  `exchange`, Ctrl-C too, leaves the sense voltage or less; when Python ends, every rig is switched off.
+- **Opened again.** The wire of a board or a card is as warm as it was: its estimated temperature and the time are kept
+  under the device's serial number, or its port, in the user's state folder (`MUSCLEWIRE_STATE_HOME` sets another one).
 - **Averaged.** A reading is judged as a mean over at least {reading} ms: one noisy sample of a fast rig is no event.
 - **Reported.** A trip raises `ProtectionTripError`, a `RigError` with the event in `.event`; a command ends with exit
   code 3, and the recording states the cause in `ended`.
