@@ -27,8 +27,8 @@ from ._pid import PidSettings as PidSettings
 from ._pid import pid_controller as pid_controller
 from ._plots import plot_rule_surfaces as plot_rule_surfaces
 from ._protection.protect import MADE_UP_FRACTION as MADE_UP_FRACTION
+from ._protection.protect import MAX_OFTEN_MISSING as MAX_OFTEN_MISSING
 from ._protection.protect import MAXIMUM_ROUNDING as MAXIMUM_ROUNDING
-from ._protection.protect import MOST_OFTEN_MISSING as MOST_OFTEN_MISSING
 from ._protection.protect import Protection as Protection
 from ._protection.protect import commanded as commanded
 from ._protection.protect import judged_reading as judged_reading

@@ -35,7 +35,7 @@ RUN, TRIPPED = int(State.RUN), int(State.TRIPPED)
 # neither; else what was ordered does.
 DRIVE_AGREEMENT = STUCK_FRACTION
 # Longest time [s] for which a device may say that a sample is missing, by the host's own clock.
-LONGEST_WAIT_S = 1.0
+MAX_WAIT_S = 1.0
 # A time between two samples within this much of the sample period is the sample period [s]: clocks round.
 CLOCK_ROUNDING_S = 1e-6
 # No more is known of a device that does not answer.
@@ -354,7 +354,7 @@ class GuardedRig:
         """Trip if a device waits whose clock does not go on, or not as the host's does."""
         if not answer.missing_s >= 0.0 or (answer.sample is None and not answer.missing_s > waited_s):
             self._trip(Event.DEVICE_LOST, f"the device waits, but its clock stays at {answer.missing_s:.3f} s")
-        if own_s > LONGEST_WAIT_S:
+        if own_s > MAX_WAIT_S:
             said = f"{answer.missing_s:.3g} s by its clock, and {own_s:.1f} s by the host's"
             self._trip(Event.DEVICE_LOST, f"the device has waited for a sample for {said}")
 

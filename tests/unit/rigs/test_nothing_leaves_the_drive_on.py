@@ -125,7 +125,7 @@ def test_a_clock_that_runs_slow_takes_no_heat_away_and_a_quick_one_adds_it() -> 
 
 
 def test_a_wait_without_end_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(guarded_module, "LONGEST_WAIT_S", 0.01)
+    monkeypatch.setattr(guarded_module, "MAX_WAIT_S", 0.01)
     told = []
     device = IdealWire(
         lambda number, sample: sample if number < 3 else Missing(Event.SAMPLE_LATE, told.append(0) or 1e-9 * len(told))

@@ -44,7 +44,7 @@ PERIOD_ROUNDING_S = 1e-9
 # A sound reading makes up for this fraction of its time missing: readings of which more than a fifth keep missing, in
 # any pattern, add up to the time after which the sense voltage is out, and beyond that up to so many times as long.
 MADE_UP_FRACTION = 0.25
-MOST_OFTEN_MISSING = 2.0
+MAX_OFTEN_MISSING = 2.0
 # A commanded maximum may have been rounded on its way.
 MAXIMUM_ROUNDING = 1.0 + 1e-6
 
@@ -216,8 +216,8 @@ def miss_reading(row: Row, rules: Row, event: int, drive_voltage_v: float, dt_s:
     heat(row, rules, watt_per_v2 * drive_voltage_v * drive_voltage_v, dt_s)
     # A gap that lasts counts until the sense voltage is out; then only further gaps do.
     if row["missing_s"] < rules["sense_after_s"] - TIME_ROUNDING_S:
-        most_s = MOST_OFTEN_MISSING * rules["sense_after_s"]
-        row["often_missing_s"] = min(row["often_missing_s"] + dt_s, most_s)
+        max_s = MAX_OFTEN_MISSING * rules["sense_after_s"]
+        row["often_missing_s"] = min(row["often_missing_s"] + dt_s, max_s)
     if row["temperature_k"] > rules["maximum_temperature_k"]:
         happen(row, rules, TOO_HOT, dt_s)
     happen(row, rules, event, row["missing_s"] + dt_s)

@@ -16,8 +16,7 @@ from tests.extras.board.contract.serial_rigs import BOARD, built_firmware, mount
 
 from musclewire.controllers import Event, largest_power_w_per_v2, protection_table
 from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
-from musclewire.rigs import GuardedRig, ProtectionTripError, open_rig
-from musclewire.rigs._configuration import DeviceConfiguration
+from musclewire.rigs import DeviceConfiguration, GuardedRig, ProtectionTripError, open_rig
 
 pytestmark = pytest.mark.emulated
 

@@ -19,8 +19,8 @@ from musclewire.controllers import (
     FROZEN_READINGS,
     FROZEN_S,
     MADE_UP_FRACTION,
+    MAX_OFTEN_MISSING,
     MAXIMUM_ROUNDING,
-    MOST_OFTEN_MISSING,
     MOVED_FRACTION,
     RISING,
     SATURATED_FRACTION,
@@ -301,7 +301,7 @@ def _times() -> list[CConstant]:
         _integer("SENSE_AFTER_US", _microseconds(table.sense_after_s)),
         _integer("TRIP_AFTER_US", _microseconds(table.trip_after_s)),
         _integer("MADE_UP_PART", round(1.0 / MADE_UP_FRACTION), "a sound reading makes up for this part of its time"),
-        _integer("MOST_OFTEN_MISSING_US", _microseconds(MOST_OFTEN_MISSING * table.sense_after_s)),
+        _integer("MAX_OFTEN_MISSING_US", _microseconds(MAX_OFTEN_MISSING * table.sense_after_s)),
         _integer("FROZEN_US", _microseconds(FROZEN_S)),
         _integer("FROZEN_READINGS", int(FROZEN_READINGS)),
         # The C names are those of the first version of the library.

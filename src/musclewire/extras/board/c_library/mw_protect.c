@@ -356,7 +356,7 @@ static void miss_reading(mw_protection *protection, uint8_t event, mw_real drive
     /* A gap that lasts counts until the sense voltage is out; then only further gaps do. */
     if (protection->missing_us < MW_SENSE_AFTER_US) {
         const uint32_t often_us = later(protection->often_missing_us, dt_us);
-        protection->often_missing_us = often_us < MW_MOST_OFTEN_MISSING_US ? often_us : MW_MOST_OFTEN_MISSING_US;
+        protection->often_missing_us = often_us < MW_MAX_OFTEN_MISSING_US ? often_us : MW_MAX_OFTEN_MISSING_US;
     }
     if (too_hot(protection))
         event_for(protection, MW_EVENT_OVER_TEMPERATURE, dt_us);
