@@ -7,9 +7,10 @@ from pathlib import Path
 
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.manifest import absent_part, folder_of, manifests, offered
-from musclewire.parameters import read_toml, require_seed, validated
+from musclewire.parameters import is_wire_file, read_toml, require_seed, validated
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.rigs._kinds import DEVICES, DeviceConfiguration
+from musclewire.rigs._mounted_wire import MountedWire
 from musclewire.rigs._outside import imported_kind, is_outside, known_kind
 from musclewire.rigs._simulated_configuration import RigConfiguration
 
@@ -38,6 +39,9 @@ def read_rig_file(path: str | Path, *, may_import: bool = False) -> DeviceConfig
         known = imported_kind(kind, file.parent) if is_outside(kind) else DEVICES.find(kind)
     except CallerError as error:
         raise CallerError(f"rig file {file}: {error}") from None
+    wire = data.get("wire")
+    if issubclass(known.configuration, MountedWire) and isinstance(wire, str) and is_wire_file(wire):
+        data["wire"] = str((file.parent / wire).absolute())  # voltages that the file leaves out are the wire file's
     configuration: DeviceConfiguration = validated(known.configuration, data, f"rig file {file}")
     return configuration.with_files_in(file.parent)
 
@@ -90,9 +94,9 @@ def require_rig(rig: str) -> None:
 
 
 def amplitude_is_given(rig: str | Path | DeviceConfiguration) -> bool:
-    """Return whether a rig's file states the amplitude of the slow sine; one of hardware or of a replay always does.
+    """Return whether the amplitude of the slow sine is settled: stated in a rig file, or that of hardware or a replay.
 
-    A simulated rig without it drives as its wire is commonly driven.
+    A simulated rig without it drives as its wire is commonly driven, and may be driven on until the wire transforms.
     """
     configuration, _ = rig_configuration(rig)
     if configuration.kind != SIMULATED:

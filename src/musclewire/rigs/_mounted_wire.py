@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from musclewire.controllers import ProtectionLimits
 from musclewire.parameters import Wire, load_alloy, load_wire, validity_of
 from musclewire.rigs._device import Metadata
+from musclewire.rigs._own_voltages import GivenVoltages, voltages_of_circuit
 from musclewire.rigs._wire_limits import WireCircuit, limits_of
 from musclewire.signals import measured_in
 
@@ -89,6 +90,13 @@ def may_be_left_out(key: Any) -> Any:
     return Field(default=None, description=meaning)
 
 
+def follows_the_wire(key: Any) -> Any:
+    """Return the field of a voltage that a file may leave to the wire, for its length, diameter and circuit."""
+    meaning = next(note.description for note in notes_of(key) if isinstance(note, FieldInfo) and note.description)
+    left_out = "by default that of the wire's file, for this length and circuit"
+    return Field(default=None, description=f"{meaning.removesuffix('.')}; {left_out}.")
+
+
 def si_name(key: str, field: FieldInfo) -> str:
     """Return the name of the number that a key of a rig file sets: that of its note, else its own."""
     return next((note.name for note in notes_of(field) if isinstance(note, SiName)), key)
@@ -146,12 +154,27 @@ class MountedWire(BaseModel):
     legs: Legs = 2
     shunt: Shunt
     sense_voltage: SenseVoltage
-    maximum_voltage: MaximumVoltage
-    drive_amplitude: DriveAmplitude
+    maximum_voltage: MaximumVoltage = follows_the_wire(MaximumVoltage)
+    drive_amplitude: DriveAmplitude = follows_the_wire(DriveAmplitude)
     pretension: Pretension | None = may_be_left_out(Pretension)
     ambient_temperature: AmbientTemperature = 295.15
     sample_period: SamplePeriod = 0.05
     limits: LimitsTable = LimitsTable()
+
+    @model_validator(mode="after")
+    def _voltages_follow_the_wire(self) -> MountedWire:
+        given = GivenVoltages(*(dict(self)[key] for key in ("drive_amplitude", "maximum_voltage")))
+        amplitude_v, maximum_v = voltages_of_circuit(
+            given,
+            self.wire,
+            wire_length_m=self.wire_length,
+            shunt_ohm=self.shunt,
+            ambient_temperature_k=self.ambient_temperature,
+        )
+        # As pydantic's documentation has it for a frozen model that completes itself.
+        object.__setattr__(self, "drive_amplitude", amplitude_v)
+        object.__setattr__(self, "maximum_voltage", maximum_v)
+        return self
 
     @model_validator(mode="after")
     def _voltages_rise(self) -> MountedWire:

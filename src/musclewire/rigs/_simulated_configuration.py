@@ -29,7 +29,9 @@ from musclewire.parameters import (
 from musclewire.rigs._air import Surroundings
 from musclewire.rigs._kinds import DeviceConfiguration, DeviceKind
 from musclewire.rigs._load_kinds import Part, Parts
+from musclewire.rigs._load_part import Supply
 from musclewire.rigs._mounted_wire import LimitsTable, WireKeys
+from musclewire.rigs._own_voltages import own_voltages, with_own_voltages
 from musclewire.rigs._pulse_width import PulseWidth, sampling_problem
 from musclewire.rigs._simulated_faults import SimulatedFault
 from musclewire.signals import parse_quantity
@@ -197,7 +199,18 @@ def parameters_of(
         return settings[name] if name in settings else configuration.number(name)
 
     chosen, around = with_numbers(named, around, names, given, where)
-    return load_alloy(chosen.alloy), chosen, around
+    alloy = load_alloy(chosen.alloy)
+    return (
+        alloy,
+        with_own_voltages(chosen, alloy, around, own_voltages(name), names, on_the_drive(configuration)),
+        around,
+    )
+
+
+def on_the_drive(configuration: RigConfiguration) -> tuple[int, int]:
+    """Return how many wires the drive sees in series and in parallel."""
+    supplies = [part.second_wire.supply for part in configuration.load if part.second_wire is not None]
+    return 1 + (Supply.SERIES in supplies), 1 + (Supply.PARALLEL in supplies)
 
 
 def device_of(

@@ -18,8 +18,9 @@ from musclewire.rigs._load_kinds import Parts
 from musclewire.rigs._load_part import LoadPart
 from musclewire.rigs._mechanism import FingerTendon, SimulatedLoad
 from musclewire.rigs._mounted_wire import SETTINGS
+from musclewire.rigs._own_voltages import OwnVoltages, own_voltages, with_own_voltages
 from musclewire.rigs._simulated import SimulatedSpool, mechanism_on, require_allowed_pull, stepping_of
-from musclewire.rigs._simulated_configuration import RigConfiguration, device_of, parameters_of
+from musclewire.rigs._simulated_configuration import RigConfiguration, device_of, on_the_drive, parameters_of
 from musclewire.wire import SHAPE, DrivenPath, WireConstants, drive_path
 
 Value = float | str | bool
@@ -101,10 +102,11 @@ class VariedWire(NamedTuple):
 
 
 class BaseRig(NamedTuple):
-    """A rig file with its own alloy, wire and bench, before any of their numbers varies."""
+    """A rig file with its own alloy, wire and bench, before any of their numbers varies; whose voltages they are."""
 
     configuration: RigConfiguration
     groups: Mapping[str, ParameterGroup]
+    own: OwnVoltages
 
 
 def keys_of(configuration: RigConfiguration) -> dict[str, VariedKey]:
@@ -209,7 +211,7 @@ class VariedRig:
             raise CallerError(
                 f"{self.where}: '{shape[0]}' has no effect: the alloy's [grain_quantiles] replaces it, leave it out"
             )
-        return BaseRig(configuration, {"wire": wire, "alloy": alloy, "bench": bench})
+        return BaseRig(configuration, {"wire": wire, "alloy": alloy, "bench": bench}, own_voltages(configuration.wire))
 
     def _spool(self, base: BaseRig, values: Mapping[str, Value]) -> SimulatedSpool:
         """Return the wire, its alloy and bench for a set of values. Raises CallerError for one out of range."""
@@ -225,7 +227,12 @@ class VariedRig:
                     raise CallerError(f"{self.where}: {problem}") from None
                 changed[key.group][number] = item
         wire, alloy, bench = (base.groups[group].model_copy(update=changed[group]) for group in GROUPS)
-        return SimulatedSpool(wire, alloy, bench, base.configuration.new_wire)  # type: ignore[arg-type]  # by their keys
+        assert isinstance(wire, Wire)
+        assert isinstance(alloy, Alloy)
+        assert isinstance(bench, Bench)
+        given = {*base.configuration.numbers_set(), *(str(key.place[0]) for key in self.keys.values() if key.group)}
+        wire = with_own_voltages(wire, alloy, bench, base.own, given, on_the_drive(base.configuration))
+        return SimulatedSpool(wire, alloy, bench, base.configuration.new_wire)
 
     def wire(self, values: Mapping[str, Value]) -> VariedWire:
         """Return the wire on its load, without noise, steps of a converter and protection.

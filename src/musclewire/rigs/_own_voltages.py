@@ -1,0 +1,210 @@
+"""The drive voltages of a wire whose rig file states none: those of its file, carried over to its length and circuit.
+
+A wire's amplitude and highest voltage are for one length behind one shunt. A shorter or thicker wire, or another
+circuit, takes the voltage that holds it as warm as that, and never one that holds it above what the alloy was measured
+up to: its own resistance as austenite, and its loss to still air, say so without a simulation.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from functools import lru_cache
+from typing import NamedTuple
+
+from musclewire.parameters import Alloy, Bench, Parameter, Wire, bench_known_with, load_alloy, load_bench, load_wire
+from musclewire.physics import REFERENCE_TEMPERATURE_K, convection_coefficient_w_per_m2_k
+
+# Flexinol's isobars (maestrolab/calibrating) end there: nothing is gained beyond, and 60 K remain to the protection's
+# limit for what a wire's file, its clamps and its air leave open.
+HOTTEST_K = 413.15
+# The bench for which a shipped wire's voltages are; that of the paper if it is not here.
+BENCH_OF = {"finger-100um": "finger"}
+PAPER_BENCH = "paper"
+# A temperature is found to a few millikelvin within this range above the air.
+WARMEST_K, HALVINGS = 1000.0, 40
+# A voltage that was carried over is rounded down to steps of a millivolt.
+STEPS_PER_VOLT = 1000.0
+# Of a channel's range, so that noise and a gain stay within.
+READABLE_FRACTION = 0.95
+
+
+class HotWire(NamedTuple):
+    """What the heat balance of a hot wire needs, in SI; ``in_series`` and ``in_parallel`` count like wires."""
+
+    diameter_m: float
+    wire_length_m: float
+    series_ohm: float
+    in_series: int
+    in_parallel: int
+    ambient_temperature_k: float
+    convection_factor: float
+    austenite_resistivity_ohm_m: float
+    austenite_resistivity_per_k: float
+    largest_strain: float
+
+
+class OwnVoltages(NamedTuple):
+    """A wire's own voltages, and the wire and circuit for which they are."""
+
+    amplitude_v: float
+    maximum_v: float
+    diameter_m: float
+    resistance_per_metre_ohm_per_m: float
+    wire_length_m: float
+    series_ohm: float
+
+
+def own_voltages(name: str) -> OwnVoltages:
+    """Return the voltages of a wire, by name or wire file, with what they are for. Raises CallerError as load_wire."""
+    wire, known = load_wire(name), bench_known_with(name)
+    bench = load_bench(BENCH_OF.get(name, PAPER_BENCH)).model_copy(update=known)
+    return OwnVoltages(
+        wire["drive_amplitude_v"],
+        wire["maximum_voltage_v"],
+        wire["diameter_m"],
+        wire["resistance_per_metre_ohm_per_m"],
+        bench["wire_length_m"],
+        bench["shunt_resistance_ohm"] + bench["lead_resistance_ohm"],
+    )
+
+
+def hot_wire(wire: Wire, alloy: Alloy, bench: Bench, in_series: int = 1, in_parallel: int = 1) -> HotWire:
+    """Return what the heat balance of a wire on a bench needs."""
+    return HotWire(
+        diameter_m=wire["diameter_m"],
+        wire_length_m=bench["wire_length_m"],
+        series_ohm=bench["shunt_resistance_ohm"] + bench["lead_resistance_ohm"],
+        in_series=in_series,
+        in_parallel=in_parallel,
+        ambient_temperature_k=bench["ambient_temperature_k"],
+        convection_factor=wire["convection_factor"],
+        austenite_resistivity_ohm_m=alloy["austenite_resistivity_ohm_m"] * wire["resistivity_factor"],
+        austenite_resistivity_per_k=alloy["austenite_resistivity_per_k"],
+        largest_strain=alloy["strain_saturated"],
+    )
+
+
+def holding_voltage_v(hot: HotWire, temperature_k: float) -> float:
+    """Return the least drive voltage [V] that may hold a wire at a temperature in still air.
+
+    Its resistance is that of austenite, between a wire that contracted by the alloy's whole strain and one that did
+    not: of these the one that takes the most power from the drive counts.
+    """
+    per_kelvin = 1.0 + hot.austenite_resistivity_per_k * (temperature_k - REFERENCE_TEMPERATURE_K)
+    highest = hot.austenite_resistivity_ohm_m * per_kelvin / (0.25 * math.pi * hot.diameter_m**2) * hot.wire_length_m
+    # A contracted wire is shorter and, at the same volume, thicker.
+    lowest = highest / (1.0 + hot.largest_strain) ** 2
+    rest = hot.series_ohm * hot.in_parallel / hot.in_series
+    ohm = min(max(rest, lowest), highest)
+    coefficient = convection_coefficient_w_per_m2_k(temperature_k, hot.ambient_temperature_k, hot.diameter_m)
+    surface = math.pi * hot.diameter_m * hot.wire_length_m
+    loss_w = hot.convection_factor * coefficient * surface * (temperature_k - hot.ambient_temperature_k)
+    return math.sqrt(loss_w / ohm) * (ohm + rest) * hot.in_series
+
+
+@lru_cache(maxsize=256)
+def held_temperature_k(hot: HotWire, drive_voltage_v: float) -> float:
+    """Return the highest temperature [K] at which a drive voltage may hold a wire."""
+    low_k, high_k = hot.ambient_temperature_k, hot.ambient_temperature_k + WARMEST_K
+    for _ in range(HALVINGS):
+        middle_k = 0.5 * (low_k + high_k)
+        low_k, high_k = (middle_k, high_k) if holding_voltage_v(hot, middle_k) < drive_voltage_v else (low_k, middle_k)
+    return high_k
+
+
+def followed(own: OwnVoltages, hot: HotWire) -> tuple[float, float]:
+    """Return a wire's amplitude and highest voltage [V] on its circuit; on its own they are its own.
+
+    Only an amplitude that would hold the wire above 140 C is lowered to what holds it there.
+    """
+    at_home = hot._replace(
+        diameter_m=own.diameter_m,
+        wire_length_m=own.wire_length_m,
+        series_ohm=own.series_ohm,
+        in_series=1,
+        in_parallel=1,
+    )
+    amplitude_v, maximum_v = own.amplitude_v, own.maximum_v
+    if hot != at_home:
+        amplitude_v = rounded_down_v(holding_voltage_v(hot, held_temperature_k(at_home, own.amplitude_v)))
+        maximum_v = rounded_down_v(own.maximum_v * amplitude_v / own.amplitude_v)
+    if hot.ambient_temperature_k < HOTTEST_K:
+        amplitude_v = min(amplitude_v, rounded_down_v(holding_voltage_v(hot, HOTTEST_K)))
+    return amplitude_v, max(maximum_v, amplitude_v)
+
+
+def rounded_down_v(voltage_v: float) -> float:
+    """Return a voltage in whole millivolts [V]."""
+    return math.floor(STEPS_PER_VOLT * voltage_v) / STEPS_PER_VOLT
+
+
+class GivenVoltages(NamedTuple):
+    """What a rig file states of a wire's voltages [V]; None for what it leaves to the wire."""
+
+    amplitude_v: float | None = None
+    maximum_v: float | None = None
+
+
+def completed(given: GivenVoltages, own: OwnVoltages, hot: HotWire) -> tuple[float, float]:
+    """Return amplitude and highest voltage [V] of a rig whose file states both, one or neither."""
+    if given.amplitude_v is not None and given.maximum_v is not None:
+        return given.amplitude_v, given.maximum_v
+    amplitude_v, maximum_v = followed(own, hot)
+    if given.maximum_v is not None:
+        return min(amplitude_v, given.maximum_v), given.maximum_v
+    if given.amplitude_v is not None:
+        # Whoever states an amplitude takes it on himself, as far as the wire's own file goes.
+        return given.amplitude_v, max(maximum_v, min(given.amplitude_v, own.maximum_v))
+    return amplitude_v, maximum_v
+
+
+def with_own_voltages(
+    wire: Wire, alloy: Alloy, bench: Bench, own: OwnVoltages, given: Collection[str], wires: tuple[int, int] = (1, 1)
+) -> Wire:
+    """Return a simulated wire with the voltages of its length and circuit, but for those that its rig file states.
+
+    ``given`` names the numbers that the file or the caller sets; ``wires`` counts those on the drive in series and in
+    parallel. A wire whose diameter is set has the resistance per metre of its section, unless that is set, too.
+    """
+    changed = {}
+    if "resistance_per_metre_ohm_per_m" not in given:
+        per_section = (own.diameter_m / wire["diameter_m"]) ** 2
+        changed["resistance_per_metre_ohm_per_m"] = own.resistance_per_metre_ohm_per_m * per_section
+    stated = GivenVoltages(
+        *(wire[name] if name in given else None for name in ("drive_amplitude_v", "maximum_voltage_v"))
+    )
+    amplitude_v, maximum_v = completed(stated, own, hot_wire(wire, alloy, bench, *wires))
+    # A long wire needs more than the channels of its bench read.
+    readable_v = max(READABLE_FRACTION * bench["acquisition_range_v"], own.maximum_v)
+    for name, value in (("drive_amplitude_v", amplitude_v), ("maximum_voltage_v", maximum_v)):
+        if name not in given:
+            changed[name] = min(value, readable_v)
+    return wire.model_copy(update={
+        name: carried_over(getattr(wire, name), value) for name, value in changed.items() if value != wire[name]
+    })  # fmt: skip
+
+
+def carried_over(item: Parameter, value: float) -> Parameter:
+    """Return a number of the wire's file for another length, diameter or circuit."""
+    source = "that of the wire's file, for its length, diameter and circuit, and no warmer than 140 C"
+    return item.model_copy(update={"value": value, "kind": "derived", "source": source, "note": ""})
+
+
+def voltages_of_circuit(
+    given: GivenVoltages, wire: str, *, wire_length_m: float, shunt_ohm: float, ambient_temperature_k: float
+) -> tuple[float, float]:
+    """Return amplitude and highest voltage [V] of a real wire whose rig file leaves out one or both.
+
+    Raises CallerError for an unknown wire or a wrong wire file.
+    """
+    if given.amplitude_v is not None and given.maximum_v is not None:
+        return given.amplitude_v, given.maximum_v
+    known = load_wire(wire)
+    bench = load_bench(PAPER_BENCH).with_values(
+        wire_length_m=wire_length_m,
+        shunt_resistance_ohm=shunt_ohm,
+        lead_resistance_ohm=0.0,
+        ambient_temperature_k=ambient_temperature_k,
+    )
+    return completed(given, own_voltages(wire), hot_wire(known, load_alloy(known.alloy), bench))

@@ -1,0 +1,140 @@
+"""A wire's default voltages follow its length, diameter and circuit, and hold it no warmer than 140 C."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import pytest
+
+from musclewire.experiment import characterize
+from musclewire.parameters import catalogue_names, load_alloy, load_bench, load_wire
+from musclewire.rigs import (
+    MountedWire,
+    RigConfiguration,
+    VariedRig,
+    open_rig,
+    parameters_of,
+    read_rig_file,
+    rig_configuration,
+)
+from musclewire.rigs._own_voltages import HOTTEST_K, held_temperature_k, holding_voltage_v, hot_wire
+
+NINE = list(itertools.product(("flexinol-0.10-ht", "flexinol-0.15-ht", "flexinol-0.25-ht"), (0.06, 0.1, 0.14)))
+
+
+def voltages(rig: str | Path | RigConfiguration = "simulated", **settings: float | str) -> tuple[float, float]:
+    with open_rig(rig, **settings) as opened:  # type: ignore[arg-type]  # names of wire and bench are among them
+        return opened.drive_amplitude_v, opened.maximum_voltage_v
+
+
+def test_the_papers_benches_keep_their_numbers_to_the_bit() -> None:
+    assert voltages() == (3.2, 3.6)
+    assert voltages("finger") == (1.65678, 2.025)
+    assert voltages("gripper") == (3.4, 5.5)
+    for name in ("paper-125um", "paper-200um", "isobar-sample"):
+        wire = load_wire(name)
+        assert voltages(wire=name) == (wire["drive_amplitude_v"], wire["maximum_voltage_v"])
+
+
+def test_at_equal_warmth_the_voltage_is_in_proportion_to_the_resistance_of_the_whole_circuit() -> None:
+    # A wire of one diameter at one temperature carries one current, whatever its length and the shunt.
+    hot_ohm_per_m = 101.0  # austenite of 126 ohm/m
+    for length_m, shunt_ohm in ((0.06, 1.0), (0.3, 1.0), (0.14, 5.0)):
+        amplitude_v, maximum_v = voltages(wire_length_m=length_m, shunt_resistance_ohm=shunt_ohm)
+        ratio = (hot_ohm_per_m * length_m + shunt_ohm) / (hot_ohm_per_m * 0.14 + 1.0)
+        if length_m < 0.3:
+            assert amplitude_v / 3.2 == pytest.approx(ratio, rel=0.01)
+        else:
+            assert amplitude_v == pytest.approx(3.2 * ratio, rel=0.01)
+        assert maximum_v / 3.6 == pytest.approx(amplitude_v / 3.2, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["paper-100um", *catalogue_names()])
+def test_whatever_length_and_air_the_amplitude_holds_no_wire_above_140_c(name: str) -> None:
+    wire, bench = load_wire(name), load_bench("paper")
+    alloy = load_alloy(wire.alloy)
+    for length_m, ambient_k in itertools.product((0.04, 0.14, 0.5), (290.0, 313.15)):
+        settings = {"wire_length_m": length_m, "ambient_temperature_k": ambient_k}
+        _, driven, _ = parameters_of(RigConfiguration(wire=name), "rig", None, None, settings)
+        hot = hot_wire(wire, alloy, bench.with_values(**settings))
+        assert held_temperature_k(hot, driven["drive_amplitude_v"]) <= HOTTEST_K + 0.01
+        assert driven["drive_amplitude_v"] <= driven["maximum_voltage_v"]
+
+
+def test_temperature_and_voltage_are_each_others_inverse() -> None:
+    wire, bench = load_wire("flexinol-0.25-ht"), load_bench("paper")
+    hot = hot_wire(wire, load_alloy(wire.alloy), bench)
+    for kelvins in (310.0, 373.15, 413.15, 600.0):
+        assert held_temperature_k(hot, holding_voltage_v(hot, kelvins)) == pytest.approx(kelvins, abs=1e-3)
+
+
+def test_another_diameter_of_the_same_wire_brings_its_resistance_with_it() -> None:
+    with open_rig("simulated", diameter_m="0.15 mm", wire_length_m="60 mm") as rig:
+        assert rig.protection_limits.resistance_low_ohm == pytest.approx(0.55 * 126.0 / 1.5**2 * 0.06)
+        loop = characterize(rig, cycles=1, period_s=30.0)
+    assert loop.metadata["ended"] == "done"
+
+
+def test_two_wires_in_series_need_twice_the_voltage_of_one() -> None:
+    gripper, _ = rig_configuration("gripper")
+    left_out = {key: value for key, value in gripper.model_dump(exclude_unset=True).items() if "voltage" not in key}
+    rig = RigConfiguration.model_validate({**left_out, "drive_amplitude": None})
+    amplitude_v, _ = voltages(rig)
+    assert amplitude_v == pytest.approx(1.65678 * (2 * 7.08 + 1.0) / (7.08 + 1.0), rel=0.01)
+
+
+def test_what_a_file_states_stands_and_the_other_voltage_follows() -> None:
+    assert voltages(RigConfiguration(wire_length=0.1, drive_amplitude=2.0, maximum_voltage=2.2)) == (2.0, 2.2)
+    assert voltages(RigConfiguration(wire_length=0.1, maximum_voltage=2.0)) == (2.0, 2.0)
+    amplitude_v, maximum_v = voltages(RigConfiguration(wire_length=0.1, drive_amplitude=3.0))
+    assert (amplitude_v, maximum_v) == (3.0, 3.0)  # as far as the wire's own 3.6 V go
+    assert voltages(RigConfiguration(wire_length=0.1, drive_amplitude=5.0))[1] == 3.6
+
+
+MOUNTED = {"wire": "paper-100um", "wire_length": "14 cm", "shunt": "1 ohm", "sense_voltage": "0.3 V"}
+
+
+def test_a_rig_file_of_hardware_may_leave_its_voltages_to_the_wire(tmp_path: Path) -> None:
+    own = MountedWire.model_validate(MOUNTED)
+    assert (own.drive_amplitude, own.maximum_voltage) == (3.2, 3.6)
+    short = MountedWire.model_validate({**MOUNTED, "wire_length": "60 mm"})
+    assert (short.drive_amplitude, short.maximum_voltage) == voltages(wire_length_m=0.06)
+    low = MountedWire.model_validate({**MOUNTED, "maximum_voltage": "3 V"})
+    assert (low.drive_amplitude, low.maximum_voltage) == (3.0, 3.0)
+    text = 'kind = "serial"\nport = "none"\nwire_range = "5 V"\nshunt_range = "1 V"\n'
+    file = tmp_path / "board.toml"
+    file.write_text(text + "\n".join(f'{key} = "{value}"' for key, value in MOUNTED.items()), "utf-8")
+    assert dict(read_rig_file(file))["drive_amplitude"] == 3.2
+
+
+def test_a_study_that_varies_the_length_drives_each_wire_by_its_own_amplitude() -> None:
+    varied = VariedRig(RigConfiguration(), "study", ["wire_length"])
+    for length_m in (0.06, 0.14, 0.2):
+        wire = varied.wire({"wire_length": length_m}).spool.wire
+        assert (wire["drive_amplitude_v"], wire["maximum_voltage_v"]) == voltages(wire_length_m=length_m)
+    stated = VariedRig(RigConfiguration(drive_amplitude=3.0), "study", ["wire_length"])
+    assert stated.wire({"wire_length": 0.06}).spool.wire["drive_amplitude_v"] == 3.0
+
+
+def hottest_k(wire: str, length_m: float, *, until_level: bool, period_s: float) -> float:
+    """Return the true temperature that a slow sine with defaults leads to; a trip raises."""
+    with open_rig("simulated", wire=wire, wire_length_m=length_m) as rig:
+        seen = [0.0]
+
+        def on_sample(_row: object) -> None:
+            seen[0] = max(seen[0], rig.device.wire_state.temperature_k)  # type: ignore[attr-defined]  # a simulation
+
+        characterize(rig, cycles=1, period_s=period_s, until_level=until_level, on_sample=on_sample)
+    return seen[0]
+
+
+@pytest.mark.parametrize(("wire", "length_m"), [NINE[0], NINE[-3]])
+def test_a_short_wire_with_defaults_is_neither_tripped_nor_burnt(wire: str, length_m: float) -> None:
+    assert 373.15 < hottest_k(wire, length_m, until_level=False, period_s=20.0) <= HOTTEST_K
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("wire", "length_m"), NINE)
+def test_nine_wires_with_defaults_are_neither_tripped_nor_burnt(wire: str, length_m: float) -> None:
+    assert 373.15 < hottest_k(wire, length_m, until_level=True, period_s=90.0) <= HOTTEST_K
