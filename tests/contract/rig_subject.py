@@ -23,7 +23,8 @@ class RigSubject:
     ``opened`` is given the test that asks, and a folder. ``cold_ohm`` is between which resistances the cold wire lies;
     ``least_strain`` and ``least_force_n`` are what the hot wire does within ten seconds: strain, and force beyond that
     of the cold wire. ``fixed_pretension``: a part of the load is the pretension. ``emulated``: opening starts a card's
-    server or a board's emulator. ``in_full``: another of its kind is in CI.
+    server or a board's emulator. ``in_full``: another of its kind is in CI. ``by_the_clock``: a real clock paces the
+    wire of a rig that is paced; where time passes by reading, a busy test machine would make it rest.
     """
 
     name: str
@@ -34,6 +35,7 @@ class RigSubject:
     fixed_pretension: bool = False
     emulated: bool = False
     in_full: bool = False
+    by_the_clock: bool = True
 
     @property
     def group(self) -> Sequence[pytest.MarkDecorator]:

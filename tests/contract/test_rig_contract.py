@@ -333,9 +333,10 @@ def interrupted(rig: Rig, drive_v: float, random: np.random.Generator) -> bool:
         signal.signal(signal.SIGUSR1, before)
 
 
-def require_no_drive_after_ctrl_c(rig: Rig, moments: int) -> None:
+def require_no_drive_after_ctrl_c(rig: Rig, moments: int, *, by_the_clock: bool = True) -> None:
     """At each of so many random moments: at once if it came inside an exchange, and anywhere after 0.2 s if paced."""
     random, counted = np.random.default_rng(41), 0
+    anywhere = rig.paced and by_the_clock
     with rig:
         highest_v = rig.sense_voltage_v + 0.01
         while counted < moments:
@@ -345,34 +346,35 @@ def require_no_drive_after_ctrl_c(rig: Rig, moments: int) -> None:
                 if "the recording" not in str(error):
                     raise
                 return  # a replay has come to its end
-            if rig.paced and not inside:
+            if anywhere and not inside:
                 time.sleep(0.2)
-            if rig.paced or inside:
+            if anywhere or inside:
                 assert rig.drive_voltage_v <= highest_v
                 counted += 1
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-def test_ctrl_c_at_a_random_moment_leaves_no_drive_on(rig: Rig) -> None:
-    require_no_drive_after_ctrl_c(rig, 25)
+def test_ctrl_c_at_a_random_moment_leaves_no_drive_on(rig: Rig, subject: RigSubject) -> None:
+    require_no_drive_after_ctrl_c(rig, 25, by_the_clock=subject.by_the_clock)
 
 
 @pytest.mark.full
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-def test_ctrl_c_at_500_random_moments_leaves_no_drive_on(rig: Rig) -> None:
-    require_no_drive_after_ctrl_c(rig, 500)
+def test_ctrl_c_at_500_random_moments_leaves_no_drive_on(rig: Rig, subject: RigSubject) -> None:
+    require_no_drive_after_ctrl_c(rig, 500, by_the_clock=subject.by_the_clock)
 
 
 def test_a_rig_that_nobody_talks_to_rests_and_the_next_exchange_says_so_and_runs(
-    rig: Rig, caplog: pytest.LogCaptureFixture
+    rig: Rig, subject: RigSubject, caplog: pytest.LogCaptureFixture
 ) -> None:
+    rests = rig.paced and subject.by_the_clock
     with rig:
         drive_v = 3.0 * rig.sense_voltage_v
         for _ in range(3):
             rig.exchange(drive_v)
         time.sleep(rig.sample_period_s + 0.3)
-        assert rig.drive_voltage_v <= (rig.sense_voltage_v if rig.paced else drive_v) + 0.01
+        assert rig.drive_voltage_v <= (rig.sense_voltage_v if rests else drive_v) + 0.01
         with caplog.at_level(logging.WARNING, logger="musclewire.rigs"):
             samples = [rig.exchange(drive_v) for _ in range(3)]
-        assert ("nobody talked to the rig" in caplog.text) is rig.paced
+        assert ("nobody talked to the rig" in caplog.text) is rests
         assert samples[-1].drive_voltage_v == pytest.approx(drive_v, abs=0.05)

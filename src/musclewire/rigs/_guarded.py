@@ -409,7 +409,8 @@ class GuardedRig:
     def _measured(self, drive_v: float, wire_v: float, shunt_v: float) -> str:
         """Describe the reading at which the protection tripped."""
         ohm = f", {wire_v / shunt_v * self.shunt_resistance_ohm:.3f} ohm" if shunt_v else ""
-        warmth = f"estimated {self._protection.state.temperature_k - 273.15:.0f} C"
+        limit_c = self._limits.maximum_temperature_k - 273.15
+        warmth = f"estimated {self._protection.temperature_k - 273.15:.0f} C, limit {limit_c:.0f} C"
         return f"drive {drive_v:.3f} V, wire {wire_v:.4f} V, shunt {shunt_v:.4f} V{ohm}, {warmth}"
 
     def _trip(self, event: Event, details: str) -> NoReturn:

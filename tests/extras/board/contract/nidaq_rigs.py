@@ -11,6 +11,7 @@ from collections.abc import Callable
 from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
 from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_test
+from tests.extras.board.contract.serial_rigs import unwatched
 
 from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
 from musclewire.extras.board._nidaq.device import NiDaqDevice, SilenceTimes
@@ -71,7 +72,10 @@ def at_seam(name: str, *, paced: bool = False, **changed: object) -> GuardedRig:
     wiring = NiDaqConfiguration.model_validate({**wiring_of(name).model_dump(), **changed})
     server = DaqServer(card_of(wiring, paced=paced))
     try:
-        return GuardedRig(DeviceAtSeam(wiring, server))
+        rig = GuardedRig(DeviceAtSeam(wiring, server))
+        if not paced:
+            unwatched(rig)
+        return rig
     except BaseException:
         server.close()
         raise
@@ -82,6 +86,6 @@ NIDAQ_RIGS: dict[str, Callable[[], GuardedRig]] = {
     "nidaq, USB-6001": lambda: at_seam("ni-usb-6001"),
 }
 SUBJECTS = tuple(
-    RigSubject(name, without_a_test(make), PAPERS_WIRE_OHM, emulated=True, in_full="PCI" in name)
+    RigSubject(name, without_a_test(make), PAPERS_WIRE_OHM, emulated=True, in_full="PCI" in name, by_the_clock=False)
     for name, make in NIDAQ_RIGS.items()
 )

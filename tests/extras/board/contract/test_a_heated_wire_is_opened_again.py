@@ -5,6 +5,8 @@ The wire outlives the opening, as a real one does; its time is that of the clock
 
 from __future__ import annotations
 
+import logging
+import time
 from collections.abc import Callable
 
 import pytest
@@ -44,7 +46,7 @@ def hottest_allowed_k(rig: GuardedRig) -> float:
 
 def open_again_and_again(configuration: DeviceConfiguration, hottest_k: Callable[[], float]) -> None:
     for _ in range(OPENINGS):
-        rig = open_rig(configuration)
+        rig = open_rig(configuration.model_copy())  # a copied rig file is of the same device
         heat_until_it_trips(rig)
         print(f"hottest so far: {hottest_k():.1f} K, allowed {hottest_allowed_k(rig):.1f} K")
         assert hottest_k() <= hottest_allowed_k(rig)
@@ -71,6 +73,22 @@ def test_on_a_card() -> None:
         open_again_and_again(configuration, lambda: temperatures_k[0])
     finally:
         server.close()
+
+
+def test_a_board_whose_host_thinks_rests_and_goes_on(caplog: pytest.LogCaptureFixture) -> None:
+    require_board()
+    with (
+        EmulatedBoard(board=BOARD, pace="clock", elf=built_firmware()) as board,
+        open_rig(mounted(board.port_url)) as rig,
+    ):
+        for _ in range(5):
+            rig.exchange(3.0)
+        time.sleep(1.0)
+        assert rig.drive_voltage_v <= rig.sense_voltage_v
+        with caplog.at_level(logging.WARNING, logger="musclewire.rigs"):
+            samples = [rig.exchange(3.0) for _ in range(5)]
+        assert "nobody talked to the rig" in caplog.text
+        assert samples[-1].drive_voltage_v == pytest.approx(3.0, abs=0.05)
 
 
 def test_on_a_board() -> None:
