@@ -44,10 +44,21 @@ def name_of(page: Path) -> str:
     return page.relative_to(CHECKOUT).as_posix()
 
 
-# A quick page, whose blocks every run of the tests runs; and pages whose commands search for minutes, which the tests
-# of `design` run too, in a quicker form.
+# A quick page, whose blocks every run of the tests runs; and pages whose commands take a minute or more: that these are
+# still commands is tried by test_commands_on_pages_parse.py, and what they do by the tests of the commands.
 ALWAYS = "rules.md"
-LONG = {"choose_what_the_wire_pulls.md", "from_a_stroke_to_a_moving_finger.md"}
+LONG = {
+    "calibrate_my_wire.md",
+    "check_the_simulator_against_the_paper.md",
+    "choose_what_the_wire_pulls.md",
+    "fit_without_a_displacement_sensor.md",
+    "from_a_stroke_to_a_moving_finger.md",
+    "grip_without_a_sensor.md",
+    "print_a_finger.md",
+    "run_a_study_of_many_wires.md",
+    "tune_a_controller.md",
+    "use_files_of_labview_matlab_and_excel.md",
+}
 
 
 def group_of(page: Path) -> tuple[pytest.MarkDecorator, ...]:
