@@ -9,7 +9,15 @@ import pytest
 
 from musclewire.experiment import characterize
 from musclewire.parameters import catalogue_names, load_alloy, load_bench, load_wire
-from musclewire.rigs import MountedWire, RigConfiguration, VariedRig, open_rig, parameters_of, read_rig_file, rig_configuration
+from musclewire.rigs import (
+    MountedWire,
+    RigConfiguration,
+    VariedRig,
+    open_rig,
+    parameters_of,
+    read_rig_file,
+    rig_configuration,
+)
 from musclewire.rigs._own_voltages import HOTTEST_K, held_temperature_k, holding_voltage_v, hot_wire
 
 NINE = list(itertools.product(("flexinol-0.10-ht", "flexinol-0.15-ht", "flexinol-0.25-ht"), (0.06, 0.1, 0.14)))
