@@ -16,9 +16,13 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from musclewire.app._core_commands import COMMANDS, GROUPS, PANELS
-from musclewire.app._options import Json, renamed
+from musclewire.app._options import BeyondCatalogue, Json, renamed
 from musclewire.app._output import Result, run_command
 from musclewire.manifest import Command, CommandGroup, absent_part, loaded, manifests
+
+# Commands with one of these parameters have a rig or a wire, whose numbers --beyond-catalogue confirms.
+WITH_A_WIRE = {"rig", "wire", "study", "wire_file"}
+BEYOND = "beyond_catalogue"
 
 
 class CommandWithOldNames(TyperCommand):
@@ -54,7 +58,13 @@ def flat(function: Callable[..., Result | None]) -> Callable[..., None]:
             else values[name]
             for name in signature.parameters
         }
-        run_command(function, values.get("json", False), **given)
+        if not values.get(BEYOND, False):
+            run_command(function, values.get("json", False), **given)
+            return
+        from musclewire.rigs import beyond_catalogue
+
+        with beyond_catalogue(True):
+            run_command(function, values.get("json", False), **given)
 
     run.__name__, run.__doc__, run.__module__ = function.__name__, function.__doc__, function.__module__
     parameters = [
@@ -62,6 +72,8 @@ def flat(function: Callable[..., Result | None]) -> Callable[..., None]:
         for name, one in signature.parameters.items()
         for part in (parameters_of(groups[name]) if name in groups else [keyword(name, one.annotation, one.default)])
     ]
+    if any(part.name in WITH_A_WIRE for part in parameters):
+        parameters.append(keyword(BEYOND, BeyondCatalogue, False))
     if answers:
         parameters.append(keyword("json", Json, False))
     run.__signature__ = signature.replace(parameters=parameters, return_annotation=None)  # type: ignore[attr-defined]

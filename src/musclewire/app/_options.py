@@ -77,6 +77,9 @@ LIST = option("--list", help="List the names that can be given, and exit.")
 
 # Rigs and their clocks.
 SEED = option("--seed", help="Seed of everything random: the same seed, the same numbers.", min=0)
+BEYOND_CATALOGUE = option(
+    "--beyond-catalogue", help="Confirm lengths, voltages and limits that no wire of the catalogue has or survives."
+)
 REAL_TIME = option("--real-time", help="Pace a simulated rig by the clock.")
 CLOCK_SPEED = option("--clock-speed", help="With --real-time: run so many times as fast as the clock, 0.01 to 1000.")
 REAL_TIME_PRIORITY = option(
@@ -231,6 +234,7 @@ SETTINGS = option("--settings", help="TOML file with settings of the controller,
 NAME = option("--name", help="Name of the library or FMU, a C identifier.")
 
 Json = Annotated[bool, JSON]
+BeyondCatalogue = Annotated[bool, BEYOND_CATALOGUE]
 RigName = Annotated[
     str,
     typer.Argument(

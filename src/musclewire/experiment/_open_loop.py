@@ -14,19 +14,24 @@ from typing import NamedTuple, TypedDict, Unpack
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.controllers import Event
 from musclewire.errors import CallerError
 from musclewire.experiment._home_sweep import HomeSweep, SweepPlan
 from musclewire.experiment._known_drive import KnownDrive
 from musclewire.experiment._run import Decision, OnSample, RunOptions, refuse_unusable, run_on_rig
 from musclewire.identify import shows_c
 from musclewire.parameters import ValidityLimits
-from musclewire.rigs import Rig
+from musclewire.rigs import ProtectionTripError, Rig
 from musclewire.signals import Command, Drive, MetadataValue, RawSample, Recording, describe_recording
 
 # A transformation takes a tenth of a wire's resistance and more; a smaller fall is not judged.
 MIN_FALL_FRACTION = 0.06
 # Below the highest temperature at which the alloy was measured by so much [K], in both estimated from the power.
 BELOW_COVERED_K = 2.0
+# An amplitude that is proposed after a trip: at 140 C, up to which wires are driven by default, or so much below the
+# protection's limit [K] if that is lower, and at most this part of what tripped; in steps of 50 mV.
+WITHIN_K, BELOW_LIMIT_K, LESS, STEPS_PER_VOLT = 413.15, 10.0, 0.9, 20.0
+ZERO_CELSIUS_K = 273.15
 
 
 class LevellingAmplitude(NamedTuple):
@@ -210,6 +215,30 @@ def slow_sine_run(
     return SlowSineRun(WaveformPolicy(waveform, period_s), cycles * period_s, metadata)
 
 
+def way_out(rig: Rig, amplitude_v: float) -> str:
+    """Return in words how warm the protection took the wire to be in a slow sine, and which amplitude would be within.
+
+    The amplitude follows from the protection's own balance: the power that holds the wire at 140 C, or below a lower
+    limit, in the circuit with the least resistance that this wire may have.
+    """
+    limits, estimated_k = rig.protection_limits, rig.protection.temperature_k
+    within_k = min(WITHIN_K, limits.maximum_temperature_k - BELOW_LIMIT_K)
+    said = (
+        f"at an amplitude of {amplitude_v:.3g} V the protection's estimate was {estimated_k - ZERO_CELSIUS_K:.0f} C, "
+        f"its limit is {limits.maximum_temperature_k - ZERO_CELSIUS_K:.0f} C"
+    )
+    excess_k = within_k - limits.ambient_temperature_k
+    if excess_k <= 0.0:
+        return said
+    ohm, shunt_ohm = limits.resistance_low_ohm, limits.shunt_resistance_ohm
+    held_v = math.sqrt(limits.heat_loss_w_per_k * excess_k / ohm) * (ohm + shunt_ohm)
+    # Less than what tripped in any case, whatever a fault has done to the estimate.
+    within_v = math.floor(STEPS_PER_VOLT * min(held_v, LESS * amplitude_v)) / STEPS_PER_VOLT
+    if within_v <= rig.sense_voltage_v:
+        return said
+    return f'{said}: give less, as --amplitude "{within_v:g} V" (amplitude_v), which it takes to stay within'
+
+
 def characterize(
     rig: Rig,
     *,
@@ -273,7 +302,12 @@ def characterize(
         amplitude_v = found.amplitude_v
         raised = {"amplitude_raised": "until the fall levelled off" if found.levelled else found.stopped_by}
     sine = slow_sine_run(rig, amplitude_v, period_s, cycles)
-    recording = run_on_rig(rig, sine.policy, sine.duration_s, metadata={**sine.metadata, **raised}, **run)
+    try:
+        recording = run_on_rig(rig, sine.policy, sine.duration_s, metadata={**sine.metadata, **raised}, **run)
+    except ProtectionTripError as trip:
+        if trip.event is Event.OVER_TEMPERATURE:
+            trip.args = (f"{trip}; {way_out(rig, float(str(sine.metadata['amplitude_v'])))}",)
+        raise
     seen = shows_c(recording)
     if seen is None:
         return recording

@@ -5,6 +5,10 @@ from ._abilities import adjustable_clock_of as adjustable_clock_of
 from ._abilities import keeps_real_time as keeps_real_time
 from ._abilities import required_true_state as required_true_state
 from ._air import Surroundings as Surroundings
+from ._beyond_catalogue import StatedCircuit as StatedCircuit
+from ._beyond_catalogue import beyond_catalogue as beyond_catalogue
+from ._beyond_catalogue import confirmed_beyond as confirmed_beyond
+from ._beyond_catalogue import refuse_beyond_catalogue as refuse_beyond_catalogue
 from ._compiled_loop.kernel import CompiledLoopEnd as CompiledLoopEnd
 from ._compiled_loop.running import CompiledRun as CompiledRun
 from ._compiled_loop.running import LoopTicks as LoopTicks

@@ -8,6 +8,8 @@ from pathlib import Path
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.manifest import absent_part, folder_of, manifests, offered
 from musclewire.parameters import is_wire_file, read_toml, require_seed, validated
+from musclewire.rigs._beyond_catalogue import beyond_catalogue as beyond
+from musclewire.rigs._beyond_catalogue import confirmed_beyond
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.rigs._kinds import DEVICES, DeviceConfiguration
 from musclewire.rigs._mounted_wire import MountedWire
@@ -71,7 +73,7 @@ def rig_configuration(
     file.
     """
     if isinstance(rig, DeviceConfiguration):
-        return rig, "rig"
+        return rig.model_copy(update={"beyond_catalogue": True}) if confirmed_beyond() else rig, "rig"
     if str(rig) == SIMULATED:
         return RigConfiguration(), SIMULATED
     named, shipped = offered("rig_names").get(str(rig), str(rig)), shipped_rig_files()
@@ -113,6 +115,7 @@ def open_rig(
     seed: int | None = None,
     real_time: bool = False,
     clock_speed: float = 1.0,
+    beyond_catalogue: bool = False,
     **settings: float | str,
 ) -> GuardedRig:
     """Open a rig: the wire with its driver and instruments, simulated or real, with the protection around it.
@@ -139,6 +142,9 @@ def open_rig(
     clock_speed
         How many times as fast as the computer's clock a simulated rig runs with ``real_time``, 0.01 to 1000;
         :func:`musclewire.rigs._abilities.adjustable_clock_of` gives what changes it later.
+    beyond_catalogue
+        Whether numbers that no wire of the catalogue has or survives, as a length of 60 m or a limit of 5000 K, are
+        meant so, as by the rig file's key of that name.
     **settings
         Numbers of wire and bench by name, in SI or as text with a unit: ``open_rig("simulated", pretension_n=1.7)``.
 
@@ -149,9 +155,9 @@ def open_rig(
     Raises
     ------
     CallerError
-        For unknown names, impossible numbers, settings that the rig's own load leaves without effect, a clock speed
-        without a clock, and for wire, bench, seed, clock speed and settings of a rig that is not simulated: its numbers
-        are in its file.
+        For unknown names, impossible numbers and those that no wire of the catalogue has or survives, for settings that
+        the rig's own load leaves without effect, a clock speed without a clock, and for wire, bench, seed, clock
+        speed and settings of a rig that is not simulated: its numbers are in its file.
     RigError
         If hardware cannot be opened.
 
@@ -162,7 +168,8 @@ def open_rig(
     ...     rig.metadata()["pretension_n"]
     1.7
     """
-    configuration, where = rig_configuration(rig, may_import=True)
+    with beyond(beyond_catalogue):
+        configuration, where = rig_configuration(rig, may_import=True)
     refuse_useless_speed(clock_speed, real_time, isinstance(configuration, RigConfiguration), where)
     if isinstance(configuration, RigConfiguration):
         from musclewire.rigs._simulated_configuration import open_simulated

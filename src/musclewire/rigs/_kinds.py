@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, Self, TypeVar
 
+from pydantic import Field
+
 from musclewire.errors import CallerError
 from musclewire.parameters import CheckedFile, is_wire_file
 from musclewire.registry import Registry
+from musclewire.rigs._beyond_catalogue import confirmed_beyond
 from musclewire.rigs._device import Device
 
 
@@ -20,6 +23,8 @@ class DeviceConfiguration(CheckedFile):
     ----------
     kind
         Name of the device's kind in ``DEVICES``.
+    beyond_catalogue
+        Whether numbers that no wire of the catalogue has or survives are meant so; otherwise they are refused.
 
     Raises
     ------
@@ -28,6 +33,10 @@ class DeviceConfiguration(CheckedFile):
     """
 
     kind: str
+    beyond_catalogue: bool = Field(
+        default_factory=confirmed_beyond,
+        description="Whether numbers that no wire of the catalogue has or survives are meant so.",
+    )
 
     def with_files_in(self, folder: Path) -> Self:
         """Return the configuration with the files that it names taken from a folder; by default its wire file.

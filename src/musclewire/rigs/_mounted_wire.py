@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
 from musclewire.controllers import ProtectionLimits
 from musclewire.parameters import Wire, load_alloy, load_wire, validity_of
+from musclewire.rigs._beyond_catalogue import StatedCircuit, confirmed_beyond, refuse_beyond_catalogue
 from musclewire.rigs._device import Metadata
 from musclewire.rigs._own_voltages import GivenVoltages, voltages_of_circuit
 from musclewire.rigs._wire_limits import WireCircuit, limits_of
@@ -23,6 +24,14 @@ class SiName:
     name: str
 
 
+def refuse_truth(given: Any) -> Any:
+    """Return what is given for a number. Raises ValueError for true and false, which count as 1 and 0 elsewhere."""
+    if isinstance(given, bool):
+        raise ValueError(f"{str(given).lower()} is no number: give one in SI, or text with a unit")
+    return given
+
+
+NO_TRUTH = BeforeValidator(refuse_truth)
 Amperes = Annotated[float, measured_in("A"), Field(gt=0.0, allow_inf_nan=False)]
 Kelvins = Annotated[float, measured_in("K"), Field(gt=0.0, allow_inf_nan=False)]
 Ohms = Annotated[float, measured_in("ohm"), Field(gt=0.0, allow_inf_nan=False)]
@@ -160,17 +169,31 @@ class MountedWire(BaseModel):
     ambient_temperature: AmbientTemperature = 295.15
     sample_period: SamplePeriod = 0.05
     limits: LimitsTable = LimitsTable()
+    beyond_catalogue: bool = Field(
+        default_factory=confirmed_beyond,
+        description="Whether numbers that no wire of the catalogue has or survives are meant so.",
+    )
+
+    @model_validator(mode="after")
+    def _is_of_the_catalogue(self) -> MountedWire:
+        if not self.beyond_catalogue:
+            stated = {"maximum_voltage": self.maximum_voltage, "drive_amplitude": self.drive_amplitude}
+            circuit = StatedCircuit(self.wire_length, self.shunt, {"wire_length": self.wire_length, **stated})
+            refuse_beyond_catalogue(circuit, self.limits.changed())
+        return self
 
     @model_validator(mode="after")
     def _voltages_follow_the_wire(self) -> MountedWire:
         given = GivenVoltages(*(dict(self)[key] for key in ("drive_amplitude", "maximum_voltage")))
-        amplitude_v, maximum_v = voltages_of_circuit(
-            given,
-            self.wire,
-            wire_length_m=self.wire_length,
-            shunt_ohm=self.shunt,
-            ambient_temperature_k=self.ambient_temperature,
-        )
+        amplitude_v, maximum_v = given.amplitude_v, given.maximum_v
+        if amplitude_v is None or maximum_v is None:  # a file that states both is checked without its wire
+            amplitude_v, maximum_v = voltages_of_circuit(
+                given,
+                self.wire,
+                wire_length_m=self.wire_length,
+                shunt_ohm=self.shunt,
+                ambient_temperature_k=self.ambient_temperature,
+            )
         # As pydantic's documentation has it for a frozen model that completes itself.
         object.__setattr__(self, "drive_amplitude", amplitude_v)
         object.__setattr__(self, "maximum_voltage", maximum_v)
@@ -242,10 +265,10 @@ class MountedWire(BaseModel):
         }
 
 
+# Keys of a mounted wire that set no number of wire or bench.
+NO_NUMBERS = ("wire", "limits", "beyond_catalogue")
 # Each key of wire and circuit, and the number that it sets; ``settings`` also accept that number by its own name.
-SETTINGS = {
-    key: si_name(key, field) for key, field in MountedWire.model_fields.items() if key not in ("wire", "limits")
-}
+SETTINGS = {key: si_name(key, field) for key, field in MountedWire.model_fields.items() if key not in NO_NUMBERS}
 
 
 class WireKeys(BaseModel):
@@ -268,7 +291,7 @@ class WireKeys(BaseModel):
     pretension: Pretension | None = may_be_left_out(Pretension)
     ambient_temperature: AmbientTemperature | None = may_be_left_out(AmbientTemperature)
     sample_period: SamplePeriod | None = may_be_left_out(SamplePeriod)
-    settings: dict[str, float | str] = Field(default_factory=dict)
+    settings: dict[str, Annotated[float | str, NO_TRUTH]] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _said_once(self) -> WireKeys:

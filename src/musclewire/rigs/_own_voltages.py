@@ -194,12 +194,10 @@ def carried_over(item: Parameter, value: float) -> Parameter:
 def voltages_of_circuit(
     given: GivenVoltages, wire: str, *, wire_length_m: float, shunt_ohm: float, ambient_temperature_k: float
 ) -> tuple[float, float]:
-    """Return amplitude and highest voltage [V] of a real wire whose rig file leaves out one or both.
+    """Return amplitude and highest voltage [V] of a real wire whose rig file states both, one or neither.
 
     Raises CallerError for an unknown wire or a wrong wire file.
     """
-    if given.amplitude_v is not None and given.maximum_v is not None:
-        return given.amplitude_v, given.maximum_v
     known = load_wire(wire)
     bench = load_bench(PAPER_BENCH).with_values(
         wire_length_m=wire_length_m,

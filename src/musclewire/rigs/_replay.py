@@ -137,6 +137,7 @@ class ReplayDevice:
             "drive_amplitude": drive_amplitude_v,
             "sample_period": sample_period_s,
             "limits": self._configuration.limits.model_dump(),
+            "beyond_catalogue": True,  # a replay heats nothing
         }
         mounted = validated(MountedWire, facts, f"replay of {self._path}")
         return mounted.protection_limits(

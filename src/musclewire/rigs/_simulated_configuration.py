@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, Self, TypeVar
@@ -27,6 +27,7 @@ from musclewire.parameters import (
     require_seed,
 )
 from musclewire.rigs._air import Surroundings
+from musclewire.rigs._beyond_catalogue import StatedCircuit, refuse_beyond_catalogue
 from musclewire.rigs._kinds import DeviceConfiguration, DeviceKind
 from musclewire.rigs._load_kinds import Part, Parts
 from musclewire.rigs._load_part import Supply
@@ -138,6 +139,8 @@ def with_numbers(
         if name not in known:
             raise CallerError(f"{where}: unknown setting '{name}'{key_hint(name, known)}")
         given = number(name)
+        if isinstance(given, bool):
+            raise CallerError(f"{where}: {name} is {str(given).lower()}, which is no number: give one with its unit")
         value = parse_quantity(given, known[name].unit) if isinstance(given, str) else float(given)
         changed[name] = known[name].model_copy(
             update={"value": value, "kind": "assumed", "source": where, "note": "set by the user"}
@@ -199,12 +202,24 @@ def parameters_of(
         return settings[name] if name in settings else configuration.number(name)
 
     chosen, around = with_numbers(named, around, names, given, where)
+    if not configuration.beyond_catalogue:
+        refuse_beyond(chosen, around, names, configuration.limits.changed(), where)
     alloy = load_alloy(chosen.alloy)
-    return (
-        alloy,
-        with_own_voltages(chosen, alloy, around, own_voltages(name), names, on_the_drive(configuration)),
-        around,
-    )
+    driven = with_own_voltages(chosen, alloy, around, own_voltages(name), names, on_the_drive(configuration))
+    return alloy, driven, around
+
+
+def refuse_beyond(wire: Wire, bench: Bench, given: Collection[str], limits: Mapping[str, float], where: str) -> None:
+    """Raise CallerError for a number that is set and that no wire of the catalogue has or survives."""
+    numbers: dict[str, tuple[str, ParameterGroup]] = {
+        "wire_length": ("wire_length_m", bench),
+        "diameter_m": ("diameter_m", wire),
+        "maximum_voltage": ("maximum_voltage_v", wire),
+        "drive_amplitude": ("drive_amplitude_v", wire),
+    }
+    stated = {key: group[name] for key, (name, group) in numbers.items() if name in given}
+    circuit = StatedCircuit(bench["wire_length_m"], bench["shunt_resistance_ohm"], stated)
+    refuse_beyond_catalogue(circuit, limits, where)
 
 
 def on_the_drive(configuration: RigConfiguration) -> tuple[int, int]:

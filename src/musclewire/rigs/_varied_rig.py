@@ -20,7 +20,14 @@ from musclewire.rigs._mechanism import FingerTendon, SimulatedLoad
 from musclewire.rigs._mounted_wire import SETTINGS
 from musclewire.rigs._own_voltages import OwnVoltages, own_voltages, with_own_voltages
 from musclewire.rigs._simulated import SimulatedSpool, mechanism_on, require_allowed_pull, stepping_of
-from musclewire.rigs._simulated_configuration import RigConfiguration, device_of, on_the_drive, parameters_of
+from musclewire.rigs._simulated_configuration import (
+    RigConfiguration,
+    device_of,
+    on_the_drive,
+    parameters_of,
+    refuse_beyond,
+)
+from musclewire.rigs._wire_limits import highest_temperature_k
 from musclewire.wire import SHAPE, DrivenPath, WireConstants, drive_path
 
 Value = float | str | bool
@@ -231,6 +238,8 @@ class VariedRig:
         assert isinstance(alloy, Alloy)
         assert isinstance(bench, Bench)
         given = {*base.configuration.numbers_set(), *(str(key.place[0]) for key in self.keys.values() if key.group)}
+        if not base.configuration.beyond_catalogue:
+            refuse_beyond(wire, bench, given, base.configuration.limits.changed(), self.where)
         wire = with_own_voltages(wire, alloy, bench, base.own, given, on_the_drive(base.configuration))
         return SimulatedSpool(wire, alloy, bench, base.configuration.new_wire)
 
@@ -259,6 +268,21 @@ class VariedRig:
         mechanism = self._mechanism(base.configuration, spool)
         constants = spool.pulling(mechanism.load, (pretension_n if mechanism.stage else 0.0) + mechanism.added_n)
         return VariedWire(spool, constants, mechanism.tendon)
+
+    def maximum_temperature_k(self, wire: VariedWire) -> float:
+        """Return the highest temperature that the protection of a wire's rig allows [K].
+
+        Parameters
+        ----------
+        wire
+            A wire that ``wire`` has returned.
+
+        Returns
+        -------
+        That of the rig file's limits, else that of the wire's alloy.
+        """
+        own_k = highest_temperature_k(wire.spool.alloy)
+        return self.configuration.limits.changed().get("maximum_temperature_k", own_k)
 
     def _mechanism(self, configuration: RigConfiguration, spool: SimulatedSpool) -> SimulatedLoad:
         """Return what the wire pulls; a load of parts is tabulated once for the same parts, pretension and leg."""

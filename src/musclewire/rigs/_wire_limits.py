@@ -73,12 +73,17 @@ def limits_of(
         heat_capacity_j_per_k=capacity,
         heat_loss_w_per_k=loss,
         ambient_temperature_k=circuit.ambient_temperature_k,
-        maximum_temperature_k=validity_of(alloy).annealing_temperature_k or MAXIMUM_TEMPERATURE_K,
+        maximum_temperature_k=highest_temperature_k(alloy),
     )
     for name in known:
         if name not in ProtectionLimits._fields:
             raise CallerError(f"unknown limit '{name}'{nearest_hint(name, ProtectionLimits._fields)}")
     return limits._replace(**known).checked()
+
+
+def highest_temperature_k(alloy: Alloy) -> float:
+    """Return the highest temperature [K] that the protection allows a wire of an alloy if no file says another."""
+    return validity_of(alloy).annealing_temperature_k or MAXIMUM_TEMPERATURE_K
 
 
 def heat_of(wire: Wire, alloy: Alloy, circuit: WireCircuit) -> tuple[float, float]:

@@ -290,6 +290,8 @@ def measured_in(unit: str, *, difference: bool = False) -> BeforeValidator:
     from pydantic import BeforeValidator  # here, so that recordings are read without it
 
     def in_si(given: Any) -> Any:
+        if isinstance(given, bool):
+            raise ValueError(f"{str(given).lower()} is no number: give one in {unit or '1'}, or text with a unit")
         if not isinstance(given, str):
             return given
         if difference and given.rstrip().endswith(ABSOLUTE):

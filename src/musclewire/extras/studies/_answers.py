@@ -22,6 +22,14 @@ class QuantitySpread(AnswerModel):
     largest: float | None
 
 
+class OverheatedRun(AnswerModel):
+    """A run whose wire went beyond the highest temperature that its protection allows."""
+
+    run: int
+    temperature_max_k: float
+    limit_k: float
+
+
 class SweepAnswer(AnswerModel):
     """Of ``sweep``."""
 
@@ -30,6 +38,7 @@ class SweepAnswer(AnswerModel):
     failed: int
     fingerprint: str
     quantities: dict[str, QuantitySpread]
+    overheated: tuple[OverheatedRun, ...]
     wall_s: float
     files: Words
 

@@ -14,7 +14,16 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.experiment import characterize
 from musclewire.extras.studies._ideal_runs import Readings, ideal_run
-from musclewire.extras.studies._run_kind import KindOptions, Outcome, Quantity, RunKind, StudyRun, StudyRuns, each
+from musclewire.extras.studies._run_kind import (
+    KindOptions,
+    Outcome,
+    Quantity,
+    RunKind,
+    StudyRun,
+    StudyRuns,
+    each,
+    noted_overheating,
+)
 from musclewire.identify import fit, force_is_level, gap_in, required_quantity, resistance_reading
 from musclewire.rigs import VariedWire
 from musclewire.sensing import find_segments, hysteresis_gap
@@ -89,9 +98,11 @@ def outcome_of(runs: StudyRuns[CharacterizeOptions], run: StudyRun[CharacterizeO
     if options.readings == "ideal":
         wire = runs.wire(run)
         found = ideal_run(wire, drive_v(options, wire))
-        hottest = {"temperature_max_k": float(found.temperature_k.max())} if "temperature_max_k" in runs.keep else {}
-        return {**loop_numbers(found.recording, options, runs.keep), **hottest}
-    with runs.open(run) as rig:
+        hottest_k = float(found.temperature_k.max())
+        hottest = {"temperature_max_k": hottest_k} if "temperature_max_k" in runs.keep else {}
+        numbers = loop_numbers(found.recording, options, runs.keep)
+        return {**numbers, **hottest, **runs.overheating(wire, hottest_k)}
+    with runs.open(run) as rig, noted_overheating(rig):
         recording = characterize(rig, amplitude_v=options.amplitude, period_s=options.period, cycles=options.cycles)
     return loop_numbers(recording, options, runs.keep)
 

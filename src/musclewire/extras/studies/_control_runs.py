@@ -12,7 +12,16 @@ from pydantic import Field
 from musclewire.arrays import FloatArray
 from musclewire.controllers import staircase
 from musclewire.experiment import ControlMetrics, ControlRun, characterize, control, control_compiled
-from musclewire.extras.studies._run_kind import KindOptions, Outcome, Quantity, RunKind, StudyRun, StudyRuns, each
+from musclewire.extras.studies._run_kind import (
+    KindOptions,
+    Outcome,
+    Quantity,
+    RunKind,
+    StudyRun,
+    StudyRuns,
+    each,
+    noted_overheating,
+)
 from musclewire.identify import fit, required_quantity
 from musclewire.rigs import GuardedRig, uncompiled
 from musclewire.sensing import DEFAULT_ESTIMATOR, SensingModel, load_model
@@ -104,7 +113,7 @@ def evaluate(runs: StudyRuns[ControlOptions]) -> Sequence[Outcome]:
 def on_rig(runs: StudyRuns[ControlOptions], run: StudyRun[ControlOptions]) -> Outcome:
     """Return what a closed loop on the rig of a run yields."""
     options = run.options
-    with runs.open(run) as rig:
+    with runs.open(run) as rig, noted_overheating(rig):
         model = own_model(rig, options) if options.model == "own" else load_model(options.model)
         reference = staircase(options.start, options.stop, options.step, hold_s=options.hold)
         # Two wires and faults have no compiled form; either way the numbers are the same.

@@ -12,6 +12,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, MissingExtraError
 from musclewire.extras.studies._plan import Plan, engine
+from musclewire.extras.studies._run_kind import OVERHEATED, Overheated
 from musclewire.signals import write_whole
 
 if TYPE_CHECKING:
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 # Key of the file's own metadata, as JSON: what the study was, with units and meanings.
 KEY = b"musclewire-study"
 ERROR = "error"
+# Column of the runs whose wires went beyond their limits; a data set without one has none.
+OVERHEATED_K = "overheated_k"
 RESULT = " (result)"
 DATA = "data.parquet"
 EXTRA = "sweep"
@@ -39,6 +42,7 @@ def write_data(
     columns: Mapping[str, FloatArray],
     errors: Sequence[str],
     texts: Mapping[str, Sequence[str]],
+    overheated: Sequence[Overheated] = (),
 ) -> None:
     """Write all runs as one Parquet file, whole or not at all: a row for each run, a list in a row for a series.
 
@@ -54,6 +58,8 @@ def write_data(
         The message of each run's error, "" for one that went well.
     texts
         The kept quantities that are texts.
+    overheated
+        Runs whose wires went beyond their limits: their rows have the temperature, those of others none.
 
     Raises
     ------
@@ -75,7 +81,12 @@ def write_data(
             named[quantity_name(name, plan)] = pa.FixedSizeListArray.from_arrays(flat, values.shape[1])
     named |= {quantity_name(name, plan): pa.array(list(found)) for name, found in texts.items()}
     named[ERROR] = pa.array(list(errors))
-    table = pa.table(named).replace_schema_metadata({KEY: json.dumps(description(plan)).encode()})
+    known = description(plan)
+    if overheated:
+        hottest_k = {one.run: one.temperature_max_k for one in overheated}
+        named[OVERHEATED_K] = pa.array([hottest_k.get(run) for run in range(len(errors))], pa.float64())
+        known[OVERHEATED] = [one._asdict() for one in overheated]
+    table = pa.table(named).replace_schema_metadata({KEY: json.dumps(known).encode()})
     # One writer, no time of day: the same study gives the same bytes.
     write_whole(path, lambda part: parquet.write_table(table, part, compression="zstd"))
 
@@ -107,13 +118,18 @@ def description(plan: Plan) -> dict[str, Any]:
 
 
 def data_set_of(
-    plan: Plan, columns: Mapping[str, FloatArray], errors: Sequence[str], texts: Mapping[str, Sequence[str]]
+    plan: Plan,
+    columns: Mapping[str, FloatArray],
+    errors: Sequence[str],
+    texts: Mapping[str, Sequence[str]],
+    overheated: Sequence[Overheated] = (),
 ) -> xr.Dataset:
     """Return all runs as xarray, as ``read_study_data`` returns them from the file."""
     values = {name: plan.design.column(name) for name in plan.design.names}
     found: dict[str, Any] = {**columns, **{name: np.array(column, dtype=str) for name, column in texts.items()}}
     quantities = {quantity_name(name, plan): found[name] for name in plan.keep}
-    return built(description(plan), values, quantities, list(errors))
+    known = {**description(plan), OVERHEATED: [one._asdict() for one in overheated]}
+    return built(known, values, quantities, list(errors))
 
 
 def read_study_data(path: str | Path) -> xr.Dataset:
@@ -146,8 +162,10 @@ def read_study_data(path: str | Path) -> xr.Dataset:
     return built(known, values, quantities, table.column(ERROR).to_pylist())
 
 
-def read_columns(file: Path) -> tuple[dict[str, FloatArray], tuple[str, ...], dict[str, tuple[str, ...]]]:
-    """Return the quantities over the runs, by their names in the study, each run's error, and texts over the runs."""
+def read_columns(
+    file: Path,
+) -> tuple[dict[str, FloatArray], tuple[str, ...], dict[str, tuple[str, ...]], tuple[Overheated, ...]]:
+    """Return the quantities over the runs, by their names in the study, each run's error, texts, and too hot runs."""
     table, known = read_table(file)
     columns, texts = {}, {}
     for name, item in known["quantities"].items():
@@ -155,7 +173,12 @@ def read_columns(file: Path) -> tuple[dict[str, FloatArray], tuple[str, ...], di
             texts[name.removesuffix(RESULT)] = tuple(table.column(name).to_pylist())
         else:
             columns[name.removesuffix(RESULT)] = numbers(table.column(name))
-    return columns, tuple(table.column(ERROR).to_pylist()), texts
+    return (
+        columns,
+        tuple(table.column(ERROR).to_pylist()),
+        texts,
+        tuple(Overheated(**one) for one in known.get(OVERHEATED, ())),
+    )
 
 
 def read_table(file: Path) -> tuple[Any, dict[str, Any]]:
@@ -209,6 +232,7 @@ def built(
         **{key: known[key] for key in plain},
         "axes": json.dumps(known["axes"]),
         "study": json.dumps(known["study"]),
+        **({OVERHEATED: json.dumps(known[OVERHEATED])} if known.get(OVERHEATED) else {}),
     }
     return xr.Dataset(variables, coordinates, notes)
 

@@ -12,12 +12,14 @@ from musclewire.extras.studies._plan import RUN, Plan, engine
 from musclewire.extras.studies._run_kind import (
     KindOptions,
     Outcome,
+    Overheated,
     Quantity,
     RunKind,
     StudyRun,
     StudyRuns,
     column_of,
     each,
+    overheated_of,
     texts_of,
 )
 from musclewire.parameters import validated
@@ -83,12 +85,15 @@ class ChunkResult(NamedTuple):
         The message of each run's error, "" for a run that went well.
     texts
         Each kept quantity that is a text.
+    overheated
+        Runs whose wires went beyond the highest temperature that their protection allows.
     """
 
     first: int
     columns: Mapping[str, FloatArray]
     errors: tuple[str, ...]
     texts: Mapping[str, tuple[str, ...]]
+    overheated: tuple[Overheated, ...] = ()
 
     @property
     def stop(self) -> int:
@@ -139,7 +144,7 @@ def evaluate_chunk(task: StudyTask, chunk: Chunk) -> ChunkResult:
     columns = {name: column_of(name, item, outcomes) for name, item in task.keep.items() if not item.is_text}
     texts = {name: texts_of(name, outcomes) for name, item in task.keep.items() if item.is_text}
     errors = tuple(message(one) if isinstance(one, MusclewireError) else "" for one in outcomes)
-    return ChunkResult(chunk.first, columns, errors, texts)
+    return ChunkResult(chunk.first, columns, errors, texts, overheated_of(outcomes, chunk.first))
 
 
 def run_of(task: StudyTask, number: int, values: Sequence[Value]) -> StudyRun[Any]:

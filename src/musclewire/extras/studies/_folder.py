@@ -18,12 +18,13 @@ from musclewire.errors import CallerError
 from musclewire.extras.studies._design import StudyDesign
 from musclewire.extras.studies._evaluation import Chunk, ChunkResult
 from musclewire.extras.studies._plan import Plan, engine
+from musclewire.extras.studies._run_kind import Overheated
 from musclewire.signals import write_text_whole, write_whole
 
 STUDY, CHUNKS, DATA = "study.json", "chunks", "data.parquet"
 PAGE, TABLE = "report.html", "sensitivity.csv"
 # Names in a chunk's file: a quantity must not have that of an argument of NumPy.
-ERRORS, OF_QUANTITY, OF_TEXT = "errors", "quantity ", "text "
+ERRORS, OF_QUANTITY, OF_TEXT, TOO_HOT = "errors", "quantity ", "text ", "overheated"
 
 
 class StudyFolder:
@@ -112,6 +113,8 @@ class StudyFolder:
         named = {f"{OF_QUANTITY}{name}": column for name, column in result.columns.items()}
         texts = {f"{OF_TEXT}{name}": np.array(found) for name, found in result.texts.items()}
         columns: Any = {**named, **texts, ERRORS: np.array(result.errors)}
+        if result.overheated:
+            columns[TOO_HOT] = np.array(result.overheated)
         (self.path / CHUNKS).mkdir(exist_ok=True)
 
         def write(part: Path) -> None:
@@ -160,9 +163,15 @@ def read_chunk(file: Path, first: int) -> ChunkResult:
                 columns,
                 tuple(stored[ERRORS].tolist()),
                 {name: tuple(found.tolist()) for name, found in texts.items()},
+                overheated_in(stored[TOO_HOT] if TOO_HOT in stored.files else ()),
             )
     except (OSError, EOFError, ValueError, KeyError, BadZipFile) as problem:
         raise CallerError(f"{file} cannot be read ({problem}): delete it, and its runs are repeated") from None
+
+
+def overheated_in(rows: Iterable[Any]) -> tuple[Overheated, ...]:
+    """Return the runs whose wires went too hot, from rows of their numbers."""
+    return tuple(Overheated(int(run), float(hottest_k), float(limit_k)) for run, hottest_k, limit_k in rows)
 
 
 class Chunks(Sequence[Chunk]):

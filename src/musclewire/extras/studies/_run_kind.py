@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -10,13 +11,15 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, MusclewireError
+from musclewire.controllers import Event
+from musclewire.errors import CallerError, MusclewireError, RigError
 from musclewire.extras.studies._design import run_seed
 from musclewire.registry import Registry
-from musclewire.rigs import GuardedRig, Value, VariedRig, VariedWire
+from musclewire.rigs import GuardedRig, ProtectionTripError, Value, VariedRig, VariedWire
 
 # The result of a run: a number, an array of numbers for a series, or a text, by quantity; or the error that ended it.
-Outcome = Mapping[str, float | FloatArray | str] | MusclewireError
+# Of ``overheated`` the value is a pair, temperature and limit [K].
+Outcome = Mapping[str, float | FloatArray | str | tuple[float, float]] | MusclewireError
 
 
 class KindOptions(BaseModel):
@@ -47,6 +50,47 @@ class Quantity(NamedTuple):
 
 
 Options = TypeVar("Options", bound=KindOptions)
+# Key of an outcome, besides its quantities, for a wire that went beyond its protection's limit: an Overheated.
+OVERHEATED = "overheated"
+
+
+class Overheated(NamedTuple):
+    """A run whose wire went beyond the highest temperature that its protection allows.
+
+    Parameters
+    ----------
+    run
+        Number of the run.
+    temperature_max_k
+        Highest temperature [K]: the true one, or the protection's estimate if it ended the run.
+    limit_k
+        Highest temperature allowed [K].
+    """
+
+    run: int
+    temperature_max_k: float
+    limit_k: float
+
+
+class OverheatedRunError(RigError):
+    """The protection ended a run for over-temperature; ``temperature_k`` is its estimate, ``limit_k`` its limit."""
+
+    def __init__(self, message: str, temperature_k: float, limit_k: float) -> None:
+        """Keep the numbers with the message."""
+        super().__init__(message)
+        self.temperature_k, self.limit_k = temperature_k, limit_k
+
+
+@contextmanager
+def noted_overheating(rig: GuardedRig) -> Iterator[None]:
+    """Raise OverheatedRunError instead of a trip for over-temperature."""
+    try:
+        yield
+    except ProtectionTripError as trip:
+        if trip.event is not Event.OVER_TEMPERATURE:
+            raise
+        limit_k = rig.protection_limits.maximum_temperature_k
+        raise OverheatedRunError(str(trip), rig.protection.temperature_k, limit_k) from trip
 
 
 @dataclass(frozen=True)
@@ -111,6 +155,23 @@ class StudyRuns(Generic[Options]):
     def wire(self, run: StudyRun[Options]) -> VariedWire:
         """Return the wire of a run without instruments. Raises CallerError for values that make none."""
         return self.rig.wire(run.values)
+
+    def overheating(self, wire: VariedWire, hottest_k: float) -> dict[str, tuple[float, float]]:
+        """Return what an outcome says of a wire that went beyond its protection's limit; nothing of any other.
+
+        Parameters
+        ----------
+        wire
+            The wire of a run.
+        hottest_k
+            Its highest temperature [K].
+
+        Returns
+        -------
+        The pair of temperature and limit [K] by its key, or nothing.
+        """
+        limit_k = self.rig.maximum_temperature_k(wire)
+        return {OVERHEATED: (hottest_k, limit_k)} if hottest_k > limit_k else {}
 
 
 @dataclass(frozen=True)
@@ -194,6 +255,17 @@ def column_of(name: str, quantity: Quantity, outcomes: Sequence[Outcome]) -> Flo
 def texts_of(name: str, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
     """Return a quantity that is a text over some runs, "" for runs that failed."""
     return tuple("" if value is None else str(value) for value in values_of(name, outcomes))
+
+
+def overheated_of(outcomes: Sequence[Outcome], first: int) -> tuple[Overheated, ...]:
+    """Return the runs, counted from ``first``, whose wires went beyond their limits."""
+    found = []
+    for number, outcome in enumerate(outcomes, first):
+        if isinstance(outcome, OverheatedRunError):
+            found.append(Overheated(number, outcome.temperature_k, outcome.limit_k))
+        elif not isinstance(outcome, MusclewireError) and isinstance(pair := outcome.get(OVERHEATED), tuple):
+            found.append(Overheated(number, *pair))
+    return tuple(found)
 
 
 def values_of(name: str, outcomes: Sequence[Outcome]) -> list[Any]:

@@ -13,7 +13,16 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.experiment import drive_wire
 from musclewire.extras.studies._ideal_runs import Readings, ideal_run
-from musclewire.extras.studies._run_kind import KindOptions, Outcome, Quantity, RunKind, StudyRun, StudyRuns, each
+from musclewire.extras.studies._run_kind import (
+    KindOptions,
+    Outcome,
+    Quantity,
+    RunKind,
+    StudyRun,
+    StudyRuns,
+    each,
+    noted_overheating,
+)
 from musclewire.identify import required_quantity, resistance_reading
 from musclewire.rigs import VariedWire
 from musclewire.signals import Recording, measured_in
@@ -80,8 +89,9 @@ def outcome_of(runs: StudyRuns[SimulateOptions], run: StudyRun[SimulateOptions])
     if options.readings == "ideal":
         wire = runs.wire(run)
         found = ideal_run(wire, drive_v(options, wire))
-        return drive_numbers(found.recording, found.temperature_k, options.off_after)
-    with runs.open(run) as rig:
+        numbers = drive_numbers(found.recording, found.temperature_k, options.off_after)
+        return {**numbers, **runs.overheating(wire, float(found.temperature_k.max()))}
+    with runs.open(run) as rig, noted_overheating(rig):
         recording = drive_wire(rig, supply_v=options.supply, on_s=options.off_after, duration_s=options.duration)
     return drive_numbers(recording, recording["wire_temperature_k"], options.off_after)
 

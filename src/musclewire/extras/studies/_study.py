@@ -16,6 +16,7 @@ from musclewire.experiment import cores, evaluate_in_processes
 from musclewire.extras.studies._evaluation import Chunk, ChunkResult, evaluate_chunk, task_of
 from musclewire.extras.studies._folder import StudyFolder, unfinished
 from musclewire.extras.studies._plan import Plan, plan_of
+from musclewire.extras.studies._run_kind import Overheated
 from musclewire.extras.studies._study_file import study_file
 from musclewire.parameters import read_toml
 
@@ -67,6 +68,8 @@ class StudyResult:
         Runs that were evaluated now; all others were finished before.
     texts
         Each kept quantity that is a text, over the runs.
+    overheated
+        Runs whose wires went beyond the highest temperature that their protection allows: number, temperature, limit.
     """
 
     plan: Plan = field(repr=False)
@@ -74,6 +77,7 @@ class StudyResult:
     errors: tuple[str, ...] = field(repr=False)
     evaluated: int = 0
     texts: Mapping[str, tuple[str, ...]] = field(default_factory=dict, repr=False)
+    overheated: tuple[Overheated, ...] = field(default=(), repr=False)
 
     @property
     def failed(self) -> int:
@@ -102,7 +106,7 @@ class StudyResult:
         """Return parameters and quantities as an xarray data set over the runs. Needs the extra ``sweep``."""
         from musclewire.extras.studies._data_set import data_set_of
 
-        return data_set_of(self.plan, self.columns, self.errors, self.texts)
+        return data_set_of(self.plan, self.columns, self.errors, self.texts, self.overheated)
 
     def sensitivity(self) -> list[Sensitivity]:
         """Return how much each quantity depends on each parameter. Needs the extra ``sweep``."""
@@ -193,8 +197,8 @@ def sweep(
     if store is not None and store.data.exists():  # it has been written, and its chunks were deleted
         from musclewire.extras.studies._data_set import read_columns
 
-        columns, errors, texts = read_columns(store.data)
-        return StudyResult(plan, columns, errors, texts=texts)
+        columns, errors, texts, overheated = read_columns(store.data)
+        return StudyResult(plan, columns, errors, texts=texts, overheated=overheated)
     kept = FinishedChunks(plan, store)
     chunks = unfinished(
         plan, kept.finished, positive(chosen.runs_per_chunk, "runs_per_chunk") or plan.kind.runs_per_chunk
@@ -208,8 +212,10 @@ def sweep(
         say(kept.runs, len(plan.design))
 
     evaluate(plan, chunks, on_result, chosen, look)
-    columns, errors, texts = kept.all()
-    return StudyResult(plan, columns, errors, evaluated=len(plan.design) - before, texts=texts)
+    results = kept.all()
+    columns, errors, texts = kept.joined(results)
+    overheated = tuple(one for result in results for one in result.overheated)
+    return StudyResult(plan, columns, errors, len(plan.design) - before, texts, overheated)
 
 
 def evaluate(
@@ -265,11 +271,14 @@ class FinishedChunks:
             self._folder.write(result)
         self.runs += len(result.errors)
 
-    def all(self) -> tuple[dict[str, FloatArray], tuple[str, ...], dict[str, tuple[str, ...]]]:
-        """Return all quantities over all runs, all errors and all texts, in the order of the runs."""
-        results = (
-            sorted(self._results, key=lambda one: one.first) if self._folder is None else list(self._folder.read())
-        )
+    def all(self) -> list[ChunkResult]:
+        """Return all chunks in the order of the runs."""
+        return sorted(self._results, key=lambda one: one.first) if self._folder is None else list(self._folder.read())
+
+    def joined(
+        self, results: Sequence[ChunkResult]
+    ) -> tuple[dict[str, FloatArray], tuple[str, ...], dict[str, tuple[str, ...]]]:
+        """Return all quantities over all runs, all errors and all texts."""
         numbers = [name for name, item in self._plan.keep.items() if not item.is_text]
         columns = {name: joined([one.columns[name] for one in results]) for name in numbers}
         errors = tuple(text for one in results for text in one.errors)

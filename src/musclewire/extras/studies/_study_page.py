@@ -215,7 +215,7 @@ def write_study(result: StudyResult, folder: str | Path) -> list[Path]:
     require_packages()
     kept = StudyFolder(Path(folder), result.plan)
     indices = sensitivity_of(result.plan.design, result.columns, result.plan.file.seed)
-    write_data(kept.data, result.plan, result.columns, result.errors, result.texts)
+    write_data(kept.data, result.plan, result.columns, result.errors, result.texts, result.overheated)
     write_text_whole(kept.table, sensitivity_text(indices))
     write_text_whole(kept.page, page_text(result, indices))
     kept.remove_chunks()
@@ -265,6 +265,11 @@ def key_numbers(result: StudyResult) -> list[NumberCard]:
         NumberCard("Runs", f"{len(result)}", " x ".join(text for text in (grid, sampled) if text) or "one setting"),
         NumberCard("Kind", str(result.plan.file.run["kind"]), f"{len(result.plan.keep)} quantities kept"),
         NumberCard("Failed", f"{result.failed}", "runs without a result", ok=result.failed == 0),
+        *(
+            [NumberCard("Too hot", f"{len(result.overheated)}", "wires beyond their limit", ok=False)]
+            if result.overheated
+            else []
+        ),
         NumberCard("Parameters", f"{len(design.names)}", f"seed {result.plan.file.seed}"),
     ]
 

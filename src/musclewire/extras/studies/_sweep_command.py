@@ -28,7 +28,11 @@ from musclewire.extras.studies._options import PLAN, RETRIES, RUNS_PER_CHUNK, SC
 if TYPE_CHECKING:
     from musclewire.extras.studies._answers import QuantitySpread, SweepAnswer
     from musclewire.extras.studies._plan import Plan
-    from musclewire.extras.studies._study import Workers
+    from musclewire.extras.studies._study import StudyResult, Workers
+
+ZERO_CELSIUS_K = 273.15
+# As many runs are named in a line; all are in the answer and in the data set.
+SHOWN = 5
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,7 @@ def sweep(
 
 def run_study(plan: Plan, workers: Workers, folder: Path, figure: FigureOptions, *, overwrite: bool) -> Result:
     """Run a study and write what it leaves."""
-    from musclewire.extras.studies._answers import SweepAnswer
+    from musclewire.extras.studies._answers import OverheatedRun, SweepAnswer
     from musclewire.extras.studies._study import sweep as run_sweep
     from musclewire.extras.studies._study_page import distributions, require_packages, write_study
 
@@ -95,16 +99,34 @@ def run_study(plan: Plan, workers: Workers, folder: Path, figure: FigureOptions,
     if result.failed:
         first = next(text for text in result.errors if text)
         warn([f"{result.failed} of {len(result)} runs failed; the first: {first}"])
+    if result.overheated:
+        warn([too_hot(result)])
     answer = SweepAnswer.read_from(
         result,
         plan,
         runs=len(result),
         quantities={name: spread(column) for name, column in result.columns.items() if column.ndim == 1},
+        overheated=tuple(OverheatedRun(**one._asdict()) for one in result.overheated),
         wall_s=time.perf_counter() - started,
         files=[str(file) for file in files],
     )
     text = f"{result_text(answer, plan)}\n{answer.wall_s:.1f} s; open {files[-1]}"
-    return Result(answer, text, holds=result.failed < len(result))
+    return Result(answer, text, holds=result.failed < len(result) and not result.overheated)
+
+
+def too_hot(result: StudyResult) -> str:
+    """Return which runs went beyond their limits, the hottest first, and what to give."""
+    hottest = sorted(result.overheated, key=lambda one: one.limit_k - one.temperature_max_k)
+    shown = [
+        f"run {one.run} ({one.temperature_max_k - ZERO_CELSIUS_K:.0f} C, limit {one.limit_k - ZERO_CELSIUS_K:.0f} C)"
+        for one in hottest[:SHOWN]
+    ]
+    more = f" and {len(hottest) - SHOWN} more" if len(hottest) > SHOWN else ""
+    return (
+        f"{len(hottest)} of {len(result)} wires went beyond their limit of temperature: {', '.join(shown)}{more}; "
+        "a real wire is damaged there: leave the amplitude to each wire (no drive_amplitude, no run.amplitude), or "
+        "give less"
+    )
 
 
 def planned(plan: Plan) -> Result:
@@ -155,6 +177,10 @@ def spread(column: Any) -> QuantitySpread:
 def result_text(answer: SweepAnswer, plan: Plan) -> str:
     """Return the numbers of a study as lines."""
     lines = [f"{answer.runs} runs, {answer.evaluated} of them evaluated now"]
+    if answer.overheated:
+        numbers = ", ".join(str(one.run) for one in answer.overheated[:SHOWN])
+        more = ", ..." if len(answer.overheated) > SHOWN else ""
+        lines.append(f"{len(answer.overheated)} wires went beyond their limit of temperature: runs {numbers}{more}")
     for name, ends in answer.quantities.items():
         unit = plan.keep[name].unit
         if ends.least is not None:

@@ -50,7 +50,15 @@ from musclewire.parameters import (
     load_wire,
     require_seed,
 )
-from musclewire.rigs import LimitsTable, RigConfiguration, open_rig, with_settings
+from musclewire.rigs import (
+    LimitsTable,
+    RigConfiguration,
+    StatedCircuit,
+    confirmed_beyond,
+    open_rig,
+    refuse_beyond_catalogue,
+    with_settings,
+)
 from musclewire.signals import Recording
 
 BENCH = "dead-weight"
@@ -60,6 +68,8 @@ SIZING_LIMITS = LimitsTable(maximum_temperature=1e9, resistance_low=1e-6, resist
 # Dynalloy, Technical Characteristics of Flexinol Actuator Wires (F1140): melting point 1300 C.
 MELTING_K = 1573.15
 AMBIENT_K = 295.15
+# The shunt of the paper's bench, for a request without one.
+PAPER_SHUNT_OHM = 1.0
 # After switching off this much current remains for measuring: a fraction of the drive's, whose heat is 1/10000 of the
 # drive's, but not less than resistance needs to be measured.
 SENSE_FRACTION, MIN_SENSE_A = 0.01, 1.5e-3
@@ -185,7 +195,12 @@ def plan_supply(request: SupplyRequest) -> SupplyPlan:
         **drive_settings(request.supply_v, expected, cold_ohm + shunt),
     }
     configuration = RigConfiguration(
-        wire=request.wire, bench=BENCH, seed=request.seed, settings=settings, limits=SIZING_LIMITS
+        wire=request.wire,
+        bench=BENCH,
+        seed=request.seed,
+        settings=settings,
+        limits=SIZING_LIMITS,
+        beyond_catalogue=True,
     )
     duration = request.duration_s or chosen_duration_s(request, configuration, current)
     return SupplyPlan(request, wire, row, current, request.supply_v, load, shunt, duration, configuration)
@@ -241,6 +256,9 @@ def require_plausible(request: SupplyRequest) -> None:
     for name, value in positive.items():
         if value is not None and not 0.0 < value < math.inf:
             raise CallerError(f"{name} is {value:g}: it must be above 0")
+    if not confirmed_beyond():
+        stated = {"wire_length": request.length_m, "maximum_voltage": request.supply_v}
+        refuse_beyond_catalogue(StatedCircuit(request.length_m, request.shunt_ohm or PAPER_SHUNT_OHM, stated), {})
     if request.duration_s is not None and request.duration_s < request.on_s:
         raise CallerError(
             f"the run of {request.duration_s:g} s ends before switching off at {request.on_s:g} s: a longer run, or "
