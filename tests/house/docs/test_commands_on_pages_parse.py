@@ -16,9 +16,11 @@ import typer
 from tests.house.docs.test_code_blocks import PAGES, blocks, name_of
 from typer.main import get_command
 
-from musclewire.app._main import UsageProblem, app
+from musclewire.app import app
 from musclewire.errors import CallerError
 
+# Typer carries its own copy of click: the base of all usage errors.
+UsageProblem: Any = typer.BadParameter.__mro__[2]
 SHELL = {"sh", "console"}
 # What ends one command of a line, or belongs to the shell.
 ENDS = {"&&", "||", "|", ";", "&", ">", ">>", "<", "2>"}
