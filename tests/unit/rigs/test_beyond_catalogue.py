@@ -22,7 +22,7 @@ from musclewire.rigs import (
     shipped_rig_files,
 )
 
-MOUNTED = {"wire": "paper-100um", "wire_length": "14 cm", "shunt": "1 ohm", "sense_voltage": "0.3 V"}
+MOUNTED = {"wire": "paper-100um", "wire_length": "14 cm", "shunt": "1 ohm", "sense_voltage": "0.1 V"}
 BEYOND = [
     ({"wire_length": 60}, "wire_length 60 m is outside 0.002 to 10 m"),
     ({"wire_length": "60 m"}, "wire_length 60 m"),
