@@ -23,17 +23,20 @@ from musclewire.rigs import DeviceConfiguration, GuardedRig, ProtectionTripError
 pytestmark = pytest.mark.emulated
 
 LIMIT_K = 345.0
-OPENINGS = 6
+OPENINGS, MAX_OPENINGS = 6, 20
 
 
-def heat_until_it_trips(rig: GuardedRig) -> None:
+def heated_until_it_trips(rig: GuardedRig) -> bool:
+    """Heat a wire until it trips; false if it was for a machine that is busy with other tests."""
     try:
         for _ in range(400):
             rig.exchange(rig.maximum_voltage_v)
     except ProtectionTripError as error:
+        if error.event in (Event.SAMPLE_LATE, Event.COMMAND_MISSING):
+            return False
         if error.event is not Event.OVER_TEMPERATURE:
             raise
-        return
+        return True
     raise AssertionError("it has not tripped")
 
 
@@ -45,11 +48,13 @@ def hottest_allowed_k(rig: GuardedRig) -> float:
 
 
 def open_again_and_again(configuration: DeviceConfiguration, hottest_k: Callable[[], float]) -> None:
-    for _ in range(OPENINGS):
+    trips, openings = 0, 0
+    while trips < OPENINGS and openings < MAX_OPENINGS:
         rig = open_rig(configuration.model_copy())  # a copied rig file is of the same device
-        heat_until_it_trips(rig)
+        openings, trips = openings + 1, trips + heated_until_it_trips(rig)
         print(f"hottest so far: {hottest_k():.1f} K, allowed {hottest_allowed_k(rig):.1f} K")
         assert hottest_k() <= hottest_allowed_k(rig)
+    assert trips == OPENINGS
 
 
 def test_on_a_card() -> None:

@@ -14,6 +14,7 @@ from emulation.daq_bench import card_of
 from emulation.daq_card import CardTask
 from emulation.daq_server import DaqServer
 from tests.extras.board.contract.nidaq_rigs import at_seam, wiring_of
+from tests.extras.board.contract.serial_rigs import unwatched
 
 from musclewire.controllers import Event
 from musclewire.errors import MissingExtraError, RigError
@@ -103,11 +104,22 @@ def test_a_host_that_is_late_skips_whole_periods_and_the_times_say_so(name: str)
 @pytest.mark.emulated
 def test_a_driven_wire_goes_off_when_the_samples_come_too_late() -> None:
     with at_seam("ni-usb-6001", paced=True) as rig:
+        unwatched(rig)  # the whole host hangs
         rig.exchange(2.0)
         wait_until(lambda: output_v(rig) == 0.0)
         with pytest.raises(ProtectionTripError) as caught:
             rig.exchange(2.0)
     assert caught.value.event in (Event.COMMAND_MISSING, Event.SAMPLE_LATE)
+
+
+@pytest.mark.emulated
+def test_a_driven_wire_whose_host_thinks_rests_and_goes_on() -> None:
+    with at_seam("ni-usb-6001", paced=True) as rig:
+        rig.exchange(2.0)
+        wait_until(lambda: rig.drive_voltage_v <= rig.sense_voltage_v)
+        assert output_v(rig) > 0.0
+        time.sleep(1.0)
+        assert [rig.exchange(2.0).drive_voltage_v for _ in range(3)][-1] == pytest.approx(2.0, abs=0.05)
 
 
 @pytest.mark.emulated
