@@ -375,14 +375,6 @@ def test_ctrl_c_at_a_random_moment_leaves_no_drive_on(
     interrupt_at(20, rig, lambda: subject.opened(request, tmp_path), by_the_clock=subject.by_the_clock)
 
 
-@pytest.mark.full
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-def test_ctrl_c_at_500_random_moments_leaves_no_drive_on(
-    rig: Rig, subject: RigSubject, request: pytest.FixtureRequest, tmp_path: Path
-) -> None:
-    interrupt_at(500, rig, lambda: subject.opened(request, tmp_path), by_the_clock=subject.by_the_clock)
-
-
 def test_a_rig_that_nobody_talks_to_rests_and_the_next_exchange_says_so_and_runs(
     rig: Rig, subject: RigSubject, caplog: pytest.LogCaptureFixture
 ) -> None:
