@@ -60,7 +60,8 @@ def test_a_wire_that_gets_too_hot_is_warned_about(musclewire: Callable[..., Any]
 
 
 def test_a_molten_wire_is_no_result(musclewire: Callable[..., Any]) -> None:
-    answer = musclewire("simulate", "--supply", "100 V", "--json")
+    assert musclewire("simulate", "--supply", "100 V").code == 2
+    answer = musclewire("simulate", "--supply", "100 V", "--json", "--beyond-catalogue")
     assert answer.code == 1
     assert "melted" in answer.json["warnings"][0]
 
