@@ -31,7 +31,8 @@ class DaskCluster:
 
     def __enter__(self) -> Self:
         self._scheduler = self._started("scheduler", "--port", "0", "--scheduler-file", str(self._file))
-        while not self._file.exists():  # the scheduler writes it when it listens
+        # The scheduler writes it when it listens, and makes it before it fills it.
+        while not (self._file.exists() and self._file.read_text("utf-8").endswith("}")):
             assert self._scheduler.poll() is None, (self._folder / "dask-scheduler.log").read_text("utf-8")
             time.sleep(0.05)
         self.address = json.loads(self._file.read_text("utf-8"))["address"]
