@@ -66,7 +66,10 @@ def follow(page: Any) -> None:
 
 
 def ask(page: Any, watcher: Any) -> None:
-    """Let a watcher ask whoever moves the slider for control."""
+    """Let a watcher ask whoever moves the slider for control; one who got it meanwhile gives it up first."""
+    held = watcher.locator('[data-part="ask"]')
+    if held.inner_text() == "Give it up":
+        held.click()
     follow(page)
     if page.locator('[data-part="asked"]').is_hidden():
         watcher.locator('[data-part="ask"]').click()
