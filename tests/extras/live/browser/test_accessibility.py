@@ -54,10 +54,12 @@ def check(axe: Any, page: Any, state: str, prepare: Callable[[], None] = lambda:
         assert len(result["passes"]) > 15  # it has really looked
 
 
-def follow(page: Any) -> None:
+def follow(page: Any, watcher: Any = None) -> None:
     """Have a loop that follows the slider, and rules that have fired: once more if it has ended meanwhile."""
 
     def fired() -> bool:
+        if watcher is not None and watcher.locator('[data-part="ask"]').inner_text() == "Give it up":
+            watcher.locator('[data-part="ask"]').click()
         if page.locator('[data-part="steer"]').is_visible() and page.locator('[data-part="steer"]').is_enabled():
             page.locator('[data-part="steer"]').click(timeout=1000)
         return bool(page.locator("td.fired").count())
@@ -67,10 +69,7 @@ def follow(page: Any) -> None:
 
 def ask(page: Any, watcher: Any) -> None:
     """Let a watcher ask whoever moves the slider for control; one who got it meanwhile gives it up first."""
-    held = watcher.locator('[data-part="ask"]')
-    if held.inner_text() == "Give it up":
-        held.click()
-    follow(page)
+    follow(page, watcher)
     if page.locator('[data-part="asked"]').is_hidden():
         watcher.locator('[data-part="ask"]').click()
         page.locator('[data-part="asked"]').wait_for(state="visible")
