@@ -33,7 +33,7 @@ RULES = """- **Latched.** After a trip the drive stays off whatever is commanded
 - **Missing.** A reading without current, a late sample or a missing command is bridged: the drive is held at once,
   falls to the sense voltage after {sense} s and goes off after {trip} s. Nothing that a script commands is followed
   meanwhile. Readings that are missing again and again add up, in any pattern; a reading that is there makes up for a
-  quarter of its time.
+  quarter of its time, so that one of five or fewer bring nothing to the sense voltage, and their heat counts.
 - **Heat.** While a reading is missing the wire counts as heated by its last known power, times the square of what the
   drive has changed by since; before any reading, by the largest power that the drive allows. What was ordered counts
   where the device says that less is out. Time is that of the sample's own clock; one that leaps is a fault.
