@@ -34,7 +34,7 @@ class Pictures:
     def see(self, page: Any, name: str) -> None:
         """Take a picture of what is in sight, or assert that the committed one shows the same."""
         page.evaluate("scrollTo(0, 0)")  # a click may have scrolled, or not
-        shown = page.evaluate("looks.landmarks()") if self.takes else self._settled(page, name)
+        shown = self._at_rest(page) if self.takes else self._settled(page, name)
         self.seen.add(name)
         if self.takes:
             self._shown[name] = shown
@@ -48,6 +48,16 @@ class Pictures:
         added = [one for one in shown if one not in self._shown[name]]
         assert not gone, f"{name}: no longer on the page: {gone}; {new}"
         assert not added, f"{name}: new on the page: {added}; {new}"
+
+    def _at_rest(self, page: Any) -> list[str]:
+        """Return what is on the page once nothing has come or gone for a second: the first values change its layout."""
+        shown: list[str] = page.evaluate("looks.landmarks()")
+        for _ in range(SETTLES_S):
+            page.wait_for_timeout(1000.0)
+            before, shown = shown, page.evaluate("looks.landmarks()")
+            if shown == before:
+                break
+        return shown
 
     def _settled(self, page: Any, name: str) -> list[str]:
         """Return what is on the page, as soon as that is what the picture shows, or after a while."""

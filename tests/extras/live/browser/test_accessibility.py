@@ -98,7 +98,7 @@ def test_axe_finds_nothing_grave(axe: Any, browser: Any, own_server: Served) -> 
         check(axe, page, "busy", lambda: follow(page))
         with opened(browser, own_server.url, "phone") as watcher:
             check(axe, page, "busy and asked for control", lambda: ask(page, watcher))
-            check(axe, watcher, "watching on a phone", lambda: follow(page))
+            check(axe, watcher, "watching on a phone", lambda: follow(page, watcher))
         page.keyboard.press("Escape")
         wait_for_phase(page, "stopped")
         check(axe, page, "stopped")
