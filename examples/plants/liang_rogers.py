@@ -214,15 +214,30 @@ def resistance_of(point, length_m, area_m2, material):
 
 
 @njit(cache=True)
-def advance(point, drive_v, outside_ohm, inside_ohm, air, steps, step_s, shift_k, sizes, body, material):
-    """Return the wire after a sample, and means of wire voltage, current, displacement and stress over it."""
+def delayed(late_w, power_w):
+    """Return the power that arrives now, and send another on its way."""
+    if late_w.size == 0:
+        return power_w
+    arriving_w = late_w[0]
+    late_w[:-1] = late_w[1:]
+    late_w[-1] = power_w
+    return arriving_w
+
+
+@njit(cache=True)
+def advance(point, drive_v, outside_ohm, inside_ohm, air, steps, step_s, shift_k, sizes, body, late_w, material):
+    """Return the wire after a sample, and means of wire voltage, current, displacement and stress over it.
+
+    ``late_w`` is the power on its way to the wire, one number for each step of the dead time; it is changed in place.
+    """
     length_m, area_m2, factor = sizes
     ambient_k, loss_w_per_k = air
     sums = np.zeros(4)
     for _ in range(steps):
         ohm = factor * resistance_of(point, length_m, area_m2, material)
         current_a = drive_v / (ohm + inside_ohm + outside_ohm)
-        heat_j = (current_a**2 * ohm - loss_w_per_k * (point.temperature_k - ambient_k)) * step_s
+        power_w = delayed(late_w, current_a**2 * ohm)
+        heat_j = (power_w - loss_w_per_k * (point.temperature_k - ambient_k)) * step_s
         point = heated(point, heat_j, shift_k, body, material)
         ohm = factor * resistance_of(point, length_m, area_m2, material)
         current_a = drive_v / (ohm + inside_ohm + outside_ohm)
@@ -258,11 +273,17 @@ class LiangRogersConfiguration(MountedWire, DeviceConfiguration):
     ----------
     spring_stiffness
         Stiffness of the bias spring [N/m].
+    hysteresis
+        Difference [K] between the middles of heating and cooling without stress; the material's own by default.
+    dead_time
+        Time [s] from electrical power to heat in the wire: stands for whatever delays motion and is not modelled.
     seed
         Seed of the instruments' noise.
     """
 
     spring_stiffness: Annotated[float, measured_in("N/m"), Field(ge=0.0)] = 588.6
+    hysteresis: Annotated[float, measured_in("K"), Field(gt=0.0)] | None = None
+    dead_time: Annotated[float, measured_in("s"), Field(ge=0.0)] = 0.0
     seed: int = Field(default=1, ge=0)
 
 
@@ -271,12 +292,15 @@ class LiangRogersWire:
 
     configuration = LiangRogersConfiguration
     partner_state = None
+    name = "liang_rogers"
 
     def __init__(self, configuration, conditions=None, instruments=None, material=Material()):  # noqa: B008
         """Cool the wire under its pretension; instruments like those of the simulated rig unless others are given."""
         of = self.of = configuration
         wire = of.known_wire()
         self.conditions = conditions or steady()
+        if of.hysteresis is not None:
+            material = self.with_hysteresis(material, of.hysteresis)
         self.material = material
         settings = instruments or InstrumentSettings(244e-6, 16, 10.0, 10.0)
         self.instruments = RunningInstruments(settings, of.seed, of.sample_period)
@@ -290,13 +314,14 @@ class LiangRogersWire:
             section_m2=of.legs * self.area_m2,
             capacity_j_per_k=mass_kg * material.specific_heat_j_per_kg_k,
             latent_j=mass_kg * material.latent_heat_j_per_kg,
-            cold_strain=strain_of(stress_pa, 1.0, material),
+            cold_strain=self.cold_strain(stress_pa, material),
             force_n=self.pretension_n,
             spring_n_per_m=of.spring_stiffness,
         )
         self.point = Point(of.ambient_temperature, stress_pa, 1.0, 0.0)
         self.drive_voltage_v, self.samples, self.is_off = 0.0, 0, False
         self.true_time_s = self.cycles = self.mean_strain = 0.0
+        self.late_w = np.zeros(round(of.dead_time / STEP_S))
         self.facts = DeviceFacts(
             sample_period_s=of.sample_period,
             paced=False,
@@ -313,10 +338,11 @@ class LiangRogersWire:
     def metadata(self):
         """Return what a recording should say of this plant."""
         return {
-            "rig": "liang_rogers",
+            "rig": self.name,
             **self.of.facts(),
             "pretension_n": self.pretension_n,
             "spring_stiffness_n_per_m": self.of.spring_stiffness,
+            "dead_time_s": self.of.dead_time,
             "seed": self.of.seed,
         }
 
@@ -354,23 +380,49 @@ class LiangRogersWire:
         )
         loss = self.loss_w_per_k(ambient_k) * float(np.mean(now.convection_factor))
         sizes = (of.wire_length, self.area_m2, now.resistance_factor)
-        before = self.point.martensite
-        self.point, (wire_v, current_a, displacement_m, stress_pa) = advance(
-            self.point,
-            self.drive_voltage_v,
-            of.shunt,
-            self.instruments.lead_ohm(),
-            (ambient_k, loss),
-            steps,
-            step_s,
-            now.transformation_shift_k,
-            sizes,
-            body,
-            self.material,
+        before = self.martensite
+        wire_v, current_a, displacement_m, stress_pa = self.advanced_wire(
+            steps, step_s, now.transformation_shift_k, (ambient_k, loss), sizes, body
         )
-        self.cycles += 0.5 * abs(self.point.martensite - before)
+        self.cycles += 0.5 * abs(self.martensite - before)
         self.mean_strain = displacement_m / of.leg_length_m
         return wire_v, current_a * of.shunt, displacement_m, stress_pa * self.body.section_m2
+
+    def advanced_wire(self, steps, step_s, shift_k, air, sizes, body):
+        """Advance the wire; return the means of ``advance``."""
+        self.point, means = advance(
+            self.point,
+            self.drive_voltage_v,
+            self.of.shunt,
+            self.instruments.lead_ohm(),
+            air,
+            steps,
+            step_s,
+            shift_k,
+            sizes,
+            body,
+            self.late_w,
+            self.material,
+        )
+        return means
+
+    @property
+    def martensite(self):
+        """The fraction of martensite."""
+        return self.point.martensite
+
+    @staticmethod
+    def with_hysteresis(material, hysteresis_k):
+        """Return the material with its cooling below its heating by a hysteresis [K], between the branches' middles."""
+        middle_k = 0.5 * (material.austenite_start_k + material.austenite_end_k)
+        half_k = 0.5 * (material.martensite_start_k - material.martensite_end_k)
+        below_k = middle_k - hysteresis_k
+        return material._replace(martensite_start_k=below_k + half_k, martensite_end_k=below_k - half_k)
+
+    @staticmethod
+    def cold_strain(stress_pa, material):
+        """Return the strain of the cold wire."""
+        return strain_of(stress_pa, 1.0, material)
 
     @property
     def wire_state(self):

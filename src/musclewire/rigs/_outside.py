@@ -84,17 +84,23 @@ def imported_module(name: str, folder: Path) -> ModuleType:
 
 
 def module_in(name: str, file: Path) -> ModuleType:
-    """Return the module of a file, under its name among the imported ones, unless it fails."""
+    """Return the module of a file, under its name among the imported ones, unless it fails.
+
+    It may import what lies next to it, as a script may; installed modules come first.
+    """
     place = spec_from_file_location(name, file)
     assert place is not None
     assert place.loader is not None
     module = module_from_spec(place)
     sys.modules[name] = module
+    sys.path.append(str(file.parent))
     try:
         place.loader.exec_module(module)
     except BaseException:
         del sys.modules[name]
         raise
+    finally:
+        sys.path.remove(str(file.parent))
     return module
 
 
