@@ -9,7 +9,8 @@ import sys
 import pytest
 from tests.places import CHECKOUT
 
-MAX_FILES = 18
+# 18 until the protection's tick was cut in two: what one reading shows, and what follows from it.
+MAX_FILES = 19
 MAX_LINES = 700
 CONTAINERS = ["RigConfiguration.pretension", "Parameter.value", "WireConstants.pretension_n"]
 
