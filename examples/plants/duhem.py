@@ -1,7 +1,7 @@
 """A wire of a third family: hysteresis as a differential equation of Duhem's form, and phases side by side.
 
-A plant of one's own, opened by ``kind = "python:duhem:DuhemWire"`` in a rig file (``duhem.toml`` next to this file). Bench,
-circuit and instruments are those of ``liang_rogers`` next to it; the wire is another:
+A plant of one's own, opened by ``kind = "python:duhem:DuhemWire"`` in a rig file (``duhem.toml`` next to this file).
+Bench, circuit and instruments are those of ``liang_rogers`` next to it; the wire is another:
 
 - The fraction of austenite a follows temperature by slopes that have no memory but a itself (Dutta and Ghorbel 2005,
   doi 10.1109/TMECH.2005.843438): along the outer loop h+ (heating) and h- (cooling), both Gaussian distribution
@@ -137,9 +137,7 @@ def advance(phase, drive_v, outside_ohm, inside_ohm, air, steps, step_s, shift_k
         heat_j = (power_w - loss_w_per_k * (phase.temperature_k - ambient_k)) * step_s
         phase = warmed(phase, heat_j, shift_k, body, material)
         contraction = body.cold_strain - strain_at(phase, material)
-        sums += np.array(
-            [current_a * (ohm + inside_ohm), current_a, contraction * body.leg_length_m, phase.stress_pa]
-        )
+        sums += np.array([current_a * (ohm + inside_ohm), current_a, contraction * body.leg_length_m, phase.stress_pa])
     return phase, sums / steps
 
 

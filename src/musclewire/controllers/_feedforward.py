@@ -15,8 +15,21 @@ between them it stands still. Both branches are known from a slow loop. So a new
   K_c = (tau dw/dS + lambda) / (tau_c + theta), T_i = min(tau_e, 4 (tau_c + theta)) (SIMC, Skogestad 2003).
 
 Heating from cold is the same: below B resistance does not determine strain, so the heat alone brings the wire there.
-A wire that stands still on the wrong side of its target jumps over most of the gap. No windup: the integral stops at a
-limit that it would press on. The heat balance of the commanded power never exceeds that of the highest temperature.
+No windup: the integral stops at a limit that it would press on. The heat balance of the commanded power never exceeds
+that of the highest temperature.
+
+What it cannot know it learns during a run, and says so in the recording:
+
+- the gap: a wire that stands still on the wrong side of its target jumps over a part of it, and half as far from then
+  on when that was too far;
+- lateness (``lag_s``): how much later than expected the wire is half way at large steps; it is then expected later, and
+  SIMC's tau_c and theta both grow by it;
+- what the estimate is worth: an error counts for the integral as far as it is above the estimate's deviation, and a
+  wire that has come to rest is not pushed about by less;
+- an oscillation (``gain_factor``): a drive that swings to and fro at one target halves the gain from then on;
+- C (``beyond_c``): where more power than the slow loop ever took makes the estimate fall back, less is tried; if the
+  estimate does not fall then, the wire is beyond C, where resistance rises with temperature, and gets no more than
+  the slow loop's largest power.
 
 References: Skogestad 2003, doi 10.1016/S0959-1524(02)00062-8, for the rule of K_c and T_i.
 """
@@ -75,9 +88,10 @@ class FeedforwardSettings(StrictModel):
     pulse_time_s
         Time constant [s] of the pulse of heat; three samples.
     tolerance
-        Error, in the quantity's unit, from which a wire that stands still jumps over the gap.
+        Error, in the quantity's unit, from which a wire that stands still jumps over the gap; the deviation of the
+        estimate, where that is larger.
     gap_fraction
-        Fraction of the gap that it jumps over; the rest is the feedback's, as no gap is known exactly.
+        Fraction of the gap that the first jump takes; the rest is the feedback's, as no gap is known exactly.
     maximum_steady_power_w
         Power [W] in the heat balance at the highest permitted temperature.
 
@@ -101,7 +115,7 @@ class FeedforwardSettings(StrictModel):
     integral_time_s: Positive
     pulse_time_s: Positive = 0.15
     tolerance: Positive
-    gap_fraction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.8
+    gap_fraction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.4
     maximum_steady_power_w: Positive
 
     @model_validator(mode="after")
@@ -160,7 +174,7 @@ class FeedforwardController:
         Without settings, or with those of another controller.
     """
 
-    columns = ("steady_power_w", "pending_heat_j")
+    columns = ("steady_power_w", "pending_heat_j", "gain_factor", "beyond_c", "lag_s")
     # The first target is reached from cold within its first second, so it needs no time before the first step.
     approach_s = 0.0
 

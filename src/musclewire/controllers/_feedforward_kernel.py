@@ -19,17 +19,25 @@ SETTINGS = np.dtype(
         (name, np.float64)
         for name in (
             "sense_voltage_v", "maximum_voltage_v", "shunt_resistance_ohm", "thermal_time_constant_s", "heat_per_unit",
-            "response_s", "integral_time_s", "pulse_time_s", "tolerance", "gap_fraction", "maximum_steady_power_w",
-            "lowest", "spacing",
+            "response_s", "dead_time_s", "integral_time_s", "pulse_time_s", "tolerance", "gap_fraction",
+            "maximum_steady_power_w", "lowest", "spacing",
         )
     ]
 )  # fmt: skip
+# What is due: the drive, its power, the steady power, that of the heat balance, the pulse of heat. Where the wire was
+# when the target came, on which branch, and whether it stands. What was learned: the part of the gap that a jump takes,
+# how late the wire follows, the part of the gain that is left, and the largest steady power. Then the watches: of a
+# swinging drive, of a step on its way, and of a wire beyond C.
 STATE = np.dtype(
     [
         (name, np.float64)
         for name in (
-            "started", "drive_voltage_v", "power_w", "steady_w", "balance_w", "pulse_j", "target", "start_value",
-            "place", "anchor", "still_s",
+            "started", "drive_voltage_v", "power_w", "steady_w", "balance_w", "pulse_j",
+            "target", "start_value", "place", "anchor", "still_s", "jumped", "arrived", "since_s",
+            "known_gap", "lag_s", "gain_factor", "ceiling_w",
+            "swing", "extreme_v", "reversals", "calm_s",
+            "step", "expected_s", "lagged",
+            "highest", "doubts", "probing_s", "probe_w", "beyond_c",
         )
     ]
 )  # fmt: skip
@@ -41,6 +49,19 @@ NO_CURRENT, COLD, NOT_READY = float(Reason.NO_CURRENT), float(Reason.COLD), floa
 # A wire counts as still that has moved by less than half the tolerance for this long [s]: two samples of 50 ms, so
 # motion that has just turned does not count as standing.
 STILL_S = 0.09
+# An error counts for the integral as much as it is above the deviation of the estimate. While one target holds, and the
+# error is within that deviation, the steady power changes by no more than this part of itself per second: an estimator
+# that takes its branch from the power would take more for a turn, and the loop would answer its own doing.
+DOUBT, SETTLED_S, CREEP_PER_S = 2.0, 2.0, 0.005
+# Lateness is measured at steps above so many tolerances, up to the longest that a wire which need not cross the gap
+# has, and each counts for half; half of it goes into where the wire is expected.
+LARGE_STEP, LATEST_S, LEARNT, LAG_PART = 3.0, 0.4, 0.5, 0.5
+# Power above the slow loop's largest, and time constants of the air for which less is tried, to find a wire beyond C.
+HOTTER, PROBE_TIME_CONSTANTS = 1.05, 1.5
+# An oscillation: so many reversals of more than this swing [V], each within a time [s] of the one before, from a second
+# after the target on. Three come within 3 s at the periods of 0.4 to 2 s that dead times up to 0.3 s give.
+OSCILLATION_REVERSALS, SWING_V, SETTLING_S, LONGEST_HALF_PERIOD_S = 3.0, 0.5, 1.0, 1.5
+LEAST_GAIN = 0.0625
 PowerLimits = tuple[float, float, float]
 # A record; mypy knows no fields of one.
 Row = Any
@@ -79,11 +100,11 @@ def power_w(wire: KnownWire, drive_voltage_v: float, value: float) -> float:
 
 
 @compiled_inner
-def power_limits_w(wire: KnownWire, value: float) -> PowerLimits:
-    """Return the power of the lowest and of the highest drive, and the highest steady one of the temperature limit."""
+def power_limits_w(wire: KnownWire, value: float, ceiling_w: float) -> PowerLimits:
+    """Return the power of the lowest and of the highest drive, and the highest steady one: a limit's, or a ceiling."""
     lowest_w = power_w(wire, wire.settings["sense_voltage_v"], value)
     highest_w = power_w(wire, wire.settings["maximum_voltage_v"], value)
-    return lowest_w, highest_w, max(min(highest_w, wire.settings["maximum_steady_power_w"]), lowest_w)
+    return lowest_w, highest_w, max(min(highest_w, ceiling_w), lowest_w)
 
 
 @compiled_inner
@@ -99,9 +120,10 @@ def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray
     """Control by feedforward of power and heat, and by a PI on what that leaves."""
     state_row = row_in(state, STATE)
     wire = KnownWire(row_in(constants, SETTINGS), constants[N_SETTINGS:].reshape(N_TABLES, -1))
-    target, value, valid, reason, dt_s = given[0], given[1], given[3], given[4], given[5]
+    target, value, std, valid, reason, dt_s = given
     answer[0], answer[1] = state_row["drive_voltage_v"], 0.0
     answer[2], answer[3] = state_row["steady_w"], state_row["pulse_j"]
+    answer[4], answer[5], answer[6] = state_row["gain_factor"], state_row["beyond_c"], state_row["lag_s"]
     if reason == NO_CURRENT:
         return
     if not math.isfinite(target - value) or not dt_s > 0.0 or not math.isfinite(dt_s):
@@ -109,16 +131,22 @@ def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray
         return
     if reason in (COLD, NOT_READY):
         value = min(value, wire.settings["lowest"])
-    limits_w = power_limits_w(wire, value)
     first = state_row["started"] == 0.0
     if first:
         take_over(wire, state_row, value)
+    limits_w = power_limits_w(wire, value, state_row["ceiling_w"])
     if target != state_row["target"]:
         new_target(wire, state_row, target, value, first and valid == 0.0, limits_w)
-    error = expected(wire, state_row, target) - value
-    cross_the_gap(wire, state_row, value, error, dt_s, valid, limits_w)
-    command(wire, state_row, value, error, dt_s, limits_w)
+    error = lagged(wire, state_row, expected(wire, state_row, target), value, valid, dt_s) - value
+    tolerance = max(wire.settings["tolerance"], std) if valid != 0.0 else math.inf
+    if probe_beyond_c(wire, state_row, value, error, dt_s):
+        error = 0.0
+    else:
+        cross_the_gap(wire, state_row, value, error, tolerance, dt_s, limits_w)
+    command(wire, state_row, value, error, std if valid != 0.0 else 0.0, dt_s, limits_w)
+    notice_oscillation(state_row, dt_s)
     answer[0], answer[2], answer[3] = state_row["drive_voltage_v"], state_row["steady_w"], state_row["pulse_j"]
+    answer[4], answer[5], answer[6] = state_row["gain_factor"], state_row["beyond_c"], state_row["lag_s"]
 
 
 @compiled_inner
@@ -128,6 +156,9 @@ def take_over(wire: KnownWire, state: Row, value: float) -> None:
     state["power_w"] = power_w(wire, state["drive_voltage_v"], value)
     state["steady_w"] = state["balance_w"] = state["power_w"]
     state["target"] = state["start_value"] = state["anchor"] = value
+    state["lagged"], state["ceiling_w"] = value, wire.settings["maximum_steady_power_w"]
+    state["doubts"] = 1.0
+    state["known_gap"], state["gain_factor"] = wire.settings["gap_fraction"], 1.0
 
 
 @compiled_inner
@@ -146,6 +177,8 @@ def new_target(wire: KnownWire, state: Row, target: float, value: float, cold: b
     warming_j = wire.settings["thermal_time_constant_s"] * (steady_w - state["steady_w"])
     state["pulse_j"] += warming_j + wire.settings["heat_per_unit"] * (target - state["target"])
     state["steady_w"], state["start_value"], state["place"], state["target"] = steady_w, value, side, target
+    state["jumped"] = state["arrived"] = state["swing"] = state["reversals"] = state["beyond_c"] = 0.0
+    state["since_s"], state["expected_s"], state["step"] = 0.0, -1.0, (target - value if place == side else 0.0)
 
 
 @compiled_inner
@@ -157,22 +190,106 @@ def expected(wire: KnownWire, state: Row, target: float) -> float:
 
 
 @compiled_inner
+def lagged(wire: KnownWire, state: Row, ahead: float, value: float, valid: float, dt_s: float) -> float:
+    """Return where the wire should be by now if it follows as late as it has been seen to follow.
+
+    At every large step it is measured by how much later than expected the wire is half way.
+    """
+    step, half = state["step"], 0.5 * state["step"]
+    state["since_s"] += dt_s
+    large = abs(step) > LARGE_STEP * wire.settings["tolerance"]
+    if large and state["expected_s"] < 0.0 and (ahead - state["start_value"] - half) * step > 0.0:
+        state["expected_s"] = state["since_s"]
+    if large and valid != 0.0 and (value - state["start_value"] - half) * step > 0.0:
+        if state["expected_s"] >= 0.0:
+            late_s = state["since_s"] - state["expected_s"]
+            if late_s <= LATEST_S:
+                state["lag_s"] += LEARNT * (late_s - state["lag_s"])
+        state["step"] = 0.0
+    lag_s = LAG_PART * state["lag_s"]
+    state["lagged"] += (ahead - state["lagged"]) * dt_s / (dt_s + lag_s)
+    return float(state["lagged"])
+
+
+@compiled_inner
 def cross_the_gap(
-    wire: KnownWire, state: Row, value: float, error: float, dt_s: float, valid: float, limits_w: PowerLimits
+    wire: KnownWire, state: Row, value: float, error: float, tolerance: float, dt_s: float, limits_w: PowerLimits
 ) -> None:
-    """Let a wire that stands on the wrong side of its target jump over most of the gap between the branches."""
+    """Let a wire that stands on the wrong side of its target jump over a part of the gap between the branches.
+
+    Where a jump has taken the wire beyond its target, the gap is smaller than it was taken for: half of it from then
+    on.
+    """
     lowest_w, _, steady_limit_w = limits_w
     watch(wire, state, value, dt_s)
     side = 1.0 if error > 0.0 else -1.0
     table = HEATING_SLOPE if state["place"] >= 0.0 else COOLING_SLOPE
     pulse_over = abs(state["pulse_j"]) < wire.settings["tolerance"] * heat_per_value(wire, table, state["target"])
+    if pulse_over:
+        state["arrived"] = 1.0
     still = state["still_s"] >= STILL_S
-    far = abs(error) > wire.settings["tolerance"]
-    if valid != 0.0 and pulse_over and still and far and state["place"] * side <= 0.0:
-        gap_w = wire.settings["gap_fraction"] * (edge_w(wire, side, value) - edge_w(wire, state["place"], value))
+    far = abs(error) > tolerance
+    if pulse_over and still and far and state["place"] * side <= 0.0:
+        if state["jumped"] * side < 0.0:
+            state["known_gap"] *= 0.5
+        state["jumped"] = side
+        gap_w = state["known_gap"] * (edge_w(wire, side, value) - edge_w(wire, state["place"], value))
         state["steady_w"] = min(max(state["balance_w"] + gap_w, lowest_w), steady_limit_w)
         state["pulse_j"] += wire.settings["thermal_time_constant_s"] * gap_w
         state["place"] = side
+
+
+@compiled_inner
+def probe_beyond_c(wire: KnownWire, state: Row, value: float, error: float, dt_s: float) -> bool:
+    """Return whether the drive is lowered to see on which side of C the wire is.
+
+    Beyond C resistance rises with temperature, which reads as a wire that falls back, and a loop would heat it all the
+    more. So where the power is above all that the slow loop took, and the estimate has fallen back meanwhile, less is
+    tried: the estimate of a wire between B and C falls then, and that of one beyond C does not. From then on the wire
+    gets no more than the slow loop's largest power.
+    """
+    top_w, little = wire.tables[HEATING][-1], 0.5 * wire.settings["tolerance"]
+    if state["probing_s"] == 0.0:
+        if not (state["steady_w"] > HOTTER * top_w and error > little):
+            state["highest"] = value
+            return False
+        state["highest"] = max(state["highest"], value)
+        if state["highest"] - value < little * state["doubts"]:
+            return False
+        state["probe_w"], state["highest"], state["pulse_j"] = state["steady_w"], value, 0.0
+        state["steady_w"] = edge_w(wire, 1.0, state["target"])
+    state["probing_s"] += dt_s
+    fallen = state["highest"] - value > little
+    if fallen:
+        state["steady_w"], state["probing_s"], state["highest"] = state["probe_w"], 0.0, value
+        state["doubts"] *= 2.0
+        return False
+    if state["probing_s"] > PROBE_TIME_CONSTANTS * wire.settings["thermal_time_constant_s"]:
+        state["beyond_c"], state["ceiling_w"], state["probing_s"] = 1.0, top_w, 0.0
+        return False
+    return True
+
+
+@compiled_inner
+def notice_oscillation(state: Row, dt_s: float) -> None:
+    """Halve the gain for the rest of the run where the drive swings to and fro while one target holds."""
+    drive_v = state["drive_voltage_v"]
+    state["calm_s"] += dt_s
+    if state["arrived"] == 0.0 or state["since_s"] < SETTLING_S or state["calm_s"] > LONGEST_HALF_PERIOD_S:
+        state["reversals"] = state["swing"] = state["calm_s"] = 0.0
+        state["extreme_v"] = drive_v
+        return
+    away_v = drive_v - state["extreme_v"]
+    if state["swing"] * away_v > 0.0:
+        state["extreme_v"] = drive_v
+    elif abs(away_v) > SWING_V:
+        state["reversals"] += abs(state["swing"])
+        state["swing"] = 1.0 if away_v > 0.0 else -1.0
+        state["extreme_v"], state["calm_s"] = drive_v, 0.0
+    if state["reversals"] >= OSCILLATION_REVERSALS:
+        state["reversals"] = 0.0
+        state["gain_factor"] = max(0.5 * state["gain_factor"], LEAST_GAIN)
+        state["known_gap"] *= 0.5
 
 
 @compiled_inner
@@ -185,24 +302,44 @@ def watch(wire: KnownWire, state: Row, value: float, dt_s: float) -> None:
 
 
 @compiled_inner
-def command(wire: KnownWire, state: Row, value: float, error: float, dt_s: float, limits_w: PowerLimits) -> None:
+def command(
+    wire: KnownWire, state: Row, value: float, error: float, std: float, dt_s: float, limits_w: PowerLimits
+) -> None:
     """Set the drive voltage, then advance integral, pulse and heat balance with the power within the limits."""
     lowest_w, highest_w, steady_limit_w = limits_w
     tau_s = wire.settings["thermal_time_constant_s"]
-    gain = heat_per_value(wire, HEATING_SLOPE if error > 0.0 else COOLING_SLOPE, value) / wire.settings["response_s"]
+    # SIMC with the dead time that was seen: tau_c and theta both grow by what the wire is late.
+    late_s = max(state["lag_s"] - wire.settings["dead_time_s"], 0.0)
+    response_s = (wire.settings["response_s"] + 2.0 * late_s) / state["gain_factor"]
+    gain = heat_per_value(wire, HEATING_SLOPE if error > 0.0 else COOLING_SLOPE, value) / response_s
     # With this power the heat balance is at the limit after this sample, not above it.
     warmest_w = steady_limit_w + max(0.0, steady_limit_w - state["balance_w"]) * tau_s / dt_s
     limit_w = max(min(highest_w, warmest_w), lowest_w)
     without_pulse_w = state["steady_w"] + gain * error
+    if state["ceiling_w"] < wire.settings["maximum_steady_power_w"]:
+        without_pulse_w = min(without_pulse_w, state["ceiling_w"])
     wanted_w = without_pulse_w + state["pulse_j"] / wire.settings["pulse_time_s"]
     given_w = min(max(wanted_w, lowest_w), limit_w)
     by_pulse_w = given_w - min(max(without_pulse_w, lowest_w), limit_w)
     state["pulse_j"] -= dt_s * (by_pulse_w + state["pulse_j"] / tau_s)
-    integral_w = gain * error * dt_s / wire.settings["integral_time_s"]
+    integral_w = integrated_w(wire, state, gain, error, std, dt_s)
     if not ((wanted_w > limit_w and integral_w > 0.0) or (wanted_w < lowest_w and integral_w < 0.0)):
         state["steady_w"] = min(max(state["steady_w"] + integral_w, lowest_w), steady_limit_w)
     state["balance_w"] += min(dt_s / tau_s, 1.0) * (given_w - state["balance_w"])
     set_drive(wire, state, value, given_w, lowest_w, highest_w)
+
+
+@compiled_inner
+def integrated_w(wire: KnownWire, state: Row, gain: float, error: float, std: float, dt_s: float) -> float:
+    """Return by how much the steady power grows for an error: as far as the estimate is trusted."""
+    if error == 0.0:
+        return 0.0
+    trusted = error * abs(error) / (abs(error) + DOUBT * std)
+    integral_w = gain * trusted * dt_s / wire.settings["integral_time_s"] * state["gain_factor"]
+    if state["since_s"] > SETTLED_S and abs(error) < std:
+        most_w = CREEP_PER_S * dt_s * state["steady_w"]
+        integral_w = min(max(integral_w, -most_w), most_w)
+    return float(integral_w)
 
 
 @compiled_inner

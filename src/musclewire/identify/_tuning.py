@@ -47,8 +47,9 @@ SMOOTHING_S = 1.0
 # sample of the estimator's filter.
 DEAD_SAMPLES = 2.0
 PULSE_SAMPLES = 3.0
-# An error of this fraction of the full range lets a standing wire jump over the gap.
-TOLERANCE_FRACTION = 0.006
+# An error of this fraction of the full range, or of the estimate's deviation if that is more, lets a standing wire jump
+# over a part of the gap.
+TOLERANCE_FRACTION = 0.012
 TUNED = ("feedforward", "fuzzy-pid")
 MIDDLE_KP = 0.06
 FREQUENCIES_RAD_PER_S = np.geomspace(1e-2, 1e3, 4000)

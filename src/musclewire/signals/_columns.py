@@ -71,6 +71,9 @@ _ALL = (
     Column("derivative_gain", "", "derivative gain at this tick", "control"),
     Column("steady_power_w", "W", "steady power by which the controller holds the wire", "control"),
     Column("pending_heat_j", "J", "heat that the controller has still to give, or to let go", "control"),
+    Column("gain_factor", "", "part of its gain that the controller uses: below 1 after an oscillation", "control"),
+    Column("beyond_c", "", "1 while the drive is lowered, since resistance rose with power", "control"),
+    Column("lag_s", "s", "by how much later than its gains expect the wire was seen to follow", "control"),
     Column(
         "slow_correction",
         "",

@@ -44,7 +44,7 @@ def name_of(page: Path) -> str:
     return page.relative_to(CHECKOUT).as_posix()
 
 
-# A quick page, whose blocks every run of the tests runs; and pages whose commands take a minute or more: that these are
+# A quick page, whose blocks every run of the tests runs; and pages whose blocks take 20 s or more: that these are
 # still commands is tried by test_commands_on_pages_parse.py, and what they do by the tests of the commands.
 ALWAYS = "rules.md"
 LONG = {
