@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from musclewire.arrays import FloatArray
 from musclewire.identify import COLUMN_SUFFIX
 from musclewire.sensing import CAUSE_TEXT, Cause
 from musclewire.signals import Recording
@@ -17,6 +19,9 @@ NAMES = {
     Cause.CHANGED_AIR: "changed air",
     Cause.OTHER_WIRE: "wrong or aged wire",
     Cause.STALLED: "stalled or slack",
+    Cause.OSCILLATION: "oscillation",
+    Cause.BEYOND_C: "beyond C",
+    Cause.LATE: "late",
 }
 # The drive is at a limit within this fraction of it; a target is missed by more than this part of the range of targets.
 AT_LIMIT, NOT_REACHED = 0.01, 0.05
@@ -27,15 +32,21 @@ FOLLOWS = 0.005
 # Saturation for more than this part of a run, and its result does not hold.
 MAX_SATURATED = 0.1
 # What alone makes a result doubtful; changed air does not, if the estimator that has found it takes it into account.
-GRAVE = (Cause.CHANGED_LOAD, Cause.OTHER_WIRE, Cause.STALLED)
+GRAVE = (Cause.CHANGED_LOAD, Cause.OTHER_WIRE, Cause.STALLED, Cause.OSCILLATION, Cause.BEYOND_C)
+# A wire is late that was seen to follow later than expected by more than this [s]; those of our own benches are 0.03 to
+# 0.15 s late, by samples and by the estimator's filter.
+LATE_S = 0.15
+# The oscillation that lowered a gain is described by the drive of so long before [s].
+SWUNG_S = 3.0
 
 
 class TimedFinding(NamedTuple):
-    """A cause with the time [s] at which it was first found, and for how long [s] in total."""
+    """A cause with the time [s] at which it was first found, for how long [s] in total, and its numbers in words."""
 
     cause: Cause
     from_s: float
     lasted_s: float
+    numbers: str = ""
 
 
 def findings(recording: Recording) -> tuple[TimedFinding, ...]:
@@ -59,28 +70,65 @@ def findings(recording: Recording) -> tuple[TimedFinding, ...]:
     if "health" in recording:
         for cause in (Cause.CHANGED_LOAD, Cause.CHANGED_AIR, Cause.OTHER_WIRE):
             marked[cause] = recording["health"] == float(cause)
+    marked |= by_controller(recording)
     period_s = period_of(recording)
     found = [
-        TimedFinding(cause, float(recording["time_s"][np.argmax(where)]), float(where.sum()) * period_s)
+        TimedFinding(
+            cause,
+            float(recording["time_s"][np.argmax(where)]),
+            float(where.sum()) * period_s,
+            numbers_of(cause, recording, int(np.argmax(where))),
+        )
         for cause, where in marked.items()
         if where.any()
     ]
     return tuple(sorted(found, key=lambda finding: finding.from_s))
 
 
+def by_controller(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:
+    """Return the samples at which the controller has noticed something, by cause; none of one that notices nothing."""
+    marks: dict[Cause, tuple[str, Callable[[FloatArray], npt.NDArray[np.bool_]]]] = {
+        Cause.OSCILLATION: ("gain_factor", lambda gain: gain < 1.0),
+        Cause.BEYOND_C: ("beyond_c", lambda beyond: beyond > 0.0),
+        Cause.LATE: ("lag_s", lambda lag_s: lag_s > LATE_S),
+    }
+    return {cause: mark(recording[column]) for cause, (column, mark) in marks.items() if column in recording}
+
+
+def numbers_of(cause: Cause, recording: Recording, row: int) -> str:
+    """Return the numbers of a finding from its first row on, in words; "" for a cause that has none."""
+    if cause is Cause.LATE:
+        return f"by up to {recording['lag_s'].max():.2f} s"
+    if cause is not Cause.OSCILLATION:
+        return ""
+    period_s = period_of(recording)
+    drive_v = recording["drive_voltage_v"][max(row - round(SWUNG_S / period_s), 0) : row + 1]
+    swings = np.flatnonzero(np.diff(np.sign(drive_v - drive_v.mean())))
+    half_s = float(np.mean(np.diff(swings))) * period_s if swings.size > 1 else SWUNG_S / 2.0
+    return f"{np.ptp(drive_v):.1f} V peak to peak, period {2.0 * half_s:.1f} s"
+
+
 def health_metadata(recording: Recording) -> dict[str, str]:
     """Return the findings of a closed loop for its own metadata, under ``health``; nothing if all is well."""
     found = findings(recording)
-    said = [f"{NAMES[one.cause]} at {one.from_s:.2f} s for {one.lasted_s:.2f} s" for one in found]
+    said = [
+        f"{NAMES[one.cause]} at {one.from_s:.2f} s for {one.lasted_s:.2f} s{in_brackets(one.numbers)}" for one in found
+    ]
     return {"health": "; ".join(said)} if said else {}
 
 
 def health_warnings(recording: Recording) -> tuple[str, ...]:
     """Return a warning for each finding: cause, time and what to do."""
     return tuple(
-        f"{NAMES[one.cause]} from {one.from_s:.1f} s on, {one.lasted_s:.1f} s in total: {CAUSE_TEXT[one.cause]}"
+        f"{NAMES[one.cause]} from {one.from_s:.1f} s on, {one.lasted_s:.1f} s in total{in_brackets(one.numbers)}: "
+        f"{CAUSE_TEXT[one.cause]}"
         for one in findings(recording)
     )
+
+
+def in_brackets(numbers: str) -> str:
+    """Return numbers as an insertion."""
+    return f" ({numbers})" if numbers else ""
 
 
 def result_holds(recording: Recording) -> bool:

@@ -19,6 +19,12 @@ class Cause(IntEnum):
     """The resistance is not that of the wire of the model: another wire, or one that has aged."""
     STALLED = 5
     """The drive is at its upper limit and the resistance does not follow: a tendon is slack or something blocks."""
+    OSCILLATION = 6
+    """The drive swung to and fro at one target, and the controller has lowered its gain."""
+    BEYOND_C = 7
+    """More power made the estimate fall back: the wire was beyond C, where resistance rises with temperature."""
+    LATE = 8
+    """The wire follows later than the controller's gains expect."""
 
 
 CAUSE_TEXT = {
@@ -29,4 +35,10 @@ CAUSE_TEXT = {
     Cause.OTHER_WIRE: "not the resistance of this model's wire: another wire, or an aged one (musclewire home)",
     Cause.STALLED: "the drive is at its upper limit and the resistance does not follow: the tendon is slack, or "
     "something blocks the wire",
+    Cause.OSCILLATION: "the drive swung to and fro at one target, and the gain was lowered for the rest of the run: "
+    "the gains are not this wire's, fit again on this rig or tune with a longer --closed-loop-time",
+    Cause.BEYOND_C: "more power made the estimate fall back, so the wire was beyond C, where resistance rises with "
+    "temperature, and the drive was lowered: give a lower highest target",
+    Cause.LATE: "the wire follows later than its gains expect, by a coating, a filter or a slow link: each step takes "
+    "as much longer",
 }

@@ -75,3 +75,29 @@ def test_what_the_estimator_has_found_counts() -> None:
     ]
     assert not result_holds(run)
     assert result_holds(loop(health=np.where(between(10.0, 12.0), 3.0, 0.0)))
+
+
+def test_an_oscillation_is_named_with_its_swing_and_period_and_does_not_hold() -> None:
+    time_s = PERIOD_S * np.arange(1, 801)
+    swinging = between(21.0, 24.0)
+    run = loop(
+        drive_voltage_v=np.where(swinging, 2.0 + np.sin(2.0 * np.pi * time_s), 2.0),
+        gain_factor=np.where(time_s > 24.0, 0.5, 1.0),
+    )
+    (found,) = findings(run)
+    assert found.cause is Cause.OSCILLATION
+    assert found.numbers == "2.0 V peak to peak, period 1.0 s"
+    assert "oscillation at 24.05 s" in health_metadata(run)["health"]
+    assert not result_holds(run)
+
+
+def test_a_wire_beyond_c_is_named() -> None:
+    run = loop(beyond_c=between(30.0, 32.0).astype(float))
+    assert [one.cause for one in findings(run)] == [Cause.BEYOND_C]
+    assert not result_holds(run)
+
+
+def test_a_late_wire_is_named_with_its_lateness_and_holds() -> None:
+    run = loop(lag_s=np.where(between(10.0, 40.0), 0.21, 0.05))
+    assert "late from 10.1 s on, 30.0 s in total (by up to 0.21 s)" in health_warnings(run)[0]
+    assert result_holds(run)

@@ -1,4 +1,4 @@
-"""An example of a plant from outside in the contract suite: a module next to its rig file, another family of wire."""
+"""Plants from outside in the contract suite: modules next to their rig files, two other families of wire."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from tests.places import EXAMPLES
 
 from musclewire.rigs import open_rig
 
-LIANG_ROGERS = EXAMPLES / "plants" / "liang_rogers.toml"
+LIANG_ROGERS, DUHEM = EXAMPLES / "plants" / "liang_rogers.toml", EXAMPLES / "plants" / "duhem.toml"
 
 # The maker's 126 ohm/m over 14 cm, and up to 15 % more.
-SUBJECTS = (RigSubject("another family", without_a_test(lambda: open_rig(LIANG_ROGERS)), (17.6, 20.3)),)
+SUBJECTS = (
+    RigSubject("another family", without_a_test(lambda: open_rig(LIANG_ROGERS)), (17.6, 20.3)),
+    RigSubject("a third family", without_a_test(lambda: open_rig(DUHEM)), (17.6, 20.3)),
+)
