@@ -60,8 +60,8 @@ LARGE_STEP, LATEST_S, LEARNT, LAG_PART = 3.0, 0.4, 0.5, 0.5
 HOTTER, PROBE_TIME_CONSTANTS = 1.05, 1.5
 # An oscillation: so many reversals of more than this swing [V], each within a time [s] of the one before, from a second
 # after the target on. Three come within 3 s at the periods of 0.4 to 2 s that dead times up to 0.3 s give.
-OSCILLATION_REVERSALS, SWING_V, SETTLING_S, LONGEST_HALF_PERIOD_S = 3.0, 0.5, 1.0, 1.5
-LEAST_GAIN = 0.0625
+OSCILLATION_REVERSALS, SWING_V, SETTLING_S, MAX_HALF_PERIOD_S = 3.0, 0.5, 1.0, 1.5
+MIN_GAIN = 0.0625
 PowerLimits = tuple[float, float, float]
 # A record; mypy knows no fields of one.
 Row = Any
@@ -275,7 +275,7 @@ def notice_oscillation(state: Row, dt_s: float) -> None:
     """Halve the gain for the rest of the run where the drive swings to and fro while one target holds."""
     drive_v = state["drive_voltage_v"]
     state["calm_s"] += dt_s
-    if state["arrived"] == 0.0 or state["since_s"] < SETTLING_S or state["calm_s"] > LONGEST_HALF_PERIOD_S:
+    if state["arrived"] == 0.0 or state["since_s"] < SETTLING_S or state["calm_s"] > MAX_HALF_PERIOD_S:
         state["reversals"] = state["swing"] = state["calm_s"] = 0.0
         state["extreme_v"] = drive_v
         return
@@ -288,7 +288,7 @@ def notice_oscillation(state: Row, dt_s: float) -> None:
         state["extreme_v"], state["calm_s"] = drive_v, 0.0
     if state["reversals"] >= OSCILLATION_REVERSALS:
         state["reversals"] = 0.0
-        state["gain_factor"] = max(0.5 * state["gain_factor"], LEAST_GAIN)
+        state["gain_factor"] = max(0.5 * state["gain_factor"], MIN_GAIN)
         state["known_gap"] *= 0.5
 
 
@@ -308,7 +308,7 @@ def command(
     """Set the drive voltage, then advance integral, pulse and heat balance with the power within the limits."""
     lowest_w, highest_w, steady_limit_w = limits_w
     tau_s = wire.settings["thermal_time_constant_s"]
-    # SIMC with the dead time that was seen: tau_c and theta both grow by what the wire is late.
+    # SIMC with the dead time that was seen: tau_c and theta both grow by how late the wire is.
     late_s = max(state["lag_s"] - wire.settings["dead_time_s"], 0.0)
     response_s = (wire.settings["response_s"] + 2.0 * late_s) / state["gain_factor"]
     gain = heat_per_value(wire, HEATING_SLOPE if error > 0.0 else COOLING_SLOPE, value) / response_s
@@ -337,8 +337,8 @@ def integrated_w(wire: KnownWire, state: Row, gain: float, error: float, std: fl
     trusted = error * abs(error) / (abs(error) + DOUBT * std)
     integral_w = gain * trusted * dt_s / wire.settings["integral_time_s"] * state["gain_factor"]
     if state["since_s"] > SETTLED_S and abs(error) < std:
-        most_w = CREEP_PER_S * dt_s * state["steady_w"]
-        integral_w = min(max(integral_w, -most_w), most_w)
+        limit_w = CREEP_PER_S * dt_s * state["steady_w"]
+        integral_w = min(max(integral_w, -limit_w), limit_w)
     return float(integral_w)
 
 
