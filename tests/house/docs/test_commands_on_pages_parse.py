@@ -1,10 +1,14 @@
 """Every ``musclewire`` command of a page, console blocks too, has a name and options that the command line knows.
 
+And every block of Python is Python, and takes from ``mw`` names that are there, by keywords that they have.
+
 It runs nothing: whether what a page shows does what it says is tried by ``test_code_blocks.py``.
 """
 
 from __future__ import annotations
 
+import ast
+import inspect
 import re
 import shlex
 from collections.abc import Iterator
@@ -16,6 +20,7 @@ import typer
 from tests.house.docs.test_code_blocks import PAGES, blocks, name_of
 from typer.main import get_command
 
+import musclewire as mw
 from musclewire.app import app
 from musclewire.errors import CallerError
 
@@ -76,3 +81,30 @@ def test_every_command_of_the_page_is_one_with_its_options(page: Path) -> None:
 def test_what_the_command_line_does_not_know_is_noticed(wrong: str) -> None:
     with pytest.raises(UsageProblem):
         parse(shlex.split(wrong))
+
+
+def faults_of(text: str) -> Iterator[str]:
+    """Yield what a block of Python takes from ``mw`` that is not there."""
+    for node in ast.walk(ast.parse(text)):
+        called = node.func if isinstance(node, ast.Call) else node
+        if not (isinstance(called, ast.Attribute) and isinstance(called.value, ast.Name) and called.value.id == "mw"):
+            continue
+        function = getattr(mw, called.attr, None)
+        if function is None and called is node:
+            yield f"mw.{called.attr}"
+        elif isinstance(node, ast.Call) and inspect.isfunction(function):
+            known = inspect.signature(function).parameters.values()
+            if not any(one.kind is one.VAR_KEYWORD for one in known):
+                names = {one.name for one in known}
+                yield from (f"mw.{called.attr}({one.arg}=...)" for one in node.keywords if one.arg not in names)
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if any(one == "python" for one, _ in blocks(page))], ids=name_of
+)
+def test_the_python_of_the_page_is_python_and_uses_what_is_there(page: Path) -> None:
+    assert not [fault for language, text in blocks(page) if language == "python" for fault in faults_of(text)]
+
+
+def test_what_mw_does_not_have_is_noticed() -> None:
+    assert list(faults_of("mw.fitt(loop)\nmw.fit(loop, orders=3)")) == ["mw.fitt", "mw.fit(orders=...)"]
