@@ -25,6 +25,14 @@ PART = re.compile(r"^```(sh|python)\n(.*?)^```$|^((?: {4}[^\n]*\n)+)", re.M | re
 DONE = "==this block has ended=="
 
 
+def patient(text: str) -> str:
+    """Return a block in which the doctor is asked once more if it finds something.
+
+    On a machine that does other things it finds samples that come late, and says to reduce the load.
+    """
+    return re.sub(r"^musclewire doctor \S+$", r"\g<0> || { sleep 10; \g<0>; }", text, flags=re.M)
+
+
 class NotFollowedError(Exception):
     """A door cannot be followed as it is written."""
 
@@ -113,7 +121,7 @@ class Terminal:
         """Type a block: it is read from a file, so that no program in it reads the blocks after it."""
         self.count += 1
         file = self.home / f"{id(self):x}_{self.count}.{'py' if block.language == 'python' else 'sh'}"
-        file.write_text(block.text, encoding="utf-8")
+        file.write_text(patient(block.text), encoding="utf-8")
         run = ".venv/bin/python" if block.language == "python" else "."
         self.say(f"{run} {file} </dev/null; echo '{DONE}'")
 
