@@ -7,8 +7,7 @@ Bench, circuit and instruments are those of ``liang_rogers`` next to it; the wir
   doi 10.1109/TMECH.2005.843438): along the outer loop h+ (heating) and h- (cooling), both Gaussian distribution
   functions, da/dT = h+' (h- - a) / (h- - h+) on heating and h-' (a - h+) / (h- - h+) on cooling. Small cycles creep.
 - Stress shifts both by one Clausius-Clapeyron slope.
-- Both phases conduct side by side, so that conductivities are averaged (Wiener's upper bound, doi 10.1007/BF01458150),
-  where ``liang_rogers`` puts them in series.
+- Both phases conduct side by side, so that conductivities are averaged, where ``liang_rogers`` puts them in series.
 """
 
 from __future__ import annotations

@@ -49,9 +49,9 @@ NO_CURRENT, COLD, NOT_READY = float(Reason.NO_CURRENT), float(Reason.COLD), floa
 # A wire counts as still that has moved by less than half the tolerance for this long [s]: two samples of 50 ms, so
 # motion that has just turned does not count as standing.
 STILL_S = 0.09
-# An error counts for the integral as much as it is above the deviation of the estimate. While one target holds, and the
-# error is within that deviation, the steady power changes by no more than this part of itself per second: an estimator
-# that takes its branch from the power would take more for a turn, and the loop would answer its own doing.
+# Of an error e the part |e| / (|e| + DOUBT times the deviation of the estimate) counts for the integral. While one target
+# holds, and the error is within that deviation, the steady power changes by no more than this part of itself per second:
+# an estimator that takes its branch from the power would take more for a turn, and the loop would answer its own doing.
 DOUBT, SETTLED_S, CREEP_PER_S = 2.0, 2.0, 0.005
 # Lateness is measured at steps above so many tolerances, up to the longest that a wire which need not cross the gap
 # has, and each counts for half; half of it goes into where the wire is expected.
@@ -177,7 +177,8 @@ def new_target(wire: KnownWire, state: Row, target: float, value: float, cold: b
     warming_j = wire.settings["thermal_time_constant_s"] * (steady_w - state["steady_w"])
     state["pulse_j"] += warming_j + wire.settings["heat_per_unit"] * (target - state["target"])
     state["steady_w"], state["start_value"], state["place"], state["target"] = steady_w, value, side, target
-    state["jumped"] = state["arrived"] = state["swing"] = state["reversals"] = state["beyond_c"] = 0.0
+    state["jumped"] = state["arrived"] = state["swing"] = state["reversals"] = 0.0
+    state["beyond_c"] = state["probing_s"] = 0.0  # what a probe would go back to is the last target's
     state["since_s"], state["expected_s"], state["step"] = 0.0, -1.0, (target - value if place == side else 0.0)
 
 
