@@ -49,9 +49,10 @@ NO_CURRENT, COLD, NOT_READY = float(Reason.NO_CURRENT), float(Reason.COLD), floa
 # A wire counts as still that has moved by less than half the tolerance for this long [s]: two samples of 50 ms, so
 # motion that has just turned does not count as standing.
 STILL_S = 0.09
-# Of an error e the part |e| / (|e| + DOUBT times the deviation of the estimate) counts for the integral. While one target
-# holds, and the error is within that deviation, the steady power changes by no more than this part of itself per second:
-# an estimator that takes its branch from the power would take more for a turn, and the loop would answer its own doing.
+# Of an error e the part |e| / (|e| + DOUBT times the deviation of the estimate) counts for the integral. While one
+# target holds, and the error is within that deviation, the steady power changes by no more than this part of itself
+# per second: an estimator that takes its branch from the power would take more for a turn, and the loop would answer
+# its own doing.
 DOUBT, SETTLED_S, CREEP_PER_S = 2.0, 2.0, 0.005
 # Lateness is measured at steps above so many tolerances, up to the longest that a wire which need not cross the gap
 # has, and each counts for half; half of it goes into where the wire is expected.
