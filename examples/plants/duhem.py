@@ -5,7 +5,8 @@ Bench, circuit and instruments are those of ``liang_rogers`` next to it; the wir
 
 - The fraction of austenite a follows temperature by slopes that have no memory but a itself (Dutta and Ghorbel 2005,
   IEEE/ASME Transactions on Mechatronics 10): along the outer loop h+ (heating) and h- (cooling), both Gaussian
-  distribution functions, da/dT = h+' (h- - a) / (h- - h+) on heating and h-' (a - h+) / (h- - h+) on cooling. Small cycles creep.
+  distribution functions, da/dT = h+' (h- - a) / (h- - h+) on heating and h-' (a - h+) / (h- - h+) on cooling. Small
+  cycles creep.
 - Stress shifts both by one Clausius-Clapeyron slope.
 - Both phases conduct side by side, so that conductivities are averaged, where ``liang_rogers`` puts them in series.
 """
