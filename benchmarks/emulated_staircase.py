@@ -14,6 +14,7 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from emulation.board import EmulatedBoard
@@ -32,6 +33,9 @@ MISS_IS_KNOWN, WHY_KNOWN = True, "firmware/models/paper-100um.json was fitted on
 PATIENCE_S = 20.0
 APPROACH_S = 12.0
 
+# What the firmware runs, on the host.
+PAPER_LOOP: dict[str, Any] = {"estimator": "polynomial", "controller": "fuzzy-pid", "approach_s": APPROACH_S}
+
 
 def rig_file(port: str) -> SerialConfiguration:
     """Return the rig file that comes with musclewire, at a board's port."""
@@ -44,7 +48,7 @@ def on_simulated(model: SensingModel, reference: Staircase) -> ControlRun:
     """Return the run on the simulated rig, its drive within the board's limits."""
     mounted = rig_file("none")
     with open_rig("simulated", sense_voltage_v=mounted.sense_voltage, maximum_voltage_v=mounted.maximum_voltage) as rig:
-        return control(rig, model, reference, estimator="polynomial", approach_s=APPROACH_S)
+        return control(rig, model, reference, **PAPER_LOOP)
 
 
 def on_emulated(model: SensingModel, reference: Staircase, *, closed_by_board: bool) -> ControlRun:
@@ -54,7 +58,9 @@ def on_emulated(model: SensingModel, reference: Staircase, *, closed_by_board: b
             if closed_by_board:
                 run = control_on_board(rig, model, reference, approach_s=APPROACH_S)
             else:
-                run = control(rig, model, reference, estimator="polynomial", approach_s=APPROACH_S)
+                run = control(
+                    rig, model, reference, estimator="polynomial", controller="fuzzy-pid", approach_s=APPROACH_S
+                )
         truth = board.log()["displacement_m"]
     # No tick passes before the first command, so the samples are the bench's ticks from the first one on.
     ticks = round(float(run.metadata["sample_period_s"] or 0.0) / float(run.metadata["board_tick_s"] or 1.0))

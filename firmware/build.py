@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from musclewire.controllers import DriveLimits, Event
+from musclewire.controllers import FUZZY_PID_IN_C, DriveLimits, Event
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
 from musclewire.extras.board import BOARD_NAMES, write_library
 from musclewire.identify import check_made_for, settings_for
@@ -261,6 +261,8 @@ def main() -> int:
             options=options,
         )
         print(size_of(given.board, elf), end="")
+        if load_model(given.model).gains:
+            print(f"note: {FUZZY_PID_IN_C}")
     except MusclewireError as error:
         print(f"error: {error}", file=sys.stderr)
         return error.exit_code

@@ -105,7 +105,7 @@ def loops(model: mw.SensingModel, seeds: Iterable[int]) -> dict[str, float]:
         for seed in seeds:
             with mw.open_rig(RigConfiguration(pwm=pwm, settings=settings), seed=seed) as rig:
                 try:
-                    metrics = mw.control(rig, model).metrics
+                    metrics = mw.control(rig, model, controller="fuzzy-pid").metrics
                     maes.append(metrics.mae_mean_pct)
                     later.append(metrics.mae_mean_approached_pct)
                 except mw.errors.RigError as error:

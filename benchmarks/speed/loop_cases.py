@@ -76,8 +76,11 @@ def closed_loop_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
         for target in targets:
             loop.sample(target)
 
+    def ours(_: object) -> None:
+        control_many("simulated", model, reference, seeds=seeds, controller="fuzzy-pid")
+
     return (
-        TimedProgram(lambda _: control_many("simulated", model, reference, seeds=seeds), loops * samples),
+        TimedProgram(ours, loops * samples),
         TimedProgram(theirs, THEIR_STEPS, PlainLoop),
     )
 

@@ -23,7 +23,7 @@ def model(musclewire: Any, tmp_path: Path) -> Path:
 @pytest.fixture
 def answer(musclewire: Any, model: Path) -> Any:
     steps = ("--reference", "2.5 mm to 6 mm by 0.5 mm")
-    paper = ("--estimator", "polynomial")  # Table 3 is of the paper's estimator
+    paper = ("--estimator", "polynomial", "--controller", "fuzzy-pid", "--approach", "12 s")  # Table 3 is of these
     return musclewire("control", "finger", model, "--quantity", "displacement", *paper, *steps, "--json")
 
 

@@ -17,6 +17,7 @@ from musclewire.sensing import load_model
 from musclewire.signals import read_recording
 
 PAPER = read_published("lan_fan_2010")
+PRINTED_PCT = [*PAPER["table2"]["mae_rise_pct"], *PAPER["table2"]["mae_return_pct"]]
 
 
 def test_the_strain_gap_is_the_papers(demo: dict[str, Any]) -> None:
@@ -35,23 +36,33 @@ def test_the_staircase_is_followed_as_closely_as_the_paper_followed_it(demo: dic
         *((target, "rise") for target in (1.5, 1.8, 2.1, 2.4, 2.7, 3.0)),
         *((target, "return") for target in (2.7, 2.4, 2.1, 1.8, 1.5)),
     ]
-    # The bar of the main job: largest step MAE at most 3.5 %, mean at most 1.7 %, after the approach.
-    assert demo["mae_max_approached_pct"] == max(step["mae_approached_pct"] for step in demo["steps"]) <= 3.5
-    assert demo["mae_mean_approached_pct"] <= 1.7
+    # The bar of the main job, from cold and without an approach: the paper's own largest and mean after one.
+    assert demo["mae_max_pct"] == max(step["mae_pct"] for step in demo["steps"]) <= max(PRINTED_PCT)
+    assert demo["mae_mean_pct"] <= sum(PRINTED_PCT) / len(PRINTED_PCT)
+    assert demo["steps"][0]["mae_pct"] <= 1.5
 
 
-def test_the_demo_states_both_readings_of_the_errors_and_how_the_wire_came_to_the_first_step(
-    demo: dict[str, Any],
-) -> None:
-    first, *others = demo["steps"]
-    assert all(step["mae_pct"] == step["mae_approached_pct"] for step in others)
-    # From rest the wire cannot be there one second after it was asked: it is first heated.
-    assert first["mae_pct"] > 5.0 * first["mae_approached_pct"]
-    assert demo["mae_max_pct"] == first["mae_pct"]
+def test_the_demo_says_that_the_wire_came_to_the_first_step_from_cold(demo: dict[str, Any]) -> None:
+    assert all(step["mae_pct"] == step["mae_approached_pct"] for step in demo["steps"])
     assert demo["mae_mean_pct"] == pytest.approx(sum(step["mae_pct"] for step in demo["steps"]) / len(demo["steps"]))
-    assert demo["approach_s"] == 12.0
-    assert "12 s later" in demo["approach"]
+    assert demo["approach_s"] == 0.0
+    assert "no approach" in demo["approach"]
     assert demo["approach"] in demo["page"]
+
+
+def test_after_the_papers_approach_both_readings_are_stated() -> None:
+    with open_rig("simulated", seed=1) as rig:
+        metrics = control(rig, fit(characterize(rig)), controller="fuzzy-pid").metrics
+    first, *others = metrics.steps
+    assert all(step.mae_pct == step.mae_approached_pct for step in others)
+    # By the paper's loop the wire is not there one second after it was asked from rest: it is first heated.
+    assert determined(first.mae_pct, "a step") > 5.0 * determined(first.mae_approached_pct, "a step")
+    assert metrics.mae_max_pct == first.mae_pct
+    assert metrics.approach_s == 12.0
+    assert "12 s later" in metrics.approach
+    # The bar of the paper's loop: largest step MAE at most 3.5 %, mean at most 1.7 %, after the approach.
+    assert determined(metrics.mae_max_approached_pct, "the largest") <= 3.5
+    assert determined(metrics.mae_mean_approached_pct, "the mean") <= 1.7
 
 
 def test_the_recording_of_the_staircase_gives_both_readings_again(demo: dict[str, Any]) -> None:
@@ -68,17 +79,15 @@ def test_other_noise_gives_the_same_picture(seed: int) -> None:
         model = fit(characterize(rig))
         metrics = control(rig, model).metrics
     assert 100 * model.strain_gap == pytest.approx(PAPER["loop_100um"]["strain_gap_pct"], abs=0.8)
-    assert metrics.mae_max_approached_pct is not None
-    assert metrics.mae_mean_approached_pct is not None
-    assert metrics.mae_max_approached_pct <= 3.5
-    assert metrics.mae_mean_approached_pct <= 1.7
+    assert determined(metrics.mae_max_pct, "the largest") <= max(PRINTED_PCT)
+    assert determined(metrics.mae_mean_pct, "the mean") <= sum(PRINTED_PCT) / len(PRINTED_PCT)
 
 
 def test_one_reading_of_the_gains_serves_another_wire_too() -> None:
     # The same input scale and gain ranges on the 125 um wire, at its printed pretension of the closest loop. What the
     # controller senses is held as on the main job; how true that is, is for the loop's gap to say, not for the gains.
     with open_rig("simulated", wire="paper-125um", pretension_n=4.67) as rig:
-        metrics = control(rig, fit(characterize(rig)), staircase(0.012, 0.027)).metrics
+        metrics = control(rig, fit(characterize(rig)), staircase(0.012, 0.027), controller="fuzzy-pid").metrics
     tracking = [determined(step.tracking_mae_approached_pct, "a step") for step in metrics.steps]
     assert max(tracking) <= 3.5
     assert sum(tracking) / len(tracking) <= 1.7
@@ -87,7 +96,7 @@ def test_one_reading_of_the_gains_serves_another_wire_too() -> None:
 @pytest.mark.parametrize("pretension_n", [1.9, 3.22, 4.67])
 def test_the_loop_holds_what_it_senses_on_another_wire_whatever_its_gap(pretension_n: float) -> None:
     with open_rig("simulated", wire="paper-125um", pretension_n=pretension_n) as rig:
-        metrics = control(rig, fit(characterize(rig)), staircase(0.012, 0.027)).metrics
+        metrics = control(rig, fit(characterize(rig)), staircase(0.012, 0.027), controller="fuzzy-pid").metrics
     tracking = [determined(step.tracking_mae_approached_pct, "a step") for step in metrics.steps]
     assert sum(tracking) / len(tracking) <= 1.7
 

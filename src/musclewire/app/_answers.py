@@ -334,6 +334,8 @@ class FitReport(AnswerModel):
     rmse_cooling_pct: float
     rmse_average_pct: float
     samples: int
+    controller: str | None
+    no_gains: str | None
     warnings: Words
 
 

@@ -15,6 +15,7 @@ from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_recording_file
 from musclewire.app._home_command import HomeOptions, home_found, home_text
 from musclewire.app._options import (
+    APPROACH,
     CONTROLLER,
     ESTIMATOR,
     GAINS,
@@ -41,7 +42,7 @@ from musclewire.errors import CallerError, MusclewireError, RecordingError, near
 if TYPE_CHECKING:
     from musclewire.app._answers import ControlRunAnswer
     from musclewire.controllers import Reference
-    from musclewire.experiment import ControlMetrics, ControlRun, LoopOutcome
+    from musclewire.experiment import ControlMetrics, ControlRun, LoopChoice, LoopOutcome
     from musclewire.identify import Homing, SpeedLimits
     from musclewire.rigs import Rig
     from musclewire.sensing import KnownSpring, SensingModel
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
 # Steps as a text: "2.5 mm to 6 mm by 0.5 mm".
 STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
 # The paper's controller, whose rule base --rules names.
-FUZZY_PID, DEFAULT_RULES = "fuzzy-pid", "zhao-1993"
+FUZZY_PID = "fuzzy-pid"
 NO_RULES = "--rules belong to the controller fuzzy-pid, not to {}: leave one of them out"
 
 
@@ -66,6 +67,7 @@ class ControlledLoopOptions:
     controller: Annotated[str | None, CONTROLLER] = None
     rules: Annotated[str | None, RULES] = None
     gains: Annotated[Path | None, GAINS] = None
+    approach: Annotated[str | None, APPROACH] = None
     on_board: Annotated[bool, ON_BOARD] = False
 
 
@@ -82,24 +84,23 @@ def control(
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
     """Closed loop: move the wire by its own resistance; MAE of each step, with --runs for many seeds."""
-    from musclewire.experiment import approach_of
     from musclewire.rigs import open_rig
     from musclewire.sensing import load_model
 
     loaded = load_model(model)
     load = known_spring(loaded, model, loop.quantity, in_si("--known-stiffness", loop.known_stiffness))
     target = read_reference(loop.reference, loop.quantity)
-    controller, settings = settings_of(loop)
+    choice = choice_of(loop, load)
     homing.check(on_board=loop.on_board)
     refuse_single_run_options(many, single_run_options(loop, timing, figure, output, overwrite) | homing.given())
     if many.runs is not None:
-        chosen = {"estimator": estimator_of(loop), "controller": controller, "settings": settings, "load": load}
         with open_rig(rig, seed=seed) as opened:
             follows = target or staircase_for(loaded, load, opened.leg_length_m)
-            said_of_speed(opened, loaded, follows, settings, load)
-        return run_many_loops(rig, seed, many, {"model": loaded, **chosen}, follows)
+            settled = choice.settled(loaded, opened.sample_period_s)
+            said_of_speed(opened, loaded, follows, settled.settings, load)
+        return run_many_loops(rig, seed, many, loaded, choice, follows, settled.approach_s + follows.duration_s)
     check_files(figure, output, overwrite)
-    follow = loop_of(controller, settings, load, loop)
+    follow = loop_of(choice, loop, loaded)
     homed: Homing | None = None
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         refused = timing.apply(opened)
@@ -108,8 +109,9 @@ def control(
             loaded = homed.model
         if target is None:
             target = staircase_for(loaded, load, opened.leg_length_m)
-        limits = said_of_speed(opened, loaded, target, settings, load)
-        with progress_bar("Closed loop", approach_of(controller) + target.duration_s, opened) as on_sample:
+        settled = choice.settled(loaded, opened.sample_period_s)
+        limits = said_of_speed(opened, loaded, target, settled.settings, load)
+        with progress_bar("Closed loop", settled.approach_s + target.duration_s, opened) as on_sample:
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
         if homing.home == "idle":
             homed = homing.homed(opened, loaded)
@@ -191,9 +193,7 @@ def single_run_options(
     }
 
 
-def loop_of(
-    controller: str, settings: Any, load: KnownSpring | None, loop: ControlledLoopOptions
-) -> Callable[..., ControlRun]:
+def loop_of(choice: LoopChoice, loop: ControlledLoopOptions, loaded: SensingModel) -> Callable[..., ControlRun]:
     """Return what runs the closed loop: on the host, or on the board that was built for this model and controller.
 
     Raises CallerError for options that change the host's numbers if the firmware's are to run.
@@ -201,42 +201,50 @@ def loop_of(
     if not loop.on_board:
         from musclewire.experiment import control as control_on_host
 
-        return partial(
-            control_on_host,
-            estimator=estimator_of(loop),
-            controller=controller,
-            settings=settings,
-            load=load,
-            wire_file=loop.wire_file,
-        )
-    if loop.estimator not in (None, "polynomial", "gated") or controller != FUZZY_PID or loop.wire_file is not None:
+        return partial(control_on_host, **choice.options)
+    named = choice.controller not in (None, FUZZY_PID)
+    if loop.estimator not in (None, "polynomial", "gated") or named or loop.wire_file is not None:
         raise CallerError(
             "--on-board runs the firmware's own estimator and controller: leave both names and --wire-file out"
         )
-    if load is not None:
+    if choice.load is not None:
         raise CallerError("--on-board runs by the firmware's own numbers: leave out --known-stiffness")
-    from musclewire.experiment import control_on_board
+    from musclewire.controllers import FUZZY_PID_IN_C
+    from musclewire.experiment import APPROACH_S, control_on_board
     from musclewire.sensing import PAPER_ESTIMATOR
 
-    return partial(control_on_board, settings=settings, estimator=loop.estimator or PAPER_ESTIMATOR)
+    if loaded.gains:
+        say(f"musclewire: {FUZZY_PID_IN_C}")
+    return partial(
+        control_on_board,
+        settings=choice.settings,
+        estimator=loop.estimator or PAPER_ESTIMATOR,
+        approach_s=APPROACH_S if choice.approach_s is None else choice.approach_s,
+    )
 
 
-def estimator_of(loop: ControlledLoopOptions) -> str:
-    """Return the name of the estimator that the host runs."""
-    from musclewire.experiment import default_estimator
+def choice_of(loop: ControlledLoopOptions, load: KnownSpring | None) -> LoopChoice:
+    """Return what the options choose for a loop; None for what they leave to the model's gains.
 
-    return loop.estimator or default_estimator(loop.wire_file)
-
-
-def settings_of(loop: ControlledLoopOptions) -> tuple[str, Any]:
-    """Return controller and settings: those of a gains file, or by name; None for settings that are its defaults.
-
-    Raises CallerError for an unknown estimator or controller, and for rules or a name that contradict the gains file.
+    Raises CallerError for an unknown estimator, and as ``settings_of``.
     """
-    from musclewire.controllers import CONTROLLERS, FuzzyPidSettings, load_gains
+    from musclewire.experiment import LoopChoice
     from musclewire.sensing import ESTIMATORS
 
-    ESTIMATORS.find(estimator_of(loop))
+    if loop.estimator is not None:
+        ESTIMATORS.find(loop.estimator)
+    controller, settings = settings_of(loop)
+    approach_s = in_si("--approach", loop.approach)
+    return LoopChoice(loop.estimator, controller, settings, load, approach_s, loop.wire_file)
+
+
+def settings_of(loop: ControlledLoopOptions) -> tuple[str | None, Any]:
+    """Return controller and settings: those of a gains file, or by name; None for what the model's gains decide.
+
+    Raises CallerError for an unknown controller, and for rules or a name that contradict the gains file.
+    """
+    from musclewire.controllers import CONTROLLERS, FuzzyPidSettings, load_gains
+
     if loop.gains is not None:
         if loop.rules is not None:
             raise CallerError(f"gains file {loop.gains} names its own rule base: leave out --rules")
@@ -244,13 +252,13 @@ def settings_of(loop: ControlledLoopOptions) -> tuple[str, Any]:
         if loop.controller not in (None, gains.controller):
             raise CallerError(f"gains file {loop.gains} is for {gains.controller}: leave out --controller")
         return gains.controller, gains.settings
-    controller = FUZZY_PID if loop.controller is None else loop.controller
-    CONTROLLERS.find(controller)
-    if controller == FUZZY_PID:
-        return controller, FuzzyPidSettings(rule_base=DEFAULT_RULES if loop.rules is None else loop.rules)
-    if loop.rules is not None:
-        raise CallerError(NO_RULES.format(controller))
-    return controller, None
+    if loop.controller is not None:
+        CONTROLLERS.find(loop.controller)
+    if loop.rules is None:
+        return loop.controller, None
+    if loop.controller not in (None, FUZZY_PID):
+        raise CallerError(NO_RULES.format(loop.controller))
+    return FUZZY_PID, FuzzyPidSettings(rule_base=loop.rules)
 
 
 def known_spring(loaded: SensingModel, path: Path, quantity: str, stiffness: float | None) -> KnownSpring | None:
@@ -334,15 +342,20 @@ def refuse_single_run_options(many: ManyLoopsChoice, single: dict[str, bool]) ->
 
 
 def run_many_loops(
-    rig: str, seed: int | None, many: ManyLoopsChoice, loop: dict[str, Any], target: Reference
+    rig: str,
+    seed: int | None,
+    many: ManyLoopsChoice,
+    model: SensingModel,
+    choice: LoopChoice,
+    target: Reference,
+    duration_s: float,
 ) -> Result:
-    """Run the loops and return their errors, which do not hold if an error ended one of them."""
+    """Run the loops, of so many seconds each, and return their errors, which do not hold if an error ended one."""
     from musclewire.app._answers import LoopRunAnswer, ManyLoopsAnswer
-    from musclewire.experiment import approach_of, control_many
+    from musclewire.experiment import control_many
 
     assert many.runs is not None
-    first = 1 if seed is None else seed
-    duration_s, done = approach_of(loop["controller"]) + target.duration_s, 0
+    first, done = 1 if seed is None else seed, 0
     with progress_bar("Closed loops", many.runs * duration_s) as advance:
 
         def on_outcome(_: LoopOutcome) -> None:
@@ -352,12 +365,17 @@ def run_many_loops(
 
         found = control_many(
             rig,
-            reference=target,
+            model,
+            target,
             seeds=range(first, first + many.runs),
+            estimator=choice.estimator,
+            controller=choice.controller,
+            settings=choice.settings,
+            load=choice.load,
+            approach_s=choice.approach_s,
             threads=many.threads,
             in_python=many.in_python,
             on_outcome=on_outcome,
-            **loop,
         )
     warn(found.warnings)
     unsensed = sum(metrics.valid_share < MIN_VALID_FRACTION for metrics in found.metrics)

@@ -39,7 +39,7 @@ COMMANDS = (
     Command(
         "tune",
         "musclewire.app._model_commands:tune",
-        "Find a controller's gains from the slow loop, by a published rule; prints plant, gains and margins.",
+        "Find a controller's gains from the slow loop, by a published rule; -o keeps them in a .json model or .toml.",
         panel=LOOP,
         answer="musclewire.app._answers:TuneAnswer",
     ),

@@ -242,23 +242,31 @@ def tune(
     closed_loop_time: Annotated[str | None, CLOSED_LOOP_TIME] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
-    """Find a controller's gains from the slow loop, by a published rule; prints plant, gains and margins."""
+    """Find a controller's gains from the slow loop, by a published rule; -o keeps them in a .json model or .toml."""
     from musclewire.app._answers import TuneAnswer
     from musclewire.identify import tune as run_tune
     from musclewire.sensing import load_model
 
     figure.check()
-    if output is not None:
+    if output is not None and output.suffix == ".json":
+        require_model_file(output)
+    elif output is not None:
         require_free(output, overwrite)
+    loaded = load_model(model)
     found = run_tune(
-        load_model(model),
+        loaded,
         reading.read(recording),
         controller=controller,
         closed_loop_time_s=in_si("--closed-loop-time", closed_loop_time),
         rule_base=rules,
     )
-    if output is not None:
+    text = str(found)
+    if output is not None and output.suffix == ".json":
+        found.kept_in(loaded).save(output)
+        text += f"\nmodel with these gains written to {output}"
+    elif output is not None:
         found.save(output)
+        text += f"\ngains written to {output}"
     figure.draw(found.plot)
     answer = TuneAnswer(**found.report(), gains=None if output is None else str(output))
-    return Result(answer, str(found) if output is None else f"{found}\ngains written to {output}")
+    return Result(answer, text)

@@ -121,7 +121,8 @@ ESTIMATOR = option(
 )
 CONTROLLER = option(
     "--controller",
-    help="Controller by name: computes the drive voltage. Default: that of --gains, else fuzzy-pid.",
+    help="Controller by name: computes the drive voltage. Default: that of --gains, else that of the gains in the "
+    "model (feedforward); fuzzy-pid for a model without gains, and on a board.",
     autocompletion=complete_controllers,
 )
 RULES = option(
@@ -129,7 +130,16 @@ RULES = option(
     help="Rule base of the fuzzy tuning; see 'musclewire rules'. Default: zhao-1993.",
     autocompletion=complete_rule_bases,
 )
-GAINS = option("--gains", help="Gains file from 'musclewire tune': controller and settings.")
+GAINS = option("--gains", help="Gains file from 'musclewire tune': controller and settings instead of the model's.")
+APPROACH = quantity(
+    "--approach",
+    "s",
+    "Time for which the first target is held before the first step, as '12 s'. Default: 0 s, and 12 s for a controller "
+    "that cannot bring a cold wire there by itself.",
+    0.0,
+    3600.0,
+    "s",
+)
 CLOSED_LOOP_TIME = quantity("--closed-loop-time", "s", "tau_c of the tuning rule; by default the dead time.")
 WIRE_FILE = option(
     "--wire-file",

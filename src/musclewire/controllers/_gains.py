@@ -1,17 +1,49 @@
-"""The gains file: a controller by name with its settings, as ``tune`` finds them and ``control --gains`` reads them."""
+"""The gains of a wire: a controller by name with its settings, kept in its model or in a gains file of their own."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from musclewire.controllers._feedforward import FeedforwardSettings
 from musclewire.controllers._fuzzy_pid import FuzzyPidSettings
+from musclewire.controllers._pid import PidSettings
 from musclewire.errors import CallerError, nearest_hint
 
 FORMAT = "musclewire-gains"
+# What is said where a model with gains is driven from C: on a board, in an exported library, in an FMU.
+FUZZY_PID_IN_C = (
+    "the paper's fuzzy PID drives the wire here, and needs some 12 s from cold: feedforward, whose gains this model "
+    "has, has no form in C yet"
+)
 KINDS: dict[str, type[Any]] = {"feedforward": FeedforwardSettings, "fuzzy-pid": FuzzyPidSettings}
+
+
+def controller_of(settings: Any) -> str:
+    """Return the name of the controller that settings belong to.
+
+    Parameters
+    ----------
+    settings
+        Settings of a controller of this package.
+
+    Returns
+    -------
+    Its name, as in ``CONTROLLERS``.
+
+    Raises
+    ------
+    CallerError
+        For settings of another kind: their controller has to be named.
+    """
+    for name, kind in KINDS.items():
+        if isinstance(settings, kind):
+            return name
+    if isinstance(settings, PidSettings):
+        return "pid"
+    raise CallerError(f"settings of the kind {type(settings).__name__} do not say whose they are: name the controller")
 
 
 @dataclass(frozen=True)
@@ -28,6 +60,39 @@ class Gains:
 
     controller: str
     settings: FeedforwardSettings | FuzzyPidSettings
+
+    @classmethod
+    def read(cls, kept: Mapping[str, Any], place: str) -> Gains:
+        """Return the gains of a table, as ``table`` gives it.
+
+        Parameters
+        ----------
+        kept
+            "controller", and the controller's settings by name.
+        place
+            Where the table is from, for messages: "gains file gains.toml".
+
+        Returns
+        -------
+        Controller and settings.
+
+        Raises
+        ------
+        CallerError
+            For an unknown controller or key; the message is one line.
+        """
+        settings = dict(kept)
+        controller = str(settings.pop("controller", ""))
+        if controller not in KINDS:
+            raise CallerError(f"{place}: no controller '{controller}'{nearest_hint(controller, KINDS)}")
+        try:
+            return cls(controller, KINDS[controller](**settings))
+        except CallerError as error:
+            raise CallerError(f"{place}: {error}") from None
+
+    def table(self) -> dict[str, Any]:
+        """Return the controller's name and its settings by name, as a model keeps them."""
+        return {"controller": self.controller, **self.settings.model_dump()}
 
 
 def load_gains(path: str | Path) -> Gains:
@@ -53,12 +118,7 @@ def load_gains(path: str | Path) -> Gains:
     controller, settings = content.get("controller"), content.get("settings")
     if content.get("format") != FORMAT or not isinstance(settings, dict):
         raise CallerError(f"{path} is not a gains file of musclewire: make one with 'musclewire tune'")
-    if controller not in KINDS:
-        raise CallerError(f"gains file {path}: no controller '{controller}'{nearest_hint(str(controller), KINDS)}")
-    try:
-        return Gains(str(controller), KINDS[str(controller)](**settings))
-    except CallerError as error:
-        raise CallerError(f"gains file {path}: {error}") from None
+    return Gains.read({"controller": controller, **settings}, f"gains file {path}")
 
 
 def save_gains(gains: Gains, path: str | Path, notes: tuple[str, ...] = ()) -> None:

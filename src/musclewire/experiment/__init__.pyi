@@ -1,9 +1,9 @@
 """The list of names that other rooms may use."""
 
 from ._closed_loop import APPROACH_S as APPROACH_S
-from ._closed_loop import approach_of as approach_of
+from ._closed_loop import PAPER_CONTROLLER as PAPER_CONTROLLER
+from ._closed_loop import LoopChoice as LoopChoice
 from ._closed_loop import control as control
-from ._closed_loop import default_estimator as default_estimator
 from ._demo import DemoResult as DemoResult
 from ._demo import run_demo as run_demo
 from ._doctor.evidence import OnProbe as OnProbe

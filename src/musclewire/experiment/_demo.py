@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from musclewire.controllers import Staircase, staircase
-from musclewire.experiment._closed_loop import APPROACH_S, control
+from musclewire.experiment._closed_loop import control
 from musclewire.experiment._metrics import ControlRun
 from musclewire.experiment._open_loop import PAPER_PERIOD_S, characterize
 from musclewire.experiment._pretension import PretensionSweep, pretension_sweep
 from musclewire.experiment._run import OnSample, file_in
 from musclewire.identify import LoopGaps, fit, loop_gaps
 from musclewire.rigs import Rig, open_rig
-from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
+from musclewire.sensing import SensingModel
 from musclewire.signals import Recording
 
 # Fig. 3: the major loop first, then two inside it.
@@ -46,9 +46,9 @@ def no_progress(_task: str, _total_s: float) -> AbstractContextManager[OnSample]
 def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -> DemoResult:
     """Do what the paper did on the simulated rig and keep every recording in ``folder``.
 
-    Slow sines of 3.2, 2.9 and 2.75 V; the pretension sweep; the fit of the 3.2 V loop at F_p = 1.9 N; the
-    staircase of Fig. 11. Existing files of an earlier demo are replaced. If it is interrupted, the recordings made
-    until then are on disk.
+    Slow sines of 3.2, 2.9 and 2.75 V; the pretension sweep; the fit of the 3.2 V loop at F_p = 1.9 N; the staircase of
+    Fig. 11, from cold, by the loop that ``control`` runs by default. Existing files of an earlier demo are replaced. If
+    it is interrupted, the recordings made until then are on disk.
 
     Parameters
     ----------
@@ -72,17 +72,8 @@ def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -
         major = loops[AMPLITUDES_V[0]]
         model = fit(major)
         model.save(files["model"])
-        with progress("Staircase, sensed by resistance", APPROACH_S + steps.duration_s) as on_sample:
-            # The paper's own estimator: the demo shows its figures.
-            run = control(
-                rig,
-                model,
-                steps,
-                estimator=PAPER_ESTIMATOR,
-                path=files["staircase"],
-                overwrite=True,
-                on_sample=on_sample,
-            )
+        with progress("Staircase, sensed by resistance", steps.duration_s) as on_sample:
+            run = control(rig, model, steps, path=files["staircase"], overwrite=True, on_sample=on_sample)
     with (
         open_rig("simulated", seed=seed) as rig,
         progress("Pretension sweep", 8 * PAPER_PERIOD_S) as on_sample,

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
+from musclewire.experiment._metrics import since_first_sensed
 from musclewire.identify import COLUMN_SUFFIX
 from musclewire.sensing import CAUSE_TEXT, Cause
 from musclewire.signals import Recording
@@ -169,10 +170,11 @@ def at_upper_limit(recording: Recording) -> npt.NDArray[np.bool_]:
 
 
 def beyond_target(recording: Recording, suffix: str) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
-    """Return the samples at which the estimate is well above and well below the target, after the approach."""
+    """Return the samples at which the estimate is well above and well below the target, after approach and first B."""
     target, value = recording[f"target_{suffix}"], recording[f"estimated_{suffix}"]
     enough = NOT_REACHED * max(float(np.ptp(target)), 0.1 * float(np.abs(target).max()))
     after = recording["time_s"] - recording["time_s"][0] > (recording.facts.number_or_none("approach_s") or 0.0)
+    after &= since_first_sensed(recording)
     return after & (value - target > enough), after & (target - value > enough)
 
 

@@ -132,6 +132,11 @@ class ManyControlRuns:
         return as_numbers([one.mae_max_pct for one in self.metrics])
 
     @property
+    def mae_mean_pct(self) -> FloatArray:
+        """Mean step error from the first target on of each loop that reached its end [%], (n_loops,)."""
+        return as_numbers([one.mae_mean_pct for one in self.metrics])
+
+    @property
     def mae_max_approached_pct(self) -> FloatArray:
         """Largest step error after the approach of each loop that reached its end [%], (n_loops,)."""
         return as_numbers([one.mae_max_approached_pct for one in self.metrics])
@@ -168,6 +173,8 @@ class ManyControlRuns:
         first = self.metrics[0]
         factor, unit = SHOWN_AS[first.quantity]
         lines = [
+            f"mean of the steps: {in_words(self.mae_mean_pct)}",
+            f"largest step error {FROM_FIRST_TARGET}: {in_words(self.mae_max_pct)}",
             "mean absolute error in % of the target over the loops, the first second of each step left out (Eq. 7)",
             first.approach,
             f"{'target':>10} {'':7} {'median':>8} {'5 %':>8} {'95 %':>8} {'largest':>8}",
@@ -179,11 +186,9 @@ class ManyControlRuns:
                 lines.append(f"{label} {counted}")
             else:
                 lines += [f"{label} {counted}  {FROM_FIRST_TARGET}", f"{label} {approached}  {APPROACHED}"]
-        return [
-            *lines,
-            f"largest step error {FROM_FIRST_TARGET}: {in_words(self.mae_max_pct)}",
-            f"largest step error {APPROACHED}: {in_words(self.mae_max_approached_pct)}",
-        ]
+        if first.approach_s != 0.0:
+            lines.insert(2, f"largest step error {APPROACHED}: {in_words(self.mae_max_approached_pct)}")
+        return lines
 
 
 def as_numbers(errors_pct: Sequence[float | None] | Sequence[Sequence[float | None]]) -> FloatArray:

@@ -19,7 +19,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.controllers import ControllerFactory, Reference
 from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.experiment._closed_loop import LoopChoice, PreparedLoop, approach_of, control, name_of, prepared_loop
+from musclewire.experiment._closed_loop import LoopChoice, PreparedLoop, control, prepared_loop
 from musclewire.experiment._endings import cause_of, software_version
 from musclewire.experiment._extrapolation import extrapolation_metadata
 from musclewire.experiment._health import health_metadata
@@ -40,7 +40,7 @@ from musclewire.rigs import (
     run_compiled,
     times_on_rig_s,
 )
-from musclewire.sensing import DEFAULT_ESTIMATOR, EstimatorFactory, KnownSpring, SensingModel
+from musclewire.sensing import EstimatorFactory, KnownSpring, SensingModel
 from musclewire.signals import MetadataValue, Recording, declared_tick
 
 
@@ -70,8 +70,8 @@ def control_many(
     reference: Reference | None = None,
     *,
     seeds: Iterable[int],
-    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR,
-    controller: str | ControllerFactory = "fuzzy-pid",
+    estimator: str | EstimatorFactory | None = None,
+    controller: str | ControllerFactory | None = None,
     settings: Any = None,
     load: KnownSpring | None = None,
     approach_s: float | None = None,
@@ -98,11 +98,11 @@ def control_many(
     seeds
         The seeds of the rigs, each 0 or more, such as ``range(1, 1001)``.
     estimator
-        Name of an estimator, or a factory of one. It needs a compiled tick.
+        Name of an estimator, or a factory of one; as of ``control`` if None. It needs a compiled tick.
     controller
-        Name of a controller, or a factory of one. It needs a compiled tick.
+        Name of a controller, or a factory of one; as of ``control`` if None. It needs a compiled tick.
     settings
-        The controller's settings; its defaults if None.
+        The controller's settings; as of ``control`` if None.
     load
         A known spring, if force is controlled through its stiffness.
     approach_s
@@ -139,7 +139,7 @@ def control_many(
     >>> runs.mae_pct.shape  # loops, steps
     (3, 3)
     """
-    choice = LoopChoice(estimator, controller, settings, load, approach_of(controller, approach_s))
+    choice = LoopChoice(estimator, controller, settings, load, approach_s)
     cases = cases_of(rig, model, tuple(seeds))
     if in_python:
         found = outcomes_in_python(cases, reference, choice)
@@ -158,8 +158,8 @@ def control_compiled(
     model: SensingModel,
     reference: Reference | None = None,
     *,
-    estimator: str | EstimatorFactory = DEFAULT_ESTIMATOR,
-    controller: str | ControllerFactory = "fuzzy-pid",
+    estimator: str | EstimatorFactory | None = None,
+    controller: str | ControllerFactory | None = None,
     settings: Any = None,
     load: KnownSpring | None = None,
     approach_s: float | None = None,
@@ -178,11 +178,11 @@ def control_compiled(
     reference
         The target over time, in the model's quantity; the paper's staircase if None.
     estimator
-        Name of an estimator, or a factory of one. It needs a compiled tick.
+        Name of an estimator, or a factory of one; as of ``control`` if None. It needs a compiled tick.
     controller
-        Name of a controller, or a factory of one. It needs a compiled tick.
+        Name of a controller, or a factory of one; as of ``control`` if None. It needs a compiled tick.
     settings
-        The controller's settings; its defaults if None.
+        The controller's settings; as of ``control`` if None.
     load
         A known spring, if force is controlled through its stiffness.
     approach_s
@@ -201,7 +201,7 @@ def control_compiled(
     NumericsError
         As ``control`` does.
     """
-    choice = LoopChoice(estimator, controller, settings, load, approach_of(controller, approach_s))
+    choice = LoopChoice(estimator, controller, settings, load, approach_s)
     with rig:
         loop = compiled_loop_on(rig, model, reference, choice)
         run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
@@ -266,24 +266,24 @@ def compiled_loop_on(
     """Return what all loops on such a rig with one model share. Raises CallerError for what has no compiled form."""
     prepared = prepared_loop(rig, model, reference, choice)
     first_drive_v = prepared.controller.limits.clamp(rig.drive_voltage_v)
-    ticks = ticks_of(prepared, choice, first_drive_v)
+    ticks = ticks_of(prepared, first_drive_v)
     times_s = times_on_rig_s(rig, round(prepared.duration_s / rig.sample_period_s))
     start_s = times_s[0] - rig.sample_period_s
     # As the loop in Python rounds them; NumPy would round the product and not the number.
     elapsed_s = np.array([round(time_s - start_s, 9) for time_s in times_s.tolist()])
-    held = np.maximum(elapsed_s - rig.sample_period_s - choice.approach_s, 0.0)
-    following = np.maximum(elapsed_s - choice.approach_s, 0.0)
+    held = np.maximum(elapsed_s - rig.sample_period_s - prepared.approach_s, 0.0)
+    following = np.maximum(elapsed_s - prepared.approach_s, 0.0)
     values = np.array([prepared.reference.targets_at(held), prepared.reference.targets_at(following)])
     return CompiledLoop(model, choice, prepared, ticks, values, elapsed_s, first_drive_v)
 
 
-def ticks_of(prepared: PreparedLoop, choice: LoopChoice, first_drive_v: float) -> LoopTicks:
+def ticks_of(prepared: PreparedLoop, first_drive_v: float) -> LoopTicks:
     """Return the compiled ticks of a loop. Raises CallerError naming what has none."""
     estimator = declared_tick(prepared.estimator)
     controller = declared_tick(prepared.controller, first_drive_v)
     for kind, name, tick in (
-        ("estimator", name_of(choice.estimator), estimator),
-        ("controller", name_of(choice.controller), controller),
+        ("estimator", prepared.metadata["estimator"], estimator),
+        ("controller", prepared.metadata["controller"], controller),
     ):
         if tick is None:
             raise CallerError(

@@ -18,17 +18,21 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from markupsafe import Markup
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers import Reference, Staircase, Step
 from musclewire.errors import RecordingError
 from musclewire.identify import COLUMN_SUFFIX, reference_quantity
+from musclewire.parameters import read_published
 from musclewire.sensing import SHOWN_AS
 from musclewire.signals import Recording
 
 # Eq. 7 counts "sequentially after one second of each step (till the end of each step)".
 SETTLE_S = 1.0
+# A wire is sensed once its estimates were valid for so long.
+SENSED_S = 0.5
 # The two readings of Eq. 7 in words, as they stand next to a number.
 FROM_FIRST_TARGET, APPROACHED = "from the first target on", "after the approach"
 
@@ -106,7 +110,7 @@ class ControlMetrics:
     start
         What the reference instrument read first, in the quantity's unit: where the wire came from; None without one.
     valid_share
-        Fraction of the samples with a valid estimate.
+        Fraction of the samples with a valid estimate, from where the wire is first sensed on: cold of B it cannot be.
     rms_pct
         Reference instrument against target [%]; None without an instrument.
     estimate_rms_pct
@@ -143,13 +147,14 @@ class ControlMetrics:
         return Markup("<pre>{}</pre>").format(str(self))
 
     def __str__(self) -> str:
-        """Return a small table; the first step has a row for each reading if they differ."""
+        """Return mean and largest error, then a table; the first step has a row for each reading if they differ."""
         if not self.steps:
             return (
                 f"rms error {percent(self.rms_pct)} %, of the estimate {percent(self.estimate_rms_pct)} %, "
                 f"of tracking {percent(self.tracking_rms_pct)} % (of the largest target, after the approach)"
             )
         lines = [
+            *summary_lines(self),
             "errors in % of the target, the first second of each step left out (Eq. 7)",
             "estimate: against the reference instrument, tracking: against the target",
             self.approach,
@@ -159,16 +164,26 @@ class ControlMetrics:
         for step in self.steps:
             label = f"{step.target * factor:>7.3g} {unit:2} {step.direction:7}"
             lines += [f"{label} {errors}" for errors in step_lines(step, self.approach_s)]
-        return "\n".join([*lines, *summary_lines(self)])
+        return "\n".join(lines)
 
 
 def summary_lines(metrics: ControlMetrics) -> list[str]:
-    """Return largest and mean error as lines of a table, one for each reading if there was an approach."""
-    counted = f"largest {percent(metrics.mae_max_pct)} %, mean {percent(metrics.mae_mean_pct)} %"
-    if metrics.approach_s == 0.0:
-        return [counted]
-    largest, mean = percent(metrics.mae_max_approached_pct), percent(metrics.mae_mean_approached_pct)
-    return [f"{counted} {FROM_FIRST_TARGET}", f"largest {largest} %, mean {mean} % {APPROACHED}"]
+    """Return mean and largest error of the steps in words, of both readings after an approach, and the paper's."""
+    first = percent(metrics.steps[0].mae_pct)
+    counted = f"mean {percent(metrics.mae_mean_pct)} %, largest {percent(metrics.mae_max_pct)} %, first step {first} %"
+    lines = [counted]
+    if metrics.approach_s != 0.0:
+        largest, mean = percent(metrics.mae_max_approached_pct), percent(metrics.mae_mean_approached_pct)
+        lines = [f"{counted} {FROM_FIRST_TARGET}", f"mean {mean} %, largest {largest} % {APPROACHED}"]
+    table = read_published("lan_fan_2010")["table2"]
+    rising, returning = table["desired_strain_pct"], table["desired_strain_pct"][-2::-1]
+    if metrics.quantity == "strain" and [round(100.0 * step.target, 9) for step in metrics.steps] == rising + returning:
+        printed = [*table["mae_rise_pct"], *table["mae_return_pct"]]
+        mean, largest = f"{np.mean(printed):.2f}", f"{max(printed):.2f}"
+        lines.append(
+            f"the paper's wire: mean {mean} %, largest {largest} %, after an approach that it does not describe"
+        )
+    return lines
 
 
 def step_lines(step: StepMetrics, approach_s: float) -> list[str]:
@@ -290,8 +305,23 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
         mae_mean_approached_pct=mean_approached,
         approach_s=approach_s,
         start=None if measured is None or not np.isfinite(measured[0]) else float(measured[0]),
-        valid_share=float(np.mean(recording["valid"][judged])),
+        valid_share=float(np.mean(recording["valid"][judged & since_first_sensed(recording)])),
     )
+
+
+def since_first_sensed(recording: Recording) -> npt.NDArray[np.bool_]:
+    """Return the samples from which on the wire is sensed, (n_times,); all of them if it never is, or it is not known.
+
+    Below B the resistance of a cold wire does not determine its strain: that it is not sensed there is no fault. It is
+    sensed from the first sample on that begins ``SENSED_S`` of valid ones; a shorter while may be a cold wire's, too.
+    """
+    everywhere = np.ones(len(recording), dtype=np.bool_)
+    if "valid" not in recording:
+        return everywhere
+    length = max(round(SENSED_S / recording.facts.sample_period_s), 1)
+    valid = np.concatenate([[0], np.cumsum(recording["valid"] > 0.0)])
+    begins = np.flatnonzero(valid[length:] - valid[:-length] == length)
+    return everywhere if begins.size == 0 else np.arange(len(recording)) >= begins[0]
 
 
 def largest_and_mean(errors_pct: Sequence[float | None]) -> tuple[float | None, float | None]:

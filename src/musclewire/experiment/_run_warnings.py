@@ -17,14 +17,14 @@ STEP_ERROR_K = 0.1
 
 def run_warnings(recording: Recording) -> tuple[str, ...]:
     """Return the warnings of a run, the most dangerous first; none for a run without any."""
-    own = (*friction_warnings(recording), *step_warnings(recording), *pulse_warnings(recording))
+    own = (*friction_warnings(recording), *step_warnings(recording), *stated_warnings(recording))
     return (*force_warnings(recording), *extrapolation_warnings(recording), *health_warnings(recording), *own)
 
 
-def pulse_warnings(recording: Recording) -> tuple[str, ...]:
-    """Return a warning if a wire heated by pulses was read at a wrong time in them; none otherwise."""
-    problem = recording.facts.text_or_none("pwm_problem")
-    return () if problem is None else (problem,)
+def stated_warnings(recording: Recording) -> tuple[str, ...]:
+    """Return what a recording says of itself: pulses read at a wrong time, a loop whose model has no gains."""
+    said = (recording.facts.text_or_none(name) for name in ("pwm_problem", "without_gains"))
+    return tuple(one for one in said if one is not None)
 
 
 def instrument_warnings(recording: Recording) -> tuple[str, ...]:

@@ -67,6 +67,7 @@ from ._speed_limits.limits import speed_limits_of as speed_limits_of
 from ._time_figures import halves as halves
 from ._time_figures import mark_points as mark_points
 from ._tuning import Tuning as Tuning
+from ._tuning import gains_of as gains_of
 from ._tuning import tune as tune
 from ._use_of_model import check_made_for as check_made_for
 from ._use_of_model import error_unit_for as error_unit_for

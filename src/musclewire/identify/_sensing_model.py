@@ -21,6 +21,7 @@ from musclewire.identify._recordings import (
     why_no_reference,
     without_loop,
 )
+from musclewire.identify._tuning import with_gains
 from musclewire.identify._use_of_model import users_wire
 from musclewire.physics import ArrayReading
 from musclewire.sensing import (
@@ -122,6 +123,8 @@ def fit(
 ) -> SensingModel:
     """Fit the self-sensing model (Eqs. 3 to 5) to a slow loop, or to a printed table of both branches.
 
+    Where the loop shows the plant, the model keeps the gains for it, as ``tune`` finds them; ``control`` takes them.
+
     Parameters
     ----------
     recording
@@ -137,7 +140,7 @@ def fit(
 
     Returns
     -------
-    The model, with residuals and warnings.
+    The model, with residuals and warnings, and with the gains of its loop, or why it has none (``no_gains``).
 
     Raises
     ------
@@ -171,7 +174,7 @@ def fit(
     except RecordingError as error:
         why = without_loop(error, recording)
         raise (RecordingError(f"{why} ({cut_short})") if cut_short else why) from None
-    model = replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity))
+    model = with_gains(replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity)), recording)
     return replace(model, warnings=(*model.warnings, cut_short)) if cut_short else model
 
 

@@ -11,7 +11,7 @@ so nothing in a gain is fitted to a rig. The stated margins are those of the wor
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -39,8 +39,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 LEVELS = 33
-# Samples within this many spacings of a level determine it, by a straight line through them.
-NEAR_SPACINGS, FEWEST_SAMPLES = 0.8, 4
+# Samples within this many spacings of a level determine it, by a straight line through them; where they are sparse, the
+# nearest few do, up to so many spacings away.
+NEAR_SPACINGS, FEWEST_SAMPLES, FAR_SPACINGS = 0.8, 4, 3.0
 # The derivatives of a slow loop are taken over a second of it.
 SMOOTHING_S = 1.0
 # From a command to its effect on the estimate: one sample until it is measured, half a sample of the hold, and half a
@@ -97,6 +98,25 @@ class Tuning:
     margins: StabilityMargins
     self_sensed: bool = False
 
+    @property
+    def gains(self) -> Gains:
+        """Controller and settings alone."""
+        return Gains(self.controller, self.settings)
+
+    def kept_in(self, model: SensingModel) -> SensingModel:
+        """Return a model with these gains: those that a loop with it takes by default.
+
+        Parameters
+        ----------
+        model
+            The model that they were found for.
+
+        Returns
+        -------
+        The model, otherwise as it was.
+        """
+        return replace(model, gains=self.gains.table(), no_gains="")
+
     def save(self, path: str | Path) -> None:
         """Write a gains file (TOML).
 
@@ -110,7 +130,7 @@ class Tuning:
         CallerError
             If the file cannot be written there.
         """
-        save_gains(Gains(self.controller, self.settings), path, tuple(str(self).splitlines()))
+        save_gains(self.gains, path, tuple(str(self).splitlines()))
 
     def plot(self, axes: Axes | None = None, *, style: str = "screen") -> Axes:
         """Draw the steady power of both branches, and the margins of the feedback in the title.
@@ -249,6 +269,42 @@ def tune(
     return Tuning(controller, settings, plant, worst_margins(plant), self_sensed)
 
 
+def with_gains(model: SensingModel, recording: Recording) -> SensingModel:
+    """Return a model with the gains of its slow loop, as ``tune`` finds them, or with why there are none."""
+    try:
+        plant = identified_plant(model, recording, None)
+    except (RecordingError, CallerError) as error:
+        return replace(model, no_gains=str(error))
+    return replace(model, gains=Gains("feedforward", plant).table())
+
+
+def gains_of(model: SensingModel, sample_period_s: float) -> Gains | None:
+    """Return the gains that a model keeps, for a loop of a sample period.
+
+    Parameters
+    ----------
+    model
+        The model, as ``fit`` returns it.
+    sample_period_s
+        Time [s] between two samples of the loop; longer than in the slow loop, it makes the loop slower.
+
+    Returns
+    -------
+    Controller and settings; None for a model without gains.
+
+    Raises
+    ------
+    CallerError
+        If what the model keeps are no gains.
+    """
+    if not model.gains:
+        return None
+    gains = Gains.read(model.gains, "the gains kept in this model")
+    if isinstance(gains.settings, FeedforwardSettings):
+        return Gains(gains.controller, at_period(gains.settings, sample_period_s))
+    return gains
+
+
 def fuzzy_settings(model: SensingModel, plant: FeedforwardSettings, rule_base: str | None) -> FuzzyPidSettings:
     """Return the fuzzy PID's settings for a plant: the paper's ranges, a scale, and a rule base that is known."""
     rules = DEFAULT_RULE_BASE if rule_base is None else rule_base
@@ -302,6 +358,11 @@ def identified_plant(
     dead_s = DEAD_SAMPLES * facts.sample_period_s
     response_s = dead_s + (dead_s if closed_loop_time_s is None else closed_loop_time_s)
     slopes_w = [float(np.median(np.diff(row))) * (LEVELS - 1) / span for row in (loop.heating_w, loop.cooling_w)]
+    if not min(slopes_w) > 0.0:
+        raise RecordingError(
+            f"the power that holds the {model.quantity} does not rise with it: record the slow loop more slowly, from "
+            "cold to the largest drive and back"
+        )
     slowest_s = tau_s + heat / min(slopes_w)
     return FeedforwardSettings(
         quantity=model.quantity,
@@ -320,6 +381,33 @@ def identified_plant(
         tolerance=TOLERANCE_FRACTION * span,
         maximum_steady_power_w=balance.loss_w_per_k * balance.warmest_k,
     )
+
+
+def at_period(plant: FeedforwardSettings, sample_period_s: float) -> FeedforwardSettings:
+    """Return a plant whose samples are further apart than those that it was found from: a later, slower loop.
+
+    Parameters
+    ----------
+    plant
+        The plant, as ``tune`` finds it, with the dead time of the recording's samples.
+    sample_period_s
+        Time [s] between two samples of the loop.
+
+    Returns
+    -------
+    The plant with the dead time of these samples and, by SIMC, tau_c no shorter than it; unchanged for faster ones.
+    """
+    dead_s = DEAD_SAMPLES * sample_period_s
+    if dead_s <= plant.dead_time_s:
+        return plant
+    response_s = dead_s + max(dead_s, plant.closed_loop_time_s)
+    slower = {
+        "dead_time_s": dead_s,
+        "closed_loop_time_s": response_s - dead_s,
+        "integral_time_s": plant.integral_time_s * response_s / (plant.closed_loop_time_s + plant.dead_time_s),
+        "pulse_time_s": max(plant.pulse_time_s, PULSE_SAMPLES * sample_period_s),
+    }
+    return plant.model_copy(update=slower)
 
 
 class SteadyLoop(NamedTuple):
@@ -391,11 +479,13 @@ def last_cycle(recording: Recording) -> slice:
 
 def by_level(quantity: FloatArray, values: FloatArray, levels: FloatArray) -> FloatArray:
     """Return values at levels of the quantity, by a line through the samples near each. Raises RecordingError."""
-    near = NEAR_SPACINGS * (levels[1] - levels[0])
+    spacing = levels[1] - levels[0]
     found = np.full(len(levels), np.nan)
     for index, level in enumerate(levels):
-        rows = (np.abs(quantity - level) < near) & np.isfinite(values)
-        if rows.sum() >= FEWEST_SAMPLES:
+        away = np.where(np.isfinite(values), np.abs(quantity - level), np.inf)
+        fewest_away = float(np.sort(away)[:FEWEST_SAMPLES][-1]) if away.size >= FEWEST_SAMPLES else math.inf
+        rows = away <= max(NEAR_SPACINGS * spacing, fewest_away)
+        if fewest_away < FAR_SPACINGS * spacing:
             found[index] = np.polyfit(quantity[rows] - level, values[rows], 1)[1]
     known = np.isfinite(found)
     if known.sum() < len(levels) // 2:

@@ -10,6 +10,7 @@ from musclewire.sensing._curve import Pairs, ResistanceCurve, require_in_range
 from musclewire.sensing._home_move import DRIFT_FRACTION, HomeMove
 
 Rows = tuple[tuple[float, float, float], ...]
+GainValue = str | float | tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,11 @@ class FittedCurve(ResistanceCurve):
         home move compares; none if the recording has no power.
     home
         The last home move; None if there was none since the characterisation.
+    gains
+        "controller", the name of the one that a loop with this model takes by default, and that one's settings by name;
+        empty if none were found. Here they are only kept: ``musclewire.controllers.Gains`` reads them.
+    no_gains
+        Why the fit found no gains; "" if it found them, or did not look.
 
     Raises
     ------
@@ -59,6 +65,8 @@ class FittedCurve(ResistanceCurve):
     cooling_samples: Pairs = field(default=(), repr=False)
     slow_loop: Rows = field(default=(), repr=False)
     home: HomeMove | None = None
+    gains: Mapping[str, GainValue] = field(default_factory=dict, hash=False, repr=False)
+    no_gains: str = ""
 
     def __post_init__(self) -> None:
         """Check the curve and the report."""

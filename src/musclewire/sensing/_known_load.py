@@ -55,8 +55,9 @@ class KnownSpring:
 def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: float) -> SensingModel:
     """Return a model of the contraction force on a spring [N] from one of strain or of the connector's displacement.
 
-    ``leg_length_m`` turns strain into displacement. It does not include friction: the average of both branches has
-    none. Raises CallerError for a model of force, and for a stiffness or length not above 0.
+    It has no gains: a loop takes those of the model that it was made from. ``leg_length_m`` turns strain into
+    displacement. It does not include friction: the average of both branches has none. Raises CallerError for a model of
+    force, and for a stiffness or length not above 0.
     """
     if model.quantity == "force":
         raise CallerError(
@@ -83,4 +84,6 @@ def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: flo
         rmse_average=per_unit_n * model.rmse_average,
         offset_std=per_unit_n * model.offset_std,
         wire={**model.wire, "spring_stiffness_n_per_m": stiffness_n_per_m},
+        gains={},
+        no_gains="those of the model that it was made from are for another quantity",
     )

@@ -30,6 +30,7 @@ Coefficients = Annotated[list[Finite], Field(min_length=2, max_length=16)]
 Errors = Annotated[list[NotNegative], Field(max_length=16)]
 Samples = Annotated[list[tuple[Finite, Finite]], Field(max_length=2000)]
 Rows = Annotated[list[tuple[Finite, Finite, Finite]], Field(max_length=2000)]
+Levels = Annotated[list[Finite], Field(max_length=1000)]
 
 
 class ModelFile(BaseModel):
@@ -68,6 +69,8 @@ class ModelFile(BaseModel):
     cooling_samples: Samples = []
     slow_loop: Rows = []
     home: HomeMove | None = None
+    gains: dict[str, str | Finite | Levels] = {}
+    no_gains: str = ""
 
 
 # Written for the file's reader; computed, not passed in, when a model is made.
@@ -148,9 +151,9 @@ def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") else value
 
 
-def _note(value: Any) -> str | float:
-    """Return a note on the wire as text or finite number; anything else as its text."""
-    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value):
+def _note(value: Any) -> str | float | list[Any]:
+    """Return a note on the wire, or one of the gains, as text, finite number or list; anything else as its text."""
+    if isinstance(value, list) or (isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)):
         return value
     return str(value)
 
@@ -159,7 +162,8 @@ def _fields(contents: ModelFile) -> dict[str, Any]:
     """Return the fields of a model from the keys of its file."""
     fields = {name: value for name, value in contents.model_dump().items() if name not in DERIVED}
     found = {name: tuple(value) if isinstance(value, list) else value for name, value in fields.items()}
-    return found | {"home": contents.home}
+    gains = {name: tuple(value) if isinstance(value, list) else value for name, value in contents.gains.items()}
+    return found | {"home": contents.home, "gains": gains}
 
 
 def _check_derived(model: FittedCurve, contents: ModelFile) -> None:

@@ -34,8 +34,15 @@ def report(model: FittedCurve) -> dict[str, Any]:
         "rmse_cooling_pct": 100.0 * model.rmse_cooling / full,
         "rmse_average_pct": 100.0 * model.rmse_average / full,
         "samples": model.samples,
+        "controller": gains_controller(model),
+        "no_gains": model.no_gains or None,
         "warnings": list(model.warnings),
     }
+
+
+def gains_controller(model: FittedCurve) -> str | None:
+    """Return the name of the controller whose gains a model keeps, None if it keeps none."""
+    return str(model.gains["controller"]) if "controller" in model.gains else None
 
 
 def rows(model: FittedCurve) -> list[tuple[str, str]]:
@@ -58,6 +65,7 @@ def rows(model: FittedCurve) -> list[tuple[str, str]]:
             ", ".join(f"{factor * error:.4f}" for error in errors) + f" {unit}",
         ),
         ("samples", str(model.samples)),
+        ("gains", gains_controller(model) or f"none: {model.no_gains or 'not looked for'}"),
         *[note(name, value) for name, value in model.wire.items()],
         ("created by", model.created_by),
         *[("source", model.source)][: bool(model.source)],

@@ -22,7 +22,7 @@ from musclewire.app import (
     read_settings,
     require_zip_file,
 )
-from musclewire.controllers import DriveLimits, ProtectionLimits
+from musclewire.controllers import FUZZY_PID_IN_C, DriveLimits, ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.extras.board._options import ARDUINO_ZIP, DOUBLE
 from musclewire.extras.board._serial.device import SerialConfiguration
@@ -95,7 +95,8 @@ def export_c(
         precision="double" if double else "single",
         limits=limits,
     )
-    return Result(answer, export_text(answer, rig))
+    text = export_text(answer, rig)
+    return Result(answer, f"{text}\n{FUZZY_PID_IN_C}" if loaded.gains else text)
 
 
 def export_text(answer: ExportCAnswer, rig: str) -> str:

@@ -71,7 +71,7 @@ class ControlOptions(KindOptions):
     estimator
         Estimator by name.
     controller
-        Controller by name.
+        Controller by name; by default that of the model's gains, which "own" finds for each wire.
     in_python
         Step the loop in Python, for an estimator or a controller that has no compiled form; the numbers are the same.
     period
@@ -90,7 +90,7 @@ class ControlOptions(KindOptions):
 
     model: str = "own"
     estimator: str = DEFAULT_ESTIMATOR
-    controller: str = "fuzzy-pid"
+    controller: str | None = None
     in_python: bool = False
     period: Seconds = 90.0
     cycles: int = Field(default=2, ge=1)

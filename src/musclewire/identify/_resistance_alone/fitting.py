@@ -34,6 +34,7 @@ from musclewire.identify._resistance_alone.possible_curves import (
     what_helps,
 )
 from musclewire.identify._sensing_model import loop_notes, power_loop
+from musclewire.identify._tuning import with_gains
 from musclewire.parameters import Bench, Parameter, bench_known_with, load_spreads, priors_around, require_seed
 from musclewire.sensing import SensingModel, find_segments, fit_loop
 from musclewire.signals import Recording
@@ -356,8 +357,9 @@ def anchored(
     moved_m = observation.loop(assumed.candidates.wire_values(found.wires.coordinates))[1]
     moved_m = np.interp(recording["time_s"] - recording["time_s"][0] + ticks_s[0], ticks_s, moved_m)
     measured = find_segments(reading.resistance_ohm, moved_m, reading.valid, quantity="displacement")
-    notes = {"leg_length_m": found.leg_m, **loop_notes(electrical_part(recording)), "wire": assumed.wire}
-    return replace(
+    electrical = electrical_part(recording)
+    notes = {"leg_length_m": found.leg_m, **loop_notes(electrical), "wire": assumed.wire}
+    model = replace(
         found.model,
         resistance_min_ohm=measured.resistance_min_ohm,
         resistance_max_ohm=measured.resistance_max_ohm,
@@ -366,6 +368,7 @@ def anchored(
         wire=notes | {"strain_from": f"the prior of {assumed.wire}, and resistance alone"},
         source=recording.facts.text_or_none("source") or "",
     )
+    return with_gains(model, electrical)
 
 
 def doubts(assumed: AssumedWire, wires: PosteriorWires, stroke_std: float) -> list[str]:

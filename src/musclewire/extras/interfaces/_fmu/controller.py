@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from musclewire.controllers import (
+    FUZZY_PID_IN_C,
     DriveLimits,
     Event,
     FuzzyPidSettings,
@@ -47,7 +48,7 @@ def controller_contents(
         sources={**library_sources(), "mw_constants.h": header, MODEL_FILE: c_files("c_fmu")[MODEL_FILE]},
         step_s=sample_period_s,
         owners=("caller", "protection"),
-        left_out=LEFT_OUT,
+        left_out=(*LEFT_OUT, *((f"feedforward: {FUZZY_PID_IN_C}",) if model.gains else ())),
     )
 
 

@@ -13,6 +13,7 @@ from musclewire.controllers import FuzzyPidSettings, Reference, SteeredReference
 from musclewire.errors import CallerError
 from musclewire.experiment import (
     HeldVoltage,
+    LoopChoice,
     characterize,
     control,
     examination_s,
@@ -247,7 +248,7 @@ def control_wire(session: BenchSession, command: messages.Control) -> None:
             model,
             followed.reference,
             estimator=command.estimator,
-            controller=command.controller or "fuzzy-pid",
+            controller=command.controller,
             settings=settings_of(command),
             approach_s=0.0 if followed.steered else None,
             path=new_file(session, "control"),
@@ -290,7 +291,9 @@ def control_s(session: BenchSession, command: messages.Control) -> float | None:
     if session.work.model is None or session.rig is None:
         return None
     followed: FollowedReference = reference_of(command.reference, session.work.model, session.rig.sample_period_s)
-    return None if followed.steered else 12.0 + followed.reference.duration_s
+    choice = LoopChoice(controller=command.controller, settings=settings_of(command))
+    begins_s = choice.settled(session.work.model, session.rig.sample_period_s).approach_s
+    return None if followed.steered else begins_s + followed.reference.duration_s
 
 
 RECIPES: dict[type, CommandRecipe] = {

@@ -8,7 +8,7 @@ from typing import Final
 
 from musclewire.controllers import Staircase, staircase
 from musclewire.errors import RigError
-from musclewire.experiment import ControlRun, TendonZero, characterize, control_compiled, zero_tendon
+from musclewire.experiment import PAPER_CONTROLLER, ControlRun, TendonZero, characterize, control_compiled, zero_tendon
 from musclewire.extras.paper._reproduce.loops import CYCLES, SlowSineLoop, loop_on
 from musclewire.identify import fit
 from musclewire.parameters import load_wire, read_published
@@ -72,7 +72,7 @@ class FingerRuns:
         """The staircase of Fig. 18, on a rig that has just run its slow sine."""
         rig = self.open()
         model = fit(characterize(rig, cycles=CYCLES), quantity="displacement")
-        run = control_compiled(rig, model, staircase_of_fig18(), estimator=PAPER_ESTIMATOR)
+        run = control_compiled(rig, model, staircase_of_fig18(), estimator=PAPER_ESTIMATOR, controller=PAPER_CONTROLLER)
         self._on_run()
         return run
 

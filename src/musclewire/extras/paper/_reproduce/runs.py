@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from musclewire.controllers import Staircase
-from musclewire.experiment import ControlRun, characterize, control_compiled
+from musclewire.experiment import PAPER_CONTROLLER, ControlRun, characterize, control_compiled
 from musclewire.extras.paper._reproduce.finger_runs import FingerRuns
 from musclewire.extras.paper._reproduce.loops import CYCLES, SlowSineLoop, loop_on
 from musclewire.extras.paper._reproduce.seedless_runs import SeedlessRuns
@@ -90,7 +90,7 @@ class RunCache:
         pretension = read_published("lan_fan_2010")["loop_100um"]["pretension_n"]
         rig = open_rig("simulated", wire=MAIN_WIRE, seed=self._seed, pretension_n=pretension)
         model = fit(characterize(rig, cycles=CYCLES))
-        run = control_compiled(rig, model, self.staircase, estimator=PAPER_ESTIMATOR)
+        run = control_compiled(rig, model, self.staircase, estimator=PAPER_ESTIMATOR, controller=PAPER_CONTROLLER)
         self._on_run()
         return run
 

@@ -1,0 +1,156 @@
+"""What a loop takes that nobody has chosen: the gains that the model keeps, else the paper's controller."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from fake_rig import FakeRig, straight_model
+
+import musclewire as mw
+from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, PidSettings, staircase
+from musclewire.errors import CallerError
+from musclewire.experiment import LoopChoice, control, run_warnings
+from musclewire.experiment._health import findings
+from musclewire.experiment._metrics import control_metrics
+from musclewire.identify import gains_of
+from musclewire.sensing import Cause, KnownSpring, SensingModel
+from musclewire.signals import Recording
+
+PERIOD_S = 0.05
+
+
+@pytest.fixture(scope="module")
+def model() -> SensingModel:
+    """A model of the simulated wire with the gains that ``fit`` finds."""
+    with mw.open_rig("simulated", seed=3) as rig:
+        return mw.fit(mw.characterize(rig))
+
+
+def test_fit_keeps_the_gains_that_tune_finds() -> None:
+    with mw.open_rig("simulated", seed=3) as rig:
+        loop = mw.characterize(rig)
+    model = mw.fit(loop)
+    gains = gains_of(model, PERIOD_S)
+    assert gains is not None
+    assert (gains.controller, gains.settings) == ("feedforward", mw.tune(model, loop).settings)
+
+
+def test_nobody_has_to_choose_and_the_wire_follows_from_cold(model: SensingModel) -> None:
+    with mw.open_rig("simulated", seed=4) as rig:
+        run = control(rig, model)
+    assert (run.metadata["controller"], run.metadata["approach_s"]) == ("feedforward", 0.0)
+    assert run.metrics.start == pytest.approx(0.0, abs=1e-3)  # cold
+    assert run.metrics.mae_max_pct is not None
+    assert run.metrics.mae_max_pct <= 2.62  # the paper's largest, after an approach
+    # What was not sensed yet, below B, counts neither against the run nor as a finding.
+    assert run.metrics.valid_share == 1.0
+    assert "health" not in run.metadata
+    assert "without_gains" not in run.metadata
+
+
+@pytest.mark.parametrize(
+    ("chosen", "controller", "kind", "approach_s"),
+    [
+        ({}, "feedforward", FeedforwardSettings, 0.0),
+        ({"approach_s": 3.0}, "feedforward", FeedforwardSettings, 3.0),
+        ({"controller": "feedforward"}, "feedforward", FeedforwardSettings, 0.0),
+        ({"controller": "fuzzy-pid"}, "fuzzy-pid", type(None), 12.0),
+        ({"settings": FuzzyPidSettings()}, "fuzzy-pid", FuzzyPidSettings, 12.0),
+        ({"settings": PidSettings()}, "pid", PidSettings, 12.0),
+        ({"load": KnownSpring(500.0)}, "fuzzy-pid", type(None), 12.0),
+    ],
+)
+def test_what_the_caller_leaves_open_follows_from_the_gains(
+    model: SensingModel, chosen: dict[str, Any], controller: str, kind: type, approach_s: float
+) -> None:
+    settled = LoopChoice(**chosen).settled(model, PERIOD_S)
+    assert (settled.controller, type(settled.settings), settled.approach_s) == (controller, kind, approach_s)
+    assert settled.without_gains == ""
+
+
+def test_a_model_of_force_keeps_the_fuzzy_pid(model: SensingModel) -> None:
+    assert LoopChoice().settled(replace(model, quantity="force"), PERIOD_S).controller == "fuzzy-pid"
+
+
+def test_settings_that_do_not_say_whose_they_are_are_refused(model: SensingModel) -> None:
+    with pytest.raises(CallerError, match="name the controller"):
+        LoopChoice(settings={"kp": 1.0}).settled(model, PERIOD_S)
+
+
+def test_a_model_without_gains_is_driven_as_before_and_the_run_says_how_to_get_the_better_loop() -> None:
+    run = control(FakeRig(), replace(straight_model(), no_gains="this recording has no power"))
+    assert (run.metadata["controller"], run.metadata["approach_s"]) == ("fuzzy-pid", 12.0)
+    said = [text for text in run_warnings(run) if "musclewire tune" in text]
+    assert len(said) == 1
+    assert "(this recording has no power)" in said[0]
+
+
+def test_who_chose_the_fuzzy_pid_is_told_nothing() -> None:
+    run = control(FakeRig(), straight_model(), controller="fuzzy-pid")
+    assert not any("musclewire tune" in text for text in run_warnings(run))
+
+
+def test_samples_further_apart_than_in_the_slow_loop_make_the_loop_slower_and_nearer_ones_change_nothing(
+    model: SensingModel,
+) -> None:
+    def settings_at(period_s: float) -> FeedforwardSettings:
+        gains = gains_of(model, period_s)
+        assert gains is not None
+        assert isinstance(gains.settings, FeedforwardSettings)
+        return gains.settings
+
+    own, faster, slower = (settings_at(period_s) for period_s in (PERIOD_S, 0.01, 0.2))
+    assert faster == own
+    assert slower.dead_time_s == pytest.approx(4.0 * own.dead_time_s)
+    assert slower.closed_loop_time_s >= slower.dead_time_s
+    assert slower.integral_time_s >= own.integral_time_s
+    assert slower.heating_power_w == own.heating_power_w
+
+
+@pytest.mark.parametrize("period_s", [0.1, 0.2])
+def test_a_loop_that_samples_more_slowly_than_the_slow_loop_comes_to_rest(model: SensingModel, period_s: float) -> None:
+    with mw.open_rig("simulated", seed=5, sample_period_s=period_s) as rig:
+        run = control(rig, model)
+    in_step_s = (run["time_s"] - run["time_s"][0]) % 6.0
+    resting = run["drive_voltage_v"][(in_step_s > 4.0) & (in_step_s < 5.5)]
+    each = np.array_split(resting, 11)
+    assert max(np.ptp(one) for one in each) < 0.5
+    assert "oscillation" not in str(run.metadata.get("health", ""))
+
+
+def from_cold(valid_from: int) -> Recording:
+    """A loop that cannot sense before a sample, with the drive at its limit until then, and is on its target later."""
+    n = 600
+    sensed = np.arange(n) >= valid_from
+    columns = {
+        "time_s": PERIOD_S * np.arange(1, n + 1),
+        "drive_voltage_v": np.where(sensed, 2.0, 3.6),
+        "target_strain": np.full(n, 0.02),
+        "estimated_strain": np.where(sensed, 0.02, 0.006),
+        "valid": sensed.astype(float),
+        "wire_resistance_ohm": np.linspace(17.0, 16.0, n),
+    }
+    return Recording(columns, {"approach_s": 0.0, "sample_period_s": PERIOD_S, "limit_maximum_voltage_v": 3.6})
+
+
+def test_what_comes_before_b_is_no_finding_and_does_not_count_against_what_was_sensed() -> None:
+    run = from_cold(200)
+    assert findings(run) == ()
+    assert control_metrics(run, "strain", staircase()).valid_share == 1.0
+
+
+def test_a_drive_at_its_limit_that_never_comes_to_b_is_found() -> None:
+    run = from_cold(600)
+    assert Cause.SATURATION in [one.cause for one in findings(run)]
+    assert control_metrics(run, "strain", staircase()).valid_share == 0.0
+
+
+def test_the_errors_begin_with_mean_and_largest_and_the_papers_stand_beside(model: SensingModel) -> None:
+    with mw.open_rig("simulated", seed=4) as rig:
+        lines = str(control(rig, model).metrics).splitlines()
+    assert lines[0].startswith("mean ")
+    assert ", largest " in lines[0]
+    assert lines[1].startswith("the paper's wire: mean 1.19 %, largest 2.62 %")
