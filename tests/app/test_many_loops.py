@@ -20,7 +20,7 @@ def test_every_loop_is_the_single_run_of_its_seed(musclewire: Callable[..., Any]
     alone = musclewire("control", "simulated", model, *STEPS, "--seed", 5, "--json").json
     assert many["runs"][1]["mae_pct"] == [step["mae_pct"] for step in alone["steps"]]
     assert many["runs"][1]["mae_approached_pct"] == [step["mae_approached_pct"] for step in alone["steps"]]
-    assert many["approach_s"] == alone["approach_s"] == 12.0
+    assert many["approach_s"] == alone["approach_s"] == 0.0
     assert many["runs"][1]["ended"] == "done"
     runs = ("--runs", 3, "--seed", 4, "--in-python")
     in_python = musclewire("control", "simulated", model, *STEPS, *runs, "--json").json
@@ -31,8 +31,13 @@ def test_people_get_a_table_of_medians_and_spreads(musclewire: Callable[..., Any
     answer = musclewire("control", "simulated", model, *STEPS, "--runs", 2)
     assert answer.code == 0
     assert answer.out.startswith("2 of 2 loops reached their end")
+    assert answer.out.splitlines()[1].startswith("mean of the steps: median ")
     assert "1.8 %  rise" in answer.out
-    assert "the first step began 12 s later" in answer.out
+    assert "no approach" in answer.out
+    papers = ("--controller", "fuzzy-pid", "--approach", "10 s")
+    after = musclewire("control", "simulated", model, *STEPS, *papers, "--runs", 2)
+    assert "the first step began 10 s later" in after.out
+    assert "largest step error after the approach: median " in after.out
 
 
 def test_a_loop_that_fails_is_named_and_the_exit_code_is_1(

@@ -89,7 +89,8 @@ class StepMetrics:
 class ControlMetrics:
     """All steps of a run and their summary.
 
-    The ``rms`` are over the whole run after the approach, in percent of the largest target.
+    The ``rms`` are over the whole run after the approach, or after its first second if there was none, in percent of the
+    largest target.
 
     Parameters
     ----------
@@ -142,6 +143,11 @@ class ControlMetrics:
             return f"no approach: the first step began when its target was first asked for{where}"
         return f"the first target was asked for{where}, and the first step began {self.approach_s:g} s later"
 
+    @property
+    def counted(self) -> str:
+        """What of the run the ``rms`` count, in words."""
+        return APPROACHED if self.approach_s > 0.0 else f"after the first {SETTLE_S:g} s"
+
     def _repr_html_(self) -> str:
         """Return the table of errors for a notebook, as ``print`` shows them."""
         return Markup("<pre>{}</pre>").format(str(self))
@@ -151,7 +157,7 @@ class ControlMetrics:
         if not self.steps:
             return (
                 f"rms error {percent(self.rms_pct)} %, of the estimate {percent(self.estimate_rms_pct)} %, "
-                f"of tracking {percent(self.tracking_rms_pct)} % (of the largest target, after the approach)"
+                f"of tracking {percent(self.tracking_rms_pct)} % (of the largest target, {self.counted})"
             )
         lines = [
             *summary_lines(self),
@@ -289,7 +295,7 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
     rows = tuple(step_metrics(step, elapsed_s, estimated, measured, approach_s) for step in steps)
     largest, mean = largest_and_mean([row.mae_pct for row in rows])
     largest_approached, mean_approached = largest_and_mean([row.mae_approached_pct for row in rows])
-    judged = elapsed_s > 1e-9
+    judged = elapsed_s > (1e-9 if approach_s > 0.0 or elapsed_s[-1] <= SETTLE_S else SETTLE_S)
     target = recording[f"target_{suffix}"][judged]
     per = float(np.abs(target).max()) or 1.0
     true = None if measured is None else measured[judged]

@@ -153,7 +153,7 @@ def test_a_whole_session_on_a_simulated_rig_that_runs_faster_than_the_clock(tmp_
                 await until_phase(handle, "ready", "failed")
                 assert handle.state["phase"] == "ready", (command, handle.state["why"])
             assert all(handle.state["steps"].values())
-            # The last path is short: after an approach of 12 s only 5 s count.
+            # The last path is short: from cold only the 4 s after its first second count.
             assert handle.state["metrics"]["rms_pct"] < 10.0
             # Choosing another pretension forgets the model of this one.
             assert (await ask(handle, do="choose_pretension", pretension_n=1.7)).accepted
