@@ -89,8 +89,8 @@ class StepMetrics:
 class ControlMetrics:
     """All steps of a run and their summary.
 
-    The ``rms`` are over the whole run after the approach, or after its first second if there was none, in percent of the
-    largest target.
+    The ``rms`` are over the whole run after the approach, or after its first second if there was none, in percent of
+    the largest target.
 
     Parameters
     ----------
