@@ -19,7 +19,7 @@ from musclewire.experiment import (
     StepSpread,
     TrainingCycle,
 )
-from musclewire.identify import HelpfulMeasurement, SufficientChanges, TooFast, VarianceShare
+from musclewire.identify import HelpfulMeasurement, SufficientChanges, TooFast, VarianceShare, WeakSupply
 from musclewire.sensing import HomeMove
 from musclewire.signals import IgnoredHeader, MatchedHeader, MetadataValue, UndecidedHeader
 
@@ -135,6 +135,7 @@ class SpeedLimitsAnswer(AnswerModel):
     asked_amplitude: float
     possible_amplitude: float
     help: Annotated[SufficientChanges, AnswerRecord()]
+    supply: Annotated[WeakSupply, AnswerRecord()] | None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -42,7 +42,7 @@ from musclewire.errors import CallerError, MusclewireError, RecordingError, near
 if TYPE_CHECKING:
     from musclewire.app._answers import ControlRunAnswer
     from musclewire.controllers import Reference
-    from musclewire.experiment import ControlMetrics, ControlRun, LoopChoice, LoopOutcome
+    from musclewire.experiment import ControlMetrics, ControlRun, LoopChoice, LoopOutcome, SettledChoice
     from musclewire.identify import Homing, SpeedLimits
     from musclewire.rigs import Rig
     from musclewire.sensing import KnownSpring, SensingModel
@@ -97,7 +97,7 @@ def control(
         with open_rig(rig, seed=seed) as opened:
             follows = target or staircase_for(loaded, load, opened.leg_length_m)
             settled = choice.settled(loaded, opened.sample_period_s)
-            said_of_speed(opened, loaded, follows, settled.settings, load)
+            said_of_speed(opened, loaded, follows, settled, load)
         return run_many_loops(rig, seed, many, loaded, choice, follows, settled.approach_s + follows.duration_s)
     check_files(figure, output, overwrite)
     follow = loop_of(choice, loop, loaded)
@@ -110,7 +110,7 @@ def control(
         if target is None:
             target = staircase_for(loaded, load, opened.leg_length_m)
         settled = choice.settled(loaded, opened.sample_period_s)
-        limits = said_of_speed(opened, loaded, target, settled.settings, load)
+        limits = said_of_speed(opened, loaded, target, settled, load)
         with progress_bar("Closed loop", settled.approach_s + target.duration_s, opened) as on_sample:
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
         if homing.home == "idle":
@@ -150,16 +150,17 @@ def check_files(figure: FigureOptions, output: Path | None, overwrite: bool) -> 
 
 
 def said_of_speed(
-    opened: Rig, loaded: SensingModel, target: Reference, settings: Any, load: KnownSpring | None
+    opened: Rig, loaded: SensingModel, target: Reference, settled: SettledChoice, load: KnownSpring | None
 ) -> SpeedLimits | None:
-    """Print where a reference is faster than the wire, before it is heated; return it.
+    """Print where a reference is faster than the wire, or the supply too weak, before it is heated; return it.
 
     None if model or rig do not state what it follows from.
     """
     from musclewire.experiment import speed_limits
 
     try:
-        limits = speed_limits(opened, loaded, target, settings=settings, load=load)
+        from_cold = settled.approach_s == 0.0
+        limits = speed_limits(opened, loaded, target, settings=settled.settings, load=load, from_cold=from_cold)
     except RecordingError:
         return None
     warn(limits.warnings)

@@ -3,6 +3,7 @@
 from ._closed_loop import APPROACH_S as APPROACH_S
 from ._closed_loop import PAPER_CONTROLLER as PAPER_CONTROLLER
 from ._closed_loop import LoopChoice as LoopChoice
+from ._closed_loop import SettledChoice as SettledChoice
 from ._closed_loop import control as control
 from ._demo import DemoResult as DemoResult
 from ._demo import run_demo as run_demo

@@ -210,7 +210,9 @@ def control(
         approach_s=loop.approach_s,
         first_drive_voltage_v=rig.drive_voltage_v,
     )
-    metadata = loop.metadata | speed_metadata(rig, loop.model, loop.reference, loop.settings)
+    from_cold = loop.approach_s == 0.0
+    beforehand = speed_metadata(rig, loop.model, loop.reference, loop.settings, from_cold=from_cold)
+    metadata = loop.metadata | beforehand
     recording = run_on_rig(rig, policy, loop.duration_s, metadata=metadata, **run)
     metrics = control_metrics(recording, loop.model.quantity, loop.reference)
     return ControlRun(recording.columns, recording.metadata, metrics)

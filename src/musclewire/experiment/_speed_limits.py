@@ -73,6 +73,7 @@ def speed_limits(
     *,
     settings: Any = None,
     load: KnownSpring | None = None,
+    from_cold: bool = False,
 ) -> SpeedLimits:
     """Say beforehand where a reference is faster than the wire heats or cools. Nothing is driven.
 
@@ -93,6 +94,8 @@ def speed_limits(
         plant from the model.
     load
         A known spring: then the targets are forces.
+    from_cold
+        Whether a staircase begins with a cold wire: then ``supply`` says which of its steps the supply makes late.
 
     Returns
     -------
@@ -129,10 +132,12 @@ def speed_limits(
     tuned = isinstance(settings, FeedforwardSettings) and settings.quantity == model.quantity
     plant = settings if tuned else None
     facts = RunFacts({**rig.metadata(), **what_protects(rig)}, "the rig")
-    return speed_limits_of(model, chosen, facts, plant)
+    return speed_limits_of(model, chosen, facts, plant, from_cold=from_cold)
 
 
-def speed_metadata(rig: Rig, model: SensingModel, reference: Reference, settings: Any) -> dict[str, str]:
+def speed_metadata(
+    rig: Rig, model: SensingModel, reference: Reference, settings: Any, *, from_cold: bool = False
+) -> dict[str, str]:
     """Return the warnings of a reference for a run's metadata, under ``speed_limits``; nothing if it can be followed.
 
     If model or rig do not state what the limits follow from, it says so instead. Of a target that is steered nothing
@@ -141,7 +146,7 @@ def speed_metadata(rig: Rig, model: SensingModel, reference: Reference, settings
     if isinstance(reference, SteeredReference):
         return {}
     try:
-        warnings = speed_limits(rig, model, reference, settings=settings).warnings
+        warnings = speed_limits(rig, model, reference, settings=settings, from_cold=from_cold).warnings
     except RecordingError as error:
         return {"speed_limits": f"not known: {error}"}
     return {"speed_limits": "; ".join(warnings)} if warnings else {}

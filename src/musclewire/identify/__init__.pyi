@@ -64,6 +64,7 @@ from ._speed_limits.limits import SpeedLimits as SpeedLimits
 from ._speed_limits.limits import SufficientChanges as SufficientChanges
 from ._speed_limits.limits import TooFast as TooFast
 from ._speed_limits.limits import speed_limits_of as speed_limits_of
+from ._speed_limits.supply import WeakSupply as WeakSupply
 from ._time_figures import halves as halves
 from ._time_figures import mark_points as mark_points
 from ._tuning import Tuning as Tuning

@@ -12,9 +12,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.controllers import FeedforwardSettings, Reference
+from musclewire.controllers import FeedforwardSettings, Reference, Staircase
 from musclewire.errors import CallerError
 from musclewire.identify._speed_limits.plant import SpeedPlant, branches_of, followed, plant_of_gains, plant_of_model
+from musclewire.identify._speed_limits.supply import LATE_PCT, WeakSupply, least_errors_pct
 from musclewire.identify._tuning import alloy_of, heat_balance
 from musclewire.parameters import Alloy, section_m2, validity_of
 from musclewire.physics import convection_coefficient_w_per_m2_k
@@ -225,6 +226,8 @@ class SpeedLimits:
         The same of the way on which the wire can follow at best.
     help
         What each single change would have to be, so that the wire follows.
+    supply
+        The step of a staircase that the supply makes latest, if the run begins from cold; None if it suffices.
     """
 
     quantity: str
@@ -232,12 +235,14 @@ class SpeedLimits:
     asked_amplitude: float
     possible_amplitude: float
     help: SufficientChanges
+    supply: WeakSupply | None = None
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """One sentence for cooling and one for heating, if the reference is too fast for it; none otherwise."""
+        """One sentence for cooling, heating and a supply too weak from cold each, if it is so; none otherwise."""
         directions: tuple[Literal["cooling", "heating"], ...] = ("cooling", "heating")
-        return tuple(self._warning(one) for one in directions if any(f.direction == one for f in self.findings))
+        found = tuple(self._warning(one) for one in directions if any(f.direction == one for f in self.findings))
+        return found if self.supply is None else (*found, self.supply.text(self.quantity))
 
     def __str__(self) -> str:
         """Return the warnings, or one line that says that there are none."""
@@ -280,7 +285,12 @@ class SampledTargets(NamedTuple):
 
 
 def speed_limits_of(
-    model: SensingModel, reference: Reference, facts: RunFacts, settings: FeedforwardSettings | None = None
+    model: SensingModel,
+    reference: Reference,
+    facts: RunFacts,
+    settings: FeedforwardSettings | None = None,
+    *,
+    from_cold: bool = False,
 ) -> SpeedLimits:
     """Return where a reference is faster than the wire of a model; the pure function behind ``mw.speed_limits``.
 
@@ -295,6 +305,8 @@ def speed_limits_of(
         and shunt of its protection, ``sample_period_s``, ``wire_diameter_m``.
     settings
         The plant that ``tune`` found; that of the model's slow loop if None.
+    from_cold
+        Whether the first step of a staircase begins with a cold wire; without, the wire is at its first target.
 
     Returns
     -------
@@ -324,7 +336,27 @@ def speed_limits_of(
         what_helps(
             plant, partial(misses, around(way, found)), tolerance, {one.direction for one in found}, model, facts
         ),
+        weak_supply(plant, reference, facts, settings) if from_cold and isinstance(reference, Staircase) else None,
     )
+
+
+def weak_supply(
+    plant: SpeedPlant, steps: Staircase, facts: RunFacts, settings: FeedforwardSettings | None
+) -> WeakSupply | None:
+    """Return the step that the supply makes latest from cold; None if it is late for none."""
+    period_s, maximum_v = facts.sample_period_s, facts.number("limit_maximum_voltage_v", "maximum voltage of the rig")
+    dead_time_s = period_s if settings is None else settings.dead_time_s
+
+    def errors_pct(factor: float) -> FloatArray:
+        return least_errors_pct(plant.with_voltage(factor), steps, period_s, dead_time_s)
+
+    now = errors_pct(1.0)
+    worst = steps.steps[int(np.argmax(now))]
+    if float(now.max()) <= LATE_PCT:
+        return None
+    factor = smallest(lambda x: bool(errors_pct(x).max() <= LATE_PCT), MAX_FACTOR)
+    enough_v = None if factor is None else factor * maximum_v
+    return WeakSupply(worst.index + 1, worst.start_s, worst.target, float(now.max()), maximum_v, enough_v)
 
 
 def misses(way: SampledTargets, plant: SpeedPlant, slower: float) -> FloatArray:

@@ -84,12 +84,15 @@ class SpeedPlant(NamedTuple):
 
     def _times_s(self, excess_w: FloatArray, branch_w: FloatArray) -> FloatArray:
         """Return the time along a branch [s], summed from level to level."""
-        excess = np.maximum(excess_w, MIN_EXCESS_W)
-        ratio = np.log(excess[1:] / excess[:-1])
-        even = np.abs(ratio) < 1e-9
-        mean = np.where(even, excess[1:], np.diff(excess) / np.where(even, 1.0, ratio))
         heat_j = self.time_constant_s * np.diff(branch_w) + self.heat_per_unit * np.diff(self.levels)
-        return np.concatenate([[0.0], np.cumsum(heat_j / mean)])
+        return np.concatenate([[0.0], np.cumsum(heat_j / mean_excess_w(np.maximum(excess_w, MIN_EXCESS_W)))])
+
+
+def mean_excess_w(excess_w: FloatArray) -> FloatArray:
+    """Return the logarithmic mean of power over loss [W] between each two levels, (n - 1,)."""
+    ratio = np.log(excess_w[1:] / excess_w[:-1])
+    even = np.abs(ratio) < 1e-9
+    return np.asarray(np.where(even, excess_w[1:], np.diff(excess_w) / np.where(even, 1.0, ratio)))
 
 
 def plant_of_gains(settings: FeedforwardSettings, facts: RunFacts) -> SpeedPlant:
