@@ -55,16 +55,16 @@ def check(axe: Any, page: Any, state: str, prepare: Callable[[], None] = lambda:
 
 
 def follow(page: Any, watcher: Any = None) -> None:
-    """Have a loop that follows the slider, and rules that have fired: once more if it has ended meanwhile."""
+    """Have a loop that follows the slider: once more if it has ended meanwhile."""
 
-    def fired() -> bool:
+    def follows() -> bool:
         if watcher is not None and watcher.locator('[data-part="ask"]').inner_text() == "Give it up":
             watcher.locator('[data-part="ask"]').click()
         if page.locator('[data-part="steer"]').is_visible() and page.locator('[data-part="steer"]').is_enabled():
             page.locator('[data-part="steer"]').click(timeout=1000)
-        return bool(page.locator("td.fired").count())
+        return page.locator('[data-part="slider"]').is_enabled()
 
-    until(fired, "a fired rule", max_wait_s=240.0, pause_s=0.2)
+    until(follows, "a loop that follows the slider", max_wait_s=240.0, pause_s=0.2)
 
 
 def ask(page: Any, watcher: Any) -> None:

@@ -42,6 +42,8 @@ export class ControllerPanel {
     parts.gains.append(...this.gains.map(({ box }) => box));
     this.cells = new Map();
     parts.rules.append(this.grid());
+    show(parts.gains, false);
+    show(parts.rules, false);
     this.showRules(null);
   }
 
@@ -74,12 +76,15 @@ export class ControllerPanel {
     const strongest = rules?.[0];
     setText(this.parts["rules-words"], strongest
       ? `Strongest rule, weight ${fixed(strongest.weight, 2)}: error ${SET_WORDS[strongest.error] ?? strongest.error}, change ${SET_WORDS[strongest.change] ?? strongest.change}; Kp ${strongest.kp}, Ki ${strongest.ki}, Kd ${strongest.kd}.`
-      : "The fuzzy rules show while a fuzzy controller closes the loop. Rows: error. Columns: change of the error.");
+      : "By default the gains in the model close the loop (feedforward). With the controller fuzzy-pid its gains and rules show here: rows are the error, columns its change.");
   }
 
   /** Show the gains of the newest row in their ranges. */
   draw(history, ranges) {
     const columns = [COLUMN.kp, COLUMN.ki, COLUMN.kd];
+    const fuzzy = history.recent.last(COLUMN.kp) !== null;
+    show(this.parts.gains, fuzzy);
+    show(this.parts.rules, fuzzy);
     const names = ["kp_range", "ki_range", "kd_range"];
     this.gains.forEach(({ value, fill }, place) => {
       const gain = history.recent.last(columns[place]);
