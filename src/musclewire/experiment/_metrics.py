@@ -153,7 +153,14 @@ class ControlMetrics:
         return Markup("<pre>{}</pre>").format(str(self))
 
     def __str__(self) -> str:
-        """Return mean and largest error, then a table; the first step has a row for each reading if they differ."""
+        """Return mean and largest error, then a table; the first step has a row for each reading if they differ.
+
+        Without an instrument for the quantity only the error that the loop sees is known: that of the estimate.
+        """
+        if self.valid_share == 0.0:
+            return f"no estimate was ever valid: the {self.quantity} was never sensed, and the loop never closed"
+        if self.mae_mean_pct is None and self.rms_pct is None:
+            return "\n".join(self._without_instrument())
         if not self.steps:
             return (
                 f"rms error {percent(self.rms_pct)} %, of the estimate {percent(self.estimate_rms_pct)} %, "
@@ -172,12 +179,27 @@ class ControlMetrics:
             lines += [f"{label} {errors}" for errors in step_lines(step, self.approach_s)]
         return "\n".join(lines)
 
+    def _without_instrument(self) -> list[str]:
+        """Return the lines of a run whose rig has no instrument for the quantity."""
+        largest, mean = largest_and_mean([step.tracking_mae_pct for step in self.steps])
+        lines = [f"no instrument measured the {self.quantity}: how far its estimate is from the target, in % of it"]
+        if not self.steps:
+            return [*lines, f"rms {percent(self.tracking_rms_pct)} %, of the largest target, {self.counted}"]
+        lines += [f"mean {percent(mean)} %, largest {percent(largest)} % (Eq. 7)", self.approach]
+        factor, unit = SHOWN_AS[self.quantity]
+        return lines + [
+            f"{step.target * factor:>7.3g} {unit:2} {step.direction:7} {percent(step.tracking_mae_pct):>8} %"
+            for step in self.steps
+        ]
+
 
 def summary_lines(metrics: ControlMetrics) -> list[str]:
     """Return mean and largest error of the steps in words, of both readings after an approach, and the paper's."""
     first = percent(metrics.steps[0].mae_pct)
     counted = f"mean {percent(metrics.mae_mean_pct)} %, largest {percent(metrics.mae_max_pct)} %, first step {first} %"
-    lines = [counted]
+    factor, unit = SHOWN_AS[metrics.quantity]
+    begun = "" if metrics.start is None else f", begun at {round(factor * metrics.start, 2) + 0.0:.2f} {unit}"
+    lines = [f"{counted}{begun}"]
     if metrics.approach_s != 0.0:
         largest, mean = percent(metrics.mae_max_approached_pct), percent(metrics.mae_mean_approached_pct)
         lines = [f"{counted} {FROM_FIRST_TARGET}", f"mean {mean} %, largest {largest} % {APPROACHED}"]

@@ -153,4 +153,10 @@ def test_the_errors_begin_with_mean_and_largest_and_the_papers_stand_beside(mode
         lines = str(control(rig, model).metrics).splitlines()
     assert lines[0].startswith("mean ")
     assert ", largest " in lines[0]
+    assert lines[0].endswith(", begun at 0.00 %")
     assert lines[1].startswith("the paper's wire: mean 1.19 %, largest 2.62 %")
+
+
+def test_a_run_that_never_sensed_says_so_before_any_number() -> None:
+    said = str(control_metrics(from_cold(600), "strain", staircase()))
+    assert said == "no estimate was ever valid: the strain was never sensed, and the loop never closed"
