@@ -19,6 +19,7 @@ __all__ = [
     "RecordingNotWrittenError",
     "NumericsError",
     "FitRejectedError",
+    "an_object",
     "installed_by",
     "nearest_hint",
 ]
@@ -76,6 +77,22 @@ class NumericsError(MusclewireError):
 
 class FitRejectedError(NumericsError):
     """A fit ran, and its result cannot be used (because it is not invertible, for example)."""
+
+
+def an_object(thing: object) -> str:
+    """Return what an object is, with its article: "an int", "a function".
+
+    Parameters
+    ----------
+    thing
+        Anything that a caller gave by mistake.
+
+    Returns
+    -------
+    The name of its type with its article.
+    """
+    name = type(thing).__name__
+    return f"{'an' if name[0].lower() in 'aeiou' else 'a'} {name}"
 
 
 def nearest_hint(name: str, known: Iterable[str]) -> str:

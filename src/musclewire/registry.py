@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib.metadata import entry_points
-from typing import Generic, TypeVar, cast
+from typing import Any, Generic, TypeVar, cast
 
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import CallerError, an_object, nearest_hint
 from musclewire.manifest import absent_part, loaded, offered
 
 __all__ = ["Registry"]
@@ -31,14 +31,17 @@ class Registry(Generic[Kind]):
         word is the field of a manifest that offers such kinds.
     built_in
         Our own kinds by name, each as "module:attribute". A module is imported when its kind is first looked up.
+    parts
+        Names that what a kind makes must have: a kind is then a class or a function of a setup. None for kinds that are
+        used as they are.
     """
 
-    def __init__(self, what: str, group: str, built_in: Mapping[str, str]) -> None:
+    def __init__(self, what: str, group: str, built_in: Mapping[str, str], parts: tuple[str, ...] = ()) -> None:
         """Take our own kinds; those of other packages are looked up when a name is needed."""
         self.what = what
         self.group = group
         self._field = group.rpartition(".")[2]
-        self._built_in = dict(built_in)
+        self._built_in, self._parts = dict(built_in), parts
         self._registered: dict[str, Kind] = {}
 
     def register(self, name: str, kind: Kind) -> None:
@@ -54,8 +57,13 @@ class Registry(Generic[Kind]):
         Raises
         ------
         CallerError
-            If the name is taken by another kind.
+            If the name is taken by another kind, or what is registered cannot be called.
         """
+        if self._parts and not callable(kind):
+            raise CallerError(
+                f"{self.article()} {self.what} is registered by its class or by a function that makes one, not by "
+                f"{an_object(kind)}"
+            )
         known = self._registered.get(name)
         if (known is not None and known is not kind) or name in self._places:
             raise CallerError(f"there is already {self.article()} {self.what} named '{name}': give yours another name")
@@ -98,6 +106,42 @@ class Registry(Generic[Kind]):
             return cast(Kind, loaded(place))
         absent = absent_part(self._field, name)
         raise absent or CallerError(f"there is no {self.what} '{name}'{nearest_hint(name, self.names())}")
+
+    def make(self, kind: str | Kind, setup: Any) -> Any:
+        """Return what a kind makes of a setup.
+
+        Parameters
+        ----------
+        kind
+            Its name, or the kind itself.
+        setup
+            What it is called with.
+
+        Returns
+        -------
+        What it has made.
+
+        Raises
+        ------
+        CallerError
+            For an unknown name, and if what was made lacks one of the parts of its kind.
+        """
+        made = cast(Any, self.find(kind) if isinstance(kind, str) else kind)(setup)
+        missing = [name for name in self._parts if not hasattr(made, name)]
+        if missing:
+            raise CallerError(
+                f"{type(made).__name__} is no {self.what}: it has no {' and no '.join(missing)}; "
+                f"{self.article()} {self.what} has {', '.join(self._parts)}"
+            )
+        return made
+
+    def __getitem__(self, name: str) -> Kind:
+        """Return ``find(name)``."""
+        return self.find(name)
+
+    def __contains__(self, name: object) -> bool:
+        """Return whether a kind has this name."""
+        return name in self.names()
 
     def article(self) -> str:
         """Return "a" or "an", whichever the word needs."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from musclewire.errors import CallerError
@@ -38,3 +40,42 @@ def test_an_unknown_name_is_told_the_nearest() -> None:
     kinds.register("polynomial", 1)
     with pytest.raises(CallerError, match="polynomial"):
         kinds.find("polynomal")
+
+
+class Complete:
+    """What a kind makes, with all that is needed of it."""
+
+    columns = ()
+
+    def __init__(self, setup: str) -> None:
+        self.setup = setup
+
+    def step(self) -> None:
+        """Do nothing."""
+
+
+class WithoutColumns:
+    """The same, one part forgotten."""
+
+    def __init__(self, _setup: str) -> None:
+        """Take a setup."""
+
+    def step(self) -> None:
+        """Do nothing."""
+
+
+def test_what_a_kind_makes_is_checked_when_it_is_made() -> None:
+    kinds: Registry[Any] = Registry("estimator", "musclewire.nothing", {}, parts=("columns", "step"))
+    kinds.register("complete", Complete)
+    assert kinds.make("complete", "a setup").setup == kinds["complete"]("a setup").setup
+    assert "complete" in kinds
+    with pytest.raises(
+        CallerError, match="WithoutColumns is no estimator: it has no columns; an estimator has columns"
+    ):
+        kinds.make(WithoutColumns, "a setup")
+
+
+def test_what_makes_nothing_is_not_registered() -> None:
+    kinds: Registry[Any] = Registry("controller", "musclewire.nothing", {}, parts=("step",))
+    with pytest.raises(CallerError, match="by its class or by a function that makes one, not by an int"):
+        kinds.register("bad", 3)

@@ -111,6 +111,7 @@ CONTROLLERS: Registry[ControllerFactory] = Registry(
         "fuzzy-pid": "musclewire.controllers._fuzzy_pid:fuzzy_pid_controller",
         "pid": "musclewire.controllers._pid:pid_controller",
     },
+    parts=("limits", "columns", "start", "step"),
 )
 
 

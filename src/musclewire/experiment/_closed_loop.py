@@ -327,17 +327,15 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
     # the displacement of a finger's endpoint belongs to that finger.
     facts = rig.metadata()
     check_made_for(model, facts)
-    make_estimator = ESTIMATORS.find(settled.estimator) if isinstance(settled.estimator, str) else settled.estimator
-    make_controller = (
-        CONTROLLERS.find(settled.controller) if isinstance(settled.controller, str) else settled.controller
-    )
     wire = None if choice.wire_file is None else users_wire(choice.wire_file, facts)
     limits = DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v)
     return PreparedLoop(
         model,
         chosen,
-        make_estimator(EstimatorSetup(model, rig.shunt_resistance_ohm, rig.sample_period_s, load, wire)),
-        make_controller(ControllerSetup(limits, error_unit_for(model, load), settled.settings)),
+        ESTIMATORS.make(
+            settled.estimator, EstimatorSetup(model, rig.shunt_resistance_ohm, rig.sample_period_s, load, wire)
+        ),
+        CONTROLLERS.make(settled.controller, ControllerSetup(limits, error_unit_for(model, load), settled.settings)),
         settled.settings,
         settled.approach_s,
         settled.approach_s + chosen.duration_s,

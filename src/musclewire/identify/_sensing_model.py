@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import RecordingError
+from musclewire.errors import CallerError, RecordingError, an_object
 from musclewire.identify._loop_gaps import guide_friction_n
 from musclewire.identify._recordings import (
     COLUMN_SUFFIX,
@@ -27,6 +27,7 @@ from musclewire.physics import ArrayReading
 from musclewire.sensing import (
     AMBIGUOUS_ABOVE,
     ESTIMATORS,
+    Estimator,
     EstimatorFactory,
     EstimatorSetup,
     SensingModel,
@@ -391,10 +392,11 @@ def estimate(
     True
     """
     estimator = estimator or (WHOLE_RECORDING if wire_file is None else ON_PHYSICS)
-    factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
+    if not isinstance(recording, Recording):
+        raise CallerError(f"estimate takes a model and a recording, in this order, not {an_object(recording)} second")
     whole = estimator == WHOLE_RECORDING
     wire = None if wire_file is None else users_wire(wire_file, recording.metadata)
-    columns = at_once(model, recording) if whole else one_by_one(factory, model, recording, wire)
+    columns = at_once(model, recording) if whole else one_by_one(estimator, model, recording, wire)
     suffix = COLUMN_SUFFIX[model.quantity]
     valid, value = columns["valid"] > 0.0, columns[f"estimated_{suffix}"]
     if not valid.any():
@@ -423,12 +425,13 @@ def at_once(model: SensingModel, recording: Recording) -> dict[str, FloatArray]:
 
 
 def one_by_one(
-    factory: EstimatorFactory, model: SensingModel, recording: Recording, wire: WireConstants | None = None
+    estimator: str | EstimatorFactory, model: SensingModel, recording: Recording, wire: WireConstants | None = None
 ) -> dict[str, FloatArray]:
     """Return the columns of an estimator that runs sample by sample."""
     times = recording["time_s"]
     period_s = float(np.median(np.diff(times))) if times.size > 1 else 0.0
-    made = factory(EstimatorSetup(model, recording.facts.shunt_resistance_ohm, period_s, wire=wire))
+    setup = EstimatorSetup(model, recording.facts.shunt_resistance_ohm, period_s, wire=wire)
+    made: Estimator = ESTIMATORS.make(estimator, setup)
     names = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
     air = recording.columns.get("ambient_temperature_k")
     air_k = [None] * times.size if air is None else air.tolist()

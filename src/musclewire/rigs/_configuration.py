@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import CallerError, an_object, nearest_hint
 from musclewire.manifest import absent_part, folder_of, manifests, offered
 from musclewire.parameters import is_wire_file, read_toml, require_seed, validated
 from musclewire.rigs._beyond_catalogue import beyond_catalogue as beyond
@@ -72,6 +72,11 @@ def rig_configuration(
     ``may_import`` is that of ``read_rig_file``. Raises CallerError for an unknown name, a missing file and an invalid
     file.
     """
+    if not isinstance(rig, DeviceConfiguration | str | Path):
+        raise CallerError(
+            f"a rig is given by its name, the path of a rig file or a configuration, not by {an_object(rig)}: a device "
+            'of your own is named in a rig file, kind = "python:module:Class"'
+        )
     if isinstance(rig, DeviceConfiguration):
         return rig.model_copy(update={"beyond_catalogue": True}) if confirmed_beyond() else rig, "rig"
     if str(rig) == SIMULATED:
@@ -100,7 +105,7 @@ def amplitude_is_given(rig: str | Path | DeviceConfiguration) -> bool:
 
     A simulated rig without it drives as its wire is commonly driven, and may be driven on until the wire transforms.
     """
-    configuration, _ = rig_configuration(rig)
+    configuration, _ = rig_configuration(rig, may_import=True)
     if configuration.kind != SIMULATED:
         return True
     settings = getattr(configuration, "settings", {})

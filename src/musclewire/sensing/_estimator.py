@@ -107,6 +107,7 @@ ESTIMATORS: Registry[EstimatorFactory] = Registry(
         "polynomial": "musclewire.sensing._polynomial_estimator:polynomial_estimator",
         "gated": "musclewire.sensing._gated_estimator:gated_estimator",
     },
+    parts=("quantity", "columns", "start", "step"),
 )
 
 

@@ -155,3 +155,8 @@ def test_a_wire_held_at_both_ends_is_said_to_have_no_loop_to_fit() -> None:
 def test_a_held_wires_soft_mount_lets_it_move_and_is_fitted_like_a_spring() -> None:
     with open_rig(RigConfiguration(load=[{"part": "blocked", "mount_stiffness": 588.6}])) as rig:  # type: ignore[list-item]
         assert fit(characterize(rig, cycles=1)).quantity_max > 0.03
+
+
+def test_model_and_recording_in_the_wrong_order_are_named(loop: Recording) -> None:
+    with pytest.raises(CallerError, match="a model and a recording, in this order, not a SensingModel second"):
+        estimate(loop, fit(loop))  # type: ignore[arg-type]

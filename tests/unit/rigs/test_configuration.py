@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.places import CHECKOUT
 
 from musclewire.errors import CallerError
 from musclewire.parameters import (
@@ -21,7 +22,7 @@ from musclewire.parameters import (
     wire_file_text,
 )
 from musclewire.rigs._abilities import ability
-from musclewire.rigs._configuration import RigConfiguration, open_rig, read_rig_file, rig_names
+from musclewire.rigs._configuration import RigConfiguration, amplitude_is_given, open_rig, read_rig_file, rig_names
 from musclewire.rigs._device import HasTrueState
 from musclewire.rigs._outside import OutsideConfiguration
 
@@ -225,3 +226,15 @@ def test_a_wire_file_named_in_a_plants_rig_file_is_looked_for_next_to_it() -> No
     assert dict(by_file.with_files_in(Path("rigs")))["wire"] == str(Path("rigs/mine.toml"))
     by_name = plant.model_copy(update={"wire": "paper-100um"})
     assert by_name.with_files_in(Path("rigs")) is by_name
+
+
+def test_an_object_is_no_rig_and_the_message_says_how_a_device_of_ones_own_becomes_one() -> None:
+    class Supply:
+        """A driver of somebody's own."""
+
+    with pytest.raises(CallerError, match="not by a Supply: a device of your own is named in a rig file"):
+        open_rig(Supply())  # type: ignore[arg-type]
+
+
+def test_a_plant_that_is_given_by_its_path_may_be_characterised() -> None:
+    assert amplitude_is_given(CHECKOUT / "examples" / "plants" / "liang_rogers.toml")

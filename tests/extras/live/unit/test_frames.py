@@ -80,7 +80,7 @@ def test_the_inputs_followed_from_recorded_rows_give_the_gains_that_were_recorde
     """Of a real closed loop every gain in the recording is recomputed from targets and estimates alone."""
     with mw.open_rig("simulated") as rig:
         model = mw.fit(mw.characterize(rig, cycles=1, period_s=30.0))
-        run = mw.control(rig, model, mw.staircase(stop=0.018, hold_s=2.0))
+        run = mw.control(rig, model, mw.staircase(stop=0.018, hold_s=2.0), controller="fuzzy-pid")
     names = [name for name in run.names if name != "time_s"]
     rows = np.column_stack([run[name] for name in names])
     settings = mw.FuzzyPidSettings()
