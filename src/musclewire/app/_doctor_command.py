@@ -116,8 +116,8 @@ def text(found: Examination) -> str:
     lines = [table(["", "", "", ""], rows, left=(0, 1, 3))]
     lines += ["", *(calibrated(one) for one in found.calibration)] if found.calibration else []
     failed = sum(not check.ok for check in checks)
-    verdict = f"{len(checks)} checks, {failed} not as they should be, {len(unchecked)} not made"
-    return "\n".join([*lines, "", f"{verdict}; at most {found.highest_v:.3g} V was put out"])
+    verdict = f"{len(checks)} checks: {failed} failed, {len(unchecked)} not run"
+    return "\n".join([*lines, "", f"{verdict}; the drive was at most {found.highest_v:.3g} V"])
 
 
 def calibrated(one: ChannelCalibration) -> str:

@@ -126,7 +126,7 @@ def period_lines(answer: SupplySizing) -> list[str]:
     return [
         f"  to and fro    {100 * moved:.2f} % = {1e3 * request.length_m * moved:.2f} mm in the last period, from "
         f"{100 * numbers.last_period_lowest:.2f} to {100 * numbers.last_period_highest:.2f} %; "
-        f"{1.0 / request.duty_period_s:.3g} times a second"
+        f"at {1.0 / request.duty_period_s:.3g} Hz"
     ]
 
 

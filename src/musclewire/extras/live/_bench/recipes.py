@@ -149,9 +149,9 @@ def examine_rig(session: BenchSession, _command: messages.Doctor) -> None:
         raise found.trouble
     if found.ok:
         session.shown.done("doctor")
-        session.shown.say("info", f"doctor: {len(found.findings.checks)} checks, all as they should be")
+        session.shown.say("info", f"doctor: {len(found.findings.checks)} checks, all passed")
     else:
-        session.shown.say("error", f"doctor: {len(found.findings.failed)} checks are not as they should be")
+        session.shown.say("error", f"doctor: {len(found.findings.failed)} checks failed")
 
 
 def pulse(session: BenchSession, command: messages.Pulse) -> None:
