@@ -13,7 +13,7 @@ import musclewire as mw
 from musclewire.controllers import FeedforwardSettings, staircase
 from musclewire.identify import reference_quantity, speed_limits_of
 from musclewire.identify._speed_limits.plant import plant_of_gains
-from musclewire.identify._speed_limits.supply import LATE_PCT, least_errors_pct, warming_s
+from musclewire.identify._speed_limits.supply import LATE_PCT, min_errors_pct, warming_s
 from musclewire.signals import RunFacts
 
 PERIOD_S = 0.05
@@ -41,7 +41,7 @@ def test_a_cold_wire_without_latent_heat_warms_as_a_first_order_lag_does() -> No
 def test_a_supply_that_cannot_hold_the_lowest_level_never_warms_it() -> None:
     plant = plant_of_gains(plant_settings(), facts(0.6))
     assert warming_s(plant, 0.1) == math.inf
-    assert least_errors_pct(plant, staircase(), PERIOD_S, 0.1) == pytest.approx(100.0)
+    assert min_errors_pct(plant, staircase(), PERIOD_S, 0.1) == pytest.approx(100.0)
 
 
 def test_a_weak_supply_is_named_and_the_voltage_that_is_named_suffices() -> None:

@@ -15,7 +15,7 @@ from musclewire.arrays import FloatArray
 from musclewire.controllers import FeedforwardSettings, Reference, Staircase
 from musclewire.errors import CallerError
 from musclewire.identify._speed_limits.plant import SpeedPlant, branches_of, followed, plant_of_gains, plant_of_model
-from musclewire.identify._speed_limits.supply import LATE_PCT, WeakSupply, least_errors_pct
+from musclewire.identify._speed_limits.supply import LATE_PCT, WeakSupply, min_errors_pct
 from musclewire.identify._tuning import alloy_of, heat_balance
 from musclewire.parameters import Alloy, section_m2, validity_of
 from musclewire.physics import convection_coefficient_w_per_m2_k
@@ -348,7 +348,7 @@ def weak_supply(
     dead_time_s = period_s if settings is None else settings.dead_time_s
 
     def errors_pct(factor: float) -> FloatArray:
-        return least_errors_pct(plant.with_voltage(factor), steps, period_s, dead_time_s)
+        return min_errors_pct(plant.with_voltage(factor), steps, period_s, dead_time_s)
 
     now = errors_pct(1.0)
     worst = steps.steps[int(np.argmax(now))]

@@ -79,7 +79,7 @@ def warming_s(plant: SpeedPlant, dead_time_s: float) -> float:
     return dead_time_s + float(heat_j / mean_excess_w(np.array([drive_w - cold_w, drive_w - lowest_w]))[0])
 
 
-def least_errors_pct(plant: SpeedPlant, steps: Staircase, sample_period_s: float, dead_time_s: float) -> FloatArray:
+def min_errors_pct(plant: SpeedPlant, steps: Staircase, sample_period_s: float, dead_time_s: float) -> FloatArray:
     """Return the least error (Eq. 7) of each step by the supply alone, from cold [% of the target], (n_steps,).
 
     Being above a target counts for nothing: cooling is not the supply's.
