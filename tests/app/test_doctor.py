@@ -68,7 +68,7 @@ def test_the_text_names_what_failed_and_how_much_was_put_out(musclewire: Musclew
     line = next(line for line in answer.out.splitlines() if "sense_current_a" in line)
     assert line.startswith("NO")
     assert "broken" in line
-    assert "at most 0.135 V was put out" in answer.out
+    assert "the drive was at most 0.135 V" in answer.out
 
 
 def test_a_simulated_rig_has_no_place_for_a_calibration(musclewire: Musclewire, tmp_path: Path) -> None:
