@@ -132,6 +132,9 @@ def test_a_rig_that_cannot_be_opened_is_a_state_and_no_crash(tmp_path: Path) -> 
     asyncio.run(run())
 
 
+PATH = {"kind": "path", "time_s": [0.0, 5.0], "target": [0.015, 0.02]}
+
+
 def test_a_whole_session_on_a_simulated_rig_that_runs_faster_than_the_clock(tmp_path: Path) -> None:
     async def run() -> None:
         async with bench(tmp_path) as handle, in_control(handle):
@@ -146,14 +149,14 @@ def test_a_whole_session_on_a_simulated_rig_that_runs_faster_than_the_clock(tmp_
                 {"do": "home"},
                 {"do": "control", "reference": {"kind": "staircase"}},
                 {"do": "control", "reference": {"kind": "sine", "middle": 0.02, "amplitude": 0.002, "period_s": 20.0}},
-                {"do": "control", "reference": {"kind": "path", "time_s": [0.0, 5.0], "target": [0.015, 0.02]}},
+                {"do": "control", "controller": "fuzzy-pid", "reference": PATH},
             ):
                 answer = await ask(handle, **command)
                 assert answer.accepted, (command, answer.message)
                 await until_phase(handle, "ready", "failed")
                 assert handle.state["phase"] == "ready", (command, handle.state["why"])
             assert all(handle.state["steps"].values())
-            # The last path is short: from cold only the 4 s after its first second count.
+            # The last path is short: after an approach of 12 s only 5 s count.
             assert handle.state["metrics"]["rms_pct"] < 10.0
             # Choosing another pretension forgets the model of this one.
             assert (await ask(handle, do="choose_pretension", pretension_n=1.7)).accepted

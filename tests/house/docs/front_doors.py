@@ -66,7 +66,7 @@ for name in ("labview", "logger"):
 DOORS = {
     "loop": Door(("docs/tutorials/the_basic_loop.md",), MOVED.format(file="run.h5")),
     "maker": Door(("docs/start/maker.md",), MOVED.format(file="moved.h5")),
-    "lecturer": Door(("docs/start/lecturer.md",), MOVED.format(file="draught.h5")),
+    "lecturer": Door(("docs/start/lecturer.md",), MOVED.format(file="still.h5")),
     "researcher": Door(("docs/start/researcher.md",), MODELS),
 }
 
