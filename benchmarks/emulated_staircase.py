@@ -58,9 +58,7 @@ def on_emulated(model: SensingModel, reference: Staircase, *, closed_by_board: b
             if closed_by_board:
                 run = control_on_board(rig, model, reference, approach_s=APPROACH_S)
             else:
-                run = control(
-                    rig, model, reference, estimator="polynomial", controller="fuzzy-pid", approach_s=APPROACH_S
-                )
+                run = control(rig, model, reference, **PAPER_LOOP)
         truth = board.log()["displacement_m"]
     # No tick passes before the first command, so the samples are the bench's ticks from the first one on.
     ticks = round(float(run.metadata["sample_period_s"] or 0.0) / float(run.metadata["board_tick_s"] or 1.0))

@@ -55,7 +55,7 @@ STILL_S = 0.09
 # per second: an estimator that takes its branch from the power would take more for a turn, and the loop would answer
 # its own doing.
 DOUBT, SETTLED_S, CREEP_PER_S = 2.0, 2.0, 0.005
-# From cold, errors count once this part of the heat is left. (Any from 0.35 to 0.65 serves; the rigs' differ by 0.3 %.)
+# From cold, errors count once this part of the heat is left.
 FROM_COLD = 0.35
 # Lateness is measured at steps above so many tolerances, up to the longest that a wire which need not cross the gap
 # has, and each counts for half; half of it goes into where the wire is expected.

@@ -236,7 +236,7 @@ class LoopChoice:
         """Return the choice with what it leaves open: from the model's gains, else as in the paper.
 
         Force jumps by twice the friction of its guide where the motion turns. Feedforward does not count that, and
-        swings: a mean step error of 2 %, and of 0.8 % by the fuzzy PID after its approach, which force keeps. Raises
+        swings; so force keeps the fuzzy PID, which errs less after its approach. Raises
         CallerError for settings that do not say whose they are, and for gains that a model's file has wrong.
         """
         gains = None if self.load is not None else gains_of(model, sample_period_s)
