@@ -26,11 +26,12 @@ DONE = "==this block has ended=="
 
 
 def patient(text: str) -> str:
-    """Return a block in which the doctor is asked once more if it finds something.
+    """Return a block in which the doctor is asked up to three times more, later and later, while it finds something.
 
     On a machine that does other things it finds samples that come late, and says to reduce the load.
     """
-    return re.sub(r"^musclewire doctor \S+$", r"\g<0> || { sleep 10; \g<0>; }", text, flags=re.M)
+    once_more = "".join(rf" || {{ sleep {pause_s}; \g<0>; }}" for pause_s in (10, 30, 60))
+    return re.sub(r"^musclewire doctor \S+$", r"\g<0>" + once_more, text, flags=re.M)
 
 
 class NotFollowedError(Exception):
@@ -173,10 +174,14 @@ def run(terminal: Terminal, block: Block) -> None:
     """Run a block in a terminal and hold what it printed to what the page says it prints."""
     text = "".join(line + "\n" for line in block.text.splitlines() if "-m pytest" not in line)
     terminal.begin(Block(block.page, block.language, text))
+    lines: list[str] = []
     try:
-        said = "\n".join(" ".join(line.split()) for line in terminal.lines())
+        for line in terminal.lines():
+            lines.append(" ".join(line.split()))
     except NotFollowedError as error:
-        raise NotFollowedError(f"{block.page}: {error}: {text.strip()}") from error
+        refused = "; ".join(line for line in lines if line.startswith(("NO ", "musclewire: ")))
+        raise NotFollowedError(f"{block.page}: {error}: {text.strip()}: {refused or lines[-1:]}") from error
+    said = "\n".join(lines)
     for line in block.prints:
         if line not in said:
             raise NotFollowedError(f"{block.page} says that this is printed, and it is not: {line}")
