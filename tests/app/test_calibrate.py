@@ -85,7 +85,7 @@ def test_what_exists_is_not_replaced(loop: Path, musclewire: Callable[..., Any],
 
 
 CASES = {
-    "the wrong sign": (lambda strain: -strain, (), "(--invert)"),
+    "the wrong sign": (lambda strain: -strain, (), "--invert"),
     "an unknown number": (lambda strain: strain, ("--set", "pretention_n=1 N"), "did you mean 'pretension_n'"),
     "no folder": (lambda strain: strain, ("--report", "none/page.html"), "there is no folder"),
 }

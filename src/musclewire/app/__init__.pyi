@@ -51,6 +51,8 @@ from ._files import require_folder as require_folder
 from ._files import require_recording_file as require_recording_file
 from ._files import require_zip_file as require_zip_file
 from ._files import save_figure as save_figure
+from ._in_options import IN_OPTIONS as IN_OPTIONS
+from ._in_options import in_options as in_options
 from ._installation import REQUIREMENT as REQUIREMENT
 from ._installation import commit_of as commit_of
 from ._json_schemas import file_models as file_models

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from io import StringIO
 from typing import TYPE_CHECKING, Any, Literal
 
+from musclewire.app._in_options import in_options
 from musclewire.app._live_numbers import LiveNumbers
 from musclewire.app._stopping import stop_if_asked
 from musclewire.errors import MusclewireError
@@ -37,7 +38,7 @@ def console() -> Console:
 
 def say(text: str) -> None:
     """Print progress, a warning or an error: stderr."""
-    print(text, file=sys.stderr)
+    print(in_options(text), file=sys.stderr)
 
 
 def warn(warnings: Iterable[str]) -> list[str]:
@@ -50,7 +51,7 @@ def warn(warnings: Iterable[str]) -> list[str]:
 
 def show(text: str) -> None:
     """Print a result for people: stdout. With --json, :func:`emit_json` takes its place."""
-    print(text)
+    print(in_options(text))
 
 
 def emit_json(document: Any) -> None:

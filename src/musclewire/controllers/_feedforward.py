@@ -184,8 +184,8 @@ class FeedforwardController:
 
         if setup.settings is None:
             raise CallerError(
-                "the controller feedforward needs the gains of its wire: find them by 'musclewire tune MODEL RECORDING "
-                "-o gains.toml' and give --gains gains.toml, or settings=tune(model, recording).settings"
+                "the controller feedforward needs the gains of its wire: fit keeps them in a new model, and for this "
+                "one they are settings=tune(model, recording).settings"
             )
         self.settings: FeedforwardSettings = settings_of_kind(setup, FeedforwardSettings)
         self.limits = setup.limits

@@ -28,7 +28,7 @@ from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
 from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
 from musclewire.identify import COLUMN_SUFFIX, check_made_for, error_unit_for, gains_of, users_wire
-from musclewire.rigs import Rig
+from musclewire.rigs import Rig, refuse_no_rig
 from musclewire.sensing import (
     DEFAULT_ESTIMATOR,
     ESTIMATORS,
@@ -318,6 +318,7 @@ class PreparedLoop(NamedTuple):
 
 def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, choice: LoopChoice) -> PreparedLoop:
     """Return the loop on a rig, checked. Raises CallerError for what does not fit together, as ``control`` does."""
+    refuse_no_rig(rig)
     load, settled = choice.load, choice.settled(model, rig.sample_period_s)
     if load is not None:
         model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)

@@ -288,7 +288,7 @@ def ticks_of(prepared: PreparedLoop, first_drive_v: float) -> LoopTicks:
         if tick is None:
             raise CallerError(
                 f"the {kind} {name} has no compiled tick: declare one by a method compiled_tick of its own class, or "
-                "run the loops in Python (in_python=True, --in-python)"
+                "run the loops in Python (in_python=True)"
             )
     assert estimator is not None
     assert controller is not None

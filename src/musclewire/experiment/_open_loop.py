@@ -21,7 +21,7 @@ from musclewire.experiment._known_drive import KnownDrive
 from musclewire.experiment._run import Decision, OnSample, RunOptions, refuse_unusable, run_on_rig
 from musclewire.identify import shows_c
 from musclewire.parameters import ValidityLimits
-from musclewire.rigs import ProtectionTripError, Rig
+from musclewire.rigs import ProtectionTripError, Rig, refuse_no_rig
 from musclewire.signals import Command, Drive, MetadataValue, RawSample, Recording, describe_recording
 
 # A transformation takes a tenth of a wire's resistance and more; a smaller fall is not judged.
@@ -185,6 +185,7 @@ class WaveformPolicy:
 
 def allowed_amplitude_v(rig: Rig, amplitude_v: float | None) -> float:
     """Return the amplitude [V], the rig's own if None. Raises CallerError for one above the rig's maximum."""
+    refuse_no_rig(rig)
     amplitude = rig.drive_amplitude_v if amplitude_v is None else amplitude_v
     if amplitude > rig.maximum_voltage_v:
         raise CallerError(
@@ -236,7 +237,7 @@ def way_out(rig: Rig, amplitude_v: float) -> str:
     within_v = math.floor(STEPS_PER_VOLT * min(held_v, LESS * amplitude_v)) / STEPS_PER_VOLT
     if within_v <= rig.sense_voltage_v:
         return said
-    return f'{said}: give less, as --amplitude "{within_v:g} V" (amplitude_v), which it takes to stay within'
+    return f"{said}: give less, as amplitude_v={within_v:g}, which it takes to stay within"
 
 
 def characterize(

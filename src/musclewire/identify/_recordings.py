@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from musclewire.arrays import FloatArray
@@ -12,6 +14,8 @@ from musclewire.signals import ElectricalSource, Recording, require_electrical
 QUANTITIES = ("strain", "displacement", "force")
 # Endings of the columns of each quantity: target_strain, estimated_displacement_m, target_force_n.
 COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
+# What a current that was not measured by a shunt is taken to flow through, so that its volts are its amperes.
+VIRTUAL_SHUNT_OHM = 1.0
 
 
 def resistance_reading(recording: Recording) -> ArrayReading:
@@ -50,6 +54,53 @@ def resistance_reading(recording: Recording) -> ArrayReading:
             "check the columns and their units"
         )
     return reading
+
+
+class CircuitReadings(NamedTuple):
+    """What a board would have read in a recording: voltages [V], each (n_times,), and the shunt's resistance [ohm]."""
+
+    drive_v: FloatArray
+    wire_v: FloatArray
+    shunt_v: FloatArray
+    shunt_ohm: float
+
+
+def circuit_readings(recording: Recording) -> CircuitReadings:
+    """Return the readings of wire and shunt that an estimator takes, sample by sample, from whatever was recorded.
+
+    A current that was measured otherwise is that through a shunt of 1 ohm. The drive is wire and shunt together if it
+    was not recorded.
+
+    Parameters
+    ----------
+    recording
+        A recording with wire voltage and shunt voltage, wire voltage and current, or resistance and current.
+
+    Returns
+    -------
+    The readings.
+
+    Raises
+    ------
+    RecordingError
+        If they do not follow from the columns; the message says which column is wanted.
+    """
+    source = require_electrical(recording)
+    if source is ElectricalSource.SHUNT:
+        wire_v, shunt_v = recording["wire_voltage_v"], recording["shunt_voltage_v"]
+        shunt_ohm = recording.facts.shunt_resistance_ohm
+    elif "wire_current_a" in recording:
+        shunt_v, shunt_ohm = recording["wire_current_a"], VIRTUAL_SHUNT_OHM
+        by_resistance = source is ElectricalSource.RESISTANCE
+        wire_v = recording["wire_resistance_ohm"] * shunt_v if by_resistance else recording["wire_voltage_v"]
+    else:
+        raise RecordingError(
+            f"{recording.facts.whose} has the wire's resistance and no current, so there is no power by which to know "
+            "heating from cooling: add the column wire_current_a or wire_voltage_v, or choose the estimator "
+            "'polynomial', which takes the resistance alone"
+        )
+    drive_v = recording["drive_voltage_v"] if "drive_voltage_v" in recording else wire_v + shunt_v
+    return CircuitReadings(np.asarray(drive_v), np.asarray(wire_v), np.asarray(shunt_v), shunt_ohm)
 
 
 def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatArray | None:
@@ -127,7 +178,7 @@ def why_no_reference(recording: Recording, quantity: str) -> str:
     if reference_quantity(recording, quantity) is not None:
         return ""
     if quantity == "strain" and "displacement_m" in recording:
-        return "displacement_m gives strain only with the wire's length: give --leg-length, or leg_length_m in the file"
+        return "displacement_m gives strain only with the wire's length: give leg_length_m in its metadata"
     needed = {
         "strain": "reference_strain or displacement_m",
         "displacement": "endpoint_displacement_m or displacement_m",

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
@@ -15,6 +16,7 @@ from musclewire.errors import CallerError, RecordingError, an_object
 from musclewire.identify._loop_gaps import guide_friction_n
 from musclewire.identify._recordings import (
     COLUMN_SUFFIX,
+    circuit_readings,
     reference_quantity,
     required_quantity,
     resistance_reading,
@@ -116,13 +118,14 @@ MIN_OUTSIDE = 0.01
 
 
 def fit(
-    recording: Recording,
+    recording: Recording | npt.ArrayLike,
+    measured: npt.ArrayLike | None = None,
     *,
     order: int | str = PAPER_ORDER,
     quantity: str = "strain",
     cycle: int | str = "last",
 ) -> SensingModel:
-    """Fit the self-sensing model (Eqs. 3 to 5) to a slow loop, or to a printed table of both branches.
+    """Fit the self-sensing model (Eqs. 3 to 5) to a slow loop, a recording or arrays, or to a printed table.
 
     Where the loop shows the plant, the model keeps the gains for it, as ``tune`` finds them; ``control`` takes them.
 
@@ -130,7 +133,11 @@ def fit(
     ----------
     recording
         A slow loop, as ``characterize`` records it: resistance (or both voltages and the shunt) and the quantity to be
-        sensed. Or a printed table: strain on both branches over resistance.
+        sensed. Or a printed table: strain on both branches over resistance. Or an array of the wire's resistance [ohm],
+        (n_times,), with ``measured``.
+    measured
+        Only with an array of resistance: strain as a fraction, displacement [m] or force [N] at the same moments,
+        (n_times,), contraction positive; by ``quantity`` which. Without voltages the model has no gains.
     order
         Order of the polynomials: a number, the paper's is 6, or "auto" for the one that cross-validation chooses.
     quantity
@@ -145,6 +152,8 @@ def fit(
 
     Raises
     ------
+    CallerError
+        If one of both arrays is missing, or they are not of one length.
     RecordingError
         For a recording without a usable loop, or without a fact that the fit requires (shunt, length).
     FitRejectedError
@@ -162,6 +171,10 @@ def fit(
     >>> f"{1e2 * model.strain(16.0):.1f} % strain at 16 ohm"
     '2.5 % strain at 16 ohm'
     """
+    if not isinstance(recording, Recording):
+        return fit_arrays(recording, measured, order, cycle, quantity)
+    if measured is not None:
+        raise CallerError("a recording holds what was measured: give fit the recording alone, or two arrays")
     if recording.is_branch_table:
         return fit_table(recording, order)
     reading = resistance_reading(recording)
@@ -177,6 +190,27 @@ def fit(
         raise (RecordingError(f"{why} ({cut_short})") if cut_short else why) from None
     model = with_gains(replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity)), recording)
     return replace(model, warnings=(*model.warnings, cut_short)) if cut_short else model
+
+
+def fit_arrays(
+    resistance_ohm: npt.ArrayLike, measured: npt.ArrayLike | None, order: int | str, cycle: int | str, quantity: str
+) -> SensingModel:
+    """Return the model of a loop in arrays; samples that are not finite are left out. Raises as :func:`fit` does."""
+    if measured is None:
+        read = ": read_recording opens a file" if isinstance(resistance_ohm, str | Path) else ""
+        raise CallerError(
+            f"fit takes a recording, or the resistance and the measured {quantity} as two arrays, not "
+            f"{an_object(resistance_ohm)} alone{read}"
+        )
+    resistance, values = np.asarray(resistance_ohm, dtype=float), np.asarray(measured, dtype=float)
+    if resistance.ndim != 1 or resistance.shape != values.shape:
+        raise CallerError(
+            f"resistance has the shape {resistance.shape} and the measured {quantity} {values.shape}: both are "
+            "(n_times,)"
+        )
+    finite = np.isfinite(resistance) & np.isfinite(values)
+    model = fit_loop(resistance, values, finite, order, cycle, quantity, source="arrays")
+    return replace(model, no_gains="two arrays show no power; a recording with voltages does")
 
 
 def power_loop(
@@ -206,7 +240,7 @@ def quantity_to_fit(recording: Recording, quantity: str) -> FloatArray:
     except RecordingError as error:
         if quantity == "force" or "displacement_m" in recording:
             raise
-        raise RecordingError(f"{error}; without an instrument name the wire: --wire, or fit_resistance") from None
+        raise RecordingError(f"{error}; without an instrument name the wire: fit_resistance(recording, wire)") from None
 
 
 def not_done(recording: Recording) -> str:
@@ -430,12 +464,12 @@ def one_by_one(
     """Return the columns of an estimator that runs sample by sample."""
     times = recording["time_s"]
     period_s = float(np.median(np.diff(times))) if times.size > 1 else 0.0
-    setup = EstimatorSetup(model, recording.facts.shunt_resistance_ohm, period_s, wire=wire)
+    read = circuit_readings(recording)
+    setup = EstimatorSetup(model, read.shunt_ohm, period_s, wire=wire)
     made: Estimator = ESTIMATORS.make(estimator, setup)
-    names = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
     air = recording.columns.get("ambient_temperature_k")
     air_k = [None] * times.size if air is None else air.tolist()
-    rows = zip(*(recording[name].tolist() for name in names), air_k, strict=True)
+    rows = zip(*(column.tolist() for column in (times, read.drive_v, read.wire_v, read.shunt_v)), air_k, strict=True)
     found, recorded = zip(*estimates(made, (WireSample(*row) for row in rows)), strict=True)
     own = dict(zip(made.columns, np.array(recorded, dtype=np.float64).T, strict=True))
     value, std = (np.array([getattr(one, name) for one in found]) for name in ("value", "std"))

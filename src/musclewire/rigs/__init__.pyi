@@ -38,6 +38,7 @@ from ._device import Missing as Missing
 from ._guarded import GuardedRig as GuardedRig
 from ._guarded import ProtectionTripError as ProtectionTripError
 from ._guarded import Rig as Rig
+from ._guarded import refuse_no_rig as refuse_no_rig
 from ._kinds import DEVICES as DEVICES
 from ._kinds import DeviceConfiguration as DeviceConfiguration
 from ._kinds import DeviceKind as DeviceKind

@@ -24,7 +24,7 @@ LENGTHS_M = (0.002, 10.0)
 ANNEALED_K = 573.15
 # Set by --beyond-catalogue for the command's own process and those that it starts: a page's rig, a study's workers.
 CONFIRMED = "MUSCLEWIRE_BEYOND_CATALOGUE"
-WAY_OUT = "if it is meant so, write beyond_catalogue = true in the rig file or give --beyond-catalogue"
+WAY_OUT = "if it is meant so, write beyond_catalogue = true in the rig file"
 
 
 @contextmanager

@@ -194,7 +194,7 @@ def open_rig(
     opened = GuardedRig(known.open(configuration))
     if real_time and not opened.paced:
         opened.close()
-        raise CallerError(f"{where} has no clock: leave out --real-time (real_time)")
+        raise CallerError(f"{where} has no clock: leave out real_time")
     return opened
 
 
@@ -203,9 +203,9 @@ def refuse_useless_speed(clock_speed: float, real_time: bool, simulated: bool, w
     if clock_speed == 1.0:
         return
     if not simulated:
-        raise CallerError(f"{where} is not simulated, its clock runs as it does: leave out --clock-speed (clock_speed)")
+        raise CallerError(f"{where} is not simulated, its clock runs as it does: leave out clock_speed")
     if not real_time:
         raise CallerError(
-            f"{where} has no clock whose speed could be set, it runs as fast as it can: add --real-time (real_time), "
-            "or leave out --clock-speed (clock_speed)"
+            f"{where} has no clock whose speed could be set, it runs as fast as it can: add real_time=True, "
+            "or leave out clock_speed"
         )

@@ -84,6 +84,10 @@ class DeviceFault(NamedTuple):
 
 Answer = RawSample | Missing | DeviceFault
 
+# What a device has, whatever else it has.
+DEVICE_METHODS = ("metadata", "exchange", "sense", "off")
+DEVICE_PROPERTIES = ("facts", "drive_voltage_v")
+
 # The answer to an exchange that another thread has ended by switching off; the guard reports that.
 SWITCHED_OFF = DeviceFault(Event.DEVICE_LOST, "it was switched off while a sample was awaited")
 

@@ -23,8 +23,17 @@ from musclewire.controllers import (
     State,
     protection_table,
 )
-from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.rigs._device import Device, DeviceFault, HasCompiledExchange, HasOnBoardLoop, Metadata, Missing
+from musclewire.errors import CallerError, NumericsError, RigError, an_object
+from musclewire.rigs._device import (
+    DEVICE_METHODS,
+    DEVICE_PROPERTIES,
+    Device,
+    DeviceFault,
+    HasCompiledExchange,
+    HasOnBoardLoop,
+    Metadata,
+    Missing,
+)
 from musclewire.rigs._idle_watch import IdleWatch
 from musclewire.rigs._remembered_temperature import RememberedTemperature
 from musclewire.signals import Command, Drive, RawSample, Target, drive_voltage_of
@@ -110,8 +119,14 @@ class GuardedRig:
     def __init__(self, device: Device) -> None:
         """Arm the protection, and compile all that a sample runs: from here on nothing compiles with the wire driven.
 
-        Raises CallerError for limits that cannot belong to a wire.
+        Raises CallerError for what is no device, and for limits that cannot belong to a wire.
         """
+        missing = [name for name in (*DEVICE_PROPERTIES, *DEVICE_METHODS) if not hasattr(device, name)]
+        if missing:
+            raise CallerError(
+                f"a GuardedRig holds a Device, and {an_object(device)} is none: it has no {' and no '.join(missing)} "
+                "(docs/how-to/bring_your_own_plant.md)"
+            )
         self.device = device
         self._facts = device.facts
         try:
@@ -511,3 +526,19 @@ def checked_voltage_v(voltage_v: object) -> float:
 
 # What takes any rig names it so.
 Rig = GuardedRig
+
+
+def refuse_no_rig(rig: object) -> None:
+    """Raise CallerError for what is no rig: a device without its guard, or somebody's own driver.
+
+    Parameters
+    ----------
+    rig
+        What a caller has given as a rig.
+    """
+    if not hasattr(rig, "exchange") or not hasattr(rig, "sense_voltage_v"):
+        raise CallerError(
+            f"a rig is driven, as open_rig returns it, not {an_object(rig)}: hardware of your own becomes one by the "
+            'line kind = "python:module:Class" of a rig file, or by GuardedRig(device) '
+            "(docs/how-to/bring_your_own_plant.md)"
+        )

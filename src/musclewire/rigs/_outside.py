@@ -15,13 +15,11 @@ from types import ModuleType
 from typing import Any
 
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
-from musclewire.rigs._device import Device, DeviceFacts
+from musclewire.rigs._device import DEVICE_METHODS, DEVICE_PROPERTIES, Device, DeviceFacts
 from musclewire.rigs._kinds import DeviceConfiguration, DeviceKind
 from musclewire.rigs._mounted_wire import MountedWire
 
 FORM = re.compile(r"python:([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*):([A-Za-z_]\w*)")
-METHODS = ("metadata", "exchange", "sense", "off")
-PROPERTIES = ("facts", "drive_voltage_v")
 # Kinds whose modules were imported for a rig file that the user named; nothing else fills it.
 imported: dict[str, DeviceKind[Any]] = {}
 
@@ -111,11 +109,11 @@ def schema_of(plant: Any, kind: str) -> type[DeviceConfiguration]:
     """
     if not isinstance(plant, type):
         raise CallerError(f"kind '{kind}' names a {type(plant).__name__}: it must be a class")
-    missing = [name for name in METHODS if not callable(getattr(plant, name, None))]
+    missing = [name for name in DEVICE_METHODS if not callable(getattr(plant, name, None))]
     if missing:
         raise CallerError(
             f"class '{plant.__name__}' is no Device: no method {', '.join(missing)}, add it "
-            "(docs/how-to/add_a_device.md)"
+            "(docs/how-to/bring_your_own_plant.md)"
         )
     schema = getattr(plant, "configuration", OutsideConfiguration)
     if not (isinstance(schema, type) and issubclass(schema, DeviceConfiguration)):
@@ -133,7 +131,7 @@ def opened(plant: Any, configuration: DeviceConfiguration) -> Device:
         raise CallerError(
             f"class '{plant.__name__}' cannot be made from its rig file: {type(error).__name__}: {error}"
         ) from error
-    missing = [name for name in PROPERTIES if not hasattr(device, name)]
+    missing = [name for name in DEVICE_PROPERTIES if not hasattr(device, name)]
     wrong = f"it has no {', '.join(missing)}" if missing else ""
     if not missing and not isinstance(device.facts, DeviceFacts):
         wrong = "its facts are no DeviceFacts"
@@ -141,5 +139,5 @@ def opened(plant: Any, configuration: DeviceConfiguration) -> Device:
         wrong = f"its output is {device.drive_voltage_v} V at the beginning, and must be 0 V"
     if wrong:
         device.off()
-        raise CallerError(f"class '{plant.__name__}' is no Device: {wrong} (docs/how-to/add_a_device.md)")
+        raise CallerError(f"class '{plant.__name__}' is no Device: {wrong} (docs/how-to/bring_your_own_plant.md)")
     return device

@@ -250,7 +250,7 @@ def _check_units(branches: tuple[Branch, Branch], quantity: str) -> None:
     if quantity == "strain" and largest > MAX_STRAIN:
         raise RecordingError(
             f"strain reaches {largest:.3g}: strain is a fraction (0.035 is 3.5 %), divide percent by 100, "
-            "or take off what the sensor reads cold (--zero), "
+            "or take off what it reads cold, "
             "or name the quantity if this is displacement or force"
         )
 

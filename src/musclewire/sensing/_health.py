@@ -36,7 +36,7 @@ CAUSE_TEXT = {
     Cause.STALLED: "the drive is at its upper limit and the resistance does not follow: the tendon is slack, or "
     "something blocks the wire",
     Cause.OSCILLATION: "the drive swung to and fro at one target, and the gain was lowered for the rest of the run: "
-    "the gains are not this wire's, fit again on this rig or tune with a longer --closed-loop-time",
+    "the gains are not this wire's, fit again on this rig or tune for a longer closed-loop time",
     Cause.BEYOND_C: "more power made the estimate fall back, so the wire was beyond C, where resistance rises with "
     "temperature, and the drive was lowered: give a lower highest target",
     Cause.LATE: "the wire follows later than its gains expect, by a coating, a filter or a slow link: each step takes "

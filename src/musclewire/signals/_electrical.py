@@ -40,7 +40,7 @@ def _what_is_missing(recording: Recording, has_shunt: bool) -> str:
     if has_shunt:
         value = recording.metadata.get("shunt_resistance_ohm")
         problem = "is missing" if value is None else f"is {value!r}"
-        return f"metadata shunt_resistance_ohm {problem}: shunt_voltage_v needs it, give a positive number (--shunt)"
+        return f"metadata shunt_resistance_ohm {problem}: shunt_voltage_v needs it, give a positive number"
     columns = ("wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
     missing = ", ".join(name for name in columns if name not in recording)
     needs = f"give {ElectricalSource.SHUNT}, or {ElectricalSource.CURRENT}, or {ElectricalSource.RESISTANCE}"

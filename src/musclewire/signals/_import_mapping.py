@@ -195,7 +195,7 @@ def _document(path: Path, where: str) -> dict[str, Any]:
     try:
         return tomllib.loads(path.read_text("utf-8"))
     except FileNotFoundError:
-        raise CallerError(f"{where}: no such file; --save-mapping writes one") from None
+        raise CallerError(f"{where}: no such file; save_mapping writes one") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as problem:
         raise CallerError(f"{where}: cannot be read: {str(problem).splitlines()[0]}") from None
 

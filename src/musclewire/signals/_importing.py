@@ -39,7 +39,7 @@ _ZEROED = (*_INVERTED, "force_n")
 _TEMPERATURES = frozenset({"wire_temperature_k", "ambient_temperature_k"})
 # Columns that say when and in which cycle, but nothing about a wire.
 _COUNTERS = frozenset({"time_s", "cycle"})
-_DROP_CURE = "or leave such rows out ('musclewire import ... --drop-missing', drop_missing=True)"
+_DROP_CURE = "or leave such rows out (drop_missing=True)"
 
 
 @dataclass(frozen=True)

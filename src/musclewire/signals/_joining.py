@@ -128,7 +128,7 @@ def _shared(first: Recording, second: Recording, on: str | tuple[str, str] | Non
     what = f"both have {', '.join(both)}" if both else "they have no column in common"
     raise CallerError(
         f"{what}: name the columns by which to join, as drive_voltage_v, or drive_voltage_v=wire_voltage_v for two "
-        "that follow each other (--join, on)"
+        "that follow each other (on)"
     )
 
 

@@ -33,7 +33,7 @@ MAX_CLOSING_S = 60.0
 
 def refuse_unfinished(path: str | Path, overwrite: bool) -> None:
     """Raise CallerError if a recording, or the journal of one that was cut off, would be replaced unasked."""
-    replace = "give another name, or allow replacing it (--overwrite, overwrite=True)"
+    replace = "give another name, or allow replacing it (overwrite=True)"
     if overwrite:
         return
     if Path(path).exists():

@@ -277,7 +277,7 @@ def _offered_reader(path: Path) -> Callable[[Path, str | None], SourceTable] | N
 def _without_groups(path: Path, group: str | None) -> Path:
     """Return the path of a file that holds one table. Raises RecordingError if a group is asked for."""
     if group is not None:
-        raise RecordingError(f"{path}: holds one table, no group '{group}'; leave --group out")
+        raise RecordingError(f"{path}: holds one table, no group '{group}'; leave group out")
     return path
 
 

@@ -117,7 +117,7 @@ def _finish(target: Path, journal: Path, recording: Recording) -> None:
 
 def _write_beside(output: Path, recording: Recording, overwrite: bool) -> None:
     if output.exists() and not overwrite:
-        raise CallerError(f"{output} exists: give another name or allow replacing it (--overwrite, overwrite=True)")
+        raise CallerError(f"{output} exists: give another name or allow replacing it (overwrite=True)")
     write_columns(recording.columns, recording.metadata, output)
 
 

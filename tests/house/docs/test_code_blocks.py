@@ -13,10 +13,13 @@ import subprocess
 import sys
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.house.docs.front_doors import DOORS
 from tests.places import CHECKOUT
+
+import musclewire as mw
 
 FOLLOWED = {page for door in DOORS.values() for page in door.pages}
 PAGES = sorted([*CHECKOUT.glob("*.md"), *(CHECKOUT / "docs").rglob("*.md")])
@@ -141,3 +144,15 @@ def test_every_link_within_the_repository_leads_somewhere(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
         if "://" not in target:
             assert (page.parent / target).exists(), target
+
+
+def test_a_class_with_two_methods_gets_a_closed_loop_in_25_lines() -> None:
+    page = CHECKOUT / "docs/how-to/in_your_own_loop.md"
+    (loop,) = (text for language, text in blocks(page) if language == "python" and "class Bench" in text)
+    assert sum(bool(line.strip()) for line in loop.splitlines()) <= 25
+    with mw.open_rig("simulated", seed=1) as rig:
+        names: dict[str, Any] = {"model": mw.fit(mw.characterize(rig))}
+    exec(loop, names)
+    names["bench"].wire.close()
+    assert names["estimate"].valid
+    assert names["bench"].sample.displacement_m / 0.070 == pytest.approx(0.02, abs=0.0005)

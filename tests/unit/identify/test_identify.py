@@ -63,7 +63,7 @@ def test_a_recording_without_a_length_or_an_instrument_says_what_would_give_a_re
     unknown = {name: value for name, value in loop.metadata.items() if name not in ("leg_length_m", "wire_length_m")}
     electrical = {name: loop[name] for name in ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")}
     for recording, said in (
-        (Recording(loop.columns, unknown), "--leg-length"),
+        (Recording(loop.columns, unknown), "give leg_length_m in its metadata"),
         (Recording(electrical, loop.metadata), "reference_strain or displacement_m"),
     ):
         report = estimate(fit(loop), recording)
@@ -160,3 +160,53 @@ def test_a_held_wires_soft_mount_lets_it_move_and_is_fitted_like_a_spring() -> N
 def test_model_and_recording_in_the_wrong_order_are_named(loop: Recording) -> None:
     with pytest.raises(CallerError, match="a model and a recording, in this order, not a SensingModel second"):
         estimate(loop, fit(loop))  # type: ignore[arg-type]
+
+
+def test_arrays_in_and_arrays_out(loop: Recording) -> None:
+    resistance_ohm = resistance_reading(loop).resistance_ohm
+    strain = np.asarray(reference_quantity(loop)).copy()
+    strain[7] = np.nan
+    model = fit(resistance_ohm, strain)
+    assert np.array_equal(model.strain(np.array([16.0, 15.5])), fit(loop).strain(np.array([16.0, 15.5])))
+    assert "two arrays show no power" in model.no_gains
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ((np.ones(3),), "two arrays, not a ndarray alone"),
+        (("loop.csv",), "read_recording opens a file"),
+        ((np.ones(3), np.ones(4)), r"resistance has the shape \(3,\) and the measured strain \(4,\)"),
+    ],
+)
+def test_what_fit_takes_is_said(given: tuple[object, ...], said: str) -> None:
+    with pytest.raises(CallerError, match=said):
+        fit(*given)  # type: ignore[arg-type]
+
+
+def test_a_recording_is_given_alone(loop: Recording) -> None:
+    with pytest.raises(CallerError, match="give fit the recording alone"):
+        fit(loop, np.ones(3))
+
+
+@pytest.mark.parametrize("kept", [("wire_voltage_v", "shunt_voltage_v"), ("wire_voltage_v", "a"), ("r", "a")])
+def test_gated_runs_on_what_other_programs_record(loop: Recording, kept: tuple[str, ...]) -> None:
+    """Without the drive, with a current in the place of a shunt, with an ohmmeter in the place of a voltmeter."""
+    wire_v, shunt_v = loop["wire_voltage_v"], loop["shunt_voltage_v"]
+    offered = {"wire_voltage_v": wire_v, "shunt_voltage_v": shunt_v, "a": shunt_v, "r": wire_v / shunt_v}
+    names = {"a": "wire_current_a", "r": "wire_resistance_ohm"}
+    columns = {names.get(name, name): offered[name] for name in kept}
+    facts = {"leg_length_m": loop.facts.leg_length_m} | (
+        {"shunt_resistance_ohm": 1.0} if "shunt_voltage_v" in kept else {}
+    )
+    theirs = Recording({"time_s": loop["time_s"], "displacement_m": loop["displacement_m"], **columns}, facts)
+    model = fit(loop)
+    ours, found = (estimate(model, one, estimator="gated") for one in (loop, theirs))
+    assert found.rms_pct == pytest.approx(ours.rms_pct, rel=1e-6)
+
+
+def test_gated_says_what_a_resistance_alone_lacks(loop: Recording) -> None:
+    resistance_ohm = resistance_reading(loop).resistance_ohm
+    alone = Recording({"time_s": loop["time_s"], "wire_resistance_ohm": resistance_ohm}, {})
+    with pytest.raises(RecordingError, match="add the column wire_current_a or wire_voltage_v, or choose"):
+        estimate(fit(loop), alone, estimator="gated")

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from tests.places import CHECKOUT
 
 from musclewire.errors import CallerError
+from musclewire.experiment import characterize, control
 from musclewire.parameters import (
     Parameter,
     finger_file_text,
@@ -24,6 +25,7 @@ from musclewire.parameters import (
 from musclewire.rigs._abilities import ability
 from musclewire.rigs._configuration import RigConfiguration, amplitude_is_given, open_rig, read_rig_file, rig_names
 from musclewire.rigs._device import HasTrueState
+from musclewire.rigs._guarded import GuardedRig
 from musclewire.rigs._outside import OutsideConfiguration
 
 
@@ -234,6 +236,11 @@ def test_an_object_is_no_rig_and_the_message_says_how_a_device_of_ones_own_becom
 
     with pytest.raises(CallerError, match="not by a Supply: a device of your own is named in a rig file"):
         open_rig(Supply())  # type: ignore[arg-type]
+    with pytest.raises(CallerError, match="a GuardedRig holds a Device, and a Supply is none: it has no facts"):
+        GuardedRig(Supply())  # type: ignore[arg-type]
+    for drive in (characterize, lambda rig: control(rig, None)):
+        with pytest.raises(CallerError, match="a rig is driven, as open_rig returns it, not a Supply: hardware"):
+            drive(Supply())
 
 
 def test_a_plant_that_is_given_by_its_path_may_be_characterised() -> None:

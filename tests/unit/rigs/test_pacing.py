@@ -249,7 +249,7 @@ def test_an_impossible_clock_speed_is_refused(factor: float) -> None:
 
 
 def test_a_clock_speed_without_a_clock_is_refused() -> None:
-    with pytest.raises(CallerError, match=r"add --real-time \(real_time\)"):
+    with pytest.raises(CallerError, match=r"add real_time=True"):
         open_rig("simulated", clock_speed=10.0)
     assert adjustable_clock_of(open_rig("simulated")) is None
 

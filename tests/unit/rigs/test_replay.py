@@ -177,5 +177,5 @@ def test_a_typo_in_the_rig_file_and_a_paced_replay_are_refused(driven: Recording
         replay(driven, 'on_diference = "report"')
     rig = replay(driven)
     assert isinstance(rig.device, ReplayDevice)
-    with pytest.raises(CallerError, match="has no clock: leave out --real-time"):
+    with pytest.raises(CallerError, match="has no clock: leave out real_time"):
         mw.open_rig(rig.device._configuration, real_time=True)

@@ -120,7 +120,7 @@ def _chosen(sheets: Sequence[Any], wanted: str | None, path: Path) -> Any:
         cure = "names in one row and numbers below (formulas need values: open it in Excel or LibreOffice and save it)"
         raise RecordingError(f"{path}: {which} table of numbers; it needs {cure}")
     names = "; ".join(f"'{one_line(sheet.title)}'" for sheet in found[:20])
-    raise RecordingError(f"{path}: holds {len(found)} sheets with tables: choose one with --sheet NAME: {names}")
+    raise RecordingError(f"{path}: holds {len(found)} sheets with tables: choose one with group='NAME': {names}")
 
 
 def _holds_numbers(sheet: Any, path: Path) -> bool:

@@ -206,7 +206,7 @@ def _chosen(first: _LvmPacket, group: str | None) -> list[int]:
         hint = one_line(nearest_hint(group, known))
         raise RecordingError(f"{first.path}: has no group '{one_line(group)}'{hint}")
     listed = ", ".join(f"'{one_line(name)}'" for name in known[:MAX_NAMED])
-    raise RecordingError(f"{first.path}: holds {len(known)} tables: choose one with --group NAME: {listed}")
+    raise RecordingError(f"{first.path}: holds {len(known)} tables: choose one with group='NAME': {listed}")
 
 
 def _lines(path: Path, style: _LvmStyle, channels: Sequence[int]) -> Iterator[Line]:

@@ -67,7 +67,7 @@ def read_parquet_table(path: Path, group: str | None = None) -> ParquetTable:
     Raises RecordingError for another file, MissingExtraError without pyarrow.
     """
     if group is not None:
-        raise RecordingError(f"{path}: a Parquet file holds one table; leave --group out")
+        raise RecordingError(f"{path}: a Parquet file holds one table; leave group out")
     with damage_reported(path, "Parquet"), _parquet_file(path) as file:
         schema, rows = file.schema_arrow, file.metadata.num_rows
         check_limits(path, cells=rows * len(schema))

@@ -106,7 +106,7 @@ class ParticleFilter:
         if setup.model.wire.get("finger") and branches.quantity == "displacement":
             raise CallerError(
                 "estimator 'particle-filter': this model is of a finger's endpoint, which a wire file does not "
-                "describe: fit a model of strain, or choose --estimator gated"
+                "describe: fit a model of strain, or choose estimator='gated'"
             )
         self._shunt_ohm, self._period_s = setup.shunt_resistance_ohm, setup.sample_period_s
         self._range = branches.curve.quantity_max - branches.curve.quantity_min
@@ -298,6 +298,6 @@ def particle_filter(setup: EstimatorSetup, settings: ParticleSettings | None = N
     if setup.wire is None:
         raise CallerError(
             "estimator 'particle-filter' needs a wire file: musclewire calibrate makes one of a recording, and "
-            "--wire-file names it; without one choose --estimator gated"
+            "wire_file=... names it; without one choose estimator='gated'"
         )
     return ParticleFilter(gated_estimator(setup), setup.wire, setup, settings or ParticleSettings())

@@ -74,12 +74,12 @@ class StudyFolder:
             if known.get("fingerprint") != self._plan.fingerprint:
                 raise CallerError(
                     f"{self.path} belongs to another study, to this one before its file or a file that it names was "
-                    f"changed, or to another version ({known.get('engine', 'unknown')}): give another -o, or "
-                    "--overwrite"
+                    f"changed, or to another version ({known.get('engine', 'unknown')}): give another folder, or "
+                    "overwrite=True"
                 )
             return
         if self.path.exists() and any(self.path.iterdir()):
-            raise CallerError(f"{self.path} is no folder of a study and not empty: give another -o")
+            raise CallerError(f"{self.path} is no folder of a study and not empty: give another folder")
         try:
             (self.path / CHUNKS).mkdir(parents=True, exist_ok=True)
         except OSError as problem:
@@ -95,7 +95,7 @@ class StudyFolder:
         if (self.path / CHUNKS).is_dir() and not any((self.path / CHUNKS).iterdir()):
             (self.path / CHUNKS).rmdir()
         if any(self.path.iterdir()):
-            raise CallerError(f"{self.path} has files that are not the study's: give another -o")
+            raise CallerError(f"{self.path} has files that are not the study's: give another folder")
 
     def finished(self) -> list[tuple[int, int]]:
         """Return the runs that are finished, as ranges in ascending order: the first, and the one after the last."""
@@ -146,7 +146,7 @@ def read_identity(file: Path) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError, json.JSONDecodeError):
         known = None
     if not isinstance(known, dict):
-        raise CallerError(f"{file} is damaged: give another -o, or --overwrite")
+        raise CallerError(f"{file} is damaged: give another folder, or overwrite=True")
     return known
 
 

@@ -293,7 +293,7 @@ def require_explained(model: SensingModel, found: Registration, moved: WireChang
     like_a_load = 0.0 < moved.at_b_ohm / moved.by_shift_ohm < MAX_RATIO
     if abs(moved.warming_k) > MAX_SHIFT_K and like_a_load:
         thermometer = (
-            "" if air.change_k is not None else ", or the air is at another temperature: measure it (--ambient)"
+            "" if air.change_k is not None else ", or the air is at another temperature: measure it (ambient_k)"
         )
         raise RecordingError(
             f"the wire transforms {moved.warming_k:+.0f} K away and reads {moved.at_b_ohm:+.3g} ohm at B, which a "

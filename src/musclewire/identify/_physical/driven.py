@@ -184,11 +184,12 @@ def refuse_strain(strain: FloatArray) -> None:
         raise RecordingError(
             f"strain of the wrong sign: it falls by {100.0 * (cold - strain.min()):.2g} % from its first value; "
             "contraction "
-            "counts positive (--invert), and a recording must begin with a cold wire"
+            "counts positive (turn the sign when importing), and a recording must begin with a cold wire"
         )
     if abs(cold) > ZERO_FRACTION * stroke:
         raise RecordingError(
-            f"strain begins at {100.0 * cold:.3g} %: contraction counts from the cold wire, give --zero"
+            f"strain begins at {100.0 * cold:.3g} %: contraction counts from the cold wire (take off what it reads "
+            "cold)"
         )
 
 
@@ -208,7 +209,8 @@ def refuse_other_metal(channels: Mapping[str, RawChannel], length_m: float, diam
     if not MIN_RESISTIVITY <= resistivity <= MAX_RESISTIVITY:
         raise RecordingError(
             f"{resistance:.3g} ohm over {1e3 * length_m:.4g} mm of {1e6 * diameter_m:.4g} um wire is a resistivity of "
-            f"{resistivity:.2g} ohm m, NiTi has about 0.9e-06: check units, length and diameter (--set diameter_m=...)"
+            f"{resistivity:.2g} ohm m, NiTi has about 0.9e-06: check units, length and diameter "
+            "(bench={'diameter_m': ...})"
         )
 
 
@@ -237,7 +239,8 @@ def drive_of(recording: Recording) -> tuple[FloatArray, dict[str, float]]:
         )
     if shunt_ohm is None:
         raise RecordingError(
-            "drive_voltage_v is across wire and shunt, and the shunt is not known: give --shunt, '0 ohm' for none"
+            "drive_voltage_v is across wire and shunt, and the shunt is not known: give shunt_resistance_ohm in its "
+            "metadata, 0 for none"
         )
     return names["drive_voltage_v"], {"shunt_resistance_ohm": max(shunt_ohm, MIN_SHUNT_OHM)}
 

@@ -48,7 +48,9 @@ def start_of(
     diameter = diameter_of(recordings, given)
     notes = []
     if diameter is None and not all(is_isobaric(item) for item in recordings.values()):
-        notes.append(f"assumed: {1e6 * named.diameter_m.value:.4g} um wire, as {wire} (--set diameter_m='100 um')")
+        notes.append(
+            f"assumed: {1e6 * named.diameter_m.value:.4g} um wire, as {wire} (bench={{'diameter_m': '100 um'}})"
+        )
     if diameter is not None:
         named = of_diameter(named, diameter)
     driven = [item["drive_voltage_v"].max() for item in recordings.values() if "drive_voltage_v" in item]

@@ -74,7 +74,7 @@ def parts_of(rig: GuardedRig) -> tuple[SimulatedDevice, OneWire]:
     """Return device and wire of a rig whose loop can be compiled. Raises CallerError for another rig."""
     reason = uncompiled(rig)
     if reason:
-        raise CallerError(f"this loop has no compiled form, because {reason}: run it in Python (--in-python)")
+        raise CallerError(f"this loop has no compiled form, because {reason}: run it in Python (in_python=True)")
     assert isinstance(rig.device, SimulatedDevice)
     assert isinstance(rig.device.wires, OneWire)
     return rig.device, rig.device.wires

@@ -31,7 +31,7 @@ def test_the_same_library_may_be_written_again(tmp_path: Path) -> None:
 def test_another_library_is_refused_and_nothing_is_changed(tmp_path: Path) -> None:
     library = write(tmp_path)
     before = contents(library)
-    with pytest.raises(CallerError, match=r"holds another src/mw_constants\.h.*--overwrite"):
+    with pytest.raises(CallerError, match=r"holds another src/mw_constants\.h.*overwrite=True"):
         write(tmp_path, kp_range=(0.01, 0.09))
     assert contents(library) == before
 

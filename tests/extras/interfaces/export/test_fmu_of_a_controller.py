@@ -178,7 +178,7 @@ def test_without_a_compiler_it_says_so_and_sources_alone_are_to_be_had(
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
-    with pytest.raises(CallerError, match=r"no C compiler .* --sources-only"):
+    with pytest.raises(CallerError, match=r"no C compiler .* sources_only=True"):
         export_fmu(usual_model(), tmp_path)
     assert not list(tmp_path.glob("*.fmu"))
     written = export_fmu(usual_model(), tmp_path, sources_only=True)

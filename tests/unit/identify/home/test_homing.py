@@ -119,7 +119,7 @@ def test_warmer_air_moves_the_power_and_not_the_curve(swept: Swept, change_k: fl
 def test_what_a_load_explains_as_well_is_refused(swept: Swept) -> None:
     """Half a load more makes this wire transform 9 K warmer and read 0.4 % more at B."""
     loaded = in_warmer_air(aged(swept.sweep, 1.0045), -9.0)
-    with pytest.raises(RecordingError, match=r"a changed load explains .*--ambient"):
+    with pytest.raises(RecordingError, match=r"a changed load explains .*ambient_k"):
         homed_model(swept.model, loaded)
     with pytest.raises(RecordingError, match=r"a changed load explains .*: set the load of the characterisation$"):
         homed_model(swept.model, loaded, ambient_k=AIR_K)

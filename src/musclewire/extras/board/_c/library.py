@@ -167,8 +167,7 @@ def refuse_replacing(folder: Path, texts: Mapping[str, str]) -> None:
     if others:
         more = f" and {len(others) - 1} more" if len(others) > 1 else ""
         raise CallerError(
-            f"{folder} holds another {others[0]}{more}: choose another folder, or allow replacing (--overwrite, "
-            "overwrite=True)"
+            f"{folder} holds another {others[0]}{more}: choose another folder, or allow replacing (overwrite=True)"
         )
 
 

@@ -38,11 +38,13 @@ def check_single(name: str, value: float) -> None:
         single = float(np.float32(value))
     if not math.isfinite(single):
         raise CallerError(
-            f"{name} is {value!r}, more than single precision holds (3.4e38): check its unit, or export with --double"
+            f"{name} is {value!r}, more than single precision holds (3.4e38): check its unit, or export with "
+            "double=True"
         )
     if value != 0.0 and abs(single) < MIN_NORMAL:
         raise CallerError(
-            f"{name} is {value!r}, less than single precision holds (1.2e-38): check its unit, or export with --double"
+            f"{name} is {value!r}, less than single precision holds (1.2e-38): check its unit, or export with "
+            "double=True"
         )
 
 

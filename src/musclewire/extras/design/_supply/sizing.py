@@ -211,7 +211,7 @@ def current_of(request: SupplyRequest, row: CatalogueRow | None) -> float | None
     if request.current_a is not None or request.supply_v is not None:
         return request.current_a
     if row is None:
-        raise CallerError(f"{request.wire} is not in the catalogue: give --supply or --current, as '3 V'")
+        raise CallerError(f"{request.wire} is not in the catalogue: give a supply or a current")
     return row.current_a
 
 

@@ -50,9 +50,7 @@ def write_archive(path: Path, content: bytes, *, overwrite: bool) -> None:
     written to.
     """
     if not overwrite and path.exists() and path.read_bytes() != content:
-        raise CallerError(
-            f"{path} is another FMU: choose another folder or name, or allow replacing (--overwrite, overwrite=True)"
-        )
+        raise CallerError(f"{path} is another FMU: choose another folder or name, or allow replacing (overwrite=True)")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -93,7 +91,7 @@ def compiled_binary(name: str, sources: Mapping[str, str]) -> FmuBinary:
     place = binary_platform()
     suffix = next((suffix for system, suffix in SUFFIXES.items() if place.startswith(system)), None)
     if suffix is None:
-        raise CallerError(f"FMI 2.0 has no name for binaries of {sys.platform}: export with --sources-only")
+        raise CallerError(f"FMI 2.0 has no name for binaries of {sys.platform}: export with sources_only=True")
     with tempfile.TemporaryDirectory() as temporary:
         folder, out = Path(temporary), f"{name}{suffix}"
         for file, text in sources.items():
@@ -110,7 +108,7 @@ def compile_in(folder: Path, command: list[str]) -> None:
         lines = (done.stderr or done.stdout).strip().splitlines() or ["nothing was printed"]
         first = next((line for line in lines if "error" in line), lines[0])
         raise NumericsError(
-            f"{command[0]} cannot compile the FMU for {platform.machine()}: {first}; export with --sources-only and "
+            f"{command[0]} cannot compile the FMU for {platform.machine()}: {first}; export with sources_only=True and "
             "let the importing tool compile"
         )
 
@@ -127,7 +125,7 @@ def compiler_here() -> list[str]:
     if found is None:
         raise CallerError(
             "there is no C compiler (cc, gcc, clang) for the FMU's binary: install one (apt-get install gcc "
-            "libc6-dev), or export with --sources-only for tools that compile it themselves"
+            "libc6-dev), or export with sources_only=True for tools that compile it themselves"
         )
     return [found]
 

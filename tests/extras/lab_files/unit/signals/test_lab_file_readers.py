@@ -210,8 +210,8 @@ def test_a_mapping_remembers_the_group_and_a_mapping_file_keeps_it(lab_files, tm
 
 
 def test_a_group_of_a_file_without_groups_is_refused(lab_files, tmp_path):
-    with pytest.raises(RecordingError, match="leave --group out"):
+    with pytest.raises(RecordingError, match="leave group out"):
         read_recording(lab_files / "read" / "parquet_pandas.parquet", group="a")
     (tmp_path / "a.csv").write_text("time_s,force_n\n0,1\n1,2\n")
-    with pytest.raises(RecordingError, match="leave --group out"):
+    with pytest.raises(RecordingError, match="leave group out"):
         read_recording(tmp_path / "a.csv", group="a")
