@@ -36,7 +36,7 @@ from musclewire.app._recording_options import ReadingOptions
 from musclewire.errors import CallerError, nearest_hint
 
 if TYPE_CHECKING:
-    from musclewire.identify import EstimateReport, Marks, ResistanceFit
+    from musclewire.identify import Marks, ResistanceFit
     from musclewire.signals import Recording
 
 
@@ -132,7 +132,7 @@ def fit(
     answer = FitAnswer.read_from(on_recording, alone, **model.report(), stroke_std_pct=off_pct, model=written)
     lines = [model.summary(), *([] if alone is None else [str(alone)])]
     if on_recording is not None:
-        lines.append(f"estimate of this recording: {error_text(on_recording)}")
+        lines.append(f"estimate of this recording: {on_recording.summary()}")
     lines.append(
         "the model is in no file yet: -o model.json keeps it" if output is None else f"model written to {output}"
     )
@@ -159,19 +159,9 @@ def estimate(
     if output is not None:
         require_free(output, overwrite)
         report.recording.save(output)
-    figure.draw(report.recording.plot)
+    figure.draw(report.plot)
     warn(report.warnings)
-    return Result(EstimateAnswer.read_from(report, samples=len(report.recording)), error_text(report))
-
-
-def error_text(report: EstimateReport) -> str:
-    """Return the errors of an estimate in words, as both ``fit`` and ``estimate`` print them."""
-    errors = (
-        f"nothing to compare with: {report.no_reference}"
-        if report.rms_pct is None
-        else f"error {report.rms_pct:.3f} % rms, {report.max_pct:.3f} % largest, of stroke"
-    )
-    return f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in range and between B and C; {errors}"
+    return Result(EstimateAnswer.read_from(report, samples=len(report.recording)), report.summary())
 
 
 def rules(
