@@ -11,14 +11,14 @@ import difflib
 from collections.abc import Iterable
 
 __all__ = [
-    "MusclewireError",
     "CallerError",
-    "MissingExtraError",
-    "RecordingError",
-    "RigError",
-    "RecordingNotWrittenError",
-    "NumericsError",
     "FitRejectedError",
+    "MissingExtraError",
+    "MusclewireError",
+    "NumericsError",
+    "RecordingError",
+    "RecordingNotWrittenError",
+    "RigError",
     "an_object",
     "installed_by",
     "nearest_hint",
@@ -51,8 +51,8 @@ class MissingExtraError(CallerError):
 
 
 def installed_by(extra: str) -> str:
-    """Return the commands that install an extra, quoted as every shell takes them, Windows' too."""
-    return f'pip install ".[{extra}]" in a checkout, pip install "musclewire[{extra}]" from an index'
+    """Return the command that installs an extra from the checkout, quoted as every shell takes it, Windows' too."""
+    return f'pip install ".[{extra}]" in the checkout'
 
 
 class RecordingError(MusclewireError, ValueError):

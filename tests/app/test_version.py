@@ -1,4 +1,4 @@
-"""What --version says is what is installed."""
+"""What --version says is what is installed, and what cite says is that version."""
 
 from __future__ import annotations
 
@@ -26,6 +26,15 @@ def test_the_document_says_what_is_there(musclewire: Callable[..., Any]) -> None
     assert found["packages"]["llvmlite"] == importlib.metadata.version("llvmlite")
     assert found["extras"]["pandas"] is True
     assert not {"test", "oracles", "dev"} & set(found["extras"])
+
+
+def test_what_to_cite_is_this_version_in_words_and_in_bibtex(musclewire: Callable[..., Any]) -> None:
+    words, entries = musclewire("cite", "--json").json.values()
+    assert importlib.metadata.version("musclewire") in entries[0]
+    printed = musclewire("cite", "--bibtex").out
+    assert printed.strip() == "\n\n".join(entries)
+    assert len(words) == printed.count("@") == 4
+    assert all(entry.count("{") == entry.count("}") and entry.endswith("\n}") for entry in entries)
 
 
 def test_a_requirement_is_a_name_and_an_extra() -> None:

@@ -40,6 +40,17 @@ def test_a_wire_measured_with_voltage_and_current_is_fitted(musclewire: Callable
         assert answer.json[name] == estimated.json[name], "fit and estimate say the same of the same file"
 
 
+def test_a_fit_replaces_no_model_unless_it_is_told_to(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    path, model = write_csv(tmp_path / "bench.csv", loop_rows()), tmp_path / "model.json"
+    again = ("fit", path, "--leg-length", "70 mm", "-o", model)
+    assert musclewire(*again).code == 0
+    first = model.read_bytes()
+    assert "model.json exists: give another name or --overwrite" in musclewire(*again, "--order", 5).refusal
+    assert model.read_bytes() == first
+    assert musclewire(*again, "--order", 5, "--overwrite").code == 0
+    assert model.read_bytes() != first
+
+
 def without(column: int, rows: list[list[float]]) -> list[list[float]]:
     return [[value for place, value in enumerate(row) if place != column] for row in rows]
 

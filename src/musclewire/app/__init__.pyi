@@ -74,7 +74,6 @@ from ._options import OBJECT_STIFFNESS as OBJECT_STIFFNESS
 from ._options import OLD_NAMES as OLD_NAMES
 from ._options import ONLY as ONLY
 from ._options import OPTIONS as OPTIONS
-from ._options import OUTPUT as OUTPUT
 from ._options import OVERWRITE as OVERWRITE
 from ._options import PLOT as PLOT
 from ._options import QUICK as QUICK
@@ -90,6 +89,7 @@ from ._options import WORKERS as WORKERS
 from ._options import RigName as RigName
 from ._options import in_si as in_si
 from ._options import option as option
+from ._options import output_option as output_option
 from ._options import quantity as quantity
 from ._output import Result as Result
 from ._output import progress_bar as progress_bar

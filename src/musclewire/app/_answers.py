@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
-from pydantic import AliasGenerator, ConfigDict
+from pydantic import AliasGenerator, ConfigDict, Field
 
 from musclewire.app._answer import ABSENT, AnswerModel, AnswerRecord, Finite
 from musclewire.app._bench_measure import Comparison, MachinePeaks
@@ -19,7 +19,7 @@ from musclewire.experiment import (
     StepSpread,
     TrainingCycle,
 )
-from musclewire.identify import HelpfulMeasurement, SufficientChanges, TooFast, VarianceShare, WeakSupply
+from musclewire.identify import ErrorGroup, HelpfulMeasurement, SufficientChanges, TooFast, VarianceShare, WeakSupply
 from musclewire.sensing import HomeMove
 from musclewire.signals import IgnoredHeader, MatchedHeader, MetadataValue, UndecidedHeader
 
@@ -309,6 +309,8 @@ class EstimateErrors(AnswerModel):
     rms_pct: float | None = None
     max_pct: float | None = None
     no_reference: str | None = None
+    not_counted: dict[str, float] = Field(default_factory=dict)
+    error_groups: tuple[Annotated[ErrorGroup, AnswerRecord()], ...] = ()
 
 
 class SampleCount(AnswerModel):

@@ -16,7 +16,6 @@ from musclewire.app._files import require_free
 from musclewire.app._options import (
     EFFORT,
     JUMPS,
-    OUTPUT,
     OVERWRITE,
     PRIORS,
     REPORT,
@@ -26,6 +25,7 @@ from musclewire.app._options import (
     THREADS,
     WIRE,
     mapping,
+    output_option,
 )
 from musclewire.app._output import Result, step_bar, warn
 from musclewire.app._recording_options import ReadingOptions
@@ -79,7 +79,7 @@ def calibrate(
     known: StartOptions,
     search: SearchOptions,
     figure: FigureOptions,
-    output: Annotated[Path | None, OUTPUT] = None,
+    output: Annotated[Path | None, output_option("Wire file to write (.toml); without it nothing is kept.")] = None,
     report: Annotated[Path | None, REPORT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:

@@ -22,7 +22,6 @@ from musclewire.app._options import (
     IN_PYTHON,
     KNOWN_STIFFNESS,
     ON_BOARD,
-    OUTPUT,
     OVERWRITE,
     QUANTITY,
     REFERENCE,
@@ -33,6 +32,7 @@ from musclewire.app._options import (
     WIRE_FILE,
     RigName,
     in_si,
+    output_option,
 )
 from musclewire.app._output import Result, progress_bar, say, warn
 from musclewire.app._rig_options import TimingOptions
@@ -79,7 +79,7 @@ def control(
     many: ManyLoopsChoice,
     homing: HomeOptions,
     figure: FigureOptions,
-    output: Annotated[Path | None, OUTPUT] = None,
+    output: Annotated[Path | None, output_option("Recording to write (.h5).")] = None,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:

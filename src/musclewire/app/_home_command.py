@@ -17,12 +17,12 @@ from musclewire.app._options import (
     HOME,
     HOMED_MODEL,
     LOAD,
-    OUTPUT,
     OVERWRITE,
     SEED,
     SWEEP_FILE,
     RigName,
     in_si,
+    output_option,
 )
 from musclewire.app._output import Result, progress_bar, warn
 from musclewire.app._rig_options import TimingOptions
@@ -83,7 +83,7 @@ class HomeOptions:
 def home(
     rig: RigName,
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
-    output: Annotated[Path, OUTPUT],
+    output: Annotated[Path, output_option("New model file to write (.json).")],
     timing: TimingOptions,
     figure: FigureOptions,
     load: Annotated[str | None, LOAD] = None,

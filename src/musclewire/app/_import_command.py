@@ -16,11 +16,11 @@ from musclewire.app._options import (
     IGNORE,
     JOIN,
     MATLAB_VERSION,
-    OUTPUT,
     OVERWRITE,
     SAMPLE_PERIOD,
     SAVE_MAPPING,
     in_si,
+    output_option,
 )
 from musclewire.app._output import Result, show
 from musclewire.app._recording_options import ReadingOptions
@@ -58,7 +58,9 @@ def import_recordings(
     table: TableOptions,
     figure: FigureOptions,
     join: Annotated[str | None, JOIN] = None,
-    output: Annotated[Path | None, OUTPUT] = None,
+    output: Annotated[
+        Path | None, output_option("Recording to write (.h5, .csv, .parquet, .mat, .xlsx); one FILE only.")
+    ] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     save_mapping: Annotated[Path | None, SAVE_MAPPING] = None,
 ) -> Result:

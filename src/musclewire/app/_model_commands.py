@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,6 +13,7 @@ from musclewire.app._answer import AnswerModel
 from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_free, require_model_file
 from musclewire.app._options import (
+    BIBTEX,
     CLOSED_LOOP_TIME,
     CONTROLLER,
     CYCLE,
@@ -20,7 +22,6 @@ from musclewire.app._options import (
     MARK,
     MARK_ERROR,
     ORDER,
-    OUTPUT,
     OVERWRITE,
     QUANTITY,
     RULES,
@@ -30,13 +31,14 @@ from musclewire.app._options import (
     WIRE_FILE,
     in_si,
     mapping,
+    output_option,
 )
 from musclewire.app._output import Result, table, warn
 from musclewire.app._recording_options import ReadingOptions
 from musclewire.errors import CallerError, nearest_hint
 
 if TYPE_CHECKING:
-    from musclewire.identify import EstimateReport, Marks, ResistanceFit
+    from musclewire.identify import Marks, ResistanceFit
     from musclewire.signals import Recording
 
 
@@ -96,7 +98,8 @@ class ResistanceOptions:
 RecordingPath = Annotated[
     str,
     typer.Argument(
-        metavar="RECORDING", help="Recording of ours or of another program, or 'lan-fan-2010-table-2', the paper's."
+        metavar="RECORDING",
+        help="Recording of musclewire or of another program, or 'lan-fan-2010-table-2', the paper's.",
     ),
 ]
 
@@ -106,10 +109,11 @@ def fit(
     reading: ReadingOptions,
     known: ResistanceOptions,
     figure: FigureOptions,
-    output: Annotated[Path | None, OUTPUT] = None,
+    output: Annotated[Path | None, output_option("Model file to write (.json).")] = None,
     order: Annotated[str, ORDER] = "6",
     quantity: Annotated[str, QUANTITY] = "strain",
     cycle: Annotated[str, CYCLE] = "last",
+    overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
     """Fit the self-sensing model to a slow loop; with --wire from its resistance alone."""
     from musclewire.app._answers import FitAnswer
@@ -119,6 +123,7 @@ def fit(
     figure.check()
     if output is not None:
         require_model_file(output)
+        require_free(output, overwrite)
     known.require_wire()
     data, chosen = reading.read(recording), whole_number_or(order, "auto")
     alone = None if known.wire is None else known.fit(data, chosen, quantity)
@@ -132,7 +137,7 @@ def fit(
     answer = FitAnswer.read_from(on_recording, alone, **model.report(), stroke_std_pct=off_pct, model=written)
     lines = [model.summary(), *([] if alone is None else [str(alone)])]
     if on_recording is not None:
-        lines.append(f"estimate of this recording: {error_text(on_recording)}")
+        lines.append(f"estimate of this recording: {on_recording.summary()}")
     lines.append(
         "the model is in no file yet: -o model.json keeps it" if output is None else f"model written to {output}"
     )
@@ -146,7 +151,9 @@ def estimate(
     figure: FigureOptions,
     estimator: Annotated[str | None, ESTIMATOR] = None,
     wire_file: Annotated[Path | None, WIRE_FILE] = None,
-    output: Annotated[Path | None, OUTPUT] = None,
+    output: Annotated[
+        Path | None, output_option("Recording with its estimate to write (.h5, .csv, .parquet, .mat, .xlsx).")
+    ] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
     """Estimate strain from a recording's resistance; errors where it has a reference."""
@@ -159,19 +166,9 @@ def estimate(
     if output is not None:
         require_free(output, overwrite)
         report.recording.save(output)
-    figure.draw(report.recording.plot)
+    figure.draw(report.plot)
     warn(report.warnings)
-    return Result(EstimateAnswer.read_from(report, samples=len(report.recording)), error_text(report))
-
-
-def error_text(report: EstimateReport) -> str:
-    """Return the errors of an estimate in words, as both ``fit`` and ``estimate`` print them."""
-    errors = (
-        f"nothing to compare with: {report.no_reference}"
-        if report.rms_pct is None
-        else f"error {report.rms_pct:.3f} % rms, {report.max_pct:.3f} % largest, of stroke"
-    )
-    return f"{len(report.recording)} samples, {100 * report.valid_share:.1f} % in range and between B and C; {errors}"
+    return Result(EstimateAnswer.read_from(report, samples=len(report.recording)), report.summary())
 
 
 def rules(
@@ -195,28 +192,102 @@ def rules(
     return Result(answer, "\n".join([*lines, "", f"known: {', '.join(known)}"]))
 
 
+@dataclass(frozen=True)
+class CitedWork:
+    """A work to cite: its fields as BibTeX has them, and what in musclewire it is the source of."""
+
+    key: str
+    kind: str
+    of: str
+    fields: Mapping[str, str]
+
+    @property
+    def line(self) -> str:
+        """The work in one line."""
+        where = "".join(f", {self.fields[name]}" for name in ("journal", "volume", "pages") if name in self.fields)
+        number = f" {self.fields['version']}" if "version" in self.fields else ""
+        doi = f", doi {self.fields['doi']}" if "doi" in self.fields else ""
+        authors = self.fields["author"].strip("{}").replace(" and ", ", ")
+        return f"{authors}, {self.fields['year']}: {self.fields['title']}{number}{where}{doi} ({self.of})"
+
+    @property
+    def bibtex(self) -> str:
+        """The work as an entry of BibTeX; braces keep the capitals of a title."""
+        fields = self.fields | {"title": f"{{{self.fields['title']}}}"}
+        return "\n".join([f"@{self.kind}{{{self.key},", *(f"  {key} = {{{fields[key]}}}," for key in fields), "}"])
+
+
 class CiteAnswer(AnswerModel):
     """Of ``cite``."""
 
     cite: tuple[str, ...]
+    bibtex: tuple[str, ...]
 
 
-def cite() -> Result:
-    """Print the references to cite."""
+def cite(bibtex: Annotated[bool, BIBTEX] = False) -> Result:
+    """Print the references to cite; --bibtex as entries of BibTeX."""
+    works = cited_works()
+    answer = CiteAnswer(cite=tuple(one.line for one in works), bibtex=tuple(one.bibtex for one in works))
+    return Result(answer, "\n\n".join(answer.bibtex) if bibtex else "\n".join(answer.cite))
+
+
+def cited_works() -> tuple[CitedWork, ...]:
+    """Return the works to cite: musclewire itself, the paper, and the sources of what a run needs by default."""
     from importlib.metadata import version
 
     from musclewire.parameters import read_published
 
     paper = read_published("lan_fan_2010")
-    items = [
-        f"musclewire {version('musclewire')}, 2026, BSD-3-Clause; see CITATION.cff",
-        f"{paper['authors']}, {paper['year']}: {paper['title']} (method: Eqs. 1 to 7)",
-        "Z.-Y. Zhao, M. Tomizuka, S. Isaka, 1993: Fuzzy gain scheduling of PID controllers, doi 10.1109/21.260670 "
-        "(rule base zhao-1993)",
-        "S. W. Churchill, H. H. S. Chu, 1975: Correlating equations for laminar and turbulent free convection from a "
-        "horizontal cylinder, doi 10.1016/0017-9310(75)90222-7 (simulated wires)",
-    ]
-    return Result(CiteAnswer(cite=tuple(items)), "\n".join(items))
+    return (
+        CitedWork(
+            "musclewire",
+            "software",
+            "BSD-3-Clause; see CITATION.cff",
+            {
+                "author": "{The musclewire developers}",
+                "title": "musclewire",
+                "year": "2026",
+                "version": version("musclewire"),
+            },
+        ),
+        CitedWork(
+            "lan_fan_2010",
+            "misc",
+            "method: Eqs. 1 to 7",
+            {
+                "author": paper["authors"].replace(", ", " and "),
+                "title": paper["title"],
+                "year": str(paper["year"]),
+            },
+        ),
+        CitedWork(
+            "zhao_1993",
+            "article",
+            "rule base zhao-1993",
+            {
+                "author": "Z.-Y. Zhao and M. Tomizuka and S. Isaka",
+                "title": "Fuzzy gain scheduling of PID controllers",
+                "journal": "IEEE Transactions on Systems, Man, and Cybernetics",
+                "volume": "23",
+                "number": "5",
+                "pages": "1392--1398",
+                "year": "1993",
+                "doi": "10.1109/21.260670",
+            },
+        ),
+        CitedWork(
+            "churchill_chu_1975",
+            "article",
+            "simulated wires",
+            {
+                "author": "S. W. Churchill and H. H. S. Chu",
+                "title": "Correlating equations for laminar and turbulent free convection from a horizontal cylinder",
+                "journal": "International Journal of Heat and Mass Transfer",
+                "year": "1975",
+                "doi": "10.1016/0017-9310(75)90222-7",
+            },
+        ),
+    )
 
 
 def whole_number_or(text: str, *words: str) -> Any:
@@ -236,7 +307,7 @@ def tune(
     recording: RecordingPath,
     reading: ReadingOptions,
     figure: FigureOptions,
-    output: Annotated[Path | None, OUTPUT] = None,
+    output: Annotated[Path | None, output_option("Model (.json) or gains file (.toml) to write.")] = None,
     controller: Annotated[str, CONTROLLER] = "feedforward",
     rules: Annotated[str | None, RULES] = None,
     closed_loop_time: Annotated[str | None, CLOSED_LOOP_TIME] = None,
@@ -250,6 +321,8 @@ def tune(
     figure.check()
     if output is not None and output.suffix == ".json":
         require_model_file(output)
+        # The gains go into the model that they were found for, as a rule.
+        require_free(output, overwrite or output.resolve() == model.resolve())
     elif output is not None:
         require_free(output, overwrite)
     loaded = load_model(model)

@@ -66,13 +66,19 @@ def quantity(name: str, unit: str, help: str, low: float = -inf, high: float = i
     return typer.Option(name, help=help, metavar="QUANTITY")
 
 
+def output_option(help: str) -> Any:
+    """Return --output of one command: the only option whose help says what this command writes, a file or a folder."""
+    return typer.Option(*OPTIONS["--output"].names, help=help)
+
+
 # What is written, and how it is shown.
-OUTPUT = option("--output", "-o", help="File or folder to write.")
+OUTPUT = option("--output", "-o", help="File or folder to write, as the command's own help says.")
 OVERWRITE = option("--overwrite", help="Replace what is already there.")
 PLOT = option("--plot", help="Figure to write (.svg, .png, .pdf).")
 PLOT_STYLE = option("--plot-style", help="Size and fonts of the figure: screen, slides, or a journal's column.")
 REPORT = option("--report", help="Page to write (.html); by default next to the output.")
 JSON = option("--json", help="Print one JSON document on stdout.")
+BIBTEX = option("--bibtex", help="Print entries of BibTeX.")
 LIST = option("--list", help="List the names that can be given, and exit.")
 
 # Rigs and their clocks.

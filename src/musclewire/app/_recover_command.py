@@ -9,7 +9,7 @@ import typer
 
 from musclewire.app._answer import AnswerModel
 from musclewire.app._figure_options import FigureOptions
-from musclewire.app._options import OUTPUT, OVERWRITE
+from musclewire.app._options import OVERWRITE, output_option
 from musclewire.app._output import Result
 
 
@@ -27,7 +27,9 @@ def recover(
         Path, typer.Argument(metavar="RECORDING", help="The recording as it was to be, or its journal (.h5.journal).")
     ],
     figure: FigureOptions,
-    output: Annotated[Path | None, OUTPUT] = None,
+    output: Annotated[
+        Path | None, output_option("Another recording to write (.h5, .csv, .parquet); the journal stays.")
+    ] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
     """Make plain HDF5 of the journal that a run left when it was cut off; with -o the journal stays."""

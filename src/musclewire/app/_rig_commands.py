@@ -16,13 +16,13 @@ from musclewire.app._options import (
     AMPLITUDE,
     AT,
     MAX_CYCLES,
-    OUTPUT,
     OVERWRITE,
     PERIOD,
     QUANTITY,
     SEED,
     RigName,
     in_si,
+    output_option,
 )
 from musclewire.app._output import Result, progress_bar, say, table, tell, warn
 from musclewire.app._rig_options import SlowSineOptions, TimingOptions
@@ -45,7 +45,7 @@ NO_INSTRUMENT = (
 
 def demo(
     figure: FigureOptions,
-    output: Annotated[Path, OUTPUT] = Path("musclewire-demo"),
+    output: Annotated[Path, output_option("Folder for report, model and recordings.")] = Path("musclewire-demo"),
     seed: Annotated[int, SEED] = 1,
 ) -> Result:
     """The main job on the simulated rig: characterise, fit, control by resistance, report."""
@@ -88,7 +88,7 @@ def demo(
 
 def characterize(
     rig: RigName,
-    output: Annotated[Path, OUTPUT],
+    output: Annotated[Path, output_option("Recording to write (.h5).")],
     sine: SlowSineOptions,
     timing: TimingOptions,
     figure: FigureOptions,
@@ -185,7 +185,7 @@ def pretension(
     figure: FigureOptions,
     at: Annotated[list[str] | None, AT] = None,
     quantity: Annotated[str, QUANTITY] = "strain",
-    output: Annotated[Path | None, OUTPUT] = None,
+    output: Annotated[Path | None, output_option("Folder for the recording of each setting.")] = None,
     seed: Annotated[int | None, SEED] = None,
 ) -> Result:
     """Sweep the pretension, compare the hysteresis gaps, name the best for the quantity.
@@ -265,7 +265,7 @@ def train(
     amplitude: Annotated[str | None, AMPLITUDE] = None,
     period: Annotated[str, PERIOD] = "30 s",
     max_cycles: Annotated[int, MAX_CYCLES] = 60,
-    output: Annotated[Path | None, OUTPUT] = None,
+    output: Annotated[Path | None, output_option("Folder for the recording of each cycle.")] = None,
     seed: Annotated[int | None, SEED] = None,
 ) -> Result:
     """Cycle a new wire until its loop repeats.

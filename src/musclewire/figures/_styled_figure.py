@@ -93,12 +93,14 @@ def axes_to_draw_on(axes: Axes | None, style: str) -> Iterator[Axes]:
         yield new
 
 
-def panel_rows(style: str, heights: Sequence[float], *, by_pyplot: bool = False) -> tuple[StyledFigure, list[Axes]]:
-    """Return a figure of panels one below the other over the same axis; heights in panels of the style."""
+def panel_rows(
+    style: str, heights: Sequence[float], *, common_x: bool = True, by_pyplot: bool = False
+) -> tuple[StyledFigure, list[Axes]]:
+    """Return a figure of panels one below the other, over one axis or each over its own; heights in panels."""
     height_mm = figure_style(style).panel_height_mm * (sum(heights) + 0.3)
     figure = new_figure(style, height_mm, by_pyplot)
     with figure.styled():
-        panels = np.atleast_1d(figure.subplots(len(heights), 1, sharex=True, height_ratios=list(heights)))
+        panels = np.atleast_1d(figure.subplots(len(heights), 1, sharex=common_x, height_ratios=list(heights)))
         figure.align_ylabels()
     return figure, list(panels)
 

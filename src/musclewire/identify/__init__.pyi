@@ -17,6 +17,7 @@ from ._electrical_sizing import steady_temperature_k as steady_temperature_k
 from ._electrical_sizing import suggested_shunt as suggested_shunt
 from ._electrical_sizing import wire_row as wire_row
 from ._electrical_sizing import wire_table as wire_table
+from ._error_causes import ErrorGroup as ErrorGroup
 from ._home.homing import Homing as Homing
 from ._home.homing import homed_model as homed_model
 from ._home.homing import homing_figure as homing_figure
@@ -57,7 +58,6 @@ from ._resistance_alone.fitting import fit_resistance as fit_resistance
 from ._resistance_alone.observation import Marks as Marks
 from ._resistance_alone.possible_curves import HelpfulMeasurement as HelpfulMeasurement
 from ._resistance_alone.possible_curves import VarianceShare as VarianceShare
-from ._sensing_model import EstimateReport as EstimateReport
 from ._sensing_model import estimate as estimate
 from ._sensing_model import fit as fit
 from ._speed_limits.limits import SpeedLimits as SpeedLimits

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, an_object
+from musclewire.identify._error_causes import ErrorGroup, JudgedEstimate, error_groups, fractions_not_counted, lines_of
 from musclewire.identify._loop_gaps import guide_friction_n
 from musclewire.identify._recordings import (
     COLUMN_SUFFIX,
@@ -33,6 +34,7 @@ from musclewire.sensing import (
     EstimatorFactory,
     EstimatorSetup,
     SensingModel,
+    centred_mean,
     estimates,
     find_segments,
     fit_branches,
@@ -40,7 +42,7 @@ from musclewire.sensing import (
     other_wires,
     segment_course,
 )
-from musclewire.signals import Recording, WireSample
+from musclewire.signals import Reason, Recording, WireSample
 from musclewire.wire import WireConstants
 
 if TYPE_CHECKING:
@@ -77,7 +79,7 @@ def dated_back(
     rows = np.flatnonzero(valid)
     if rows.size == 0:
         return sensing
-    calm_ohm, calm_w = (centred_mean(values[rows]) for values in (resistance_ohm, power_w))
+    calm_ohm, calm_w = (centred_mean(values[rows], MEAN_SAMPLES) for values in (resistance_ohm, power_w))
     found, anchor_ohm = segment_course(model.resistance_min_ohm, model.resistance_max_ohm, calm_ohm, calm_w)
     turns = np.append(0, 1 + np.flatnonzero(np.diff(anchor_ohm)))
     dated = found.copy()
@@ -86,15 +88,6 @@ def dated_back(
         dated[turned_at + 1 : row] = found[row]
     sensing[rows] = dated
     return sensing
-
-
-def centred_mean(values: FloatArray) -> FloatArray:
-    """Return the mean over ``MEAN_SAMPLES`` around each value, over fewer near the ends, both (n,)."""
-    reach = MEAN_SAMPLES // 2
-    total = np.concatenate([[0.0], np.cumsum(values)])
-    place = np.arange(values.size)
-    first, after = np.maximum(place - reach, 0), np.minimum(place + reach + 1, values.size)
-    return np.asarray((total[after] - total[first]) / (after - first))
 
 
 PAPER_ORDER = 6
@@ -308,7 +301,7 @@ class EstimateReport:
     recording
         The recording with the estimate's columns added.
     valid_share
-        Fraction of valid samples.
+        Fraction of valid samples, which count.
     rms_pct
         Root mean square error [%] of the stroke; None without a reference.
     max_pct
@@ -317,6 +310,12 @@ class EstimateReport:
         Why there is no reference to compare with, and what would give one; "" with a reference.
     warnings
         That readings lie outside the model's range, with their number and their range; none if hardly one does.
+    not_counted
+        Why samples are not valid: the fraction of all samples for each reason, the largest first.
+    error_groups
+        The valid samples by the cause of their error, with the largest error of each; none without a reference.
+    quantity
+        What was estimated: "strain", "displacement" or "force".
     """
 
     recording: Recording
@@ -325,6 +324,9 @@ class EstimateReport:
     max_pct: float | None
     no_reference: str = ""
     warnings: tuple[str, ...] = ()
+    not_counted: Mapping[str, float] = field(default_factory=dict)
+    error_groups: tuple[ErrorGroup, ...] = ()
+    quantity: str = "strain"
 
     @property
     def columns(self) -> Mapping[str, FloatArray]:
@@ -332,12 +334,12 @@ class EstimateReport:
         return self.recording.columns
 
     def plot(self, kind: str | None = None, *, style: str = "screen") -> Figure:
-        """Draw the recording with its estimate.
+        """Draw the estimate with its standard deviation and the reference, over time and over resistance.
 
         Parameters
         ----------
         kind
-            Which plot, as in ``Recording.plot``; None is what fits the columns.
+            Another plot, as in ``Recording.plot``; None is this one.
         style
             Size and fonts of the figure, as in ``Recording.plot``.
 
@@ -352,7 +354,22 @@ class EstimateReport:
         RecordingError
             If the recording lacks the columns for this kind.
         """
-        return self.recording.plot(kind, style=style)
+        return self.recording.plot(kind or "estimate", style=style)
+
+    def summary(self) -> str:
+        """Return how many samples count and why others do not, the errors, where they are and why."""
+        errors = (
+            f"nothing to compare with: {self.no_reference}"
+            if self.rms_pct is None
+            else f"error {self.rms_pct:.3f} % rms, {self.max_pct:.3f} % largest, of stroke"
+        )
+        counted = f"{100 * self.valid_share:.1f} % in range and between B and C"
+        if self.not_counted:
+            counted += (
+                f" (not: {', '.join(f'{100 * fraction:.1f} % {why}' for why, fraction in self.not_counted.items())})"
+            )
+        first = f"{len(self.recording)} samples, {counted}; {errors}"
+        return "\n".join([first, *lines_of(self.quantity, self.error_groups)])
 
 
 def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
@@ -430,38 +447,49 @@ def estimate(
         raise CallerError(f"estimate takes a model and a recording, in this order, not {an_object(recording)} second")
     whole = estimator == WHOLE_RECORDING
     wire = None if wire_file is None else users_wire(wire_file, recording.metadata)
-    columns = at_once(model, recording) if whole else one_by_one(estimator, model, recording, wire)
+    columns, reasons = at_once(model, recording) if whole else one_by_one(estimator, model, recording, wire)
     suffix = COLUMN_SUFFIX[model.quantity]
     valid, value = columns["valid"] > 0.0, columns[f"estimated_{suffix}"]
     if not valid.any():
         raise outside_range(model, resistance_reading(recording))
+    reading = resistance_reading(recording)
     measured = reference_quantity(recording, model.quantity)
     stroke = model.quantity_max - model.quantity_min
-    errors = None if measured is None else (value - measured)[valid] / stroke * 100.0
+    errors: FloatArray | None = None
+    groups: tuple[ErrorGroup, ...] = ()
+    if measured is not None:
+        errors = (value - measured)[valid] / stroke * 100.0
+        groups = error_groups(JudgedEstimate(model, recording, reading.resistance_ohm, value, measured, valid))
     return EstimateReport(
         recording=recording.with_columns(columns),
         valid_share=float(valid.mean()),
         rms_pct=None if errors is None else float(np.sqrt(np.mean(errors**2))),
         max_pct=None if errors is None else float(np.abs(errors).max()),
         no_reference=why_no_reference(recording, model.quantity),
-        warnings=range_warnings(model, resistance_reading(recording)),
+        warnings=range_warnings(model, reading),
+        not_counted=fractions_not_counted(reasons, valid),
+        error_groups=groups,
+        quantity=model.quantity,
     )
 
 
-def at_once(model: SensingModel, recording: Recording) -> dict[str, FloatArray]:
-    """Return the columns of the paper's estimate of a whole recording."""
+def at_once(model: SensingModel, recording: Recording) -> tuple[dict[str, FloatArray], list[int]]:
+    """Return the columns of the paper's estimate of a whole recording, and each sample's ``Reason``."""
     reading = resistance_reading(recording)
     result = model.estimate(reading.resistance_ohm)
-    valid = reading.valid & result.valid & in_sensing_segment(model, recording, reading)
-    return estimate_columns(model.quantity, result.value, result.std, valid) | {
-        "wire_resistance_ohm": reading.resistance_ohm
-    }
+    sensed = in_sensing_segment(model, recording, reading)
+    conditions = [~reading.valid, other_wires(model, reading.resistance_ohm), ~result.valid, ~sensed]
+    reasons = np.select(
+        conditions, [Reason.NO_CURRENT, Reason.MISMATCH, Reason.OUT_OF_RANGE, Reason.COLD], default=Reason.OK
+    )
+    columns = estimate_columns(model.quantity, result.value, result.std, reasons == Reason.OK)
+    return columns | {"wire_resistance_ohm": reading.resistance_ohm}, reasons.tolist()
 
 
 def one_by_one(
     estimator: str | EstimatorFactory, model: SensingModel, recording: Recording, wire: WireConstants | None = None
-) -> dict[str, FloatArray]:
-    """Return the columns of an estimator that runs sample by sample."""
+) -> tuple[dict[str, FloatArray], list[int]]:
+    """Return the columns of an estimator that runs sample by sample, and each sample's ``Reason``."""
     times = recording["time_s"]
     period_s = float(np.median(np.diff(times))) if times.size > 1 else 0.0
     read = circuit_readings(recording)
@@ -473,7 +501,8 @@ def one_by_one(
     found, recorded = zip(*estimates(made, (WireSample(*row) for row in rows)), strict=True)
     own = dict(zip(made.columns, np.array(recorded, dtype=np.float64).T, strict=True))
     value, std = (np.array([getattr(one, name) for one in found]) for name in ("value", "std"))
-    return own | estimate_columns(made.quantity, value, std, np.array([one.valid for one in found]))
+    columns = estimate_columns(made.quantity, value, std, np.array([one.valid for one in found]))
+    return own | columns, [one.reason for one in found]
 
 
 def estimate_columns(

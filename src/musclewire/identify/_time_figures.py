@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
@@ -225,6 +226,48 @@ def control_figure(recording: Recording, style: str) -> StyledFigure:
             axes[2].set_ylabel("drive [V]")
         axes[-1].set_xlabel("time [s]")
     return figure
+
+
+def estimate_figure(recording: Recording, style: str) -> StyledFigure:
+    """Draw an estimate with its standard deviation, and the reference, over time and over resistance."""
+    found = [name for name, suffix in COLUMN_SUFFIX.items() if f"estimated_{suffix}" in recording]
+    if not found:
+        raise RecordingError(f"this recording has no estimate; it has {', '.join(recording.names)}: estimate it first")
+    factor, unit = SHOWN_AS[found[0]]
+    label = f"{found[0]} [{unit}]"
+    estimated = factor * recording[f"estimated_{COLUMN_SUFFIX[found[0]]}"]
+    counted = recording["valid"] > 0.0 if "valid" in recording else np.ones(len(recording), dtype=np.bool_)
+    measured = reference_quantity(recording, found[0])
+    resistance = resistance_or_none(recording)
+    figure, panels = panel_rows(style, [1.0, 1.3][: 1 + (resistance is not None)], common_x=False)
+    with figure.styled():
+        for axes, across in zip(panels, (recording["time_s"], resistance), strict=False):
+            if measured is not None and across is not None:
+                axes.plot(across, factor * measured, color=COOLING, label="reference")
+            axes.set_ylabel(label)
+        draw_estimate_over_time(panels[0], recording, factor, estimated, counted)
+        panels[0].set_xlabel("time [s]")
+        if resistance is not None:
+            there = counted & np.isfinite(resistance)
+            panels[1].plot(resistance[there], estimated[there], ".", markersize=2.0, color=HEATING)
+            panels[1].set_xlabel("resistance [ohm]")
+        panels[0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4)
+    return figure
+
+
+def draw_estimate_over_time(
+    axes: Axes, recording: Recording, factor: float, estimated: FloatArray, counted: NDArray[np.bool_]
+) -> None:
+    """Draw the estimate where it counts, with its standard deviation as a band, and faintly where it does not."""
+    time_s = recording["time_s"]
+    if not counted.all():
+        held = np.where(counted, np.nan, estimated)
+        axes.plot(time_s, held, color=TARGET, linewidth=0.8, label="estimate, not valid")
+    if "estimated_strain_std" in recording:
+        std = np.where(counted, factor * recording["estimated_strain_std"], np.nan)
+        band = (estimated - std, estimated + std)
+        axes.fill_between(time_s, *band, color=HEATING, alpha=0.25, linewidth=0, label="± standard deviation")
+    axes.plot(time_s, np.where(counted, estimated, np.nan), color=HEATING, linestyle="--", label="estimate", zorder=3)
 
 
 def followed(recording: Recording) -> TrackingSeries:

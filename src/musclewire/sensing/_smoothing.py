@@ -64,6 +64,27 @@ def smoothed_noise(noise: float, window: int) -> float:
     return noise if window == 1 else noise * sqrt(PARABOLA_VARIANCE / window)
 
 
+def centred_mean(values: FloatArray, samples: int) -> FloatArray:
+    """Return the mean around each value.
+
+    Parameters
+    ----------
+    values
+        The values, shape (n,).
+    samples
+        How many values a mean is over; near the ends it is over fewer.
+
+    Returns
+    -------
+    The means, shape (n,).
+    """
+    reach = samples // 2
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    place = np.arange(values.size)
+    first, after = np.maximum(place - reach, 0), np.minimum(place + reach + 1, values.size)
+    return np.asarray((total[after] - total[first]) / (after - first))
+
+
 def smooth(values: FloatArray, window: int) -> FloatArray:
     """Replace each sample by a local parabola's value (Savitzky-Golay of order 2, no phase shift).
 

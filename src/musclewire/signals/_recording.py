@@ -262,9 +262,10 @@ class Recording:
         ----------
         kind
             "loop" (movement over resistance and over drive voltage, with points A, B and C), "control" (target,
-            estimate, measurement, errors, drive), "time" (every quantity over time) or "table" (a printed loop,
-            isobars). None, the default, is what fits the columns: "control" with a target, "loop" with resistance and
-            movement, "table" without a clock, else "time".
+            estimate, measurement, errors, drive), "estimate" (estimate with its standard deviation and
+            reference, over time and resistance), "time" (every quantity over time) or "table" (a printed loop,
+            isobars). None, the default, is what fits the columns: "control" with a target, "estimate" with an estimate,
+            "loop" with resistance and movement, "table" without a clock, else "time".
         style
             Size and fonts of the figure: "screen", "slides", or a journal's column, as "ieee-single",
             "elsevier-double", "nature".

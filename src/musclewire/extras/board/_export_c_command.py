@@ -11,7 +11,6 @@ import typer
 from musclewire.app import (
     ESTIMATOR,
     NAME,
-    OUTPUT,
     OVERWRITE,
     RIG,
     RULES,
@@ -19,6 +18,7 @@ from musclewire.app import (
     AnswerModel,
     AnswerRecord,
     Result,
+    output_option,
     read_settings,
     require_zip_file,
 )
@@ -55,7 +55,7 @@ class ControllerOptions:
 
 def export_c(
     model: Annotated[Path, typer.Argument(help="Model file, as 'musclewire fit' writes it.")],
-    output: Annotated[Path, OUTPUT],
+    output: Annotated[Path, output_option("Folder for the library, made if need be.")],
     controller: ControllerOptions,
     rig: Annotated[str, RIG] = "simulated",
     double: Annotated[bool, DOUBLE] = False,

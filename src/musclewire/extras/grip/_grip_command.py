@@ -13,13 +13,13 @@ from musclewire.app import (
     CLEARANCE,
     KNOWN_STIFFNESS,
     OBJECT_STIFFNESS,
-    OUTPUT,
     OVERWRITE,
     SEED,
     FigureOptions,
     Result,
     in_si,
     option,
+    output_option,
     progress_bar,
     quantity,
     require_folder,
@@ -109,7 +109,7 @@ def grip(
         str, typer.Argument(metavar="[RIG]", help="'gripper', or a TOML rig file with a finger and a contact.")
     ] = "gripper",
     learned: Annotated[Path | None, LEARNED] = None,
-    output: Annotated[Path | None, OUTPUT] = None,
+    output: Annotated[Path | None, output_option("Recording to write (.h5).")] = None,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:

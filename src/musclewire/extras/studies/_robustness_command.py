@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 
 from musclewire.app import (
     LIST,
-    OUTPUT,
     QUICK,
     WORKERS,
     FigureOptions,
     Result,
+    output_option,
     run_bar,
     stop_if_asked,
     stops_between_samples,
@@ -59,7 +59,9 @@ class WhatIsRun:
 def robustness(
     what: WhatIsRun,
     figure: FigureOptions,
-    output: Annotated[Path | None, OUTPUT] = None,
+    output: Annotated[
+        Path | None, output_option("Folder of the runs and their report; by default 'robustness'.")
+    ] = None,
     workers: Annotated[int | None, WORKERS] = None,
     list_all: Annotated[bool, LIST] = False,
 ) -> Result:

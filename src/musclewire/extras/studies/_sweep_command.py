@@ -12,11 +12,11 @@ import typer
 
 from musclewire.app import (
     LIST,
-    OUTPUT,
     OVERWRITE,
     WORKERS,
     FigureOptions,
     Result,
+    output_option,
     run_bar,
     stop_if_asked,
     stops_between_samples,
@@ -58,7 +58,9 @@ def sweep(
     where: WorkerOptions,
     figure: FigureOptions,
     study: Annotated[Path | None, typer.Argument(metavar="STUDY", help="Study file (.toml).")] = None,
-    output: Annotated[Path | None, OUTPUT] = None,
+    output: Annotated[
+        Path | None, output_option("Folder of the runs and their report; by default named like the study file.")
+    ] = None,
     plan_only: Annotated[bool, PLAN] = False,
     list_all: Annotated[bool, LIST] = False,
     overwrite: Annotated[bool, OVERWRITE] = False,

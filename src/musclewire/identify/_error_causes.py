@@ -1,0 +1,290 @@
+"""Why samples of an estimate are not counted, where its errors are largest and what causes them, from the recording."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+import numpy.typing as npt
+
+from musclewire.arrays import FloatArray
+from musclewire.sensing import (
+    SHOWN_AS,
+    SensingModel,
+    centred_mean,
+    evaluate,
+    noise_level,
+    normalised_resistance,
+    turning_points,
+)
+from musclewire.signals import Reason, Recording
+
+Mask = npt.NDArray[np.bool_]
+
+# What samples are called that have no valid estimate for a reason.
+NOT_COUNTED = {
+    Reason.OK: "not valid",
+    Reason.NO_CURRENT: "without current",
+    Reason.MISMATCH: "at resistances that this wire never has",
+    Reason.OUT_OF_RANGE: "at resistances outside the model's range",
+    Reason.COLD: "colder than B",
+    Reason.NOT_READY: "before the estimator was ready",
+    Reason.UNEXPLAINED: "that the wire file does not explain",
+    Reason.UNCERTAIN: "with several explanations",
+}
+# The mean error over so many samples is what noise of single readings leaves.
+MEAN_SAMPLES = 33
+# A cause explains an error if without it at most this fraction of the error remains.
+EXPLAINED = 0.5
+# A movement of less than this fraction of the stroke, or of so many times the noise, is no turn of the wire.
+TURN_FRACTION = 0.05
+TURN_NOISES = 8.0
+# A wire that turns further than this fraction of the stroke from both ends is in a minor loop.
+MINOR_FRACTION = 0.1
+# Readings of a cold wire that scatter by more than this fraction of the span are described with their scatter.
+NOISY_FRACTION = 0.01
+
+
+class ErrorCause(StrEnum):
+    """What causes the error of a sample."""
+
+    COLD = "colder than B"
+    HOT = "beyond the model"
+    NOISE = "noise"
+    GAP = "gap of the branches"
+    MINOR_LOOP = "minor loop"
+    MODEL = "another relation"
+
+
+@dataclass(frozen=True)
+class ErrorGroup:
+    """The counted samples whose errors have one cause, and the largest of these errors.
+
+    Parameters
+    ----------
+    cause
+        The cause, an :class:`ErrorCause`.
+    why
+        The cause in words, with its numbers.
+    fraction
+        Fraction of the counted samples.
+    squared_error_fraction
+        Fraction of the sum of squared errors.
+    rms_without_pct
+        Root mean square error [%] of the stroke of all other counted samples; None if there are none.
+    largest_pct
+        Largest error [%] of the stroke, estimated less measured.
+    time_s
+        Its time [s].
+    branch
+        The branch on which it is, as the reference moves: "heating" or "cooling".
+    voltage_v
+        Drive voltage [V] at that time, or the wire's where the drive was not recorded; None without either.
+    estimated, measured
+        Estimate and reference at that time: strain as a fraction, displacement [m] or force [N].
+    """
+
+    cause: ErrorCause
+    why: str
+    fraction: float
+    squared_error_fraction: float
+    rms_without_pct: float | None
+    largest_pct: float
+    time_s: float
+    branch: str
+    voltage_v: float | None
+    estimated: float
+    measured: float
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedEstimate:
+    """An estimate and its reference, sample by sample; all arrays (n_times,).
+
+    Parameters
+    ----------
+    model
+        The model of the estimate.
+    recording
+        Its recording.
+    resistance_ohm
+        Resistance [ohm].
+    estimated, measured
+        Strain as a fraction, displacement [m] or force [N].
+    valid
+        Which samples count.
+    """
+
+    model: SensingModel
+    recording: Recording
+    resistance_ohm: FloatArray
+    estimated: FloatArray
+    measured: FloatArray
+    valid: Mask
+
+    @property
+    def stroke(self) -> float:
+        """The range that the model senses."""
+        return self.model.quantity_max - self.model.quantity_min
+
+    @property
+    def error_pct(self) -> FloatArray:
+        """Estimated less measured [%] of the stroke."""
+        return (self.estimated - self.measured) / self.stroke * 100.0
+
+
+def fractions_not_counted(reasons: Sequence[int], valid: Mask) -> Mapping[str, float]:
+    """Return which fraction of all samples was not counted for which reason, the largest first."""
+    counts = Counter(int(reason) for reason, counted in zip(reasons, valid.tolist(), strict=True) if not counted)
+    return {NOT_COUNTED[Reason(reason)]: count / len(reasons) for reason, count in counts.most_common()}
+
+
+def error_groups(judged: JudgedEstimate) -> tuple[ErrorGroup, ...]:
+    """Return the counted samples by the cause of their error, that with the most of the squared error first."""
+    error = judged.error_pct
+    squares = np.where(judged.valid, error**2, 0.0)
+    heating, minor = half_cycles_of(judged)
+    found = []
+    for cause, members in caused_by(judged, heating, minor).items():
+        if not members.any():
+            continue
+        others = judged.valid & ~members
+        worst = int(np.argmax(np.where(members, np.abs(error), -1.0)))
+        found.append(
+            ErrorGroup(
+                cause=cause,
+                why=in_words(cause, judged, members, worst),
+                fraction=float(members.sum() / judged.valid.sum()),
+                squared_error_fraction=float(squares[members].sum() / squares.sum()) if squares.any() else 0.0,
+                rms_without_pct=float(np.sqrt(np.mean(error[others] ** 2))) if others.any() else None,
+                largest_pct=float(error[worst]),
+                time_s=float(judged.recording["time_s"][worst]),
+                branch="heating" if heating[worst] else "cooling",
+                voltage_v=voltage_at(judged.recording, worst),
+                estimated=float(judged.estimated[worst]),
+                measured=float(judged.measured[worst]),
+            )
+        )
+    return tuple(sorted(found, key=lambda group: -group.squared_error_fraction))
+
+
+def caused_by(judged: JudgedEstimate, heating: Mask, minor: Mask) -> dict[ErrorCause, Mask]:
+    """Return the counted samples of each cause; a sample has the first that explains its error."""
+    model, measured = judged.model, judged.measured
+    size = np.abs(judged.estimated - measured)
+    left = EXPLAINED * size
+    slow = np.zeros(size.shape)
+    slow[judged.valid] = centred_mean((judged.estimated - measured)[judged.valid], MEAN_SAMPLES)
+    normalised = normalised_resistance(judged.resistance_ohm, model.resistance_min_ohm, model.resistance_max_ohm)
+    inside = np.clip(normalised, model.normalised_min, model.normalised_max)
+    branches = (model.heating_coefficients, model.cooling_coefficients)
+    branch = np.where(heating, *(evaluate(one, inside) for one in branches))
+    cold, hot = ends_of(model)
+    tests = {
+        ErrorCause.COLD: measured < cold,
+        ErrorCause.HOT: measured > hot,
+        ErrorCause.GAP: np.abs(branch - measured) <= left,
+        ErrorCause.NOISE: np.abs(slow) <= left,
+        ErrorCause.MINOR_LOOP: minor,
+        ErrorCause.MODEL: np.ones(size.shape, dtype=np.bool_),
+    }
+    free = judged.valid.copy()
+    groups = {}
+    for cause, holds in tests.items():
+        groups[cause] = free & holds
+        free &= ~holds
+    return groups
+
+
+def ends_of(model: SensingModel) -> tuple[float, float]:
+    """Return the lowest value of either branch at its cold end, and the highest at the hot end."""
+    branches = (model.heating_coefficients, model.cooling_coefficients)
+    return (
+        float(min(evaluate(one, model.normalised_max) for one in branches)),
+        float(max(evaluate(one, model.normalised_min) for one in branches)),
+    )
+
+
+def half_cycles_of(judged: JudgedEstimate) -> tuple[Mask, Mask]:
+    """Return in which samples the reference rises, and in which the wire turned inside the range before, (n_times,)."""
+    measured, model = judged.measured, judged.model
+    swing = max(TURN_FRACTION * judged.stroke, TURN_NOISES * noise_level(measured))
+    turns, _ = turning_points(measured, swing)
+    heating, minor = np.ones(measured.shape, dtype=np.bool_), np.zeros(measured.shape, dtype=np.bool_)
+    low, high = (model.quantity_min + part * judged.stroke for part in (MINOR_FRACTION, 1.0 - MINOR_FRACTION))
+    for place, turn in enumerate(turns):
+        following = turns[place + 1] if place + 1 < len(turns) else turns[place - 1]
+        rises = bool(measured[following] > measured[turn])
+        if place == 0:
+            heating[:] = rises if turn == 0 else not rises
+        heating[turn + 1 :] = rises if place + 1 < len(turns) else not rises
+        minor[turn + 1 :] = low < measured[turn] < high
+    return heating, minor
+
+
+def in_words(cause: ErrorCause, judged: JudgedEstimate, members: Mask, worst: int) -> str:
+    """Return a cause in words, with the numbers of its samples."""
+    model = judged.model
+    low, high = (shown(model, end) for end in ends_of(model))
+    scatter_ohm = noise_level(judged.resistance_ohm[members]) if members.sum() > MEAN_SAMPLES else 0.0
+    span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
+    scatter = f"one reading scatters by {scatter_ohm:.2g} ohm, {100 * scatter_ohm / span_ohm:.1f} % of the model's span"
+    if cause is ErrorCause.COLD:
+        where = f"the wire was colder than B, below the {low} at which the model begins"
+        return f"{where}, and {scatter}" if scatter_ohm > NOISY_FRACTION * span_ohm else where
+    if cause is ErrorCause.HOT:
+        return f"the wire went beyond the {high} at which the model ends"
+    if cause is ErrorCause.NOISE:
+        return f"noise: {scatter}" if scatter_ohm else "noise of single readings"
+    if cause is ErrorCause.GAP:
+        normalised = normalised_resistance(
+            judged.resistance_ohm[worst : worst + 1], model.resistance_min_ohm, model.resistance_max_ohm
+        )
+        apart = evaluate(model.heating_coefficients, normalised) - evaluate(model.cooling_coefficients, normalised)
+        return f"heating and cooling differ by {shown(model, abs(float(apart[0])))} at this resistance"
+    if cause is ErrorCause.MINOR_LOOP:
+        return f"a minor loop: the wire turned between {low} and {high}, and is on neither branch of the model"
+    errors = (judged.estimated - judged.measured)[members]
+    off, rms = float(np.mean(errors)), float(np.sqrt(np.mean(errors**2)))
+    if abs(off) < EXPLAINED * rms:
+        return f"what neither polynomial follows, {shown(model, rms)} rms"
+    side = "above" if off > 0 else "below"
+    return (
+        f"the wire is on neither branch of the model: the estimate is {shown(model, abs(off))} {side} the reference in "
+        "the mean, as with another load, air or length than in the fitted loop"
+    )
+
+
+def voltage_at(recording: Recording, row: int) -> float | None:
+    """Return the drive voltage [V] of a row, or the wire's; None if neither was recorded."""
+    column = recording.columns.get("drive_voltage_v", recording.columns.get("wire_voltage_v"))
+    return None if column is None else float(column[row])
+
+
+def shown(model: SensingModel, value: float) -> str:
+    """Return a quantity with its unit."""
+    factor, unit = SHOWN_AS[model.quantity]
+    return f"{factor * value:.3g} {unit}"
+
+
+def lines_of(model_quantity: str, groups: Sequence[ErrorGroup]) -> list[str]:
+    """Return where the errors are and why: the group of most squares, and that of the largest error if it counts."""
+    if not groups:
+        return []
+    factor, unit = SHOWN_AS[model_quantity]
+    largest = max(groups, key=lambda group: abs(group.largest_pct))
+    chosen = [groups[0], *[largest][: largest is not groups[0]]]
+    lines = []
+    for group in chosen:
+        voltage = "" if group.voltage_v is None else f", {group.voltage_v:.2f} V"
+        without = "" if group.rms_without_pct is None else f"; without them {group.rms_without_pct:.3f} % rms"
+        lines.append(
+            f"{100 * group.squared_error_fraction:.0f} % of the squared error: {group.why} "
+            f"({100 * group.fraction:.1f} % of the counted samples{without}); largest at {group.time_s:.1f} s, "
+            f"{group.branch}{voltage}: {factor * group.estimated:.3g} {unit} estimated, "
+            f"{factor * group.measured:.3g} {unit} measured"
+        )
+    return lines

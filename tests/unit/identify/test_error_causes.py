@@ -1,0 +1,118 @@
+"""Where the errors of an estimate are, and what causes them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from musclewire.arrays import FloatArray
+from musclewire.identify._error_causes import ErrorCause, JudgedEstimate, error_groups, fractions_not_counted, lines_of
+from musclewire.identify._sensing_model import EstimateReport, estimate
+from musclewire.sensing import SensingModel, evaluate
+from musclewire.signals import Reason, Recording
+
+# Strain from 0 to 4 % over normalised resistance; the branches are 0.4 % apart.
+MODEL = SensingModel(
+    resistance_min_ohm=15.0,
+    resistance_max_ohm=17.0,
+    heating_coefficients=(0.042, -0.04),
+    cooling_coefficients=(0.038, -0.04),
+    normalised_min=0.0,
+    normalised_max=0.9,
+)
+ONCE = np.linspace(0.9, 0.0, 400)
+LOOP = np.concatenate([ONCE, ONCE[::-1]])
+
+
+def judged(measured: FloatArray, normalised: FloatArray = LOOP, valid: FloatArray | None = None) -> JudgedEstimate:
+    resistance = 15.0 + 2.0 * normalised
+    columns = {"time_s": 0.05 * np.arange(measured.size), "drive_voltage_v": np.linspace(1.0, 3.0, measured.size)}
+    counted = np.ones(measured.size, dtype=np.bool_) if valid is None else valid > 0.0
+    return JudgedEstimate(MODEL, Recording(columns), resistance, MODEL.estimate(resistance).value, measured, counted)
+
+
+def on_branches(normalised: FloatArray = LOOP) -> FloatArray:
+    """Return the strain of a wire that is on the heating branch first, then on the cooling one."""
+    half = normalised.size // 2
+    branches = (MODEL.heating_coefficients, MODEL.cooling_coefficients)
+    return np.concatenate(
+        [evaluate(one, part) for one, part in zip(branches, (normalised[:half], normalised[half:]), strict=True)]
+    )
+
+
+def test_a_wire_on_its_branches_is_off_by_half_their_gap() -> None:
+    (group,) = error_groups(judged(on_branches()))
+    assert group.cause is ErrorCause.GAP
+    assert group.fraction == group.squared_error_fraction == 1.0
+    assert group.rms_without_pct is None
+    assert "differ by 0.4 %" in group.why
+
+
+def test_a_wire_colder_than_b_is_named_with_time_branch_and_voltage() -> None:
+    measured = on_branches()
+    measured[:100] = 0.0  # the branches begin at 0.2 and 0.6 %
+    groups = error_groups(judged(measured))
+    assert [group.cause for group in groups] == [ErrorCause.COLD, ErrorCause.GAP]
+    cold = groups[0]
+    assert cold.fraction == pytest.approx(0.125)
+    assert cold.time_s == pytest.approx(99 * 0.05)
+    assert cold.branch == "heating"
+    assert cold.voltage_v == pytest.approx(1.0 + 2.0 * 99 / 799)
+    assert cold.rms_without_pct == pytest.approx(100 * 0.002 / 0.036)
+    (line,) = lines_of("strain", groups)
+    assert "below the 0.2 % at which the model begins (12.5 % of the counted samples; without them 5.556 % rms)" in line
+    assert "largest at 5.0 s, heating, 1.25 V:" in line
+
+
+def test_noise_of_single_readings_is_told_from_an_offset() -> None:
+    normalised = LOOP.copy()
+    normalised[1:-1:2] += 0.03
+    normalised[2:-1:2] -= 0.03
+    exact = MODEL.estimate(15.0 + 2.0 * LOOP).value
+    noisy = error_groups(judged(exact, normalised))
+    assert noisy[0].cause is ErrorCause.NOISE
+    shifted = error_groups(judged(exact - 0.001))
+    assert shifted[0].cause is ErrorCause.MODEL
+    assert "the estimate is 0.1 % above the reference in the mean" in shifted[0].why
+
+
+def test_a_turn_between_b_and_c_is_a_minor_loop() -> None:
+    inner = np.concatenate([np.linspace(0.9, 0.45, 300), np.linspace(0.45, 0.7, 200), np.linspace(0.7, 0.0, 300)])
+    measured = MODEL.estimate(15.0 + 2.0 * inner).value
+    measured[300:500] += 0.001 * np.sin(np.linspace(0.0, np.pi, 200))
+    groups = error_groups(judged(measured, inner))
+    assert groups[0].cause is ErrorCause.MINOR_LOOP
+    assert groups[0].branch == "cooling"
+
+
+def test_samples_that_do_not_count_are_told_by_their_reason() -> None:
+    reasons = [Reason.OK, Reason.COLD, Reason.COLD, Reason.NO_CURRENT]
+    fractions = fractions_not_counted(reasons, np.array([True, False, False, False]))
+    assert list(fractions.items()) == [("colder than B", 0.5), ("without current", 0.25)]
+
+
+def report_of(columns: dict[str, FloatArray]) -> EstimateReport:
+    resistance = 15.0 + 2.0 * LOOP
+    time_s = 0.05 * np.arange(LOOP.size)
+    return estimate(MODEL, Recording({"time_s": time_s, "wire_resistance_ohm": resistance, **columns}))
+
+
+def test_the_plot_of_an_estimate_has_the_estimate_its_deviation_and_the_reference() -> None:
+    report = report_of({"reference_strain": on_branches()})
+    over_time, over_resistance = report.plot().axes
+    assert over_time.get_xlabel() == "time [s]"
+    assert over_resistance.get_xlabel() == "resistance [ohm]"
+    drawn = {line.get_label(): line.get_ydata() for line in over_time.lines}
+    counted = report.columns["valid"] > 0.0
+    assert np.allclose(drawn["estimate"][counted], 100 * report.columns["estimated_strain"][counted])
+    assert np.allclose(drawn["reference"], 100 * on_branches())
+    band = over_time.collections[0].get_datalim(over_time.transData)
+    assert band.height > np.ptp(100 * report.columns["estimated_strain"][counted])
+    assert len(over_resistance.lines) == 2
+
+
+def test_without_a_reference_the_plot_has_the_estimate_alone() -> None:
+    report = report_of({})
+    assert [line.get_label() for line in report.plot().axes[0].lines][-1] == "estimate"
+    assert report.error_groups == ()
+    assert "nothing to compare with" in report.summary()
