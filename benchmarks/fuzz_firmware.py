@@ -56,7 +56,7 @@ def compiled(folder: Path) -> Path:
     build = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = build
     spec.loader.exec_module(build)
-    build.write_sources(BOARD, build.MODEL, build.WIRE, folder)
+    build.write_sources(BOARD, folder)
     harness = ROOT / "tests" / "extras" / "board" / "fuzz" / "firmware_under_fire.c"
     sources = [file for file in sorted((ROOT / "firmware" / "src").glob("*.c")) if file.name != "main.c"]
     sources += [harness, *sorted((folder / "src").glob("*.c"))]

@@ -1,8 +1,9 @@
 """An emulated board: its firmware in an emulator, the simulated wire on its pins, its serial line on a port.
 
-    python -m emulation.board --wire paper-100um
+    python -m emulation.board --wire flexinol-0.15-lt
 
-prints the port for a rig file (`port = "socket://127.0.0.1:..."`) and runs until Ctrl-C. In tests:
+builds the firmware for the wire, prints the port for a rig file (`port = "socket://127.0.0.1:..."`) and runs until
+Ctrl-C. In tests:
 
     with EmulatedBoard(pace="lockstep") as board:
         ...                                  # talk to board.port_url
@@ -26,6 +27,7 @@ from types import TracebackType
 from typing import Any, Literal, Self
 
 import numpy as np
+from firmware.build import mounted_wire
 from numpy.typing import NDArray
 
 from emulation.boot_loaders import BOOT_LOADERS
@@ -59,12 +61,13 @@ class EmulatedBoard:
     """A firmware in its emulator with a simulated wire on its pins.
 
     Args:
-        wire: name of the wire, as in `musclewire simulate --list`.
+        wire: name of the wire, as in `musclewire simulate --list`; its shunt and pretension are the firmware's.
         pace: "clock": ticks by the clock; "lockstep": repeatable, and time passes only for commands.
         seed: of converter noise and of everything that goes wrong on the line by chance.
         faults: of wire and circuit, written as in a rig file; ``at`` counts from the start.
         board: which one, a folder of firmware/boards.
-        elf: a firmware that is built already; without it one is built, with ``fault_injection`` the one for tests.
+        elf: a firmware that is built already; without it one is built for the wire, with ``fault_injection`` the one
+            for tests.
         boot_loader: of an empty ``arduino-uno``, by name: ``BOOT_LOADERS`` of emulation/boot_loaders.py. A host that
             opens the port resets the board then, as an Arduino's USB converter does.
         sample_period_s: in lockstep, how much time a DRIVE or TARGET lets pass.
@@ -94,15 +97,19 @@ class EmulatedBoard:
         folder = Path(self._folder.name)
         if boot_loader is not None:
             elf = boot_loader_hex(boot_loader, folder)
-        built = elf or firmware_for(board, folder, ["--fault-injection"] if fault_injection else [])
+        built = elf or firmware_for(
+            board, folder, ["--wire", wire, *(["--fault-injection"] if fault_injection else [])]
+        )
+        mounted = mounted_wire(wire)
+        circuit = {"shunt_resistance_ohm": mounted.shunt, "pretension_n": mounted.pretension}
         self._log, self._messages = folder / "log.bin", folder / "emulator.txt"
         self._start(
             {
-                "board": tomllib.loads((FIRMWARE / "boards" / board / "board.toml").read_text(encoding="utf-8")),
+                "board": tomllib.loads((FIRMWARE / "boards" / board / "circuit.toml").read_text(encoding="utf-8")),
                 "machine": board,
                 "wire": wire,
                 "seed": seed,
-                "settings": dict(settings or {}),
+                "settings": {**circuit, **(settings or {})},
                 "faults": [dict(fault) for fault in faults],
                 "pace": pace,
                 "sample_period_s": sample_period_s,
@@ -308,8 +315,18 @@ def rig_file_text(board: str, wire: str, port_url: str) -> str:
     text = (RIG_FILES / f"{'arduino-uno' if board == 'arduino-uno' else 'serial-board'}.toml").read_text(
         encoding="utf-8"
     )
-    for key, value in {"port": port_url, "wire": wire}.items():
-        text, found = re.subn(rf'^{key} = "[^"]*".*$', f'{key} = "{value}"', text, flags=re.M)
+    mounted = mounted_wire(wire)
+    values = {
+        "port": port_url,
+        "wire": wire,
+        "pretension": f"{mounted.pretension:g} N",
+        "shunt": f"{mounted.shunt:g} ohm",
+        "sense_voltage": f"{mounted.sense_voltage:g} V",
+        "maximum_voltage": f"{mounted.maximum_voltage:g} V",
+        "drive_amplitude": f"{mounted.drive_amplitude:g} V",
+    }
+    for key, value in values.items():
+        text, found = re.subn(rf'^{key} = "[^"]*"', f'{key} = "{value}"', text, flags=re.M)
         assert found == 1, f"{key} stands {found} times in the rig file of {board}"
     return text.replace("\nbaud", f'\npatience = "{PATIENCE}"\nbaud', 1)
 

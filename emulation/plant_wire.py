@@ -58,12 +58,11 @@ class BenchWire:
     def __init__(
         self, board: Mapping[str, Any], wire: str, seed: int, settings: Mapping[str, float | str] | None = None
     ) -> None:
-        """Cool the wire. ``board`` is what board.toml says; ``settings`` change numbers of wire and bench."""
+        """Cool the wire. ``board`` is what circuit.toml says; ``settings`` change numbers of wire and bench."""
         named = load_wire(wire)
-        changed = {"shunt_resistance_ohm": board["shunt_resistance_ohm"], **(settings or {})}
-        chosen, bench = with_settings(named, load_bench("paper"), changed, "the emulated board's wire")
+        chosen, bench = with_settings(named, load_bench("paper"), settings or {}, "the emulated board's wire")
         self._board = board
-        self._shunt_ohm = float(board["shunt_resistance_ohm"])
+        self._shunt_ohm = bench.shunt_resistance_ohm.value
         self._lead_ohm = bench.lead_resistance_ohm.value
         self._leg_m = bench.wire_length_m.value / bench.legs.value
         spring = SimulatedLoad(spring_load(bench.spring_stiffness_n_per_m.value), 0.0, True, None)

@@ -31,7 +31,7 @@
 #define CLOCK_HZ 16000000u
 #define TICK_CYCLES (CLOCK_HZ / 100u)
 #define SUPPLY_MV 5000u
-#define NOISE_MV 3.0 /* rms at the converter's input, as board.toml says */
+#define NOISE_MV 3.0 /* rms at the converter's input, as circuit.toml says */
 #define CONVERSION 0xa5
 #define BUTTON 0xb7 /* and a byte: 1 is down */
 #define KNOB 0xb8   /* and a byte: 255 is the far end */

@@ -1,9 +1,12 @@
 """Build the reference firmware for a board: export the model as C, compile, link, print the size.
 
     python firmware/build.py --board mps2-an386
+    python firmware/build.py --board arduino-uno --wire flexinol-0.15-lt
     python firmware/build.py --board arduino-uno --model model.json --wire wire.toml -o build
 
-The wire file describes the wire on the board, with the keys of a rig file (firmware/models/paper-100um.toml is one).
+A wire by its name is 140 mm as a V, with the shunt, voltages and pretension of `musclewire simulate --table`. A wire
+file describes another, with the keys of a rig file (firmware/models/paper-100um.toml is one). Without a model the
+wire's own in firmware/models is taken, or one is fitted on the simulated wire.
 The compilers are Debian's: gcc-arm-none-eabi with libnewlib-arm-none-eabi, gcc-avr with avr-libc.
 """
 
@@ -21,15 +24,28 @@ from typing import Any
 
 from musclewire.controllers import FUZZY_PID_IN_C, DriveLimits, Event
 from musclewire.errors import CallerError, MusclewireError, nearest_hint
+from musclewire.experiment import characterize
 from musclewire.extras.board import BOARD_NAMES, write_library
-from musclewire.identify import check_made_for, settings_for
+from musclewire.identify import check_made_for, fit, settings_for
 from musclewire.parameters import validated
-from musclewire.rigs import MountedWire
+from musclewire.rigs import MountedWire, numbers_given, open_rig, own_circuit
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel, load_model
 
 FIRMWARE = Path(__file__).resolve().parent
-MODEL = FIRMWARE / "models" / "paper-100um.json"
-WIRE = FIRMWARE / "models" / "paper-100um.toml"
+MODELS = FIRMWARE / "models"
+WIRE = "paper-100um"
+# How a wire of the catalogue is mounted: as the paper's.
+LENGTH_M, LEGS = 0.14, 2
+# What a simulated rig has in common with a board's wire and circuit.
+CIRCUIT = (
+    "wire_length_m",
+    "legs",
+    "shunt_resistance_ohm",
+    "sense_voltage_v",
+    "maximum_voltage_v",
+    "drive_amplitude_v",
+    "pretension_n",
+)
 EXPIRY_MS = 250
 # How lines of text show what a model estimates: what a label ends in, and how much larger the number is than in SI.
 TEXT_UNITS = {"strain": ("pct", 100.0), "displacement": ("mm", 1000.0), "force": ("n", 1.0)}
@@ -64,7 +80,7 @@ TOOLCHAINS = {
 
 def boards() -> list[str]:
     """Return the names of the boards with a hardware layer."""
-    return sorted(file.parent.name for file in (FIRMWARE / "boards").glob("*/board.toml"))
+    return sorted(file.parent.name for file in (FIRMWARE / "boards").glob("*/circuit.toml"))
 
 
 def board_name(given: str) -> str:
@@ -73,17 +89,49 @@ def board_name(given: str) -> str:
 
 
 def board_description(board: str) -> dict[str, Any]:
-    """Return a board's numbers (board.toml). Raises CallerError for an unknown board."""
+    """Return a board's numbers (circuit.toml). Raises CallerError for an unknown board."""
     if board not in boards():
         raise CallerError(f"there is no board '{board}'{nearest_hint(board, boards())}")
-    return tomllib.loads((FIRMWARE / "boards" / board / "board.toml").read_text(encoding="utf-8"))
+    return tomllib.loads((FIRMWARE / "boards" / board / "circuit.toml").read_text(encoding="utf-8"))
 
 
-def read_wire(path: Path) -> MountedWire:
-    """Return the content of a wire file, checked. Raises CallerError naming file and key."""
-    if not path.is_file():
+def mounted_wire(wire: str | Path) -> MountedWire:
+    """Return what hangs on a board: by a wire file, by a file of firmware/models, or by the name of any known wire.
+
+    Raises CallerError naming file and key, or for an unknown wire.
+    """
+    given = Path(wire)
+    path = given if given.suffix == ".toml" else MODELS / f"{wire}.toml"
+    if path.is_file():
+        return validated(MountedWire, tomllib.loads(path.read_text(encoding="utf-8")), f"wire file {path}")
+    if given.suffix == ".toml":
         raise CallerError(f"there is no wire file {path}: give one with the keys of firmware/models/paper-100um.toml")
-    return validated(MountedWire, tomllib.loads(path.read_text(encoding="utf-8")), f"wire file {path}")
+    own = own_circuit(str(wire), wire_length_m=LENGTH_M, legs=LEGS)
+    return MountedWire(
+        wire=str(wire),
+        wire_length=LENGTH_M,
+        legs=LEGS,
+        shunt=own.shunt_ohm,
+        sense_voltage=own.sense_voltage_v,
+        pretension=own.pretension_n,
+    )
+
+
+def model_of(wire: MountedWire, model_file: Path | None) -> SensingModel:
+    """Return the model of a file, else that of firmware/models for this wire, else one fitted on the simulated wire."""
+    if model_file is not None:
+        return load_model(model_file)
+    path = MODELS / f"{wire.wire}.json"
+    if path.is_file() and wire.wire_length == LENGTH_M:
+        return load_model(path)
+    return simulated_model(wire)
+
+
+def simulated_model(wire: MountedWire) -> SensingModel:
+    """Return the model that a slow loop of the simulated wire gives, on the circuit of the mounted one."""
+    circuit = {name: value for name, value in numbers_given(wire).items() if name in CIRCUIT}
+    with open_rig("simulated", wire=wire.wire, **circuit) as rig:
+        return fit(characterize(rig))
 
 
 def ranges_v(description: dict[str, Any]) -> tuple[float, float]:
@@ -93,12 +141,7 @@ def ranges_v(description: dict[str, Any]) -> tuple[float, float]:
 
 
 def require_fit(board: str, description: dict[str, Any], wire: MountedWire) -> None:
-    """Raise CallerError if board and wire do not fit together."""
-    if description["shunt_resistance_ohm"] != wire.shunt:
-        raise CallerError(
-            f"board {board} has a shunt of {description['shunt_resistance_ohm']:g} ohm and the wire file says "
-            f"{wire.shunt:g} ohm: make them equal"
-        )
+    """Raise CallerError if a wire needs more than a board puts out."""
     if wire.maximum_voltage > description["output_range_v"]:
         raise CallerError(
             f"board {board} puts out {description['output_range_v']:g} V at most and the wire file allows "
@@ -121,14 +164,14 @@ def text_constants(model: SensingModel, wire: MountedWire) -> dict[str, str]:
 
 
 def board_constants(board: str, description: dict[str, Any], model: SensingModel, wire: MountedWire) -> str:
-    """Return the text of board_constants.h. Raises CallerError if board and wire do not fit together."""
-    require_fit(board, description, wire)
+    """Return the text of board_constants.h."""
     node_v, shunt_v = ranges_v(description)
     full_code = (2 ** description["converter_bits"] - 1) * description.get("readings_per_tick", 1)
     span = model.quantity_max - model.quantity_min
     tick_s = description["tick_period_s"]
     numbers = {
         "BOARD_NAME": f'"{description["name"]}"',
+        "WIRE_NAME": f'"{wire.known_wire().name}"',
         "TICK_PERIOD_US": f"{round(1e6 * tick_s)}u",
         "TICK_S": f"{tick_s!r}f",
         "CONTROL_TICKS": f"{round(description['control_period_s'] / tick_s)}u",
@@ -147,29 +190,34 @@ def board_constants(board: str, description: dict[str, Any], model: SensingModel
         **text_constants(model, wire),
     }
     lines = [f"#define MW_{name} {value}" for name, value in numbers.items()]
-    start = f"/* Written by firmware/build.py from boards/{board}/board.toml, the model and the wire file. */\n"
+    start = f"/* Written by firmware/build.py from boards/{board}/circuit.toml, the model and the wire file. */\n"
     guard = "MW_BOARD_CONSTANTS_H"
     return f"{start}#ifndef {guard}\n#define {guard}\n\n" + "\n".join(lines) + "\n\n#endif\n"
 
 
 def write_sources(
-    board: str, model_file: Path, wire_file: Path, folder: Path, estimator: str = PAPER_ESTIMATOR
-) -> None:
-    """Write the exported controller and the board's constants into a folder. Raises CallerError."""
-    description = board_description(board)
-    model, wire = load_model(model_file), read_wire(wire_file)
-    # The limits are the wire file's: with another wire's they would let too much current through.
-    check_made_for(
-        model, wire.facts(), f"wire file {wire_file}", "give the file of your wire by --wire, or fit a model"
-    )
+    board: str,
+    folder: Path,
+    *,
+    wire: str | Path = WIRE,
+    model_file: Path | None = None,
+    estimator: str = PAPER_ESTIMATOR,
+) -> SensingModel:
+    """Write the exported controller and the board's constants into a folder; return the model. Raises CallerError."""
+    description, mounted = board_description(board), mounted_wire(wire)
+    require_fit(board, description, mounted)
+    model = model_of(mounted, model_file)
+    # The limits are the wire's: with another wire's they would let too much current through.
+    check_made_for(model, mounted.facts(), f"wire {mounted.wire}", "give your wire by --wire, or fit a model")
     node_v, shunt_v = ranges_v(description)
-    limits = wire.protection_limits(
+    limits = mounted.protection_limits(
         wire_range_v=node_v, shunt_range_v=shunt_v, readings_noisy=description.get("readings_noisy", True)
     )
-    constants = board_constants(board, description, model, wire)
-    drive = DriveLimits(wire.sense_voltage, wire.maximum_voltage)
+    constants = board_constants(board, description, model, mounted)
+    drive = DriveLimits(mounted.sense_voltage, mounted.maximum_voltage)
     write_library(model, settings_for(model), drive, limits, folder, estimator=estimator)
     (folder / "src" / "board_constants.h").write_text(constants, encoding="utf-8")
+    return model
 
 
 def tool(chain: Toolchain, name: str) -> str:
@@ -194,8 +242,8 @@ def build(
     board: str,
     folder: Path,
     *,
-    model_file: Path = MODEL,
-    wire_file: Path = WIRE,
+    model_file: Path | None = None,
+    wire: str | Path = WIRE,
     estimator: str = PAPER_ESTIMATOR,
     options: Sequence[str] = (),
 ) -> Path:
@@ -206,7 +254,9 @@ def build(
     description = board_description(board)
     chain = TOOLCHAINS[description["processor"]]
     compiler = tool(chain, "gcc")
-    write_sources(board, model_file, wire_file, folder, estimator)
+    model = write_sources(board, folder, wire=wire, model_file=model_file, estimator=estimator)
+    if model_file is not None and model.gains:
+        print(f"note: {FUZZY_PID_IN_C}")
     places = [FIRMWARE / "src", FIRMWARE / "boards" / board, folder / "src"]
     sources = [file for place in places for file in sorted(place.glob("*.c"))]
     includes = [f"-I{place}" for place in places]
@@ -230,8 +280,8 @@ def main() -> int:
     """Build as the command line says; an error is one line on stderr and the exit code."""
     parser = argparse.ArgumentParser(description="Build the reference firmware for a board.")
     parser.add_argument("--board", default="mps2-an386", help=f"one of: {', '.join(boards())}")
-    parser.add_argument("--model", type=Path, default=MODEL, help="sensing model, as musclewire fit writes it")
-    parser.add_argument("--wire", type=Path, default=WIRE, help="the wire on the board (TOML)")
+    parser.add_argument("--model", type=Path, default=None, help="sensing model, as musclewire fit writes it")
+    parser.add_argument("--wire", default=WIRE, help="the wire on the board: a name of the catalogue, or a file (TOML)")
     parser.add_argument("--estimator", default=PAPER_ESTIMATOR, help="the board's: polynomial, the paper's, or gated")
     parser.add_argument("-o", "--out", type=Path, default=None, help="folder; firmware/build/BOARD without it")
     parser.add_argument("--standalone", action="store_true", help="closes the loop by itself, started by a button")
@@ -256,13 +306,11 @@ def main() -> int:
             given.board,
             folder,
             model_file=given.model,
-            wire_file=given.wire,
+            wire=given.wire,
             estimator=given.estimator,
             options=options,
         )
         print(size_of(given.board, elf), end="")
-        if load_model(given.model).gains:
-            print(f"note: {FUZZY_PID_IN_C}")
     except MusclewireError as error:
         print(f"error: {error}", file=sys.stderr)
         return error.exit_code

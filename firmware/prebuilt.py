@@ -11,7 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from firmware.build import FIRMWARE, TOOLCHAINS, board_description, build, read_wire, run, tool
+from firmware.build import TOOLCHAINS, board_description, build, mounted_wire, run, tool
 
 from musclewire.extras.board import FOLDER
 
@@ -28,8 +28,7 @@ def compiler_of(board: str) -> str:
 def image_of(board: str, wire: str, folder: Path) -> Path:
     """Build a wire's image for a board into a folder and return its file. Raises CallerError like ``build``."""
     folder.mkdir(parents=True, exist_ok=True)
-    models = FIRMWARE / "models"
-    elf = build(board, folder, model_file=models / f"{wire}.json", wire_file=models / f"{wire}.toml")
+    elf = build(board, folder, wire=wire)
     suffix, form = FORMATS[board]
     image = folder / f"{board}_{wire}.{suffix}"
     run([tool(TOOLCHAINS[board_description(board)["processor"]], "objcopy"), "-O", form, str(elf), str(image)])
@@ -38,7 +37,7 @@ def image_of(board: str, wire: str, folder: Path) -> Path:
 
 def entry(board: str, wire: str, image: Path) -> str:
     """Return an image's table of the manifest: what is compiled in, its checksum, its compiler."""
-    mounted = read_wire(FIRMWARE / "models" / f"{wire}.toml")
+    mounted = mounted_wire(wire)
     return "\n".join(
         [
             "[[image]]",

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from musclewire.extras.board import load_parts
-from musclewire.extras.design import table_text
-from musclewire.identify import PULL_STRESS_PA, wire_table
+from musclewire.extras.design import table_text, wire_table
+from musclewire.identify import PULL_STRESS_PA
 
 __all__ = ["WIRES", "block"]
 

@@ -77,6 +77,7 @@ static void send_identity(mw_application *application)
     at[MW_AT_IDENTITY_EVENT_AT_RESET] = application->event_at_reset;
     put_text(at + MW_AT_IDENTITY_BOARD, MW_BOARD_NAME, MW_IDENTITY_BOARD_BYTES);
     put_text(at + MW_AT_IDENTITY_QUANTITY, MW_QUANTITY, MW_IDENTITY_QUANTITY_BYTES);
+    put_text(at + MW_AT_IDENTITY_WIRE, MW_WIRE_NAME, MW_IDENTITY_WIRE_BYTES);
     send(application, &message);
 }
 

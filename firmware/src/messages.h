@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-#define MW_PROTOCOL_VERSION 1u
+#define MW_PROTOCOL_VERSION 2u
 #define MW_BODY_MAX 96u
 
 enum {
@@ -57,7 +57,7 @@ enum {
 #define MW_AT_STREAM_EVERY 0u /* u16: ticks from one SAMPLE to the next */
 #define MW_INJECT_BYTES 1u
 #define MW_AT_INJECT_WHAT 0u /* u8: a number of `inject`; 0: all is well again */
-#define MW_IDENTITY_BYTES 59u
+#define MW_IDENTITY_BYTES 83u
 #define MW_AT_IDENTITY_PROTOCOL_VERSION 0u /* u8: version of this protocol */
 #define MW_AT_IDENTITY_FIRMWARE_MAJOR 1u /* u8: version of the firmware, before the point */
 #define MW_AT_IDENTITY_FIRMWARE_MINOR 2u /* u8: version of the firmware, after the point */
@@ -74,6 +74,8 @@ enum {
 #define MW_IDENTITY_BOARD_BYTES 16u
 #define MW_AT_IDENTITY_QUANTITY 47u /* text: what the board's model estimates: strain, displacement or force */
 #define MW_IDENTITY_QUANTITY_BYTES 12u
+#define MW_AT_IDENTITY_WIRE 59u /* text: name of the wire whose limits and model the firmware keeps */
+#define MW_IDENTITY_WIRE_BYTES 24u
 #define MW_SAMPLE_BYTES 32u
 #define MW_AT_SAMPLE_TICK 0u /* u32: the board's clock: it counts conversions, those that were missing too once the next has come */
 #define MW_AT_SAMPLE_STATE 4u /* u8: the protection's state */

@@ -7,16 +7,10 @@ from ._catalogue_check import CatalogueComparison as CatalogueComparison
 from ._catalogue_check import JudgedValue as JudgedValue
 from ._catalogue_check import compare_catalogue as compare_catalogue
 from ._catalogue_check import run_catalogue_test as run_catalogue_test
-from ._electrical_sizing import OVERHEATED_K as OVERHEATED_K
 from ._electrical_sizing import OneSecondDrive as OneSecondDrive
-from ._electrical_sizing import ShuntChoice as ShuntChoice
-from ._electrical_sizing import WireRow as WireRow
 from ._electrical_sizing import one_second_current as one_second_current
 from ._electrical_sizing import relaxation_time_s as relaxation_time_s
 from ._electrical_sizing import steady_temperature_k as steady_temperature_k
-from ._electrical_sizing import suggested_shunt as suggested_shunt
-from ._electrical_sizing import wire_row as wire_row
-from ._electrical_sizing import wire_table as wire_table
 from ._error_causes import ErrorGroup as ErrorGroup
 from ._home.homing import Homing as Homing
 from ._home.homing import homed_model as homed_model

@@ -59,6 +59,9 @@ from ._mounted_wire import MountedWire as MountedWire
 from ._mounted_wire import SiName as SiName
 from ._mounted_wire import WireKeys as WireKeys
 from ._mounted_wire import numbers_given as numbers_given
+from ._own_voltages import OVERHEATED_K as OVERHEATED_K
+from ._own_voltages import OwnCircuit as OwnCircuit
+from ._own_voltages import own_circuit as own_circuit
 from ._pacing import SamplePacer as SamplePacer
 from ._pulse_width import PulseWidth as PulseWidth
 from ._pulse_width import unsettled_error as unsettled_error

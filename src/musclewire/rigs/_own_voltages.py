@@ -1,8 +1,9 @@
-"""The drive voltages of a wire whose rig file states none: those of its file, carried over to its length and circuit.
+"""A wire's own drive voltages, for a rig file without them; for a board its shunt, sense voltage and pretension too.
 
 A wire's amplitude and highest voltage are for one length behind one shunt. A shorter or thicker wire, or another
 circuit, takes the voltage that holds it as warm as that, and never one that holds it above what the alloy was measured
-up to: its own resistance as austenite, and its loss to still air, say so without a simulation.
+up to: its own resistance as austenite, and its loss to still air, say so without a simulation. The same balance says
+which current it may carry for long, and that current is what the shunt is chosen for.
 """
 
 from __future__ import annotations
@@ -12,12 +13,16 @@ from collections.abc import Collection
 from functools import lru_cache
 from typing import NamedTuple
 
+from musclewire.errors import CallerError
 from musclewire.parameters import Alloy, Bench, Parameter, Wire, bench_known_with, load_alloy, load_bench, load_wire
 from musclewire.physics import REFERENCE_TEMPERATURE_K, convection_coefficient_w_per_m2_k
 
 # Flexinol's isobars (maestrolab/calibrating) end there: nothing is gained beyond, and 60 K remain to the protection's
 # limit for what a wire's file, its clamps and its air leave open.
 HOTTEST_K = 413.15
+# A working limit, assumed: the vendor warns of overheating, but no number of the vendor's could be checked. 150 C is
+# above the end of the transformation of 90 C wire under 172 MPa, and far below what anneals NiTi.
+OVERHEATED_K = 423.15
 # The bench for which a shipped wire's voltages are; that of the paper if it is not here.
 BENCH_OF = {"finger-100um": "finger"}
 PAPER_BENCH = "paper"
@@ -27,6 +32,10 @@ WARMEST_K, HALVINGS = 1000.0, 40
 STEPS_PER_VOLT = 1000.0
 # Of a channel's range, so that noise and a gain stay within.
 READABLE_FRACTION = 0.95
+# Range of the boards' amplifiers at the shunt (5 V over a gain of 20), and the usual values below it (E6).
+SHUNT_RANGE_V, SHUNT_STEPS = 0.25, (1.0, 1.5, 2.2, 3.3, 4.7, 6.8)
+# A tenth of the drive heats by a hundredth of the power: about a kelvin.
+SENSE_FRACTION = 0.1
 
 
 class HotWire(NamedTuple):
@@ -85,22 +94,31 @@ def hot_wire(wire: Wire, alloy: Alloy, bench: Bench, in_series: int = 1, in_para
     )
 
 
+def austenite_ohm(hot: HotWire, temperature_k: float) -> tuple[float, float]:
+    """Return the resistance [ohm] of austenite that contracted by the alloy's whole strain, and of one that did not."""
+    per_kelvin = 1.0 + hot.austenite_resistivity_per_k * (temperature_k - REFERENCE_TEMPERATURE_K)
+    stretched = hot.austenite_resistivity_ohm_m * per_kelvin / (0.25 * math.pi * hot.diameter_m**2) * hot.wire_length_m
+    # A contracted wire is shorter and, at the same volume, thicker.
+    return stretched / (1.0 + hot.largest_strain) ** 2, stretched
+
+
+def loss_w(hot: HotWire, temperature_k: float) -> float:
+    """Return what a wire at a temperature gives off to still air [W]."""
+    coefficient = convection_coefficient_w_per_m2_k(temperature_k, hot.ambient_temperature_k, hot.diameter_m)
+    surface = math.pi * hot.diameter_m * hot.wire_length_m
+    return hot.convection_factor * coefficient * surface * (temperature_k - hot.ambient_temperature_k)
+
+
 def holding_voltage_v(hot: HotWire, temperature_k: float) -> float:
     """Return the least drive voltage [V] that may hold a wire at a temperature in still air.
 
     Its resistance is that of austenite, between a wire that contracted by the alloy's whole strain and one that did
     not: of these the one that takes the most power from the drive counts.
     """
-    per_kelvin = 1.0 + hot.austenite_resistivity_per_k * (temperature_k - REFERENCE_TEMPERATURE_K)
-    highest = hot.austenite_resistivity_ohm_m * per_kelvin / (0.25 * math.pi * hot.diameter_m**2) * hot.wire_length_m
-    # A contracted wire is shorter and, at the same volume, thicker.
-    lowest = highest / (1.0 + hot.largest_strain) ** 2
+    lowest, highest = austenite_ohm(hot, temperature_k)
     rest = hot.series_ohm * hot.in_parallel / hot.in_series
     ohm = min(max(rest, lowest), highest)
-    coefficient = convection_coefficient_w_per_m2_k(temperature_k, hot.ambient_temperature_k, hot.diameter_m)
-    surface = math.pi * hot.diameter_m * hot.wire_length_m
-    loss_w = hot.convection_factor * coefficient * surface * (temperature_k - hot.ambient_temperature_k)
-    return math.sqrt(loss_w / ohm) * (ohm + rest) * hot.in_series
+    return math.sqrt(loss_w(hot, temperature_k) / ohm) * (ohm + rest) * hot.in_series
 
 
 @lru_cache(maxsize=256)
@@ -196,8 +214,18 @@ def voltages_of_circuit(
 ) -> tuple[float, float]:
     """Return amplitude and highest voltage [V] of a real wire whose rig file states both, one or neither.
 
-    Raises CallerError for an unknown wire or a wrong wire file.
+    A highest voltage that follows from the wire holds it at 150 C at most, however long it stays on. Raises CallerError
+    for an unknown wire or a wrong wire file.
     """
+    hot = hot_wire_on(wire, wire_length_m, shunt_ohm, ambient_temperature_k)
+    amplitude_v, maximum_v = completed(given, own_voltages(wire), hot)
+    if given.maximum_v is None and ambient_temperature_k < OVERHEATED_K:
+        maximum_v = max(amplitude_v, min(maximum_v, rounded_down_v(holding_voltage_v(hot, OVERHEATED_K))))
+    return amplitude_v, maximum_v
+
+
+def hot_wire_on(wire: str, wire_length_m: float, shunt_ohm: float, ambient_temperature_k: float) -> HotWire:
+    """Return the heat balance of a wire, by name or wire file, behind a shunt. Raises CallerError as load_wire."""
     known = load_wire(wire)
     bench = load_bench(PAPER_BENCH).with_values(
         wire_length_m=wire_length_m,
@@ -205,4 +233,56 @@ def voltages_of_circuit(
         lead_resistance_ohm=0.0,
         ambient_temperature_k=ambient_temperature_k,
     )
-    return completed(given, own_voltages(wire), hot_wire(known, load_alloy(known.alloy), bench))
+    return hot_wire(known, load_alloy(known.alloy), bench)
+
+
+class OwnCircuit(NamedTuple):
+    """What a wire is given on a board, in SI.
+
+    ``lasting_current_a`` settles it at 150 C at most in still air; the shunt reads that current within 250 mV. The
+    voltages are those of a rig file that states none. ``pretension_n`` is the vendor's force for stretching the cold
+    wire, of all legs together.
+    """
+
+    lasting_current_a: float
+    shunt_ohm: float
+    sense_voltage_v: float
+    amplitude_v: float
+    maximum_v: float
+    pretension_n: float
+
+
+def own_circuit(wire: str, *, wire_length_m: float, legs: int = 2, ambient_temperature_k: float = 295.15) -> OwnCircuit:
+    """Return what a wire, by name or wire file, is given on a board.
+
+    Raises CallerError for an unknown wire, a wrong wire file, or air in which no current settles it at 150 C.
+    """
+    if not ambient_temperature_k < OVERHEATED_K:
+        raise CallerError(f"air of {ambient_temperature_k:g} K leaves a wire no current: it is to stay below 150 C")
+    bare = hot_wire_on(wire, wire_length_m, 0.0, ambient_temperature_k)
+    lowest, highest = austenite_ohm(bare, OVERHEATED_K)
+    # A current heats a stretched wire most; a voltage sends more through a contracted one, and the shunt reads that.
+    loss = loss_w(bare, OVERHEATED_K)
+    shunt_ohm = shunt_for(math.sqrt(loss / lowest))
+    amplitude_v, maximum_v = voltages_of_circuit(
+        GivenVoltages(),
+        wire,
+        wire_length_m=wire_length_m,
+        shunt_ohm=shunt_ohm,
+        ambient_temperature_k=ambient_temperature_k,
+    )
+    return OwnCircuit(
+        lasting_current_a=math.sqrt(loss / highest),
+        shunt_ohm=shunt_ohm,
+        sense_voltage_v=rounded_down_v(SENSE_FRACTION * amplitude_v),
+        amplitude_v=amplitude_v,
+        maximum_v=maximum_v,
+        pretension_n=round(legs * load_wire(wire)["nominal_force_n"], 3),
+    )
+
+
+def shunt_for(current_a: float) -> float:
+    """Return the largest usual shunt [ohm] that reads a current within the boards' range."""
+    largest = READABLE_FRACTION * SHUNT_RANGE_V / current_a
+    decade = 10.0 ** math.floor(math.log10(largest))
+    return float(f"{max(step for step in SHUNT_STEPS if step * decade <= largest) * decade:.3g}")

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import math
 from pathlib import Path
 
 import pytest
 
+from musclewire.errors import CallerError
 from musclewire.experiment import characterize
 from musclewire.parameters import catalogue_names, load_alloy, load_bench, load_wire
 from musclewire.rigs import (
@@ -18,7 +20,18 @@ from musclewire.rigs import (
     read_rig_file,
     rig_configuration,
 )
-from musclewire.rigs._own_voltages import HOTTEST_K, held_temperature_k, holding_voltage_v, hot_wire
+from musclewire.rigs._own_voltages import (
+    HOTTEST_K,
+    OVERHEATED_K,
+    SHUNT_RANGE_V,
+    austenite_ohm,
+    held_temperature_k,
+    holding_voltage_v,
+    hot_wire,
+    hot_wire_on,
+    loss_w,
+    own_circuit,
+)
 
 NINE = list(itertools.product(("flexinol-0.10-ht", "flexinol-0.15-ht", "flexinol-0.25-ht"), (0.06, 0.1, 0.14)))
 
@@ -97,15 +110,45 @@ MOUNTED = {"wire": "paper-100um", "wire_length": "14 cm", "shunt": "1 ohm", "sen
 
 def test_a_rig_file_of_hardware_may_leave_its_voltages_to_the_wire(tmp_path: Path) -> None:
     own = MountedWire.model_validate(MOUNTED)
-    assert (own.drive_amplitude, own.maximum_voltage) == (3.2, 3.6)
+    assert own.drive_amplitude == 3.2
     short = MountedWire.model_validate({**MOUNTED, "wire_length": "60 mm"})
-    assert (short.drive_amplitude, short.maximum_voltage) == voltages(wire_length_m=0.06)
+    assert short.drive_amplitude == voltages(wire_length_m=0.06)[0]
+    for mounted in (own, short):
+        hot = hot_wire_on(mounted.wire, mounted.wire_length, mounted.shunt, 295.15)
+        assert held_temperature_k(hot, mounted.maximum_voltage) == pytest.approx(OVERHEATED_K, abs=0.2)
     low = MountedWire.model_validate({**MOUNTED, "maximum_voltage": "3 V"})
     assert (low.drive_amplitude, low.maximum_voltage) == (3.0, 3.0)
     text = 'kind = "serial"\nport = "none"\nwire_range = "5 V"\nshunt_range = "1 V"\n'
     file = tmp_path / "board.toml"
     file.write_text(text + "\n".join(f'{key} = "{value}"' for key, value in MOUNTED.items()), "utf-8")
     assert dict(read_rig_file(file))["drive_amplitude"] == 3.2
+
+
+@pytest.mark.parametrize("wire", [*catalogue_names(), "paper-100um"])
+def test_what_a_wire_is_given_on_a_board_fits_the_boards_range_and_its_own_limits(wire: str) -> None:
+    own = own_circuit(wire, wire_length_m=0.14)
+    assert own.sense_voltage_v < own.amplitude_v <= own.maximum_v
+    hot = hot_wire_on(wire, 0.14, own.shunt_ohm, 295.15)
+    # For long: a current through a stretched wire, and the highest voltage at a contracted one, settle it at 150 C.
+    contracted_ohm, stretched_ohm = austenite_ohm(hot, OVERHEATED_K)
+    assert own.lasting_current_a**2 * stretched_ohm == pytest.approx(loss_w(hot, OVERHEATED_K))
+    assert held_temperature_k(hot, own.maximum_v) <= OVERHEATED_K + 0.1
+    read_v = own.shunt_ohm * own.maximum_v / (contracted_ohm + own.shunt_ohm)
+    assert 0.6 * SHUNT_RANGE_V < read_v <= 0.96 * SHUNT_RANGE_V
+    # Bias of all legs: far below what the vendor allows in motion.
+    section_m2 = 0.25 * math.pi * load_wire(wire)["diameter_m"] ** 2
+    assert own.pretension_n / 2.0 / section_m2 < 80e6
+
+
+def test_the_paper_s_wire_gets_the_paper_s_shunt_and_longer_wire_the_same() -> None:
+    assert own_circuit("paper-100um", wire_length_m=0.14).shunt_ohm == 1.0
+    assert own_circuit("flexinol-0.15-lt", wire_length_m=0.14).shunt_ohm == 0.47
+    assert own_circuit("flexinol-0.15-lt", wire_length_m=0.28).shunt_ohm == 0.47
+
+
+def test_air_as_hot_as_the_limit_leaves_no_current() -> None:
+    with pytest.raises(CallerError, match="no current"):
+        own_circuit("flexinol-0.15-lt", wire_length_m=0.14, ambient_temperature_k=430.0)
 
 
 def test_a_study_that_varies_the_length_drives_each_wire_by_its_own_amplitude() -> None:

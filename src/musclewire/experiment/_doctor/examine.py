@@ -191,6 +191,8 @@ def identity_findings(subject: ExaminedRig) -> Findings:
         and rig.sample_period_s > 0.0
     )
     said = f"{subject.metadata.get('rig', 'rig')}, wire {subject.metadata.get('wire', 'not named')}"
+    if "firmware_wire" in subject.metadata:
+        said += f"; the board's firmware is built for {subject.metadata['firmware_wire']}"
     advice = (
         f"sense {rig.sense_voltage_v:g} V of at most {rig.maximum_voltage_v:g} V, shunt "
         f"{rig.shunt_resistance_ohm:g} ohm, a sample every {rig.sample_period_s:g} s"

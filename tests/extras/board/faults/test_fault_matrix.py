@@ -19,6 +19,7 @@ from tests.faults.table import FaultRow, fault_matrix
 from musclewire.errors import RigError
 from musclewire.extras.board._serial import board as board_module
 from musclewire.extras.board._serial import frames
+from musclewire.extras.board._serial.message_types import PROTOCOL_VERSION
 from musclewire.rigs import open_rig
 from musclewire.signals import read_recording
 
@@ -176,8 +177,8 @@ def test_another_version_of_the_protocol_is_refused_before_anything_is_driven(
     board = boards("clock")
     since = time.monotonic()
     with monkeypatch.context() as other:
-        other.setattr(frames, "PROTOCOL_VERSION", 2)
-        other.setattr(board_module, "PROTOCOL_VERSION", 2)
+        other.setattr(frames, "PROTOCOL_VERSION", PROTOCOL_VERSION + 1)
+        other.setattr(board_module, "PROTOCOL_VERSION", PROTOCOL_VERSION + 1)
         with pytest.raises(RigError, match=r"version|no answer"):
             open_rig(mounted(board.port_url, row, CLOCK_PATIENCE_S))
     assert judged_s(board, since, row) == 0.0

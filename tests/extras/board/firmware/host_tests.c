@@ -140,7 +140,7 @@ static int ticks_of(float time_s) { return (int)(time_s / MW_TICK_S + 0.5f); }
 TEST(every_length_of_payload_comes_back)
 {
     for (unsigned length = 0; length <= MW_PAYLOAD_MAX; length++) {
-        mw_message in = {.version = 1, .type = 3, .sequence = (uint16_t)(length * 257u), .payload_length = (uint8_t)length};
+        mw_message in = {.version = MW_PROTOCOL_VERSION, .type = 3, .sequence = (uint16_t)(length * 257u), .payload_length = (uint8_t)length};
         mw_message out;
         mw_decoder decoder;
         uint8_t frame[MW_FRAME_MAX];
@@ -159,7 +159,7 @@ TEST(every_length_of_payload_comes_back)
 
 TEST(a_single_wrong_bit_drops_the_frame)
 {
-    mw_message in = {.version = 1, .type = MW_KEEP, .sequence = 258}, out;
+    mw_message in = {.version = MW_PROTOCOL_VERSION, .type = MW_KEEP, .sequence = 258}, out;
     uint8_t frame[MW_FRAME_MAX];
     const uint8_t bytes = mw_frame_encode(&in, frame);
     for (unsigned bit = 0; bit < 8u * (bytes - 1u); bit++) {
@@ -174,7 +174,7 @@ TEST(a_single_wrong_bit_drops_the_frame)
 
 TEST(another_version_is_dropped)
 {
-    mw_message in = {.version = 2, .type = MW_KEEP}, out;
+    mw_message in = {.version = MW_PROTOCOL_VERSION + 1, .type = MW_KEEP}, out;
     uint8_t frame[MW_FRAME_MAX];
     mw_decoder decoder;
     const uint8_t bytes = mw_frame_encode(&in, frame);

@@ -53,7 +53,7 @@ def test_a_changed_image_is_not_flashed(tmp_path: Path, monkeypatch: pytest.Monk
 
 def test_no_wire_and_a_wrong_wire_list_what_there_is() -> None:
     with pytest.raises(
-        CallerError, match=r"name the wire that is mounted.*--wire flexinol-0.10-lt \(140 mm, .*3.4 V\)"
+        CallerError, match=r"name the wire that is mounted.*--wire flexinol-0.10-lt \(140 mm, .*3.515 V\)"
     ):
         find_image("nano", None)
     with pytest.raises(CallerError, match=r"no built firmware for wire paper-200um.*build your own"):

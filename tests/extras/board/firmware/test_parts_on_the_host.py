@@ -8,7 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from firmware.build import FIRMWARE, MODEL, WIRE, write_sources
+from firmware.build import FIRMWARE, write_sources
 from tests.tools import require_tool
 
 from musclewire.extras.board._serial.frames import FrameParser, SerialFrame, encode_frame
@@ -22,7 +22,7 @@ SANITIZED = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 def compiled(folder: Path, *options: str) -> Path:
     """Compile the tests with the firmware's parts; warnings are errors."""
     compiler = require_tool("gcc", "gcc libc6-dev")
-    write_sources("mps2-an386", MODEL, WIRE, folder)
+    write_sources("mps2-an386", folder)
     sources = [file for file in sorted((FIRMWARE / "src").glob("*.c")) if file.name != "main.c"]
     sources += sorted((folder / "src").glob("*.c"))
     program = folder / "host_tests"

@@ -17,8 +17,8 @@ from musclewire.extras.board._serial.message_types import LAYOUTS
 from musclewire.extras.board._serial.messages import BoardEvent, MessageKind, read_message
 
 FILES = written()
-# Version 1 as boards in use speak it: these never change.
-VERSION_1 = {
+# Version 2 as boards in use speak it: these never change.
+VERSION_2 = {
     "HELLO": (0x01, "<"),
     "ARM": (0x02, "<"),
     "DRIVE": (0x03, "<f"),
@@ -27,7 +27,7 @@ VERSION_1 = {
     "STREAM": (0x06, "<H"),
     "KEEP": (0x07, "<"),
     "INJECT": (0x7F, "<B"),
-    "IDENTITY": (0x81, "<BBBBIIfffHIB16s12s"),
+    "IDENTITY": (0x81, "<BBBBIIfffHIB16s12s24s"),
     "SAMPLE": (0x82, "<IBBHffffff"),
     "EVENT": (0x83, "<IBBf"),
     "ACKNOWLEDGEMENT": (0x84, "<HBB"),
@@ -39,9 +39,9 @@ def test_the_committed_files_are_what_the_definition_gives(file: Path) -> None:
     assert file.read_text("utf-8") == FILES[file], "run: python firmware/protocol.py"
 
 
-def test_version_1_is_as_boards_in_use_speak_it() -> None:
-    assert protocol().version == 1
-    assert {kind.name: (kind.value, LAYOUTS[kind].format) for kind in MessageKind} == VERSION_1
+def test_version_2_is_as_boards_in_use_speak_it() -> None:
+    assert protocol().version == 2
+    assert {kind.name: (kind.value, LAYOUTS[kind].format) for kind in MessageKind} == VERSION_2
 
 
 def test_states_and_events_of_a_message_are_those_of_the_protection_table() -> None:

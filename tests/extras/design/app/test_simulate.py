@@ -107,7 +107,8 @@ def test_a_row_of_the_table_equals_the_answer_for_this_wire_alone_and_lasts(musc
     said = musclewire(
         "simulate", "--wire", "flexinol-0.20-ht", "--current", lasting, "--off-after", "30", "--json"
     ).json
-    assert said["settled_temperature_degc"] == pytest.approx(150.0, abs=3.0)
+    # The current is that of a wire which is kept from contracting; a free one, whose resistance is lower, stays cooler.
+    assert 144.0 < said["settled_temperature_degc"] <= 150.0
 
 
 def test_a_duty_heats_in_pulses_and_shows_largest_and_final_contraction(musclewire: Callable[..., Any]) -> None:

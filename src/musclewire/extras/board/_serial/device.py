@@ -74,6 +74,8 @@ ATTEMPTS = 5
 TICKS = 1 << 32
 # Shunt and voltages that a rig file gives with three digits agree with the board's to this relative difference.
 AGREEMENT = 5e-3
+# A longer name of a wire is cut off by the board, whose message has room for so many characters.
+WIRE_CHARACTERS = 24
 NO_TICK = -1
 
 
@@ -140,6 +142,12 @@ class SerialDevice:
     def _check_agreement(self) -> None:
         """Raise CallerError if the rig file contradicts the board."""
         wanted, board = self._configuration, self._identity
+        mounted = wanted.known_wire().name[:WIRE_CHARACTERS]
+        if mounted != board.wire:
+            raise CallerError(
+                f"the board's firmware was built for wire {board.wire} and the rig file says {mounted}: flash the "
+                "firmware of the wire that is mounted, or correct the rig file"
+            )
         if abs(wanted.shunt - board.shunt_resistance_ohm) > AGREEMENT * board.shunt_resistance_ohm:
             raise CallerError(
                 f"shunt is {wanted.shunt:g} ohm in the rig file and {board.shunt_resistance_ohm:g} ohm in the board's "
@@ -225,6 +233,7 @@ class SerialDevice:
             "rig": "serial",
             **self._configuration.facts(),
             "board": self._identity.board,
+            "firmware_wire": self._identity.wire,
             "firmware_version": self._identity.firmware_version,
             "protocol_version": self._identity.protocol_version,
             "board_tick_s": self._identity.tick_period_s,

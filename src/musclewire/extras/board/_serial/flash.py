@@ -173,8 +173,13 @@ def greet(image: FirmwareImage, port: str) -> BoardIdentity:
         identity = board.hello()
     finally:
         board.close()
-    reported = (identity.board, round(identity.maximum_voltage_v, 4), round(identity.shunt_resistance_ohm, 4))
-    wanted = (image.board, image.maximum_voltage_v, image.shunt_resistance_ohm)
+    reported = (
+        identity.board,
+        identity.wire,
+        round(identity.maximum_voltage_v, 4),
+        round(identity.shunt_resistance_ohm, 4),
+    )
+    wanted = (image.board, image.wire, image.maximum_voltage_v, image.shunt_resistance_ohm)
     if reported != wanted:
         raise RigError(f"the board says that it is {reported}, and the image is {wanted}: flash it again")
     return identity

@@ -9,7 +9,7 @@ import struct
 from enum import IntEnum
 from typing import NamedTuple
 
-PROTOCOL_VERSION = 1
+PROTOCOL_VERSION = 2
 MAXIMUM_BODY_BYTES = 96
 
 
@@ -75,6 +75,7 @@ class IdentityFields(NamedTuple):
         event_at_reset: event that ended the last run; 20 after the watchdog, 21 if a run was interrupted.
         board: name of the board.
         quantity: what the board's model estimates: strain, displacement or force.
+        wire: name of the wire whose limits and model the firmware keeps.
     """
 
     protocol_version: int
@@ -91,6 +92,7 @@ class IdentityFields(NamedTuple):
     event_at_reset: int
     board: str
     quantity: str
+    wire: str
 
 
 class BoardSample(NamedTuple):
@@ -161,7 +163,7 @@ LAYOUTS: dict[MessageKind, struct.Struct] = {
     MessageKind.STREAM: struct.Struct("<H"),
     MessageKind.KEEP: struct.Struct("<"),
     MessageKind.INJECT: struct.Struct("<B"),
-    MessageKind.IDENTITY: struct.Struct("<BBBBIIfffHIB16s12s"),
+    MessageKind.IDENTITY: struct.Struct("<BBBBIIfffHIB16s12s24s"),
     MessageKind.SAMPLE: struct.Struct("<IBBHffffff"),
     MessageKind.EVENT: struct.Struct("<IBBf"),
     MessageKind.ACKNOWLEDGEMENT: struct.Struct("<HBB"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from musclewire.app import ABSENT, AnswerModel, AnswerRecord
-from musclewire.identify import WireRow
+from musclewire.extras.design._supply.wire_table import WireRow
 from musclewire.parameters import CatalogueCell
 
 

@@ -158,7 +158,8 @@ def refuse_with_table(drive: DriveOptions, mounting: MountingOptions, output: Pa
 
 def table_of_wires(mounting: MountingOptions) -> Result:
     """Return what every wire of the catalogue needs at a length."""
-    from musclewire.identify import PULL_STRESS_PA, wire_table
+    from musclewire.extras.design._supply.wire_table import wire_table
+    from musclewire.identify import PULL_STRESS_PA
 
     length_m = in_si("--wire-length", mounting.wire_length)
     stress_pa = PULL_STRESS_PA if mounting.stress is None else in_si("--stress", mounting.stress)

@@ -58,7 +58,7 @@ def draw_contraction(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> No
 
 def draw_temperature(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> None:
     """Draw the wire's temperature, and its working limit if it comes near."""
-    from musclewire.identify import OVERHEATED_K
+    from musclewire.rigs import OVERHEATED_K
 
     axes.plot(time_s, sizing.recording["wire_temperature_k"] - 273.15, color=HEATING)
     if sizing.numbers.temperature_peak_k > 0.85 * OVERHEATED_K:

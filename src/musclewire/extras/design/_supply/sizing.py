@@ -26,17 +26,15 @@ from musclewire.experiment import (
     pulses_of,
     step_warnings,
 )
+from musclewire.extras.design._supply.wire_table import ShuntChoice, rated_shunt
 from musclewire.identify import (
-    OVERHEATED_K,
     PULL_STRESS_PA,
     UNCOUNTED_STRAIN,
     OneSecondDrive,
-    ShuntChoice,
     one_second_current,
     relaxation_time_s,
     run_catalogue_test,
     steady_temperature_k,
-    suggested_shunt,
 )
 from musclewire.parameters import (
     Bench,
@@ -51,11 +49,14 @@ from musclewire.parameters import (
     require_seed,
 )
 from musclewire.rigs import (
+    OVERHEATED_K,
     LimitsTable,
+    OwnCircuit,
     RigConfiguration,
     StatedCircuit,
     confirmed_beyond,
     open_rig,
+    own_circuit,
     refuse_beyond_catalogue,
     with_settings,
 )
@@ -185,7 +186,7 @@ def plan_supply(request: SupplyRequest) -> SupplyPlan:
     current = current_of(request, row)
     cold_ohm = wire.resistance_per_metre_ohm_per_m.value * request.length_m
     expected = current if current is not None else (request.supply_v or 0.0) / cold_ohm
-    shunt = suggested_shunt(cold_ohm, expected).resistance_ohm if request.shunt_ohm is None else request.shunt_ohm
+    shunt = own_circuit_of(request).shunt_ohm if request.shunt_ohm is None else request.shunt_ohm
     settings: dict[str, float | str] = {
         "wire_length_m": request.length_m,
         "pretension_n": load,
@@ -204,6 +205,11 @@ def plan_supply(request: SupplyRequest) -> SupplyPlan:
     )
     duration = request.duration_s or chosen_duration_s(request, configuration, current)
     return SupplyPlan(request, wire, row, current, request.supply_v, load, shunt, duration, configuration)
+
+
+def own_circuit_of(request: SupplyRequest) -> OwnCircuit:
+    """Return what the wire of a request is given on a board."""
+    return own_circuit(request.wire, wire_length_m=request.length_m, ambient_temperature_k=request.ambient_k)
 
 
 def current_of(request: SupplyRequest, row: CatalogueRow | None) -> float | None:
@@ -299,7 +305,7 @@ def size_supply(
     recording = simulated_drive(plan, path, overwrite, on_sample)
     numbers = drive_numbers(recording, request.on_s, best.stroke, plan.pulses.period)
     settled = steady_temperature_k(numbers.power_end_w / request.length_m, wire, request.ambient_k)
-    shunt = suggested_shunt(wire.resistance_per_metre_ohm_per_m.value * request.length_m, best.current_a)
+    shunt = rated_shunt(own_circuit_of(request), best.current_a)
     warnings = (
         *warnings_for(plan, numbers, settled),
         *(() if numbers.melted else extrapolation_warnings(recording)),

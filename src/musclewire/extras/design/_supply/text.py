@@ -17,14 +17,15 @@ if TYPE_CHECKING:
         WireTableAnswer,
     )
     from musclewire.extras.design._supply.sizing import SupplyPlan, SupplySizing
-    from musclewire.identify import CatalogueComparison, JudgedValue, WireRow
+    from musclewire.extras.design._supply.wire_table import WireRow
+    from musclewire.identify import CatalogueComparison, JudgedValue
     from musclewire.parameters import CatalogueCell
 
 ZERO_DEGC_K = 273.15
 MARKS = {"corroborated": "", "unverified": "?", "suspect": "??"}
 # Columns of the table of all wires.
 HEAD = ("wire", "R cold [ohm]", "1 s [mA]", "catalogue", "holds", "for long", "supply [V]", "power [W]", "sense [V]",
-        "slow sine [V]", "shunt [ohm]", "[mW]", "buy [W]")  # fmt: skip
+        "slow sine [V]", "highest [V]", "V pulls [N]", "shunt [ohm]", "buy [W]")  # fmt: skip
 
 
 def simulate_answer(sizing: SupplySizing, recording: Path | None) -> SimulateAnswer:
@@ -317,9 +318,11 @@ def table_text(rows: Sequence[WireRow], length_m: float, stress_pa: float, ambie
         "",
         table(HEAD, map(cells, rows)),
         "",
-        "1 s: contracts by 90 % in a second; then lower it to what holds. For long: settles at 150 C, a working limit",
+        "1 s: contracts by 90 % in a second; then lower it to what holds. For long: at most 150 C, a working limit",
         "(assumed). Supply across wire and shunt at the one-second current, power in the wire; the switch or amplifier",
-        "comes on top. ? the catalogue's number is not corroborated. Shunt: power at that current, and what to buy.",
+        "comes on top. ? the catalogue's number is not corroborated. Sense, slow sine, highest, V pulls, shunt: a rig",
+        "file's sense_voltage, drive_amplitude, maximum_voltage, pretension of a V (twice the vendor's bias force) and",
+        "shunt, which reads the current for long within 250 mV.",
     ]
     return "\n".join(lines)
 
@@ -338,7 +341,8 @@ def cells(row: WireRow) -> tuple[str, ...]:
         f"{row.power_w:.3g}",
         f"{row.sense_voltage_v:.3f}",
         f"{row.amplitude_v:.2f}",
+        f"{row.maximum_voltage_v:.2f}",
+        f"{row.pretension_n:.3g}",
         f"{shunt.resistance_ohm:g}",
-        f"{1e3 * shunt.power_w:.0f}",
         f"{shunt.rating_w:g}",
     )

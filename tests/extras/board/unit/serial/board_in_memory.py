@@ -16,6 +16,7 @@ from musclewire.extras.board._serial.board import Board
 from musclewire.extras.board._serial.device import SerialConfiguration, SerialDevice
 from musclewire.extras.board._serial.frames import FrameParser, SerialFrame, encode_frame
 from musclewire.extras.board._serial.line import LineLostError
+from musclewire.extras.board._serial.message_types import PROTOCOL_VERSION
 from musclewire.extras.board._serial.messages import MessageKind
 from musclewire.rigs import GuardedRig
 
@@ -39,6 +40,7 @@ class BoardInMemory:
     period_ticks: int = 50
     event_at_reset: int = 0
     maximum_v: float = 4.0
+    wire: str = "paper-100um"
     expiry_ms: int = 250
     unreadable: int = 0  # so many of the next samples have no reading of the converter
     answers: dict[int, int] = field(default_factory=dict)  # what it answers to kinds of commands, whatever they do
@@ -80,8 +82,22 @@ class BoardInMemory:
         self.waiting += encode_frame(SerialFrame(kind, self.sequence, payload))
 
     def identify(self) -> None:
-        text = b"memory".ljust(16, b"\0") + b"strain".ljust(12, b"\0")
-        numbers = (1, 1, 0, 0, 1000, 50000, 0.3, self.maximum_v, SHUNT_OHM, self.expiry_ms, 7, self.event_at_reset)
+        texts = ((b"memory", 16), (b"strain", 12), (self.wire.encode("ascii"), 24))
+        text = b"".join(said.ljust(size, b"\0") for said, size in texts)
+        numbers = (
+            PROTOCOL_VERSION,
+            1,
+            0,
+            0,
+            1000,
+            50000,
+            0.3,
+            self.maximum_v,
+            SHUNT_OHM,
+            self.expiry_ms,
+            7,
+            self.event_at_reset,
+        )
         self.tell(MessageKind.IDENTITY, struct.pack("<BBBBIIfffHIB", *numbers) + text)
 
     def trip(self, event: Event) -> None:

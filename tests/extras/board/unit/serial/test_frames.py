@@ -42,7 +42,7 @@ def test_stuffing_takes_the_zeros_out_as_the_scheme_says(body: bytes, stuffed: b
 
 
 def test_a_frame_has_the_bytes_that_the_protocol_says() -> None:
-    body = bytes([1, 0x03, 0x34, 0x12]) + struct.pack("<f", 1.5)
+    body = bytes([2, 0x03, 0x34, 0x12]) + struct.pack("<f", 1.5)
     body += struct.pack("<I", zlib.crc32(body))
     assert encode_frame(SerialFrame(0x03, 0x1234, struct.pack("<f", 1.5))) == stuff(body) + b"\0"
 
@@ -93,12 +93,12 @@ def test_an_endless_frame_takes_no_memory_and_counts_once_per_frames_length() ->
 
 
 def test_another_version_is_dropped_and_remembered() -> None:
-    body = bytes([2, 0x81, 0, 0])
+    body = bytes([3, 0x81, 0, 0])
     body += struct.pack("<I", zlib.crc32(body))
     parser = FrameParser()
     assert parser.feed(stuff(body) + b"\0") == []
     assert parser.errors.version == 1
-    assert parser.other_version == 2
+    assert parser.other_version == 3
 
 
 def test_a_payload_that_no_frame_holds_is_refused() -> None:
@@ -106,13 +106,16 @@ def test_a_payload_that_no_frame_holds_is_refused() -> None:
         encode_frame(SerialFrame(1, 0, bytes(MAXIMUM_BODY_BYTES - 7)))
 
 
-def test_an_identity_says_board_and_quantity_as_text() -> None:
+def test_an_identity_says_board_quantity_and_wire_as_text() -> None:
     payload = struct.pack(
-        "<BBBBIIfffHIB16s12s", 1, 0, 3, 2, 1000, 50000, 0.25, 4.0, 1.0, 250, 99, 15, b"mps2-an386", b"strain"
+        "<BBBBIIfffHIB16s12s24s",
+        *(2, 0, 3, 2, 1000, 50000, 0.25, 4.0, 1.0, 250, 99, 15),
+        *(b"mps2-an386", b"strain", b"flexinol-0.15-lt"),
     )
     identity = read_message(SerialFrame(MessageKind.IDENTITY, 0, payload))
     assert isinstance(identity, BoardIdentity)
     assert (identity.board, identity.quantity, identity.reset_by) == ("mps2-an386", "strain", "watchdog")
+    assert identity.wire == "flexinol-0.15-lt"
     assert identity.tick_period_s == 0.001
     assert identity.firmware_version == "0.3"
 

@@ -201,7 +201,7 @@ def test_no_board_is_one_line_that_says_what_to_check() -> None:
         rig_on(BoardInMemory(deaf=True))
 
 
-@pytest.mark.parametrize(("version", "advice"), [(2, "update musclewire"), (0, "update the firmware")])
+@pytest.mark.parametrize(("version", "advice"), [(3, "update musclewire"), (1, "update the firmware")])
 def test_another_protocol_version_says_which_side_to_update(version: int, advice: str) -> None:
     import zlib
 
@@ -210,6 +210,12 @@ def test_another_protocol_version_says_which_side_to_update(version: int, advice
     line.waiting += stuff(body + struct.pack("<I", zlib.crc32(body))) + b"\0"
     with pytest.raises(RigError, match=advice):
         rig_on(line)
+
+
+def test_a_rig_file_of_another_wire_is_refused_with_both_names_and_what_to_do() -> None:
+    said = "built for wire flexinol-0.15-lt and the rig file says paper-100um: flash the firmware of the wire that is"
+    with pytest.raises(CallerError, match=said):
+        rig_on(BoardInMemory(wire="flexinol-0.15-lt"))
 
 
 @pytest.mark.parametrize(
