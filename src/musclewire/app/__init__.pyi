@@ -103,5 +103,7 @@ from ._recording_options import ReadingOptions as ReadingOptions
 from ._report.figures import loops_figure as loops_figure
 from ._report.figures import staircase_figure as staircase_figure
 from ._stopping import StoppedCommand as StoppedCommand
+from ._stopping import is_compiling as is_compiling
+from ._stopping import opened_rig as opened_rig
 from ._stopping import stop_if_asked as stop_if_asked
 from ._stopping import stops_between_samples as stops_between_samples

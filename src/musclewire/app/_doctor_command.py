@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from musclewire.app._options import HOLD, METER_SHUNT, METER_WIRE, REAL_TIME, SEED, WRITE, RigName, in_si
 from musclewire.app._output import Result, progress_bar, table
-from musclewire.app._stopping import stops_between_samples
+from musclewire.app._stopping import opened_rig, stops_between_samples
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
@@ -52,7 +52,6 @@ def doctor(
 def examined(rig: str, measurement: MeterOptions, seed: int | None, real_time: bool) -> Examination:
     """Return what the examination of a rig found."""
     from musclewire.experiment import examination_s, examine
-    from musclewire.rigs import open_rig
 
     hold_s = in_si("--hold", measurement.hold)
     wire_v = in_si("--meter-wire", measurement.meter_wire)
@@ -60,7 +59,7 @@ def examined(rig: str, measurement: MeterOptions, seed: int | None, real_time: b
     task = "Below and at the sense voltage"
     with (
         stops_between_samples(),
-        open_rig(rig, seed=seed, real_time=real_time) as opened,
+        opened_rig(rig, seed=seed, real_time=real_time) as opened,
         progress_bar(task, examination_s(hold_s)) as on_sample,
     ):
         return examine(

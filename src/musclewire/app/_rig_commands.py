@@ -26,7 +26,7 @@ from musclewire.app._options import (
 )
 from musclewire.app._output import Result, progress_bar, say, table, tell, warn
 from musclewire.app._rig_options import SlowSineOptions, TimingOptions
-from musclewire.app._stopping import stop_if_asked, stops_between_samples
+from musclewire.app._stopping import opened_rig, stop_if_asked, stops_between_samples
 from musclewire.errors import RecordingError
 
 if TYPE_CHECKING:
@@ -194,7 +194,6 @@ def pretension(
     """
     from musclewire.app._answers import PretensionAnswer
     from musclewire.experiment import pretension_sweep
-    from musclewire.rigs import open_rig
 
     figure.check()
     period_s, amplitude_v = sine.period_s, sine.amplitude_v
@@ -206,7 +205,7 @@ def pretension(
 
     with (
         stops_between_samples(),
-        open_rig(rig, seed=seed) as opened,
+        opened_rig(rig, seed=seed) as opened,
         watched_runs("Pretension sweep", opened) as on_sample,
     ):
         sweep = pretension_sweep(
@@ -275,7 +274,6 @@ def train(
     from musclewire.app._answers import TrainAnswer
     from musclewire.experiment import TrainingCycle, training_figure
     from musclewire.experiment import train as run_train
-    from musclewire.rigs import open_rig
 
     def say_cycle(cycle: TrainingCycle) -> None:
         stop_if_asked()
@@ -287,7 +285,7 @@ def train(
     period_s, amplitude_v = in_si("--period", period), in_si("--amplitude", amplitude)
     with (
         stops_between_samples(),
-        open_rig(rig, seed=seed) as opened,
+        opened_rig(rig, seed=seed) as opened,
         watched_runs("Training", opened) as on_sample,
     ):
         training = run_train(

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 from musclewire.app._options import AMPLITUDE, CLOCK_SPEED, CPU, CYCLES, PERIOD, REAL_TIME, REAL_TIME_PRIORITY, in_si
 from musclewire.app._output import warn
+from musclewire.app._stopping import opened_rig
 from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
@@ -41,11 +43,9 @@ class TimingOptions:
     real_time_priority: Annotated[bool, REAL_TIME_PRIORITY] = False
     cpu: Annotated[int | None, CPU] = None
 
-    def open_rig(self, rig: str, seed: int | None) -> GuardedRig:
+    def open_rig(self, rig: str, seed: int | None) -> AbstractContextManager[GuardedRig]:
         """Open a rig that keeps this time. Raises CallerError for a speed of a clock that it does not have."""
-        from musclewire.rigs import open_rig
-
-        return open_rig(rig, seed=seed, real_time=self.real_time, clock_speed=self.clock_speed)
+        return opened_rig(rig, seed=seed, real_time=self.real_time, clock_speed=self.clock_speed)
 
     def apply(self, rig: GuardedRig) -> list[str]:
         """Pin this process and take real-time priority as requested; return what the system refused, also on stderr.

@@ -2,7 +2,8 @@
 
 A signal that becomes an exception inside compiled code's Python callbacks is lost there or worse (Numba raises
 SystemError, or the process dies). So while a rig is open the first signal only leaves a note, which the run reads
-after its next sample; a second one does not wait.
+after its next sample; a second one does not wait. While a rig is being opened there is no sample to wait for, and
+nothing is out yet: the first signal ends the opening, unless it comes while a kernel is being compiled.
 """
 
 from __future__ import annotations
@@ -12,9 +13,14 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from musclewire.rigs import DeviceConfiguration, GuardedRig
 
 # An ending takes this long at most; after that a further signal counts again.
 PATIENCE_S = 2.0
+COMPILER = {"numba", "llvmlite"}
 STOPPED = {130: "Ctrl-C", 143: "SIGTERM"}
 
 
@@ -31,6 +37,7 @@ class _SignalState:
     """Whether signals wait for a sample now, and the exit code of one that does."""
 
     waiting_allowed = False
+    opening = False
     exit_code: int | None = None
     ending_since_s: float | None = None
 
@@ -41,14 +48,24 @@ def listen_for_signals() -> None:
     signal.signal(signal.SIGTERM, _on_signal)
 
 
-def _on_signal(number: int, _frame: FrameType | None) -> None:
+def _on_signal(number: int, frame: FrameType | None) -> None:
     if _SignalState.ending_since_s is not None and time.monotonic() - _SignalState.ending_since_s < PATIENCE_S:
         return  # a double Ctrl-C must not break into the ending that the first one began
-    if _SignalState.waiting_allowed and _SignalState.exit_code is None:
+    ends_opening = _SignalState.opening and not is_compiling(frame)
+    if _SignalState.waiting_allowed and _SignalState.exit_code is None and not ends_opening:
         _SignalState.exit_code = 128 + number
         return
     _SignalState.ending_since_s = time.monotonic()
     raise SystemExit(128 + number)
+
+
+def is_compiling(frame: FrameType | None) -> bool:
+    """Return whether a frame belongs to the compiler, which an exception at any moment may leave in disorder."""
+    while frame is not None:
+        if str(frame.f_globals.get("__name__", "")).partition(".")[0] in COMPILER:
+            return True
+        frame = frame.f_back
+    return False
 
 
 def ignore_signals() -> None:
@@ -63,6 +80,24 @@ def stop_if_asked(_row: Mapping[str, float] | None = None) -> None:
         code, _SignalState.exit_code = _SignalState.exit_code, None
         _SignalState.ending_since_s = time.monotonic()
         raise SystemExit(code)
+
+
+@contextmanager
+def opened_rig(rig: str | DeviceConfiguration, **given: Any) -> Iterator[GuardedRig]:
+    """Open a rig, as ``open_rig`` does, and close it at the end of the block; a signal ends the opening.
+
+    A signal that came while a kernel was being compiled is heard before the first sample.
+    """
+    from musclewire.rigs import open_rig
+
+    _SignalState.opening = True
+    try:
+        opened = open_rig(rig, **given)
+    finally:
+        _SignalState.opening = False
+    with opened:
+        stop_if_asked()
+        yield opened
 
 
 @contextmanager

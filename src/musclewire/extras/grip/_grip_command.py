@@ -18,6 +18,7 @@ from musclewire.app import (
     FigureOptions,
     Result,
     in_si,
+    opened_rig,
     option,
     output_option,
     progress_bar,
@@ -118,7 +119,6 @@ def grip(
     from musclewire.extras.grip._grip import HOLD_S
     from musclewire.extras.grip._grip import grip as run_grip
     from musclewire.extras.grip._gripper_training import CLOSING_S, REST_S, with_object
-    from musclewire.rigs import open_rig
 
     figure.check()
     if output is not None:
@@ -129,7 +129,7 @@ def grip(
     with stops_between_samples():
         knowledge = knowledge_of(configuration, learned, seed)
         with (
-            open_rig(configuration, seed=seed) as opened,
+            opened_rig(configuration, seed=seed) as opened,
             progress_bar("Grip", REST_S + CLOSING_S + HOLD_S, opened) as on_sample,
         ):
             run = run_grip(
