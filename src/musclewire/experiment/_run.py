@@ -124,6 +124,10 @@ def refuse_unusable(path: str | Path | None, overwrite: bool) -> None:
         raise CallerError(f"{path}: the folder {folder.absolute()} cannot be written to; give another one")
 
 
+# Some 58 days at 20 samples a second: what is longer was not meant.
+MAX_SAMPLES = 100_000_000
+
+
 def run_on_rig(
     rig: Rig,
     policy: Policy,
@@ -176,6 +180,11 @@ def run_on_rig(
     if samples < 1:
         raise CallerError(
             f"a run of {duration_s} s is shorter than one sample of {rig.sample_period_s} s: give a longer one"
+        )
+    if samples > MAX_SAMPLES:
+        raise CallerError(
+            f"a run of {duration_s:.3g} s would take {samples:.3g} samples, and a recording holds {MAX_SAMPLES:.0g} at "
+            "most: give a shorter one, or a longer sample period"
         )
     refuse_unusable(path, overwrite)
     described = {**what_protects(rig), **rig.metadata(), **(metadata or {})}

@@ -133,6 +133,8 @@ def read_toml(path: Path, kind: str, instead: str = "") -> dict[str, Any]:
         return tomllib.loads(path.read_text("utf-8"))
     except FileNotFoundError:
         raise CallerError(f"there is no {kind} {path}{instead}") from None
+    except RecursionError:
+        raise CallerError(f"{kind} {path} cannot be read: its values are nested too deeply to be meant") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise CallerError(f"{kind} {path} cannot be read: {error}") from None
 

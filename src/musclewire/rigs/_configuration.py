@@ -34,6 +34,8 @@ def read_rig_file(path: str | Path, *, may_import: bool = False) -> DeviceConfig
     """
     file = Path(path)
     data = read_toml(file, "rig file", "; use the word 'simulated' for the simulated rig")
+    if not data:
+        raise CallerError(f"rig file {file} states nothing: 'kind = \"simulated\"' is the least of a rig file")
     kind = str(data.get("kind", SIMULATED))
     try:
         if is_outside(kind) and not may_import:

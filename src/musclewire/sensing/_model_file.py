@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from math import isfinite
 from pathlib import Path
@@ -31,6 +32,11 @@ Errors = Annotated[list[NotNegative], Field(max_length=16)]
 Samples = Annotated[list[tuple[Finite, Finite]], Field(max_length=2000)]
 Rows = Annotated[list[tuple[Finite, Finite, Finite]], Field(max_length=2000)]
 Levels = Annotated[list[Finite], Field(max_length=1000)]
+
+
+NOT_OF_MODEL = {"format", "version", "checksum"}
+# Texts that a reader may add to.
+FOR_READERS = {"checksum", "created_by", "no_gains", "source", "warnings"}
 
 
 class ModelFile(BaseModel):
@@ -71,10 +77,16 @@ class ModelFile(BaseModel):
     home: HomeMove | None = None
     gains: dict[str, str | Finite | Levels] = {}
     no_gains: str = ""
+    checksum: str = ""
+
+    def checksum_of_numbers(self) -> str:
+        """Return the checksum of all that is computed with: every key but texts for the file's reader."""
+        numbers = self.model_dump(mode="json", exclude=FOR_READERS)
+        return hashlib.sha256(json.dumps(numbers, sort_keys=True).encode()).hexdigest()[:16]
 
 
 # Written for the file's reader; computed, not passed in, when a model is made.
-DERIVED = {"format", "version", "order", "unit", "quantity_min", "quantity_max"}
+DERIVED = {"format", "version", "order", "unit", "quantity_min", "quantity_max", "checksum"}
 
 
 def save_model(model: FittedCurve, path: str | PathLike[str]) -> None:
@@ -133,11 +145,13 @@ def _document(source: Path) -> dict[str, Any]:
 
 def _contents(model: FittedCurve) -> dict[str, Any]:
     """Return the keys of a model's file."""
-    return {
+    keys = {
         "format": MODEL_FORMAT,
         "version": MODEL_VERSION,
-        **{name: _plain(getattr(model, name)) for name in ModelFile.model_fields if name not in ("format", "version")},
+        **{name: _plain(getattr(model, name)) for name in ModelFile.model_fields if name not in NOT_OF_MODEL},
     }
+    contents = ModelFile.model_validate_json(json.dumps(keys, allow_nan=False))
+    return keys | {"checksum": contents.checksum_of_numbers()}
 
 
 def _plain(value: Any) -> Any:
@@ -187,6 +201,10 @@ def _check_derived(model: FittedCurve, contents: ModelFile) -> None:
                 f"{len(errors)} standard errors for {model.order + 1} coefficients: the file was altered, use another "
                 "copy"
             )
+    if contents.checksum and contents.checksum != contents.checksum_of_numbers():
+        raise CallerError(
+            "its numbers are not those that were written: the file was altered, use another copy or fit again"
+        )
 
 
 def _first(error: ValidationError) -> str:

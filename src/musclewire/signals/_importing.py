@@ -296,6 +296,12 @@ def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
     if not found - _COUNTERS and (plan.match.ignored or not found):
         what = "only the time" if found else "nothing"
         return f"{path}: {what} is usable of {listed}: map what was measured, as wire_voltage_v=HEADER:V"
+    shunt_ohm = plan.metadata.get("shunt_resistance_ohm")
+    if "shunt_voltage_v" in found and isinstance(shunt_ohm, int | float) and not 0.0 < shunt_ohm < np.inf:
+        return (
+            f"{path}: the voltage of a shunt of {shunt_ohm:g} ohm is no current: state its resistance "
+            "(shunt_resistance_ohm), or leave its column out"
+        )
     if "time_s" in found or needs_no_clock(found):
         return ""
     return (

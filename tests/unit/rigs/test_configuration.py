@@ -64,8 +64,8 @@ def test_a_rig_file_chooses_wire_seed_and_settings(rig_file) -> None:
     assert facts["leg_length_m"] == facts["wire_length_m"]
 
 
-def test_an_empty_rig_file_is_the_simulated_rig(rig_file) -> None:
-    assert open_rig(rig_file("")).metadata() == open_rig("simulated").metadata()
+def test_the_least_rig_file_is_the_simulated_rig(rig_file) -> None:
+    assert open_rig(rig_file("kind = 'simulated'\n")).metadata() == open_rig("simulated").metadata()
 
 
 def test_settings_of_the_call_win_over_those_of_the_file(rig_file) -> None:
@@ -245,3 +245,28 @@ def test_an_object_is_no_rig_and_the_message_says_how_a_device_of_ones_own_becom
 
 def test_a_plant_that_is_given_by_its_path_may_be_characterised() -> None:
     assert amplitude_is_given(CHECKOUT / "examples" / "plants" / "liang_rogers.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "states nothing"),
+        ("# kind = simulated\n", "states nothing"),
+        (f"kind = 'simulated'\nx = {'[' * 2000}{']' * 2000}\n", "nested too deeply"),
+        ("kind = 'simulated'\nsample_period = 1e-9\n", "sample_period: must be 1e-05 or more, not 1e-09"),
+        ("kind = 'simulated'\nsample_period = '1 ns'\n", "sample_period: must be 1e-05 or more, not '1 ns'"),
+    ],
+)
+def test_what_was_not_meant_is_refused_in_a_line(text: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "rig.toml").write_text(text)
+    with pytest.raises(CallerError, match=said) as told:
+        open_rig(tmp_path / "rig.toml")
+    assert "\n" not in str(told.value)
+
+
+def test_a_run_that_would_never_end_is_refused_before_anything_is_heated() -> None:
+    with (
+        open_rig("simulated") as rig,
+        pytest.raises(CallerError, match=r"a run of 9e\+12 s would take 1.8e\+14 samples"),
+    ):
+        characterize(rig, cycles=99_999_999_999)

@@ -72,6 +72,11 @@ def test_a_file_that_is_no_model_is_told_in_one_line(content: bytes, tmp_path: P
         (lambda d: d["heating_coefficients"].append(0.0), "fit both alike"),
         (lambda d: d.update(quantity_max=0.04), "the file was altered"),
         (lambda d: d.update(heating_standard_errors=[0.1]), "1 standard errors"),
+        (lambda d: d.update(rmse_average=1e-9), "its numbers are not those that were written"),
+        (lambda d: d.update(resistance_noise_ohm=0.0), "its numbers are not those that were written"),
+        (lambda d: d.update(hysteresis_gap=0.0), "its numbers are not those that were written"),
+        (lambda d: d["heating_samples"][3].reverse(), "its numbers are not those that were written"),
+        (lambda d: d["wire"].update(diameter_m=2e-4), "its numbers are not those that were written"),
     ],
 )
 def test_a_damaged_model_is_reported_in_one_line(
@@ -95,3 +100,17 @@ def test_numbers_of_numpy_are_written_as_plain_ones(model: SensingModel, tmp_pat
     odd = replace(model, resistance_min_ohm=np.float64(model.resistance_min_ohm), wire=wire)
     odd.save(tmp_path / "model.json")
     assert load_model(tmp_path / "model.json").wire == {"length_m": 0.14, "new": "True", "load_n": "nan"}
+
+
+def test_texts_for_a_reader_may_be_added_to_and_a_model_from_before_has_no_checksum(
+    model: SensingModel, tmp_path: Path
+) -> None:
+    path = tmp_path / "model.json"
+    model.save(path)
+    document = json.loads(path.read_text(encoding="utf-8"))
+    document["source"] = "the second spool"
+    path.write_text(json.dumps(document), encoding="utf-8")
+    assert load_model(path).source == "the second spool"
+    del document["checksum"]
+    path.write_text(json.dumps(document), encoding="utf-8")
+    assert load_model(path).rmse_average == model.rmse_average

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, RecordingError
+from musclewire.signals import read_recording
 from musclewire.signals._import_mapping import ImportMapping, load_mapping, save_mapping
 
 HEAD = 'format = "musclewire-mapping"\nversion = 1\n'
@@ -65,3 +66,10 @@ def test_a_wrong_mapping_file_is_named_in_one_line(tmp_path: Path, text: str, wo
 def test_a_missing_mapping_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(CallerError, match="no such file; save_mapping writes one"):
         load_mapping(tmp_path / "none.toml")
+
+
+def test_the_voltage_of_a_shunt_of_no_ohm_is_refused(tmp_path: Path) -> None:
+    rows = "".join(f"{0.05 * row},1.0,0.1\n" for row in range(3))
+    (tmp_path / "a.csv").write_text(f"# shunt_resistance_ohm = 0\ntime_s,wire_voltage_v,shunt_voltage_v\n{rows}")
+    with pytest.raises(RecordingError, match="the voltage of a shunt of 0 ohm is no current"):
+        read_recording(tmp_path / "a.csv")

@@ -127,5 +127,5 @@ def test_pandas_gets_the_columns_and_the_metadata(loop):
 
 def test_without_pandas_the_extra_is_named(loop, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(MissingExtraError, match=r"musclewire\[pandas\]"):
+    with pytest.raises(MissingExtraError, match=r'pip install "\.\[pandas\]" in the checkout'):
         loop.to_pandas()
