@@ -7,7 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -25,6 +25,11 @@ from musclewire.pages import AVERAGE, COOLING, HEATING, STYLE, TARGET, NumberCar
 from musclewire.signals import write_text_whole
 
 WIDTH, ROW_HEIGHT, COLUMNS = 9.6, 2.5, 4
+KELVIN_AT_0_DEGC = 273.15
+# Numbers whose names end so are shown in percent.
+PERCENT = ("gap", "stroke", "strain", "fraction", "rmse")
+EXTREMES = {"min": "least", "max": "largest", "mean": "mean"}
+WORDS = {"mae": "error", "rms": "rms error", "rmse": "rms error"}
 # The look of all pages, with powers of ten for numbers as small as a diameter in metres.
 LOOK: Mapping[Any, Any] = {**STYLE, "axes.formatter.limits": (-3, 5)}
 # A cloud of more points than this hides itself; they are taken evenly from all runs.
@@ -47,26 +52,60 @@ def panels(number: int, columns: int = COLUMNS) -> tuple[Figure, list[Any]]:
     return figure, axes[:number]
 
 
-def label(name: str, unit: str) -> str:
-    """Return the label of an axis."""
-    return f"{name} [{unit}]" if unit not in ("", "1") else name
+class ShownColumn(NamedTuple):
+    """A column of the data set as people read it: its name in words, its unit, and how its numbers become that."""
+
+    words: str
+    unit: str
+    factor: float = 1.0
+    zero: float = 0.0
+
+    @property
+    def label(self) -> str:
+        """The label of an axis."""
+        return f"{self.words} [{self.unit}]" if self.unit else self.words
+
+    def from_si(self, values: Any) -> Any:
+        """Return SI values in the shown unit; text stays as it is."""
+        return self.factor * (values - self.zero) if np.asarray(values).dtype.kind in "fiu" else values
+
+
+def shown_column(name: str, unit: str) -> ShownColumn:
+    """Return how a quantity or parameter of this name and SI unit is shown."""
+    if name.endswith("_pct"):
+        return ShownColumn(in_words(name.removesuffix("_pct")), "%")
+    words = in_words(name.removesuffix(f"_{unit.lower().replace('/', '_per_')}"))
+    if unit == "K" and "temperature" in name:
+        return ShownColumn(words, "°C", 1.0, KELVIN_AT_0_DEGC)
+    if unit == "1" and name.endswith(PERCENT):
+        return ShownColumn(words, "%", 100.0)
+    known = {"m": ("mm", 1e3), "Pa": ("MPa", 1e-6), "1": ("", 1.0)}
+    return ShownColumn(words, *known.get(unit, (unit, 1.0)))
+
+
+def in_words(name: str) -> str:
+    """Return a name in the code as words, what it is the least, largest or mean of first."""
+    words = name.replace(".", " ").split("_")
+    first = [EXTREMES[word] for word in words if word in EXTREMES]
+    return " ".join([*first, *(WORDS.get(word, word) for word in words if word not in EXTREMES)])
 
 
 def distribution_figure(result: StudyResult, names: Sequence[str]) -> Figure:
     """Draw how often each value of each quantity occurs."""
     with mpl.rc_context(dict(LOOK)):
         figure, axes = panels(len(names))
-        draw_distributions(axes, result, names, 5)
+        draw_distributions(axes, result, names, 4)
     return figure
 
 
 def draw_distributions(axes: Sequence[Any], result: StudyResult, names: Sequence[str], ticks: int) -> None:
     """Draw how often each value of each quantity occurs, a panel for each with so many ticks at most."""
     for axis, name in zip(axes, names, strict=True):
-        values = result.columns[name][np.isfinite(result.columns[name])]
+        shown = shown_column(name, result.plan.keep[name].unit)
+        values = shown.from_si(result.columns[name][np.isfinite(result.columns[name])])
         axis.hist(values, bins=BINS, color=COOLING, alpha=0.85)
         axis.axvline(float(np.median(values)), color=AVERAGE, linewidth=1.2)
-        axis.set_xlabel(label(name, result.plan.keep[name].unit))
+        axis.set_xlabel(shown.label)
         axis.set_ylabel("runs" if axis is axes[0] else "")
         axis.locator_params(axis="x", nbins=ticks)
         axis.set_axisbelow(True)
@@ -107,14 +146,16 @@ def numbers_of(result: StudyResult) -> list[str]:
 
 def over_parameters_figure(result: StudyResult, name: str) -> Figure:
     """Draw a quantity over each parameter: a point for each run, and the mean over the values of a grid's axis."""
-    design, values = result.plan.design, result.columns[name]
+    design, quantity = result.plan.design, shown_column(name, result.plan.keep[name].unit)
+    values = quantity.from_si(result.columns[name])
     varied = [parameter for parameter in design.names if np.unique(design.column(parameter)).size > 1]
     with mpl.rc_context(dict(LOOK)):
         figure, axes = panels(max(len(varied), 1))
         for axis, parameter in zip(axes, varied, strict=False):
-            cloud(axis, design.column(parameter), values)
-            axis.set_xlabel(label(parameter, design.units[parameter]))
-            axis.set_ylabel(label(name, result.plan.keep[name].unit) if axis is axes[0] else "")
+            shown = shown_column(parameter, design.units[parameter])
+            cloud(axis, shown.from_si(design.column(parameter)), values)
+            axis.set_xlabel(shown.label)
+            axis.set_ylabel(quantity.label if axis is axes[0] else "")
     return figure
 
 
@@ -139,18 +180,19 @@ def cloud(axis: Any, at: np.ndarray[Any, Any], values: FloatArray) -> None:
 
 def series_figure(result: StudyResult, name: str) -> Figure:
     """Draw a series of some runs over their samples, with the median of all runs."""
-    rows = result.columns[name][np.isfinite(result.columns[name]).any(axis=1)]
+    shown = shown_column(name, result.plan.keep[name].unit)
+    rows = shown.from_si(result.columns[name][np.isfinite(result.columns[name]).any(axis=1)])
     with mpl.rc_context(dict(LOOK)):
         figure, axes = panels(1)
         for row in rows[:: max(1, -(-len(rows) // MAX_LINES))]:
             axes[0].plot(row, color=TARGET, linewidth=0.6, alpha=0.7)
         axes[0].plot(np.nanmedian(rows, axis=0), color=AVERAGE)
         axes[0].set_xlabel("sample")
-        axes[0].set_ylabel(label(name, result.plan.keep[name].unit))
+        axes[0].set_ylabel(shown.label)
     return figure
 
 
-def index_figure(rows: Sequence[Sensitivity]) -> Figure:
+def index_figure(result: StudyResult, rows: Sequence[Sensitivity]) -> Figure:
     """Draw first and total indices, and PAWN's, of each quantity as bars."""
     quantities = list(dict.fromkeys(row.quantity for row in rows))
     with mpl.rc_context(dict(LOOK)):
@@ -158,24 +200,40 @@ def index_figure(rows: Sequence[Sensitivity]) -> Figure:
         parameters = len({row.parameter for row in rows})
         figure.set_size_inches(WIDTH, max(1.4, 0.5 + 0.32 * parameters) * -(-len(quantities) // 2))
         for axis, quantity in zip(axes, quantities, strict=True):
-            bars(axis, [row for row in rows if row.quantity == quantity])
-            axis.set_title(quantity, fontsize=9.5, loc="left")
+            here = [row for row in rows if row.quantity == quantity]
+            bars(axis, here)
+            axis.set_yticks(range(len(here)), [parameter_words(result, row.parameter) for row in here])
+            axis.set_title(quantity_words(result, quantity), fontsize=9.5, loc="left")
         handles, labels = axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
     return figure
 
 
+def quantity_words(result: StudyResult, name: str) -> str:
+    """Return a quantity in words."""
+    return shown_column(name, result.plan.keep[name].unit).words
+
+
+def parameter_words(result: StudyResult, name: str) -> str:
+    """Return a parameter in words."""
+    return shown_column(name, result.plan.design.units[name]).words
+
+
 def bars(axis: Any, rows: Sequence[Sensitivity]) -> None:
     """Draw the indices of one quantity."""
     kinds = {"first": COOLING, "total": HEATING, "pawn": TARGET}
+    names = {
+        "first": "alone (first index)",
+        "total": "with interactions (total index)",
+        "pawn": "on the whole distribution (PAWN)",
+    }
     known = {kind: colour for kind, colour in kinds.items() if any(getattr(row, kind) is not None for row in rows)}
     height = 0.8 / len(known)
     for place, (kind, colour) in enumerate(known.items()):
         lengths = [max(getattr(row, kind) or 0.0, 0.0) for row in rows]
         errors = None if kind == "pawn" else [getattr(row, f"{kind}_error") or 0.0 for row in rows]
         at = np.arange(len(rows)) + (place - 0.5 * (len(known) - 1)) * height
-        axis.barh(at, lengths, height, xerr=errors, color=colour, label=kind, error_kw={"linewidth": 0.8})
-    axis.set_yticks(range(len(rows)), [row.parameter for row in rows])
+        axis.barh(at, lengths, height, xerr=errors, color=colour, label=names[kind], error_kw={"linewidth": 0.8})
     axis.invert_yaxis()
     axis.set_xlim(0.0, None)
 
@@ -239,14 +297,24 @@ def page_text(result: StudyResult, indices: Sequence[Sensitivity]) -> str:
         quantities=quantity_rows(result, numbers),
         distributions=svg_in_frame(distribution_figure(result, numbers), "distributions") if numbers else "",
         over=[
-            (name, svg_in_frame(over_parameters_figure(result, name), f"over-{name}")) for name in numbers[:MAX_FIGURES]
+            (
+                quantity_words(result, name),
+                plan.keep[name].meaning,
+                svg_in_frame(over_parameters_figure(result, name), f"over-{name}"),
+            )
+            for name in numbers[:MAX_FIGURES]
         ],
         series=[svg_in_frame(series_figure(result, name), f"series-{name}") for name in series[:MAX_FIGURES]],
         indices=[
-            (row.quantity, row.parameter, row.method, *("–" if value is None else f"{value:.3f}" for value in row[3:]))
+            (
+                quantity_words(result, row.quantity),
+                parameter_words(result, row.parameter),
+                row.method,
+                *("–" if value is None else f"{value:.3f}" for value in row[3:]),
+            )
             for row in indices
         ],
-        index_figure=svg_in_frame(index_figure(indices), "indices") if indices else "",
+        index_figure=svg_in_frame(index_figure(result, indices), "indices") if indices else "",
         failed=result.failed,
         failures=[(count, examples[words]) for words, count in known.most_common(MAX_FAILURES)],
         more_failures=max(len(known) - MAX_FAILURES, 0),
@@ -279,12 +347,13 @@ def parameter_rows(result: StudyResult) -> list[tuple[str, ...]]:
     design = result.plan.design
     rows: list[tuple[str, ...]] = []
     for name in design.names:
-        column = design.column(name)
+        shown = shown_column(name, design.units[name])
+        column = shown.from_si(design.column(name))
         different = np.unique(column)
         how = "grid" if name in {axis.name for axis in design.axes} else design.method
         is_number = column.dtype.kind in "fiu"
         ends = (f"{column.min():.6g}", f"{column.max():.6g}") if is_number else (", ".join(map(str, different)), "")
-        rows.append((name, design.units[name], how, *ends, str(different.size)))
+        rows.append((shown.words, shown.unit, how, *ends, str(different.size), name))
     return rows
 
 
@@ -292,7 +361,8 @@ def quantity_rows(result: StudyResult, names: Sequence[str]) -> list[tuple[str, 
     """Return the distribution of each quantity in numbers."""
     rows = []
     for name in names:
-        values = result.columns[name][np.isfinite(result.columns[name])]
+        shown = shown_column(name, result.plan.keep[name].unit)
+        values = shown.from_si(result.columns[name][np.isfinite(result.columns[name])])
         spread = (values.min(), *np.percentile(values, (5.0, 50.0, 95.0)), values.max(), values.mean(), values.std())
-        rows.append((name, result.plan.keep[name].unit, *(f"{value:.5g}" for value in spread), str(values.size)))
+        rows.append((shown.words, shown.unit, *(f"{value:.5g}" for value in spread), str(values.size), name))
     return rows
