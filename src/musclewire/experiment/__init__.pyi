@@ -23,7 +23,6 @@ from ._drive import PulseTrain as PulseTrain
 from ._drive import WithTruth as WithTruth
 from ._drive import drive_wire as drive_wire
 from ._drive import pulses_of as pulses_of
-from ._extrapolation import extrapolation_warnings as extrapolation_warnings
 from ._health import result_holds as result_holds
 from ._home import home as home
 from ._home import home_duration_s as home_duration_s

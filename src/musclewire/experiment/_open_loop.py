@@ -300,7 +300,8 @@ def characterize(
     if until_level and amplitude_v is None:
         found = levelling_amplitude(rig, run.get("on_sample"))
         amplitude_v = found.amplitude_v
-        raised = {"amplitude_raised": "until the fall levelled off" if found.levelled else found.stopped_by}
+        if amplitude_v > rig.drive_amplitude_v:
+            raised = {"amplitude_raised": "until the fall levelled off" if found.levelled else found.stopped_by}
     sine = slow_sine_run(rig, amplitude_v, period_s, cycles)
     try:
         recording = run_on_rig(rig, sine.policy, sine.duration_s, metadata={**sine.metadata, **raised}, **run)

@@ -17,6 +17,10 @@ from ._electrical_sizing import steady_temperature_k as steady_temperature_k
 from ._electrical_sizing import suggested_shunt as suggested_shunt
 from ._electrical_sizing import wire_row as wire_row
 from ._electrical_sizing import wire_table as wire_table
+from ._extrapolation import extrapolation_metadata as extrapolation_metadata
+from ._extrapolation import extrapolation_warnings as extrapolation_warnings
+from ._extrapolation import reached_in as reached_in
+from ._extrapolation import whole_section_m2 as whole_section_m2
 from ._home.homing import Homing as Homing
 from ._home.homing import homed_model as homed_model
 from ._home.homing import homing_figure as homing_figure

@@ -22,7 +22,7 @@ from musclewire.parameters import (
     wire_file_text,
 )
 from musclewire.rigs._abilities import ability
-from musclewire.rigs._configuration import RigConfiguration, amplitude_is_given, open_rig, read_rig_file, rig_names
+from musclewire.rigs._configuration import RigConfiguration, open_rig, read_rig_file, rig_names
 from musclewire.rigs._device import HasTrueState
 from musclewire.rigs._outside import OutsideConfiguration
 
@@ -236,5 +236,6 @@ def test_an_object_is_no_rig_and_the_message_says_how_a_device_of_ones_own_becom
         open_rig(Supply())  # type: ignore[arg-type]
 
 
-def test_a_plant_that_is_given_by_its_path_may_be_characterised() -> None:
-    assert amplitude_is_given(CHECKOUT / "examples" / "plants" / "liang_rogers.toml")
+def test_a_plant_that_is_given_by_its_path_is_opened() -> None:
+    with open_rig(CHECKOUT / "examples" / "plants" / "liang_rogers.toml") as rig:
+        assert rig.drive_amplitude_v > rig.sense_voltage_v
