@@ -322,5 +322,7 @@ def in_si(name: str, text: str | None) -> float | None:
     except CallerError as error:
         raise CallerError(f"{name}: {error}") from None
     if not kind.low <= value <= kind.high:
+        if not kind.unit and kind.high == 1.0 and BARE.fullmatch(text) and 1.0 < value <= 100.0:
+            raise CallerError(f"{name}: {text} is outside 0 to 1: for {text} % write '{text} %'")
         raise CallerError(f"{name}: {text} is outside {kind.low:g} to {kind.high:g} {kind.unit}")
     return value

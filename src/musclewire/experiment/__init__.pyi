@@ -62,6 +62,7 @@ from ._run import what_protects as what_protects
 from ._run_warnings import friction_warnings as friction_warnings
 from ._run_warnings import run_warnings as run_warnings
 from ._run_warnings import step_warnings as step_warnings
+from ._speed_limits import check_targets as check_targets
 from ._speed_limits import speed_limits as speed_limits
 from ._speed_limits import staircase_within as staircase_within
 from ._timing_facts import timing_json as timing_json

@@ -189,8 +189,8 @@ def allowed_amplitude_v(rig: Rig, amplitude_v: float | None) -> float:
     if amplitude > rig.maximum_voltage_v:
         raise CallerError(
             f"amplitude {amplitude:g} V is {amplitude - rig.maximum_voltage_v:.3g} V above the rig's maximum of "
-            f"{rig.maximum_voltage_v:g} V: drive less or, if the wire bears it, raise the rig file's setting "
-            "maximum_voltage_v"
+            f"{rig.maximum_voltage_v:g} V: drive less or, if the wire bears it, raise the rig file's "
+            "maximum_voltage"
         )
     return amplitude
 

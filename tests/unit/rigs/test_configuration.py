@@ -103,6 +103,8 @@ def test_a_setting_without_its_unit_or_in_a_wrong_one_is_refused(given: str) -> 
         ("load = []", "load is empty: give a [[load]] part, or leave load out for the bench's spring"),
         ('[surroundings]\nambient_swing = "3 degC"', "a difference of temperatures is needed, like '3 K'"),
         ("seed = ", "cannot be read"),
+        ('seed = 2\nwire = "paper-100um\nlegs = 2', "cannot be read: a quote is not closed in line 2"),
+        ("wire_length = 60", 'no wire of the catalogue has or survives it; for 60 mm write "60 mm"; if'),
     ],
 )
 def test_a_mistake_in_a_rig_file_is_one_line_with_a_hint(rig_file, text: str, hint: str) -> None:

@@ -389,7 +389,7 @@ def warnings_for(plan: SupplyPlan, numbers: DriveNumbers, settled_k: float) -> l
     limit = OVERHEATED_K - 273.15
     if numbers.melted:
         found.append(
-            f"the wire would have melted (NiTi: {MELTING_K - 273.15:.0f} C): these numbers mean nothing, drive it less"
+            f"the wire would have melted (NiTi: {MELTING_K - 273.15:.0f} C): nothing is shown of it, drive it less"
         )
     elif numbers.temperature_peak_k > OVERHEATED_K:
         found.append(
