@@ -13,7 +13,9 @@ for row in sweep.rows:
     print(f"{row.pretension_n:5.2f} N   gap {row.strain_gap_pct:6.3f} %   stroke {row.stroke_pct:5.2f} %")
 for failure in sweep.failures:
     print(f"not usable: {failure}")
-print(f"best: {sweep.best.pretension_n:.2f} N")
+if sweep.best is not None:
+    print(f"best: {sweep.best.pretension_n:.2f} N")
+print(sweep.advice)
 
 axes = sweep.plot()
 print(f"the figure shows {len(axes.get_lines())} lines; save it with axes.figure.savefig(...)")

@@ -8,6 +8,7 @@ reading text. A message is one line that says what is wrong, where, and what to 
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 
 __all__ = [
@@ -22,6 +23,7 @@ __all__ = [
     "an_object",
     "installed_by",
     "nearest_hint",
+    "toml_problem",
 ]
 
 
@@ -93,6 +95,25 @@ def an_object(thing: object) -> str:
     """
     name = type(thing).__name__
     return f"{'an' if name[0].lower() in 'aeiou' else 'a'} {name}"
+
+
+def toml_problem(error: Exception) -> str:
+    """Return what is wrong with a TOML text, by its reader's exception: a quote that is not closed by its name.
+
+    Parameters
+    ----------
+    error
+        The reader's exception; a quote that is left open is, to it, an end of line where none may be.
+
+    Returns
+    -------
+    The problem in words, with its line.
+    """
+    text = str(error)
+    line = re.search(r"at line (\d+)", text)
+    if line and "Illegal character '\\n'" in text:
+        return f"a quote is not closed in line {line[1]}"
+    return text
 
 
 def nearest_hint(name: str, known: Iterable[str]) -> str:

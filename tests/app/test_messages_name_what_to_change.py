@@ -42,7 +42,32 @@ def test_a_sweep_warns_on_stderr_and_in_json(musclewire: Callable[..., Any], tmp
     rig = tmp_path / "stiff.toml"
     rig.write_text('[[load]]\npart = "spring"\nstiffness = "2000 N/m"\n', "utf-8")
     answer = musclewire("pretension", rig, "--at", "0.5 N", "--at", "3 N", "--cycles", "1", "--period", "60", "--json")
-    assert answer.code == 0, answer.err
+    assert (answer.code, answer.json["best_pretension_n"]) == (1, None)
+    assert answer.json["advice"].startswith("no pretension of these is within the wire's limit")
     (warning,) = [text for text in answer.json["warnings"] if "allowed (maximum_force_n" in text]
     assert warning.startswith("pretension 3 N: the wire pulls with up to ")
     assert f"warning: {warning}" in answer.err
+
+
+def test_a_staircase_is_answered_in_the_unit_in_which_it_was_asked_for(
+    musclewire: Callable[..., Any], model: Any
+) -> None:
+    def refusal(reference: str) -> str:
+        return str(musclewire("control", "simulated", model, "--reference", reference).refusal)
+
+    assert "the reference goes from 0.5 to 6 %, but this model senses strain only from" in refusal(
+        "0.5 % to 6 % by 0.6 %"
+    )
+    assert refusal("1 % to 3 % by 0.6 %").endswith("from 1 % to 3 %: increments of 0.6 % miss the stop; try 0.666667 %")
+
+
+def test_numbers_outside_an_options_range_are_answered_with_what_may_be_meant(
+    musclewire: Callable[..., Any], tmp_path: Any
+) -> None:
+    loop = ("characterize", "simulated", "-o", tmp_path / "loop.h5")
+    assert musclewire(*loop, "--cycles", "0").refusal == "musclewire: --cycles: give at least 1"
+    assert musclewire(*loop, "--cycles", "two").refusal == "musclewire: --cycles: give a whole number"
+    above = musclewire(*loop, "--amplitude", "12 V").refusal
+    assert above.endswith("raise the rig file's maximum_voltage")
+    both = musclewire(*loop, "--amplitude", "3 V", "--until-level").refusal
+    assert "leave out --amplitude, or --until-level" in both

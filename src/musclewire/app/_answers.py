@@ -111,7 +111,7 @@ class FittedRange(AnswerModel):
 class DemoAnswer(LoopErrors, FittedRange):
     """Of ``demo``."""
 
-    best_pretension_n: float
+    best_pretension_n: float | None
     time_step_s: float
     warnings: Words
     seed: int
@@ -232,8 +232,9 @@ class PretensionAnswer(AnswerModel):
     """Of ``pretension``."""
 
     rows: tuple[Annotated[PretensionRow, AnswerRecord(without=("recording",))], ...]
-    best_pretension_n: float
+    best_pretension_n: float | None
     largest_pretension_n: float | None
+    advice: str
     failures: Words
     warnings: Words
 

@@ -84,9 +84,8 @@ def calibrate(
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
     """Identify the physical parameters of your wire from recordings of it, with uncertainty."""
-    from musclewire.experiment import extrapolation_warnings
     from musclewire.identify import calibrate as run_calibrate
-    from musclewire.identify import next_experiments, save_wire
+    from musclewire.identify import extrapolation_warnings, next_experiments, save_wire
 
     page = report or (output.with_suffix(".html") if output is not None else None)
     require_written(output, ".toml", "a wire", overwrite)

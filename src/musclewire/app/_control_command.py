@@ -89,7 +89,7 @@ def control(
 
     loaded = load_model(model)
     load = known_spring(loaded, model, loop.quantity, in_si("--known-stiffness", loop.known_stiffness))
-    target = read_reference(loop.reference, loop.quantity)
+    target = read_reference(loop.reference, loop.quantity, loaded)
     choice = choice_of(loop, load)
     homing.check(on_board=loop.on_board)
     refuse_single_run_options(many, single_run_options(loop, timing, figure, output, overwrite) | homing.given())
@@ -295,10 +295,12 @@ def staircase_for(loaded: SensingModel, load: KnownSpring | None, leg_length_m: 
     return staircase_within(loaded if load is None else force_model(loaded, load.stiffness_n_per_m, leg_length_m))
 
 
-def read_reference(reference: str, quantity: str) -> Reference | None:
+def read_reference(reference: str, quantity: str, loaded: SensingModel) -> Reference | None:
     """Return the steps that the text describes, or the targets in a recording file; None for the built-in staircase."""
     from musclewire.controllers import sampled_reference, staircase
+    from musclewire.experiment import check_targets
     from musclewire.identify import COLUMN_SUFFIX
+    from musclewire.sensing import SHOWN_AS
     from musclewire.signals import parse_quantity, read_recording
 
     if reference == "staircase":
@@ -306,7 +308,11 @@ def read_reference(reference: str, quantity: str) -> Reference | None:
     if steps := STEPS.fullmatch(reference.strip()):
         unit = {"strain": "", "displacement": "m", "force": "N"}[quantity]
         start, stop, by = (parse_quantity(text, unit) for text in steps.groups())
-        return staircase(start, stop, by)
+        # Whether the top is within the model's range matters more than whether the increments meet it.
+        if quantity == loaded.quantity and stop > start:
+            whole = staircase(start, stop, stop - start)
+            check_targets(loaded, whole, whole.hold_s)
+        return staircase(start, stop, by, shown_as=SHOWN_AS[quantity])
     if not Path(reference).exists():
         raise CallerError(
             f"there is no reference '{reference}'{nearest_hint(reference, ['staircase'])}, or give a file"

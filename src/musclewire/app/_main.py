@@ -6,6 +6,7 @@ made safe; 130 and 143 interrupted by Ctrl-C and SIGTERM, rig made safe.
 
 from __future__ import annotations
 
+import re
 import sys
 from typing import Annotated, Any
 
@@ -80,9 +81,21 @@ def run(arguments: list[str] | None = None) -> int:
         return 1
 
 
+# What a value outside an option's range, or of another kind, is answered with by the library that checks it.
+INVALID = r"Invalid value for '(--?[\w-]+)[^']*': Input should be "
+IN_OUR_WORDS = (
+    (INVALID + r"greater than or equal to (\S+?)\.?$", r"\1: give at least \2"),
+    (INVALID + r"less than or equal to (\S+?)\.?$", r"\1: give at most \2"),
+    (INVALID + r"a valid integer.*$", r"\1: give a whole number"),
+    (INVALID + r"a valid number.*$", r"\1: give a number without a unit"),
+)
+
+
 def usage_line(error: Any) -> str:
     """Return what is wrong with a command line, and where the right words are listed unless a near one was named."""
     message, context = str(error.format_message()), error.ctx
+    for words, ours in IN_OUR_WORDS:
+        message = re.sub(words, ours, message)
     near = "Did you mean" in message or "Possible" in message
     if context is None or near or not message.startswith("No such"):
         return message

@@ -104,6 +104,7 @@ RIG = option(
 
 # The slow sine and what is compared by it.
 AMPLITUDE = quantity("--amplitude", "V", "Amplitude of the slow sine, as '3.2 V'.")
+UNTIL_LEVEL = option("--until-level", help="Raise the amplitude until the resistance levels off or a limit is met.")
 PERIOD = quantity("--period", "s", "Period of the slow sine, as '90 s'.", 1.0, 86400.0, "s")
 CYCLES = option("--cycles", help="Cycles at each setting; the last is analysed.", min=1)
 MAX_CYCLES = option("--max-cycles", help="Stop after this many cycles at the latest.", min=2)
@@ -327,5 +328,7 @@ def in_si(name: str, text: str | None) -> float | None:
     except CallerError as error:
         raise CallerError(f"{name}: {error}") from None
     if not kind.low <= value <= kind.high:
+        if not kind.unit and kind.high == 1.0 and BARE.fullmatch(text) and 1.0 < value <= 100.0:
+            raise CallerError(f"{name}: {text} is outside 0 to 1: for {text} % write '{text} %'")
         raise CallerError(f"{name}: {text} is outside {kind.low:g} to {kind.high:g} {kind.unit}")
     return value

@@ -20,6 +20,7 @@ from musclewire.app._options import (
     PERIOD,
     QUANTITY,
     SEED,
+    UNTIL_LEVEL,
     RigName,
     in_si,
     output_option,
@@ -27,11 +28,11 @@ from musclewire.app._options import (
 from musclewire.app._output import Result, progress_bar, say, table, tell, warn
 from musclewire.app._rig_options import SlowSineOptions, TimingOptions
 from musclewire.app._stopping import opened_rig, stop_if_asked, stops_between_samples
-from musclewire.errors import RecordingError
+from musclewire.errors import CallerError, RecordingError
 
 if TYPE_CHECKING:
     from musclewire.app._answers import CharacterizeAnswer
-    from musclewire.experiment import OnSample, PretensionSweep
+    from musclewire.experiment import OnSample, PretensionRow, PretensionSweep
     from musclewire.rigs import GuardedRig
     from musclewire.signals import Recording
 
@@ -72,7 +73,7 @@ def demo(
         strain_gap_pct=100 * result.gaps.strain_gap,
         resistance_min_ohm=model.resistance_min_ohm,
         resistance_max_ohm=model.resistance_max_ohm,
-        best_pretension_n=sweep.best.pretension_n,
+        best_pretension_n=None if sweep.best is None else sweep.best.pretension_n,
         time_step_s=run.metadata["time_step_s"],
         warnings=warnings,
         seed=seed,
@@ -94,16 +95,17 @@ def characterize(
     figure: FigureOptions,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
+    until_level: Annotated[bool, UNTIL_LEVEL] = False,
 ) -> Result:
     """Heat and cool the wire slowly (the slow sine) and record it."""
     from musclewire.experiment import characterize as run_characterize
     from musclewire.experiment import run_warnings
-    from musclewire.rigs import amplitude_is_given
 
     period_s = sine.period_s
     require_recording_file(output, overwrite)
     figure.check()
-    until_level = sine.amplitude is None and not amplitude_is_given(rig)
+    if until_level and sine.amplitude is not None:
+        raise CallerError("--until-level raises the rig's own amplitude: leave out --amplitude, or --until-level")
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         amplitude_v = sine.amplitude_v
         refused = timing.apply(opened)
@@ -223,9 +225,9 @@ def pretension(
         say(f"not usable: {failure}")
     warn(sweep.warnings)
     figure.draw(sweep.plot)
-    best_n, largest_n = sweep.best.pretension_n, sweep.largest_n
-    answer = PretensionAnswer.read_from(sweep, best_pretension_n=best_n, largest_pretension_n=largest_n)
-    return Result(answer, sweep_text(sweep, quantity))
+    best_n = None if sweep.best is None else sweep.best.pretension_n
+    answer = PretensionAnswer.read_from(sweep, best_pretension_n=best_n, largest_pretension_n=sweep.largest_n)
+    return Result(answer, sweep_text(sweep, quantity), holds=best_n is not None)
 
 
 @contextmanager
@@ -245,12 +247,26 @@ def sweep_text(sweep: PretensionSweep, quantity: str) -> str:
     """Return a line for each pretension with its gaps, and the best one."""
     names = dict.fromkeys((quantity, "strain", "force"))
     shown = [name for name in names if any(row.gap_pct(name) is not None for row in sweep.rows)]
-    rows = ([f"{row.pretension_n:.2f} N", *(percent(row.gap_pct(name)) for name in shown)] for row in sweep.rows)
-    lines = [table(["pretension", *(f"{name} gap" for name in shown)], rows, left=())]
+    rows = (
+        [f"{row.pretension_n:.2f} N", *(percent(row.gap_pct(name)) for name in shown), pull(row)] for row in sweep.rows
+    )
+    lines = [table(["pretension", *(f"{name} gap" for name in shown), "largest pull"], rows, left=())]
     level = {f"{row.pretension_n:.2f}": row.no_force_gap for row in sweep.rows if row.no_force_gap}
     why = [f"no force gap at {', '.join(level)} N: {next(iter(level.values()))}"] if level else []
-    limit = "" if sweep.largest_n is None else f"; at most {sweep.largest_n:.2f} N by the vendor's stress"
-    return "\n".join([*lines, *why, f"best: {sweep.best.pretension_n:.2f} N{limit}"])
+    found = "none" if sweep.best is None else f"{sweep.best.pretension_n:.2f} N"
+    limit = (
+        ""
+        if sweep.largest_n is None
+        else f"; at most {sweep.largest_n:.2f} N by the vendor's stress in motion (above it: !)"
+    )
+    return "\n".join([*lines, *why, f"best: {found}{limit}", *filter(None, [sweep.advice])])
+
+
+def pull(row: PretensionRow) -> str:
+    """Return the largest pull of a setting's loop, marked where it is above the vendor's; a dash for none."""
+    if row.largest_force_n is None:
+        return "-"
+    return f"{row.largest_force_n:.2f} N{'' if row.within_limit else ' !'}"
 
 
 def percent(gap_pct: float | None) -> str:

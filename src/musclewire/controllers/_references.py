@@ -211,12 +211,20 @@ class SampledReference(HeldTargets):
         return float(self.time_s[-1])
 
 
+def as_shown(value: float, shown_as: tuple[float, str]) -> str:
+    """Return a number in the factor and unit of a message."""
+    factor, unit = shown_as
+    return f"{factor * value:.6g} {unit}".rstrip()
+
+
 def staircase(
     start: float = 0.015,
     stop: float = 0.030,
     increment: float = 0.003,
     hold_s: float = 6.0,
     return_trip: bool = True,
+    *,
+    shown_as: tuple[float, str] = (1.0, ""),
 ) -> Staircase:
     """Return the paper's staircase (Fig. 11): up in equal increments and back.
 
@@ -234,6 +242,8 @@ def staircase(
         Duration of each level [s]; 6 s in the paper.
     return_trip
         Whether it also returns to the first level, as in the paper.
+    shown_as
+        Factor and unit in which messages name levels, as 100 and "%".
 
     Returns
     -------
@@ -257,15 +267,15 @@ def staircase(
     if not all(math.isfinite(value) for value in (start, stop, increment)):
         raise CallerError(f"staircase from {start} to {stop} by {increment}: every number must be finite")
     if increment <= 0.0 or stop <= start:
+        first, last, step = (as_shown(value, shown_as) for value in (start, stop, increment))
         raise CallerError(
-            f"staircase from {start} to {stop} by {increment}: stop must be above start and the increment above zero"
+            f"staircase from {first} to {last} by {step}: stop must be above start and the increment above zero"
         )
     count = round((stop - start) / increment)
     if count < 1 or abs(start + count * increment - stop) > 1e-9 * (abs(start) + abs(stop)):
         nearest = (stop - start) / max(count, 1)
-        raise CallerError(
-            f"staircase from {start} to {stop}: increments of {increment} miss the stop; try {nearest:.6g}"
-        )
+        first, last, step, near = (as_shown(value, shown_as) for value in (start, stop, increment, nearest))
+        raise CallerError(f"staircase from {first} to {last}: increments of {step} miss the stop; try {near}")
     rise = [float(f"{start + index * increment:.12g}") for index in range(count + 1)]
     return Staircase(tuple(rise + rise[-2::-1] if return_trip else rise), float(hold_s))
 

@@ -26,7 +26,7 @@ from typing import Annotated, Any, Literal, TypeAlias, get_args
 from pydantic import BeforeValidator, Field, model_validator
 
 from musclewire.controllers._schema import StrictModel
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import CallerError, nearest_hint, toml_problem
 
 DEFAULT_RULE_BASE = "zhao-1993"
 SetName: TypeAlias = Literal["NB", "NM", "NS", "ZO", "PS", "PM", "PB"]
@@ -222,7 +222,7 @@ def parse_rule_base(text: str, where: str = "rule base") -> RuleBase:
         values = _with_parent(tomllib.loads(text))
         return RuleBase(**values)
     except tomllib.TOMLDecodeError as error:
-        raise CallerError(f"{where}: not valid TOML: {error}") from None
+        raise CallerError(f"{where}: not valid TOML: {toml_problem(error)}") from None
     except CallerError as error:
         raise CallerError(f"{where}: {error}") from None
 

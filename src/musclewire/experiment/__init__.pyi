@@ -23,7 +23,6 @@ from ._drive import PulseTrain as PulseTrain
 from ._drive import WithTruth as WithTruth
 from ._drive import drive_wire as drive_wire
 from ._drive import pulses_of as pulses_of
-from ._extrapolation import extrapolation_warnings as extrapolation_warnings
 from ._health import result_holds as result_holds
 from ._home import home as home
 from ._home import home_duration_s as home_duration_s
@@ -63,6 +62,7 @@ from ._run import what_protects as what_protects
 from ._run_warnings import friction_warnings as friction_warnings
 from ._run_warnings import run_warnings as run_warnings
 from ._run_warnings import step_warnings as step_warnings
+from ._speed_limits import check_targets as check_targets
 from ._speed_limits import speed_limits as speed_limits
 from ._speed_limits import staircase_within as staircase_within
 from ._timing_facts import timing_json as timing_json

@@ -21,14 +21,13 @@ from musclewire.controllers import ControllerFactory, Reference
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.experiment._closed_loop import LoopChoice, PreparedLoop, control, prepared_loop
 from musclewire.experiment._endings import cause_of, software_version
-from musclewire.experiment._extrapolation import extrapolation_metadata
 from musclewire.experiment._health import health_metadata
 from musclewire.experiment._loop_outcomes import LoopOutcome, ManyControlRuns
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import what_protects
 from musclewire.experiment._run_warnings import run_warnings
 from musclewire.experiment._timing_facts import NO_CLOCK
-from musclewire.identify import COLUMN_SUFFIX
+from musclewire.identify import COLUMN_SUFFIX, extrapolation_metadata
 from musclewire.rigs import (
     CompiledLoopEnd,
     CompiledRun,

@@ -190,8 +190,8 @@ def allowed_amplitude_v(rig: Rig, amplitude_v: float | None) -> float:
     if amplitude > rig.maximum_voltage_v:
         raise CallerError(
             f"amplitude {amplitude:g} V is {amplitude - rig.maximum_voltage_v:.3g} V above the rig's maximum of "
-            f"{rig.maximum_voltage_v:g} V: drive less or, if the wire bears it, raise the rig file's setting "
-            "maximum_voltage_v"
+            f"{rig.maximum_voltage_v:g} V: drive less or, if the wire bears it, raise the rig file's "
+            "maximum_voltage"
         )
     return amplitude
 
@@ -301,7 +301,8 @@ def characterize(
     if until_level and amplitude_v is None:
         found = levelling_amplitude(rig, run.get("on_sample"))
         amplitude_v = found.amplitude_v
-        raised = {"amplitude_raised": "until the fall levelled off" if found.levelled else found.stopped_by}
+        if amplitude_v > rig.drive_amplitude_v:
+            raised = {"amplitude_raised": "until the fall levelled off" if found.levelled else found.stopped_by}
     sine = slow_sine_run(rig, amplitude_v, period_s, cycles)
     try:
         recording = run_on_rig(rig, sine.policy, sine.duration_s, metadata={**sine.metadata, **raised}, **run)

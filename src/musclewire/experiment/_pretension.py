@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from musclewire.errors import CallerError, RecordingError, nearest_hint
-from musclewire.experiment._extrapolation import extrapolation_warnings, whole_section_m2
 from musclewire.experiment._open_loop import SlowSine, characterize
 from musclewire.experiment._run import OnSample, file_in
 from musclewire.experiment._run_warnings import instrument_warnings
-from musclewire.identify import QUANTITIES, LoopGaps, loop_gaps
-from musclewire.parameters import ValidityLimits
+from musclewire.identify import QUANTITIES, LoopGaps, extrapolation_warnings, loop_gaps, reached_in, whole_section_m2
+from musclewire.parameters import ValidityLimits, exceeds
 from musclewire.rigs import HasStage, Rig, ability
 from musclewire.signals import MetadataValue, Recording, RunFacts
 
@@ -30,6 +29,8 @@ DEFAULT_POINTS = 8
 SETTING_RATIOS = (0.25, 2.0)
 # Where the vendor's stress ends the range, it begins at most at this fraction of that pretension.
 MIN_OF_LARGEST = 0.35
+# A setting at the vendor's stress in motion is added to the default ones if none is as near to it [N over the limit].
+NEAR_LIMIT = 0.02
 COLOURS = {"strain": "#1f6f8b", "force": "#c8553d", "displacement": "#1f6f8b"}
 
 
@@ -53,6 +54,11 @@ class PretensionRow:
         The loop.
     no_force_gap
         Why there is no gap of force; "" if there is one.
+    largest_force_n
+        Largest pull of the wire in the loop [N]; the pretension without a load cell, None if the rig does not state its
+        wire.
+    within_limit
+        Whether that is within the stress that the wire's vendor names for many cycles; True if no limit is known.
     """
 
     pretension_n: float
@@ -62,6 +68,8 @@ class PretensionRow:
     stroke_pct: float
     recording: Recording
     no_force_gap: str = ""
+    largest_force_n: float | None = None
+    within_limit: bool = True
 
     def gap_pct(self, quantity: str) -> float | None:
         """Return the gap of strain, force or displacement; None if there is none in the recording."""
@@ -88,21 +96,46 @@ class PretensionSweep:
     warnings
         A sentence for each setting at which the wire pulled harder than it may, and what the recommended setting and
         those of the lowest and the highest stress exceed.
+    limit_n
+        Pull [N] under which the wire has the stress that its vendor names for many cycles; None if the rig does not
+        state it.
     largest_n
-        Pretension [N] at which the cold wire is under the stress that its vendor names for many cycles; None if the
-        rig does not state it. No setting above it is recommended while one below it gave a loop.
+        Largest pretension [N] at which the wire would not pull harder than that while it contracts, from the loop
+        nearest to it; 0 if none is left, None without a limit.
     """
 
     rows: tuple[PretensionRow, ...]
     failures: tuple[str, ...]
     quantity: str = "strain"
     warnings: tuple[str, ...] = ()
+    limit_n: float | None = None
     largest_n: float | None = None
 
     @property
-    def best(self) -> PretensionRow:
-        """The setting with the smallest gap of the sweep's quantity, of those within the vendor's limit if any is."""
-        return best_of(self.rows, self.quantity, self.largest_n)
+    def best(self) -> PretensionRow | None:
+        """The setting with the smallest gap of those whose wire is within its vendor's stress; None if none is."""
+        return smallest_gap([row for row in self.rows if row.within_limit], self.quantity)
+
+    @property
+    def advice(self) -> str:
+        """What helps where the vendor's stress leaves no setting, or not that of the smallest gap; "" if it does."""
+        best, smallest = self.best, smallest_gap(self.rows, self.quantity)
+        if smallest is None or smallest is best or self.limit_n is None:
+            return ""
+        limit = f"the {self.limit_n:.2f} N of its vendor's stress for many cycles"
+        if best is None:
+            least = min(self.rows, key=lambda row: row.largest_force_n or 0.0)
+            return (
+                f"no pretension of these is within the wire's limit: at {least.pretension_n:.2f} N it pulls with up to "
+                f"{least.largest_force_n:.2f} N in motion, above {limit}: take a softer spring, a dead weight of up to "
+                f"{self.limit_n:.2f} N, or a thicker wire"
+            )
+        return (
+            f"a smaller gap, {smallest.gap_pct(self.quantity):.2f} %, is at {smallest.pretension_n:.2f} N, but there "
+            f"the wire pulls with up to {smallest.largest_force_n:.2f} N in motion, above {limit}. A softer spring "
+            f"with more pretension comes nearer to it, a dead weight of up to {self.limit_n:.2f} N nearest; or keep "
+            "this setting and follow each branch, as the estimator 'gated' does, the closed loop's own"
+        )
 
     def plot(self, axes: Axes | None = None, *, style: str = "screen") -> Axes:
         """Plot the gaps against pretension, that of the sweep's quantity first.
@@ -138,6 +171,8 @@ class PretensionSweep:
             return here
 
     def _mark_best(self, axes: Axes) -> None:
+        if self.best is None:
+            return
         best_n = self.best.pretension_n
         axes.axvline(best_n, ymax=0.85, color="0.7", linewidth=1.0, zorder=0)
         right = best_n > 0.5 * sum(axes.get_xlim())
@@ -147,25 +182,36 @@ class PretensionSweep:
         axes.annotate(f"best {best_n:.2f} N", (best_n, 0.03), color="0.35", **at)
 
 
-def best_of(rows: Sequence[PretensionRow], quantity: str, largest_n: float | None) -> PretensionRow:
-    """Return the row with the smallest gap of those that do not exceed the limit, of all if every one does."""
-    allowed = [row for row in rows if largest_n is None or row.pretension_n <= largest_n] or rows
-    gaps = [row.gap_pct(quantity) for row in allowed]
-    return allowed[int(np.argmin([np.inf if gap is None else gap for gap in gaps]))]
+def smallest_gap(rows: Sequence[PretensionRow], quantity: str) -> PretensionRow | None:
+    """Return the row with the smallest gap of a quantity; None without rows."""
+    gaps = [row.gap_pct(quantity) for row in rows]
+    return rows[int(np.argmin([np.inf if gap is None else gap for gap in gaps]))] if rows else None
 
 
-def largest_pretension_n(facts: Mapping[str, MetadataValue]) -> float | None:
-    """Return the pretension [N] that loads the cold wire by its vendor's stress for many cycles; None if unknown."""
+def limit_n_of(facts: Mapping[str, MetadataValue]) -> float | None:
+    """Return the pull [N] that loads the wire by its vendor's stress for many cycles; None if unknown."""
     stress_pa, section = ValidityLimits.stated_in(facts).working_stress_pa, whole_section_m2(RunFacts(facts))
     return None if stress_pa is None or section is None else stress_pa * section
+
+
+def largest_in_motion_n(rows: Sequence[PretensionRow], limit_n: float | None) -> float | None:
+    """Return the largest pretension [N] within a limit of the pull in motion, from the loop nearest to the limit.
+
+    What a load adds while the wire contracts hardly depends on the pretension. None if nothing is known of either.
+    """
+    pulls = [(row.pretension_n, row.largest_force_n) for row in rows if row.largest_force_n is not None]
+    if limit_n is None or not pulls:
+        return None
+    pretension_n, force_n = min(pulls, key=lambda pull: abs(pull[1] - limit_n))
+    return max(floor(100.0 * (pretension_n + limit_n - force_n)) / 100.0, 0.0)
 
 
 def default_pretensions_n(rig: Rig) -> list[float]:
     """Return eight settings, rounded to 0.01 N: from 0.20 to 0.65 of the wire's allowed force.
 
-    They end at the vendor's stress for many cycles (``working_stress`` of the alloy) where that is less, and begin at
-    no more than 0.35 of it. A rig whose stage is set below that range is swept from a quarter of its setting to
-    twice it.
+    They end at the vendor's stress for many cycles (``working_stress`` of the alloy) in the cold wire where that is
+    less, and begin at no more than 0.35 of it. A rig whose stage is set below that range is swept from a quarter of its
+    setting to twice it.
 
     Parameters
     ----------
@@ -188,7 +234,7 @@ def default_pretensions_n(rig: Rig) -> list[float]:
     low, high = (ratio * allowed for ratio in FORCE_RATIOS)
     if isinstance(setting, float) and 0.0 < setting < low:
         low, high = (ratio * setting for ratio in SETTING_RATIOS)
-    largest = largest_pretension_n(stated)
+    largest = limit_n_of(stated)
     if largest is not None and high > largest:
         low, high = min(low, MIN_OF_LARGEST * largest), largest
     settings = [round(float(force), 2) for force in np.linspace(low, high, DEFAULT_POINTS)]
@@ -215,8 +261,8 @@ def pretension_sweep(
     rig
         The rig, open, with a stage that software can move.
     pretensions_n
-        Settings [N]; if None, eight from 0.20 to 0.65 of the wire's allowed force, the paper's span, and none above
-        the vendor's stress for many cycles.
+        Settings [N]; if None, eight from 0.20 to 0.65 of the wire's allowed force, the paper's span, none of which
+        loads the cold wire above the vendor's stress for many cycles, and one where the wire in motion reaches it.
     quantity
         Quantity whose gap decides: "strain", "displacement" or "force".
     folder
@@ -244,38 +290,55 @@ def pretension_sweep(
     Lan and Fan 2010, Figs. 4 to 6, and Fig. 17 for a finger.
     """
     stage = checked_stage(rig, quantity)
+    limit_n = limit_n_of(rig.metadata())
     rows: list[PretensionRow] = []
     failures: list[str] = []
     warnings: list[str] = []
-    for pretension in default_pretensions_n(rig) if pretensions_n is None else pretensions_n:
+
+    def try_setting(pretension: float) -> None:
         stage.set_pretension(pretension)
         if on_setting is not None:
             on_setting(pretension)
         path = None if folder is None else file_in(folder, f"pretension-{pretension:.2f}N.h5")
         recording = characterize(rig, path=path, overwrite=True, on_sample=on_sample, **sine)
-        warnings += [f"pretension {pretension:g} N: {warning}" for warning in instrument_warnings(recording)]
+        warnings.extend(f"pretension {pretension:g} N: {warning}" for warning in instrument_warnings(recording))
         try:
-            gaps = loop_gaps(recording)
+            rows.append(row_of(float(pretension), loop_gaps(recording), recording))
         except RecordingError as error:
             failures.append(f"{pretension} N: {error}")
-            continue
-        rows.append(row_of(float(pretension), gaps, recording))
+
+    for pretension in default_pretensions_n(rig) if pretensions_n is None else pretensions_n:
+        try_setting(pretension)
+    largest_n = largest_in_motion_n(rows, limit_n)
+    if pretensions_n is None and at_limit_is_missing(rows, quantity, largest_n, limit_n):
+        try_setting(largest_n or 0.0)
+        rows.sort(key=lambda row: row.pretension_n)
     check_rows(rows, failures, quantity)
-    largest_n = largest_pretension_n(rig.metadata())
-    warnings += beyond_of(rows, quantity, largest_n)
-    return PretensionSweep(tuple(rows), tuple(failures), quantity, tuple(warnings), largest_n)
+    warnings += beyond_of(rows, quantity)
+    return PretensionSweep(tuple(rows), tuple(failures), quantity, tuple(warnings), limit_n, largest_n)
 
 
-def beyond_of(rows: Sequence[PretensionRow], quantity: str, largest_n: float | None) -> list[str]:
+def at_limit_is_missing(
+    rows: Sequence[PretensionRow], quantity: str, largest_n: float | None, limit_n: float | None
+) -> bool:
+    """Return whether a setting at the vendor's stress in motion may be better than all that are within it."""
+    if not largest_n or not limit_n or all(row.within_limit for row in rows):
+        return False
+    within = [row for row in rows if row.within_limit]
+    if any(abs(row.pretension_n - largest_n) < NEAR_LIMIT * limit_n for row in within):
+        return False
+    best, tightest = smallest_gap(within, quantity), max(within, key=lambda row: row.pretension_n, default=None)
+    return best is tightest
+
+
+def beyond_of(rows: Sequence[PretensionRow], quantity: str) -> list[str]:
     """Return what the recommended setting exceeds of its alloy's limits, then the lowest and the highest setting."""
-    best = best_of(rows, quantity, largest_n)
-    found = [f"best, {best.pretension_n:g} N: {text}" for text in extrapolation_warnings(best.recording)]
+    best = smallest_gap([row for row in rows if row.within_limit], quantity)
     by_force = sorted(rows, key=lambda row: row.pretension_n)
-    for row in dict.fromkeys((by_force[-1].pretension_n, by_force[0].pretension_n)):
-        recording = next(one.recording for one in rows if one.pretension_n == row)
-        if row != best.pretension_n:
-            found += [f"pretension {row:g} N: {text}" for text in extrapolation_warnings(recording)]
-    return found
+    named = [] if best is None else [(best, f"best, {best.pretension_n:g} N")]
+    named += [(row, f"pretension {row.pretension_n:g} N") for row in (by_force[-1], by_force[0]) if row is not best]
+    said = [f"{name}: {text}" for row, name in named for text in extrapolation_warnings(row.recording)]
+    return list(dict.fromkeys(said))
 
 
 def checked_stage(rig: Rig, quantity: str) -> HasStage:
@@ -303,6 +366,8 @@ def check_rows(rows: Sequence[PretensionRow], failures: Sequence[str], quantity:
 
 def row_of(pretension_n: float, gaps: LoopGaps, recording: Recording) -> PretensionRow:
     """Return one setting's row, in percent."""
+    reached, limits = reached_in(recording), ValidityLimits.stated_in(recording.metadata)
+    largest_pa, section = reached.largest_stress_pa, reached.section_m2
     return PretensionRow(
         pretension_n=pretension_n,
         strain_gap_pct=100.0 * gaps.strain_gap,
@@ -311,4 +376,6 @@ def row_of(pretension_n: float, gaps: LoopGaps, recording: Recording) -> Pretens
         stroke_pct=100.0 * gaps.segments.strain_max,
         recording=recording,
         no_force_gap=gaps.no_force_gap,
+        largest_force_n=None if largest_pa is None or section is None else largest_pa * section,
+        within_limit=not exceeds(largest_pa, limits.working_stress_pa),
     )

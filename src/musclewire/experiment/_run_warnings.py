@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from musclewire.experiment._extrapolation import extrapolation_warnings
 from musclewire.experiment._health import health_warnings
+from musclewire.identify import extrapolation_warnings
 from musclewire.sensing import noise_level
 from musclewire.signals import Recording
 

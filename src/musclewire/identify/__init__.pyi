@@ -12,6 +12,10 @@ from ._electrical_sizing import one_second_current as one_second_current
 from ._electrical_sizing import relaxation_time_s as relaxation_time_s
 from ._electrical_sizing import steady_temperature_k as steady_temperature_k
 from ._error_causes import ErrorGroup as ErrorGroup
+from ._extrapolation import extrapolation_metadata as extrapolation_metadata
+from ._extrapolation import extrapolation_warnings as extrapolation_warnings
+from ._extrapolation import reached_in as reached_in
+from ._extrapolation import whole_section_m2 as whole_section_m2
 from ._home.homing import Homing as Homing
 from ._home.homing import homed_model as homed_model
 from ._home.homing import homing_figure as homing_figure

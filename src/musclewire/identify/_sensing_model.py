@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, an_object
 from musclewire.identify._error_causes import ErrorGroup, JudgedEstimate, error_groups, fractions_not_counted, lines_of
+from musclewire.identify._extrapolation import hot_end
 from musclewire.identify._loop_gaps import guide_friction_n
 from musclewire.identify._recordings import (
     COLUMN_SUFFIX,
@@ -176,7 +177,15 @@ def fit(
     cut_short = not_done(recording)
     try:
         model = fit_loop(
-            reading.resistance_ohm, measured, reading.valid, order, cycle, quantity, wire=notes, source=source
+            reading.resistance_ohm,
+            measured,
+            reading.valid,
+            order,
+            cycle,
+            quantity,
+            wire=notes,
+            source=source,
+            hot_end=hot_end(recording),
         )
     except RecordingError as error:
         why = without_loop(error, recording)

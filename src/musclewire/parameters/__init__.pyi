@@ -52,6 +52,7 @@ from ._validation import validated as validated
 from ._validity import ReachedConditions as ReachedConditions
 from ._validity import ValidityLimits as ValidityLimits
 from ._validity import beyond_validity as beyond_validity
+from ._validity import exceeds as exceeds
 from ._validity import section_m2 as section_m2
 from ._validity import validity_of as validity_of
 from ._wire_file import WireFile as WireFile

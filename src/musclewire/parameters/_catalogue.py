@@ -143,17 +143,54 @@ def catalogue_row(name: str) -> CatalogueRow:
     for row in load_catalogue().row:
         if name in {f"flexinol-{row.name}-{wire_class}" for wire_class in CLASSES}:
             return row
-    raise CallerError(f"there is no wire called '{name}' in the catalogue{nearest_hint(name, catalogue_names())}")
+    hint = same_size_hint(name) or nearest_hint(name, catalogue_names())
+    raise CallerError(f"there is no wire called '{name}' in the catalogue{hint}")
+
+
+# How people write a diameter: a number, and a unit or none.
+METRES_PER = {
+    "mm": 1e-3,
+    "um": 1e-6,
+    "\N{MICRO SIGN}m": 1e-6,
+    "\N{GREEK SMALL LETTER MU}m": 1e-6,
+    "micron": 1e-6,
+    "inch": 25.4e-3,
+    "in": 25.4e-3,
+    '"': 25.4e-3,
+    "mil": 25.4e-6,
+    "thou": 25.4e-6,
+}
+SIZE = re.compile(rf"(\d*\.?\d+)\s*({'|'.join(METRES_PER)})?", re.IGNORECASE)
+# A number without a unit is in mm, from here on in um, and below the thinnest wire in inches.
+BARE_UM_FROM = 10.0
+# A size that is further than this factor from each of the catalogue's is none of them.
+NEAR_SIZE = 1.6
+
+
+def diameter_in_m(name: str) -> float | None:
+    """Return the diameter [m] that somebody wrote for a wire's name; of several numbers the one with a unit counts."""
+    found = sorted(SIZE.findall(name), key=lambda size: not size[1])
+    if not found or float(found[0][0]) == 0.0:
+        return None
+    number, unit = float(found[0][0]), found[0][1].lower()
+    if unit:
+        return number * METRES_PER[unit]
+    if number >= BARE_UM_FROM:
+        return number * METRES_PER["um"]
+    thinnest_m = min(row.diameter_m for row in load_catalogue().row)
+    return number * METRES_PER["mm" if number * METRES_PER["mm"] > 0.9 * thinnest_m else "in"]
 
 
 def same_size_hint(name: str) -> str:
-    """Return a hint at the catalogue's spelling of a size ('Flexinol 0.1mm' is spelt flexinol-0.10-ht), or ""."""
-    size = re.search(r"\d*\.\d+", name)
-    found = [row.name for row in load_catalogue().row if size and row.diameter_mm == float(size[0])]
-    if not found:
+    """Return a hint at the catalogue's wire that is nearest to a size, LT unless HT is named; "" without a size."""
+    diameter_m = diameter_in_m(name)
+    if diameter_m is None:
         return ""
-    wire_class = next((one for one in CLASSES if re.search(rf"(?i)(?<![a-z]){one}\b", name)), "ht")
-    return f"; did you mean 'flexinol-{found[0]}-{wire_class}'?"
+    off, nearest = min((abs(math.log(row.diameter_m / diameter_m)), row.name) for row in load_catalogue().row)
+    if off > math.log(NEAR_SIZE):
+        return ""
+    wire_class = next((one for one in CLASSES if re.search(rf"(?i)(?<![a-z]){one}\b", name)), "lt")
+    return f"; did you mean 'flexinol-{nearest}-{wire_class}'?"
 
 
 def class_of(name: str) -> str:

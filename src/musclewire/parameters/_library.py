@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import tomllib
 from functools import cache
 from typing import Any
@@ -33,10 +34,17 @@ def names(kind: str) -> list[str]:
 def read_named(kind: str, name: str) -> dict[str, Any]:
     """Return the parsed TOML file of a named wire, alloy or bench."""
     if name not in names(kind):
-        hint = same_size_hint(name) if kind == "wire" else ""
-        raise CallerError(f"there is no {kind} called '{name}'{hint or nearest_hint(name, names(kind))}")
+        hint = wire_hint(name) if kind == "wire" else nearest_hint(name, names(kind))
+        raise CallerError(f"there is no {kind} called '{name}'{hint}")
     text = (DATA / FOLDERS[kind] / f"{name}.toml").read_text("utf-8")
     return tomllib.loads(text)
+
+
+def wire_hint(name: str) -> str:
+    """Return the end of a message about an unknown wire: the nearest by size, unless it is spelt like one of ours."""
+    ours = {one.partition("-")[0] for one in shipped_names(FOLDERS["wire"])}
+    like_ours = difflib.get_close_matches(name.partition("-")[0].lower(), ours, n=1)
+    return nearest_hint(name, names("wire")) if like_ours else same_size_hint(name) or nearest_hint(name, names("wire"))
 
 
 def load_alloy(name: str) -> Alloy:

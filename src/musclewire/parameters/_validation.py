@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationErro
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticKnownError, core_schema
 
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import CallerError, nearest_hint, toml_problem
 from musclewire.parameters._parameter_groups import key_hint
 from musclewire.registry import Registry
 
@@ -130,13 +130,17 @@ def read_toml(path: Path, kind: str, instead: str = "") -> dict[str, Any]:
     Raises CallerError if the file does not exist (the message ends with ``instead``), or is no TOML.
     """
     try:
-        return tomllib.loads(path.read_text("utf-8"))
+        text = path.read_text("utf-8")
     except FileNotFoundError:
         raise CallerError(f"there is no {kind} {path}{instead}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise CallerError(f"{kind} {path} cannot be read: {error}") from None
+    try:
+        return tomllib.loads(text)
     except RecursionError:
         raise CallerError(f"{kind} {path} cannot be read: its values are nested too deeply to be meant") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise CallerError(f"{kind} {path} cannot be read: {error}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise CallerError(f"{kind} {path} cannot be read: {toml_problem(error)}") from None
 
 
 def shipped_names(folder: str) -> list[str]:

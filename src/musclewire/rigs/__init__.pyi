@@ -16,7 +16,6 @@ from ._compiled_loop.running import run_compiled as run_compiled
 from ._compiled_loop.running import run_known_drive as run_known_drive
 from ._compiled_loop.running import times_on_rig_s as times_on_rig_s
 from ._compiled_loop.running import uncompiled as uncompiled
-from ._configuration import amplitude_is_given as amplitude_is_given
 from ._configuration import open_rig as open_rig
 from ._configuration import read_rig_file as read_rig_file
 from ._configuration import require_rig as require_rig

@@ -69,8 +69,16 @@ def refuse_beyond_catalogue(circuit: StatedCircuit, limits: Mapping[str, float],
         if value is not None and not low <= value <= high:
             raise CallerError(
                 f"{where + ': ' if where else ''}{name} {value:.6g} {unit} is outside {low:.3g} to {high:.3g} {unit} "
-                f"({why}): no wire of the catalogue has or survives it; {WAY_OUT}"
+                f"({why}): no wire of the catalogue has or survives it; {in_millimetres(name, value)}{WAY_OUT}"
             )
+
+
+def in_millimetres(name: str, value: float) -> str:
+    """Return a length that is out of range as it would be in mm, if it was meant so; "" otherwise."""
+    low_m, high_m = LENGTHS_M
+    return (
+        f'for {value:g} mm write "{value:g} mm"; ' if name == "wire_length" and low_m <= 1e-3 * value <= high_m else ""
+    )
 
 
 def ranges_of(circuit: StatedCircuit) -> dict[str, tuple[float, float, str, str]]:

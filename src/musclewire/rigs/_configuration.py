@@ -102,18 +102,6 @@ def require_rig(rig: str) -> None:
     rig_configuration(rig)
 
 
-def amplitude_is_given(rig: str | Path | DeviceConfiguration) -> bool:
-    """Return whether the amplitude of the slow sine is settled: stated in a rig file, or that of hardware or a replay.
-
-    A simulated rig without it drives as its wire is commonly driven, and may be driven on until the wire transforms.
-    """
-    configuration, _ = rig_configuration(rig, may_import=True)
-    if configuration.kind != SIMULATED:
-        return True
-    settings = getattr(configuration, "settings", {})
-    return "drive_amplitude" in configuration.model_fields_set or "drive_amplitude_v" in settings
-
-
 def open_rig(
     rig: str | Path | DeviceConfiguration = "simulated",
     *,

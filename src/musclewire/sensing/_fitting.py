@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -43,6 +44,24 @@ KEPT_SAMPLES = 200
 RMSE_SLICES = 100
 
 
+class HotEnd(NamedTuple):
+    """What is known of a loop's hottest point besides its resistance and strain.
+
+    Parameters
+    ----------
+    levelled
+        Whether the fall of the resistance over power has levelled off there, which is C as much as a rise is.
+    more_drive
+        What more drive would do, in words.
+    """
+
+    levelled: bool = False
+    more_drive: str = "raise the amplitude if more drive adds stroke and the wire's temperature and stress permit"
+
+
+UNKNOWN_HOT_END = HotEnd()
+
+
 def fit_loop(
     resistance_ohm: npt.ArrayLike,
     strain: npt.ArrayLike,
@@ -52,6 +71,7 @@ def fit_loop(
     quantity: str = "strain",
     wire: Mapping[str, str | float] | None = None,
     source: str = "",
+    hot_end: HotEnd = UNKNOWN_HOT_END,
 ) -> SensingModel:
     """Fit a model to one loop of a recording: find A, B, C (Fig. 3b), fit B to C on both branches (Eqs. 3 to 5).
 
@@ -73,6 +93,8 @@ def fit_loop(
         Notes on the wire, kept in the model.
     source
         Source of the recording, kept in the model.
+    hot_end
+        What else is known of the hottest point, for the warnings.
 
     Returns
     -------
@@ -93,7 +115,7 @@ def fit_loop(
     """
     _check_arguments(order, quantity)
     segments = find_segments(resistance_ohm, strain, valid, cycle, quantity)
-    return fit_segments(segments, order, quantity, wire, source)
+    return fit_segments(segments, order, quantity, wire, source, hot_end)
 
 
 def fit_segments(
@@ -102,6 +124,7 @@ def fit_segments(
     quantity: str = "strain",
     wire: Mapping[str, str | float] | None = None,
     source: str = "",
+    hot_end: HotEnd = UNKNOWN_HOT_END,
 ) -> SensingModel:
     """Fit a model to a loop whose points A, B, C are known.
 
@@ -116,6 +139,8 @@ def fit_segments(
     wire
         As in :func:`fit_loop`.
     source
+        As in :func:`fit_loop`.
+    hot_end
         As in :func:`fit_loop`.
 
     Returns
@@ -141,7 +166,7 @@ def fit_segments(
         wire=wire,
         source=source,
     )
-    warnings = (*model.warnings, *_loop_warnings(segments, quantity))
+    warnings = (*model.warnings, *_loop_warnings(segments, quantity, hot_end))
     return replace(model, warnings=warnings, resistance_noise_ohm=segments.resistance_noise_ohm)
 
 
@@ -178,6 +203,8 @@ def fit_branches(
     wire
         As in :func:`fit_loop`.
     source
+        As in :func:`fit_loop`.
+    hot_end
         As in :func:`fit_loop`.
 
     Returns
@@ -345,7 +372,8 @@ def _fit_warnings(
     if gap > LARGE_GAP:
         warnings.append(
             f"the gap between heating and cooling is {100 * gap:.1f} %, above {100 * LARGE_GAP:.0f} %: "
-            "the average will be off by half of it ('musclewire pretension' finds the pretension of the smallest gap)"
+            "their average is off by half of it; the estimator 'gated', the closed loop's, follows each branch, and "
+            "'musclewire pretension' shows whether a pretension within the wire's stress has a smaller gap"
         )
     if valid_range != shared:
         lost = 1.0 - (valid_range[1] - valid_range[0]) / (shared[1] - shared[0])
@@ -361,7 +389,7 @@ def _fit_warnings(
     return tuple(warnings)
 
 
-def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
+def _loop_warnings(segments: LoopSegments, quantity: str, hot_end: HotEnd) -> tuple[str, ...]:
     warnings = []
     factor, unit = SHOWN_AS[quantity]
     stroke = segments.strain_max - segments.strain_cold
@@ -377,11 +405,10 @@ def _loop_warnings(segments: LoopSegments, quantity: str) -> tuple[str, ...]:
             f"segment A-B takes {100 * cold_fraction:.1f} % of the stroke (usually 5 to 25 %): {quantity} below "
             f"{factor * at_b:.3g} {unit} cannot be determined from resistance"
         )
-    if not segments.complete:
+    if not segments.complete and not hot_end.levelled:
         warnings.append(
             "the transformation is not complete (the resistance still falls at the hottest point): "
-            f"{quantity} above {factor * segments.strain_max:.3g} {unit} is unknown; harmless if more drive adds no "
-            "stroke, otherwise raise the amplitude if the wire's temperature permits"
+            f"{quantity} above {factor * segments.strain_max:.3g} {unit} is unknown; {hot_end.more_drive}"
         )
     if segments.returns_cold and abs(segments.strain_cold) > UNZEROED_FRACTION * stroke:
         warnings.append(f"{quantity} at cold is {factor * segments.strain_cold:.3g} {unit}, not zero: zero the sensor")

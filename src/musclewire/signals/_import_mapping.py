@@ -26,7 +26,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import CallerError, nearest_hint, toml_problem
 from musclewire.signals._columns import known_column
 from musclewire.signals._metadata import MetadataValue, checked_metadata
 from musclewire.signals._units import parse_quantity
@@ -197,7 +197,7 @@ def _document(path: Path, where: str) -> dict[str, Any]:
     except FileNotFoundError:
         raise CallerError(f"{where}: no such file; save_mapping writes one") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as problem:
-        raise CallerError(f"{where}: cannot be read: {str(problem).splitlines()[0]}") from None
+        raise CallerError(f"{where}: cannot be read: {toml_problem(problem).splitlines()[0]}") from None
 
 
 def _mapping_of(data: Mapping[str, Any]) -> ImportMapping:

@@ -96,7 +96,7 @@ CALLS = {
     "doctor": ["simulated"],
     "flash": ["nano", "--wire", "paper-100um", "--dry-run"],
     "characterize": ["simulated", "-o", "again.h5", "--cycles", "1"],
-    "pretension": ["simulated", "--at", "1.9 N", "--cycles", "1"],
+    "pretension": ["simulated", "--at", "1.1 N", "--cycles", "1"],
     "control": ["simulated", "model.json"],
     "home": ["simulated", "model.json", "-o", "homed.json"],
     "grip": ["--learned", "gripper.json"],

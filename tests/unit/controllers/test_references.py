@@ -122,6 +122,10 @@ def test_a_sampled_reference_does_not_change_with_the_callers_array() -> None:
     [
         ({"increment": 0.0}, "increment above zero"),
         ({"increment": 0.004}, "miss the stop; try 0.00375"),
+        (
+            {"increment": 0.004, "shown_as": (100.0, "%")},
+            "from 1.5 % to 3 %: increments of 0.4 % miss the stop; try 0.375 %",
+        ),
         ({"increment": 1.0}, "miss the stop"),
         ({"start": 0.03, "stop": 0.015}, "stop must be above start"),
         ({"start": math.nan}, "finite"),

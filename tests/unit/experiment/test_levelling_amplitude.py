@@ -9,7 +9,7 @@ import pytest
 
 from musclewire.experiment._open_loop import characterize, levelling_amplitude
 from musclewire.identify import shows_c
-from musclewire.rigs import RigConfiguration, amplitude_is_given, open_rig
+from musclewire.rigs import open_rig
 from musclewire.signals import Recording, read_recording
 
 
@@ -49,7 +49,11 @@ def test_where_no_limit_is_near_it_levels_off_and_an_amplitude_that_is_given_is_
     assert found.stopped_by == ""
     with open_rig("simulated") as rig:
         assert characterize(rig, amplitude_v=3.0, cycles=1, until_level=True).metadata["amplitude_v"] == 3.0
-    assert not amplitude_is_given("simulated")
-    assert amplitude_is_given("gripper")
-    assert amplitude_is_given(RigConfiguration(drive_amplitude="3.1 V"))
-    assert amplitude_is_given(RigConfiguration(settings={"drive_amplitude_v": 3.1}))
+
+
+def test_an_amplitude_at_which_the_fall_has_levelled_off_already_is_not_called_raised() -> None:
+    with open_rig("simulated", wire="flexinol-0.15-lt", pretension_n=2.9) as rig:
+        loop = characterize(rig, cycles=1, until_level=True)
+        assert loop.metadata["amplitude_v"] == rig.drive_amplitude_v
+    assert "amplitude_raised" not in loop.metadata
+    assert loop.metadata["shows_c"] is True

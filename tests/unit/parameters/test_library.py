@@ -102,3 +102,36 @@ def test_the_header_of_the_published_csv_repeats_the_loop_it_belongs_to() -> Non
 def test_an_unknown_name_is_answered_with_the_nearest(load, wrong: str, right: str) -> None:
     with pytest.raises(CallerError, match=f"'{wrong}'; did you mean '{right}'"):
         load(wrong)
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("flexinol-0.375-lt", "flexinol-0.38-lt"),
+        ("flexinol-0.50-lt", "flexinol-0.51-lt"),
+        ("flexinol-0.50-ht", "flexinol-0.51-ht"),
+        ("flexinol-0.1", "flexinol-0.10-lt"),
+        ("Flexinol 0.1mm HT", "flexinol-0.10-ht"),
+        ("0.15 mm", "flexinol-0.15-lt"),
+        ("0.15", "flexinol-0.15-lt"),
+        ("150um", "flexinol-0.15-lt"),
+        ("150 \N{MICRO SIGN}m", "flexinol-0.15-lt"),
+        ("100", "flexinol-0.10-lt"),
+        ("0.006in", "flexinol-0.15-lt"),
+        ('0.004"', "flexinol-0.10-lt"),
+        ("0.010 inch", "flexinol-0.25-lt"),
+        ("0.012", "flexinol-0.31-lt"),
+        ("6 mil", "flexinol-0.15-lt"),
+        ("70 C wire of 0.2 mm", "flexinol-0.20-lt"),
+        ("papr-125", "paper-125um"),
+    ],
+)
+def test_a_wire_is_meant_by_its_size_and_lt_unless_ht_is_named(typed: str, meant: str) -> None:
+    with pytest.raises(CallerError, match=f"did you mean '{meant}'"):
+        load_wire(typed)
+
+
+@pytest.mark.parametrize("typed", ["wire", "5 mm", "niti"])
+def test_what_is_no_size_of_the_catalogue_is_answered_with_what_there_is(typed: str) -> None:
+    with pytest.raises(CallerError, match="; known: "):
+        load_wire(typed)

@@ -23,7 +23,7 @@ from musclewire.parameters import (
     wire_file_text,
 )
 from musclewire.rigs._abilities import ability
-from musclewire.rigs._configuration import RigConfiguration, amplitude_is_given, open_rig, read_rig_file, rig_names
+from musclewire.rigs._configuration import RigConfiguration, open_rig, read_rig_file, rig_names
 from musclewire.rigs._device import HasTrueState
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.rigs._outside import OutsideConfiguration
@@ -105,6 +105,8 @@ def test_a_setting_without_its_unit_or_in_a_wrong_one_is_refused(given: str) -> 
         ("load = []", "load is empty: give a [[load]] part, or leave load out for the bench's spring"),
         ('[surroundings]\nambient_swing = "3 degC"', "a difference of temperatures is needed, like '3 K'"),
         ("seed = ", "cannot be read"),
+        ('seed = 2\nwire = "paper-100um\nlegs = 2', "cannot be read: a quote is not closed in line 2"),
+        ("wire_length = 60", 'no wire of the catalogue has or survives it; for 60 mm write "60 mm"; if'),
     ],
 )
 def test_a_mistake_in_a_rig_file_is_one_line_with_a_hint(rig_file, text: str, hint: str) -> None:
@@ -243,8 +245,9 @@ def test_an_object_is_no_rig_and_the_message_says_how_a_device_of_ones_own_becom
             drive(Supply())
 
 
-def test_a_plant_that_is_given_by_its_path_may_be_characterised() -> None:
-    assert amplitude_is_given(CHECKOUT / "examples" / "plants" / "liang_rogers.toml")
+def test_a_plant_that_is_given_by_its_path_is_opened() -> None:
+    with open_rig(CHECKOUT / "examples" / "plants" / "liang_rogers.toml") as rig:
+        assert rig.drive_amplitude_v > rig.sense_voltage_v
 
 
 @pytest.mark.parametrize(

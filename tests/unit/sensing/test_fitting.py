@@ -5,7 +5,7 @@ import pytest
 from loops import Loop, LoopMaker, noisy
 
 from musclewire.errors import CallerError, FitRejectedError, RecordingError
-from musclewire.sensing._fitting import fit_branches, fit_loop, fit_segments
+from musclewire.sensing._fitting import HotEnd, fit_branches, fit_loop, fit_segments
 from musclewire.sensing._model import SensingModel
 from musclewire.sensing._segments import find_segments
 
@@ -67,6 +67,13 @@ def test_a_loop_that_is_not_the_papers_is_fitted_with_a_warning(loop: Loop, warn
     model = fitted(loop)
     assert any(warned in warning for warning in model.warnings)
     assert model.quantity_max == pytest.approx(loop.strain.max(), abs=2e-3)
+
+
+def test_where_the_fall_has_levelled_off_the_transformation_counts_as_complete() -> None:
+    loop = MAKER.record(2000, top=0.7)
+    columns = loop.resistance_ohm, loop.strain
+    assert any("; no room" in text for text in fit_loop(*columns, hot_end=HotEnd(more_drive="no room")).warnings)
+    assert not any("not complete" in text for text in fit_loop(*columns, hot_end=HotEnd(levelled=True)).warnings)
 
 
 def test_a_short_segment_a_to_b_costs_nothing_and_is_no_warning() -> None:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, toml_problem
 from musclewire.experiment._doctor.evidence import Evidence, VoltageLevel
 from musclewire.rigs import read_rig_file
 from musclewire.signals import parse_quantity, write_whole
@@ -109,7 +109,7 @@ def tables_of(text: str, where: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise CallerError(f"rig file {where}: {error}") from None
+        raise CallerError(f"rig file {where}: {toml_problem(error)}") from None
 
 
 def section_of(tables: Mapping[str, Any], section: str, where: str) -> Mapping[str, Any]:

@@ -159,7 +159,7 @@ def with_estimates(group: Group, items: Sequence[ParameterEstimate], source: str
             value=item.value,
             unit=item.unit,
             kind="fitted" if item.identifiable else "assumed",
-            source=source if item.identifiable else "prior; not identifiable from the recordings",
+            source=source if item.identifiable else "prior and recordings; not identifiable from the recordings",
             note=f"95 % interval {item.interval[0]:.4g} to {item.interval[1]:.4g}",
         )
     return group.model_copy(update=changed)

@@ -53,8 +53,13 @@ class ParameterEstimate:
 
     @property
     def identifiable(self) -> bool:
-        """Whether the data narrowed the prior to half its width or less."""
-        return self.std <= IDENTIFIABLE_FRACTION * self.prior_std
+        """Whether the data narrowed the prior to half its width or less, and the value stands out from 0.
+
+        A value that its own deviation exceeds may have either sign: nothing is known of it but that it is small. A
+        number whose prior is 0, as a shift or an offset, need not stand out.
+        """
+        stands_out = self.prior_mean == 0.0 or abs(self.value) > self.std
+        return stands_out and self.std <= IDENTIFIABLE_FRACTION * self.prior_std
 
     @property
     def at_bound(self) -> bool:

@@ -59,11 +59,20 @@ def test_a_wire_that_gets_too_hot_is_warned_about(musclewire: Callable[..., Any]
     assert any("does not reach" in warning for warning in small.json["warnings"])
 
 
+def test_a_duty_without_its_unit_is_asked_about(musclewire: Callable[..., Any]) -> None:
+    assert musclewire("simulate", "--duty", "33").refusal.endswith("33 is outside 0 to 1: for 33 % write '33 %'")
+
+
 def test_a_molten_wire_is_no_result(musclewire: Callable[..., Any]) -> None:
     assert musclewire("simulate", "--supply", "100 V").code == 2
     answer = musclewire("simulate", "--supply", "100 V", "--json", "--beyond-catalogue")
     assert answer.code == 1
     assert "melted" in answer.json["warnings"][0]
+    assert answer.json["true_peak_temperature_degc"] is None
+    assert answer.json["suggested"]["supply_v"] == pytest.approx(3.62, abs=0.01)
+    shown = musclewire("simulate", "--supply", "100 V", "--beyond-catalogue").out
+    assert "through 0.47 ohm for 1 s: melted" in shown
+    assert "contraction" not in shown
 
 
 def test_the_list_has_every_wire(musclewire: Callable[..., Any]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from made_wires import candidates
@@ -50,7 +52,13 @@ def test_a_parameter_is_identifiable_at_half_the_priors_width_and_at_a_bound_nea
     coordinates[0] = space.low[0] + 0.01
     deviation = np.linspace(0.1, 0.9, len(space))
     items = estimates(space, coordinates, deviation)
-    assert [item.identifiable for item in items] == [bool(one <= 0.5) for one in deviation]
+    assert [item.identifiable for item in items] == [
+        bool(one <= 0.5) and (item.prior_mean == 0.0 or abs(item.value) > item.std)
+        for one, item in zip(deviation, items, strict=True)
+    ]
+    small = dataclasses.replace(items[0], prior_mean=2e-4, prior_std=1e-4, value=1.2e-5, std=2.7e-5)
+    assert not small.identifiable
+    assert dataclasses.replace(small, prior_mean=0.0).identifiable
     assert [item.at_bound for item in items] == [True] + [False] * (len(space) - 1)
     first = items[0]
     assert first.std == pytest.approx(deviation[0] * first.prior_std)

@@ -31,7 +31,7 @@ class CatalogueSide(AnswerModel):
 
 
 class SimulateAnswer(AnswerModel):
-    """Of ``simulate``."""
+    """Of ``simulate``; what the drive did to the wire is null if it melted."""
 
     wire: str
     simulated: bool
@@ -45,21 +45,21 @@ class SimulateAnswer(AnswerModel):
     on_s: float
     duty: float
     duty_period_s: float | None
-    contraction_pct: float
-    largest_contraction_pct: float
-    final_contraction_pct: float
+    contraction_pct: float | None
+    largest_contraction_pct: float | None
+    final_contraction_pct: float | None
     last_period_pct: tuple[float, float] | None
-    contraction_m: float
+    contraction_m: float | None
     stroke_pct: float
-    contraction_share_pct: float
+    contraction_share_pct: float | None
     contracted_s: float | None
     cooling_s: float | None
-    true_peak_temperature_degc: float
-    settled_temperature_degc: float
-    current_mean_a: float
-    drive_voltage_peak_v: float
-    power_peak_w: float
-    energy_j: float
+    true_peak_temperature_degc: float | None
+    settled_temperature_degc: float | None
+    current_mean_a: float | None
+    drive_voltage_peak_v: float | None
+    power_peak_w: float | None
+    energy_j: float | None
     suggested: SuggestedParts
     catalogue: CatalogueSide | None
     warnings: tuple[str, ...]

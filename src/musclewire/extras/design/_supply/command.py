@@ -126,7 +126,8 @@ def simulate(
     figure.check()
     with stops_between_samples(), progress_bar("Drive", plan_supply(request).duration_s) as on_sample:
         sizing = size_supply(request, path=output, overwrite=overwrite, on_sample=on_sample)
-    figure.draw(partial(drawn, sizing))
+    if not sizing.numbers.melted:
+        figure.draw(partial(drawn, sizing))
     warn(sizing.warnings)
     answer = simulate_answer(sizing, output)
     return Result(answer, answer_text(sizing, answer.catalogue), holds=not sizing.numbers.melted)

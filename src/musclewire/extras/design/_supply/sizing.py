@@ -21,7 +21,6 @@ from musclewire.experiment import (
     OnSample,
     PulseTrain,
     drive_wire,
-    extrapolation_warnings,
     friction_warnings,
     pulses_of,
     step_warnings,
@@ -31,6 +30,7 @@ from musclewire.identify import (
     PULL_STRESS_PA,
     UNCOUNTED_STRAIN,
     OneSecondDrive,
+    extrapolation_warnings,
     one_second_current,
     relaxation_time_s,
     run_catalogue_test,
@@ -395,7 +395,7 @@ def warnings_for(plan: SupplyPlan, numbers: DriveNumbers, settled_k: float) -> l
     limit = OVERHEATED_K - 273.15
     if numbers.melted:
         found.append(
-            f"the wire would have melted (NiTi: {MELTING_K - 273.15:.0f} C): these numbers mean nothing, drive it less"
+            f"the wire would have melted (NiTi: {MELTING_K - 273.15:.0f} C): nothing is shown of it, drive it less"
         )
     elif numbers.temperature_peak_k > OVERHEATED_K:
         found.append(

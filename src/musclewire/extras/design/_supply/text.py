@@ -22,6 +22,23 @@ if TYPE_CHECKING:
     from musclewire.parameters import CatalogueCell
 
 ZERO_DEGC_K = 273.15
+# What a simulation that went beyond the melting point has to say of the drive: nothing.
+NONE_OF_A_MOLTEN_WIRE = (
+    "contraction_pct",
+    "largest_contraction_pct",
+    "final_contraction_pct",
+    "last_period_pct",
+    "contraction_m",
+    "contraction_share_pct",
+    "contracted_s",
+    "cooling_s",
+    "true_peak_temperature_degc",
+    "settled_temperature_degc",
+    "current_mean_a",
+    "drive_voltage_peak_v",
+    "power_peak_w",
+    "energy_j",
+)
 MARKS = {"corroborated": "", "unverified": "?", "suspect": "??"}
 # Columns of the table of all wires.
 HEAD = ("wire", "R cold [ohm]", "1 s [mA]", "catalogue", "holds", "for long", "supply [V]", "power [W]", "sense [V]",
@@ -35,7 +52,7 @@ def simulate_answer(sizing: SupplySizing, recording: Path | None) -> SimulateAns
 
     numbers, plan, best, shunt = sizing.numbers, sizing.plan, sizing.one_second, sizing.shunt
     pulsed = plan.request.duty is not None
-    return SimulateAnswer.read_from(
+    answer = SimulateAnswer.read_from(
         numbers,
         plan,
         plan.request,
@@ -69,12 +86,15 @@ def simulate_answer(sizing: SupplySizing, recording: Path | None) -> SimulateAns
         samples=len(sizing.recording),
         recording=None if recording is None else str(recording),
     )
+    return answer.model_copy(update=dict.fromkeys(NONE_OF_A_MOLTEN_WIRE)) if numbers.melted else answer
 
 
 def answer_text(answer: SupplySizing, printed: CatalogueSide | None) -> str:
     """Return a drive's answer as lines for people."""
-    numbers, plan, best, shunt = answer.numbers, answer.plan, answer.one_second, answer.shunt
+    numbers, plan, best = answer.numbers, answer.plan, answer.one_second
     length_mm = 1e3 * plan.request.length_m
+    if numbers.melted:
+        return "\n".join([f"{headline(plan)}: melted", *parts_lines(answer)])
     left_on = f"left on like this it would settle at {answer.settled_k - ZERO_DEGC_K:.0f} C"
     lines = [
         headline(plan),
@@ -88,13 +108,21 @@ def answer_text(answer: SupplySizing, printed: CatalogueSide | None) -> str:
         f"  electrical    {amperes(numbers.current_mean_a)} on average, {numbers.voltage_peak_v:.2f} V and "
         f"{numbers.power_peak_w:.3g} W at most, {numbers.energy_j:.3g} J",
         "  cooling       " + cooling_words(answer),
+        *parts_lines(answer),
+    ]
+    return "\n".join(lines + ([] if printed is None else catalogue_lines(printed)))
+
+
+def parts_lines(answer: SupplySizing) -> list[str]:
+    """Return which supply and shunt the wire needs to contract in a second, whatever it was driven by."""
+    best, shunt, length_mm = answer.one_second, answer.shunt, 1e3 * answer.plan.request.length_m
+    return [
         "",
         f"for 90 % of the stroke in one second, {length_mm:g} mm of this wire require",
         f"  current       {amperes(best.current_a)}; then {amperes(best.holding_current_a)} holds it there",
         f"  supply        {answer.supply_needed_v:.2f} V across wire and shunt, plus what the switch drops",
         f"  shunt         {shunt.resistance_ohm:g} ohm, {1e3 * shunt.power_w:.0f} mW: buy one for {shunt.rating_w:g} W",
     ]
-    return "\n".join(lines + ([] if printed is None else catalogue_lines(printed)))
 
 
 def headline(plan: SupplyPlan) -> str:

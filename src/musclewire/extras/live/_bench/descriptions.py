@@ -116,7 +116,9 @@ def described_sweep(sweep: PretensionSweep) -> dict[str, Any]:
         }
         for row in sweep.rows
     ]
-    return {"rows": rows, "best_n": sweep.best.pretension_n, "warnings": [*sweep.failures, *sweep.warnings]}
+    best_n = None if sweep.best is None else sweep.best.pretension_n
+    said = [*sweep.failures, *sweep.warnings, *filter(None, [sweep.advice])]
+    return {"rows": rows, "best_n": best_n, "warnings": said}
 
 
 def described_metrics(metrics: ControlMetrics) -> dict[str, Any]:

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.signal import lfilter
 
-from musclewire.parameters import ReachedConditions, ValidityLimits, beyond_validity, section_m2
-from musclewire.sensing import noise_level
+from musclewire.arrays import FloatArray
+from musclewire.parameters import ReachedConditions, ValidityLimits, beyond_validity, exceeds, section_m2
+from musclewire.physics import convection_coefficient_w_per_m2_k
+from musclewire.sensing import HotEnd, noise_level
 from musclewire.signals import Recording, RunFacts
 
 # Readings of a load cell are taken for as many standard deviations of its noise less extreme than they are.
 NOISES = 4.0
+# The protection's loss is that of a wire at 100 C; a hotter one loses more. Between these temperatures [K above
+# the air] the ratio of both is interpolated; and how often it is put in: each time a tenth of the error is left.
+HOT_K, ABOVE_K, ROUNDS = 373.15, (1.0, 5.0, 10.0, 20.0, 40.0, 70.0, 100.0, 150.0, 250.0, 500.0, 1000.0), 6
+# Nearer than this [K] to the temperature up to which the alloy was measured there is no room for more drive.
+ROOM_K = 5.0
+ZERO_CELSIUS_K = 273.15
 
 
 def extrapolation_warnings(recording: Recording) -> tuple[str, ...]:
@@ -59,7 +69,8 @@ def whole_section_m2(facts: RunFacts) -> float | None:
 def temperature_k(recording: Recording) -> float | None:
     """Return the highest temperature of a run: of the column, or of the power by the protection's heat balance.
 
-    None if the recording has neither. The balance is that of a wire in still air: C dT/dt = P - loss (T - ambient).
+    None if the recording has neither. The balance is that of a wire in still air, C dT/dt = P - loss (T - ambient); its
+    loss grows with temperature as the correlation has it, where the recording states the wire's diameter.
     """
     if "wire_temperature_k" in recording and len(recording):
         return float(np.nanmax(recording["wire_temperature_k"]))
@@ -73,5 +84,43 @@ def temperature_k(recording: Recording) -> float | None:
         return None
     power = np.nan_to_num(recording["wire_voltage_v"] * recording["shunt_voltage_v"] / shunt)
     rate = period * loss / capacity
-    above = lfilter([period / capacity / (1.0 + rate)], [1.0, -1.0 / (1.0 + rate)], power)
+
+    def above_k(power_w: FloatArray) -> FloatArray:
+        """Return how far a constant loss lets a power heat the wire above the air [K], (n_times,)."""
+        rows: FloatArray = lfilter([period / capacity / (1.0 + rate)], [1.0, -1.0 / (1.0 + rate)], power_w)
+        return rows
+
+    above = above_k(power)
+    diameter = facts.positive_or_none("wire_diameter_m")
+    for _ in range(0 if diameter is None else ROUNDS):
+        more = np.interp(above, ABOVE_K, more_loss(diameter or 0.0, ambient)) * loss
+        above = np.maximum(above_k(power - more * above), 0.0)
     return ambient + float(np.max(above))
+
+
+@lru_cache(maxsize=64)
+def more_loss(diameter_m: float, ambient_temperature_k: float) -> tuple[float, ...]:
+    """Return by which fraction a wire so far above the air as ``ABOVE_K`` says loses more per kelvin than at 100 C."""
+    air_k = ambient_temperature_k
+    reference = convection_coefficient_w_per_m2_k(max(HOT_K, air_k + 50.0), air_k, diameter_m)
+    found = (convection_coefficient_w_per_m2_k(air_k + above_k, air_k, diameter_m) for above_k in ABOVE_K)
+    return tuple(coefficient / reference - 1.0 for coefficient in found)
+
+
+def hot_end(recording: Recording) -> HotEnd:
+    """Return what a slow loop says of its hottest point besides resistance and strain: is it C, and is more to be had.
+
+    A recording of another program states neither; then the person who drives the wire has to know.
+    """
+    limits, reached = ValidityLimits.stated_in(recording.metadata), reached_in(recording)
+    levelled = recording.metadata.get("shows_c") is True
+    highest_k, reached_k = limits.covered_temperature_high_k, reached.temperature_k
+    if exceeds(reached.largest_stress_pa, limits.working_stress_pa):
+        return HotEnd(levelled, "more drive would pull harder still, and the wire is above its vendor's stress already")
+    if highest_k is None or reached_k is None:
+        return HotEnd(levelled)
+    at = f"by its power the wire reached {reached_k - ZERO_CELSIUS_K:.0f} C"
+    measured = f"the {highest_k - ZERO_CELSIUS_K:.0f} C up to which the alloy was measured"
+    if reached_k > highest_k - ROOM_K:
+        return HotEnd(levelled, f"more drive is no way on, {at} of {measured}")
+    return HotEnd(levelled, f"a higher amplitude shows more: {at}, below {measured}")
