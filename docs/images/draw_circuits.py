@@ -1,7 +1,7 @@
 """Draw the circuits of the wiring guides and write their tables: python docs/images/draw_circuits.py
 
 Each drawing is written into this folder, as .svg to build from and as .png to look at. Values, pin numbers and the
-tables in the pages come from the parts lists in ``musclewire/extras/board/parts_lists``, so drawing and list cannot
+tables in the page come from the parts lists in ``musclewire/extras/board/parts_lists``, so drawing and list cannot
 differ. Needs schemdraw (extra ``dev``).
 """
 
@@ -17,7 +17,7 @@ import card_circuit
 import parts_page
 
 DOCS = Path(__file__).parents[1]
-PAGES = [DOCS / "how-to/wire_the_circuit.md", DOCS / "how-to/wire_an_ni_card.md", DOCS / "reference/circuits.md"]
+PAGE = DOCS / "reference/circuits.md"
 BLOCK = re.compile(r"(<!-- written by docs/images/draw_circuits\.py: ([\w -]+) -->\n).*?(<!-- end -->)", re.S)
 DRAWINGS = {
     "circuit_board": board_circuit.board,
@@ -28,13 +28,12 @@ DRAWINGS = {
 
 
 def main() -> None:
-    """Draw every circuit and write the tables into the pages."""
+    """Draw every circuit and write the tables into their page."""
     for name, draw in DRAWINGS.items():
         draw().save(name)
-    for page in PAGES:
-        text = page.read_text("utf-8")
-        written = BLOCK.sub(lambda found: f"{found[1]}\n{parts_page.block(found[2])}\n\n{found[3]}", text)
-        page.write_text(written, encoding="utf-8")
+    text = PAGE.read_text("utf-8")
+    written = BLOCK.sub(lambda found: f"{found[1]}\n{parts_page.block(found[2])}\n\n{found[3]}", text)
+    PAGE.write_text(written, encoding="utf-8")
 
 
 if __name__ == "__main__":

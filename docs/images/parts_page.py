@@ -1,4 +1,4 @@
-"""The generated parts of the wiring guides: parts lists, wiring tables, reasons, and the table of wires."""
+"""The generated parts of the wiring guides: parts with reasons and prices, wiring tables, and the table of wires."""
 
 from __future__ import annotations
 
@@ -14,31 +14,17 @@ LENGTH_M, AMBIENT_K = 0.14, 295.15
 
 
 def block(name: str) -> str:
-    """Return a block by its name: ``wires``, or ``list``, ``wiring`` or ``reasons`` and a circuit's name."""
+    """Return a block by its name: ``wires``, or ``wiring`` or ``reasons`` and a circuit's name."""
     if name == WIRES:
         return wires_block()
     kind, _, circuit = name.partition(" ")
-    return {"list": list_block, "wiring": wiring_block, "reasons": reasons_block}[kind](circuit)
+    return {"wiring": wiring_block, "reasons": reasons_block}[kind](circuit)
 
 
 def wires_block() -> str:
     """Return the table of wires as the command prints it, as a block of text."""
     table = table_text(wire_table(LENGTH_M, PULL_STRESS_PA, AMBIENT_K), LENGTH_M, PULL_STRESS_PA, AMBIENT_K)
     return "\n".join(f"    {line}".rstrip() for line in table.splitlines())
-
-
-def list_block(circuit: str) -> str:
-    """Return what to buy, with the sum of the estimates."""
-    parts = load_parts(circuit)
-    lines = [
-        f"For {parts.wire}. Prices are estimates of {parts.prices_of} for one piece; none was looked up in a shop.",
-        "",
-        "| Part | Value | What | EUR |",
-        "|---|---|---|---|",
-        *(f"| {one.label} | {one.value} | {one.what} | {one.price_eur:.2f} |" for one in parts.part),
-        f"| together | | | {parts.total_eur:.2f} |",
-    ]
-    return "\n".join(lines)
 
 
 def wiring_block(circuit: str) -> str:
@@ -51,6 +37,17 @@ def wiring_block(circuit: str) -> str:
 
 
 def reasons_block(circuit: str) -> str:
-    """Return why each part is there, and where its numbers come from."""
-    rows = [f"| {one.label} | {one.value} | {one.why} | {one.source} |" for one in load_parts(circuit).part]
-    return "\n".join(["| Part | Value | Why | Source |", "|---|---|---|---|", *rows])
+    """Return what to buy, why each part is there, where its numbers come from, and the sum of the estimated prices."""
+    parts = load_parts(circuit)
+    lines = [
+        f"For {parts.wire}. Prices are estimates of {parts.prices_of} for one piece; none was looked up in a shop.",
+        "",
+        "| Part | Value | What | Why | Source | EUR |",
+        "|---|---|---|---|---|---|",
+        *(
+            f"| {one.label} | {one.value} | {one.what} | {one.why} | {one.source} | {one.price_eur:.2f} |"
+            for one in parts.part
+        ),
+        f"| together | | | | | {parts.total_eur:.2f} |",
+    ]
+    return "\n".join(lines)

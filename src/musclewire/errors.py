@@ -103,7 +103,7 @@ def toml_problem(error: Exception) -> str:
     Parameters
     ----------
     error
-        The reader's exception; a quote that is left open is, to it, an end of line where none may be.
+        The reader's exception; a quote that is left open is, to it, an end of line in the middle of a text.
 
     Returns
     -------

@@ -35,6 +35,7 @@ def test_a_perfect_run_without_an_instrument_ends_well_and_says_how_a_model_come
     answer = musclewire(*arguments)
     assert answer.code == 0, answer.err
     assert "measures no movement" in answer.out
+    assert "'musclewire fit' with --wire" in answer.out
     assert "displacement_m" in answer.out
     assert musclewire(*arguments, "--overwrite", "--json").json["strain_gap_pct"] is None
 

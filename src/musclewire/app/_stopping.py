@@ -86,7 +86,7 @@ def stop_if_asked(_row: Mapping[str, float] | None = None) -> None:
 def opened_rig(rig: str | DeviceConfiguration, **given: Any) -> Iterator[GuardedRig]:
     """Open a rig, as ``open_rig`` does, and close it at the end of the block; a signal ends the opening.
 
-    A signal that came while a kernel was being compiled is heard before the first sample.
+    A signal that came while a kernel was being compiled ends the command before the first sample.
     """
     from musclewire.rigs import open_rig
 

@@ -33,7 +33,7 @@ def refuse_truth(given: Any) -> Any:
 
 NO_TRUTH = BeforeValidator(refuse_truth)
 # A hundred thousand samples a second: faster than any converter that the product knows, and a loop of it still ends.
-SHORTEST_PERIOD_S = 1e-5
+MIN_PERIOD_S = 1e-5
 Amperes = Annotated[float, measured_in("A"), Field(gt=0.0, allow_inf_nan=False)]
 Kelvins = Annotated[float, measured_in("K"), Field(gt=0.0, allow_inf_nan=False)]
 Ohms = Annotated[float, measured_in("ohm"), Field(gt=0.0, allow_inf_nan=False)]
@@ -87,7 +87,7 @@ SamplePeriod = Annotated[
     float,
     SiName("sample_period_s"),
     measured_in("s"),
-    Field(ge=SHORTEST_PERIOD_S, le=1.0, description="Time between samples [s]."),
+    Field(ge=MIN_PERIOD_S, le=1.0, description="Time between samples [s]."),
 ]
 
 

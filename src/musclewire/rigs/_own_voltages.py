@@ -34,8 +34,8 @@ STEPS_PER_VOLT = 1000.0
 READABLE_FRACTION = 0.95
 # Range of the boards' amplifiers at the shunt (5 V over a gain of 20), and the usual values below it (E6).
 SHUNT_RANGE_V, SHUNT_STEPS = 0.25, (1.0, 1.5, 2.2, 3.3, 4.7, 6.8)
-# A tenth of the drive heats by a hundredth of the power: about a kelvin.
-SENSE_FRACTION = 0.1
+# An eighth of the drive heats by a sixtieth of the power, two kelvins, and is many steps of a board's ten-bit output.
+SENSE_FRACTION = 0.125
 
 
 class HotWire(NamedTuple):

@@ -12,7 +12,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -151,9 +151,31 @@ class Terminal:
 
 def follow(door: Door, home: Path) -> None:
     """Follow a door in a clone. Raises NotFollowedError with the block that failed."""
+    type_in_a_clone([block for page in ("README.md", *door.pages) for block in blocks_of(page)], door.end, home)
+
+
+def own_wire(wire: str, period: str, reference: str) -> list[Block]:
+    """Return the door's way with another wire of the catalogue: from the table to a closed loop on the emulated Uno."""
+    load = 'spring_stiffness_n_per_m="588.6 N/m"'
+    typed = (
+        'musclewire simulate --table --wire-length "140 mm"',
+        f"{SECOND}\npython -m emulation.board --board arduino-uno --wire {wire} --rig-file board.toml",
+        "musclewire doctor board.toml",
+        f'musclewire characterize board.toml --cycles 1 --period "{period}" -o loop.h5',
+        f"musclewire fit loop.h5 --wire {wire} -o model.json --set {load}",
+        f'musclewire control board.toml model.json -o moved.h5 --reference "{reference}"',
+    )
+    begin = ". .venv/bin/activate"
+    return [
+        Block(wire, "sh", f"{SECOND}\n{begin}\n{text}\n" if text.startswith(SECOND) else f"{begin}\n{text}\n")
+        for text in typed
+    ]
+
+
+def type_in_a_clone(blocks: Sequence[Block], end: str, home: Path) -> None:
+    """Type blocks one after the other in a clone, then judge their end. Raises NotFollowedError as ``run``."""
     subprocess.run(["git", "clone", "-q", "--no-hardlinks", str(CHECKOUT), str(home / "musclewire")], check=True)
     (home / "musclewire/.venv").symlink_to(sys.prefix)
-    blocks = [block for page in ("README.md", *door.pages) for block in blocks_of(page)]
     with ExitStack() as stack:
         first = Terminal(home)
         stack.callback(first.close)
@@ -167,7 +189,7 @@ def follow(door: Door, home: Path) -> None:
                 second.first_line()
             else:
                 run(first, block)
-        run(first, Block("the end", "python", door.end))
+        run(first, Block("the end", "python", end))
 
 
 def run(terminal: Terminal, block: Block) -> None:

@@ -62,6 +62,11 @@ def test_no_wire_and_a_wrong_wire_list_what_there_is() -> None:
         find_image("nanno", None)
 
 
+def test_a_board_that_is_not_supported_is_answered_with_the_boards_there_are_and_what_is_missing() -> None:
+    with pytest.raises(CallerError, match=r"no firmware for board 'esp32'.*arduino-uno.*stm32f411.*Another board"):
+        find_image("esp32", None)
+
+
 def test_the_one_port_that_looks_like_the_board_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(flash, "serial_ports", lambda: [UNO, OTHER])
     assert flash.find_port("arduino-uno") == "/dev/ttyACM0"
