@@ -51,6 +51,8 @@ All quantities are in SI units, strain as a fraction. The server describes its r
   400 messages a second are read, and any stop.
 - **A slow connection delays nobody.** It loses rows, keeps the newest state, and is closed when its messages do not
   move.
+- **A connection that says nothing keeps nobody out.** Until its first valid request it is one of few, has 5 s, and
+  makes room if there are too many. Connections that have sent one are not limited.
 
 `python -m benchmarks.live_stop` measures stops over both ways, in the middle of heated runs; `python -m
 benchmarks.malformed_messages` sends 10,000 malformed requests and messages and holds that nothing changes.

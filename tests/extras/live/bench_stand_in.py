@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from typing import Any
 
@@ -22,6 +23,7 @@ class BenchStandIn:
             "bench": identifier,
             "revision": 1,
             "phase": "ready",
+            "simulated": True,
             "rig": {"simulated": True, "shunt_resistance_ohm": 2.0, "sample_period_s": 0.05},
             "clock_speed": 1.0,
             "gains": None,
@@ -51,9 +53,12 @@ class BenchStandIn:
         self.told.append(("command", command))
         return Answer(True, "")
 
-    def stop(self, who: str) -> None:
+    def stop(self, who: str) -> asyncio.Future[None]:
         self.told.append(("stop", who))
         self.change(phase="stopped")
+        confirmation: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        confirmation.set_result(None)
+        return confirmation
 
     def release(self, why: str) -> None:
         self.told.append(("release", why))

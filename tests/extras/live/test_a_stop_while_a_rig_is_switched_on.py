@@ -146,6 +146,12 @@ def test_a_stop_before_a_bench_has_begun_is_not_covered_by_its_beginning(bench: 
     assert bench.phase == "stopped"
 
 
+def test_that_a_rig_is_simulated_is_shown_before_it_is_switched_on(bench: Bench) -> None:
+    opening.show_wiring(bench.session)
+    assert bench.session.shown.state.simulated
+    assert bench.session.rig is None
+
+
 def test_of_stop_switch_on_stop_the_last_counts(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(opening, "open_rig", must_not_open)
     bench.stop()

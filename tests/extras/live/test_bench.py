@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
+import time
 from pathlib import Path
 
 import pytest
@@ -97,6 +98,43 @@ def test_a_bench_whose_process_is_killed_says_so(tmp_path: Path) -> None:
             await until_phase(handle, "failed")
             assert "has ended (-9)" in handle.state["why"]
             assert not (await ask(handle, do="switch_on")).accepted
+
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize("how", ["stop", "close"])
+def test_a_frozen_bench_is_given_up_within_two_seconds_and_says_so(tmp_path: Path, how: str) -> None:
+    """SIGSTOP: the process takes no order and no SIGTERM any more. What waits for it is told."""
+
+    async def run() -> None:
+        async with bench(tmp_path) as handle, in_control(handle):
+            assert (await ask(handle, do="switch_on")).accepted
+            process = handle._process
+            assert process is not None
+            os.kill(process.pid, signal.SIGSTOP)
+            waiting = asyncio.create_task(ask(handle, do="pulse"))
+            await asyncio.sleep(0.0)  # it is sent
+            began_s = time.monotonic()
+            await (handle.stop("a test") if how == "stop" else handle.close())
+            assert time.monotonic() - began_s < 2.0
+            assert process.returncode == -signal.SIGKILL
+            assert not (await waiting).accepted
+            if how == "stop":
+                assert handle.state["phase"] == "failed"
+                assert handle.state["why"].startswith(
+                    "the rig's process did not confirm a stop within 1 s and was ended"
+                )
+                await handle.stop("a test")  # there is nothing left to stop: answered at once
+
+    asyncio.run(run())
+
+
+def test_a_stop_of_a_bench_that_has_only_just_been_started_is_carried_out_and_ends_nothing(tmp_path: Path) -> None:
+    async def run() -> None:
+        async with bench(tmp_path) as handle:
+            await handle.stop("a test")
+            assert handle.state["phase"] == "stopped"
+            assert (await ask(handle, do="switch_on")).accepted
 
     asyncio.run(run())
 

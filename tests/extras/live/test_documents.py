@@ -57,6 +57,13 @@ def test_what_the_routes_answer_is_what_the_document_says(server: Any, openapi: 
         jsonschema.validate(answer.json(), schema(openapi, name))
 
 
+def test_a_bench_is_listed_as_simulated_before_it_is_switched_on(server: Any) -> None:
+    for simulated in (True, False):
+        server.bench.change(phase="off", rig=None, simulated=simulated)
+        (listed,) = server.http.get("/api/v1/benches").json()["benches"]
+        assert listed["simulated"] is simulated
+
+
 def test_every_message_that_the_server_sends_is_one_of_its_records(server: Any) -> None:
     record: TypeAdapter[Any] = TypeAdapter(ToPage)
     seen = set()

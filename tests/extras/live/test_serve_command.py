@@ -14,7 +14,8 @@ from benchmarks import live_stop, malformed_messages
 from benchmarks.live_server import running_server
 
 from musclewire.extras.live._client import LiveClient
-from musclewire.extras.live._serve_command import identifiers
+from musclewire.extras.live._serve_command import AddressOptions, announce, identifiers
+from musclewire.extras.live._server.running import ListenAddress, running
 
 
 def test_each_rig_has_a_name_of_its_own_that_fits_into_addresses() -> None:
@@ -45,6 +46,20 @@ def test_what_cannot_be_served_is_one_line(
     assert said in answer.err
     assert len(answer.err.strip().splitlines()) == 1
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_the_token_is_printed_once_and_not_at_all_if_its_file_was_named(
+    named: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    token = "a-token-of-the-tests-0123456789"
+    address = ListenAddress("0.0.0.0", 8765)
+    announce(running(address, token), AddressOptions(address.host, 8765, Path("my-token") if named else None))
+    printed = capsys.readouterr()
+    assert printed.out.startswith(address.url)
+    assert printed.out.count(token) == (0 if named else 1)
+    assert token not in printed.err
+    assert ("the token of my-token" in printed.err) is named
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ import contextlib
 import json
 import sys
 import tempfile
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,14 +19,16 @@ from musclewire.extras.live._ring import RingRows, RowRing, create_ring
 
 # A command is answered with its first sample: after compiling, and after the slowest of samples.
 MAX_ANSWER_S = 60.0
-# How long a process may take to switch off before it is ended, and then killed.
-MAX_STOP_S, MAX_END_S = 0.5, 3.0
+# A process that has not confirmed a stop by then is ended by SIGTERM, and killed after MAX_TERM_S more.
+MAX_STOP_S, MAX_TERM_S = 1.0, 0.5
+# How long one that has confirmed may take to end: its recording is written meanwhile.
+MAX_END_S = 3.0
 # A state may hold the branches of a model and a long list of recordings.
 MAX_LINE_BYTES = 1 << 24
-GONE = (
-    "the rig's process has ended ({}): a board's drive expires by itself, a card's guardian switches off; cut the "
-    "supply to be sure"
-)
+GONE = "{}: a board's drive expires by itself, a card's guardian switches off; cut the supply to be sure"
+ENDED = "the rig's process has ended ({})"
+GIVEN_UP = f"the rig's process did not confirm a stop within {MAX_STOP_S:g} s and was ended"
+SERVER_ENDED = "the end of the server"
 
 
 @dataclass(frozen=True)
@@ -83,14 +86,15 @@ class BenchHandle:
         self.settings = settings
         self.state: dict[str, Any] = {"bench": settings.identifier, "revision": 0, "phase": "starting", "why": ""}
         self.on_change: list[Callable[[BenchHandle], None]] = []
-        self.last_stop: dict[str, Any] | None = None
+        self._given_up = False
         self._process: asyncio.subprocess.Process | None = None
         self._answers: dict[int, asyncio.Future[Answer]] = {}
         self._numbers = 0
         self._ring: RowRing | None = None
         self._ring_folder: tempfile.TemporaryDirectory[str] | None = None
         self._reader: asyncio.Task[None] | None = None
-        self._stops_ordered = self._stops_confirmed = 0
+        # Of the stops that were ordered, in their order; done when the drive is off or the process has ended.
+        self._confirmations: deque[asyncio.Future[None]] = deque()
         self._killers: set[asyncio.Task[None]] = set()
 
     @property
@@ -142,10 +146,11 @@ class BenchHandle:
         """Switch off and end the process, by force if it does not end."""
         process = self._process
         if process is not None:
+            self.stop(SERVER_ENDED)
             self._process = None
             if process.stdin is not None:
                 process.stdin.close()  # its end is the order to switch off and to end
-            await ended(process)
+            await ended(process, None, process.terminate, process.kill)
         if self._reader is not None:
             await self._reader
         if self._ring is not None and self._ring_folder is not None:
@@ -181,13 +186,31 @@ class BenchHandle:
         finally:
             self._answers.pop(number, None)
 
-    def stop(self, who: str) -> None:
-        """Order the drive off, now. A process that does not confirm within half a second is ended."""
+    def stop(self, who: str) -> asyncio.Future[None]:
+        """Order the drive off, now.
+
+        A process that does not confirm within a second, because it is frozen or hangs, is ended: by SIGTERM, and half a
+        second later by force. One that has only just been started has no rig yet and is waited for.
+
+        Parameters
+        ----------
+        who
+            Whoever stops; the first one stays the reason.
+
+        Returns
+        -------
+        Done when the process has confirmed that the drive is off, or has ended. Not to be cancelled.
+        """
+        confirmation: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        if self._process is None:
+            confirmation.set_result(None)
+            return confirmation
+        self._confirmations.append(confirmation)
         self._send({"stop": who})
-        self._stops_ordered += 1
-        killer = asyncio.create_task(self._end_unless_stopped(self._stops_ordered))
+        killer = asyncio.create_task(self._end_unless_stopped(self._process, confirmation))
         self._killers.add(killer)
         killer.add_done_callback(self._killers.discard)
+        return confirmation
 
     def release(self, why: str) -> None:
         """End the present run: whoever had control is lost or has left."""
@@ -221,21 +244,22 @@ class BenchHandle:
                     **self.state,
                     "revision": self.revision + 1,
                     "phase": "failed",
-                    "why": GONE.format(code),
+                    "why": GONE.format(GIVEN_UP if self._given_up else ENDED.format(code)),
                     "doing": None,
                 }
             )
         for waiting in self._answers.values():
             if not waiting.done():
                 waiting.set_result(Answer(False, str(self.state["why"])))
+        while self._confirmations:
+            self._confirmations.popleft().set_result(None)
 
     def _take(self, message: dict[str, Any]) -> None:
         """Take one message of the process."""
         if "state" in message:
             self._become(message["state"])
         elif "stopped" in message:
-            self.last_stop = message
-            self._stops_confirmed += 1
+            self._confirmations.popleft().set_result(None)
         elif (waiting := self._answers.get(message["answer"])) is not None and not waiting.done():
             waiting.set_result(Answer(bool(message["accepted"]), str(message["message"])))
 
@@ -245,21 +269,28 @@ class BenchHandle:
         for call in self.on_change:
             call(self)
 
-    async def _end_unless_stopped(self, number: int) -> None:
-        """End the process if it does not confirm in time so many stops; by then it may have been switched on again."""
-        await asyncio.sleep(MAX_STOP_S)
-        process = self._process
-        if process is not None and self._stops_confirmed < number:
-            await ended(process)
+    async def _end_unless_stopped(
+        self, process: asyncio.subprocess.Process, confirmation: asyncio.Future[None]
+    ) -> None:
+        """End the process if it does not confirm a stop in time; before its first state it has no rig."""
+        await asyncio.wait([confirmation], timeout=MAX_STOP_S if self.revision else MAX_ANSWER_S)
+        if not confirmation.done():
+            self._given_up = True
+            await ended(process, process.terminate, process.kill, max_wait_s=MAX_TERM_S)
 
 
-async def ended(process: asyncio.subprocess.Process) -> None:
-    """Wait for the end of a process; ask it by SIGTERM after a while, then kill it."""
-    for force in (None, process.terminate, process.kill):
+async def ended(
+    process: asyncio.subprocess.Process, *forces: Callable[[], None] | None, max_wait_s: float = MAX_END_S
+) -> None:
+    """Wait for the end of a process, each time for at most so long [s], after each of the forces; None is patience.
+
+    Raises RigError if it has not ended after the last.
+    """
+    for force in forces:
         if force is not None:
             with contextlib.suppress(ProcessLookupError):
                 force()
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(process.wait(), MAX_END_S)
+            await asyncio.wait_for(process.wait(), max_wait_s)
             return
     raise RigError("the rig's process cannot be ended: cut the supply")

@@ -131,7 +131,7 @@ class LiveClient:
 
         Returns
         -------
-        The phase of the bench: "stopped", "off" or "failed" once its drive is off.
+        The phase of the bench once its drive is off: "stopped", or "failed" if its process has ended.
 
         Raises
         ------

@@ -124,8 +124,12 @@ def announce(running: RunningServer, options: AddressOptions) -> None:
             "encrypted; on a network that is not your own leave out --host and use a tunnel: "
             f"ssh -L {address.port}:localhost:{address.port} THIS_MACHINE"
         )
-    say("the page of this session, until Ctrl-C:")
-    show(running.link)
+    if options.token_file is None:
+        say("the page of this session, until Ctrl-C:")
+        show(running.link)
+    else:  # whoever named the file has the token, and what is printed is often kept
+        say(f"the page of this session, until Ctrl-C; open it with /?token= and the token of {options.token_file}:")
+        show(address.url)
     sys.stdout.flush()
     if options.open:
         import webbrowser

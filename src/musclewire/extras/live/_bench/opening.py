@@ -18,7 +18,7 @@ def show_wiring(session: BenchSession) -> None:
         session.shown.say("error", str(problem))
     else:
         session.simulated = isinstance(configuration, RigConfiguration)
-        session.shown.change(wiring=wiring(simulated=session.simulated))
+        session.shown.change(wiring=wiring(simulated=session.simulated), simulated=session.simulated)
 
 
 def show_off(session: BenchSession) -> None:

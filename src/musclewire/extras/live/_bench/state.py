@@ -22,6 +22,7 @@ class BenchState:
     phase: Phase = "starting"
     why: str = ""
     wiring: list[str] = field(default_factory=list)
+    simulated: bool = False
     rig: dict[str, Any] | None = None
     doing: dict[str, Any] | None = None
     messages: list[dict[str, str]] = field(default_factory=list)

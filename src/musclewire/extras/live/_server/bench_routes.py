@@ -23,7 +23,7 @@ from musclewire.extras.live._server.http_messages import (
     RowsAnswer,
 )
 from musclewire.extras.live._server.json_texts import compact
-from musclewire.extras.live._server.session import SAFE_PHASES, OnlineBench, Session, name_of
+from musclewire.extras.live._server.session import OnlineBench, Session, name_of
 
 PROBLEMS: dict[int | str, dict[str, Any]] = {
     status: {"model": ProblemAnswer, "description": text}
@@ -77,8 +77,8 @@ async def list_benches(session: SessionOf) -> BenchList:
 
 def summary(bench: OnlineBench) -> BenchSummary:
     """Return a bench in short."""
-    simulated = bool((bench.handle.state.get("rig") or {}).get("simulated"))
-    return BenchSummary(bench=bench.name, phase=bench.phase, simulated=simulated, holder=name_of(bench.control.holder))
+    state, holder = bench.handle.state, name_of(bench.control.holder)
+    return BenchSummary(bench=bench.name, phase=bench.phase, simulated=state.get("simulated", False), holder=holder)
 
 
 @ROUTES.get("/{bench}")
@@ -122,10 +122,9 @@ async def send_command(
 @ROUTES.post("/{bench}/stop")
 async def stop(bench: BenchOf, response: Response) -> PhaseAnswer:
     """Switch the drive off at once; needs no control and no body. Answers when it is off, at most 1 s later."""
-    bench.handle.stop("a program")
-    phase = await bench.wait_until_safe(STOP_ANSWER_S)
-    response.status_code = 200 if phase in SAFE_PHASES else 202
-    return PhaseAnswer(phase=phase)
+    confirmed = await bench.stopped("a program", STOP_ANSWER_S)
+    response.status_code = 200 if confirmed else 202
+    return PhaseAnswer(phase=bench.phase)
 
 
 @ROUTES.post("/{bench}/control")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from http import HTTPStatus
 from http.cookies import CookieError, SimpleCookie
 from typing import Any, NamedTuple
@@ -70,11 +70,13 @@ class Gate:
         Who may talk to it.
     cookie
         Name of the cookie that keeps the token.
+    passed
+        Called with the address and port at the other end of each request that may pass.
     """
 
-    def __init__(self, app: ASGIApp, access: Access, cookie: str) -> None:
+    def __init__(self, app: ASGIApp, access: Access, cookie: str, passed: Callable[[Any], None]) -> None:
         """Take the application and the rules."""
-        self.app, self.access, self.cookie = app, access, cookie
+        self.app, self.access, self.cookie, self.passed = app, access, cookie, passed
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
@@ -82,9 +84,12 @@ class Gate:
             await self.app(scope, receive, send)
             return
         if scope["type"] == "http" and self.enters(scope):
+            self.passed(scope["client"])
             await answer(send, HTTPStatus.OK, ENTERED, "text/html; charset=utf-8", self.new_cookie())
             return
         refusal = self.refusal(scope)
+        if refusal is None:
+            self.passed(scope["client"])
         if refusal is None and scope["type"] == "websocket":
             await self.app(scope, receive, send)
         elif refusal is None:

@@ -46,7 +46,7 @@ class CommandResult(Record):
 
 
 class PhaseAnswer(Record):
-    """The phase of a bench after a stop: stopped, off or failed once its drive is off."""
+    """The phase of a bench after a stop: stopped, or failed if its process has ended, once its drive is off."""
 
     phase: str
 

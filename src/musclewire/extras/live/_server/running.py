@@ -24,14 +24,16 @@ from musclewire.extras.live._server.application import make_app
 from musclewire.extras.live._server.fired_rules import FiredRules
 from musclewire.extras.live._server.gate import Gate
 from musclewire.extras.live._server.json_texts import MAX_BYTES
-from musclewire.extras.live._server.session import Session
+from musclewire.extras.live._server.newcomers import Newcomers, WatchedProtocol, accept, max_newcomers
+from musclewire.extras.live._server.session import Session, repeat
 
 # If the usual port is taken, these next to it are tried.
 PORTS_TRIED = 20
 # What a connection may have sent that is not read yet: small, so that a flood is taken in small portions.
 RECEIVE_BUFFER_BYTES = 4 * 1024
-BACKLOG = 128
-CLOSE_S = 2.0
+# Whoever does not fit into the system's queue tries again after a second at the earliest, a stop among them.
+BACKLOG = 4096
+CLOSE_S, LOOK_S = 2.0, 0.5
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,41 @@ class RunningServer:
 
 
 class Server(uvicorn.Server):
-    """The server of uvicorn, which leaves signals to us: on one, the rigs come first."""
+    """The server of uvicorn, which leaves signals to us: on one, the rigs come first; and which connections it takes.
+
+    Parameters
+    ----------
+    config
+        How it runs.
+    newcomers
+        Connections that have shown nothing yet.
+    """
+
+    def __init__(self, config: uvicorn.Config, newcomers: Newcomers) -> None:
+        """Take both."""
+        super().__init__(config)
+        self._newcomers = newcomers
+        self._tasks: list[asyncio.Task[None]] = []
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Accept connections by a rule of our own."""
+        self.servers = []
+        loop = asyncio.get_running_loop()
+        self._tasks = [asyncio.create_task(accept(one, self._newcomers, self._protocol)) for one in sockets or []]
+        self._tasks.append(asyncio.create_task(repeat(LOOK_S, lambda: self._newcomers.look(loop.time()))))
+        self.started = True
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Accept no more, then end as uvicorn does."""
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await super().shutdown(sockets)
+
+    def _protocol(self) -> WatchedProtocol:
+        return WatchedProtocol(
+            self._newcomers, config=self.config, server_state=self.server_state, app_state=self.lifespan.state
+        )
 
     @contextmanager
     def capture_signals(self) -> Generator[None, None, None]:
@@ -156,7 +192,8 @@ async def serve_until(
         try:
             await session.start()
             leave_core(settings.cpu)
-            server = Server(configuration(session, settings, address))
+            newcomers = Newcomers(max_newcomers())
+            server = Server(configuration(session, settings, address, newcomers), newcomers)
             await until_ended(server, session, listening, ended, lambda: on_ready(running(address, settings.token)))
         finally:
             await session.close()
@@ -196,16 +233,17 @@ def bound(host: str, port: int) -> socket.socket:
     return listening
 
 
-def configuration(session: Session, settings: ServerSettings, address: ListenAddress) -> uvicorn.Config:
+def configuration(
+    session: Session, settings: ServerSettings, address: ListenAddress, newcomers: Newcomers
+) -> uvicorn.Config:
     """Return how uvicorn runs the application."""
     local = settings.address.is_local
     names = frozenset() if local else frozenset({address.host.lower(), *own_names()})
     access = Access(settings.token, names, any_address=not local)
     cookie = f"musclewire_{address.port}"  # browsers do not keep the cookies of two ports apart
     return uvicorn.Config(
-        Gate(make_app(session), access, cookie),
+        Gate(make_app(session), access, cookie, newcomers.passed),
         loop="asyncio",
-        http="h11",
         ws="websockets-sansio",
         ws_max_size=MAX_BYTES,
         ws_per_message_deflate=False,

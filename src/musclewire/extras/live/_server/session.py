@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 FRAME_S, LEASE_CHECK_S, PING_S = 1.0 / 30.0, 0.05, 0.15
 MAX_VIEWERS = 32
 ORDERED = "the drive is being switched off; the state says when it is"
-SAFE_PHASES = frozenset({"off", "stopped", "failed"})
 
 
 class OnlineBench:
@@ -50,7 +49,6 @@ class OnlineBench:
         self.handle, self.control = handle, BenchControl()
         self.state_changed = True
         self._frames, self._cursor = FrameMaker(), -1
-        self._changed = asyncio.Event()
         self.on_phase: Callable[[OnlineBench], None] | None = None
         self._phase_seen = ""
         handle.on_change.append(self._on_change)
@@ -67,21 +65,18 @@ class OnlineBench:
 
     def _on_change(self, _handle: BenchHandle) -> None:
         self.state_changed = True
-        self._changed.set()
-        self._changed = asyncio.Event()
         if self.phase != self._phase_seen and self.on_phase is not None:
             self._phase_seen = self.phase
             self.on_phase(self)
 
-    async def wait_until_safe(self, max_wait_s: float) -> str:
-        """Return the phase as soon as the drive is off, or what it is after ``max_wait_s`` [s]."""
-        ends_s = time.monotonic() + max_wait_s
-        while self.phase not in SAFE_PHASES and time.monotonic() < ends_s:
-            try:
-                await asyncio.wait_for(self._changed.wait(), ends_s - time.monotonic())
-            except TimeoutError:
-                break
-        return self.phase
+    async def stopped(self, who: str, max_wait_s: float) -> bool:
+        """Stop, and return whether this stop was confirmed within a time [s]: the drive was off then.
+
+        The phase would not do: it may be that of before an order to switch on which is still on its way.
+        """
+        confirmation = self.handle.stop(who)
+        await asyncio.wait([confirmation], timeout=max_wait_s)
+        return confirmation.done()
 
     def new_frames(self) -> list[RowFrame]:
         """Return the frames of the rows that have come since the last time."""

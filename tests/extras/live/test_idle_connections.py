@@ -1,0 +1,82 @@
+"""Thousands of connections that send nothing, and the real server: a stop with the token is answered, the log short."""
+
+from __future__ import annotations
+
+import socket
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import httpx
+import pytest
+from benchmarks.live_server import RunningServer, running_server
+
+from musclewire.extras.live._client import LiveClient
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="limits another process's open files, uses all of 127.0.0.0/8"),
+]
+
+TOKEN = "a-token-of-the-tests-0123456789"
+MAX_STOP_S, MAX_LOG_BYTES = 1.0, 100_000
+BETWEEN_STOPS = 100
+
+
+@contextmanager
+def server_with_few_files(folder: Path, files: int) -> Iterator[RunningServer]:
+    """Run a server that needs a token and may open so many files, its bench off and its first answers given."""
+    import resource
+
+    token = folder / "token"
+    token.write_text(TOKEN)
+    token.chmod(0o600)
+    with running_server(folder, "--port", "8931", "--token-file", str(token)) as server:
+        resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (files, files))
+        with LiveClient(server.link, token=TOKEN) as client:
+            client.wait_for("off")
+            assert client.stop() == "stopped"
+        yield server
+
+
+def idle(address: tuple[str, int], source: str) -> socket.socket:
+    """Open a connection that sends nothing; it does not wait for the server."""
+    one = socket.socket()
+    one.setblocking(False)
+    one.bind((source, 0))
+    one.connect_ex(address)
+    return one
+
+
+def stop_s(url: str) -> float:
+    """Stop with the token over a connection of its own; return how long the answer took [s]."""
+    began_s = time.perf_counter()
+    with socket.create_connection((httpx.URL(url).host, httpx.URL(url).port or 80), timeout=30.0) as line:
+        line.sendall(b"POST /api/v1/benches/simulated/stop HTTP/1.1\r\nHost: localhost\r\n")
+        line.sendall(f"Authorization: Bearer {TOKEN}\r\n\r\n".encode())
+        assert line.recv(4096).startswith(b"HTTP/1.1 200")
+    return time.perf_counter() - began_s
+
+
+@pytest.mark.parametrize("addresses", [1, 200])
+@pytest.mark.parametrize(("files", "count"), [(1024, 2000), (256, 300)])
+def test_no_number_of_idle_connections_keeps_a_stop_with_the_token_out(
+    files: int, count: int, addresses: int, tmp_path: Path
+) -> None:
+    """Few files are permitted only after the start: the limit on newcomers is that of a server that may open many."""
+    with server_with_few_files(tmp_path, files) as server, ExitStack() as stack:
+        parts = urlsplit(server.link)
+        assert parts.hostname is not None
+        assert parts.port is not None
+        took_s = []
+        for number in range(count):
+            source = f"127.0.{1 + number % addresses}.1"
+            stack.enter_context(idle((parts.hostname, parts.port), source))
+            if number % BETWEEN_STOPS == BETWEEN_STOPS - 1:
+                took_s.append(stop_s(server.link))
+        assert max(took_s) <= MAX_STOP_S
+        assert "Traceback" not in server.said
+        assert len(server.said) <= MAX_LOG_BYTES
