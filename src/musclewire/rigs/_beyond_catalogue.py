@@ -76,7 +76,9 @@ def refuse_beyond_catalogue(circuit: StatedCircuit, limits: Mapping[str, float],
 def in_millimetres(name: str, value: float) -> str:
     """Return a length that is out of range as it would be in mm, if it was meant so; "" otherwise."""
     low_m, high_m = LENGTHS_M
-    return f'for {value:g} mm write "{value:g} mm"; ' if name == "wire_length" and low_m <= 1e-3 * value <= high_m else ""
+    return (
+        f'for {value:g} mm write "{value:g} mm"; ' if name == "wire_length" and low_m <= 1e-3 * value <= high_m else ""
+    )
 
 
 def ranges_of(circuit: StatedCircuit) -> dict[str, tuple[float, float, str, str]]:
