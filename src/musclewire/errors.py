@@ -98,12 +98,12 @@ def an_object(thing: object) -> str:
 
 
 def toml_problem(error: Exception) -> str:
-    """Return what is wrong with a TOML text, by its reader's exception: a quote that is not closed by its name.
+    """Return what is wrong with a TOML text, by its reader's exception; an open quote is called that.
 
     Parameters
     ----------
     error
-        The reader's exception; a quote that is left open is, to it, an end of line in the middle of a text.
+        The reader's exception, which calls a quote that is left open an illegal end of line.
 
     Returns
     -------

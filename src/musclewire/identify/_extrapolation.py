@@ -100,7 +100,7 @@ def temperature_k(recording: Recording) -> float | None:
 
 @lru_cache(maxsize=64)
 def more_loss(diameter_m: float, ambient_temperature_k: float) -> tuple[float, ...]:
-    """Return by which fraction a wire hotter than the air by ``ABOVE_K`` loses more per kelvin than at 100 C."""
+    """Return by which fraction a wire loses more per kelvin than at 100 C, at each of ``ABOVE_K`` above the air."""
     air_k = ambient_temperature_k
     reference = convection_coefficient_w_per_m2_k(max(HOT_K, air_k + 50.0), air_k, diameter_m)
     found = (convection_coefficient_w_per_m2_k(air_k + above_k, air_k, diameter_m) for above_k in ABOVE_K)

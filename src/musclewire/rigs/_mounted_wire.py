@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, get_args
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
 from pydantic.fields import FieldInfo
 
 from musclewire.controllers import ProtectionLimits
-from musclewire.parameters import Wire, load_alloy, load_wire, validity_of
+from musclewire.parameters import Bench, Wire, load_alloy, load_wire, validity_of
 from musclewire.rigs._beyond_catalogue import StatedCircuit, confirmed_beyond, refuse_beyond_catalogue
 from musclewire.rigs._device import Metadata
 from musclewire.rigs._own_voltages import GivenVoltages, voltages_of_circuit
@@ -95,7 +95,7 @@ def notes_of(key: Any) -> tuple[Any, ...]:
     """Return the notes on a key, given its type or its field, whether or not it may be left out."""
     if isinstance(key, FieldInfo):
         return (*key.metadata, *(note for kind in get_args(key.annotation) for note in notes_of(kind)))
-    return tuple(getattr(key, "__metadata__", ()))
+    return tuple(getattr(key, "__metadata__", ())) or tuple(note for kind in get_args(key) for note in notes_of(kind))
 
 
 def may_be_left_out(key: Any) -> Any:
@@ -260,23 +260,56 @@ class MountedWire(BaseModel):
         return {
             "wire": wire.name,
             "wire_diameter_m": wire.diameter_m.value,
-            "wire_length_m": self.wire_length,
             "leg_length_m": self.leg_length_m,
-            "shunt_resistance_ohm": self.shunt,
             "maximum_force_n": wire.maximum_force_n.value,
             **validity_of(load_alloy(wire.alloy)).facts(),
-            "pretension_n": self.pretension,
-            "sample_period_s": self.sample_period,
+            **stated_by(self),
         }
 
 
-# Keys of a mounted wire that set no number of wire or bench.
-NO_NUMBERS = ("wire", "limits", "beyond_catalogue")
-# Each key of wire and circuit, and the number that it sets; ``settings`` also accept that number by its own name.
-SETTINGS = {key: si_name(key, field) for key, field in MountedWire.model_fields.items() if key not in NO_NUMBERS}
+# Keys of a mounted wire that each kind of rig has in its own way, and those that a recording states in other words: as
+# limits of the protection, as amplitude, as length of a leg.
+OWN_TO_A_KIND = ("wire", "limits", "beyond_catalogue")
+IN_OTHER_WORDS = ("legs", "sense_voltage", "maximum_voltage", "drive_amplitude", "ambient_temperature")
 
 
-class WireKeys(BaseModel):
+def shared_keys(mounted: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Return the keys of wire and circuit that rig files of every kind have."""
+    return {key: field for key, field in mounted.model_fields.items() if key not in OWN_TO_A_KIND}
+
+
+def stated_by(table: BaseModel, mounted: type[BaseModel] = MountedWire) -> Metadata:
+    """Return what the keys of wire and circuit say to a recording, by the names of the numbers."""
+    said = {si_name(key, field): getattr(table, key) for key, field in shared_keys(mounted).items()}
+    return {name: value for name, value in said.items() if name not in IN_OTHER_NAMES}
+
+
+def keys_left_out(mounted: type[BaseModel]) -> type[BaseModel]:
+    """Return a schema with the keys of wire and circuit, of which each may be left out."""
+    types = get_type_hints(mounted, include_extras=True)
+    fields = {key: (types[key] | None, may_be_left_out(types[key])) for key in shared_keys(mounted)}
+    schema: type[BaseModel] = create_model(  # type: ignore[call-overload]  # fields by name
+        "KeysLeftOut", __config__=ConfigDict(extra="forbid", frozen=True), **fields
+    )
+    return schema
+
+
+IN_OTHER_NAMES = {si_name(key, MountedWire.model_fields[key]) for key in IN_OTHER_WORDS}
+# Each key of wire and circuit that is a number of wire or bench, by its name; ``settings`` also accept it by that name.
+SETTINGS = {
+    key: name
+    for key, field in shared_keys(MountedWire).items()
+    if (name := si_name(key, field)) in (*Wire.model_fields, *Bench.model_fields)
+}
+
+
+if TYPE_CHECKING:
+    KeysLeftOut = BaseModel
+else:
+    KeysLeftOut = keys_left_out(MountedWire)
+
+
+class WireKeys(KeysLeftOut):
     """The keys of wire and circuit in simulated rigs' files, each by default that of wire or bench.
 
     Parameters
@@ -285,17 +318,6 @@ class WireKeys(BaseModel):
         Other numbers of wire and bench by name, in SI or as text with a unit.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    wire_length: WireLength | None = may_be_left_out(WireLength)
-    legs: Legs | None = may_be_left_out(Legs)
-    shunt: Shunt | None = may_be_left_out(Shunt)
-    sense_voltage: SenseVoltage | None = may_be_left_out(SenseVoltage)
-    maximum_voltage: MaximumVoltage | None = may_be_left_out(MaximumVoltage)
-    drive_amplitude: DriveAmplitude | None = may_be_left_out(DriveAmplitude)
-    pretension: Pretension | None = may_be_left_out(Pretension)
-    ambient_temperature: AmbientTemperature | None = may_be_left_out(AmbientTemperature)
-    sample_period: SamplePeriod | None = may_be_left_out(SamplePeriod)
     settings: dict[str, Annotated[float | str, NO_TRUTH]] = Field(default_factory=dict)
 
     @model_validator(mode="after")
@@ -313,3 +335,7 @@ class WireKeys(BaseModel):
         """Return a number that the file sets, in SI, or as text with a unit if ``settings`` have it so."""
         key = next((key for key, own in SETTINGS.items() if own == name and getattr(self, key) is not None), None)
         return self.settings[name] if key is None else float(getattr(self, key))
+
+    def stated(self) -> Metadata:
+        """Return what the keys in the file say to a recording."""
+        return {name: value for name, value in stated_by(self).items() if value is not None}

@@ -203,6 +203,8 @@ class SimulatedDevice:
         ``ProtectionLimits``; none if None.
     faults
         Faults of wire, circuit, channels and clock, with their times; none by default.
+    stated
+        What else a recording is to say of wire and circuit, as the keys of the rig's file state it; nothing if None.
 
     Attributes
     ----------
@@ -233,9 +235,10 @@ class SimulatedDevice:
         real_time: bool = False,
         limits: Mapping[str, float] | None = None,
         faults: Sequence[SimulatedFault] = (),
+        stated: Metadata | None = None,
     ) -> None:
         """Cool the wire under its pretension and wait at 0 V."""
-        self.spool, self._parts = spool, tuple(parts)
+        self.spool, self._parts, self._stated = spool, tuple(parts), dict(stated or {})
         bench = spool.bench
         self._resolution_v = bench["amplifier_resolution_v"]
         self._seed = seed
@@ -327,6 +330,7 @@ class SimulatedDevice:
     def metadata(self) -> Metadata:
         """Return the metadata of a recording that describe this rig."""
         return {
+            **self._stated,  # what is below knows better
             "rig": "simulated",
             **self.spool.facts(),
             **convection_metadata(self.spool.wire.diameter_m.value, self.spool.bench["ambient_temperature_k"]),

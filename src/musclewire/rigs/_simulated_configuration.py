@@ -263,6 +263,7 @@ def device_of(
         real_time=real_time,
         limits=configuration.limits.changed(),
         faults=configuration.fault,
+        stated=configuration.stated(),
     )
     if "pretension_n" in given and not device.has_stage:
         raise CallerError(

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+from tests.places import CHECKOUT
 
 from musclewire.errors import CallerError
 from musclewire.rigs._configuration import open_rig, read_rig_file
@@ -63,3 +68,44 @@ def test_a_number_that_is_said_twice_and_a_quantity_of_another_kind_are_refused(
         read_rig_file(rig_file(tmp_path, text))
     with pytest.raises(CallerError, match="pretension"):
         read_rig_file(rig_file(tmp_path, 'pretension = "1 V"\n'))
+
+
+# What a maintainer adds to MountedWire for a key that nobody else knows, and what then has to follow.
+ADDED = """    spool: Annotated[str | None, Field(description="What is printed on the spool of the wire.")] = None
+    oven_time: Annotated[float | None, SiName("oven_time_s"), measured_in("s"), Field(description="Oven.")] = None
+"""
+FOLLOWS = """
+import sys
+import musclewire as mw
+import rig_keys_page
+from musclewire.rigs import MountedWire
+
+board = {"wire": "paper-100um", "wire_length": "14 cm", "shunt": "1 ohm", "sense_voltage": "0.3 V"}
+facts = MountedWire.model_validate({**board, "spool": "lot 7", "oven_time": "10 min"}).facts()
+print(facts["spool"], facts["oven_time_s"])
+with mw.open_rig(sys.argv[1]) as rig:
+    print(rig.metadata()["spool"], rig.metadata()["oven_time_s"], rig.metadata()["wire"])
+with mw.open_rig("simulated") as rig:
+    print("spool" in rig.metadata(), "| what is printed on the spool" in rig_keys_page.page())
+"""
+
+
+@pytest.mark.slow
+def test_a_key_is_added_by_one_edit_and_all_rigs_their_facts_and_the_page_have_it(tmp_path: Path) -> None:
+    """In a copy of the package: files with and without the key open, and recordings and the page state it."""
+    shutil.copytree(CHECKOUT / "src", tmp_path / "src", ignore=shutil.ignore_patterns("__pycache__"))
+    edited = tmp_path / "src" / "musclewire" / "rigs" / "_mounted_wire.py"
+    before = "    limits: LimitsTable = LimitsTable()\n"
+    text = edited.read_text("utf-8")
+    assert text.count(before) == 1
+    edited.write_text(text.replace(before, ADDED + before), "utf-8")
+    file = rig_file(tmp_path, 'spool = "lot 7"\noven_time = "10 min"\n')
+    path = os.pathsep.join(str(one) for one in (tmp_path / "src", CHECKOUT / "docs" / "images"))
+    done = subprocess.run(
+        [sys.executable, "-c", FOLLOWS, str(file)],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout.splitlines() == ["lot 7 600.0", "lot 7 600.0 paper-100um", "False True"], done.stderr
