@@ -37,9 +37,9 @@ if TYPE_CHECKING:
 
 # What a recording without displacement is good for, which on a board is every recording.
 NO_INSTRUMENT = (
-    "this rig measures no movement, so there is no gap to report: 'musclewire fit' with --wire and the wire's name makes a "
-    "model of the resistance alone; a column displacement_m from an instrument of your own (a caliper, a ruler, a video) "
-    "makes a better one"
+    "this rig measures no movement, so there is no gap to report: 'musclewire fit' with --wire and the wire's name "
+    "makes a model of the resistance alone; a column displacement_m from an instrument of your own (a caliper, a "
+    "ruler, a video) makes a better one"
 )
 
 

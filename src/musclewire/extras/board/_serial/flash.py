@@ -53,8 +53,8 @@ def find_image(board: str, wire: str | None) -> FirmwareImage:
     if known not in boards:
         named = sorted(name for name, own in BOARD_NAMES.items() if own in boards)
         raise CallerError(
-            f"there is no firmware for board '{board}'{nearest_hint(board, named)}; the code for another processor is a "
-            'file of C that nobody has written yet (docs/how-to/flash_the_firmware.md, "Another board"): take one of '
+            f"there is no firmware for board '{board}'{nearest_hint(board, named)}; the code for another processor is "
+            'a file of C that nobody has written yet (docs/how-to/flash_the_firmware.md, "Another board"): take one of '
             "these, or write it"
         )
     here = {image.wire: image for image in images if image.board == known}
