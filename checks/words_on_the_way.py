@@ -1,4 +1,4 @@
-"""Count the words on a maker's way to a wire of their own: README, the door, and the pages it links in bold.
+"""Count the words on a maker's way to a wire of their own: README, the door, and the pages that it links in bold.
 
     python checks/words_on_the_way.py
 

@@ -107,7 +107,7 @@ def may_be_left_out(key: Any) -> Any:
 def follows_the_wire(key: Any) -> Any:
     """Return the field of a voltage that a file may leave to the wire, for its length, diameter and circuit."""
     meaning = next(note.description for note in notes_of(key) if isinstance(note, FieldInfo) and note.description)
-    left_out = "by default that of the wire's file, for this length and circuit"
+    left_out = "by default what `musclewire simulate --table` lists, for this wire, length and circuit"
     return Field(default=None, description=f"{meaning.removesuffix('.')}; {left_out}.")
 
 
