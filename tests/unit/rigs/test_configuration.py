@@ -236,5 +236,5 @@ def test_an_object_is_no_rig_and_the_message_says_how_a_device_of_ones_own_becom
         open_rig(Supply())  # type: ignore[arg-type]
 
 
-def test_a_plant_that_is_given_by_its_path_may_be_characterised() -> None:
+def test_a_plant_that_is_given_by_its_path_may_be_characterized() -> None:
     assert amplitude_is_given(CHECKOUT / "examples" / "plants" / "liang_rogers.toml")

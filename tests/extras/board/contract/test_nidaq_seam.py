@@ -245,5 +245,5 @@ def test_no_server_and_no_driver_are_said(changed: dict[str, str], said: str) ->
 
 def test_without_the_package_it_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "nidaqmx", None)
-    with pytest.raises(MissingExtraError, match=r"musclewire\[nidaq\]"):
+    with pytest.raises(MissingExtraError, match=r"\.\[nidaq\]"):
         open_rig(wiring_of("ni-usb-6001"))

@@ -30,7 +30,7 @@ def test_an_unknown_board_is_refused_with_the_nearest() -> None:
         ('wire = "paper-100um"', 'wire = "flexinol-0.10-lt"', "flexinol-0.10-lt: give the file of your wire by --wire"),
         ('"140 mm"', '"120 mm"', "120 mm: give the file of your wire by --wire"),
         ('shunt = "1 ohm"', 'shunt = "2 ohm"', "shunt of 1 ohm and the wire file says 2 ohm"),
-        ('"3.6 V"', '"6 V"', "puts out 5 V at most"),
+        ('"3.6 V"', '"6 V"', "gives 5 V at most"),
         ("pretension", "pretention", "pretension"),
     ],
 )

@@ -66,6 +66,6 @@ def test_where_an_estimator_had_no_answer_nan_is_one(tmp_path):
 def test_without_pyarrow_the_extra_is_named(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     loop = Recording({"time_s": [0.0, 1.0]})
-    with pytest.raises(MissingExtraError, match=r"musclewire\[parquet\]"):
+    with pytest.raises(MissingExtraError, match=r"\.\[parquet\]"):
         loop.save(tmp_path / "loop.parquet")
     assert list(tmp_path.iterdir()) == []
