@@ -1,4 +1,4 @@
-"""A study of 20,000 characterisations: on local cores, on a Dask cluster of processes, and with workers killed.
+"""A study of 20,000 characterizations: on local cores, on a Dask cluster of processes, and with workers killed.
 
     python benchmarks/sweep.py [--runs 20000] [--kill-every 3] [--kills 10] [--only local|cluster|killed]
 
@@ -33,7 +33,7 @@ def study_of(runs: int) -> dict[str, Any]:
     return {
         "format": "musclewire-study",
         "version": 1,
-        "name": "20,000 characterisations",
+        "name": "20,000 characterizations",
         "run": {
             "kind": "characterize",
             "cycles": 1,

@@ -221,7 +221,7 @@ class Card:
             self._tasks.pop(number, None)
 
     def write(self, number: int, value_v: float, *, auto_start: bool) -> None:
-        """Put out a voltage now, or at the next clock edge of a task that has one."""
+        """Apply a voltage now, or at the next clock edge of a task that has one."""
         with self._changed:
             task = self.task(number)
             self._require_unbroken(task)

@@ -115,7 +115,7 @@ class Plant:
         }
         sources = [source for source in readable if source is not None]
         ready, _, _ = select.select([sys.stdin.fileno(), *sources], [], [], self._patience_s())
-        # The pins first: what was put out before an acknowledgement was put out before it.
+        # The pins first: what was applied before an acknowledgement was applied before it.
         for source in (self.pins, *(item for item in sources if item is not self.pins)):
             if source is not None and source in ready and source.fileno() >= 0:
                 readable[source]()

@@ -1,4 +1,4 @@
-"""Characterise a wire, fit its self-sensing model, and move it with no sensor but its own resistance."""
+"""Characterize a wire, fit its self-sensing model, and move it with no sensor but its own resistance."""
 
 import musclewire as mw
 

@@ -144,7 +144,7 @@ def require_fit(board: str, description: dict[str, Any], wire: MountedWire) -> N
     """Raise CallerError if a wire needs more than a board puts out."""
     if wire.maximum_voltage > description["output_range_v"]:
         raise CallerError(
-            f"board {board} puts out {description['output_range_v']:g} V at most and the wire file allows "
+            f"board {board} gives {description['output_range_v']:g} V at most and the wire file allows "
             f"{wire.maximum_voltage:g} V: lower maximum_voltage"
         )
 

@@ -1,6 +1,6 @@
 """Estimators and the closed loop on a plant of anybody's, named by its rig file, under changes of air, load and wire.
 
-The plant is characterised as a user would. Then it follows random steps and minor loops by its displacement sensor, so
+The plant is characterized as a user would. Then it follows random steps and minor loops by its displacement sensor, so
 that every estimator sees the same run; 20 s after its begin one thing changes within a second. Printed for each
 condition and estimator: root mean square error in percent of the stroke, from 10 s after the change on and within 10
 and 90 % of the stroke, and how many samples are valid; for the loop with default estimator and gains the mean error of

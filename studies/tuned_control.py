@@ -1,8 +1,8 @@
 """One tuning rule on wires of three diameters, two loads and a finger, undisturbed and disturbed.
 
-Each wire is characterised by its own slow loop; model and gains are found from that recording alone, by ``mw.fit`` and
+Each wire is characterized by its own slow loop; model and gains are found from that recording alone, by ``mw.fit`` and
 ``mw.tune``. Then it follows the staircase of Fig. 11 from cold, without an approach. A disturbance has come before the
-run and after the characterisation. Errors are Eq. 7, in percent of each step's target, the first second left out; of a
+run and after the characterization. Errors are Eq. 7, in percent of each step's target, the first second left out; of a
 disturbed run the steps from 10 s on count. The wire's true temperature is the simulator's. Some 25
 variants of the controller were tried on seeds 1 and 2, undisturbed and in a draught; the tolerance, the jump over the
 gap, its pulse time and the time of the closed loop follow from that. None of these seeds is among those here. Where a
@@ -72,7 +72,7 @@ def wires() -> list[Wire]:
 
 
 def disturbed() -> dict[str, RigConfiguration]:
-    """Return the rigs of the disturbed runs: the wire of 100 um, changed after it was characterised."""
+    """Return the rigs of the disturbed runs: the wire of 100 um, changed after it was characterized."""
     convection = 0.817678
     return {
         "draught 0.25": RigConfiguration(surroundings=Surroundings(draught=0.25)),
@@ -85,7 +85,7 @@ def disturbed() -> dict[str, RigConfiguration]:
     }
 
 
-def characterised(rig: str | DeviceConfiguration, seed: int) -> tuple[mw.SensingModel, Tuning]:
+def characterized(rig: str | DeviceConfiguration, seed: int) -> tuple[mw.SensingModel, Tuning]:
     """Return model and gains of a wire from one slow loop."""
     with mw.open_rig(rig, seed=seed) as opened:
         slow = mw.characterize(opened)
@@ -170,7 +170,7 @@ def main() -> int:
     for wire in wires():
         results = []
         for seed in seeds:
-            model, tuning = characterised(wire.rig, seed)
+            model, tuning = characterized(wire.rig, seed)
             if wire.name == "100 um":
                 known[seed] = model, tuning
             results.append(controlled(wire.rig, seed, model, tuning, options.estimator, 0.0))

@@ -50,7 +50,7 @@ enum {
 
 /* Lengths of payloads, and the byte at which each field begins. */
 #define MW_DRIVE_BYTES 4u
-#define MW_AT_DRIVE_DRIVE_VOLTAGE_V 0u /* f32: drive voltage to put out */
+#define MW_AT_DRIVE_DRIVE_VOLTAGE_V 0u /* f32: drive voltage to apply */
 #define MW_TARGET_BYTES 4u
 #define MW_AT_TARGET_TARGET 0u /* f32: target of the model's quantity */
 #define MW_STREAM_BYTES 2u
@@ -65,7 +65,7 @@ enum {
 #define MW_AT_IDENTITY_TICK_PERIOD_US 4u /* u32: time between two readings of the converter */
 #define MW_AT_IDENTITY_CONTROL_PERIOD_US 8u /* u32: time between two steps of the board's own controller */
 #define MW_AT_IDENTITY_SENSE_VOLTAGE_V 12u /* f32: drive that heats by little and still lets resistance be measured */
-#define MW_AT_IDENTITY_MAXIMUM_VOLTAGE_V 16u /* f32: highest drive that is put out */
+#define MW_AT_IDENTITY_MAXIMUM_VOLTAGE_V 16u /* f32: highest drive that is applied */
 #define MW_AT_IDENTITY_SHUNT_RESISTANCE_OHM 20u /* f32: R of Eq. 1 (Lan and Fan 2010) */
 #define MW_AT_IDENTITY_EXPIRY_MS 24u /* u16: so long without a command, and the heater is off */
 #define MW_AT_IDENTITY_MODEL_CHECKSUM 26u /* u32: of model, controller and rules, as `musclewire export c` writes it into `mw_constants.h` */

@@ -51,7 +51,7 @@ rout k out 10
 
 
 class Case(NamedTuple):
-    """What the board puts out, what the adapter gives, and what is shorted, changed or left out."""
+    """What the board applies, what the adapter gives, and what is shorted, changed or left out."""
 
     drive_v: float | None = 0.0  # None: the pin floats, as at reset
     supply_v: float = 12.0

@@ -254,7 +254,7 @@ def test_moving_the_stage_switches_the_drive_off_and_more_than_the_wire_allows_i
 
 
 def test_another_thread_may_close_a_rig_that_exchanges_and_the_exchange_ends_with_an_error(rig: Rig) -> None:
-    """At whatever moment: nothing is put out after it."""
+    """At whatever moment: nothing is applied after it."""
     exchanges, begun, ended = 0, threading.Event(), []
 
     def exchange_until_it_fails() -> None:

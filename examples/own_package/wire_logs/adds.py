@@ -73,7 +73,7 @@ class Resistor:
         return {"rig": "resistor", **self._file.facts()}
 
     def exchange(self, command):
-        """Put out a voltage for a sample period and return the sample at its end."""
+        """Apply a voltage for a sample period and return the sample at its end."""
         self.drive_voltage_v = drive_voltage_of(command)
         if self._is_off:  # looked at after the output: 0 V is the last word whichever thread comes first
             self.drive_voltage_v = 0.0
@@ -89,7 +89,7 @@ class Resistor:
         return True
 
     def off(self):
-        """Put out 0 V for good."""
+        """Apply 0 V for good."""
         self._is_off, self.drive_voltage_v = True, 0.0
         return True
 

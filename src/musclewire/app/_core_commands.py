@@ -18,7 +18,7 @@ COMMANDS = (
     Command(
         "demo",
         "musclewire.app._rig_commands:demo",
-        "The main job on the simulated rig: characterise, fit, control by resistance, report.",
+        "The main job on the simulated rig: characterize, fit, control by resistance, report.",
         panel=BEGIN,
         answer="musclewire.app._answers:DemoAnswer",
     ),

@@ -109,14 +109,11 @@ def document(rig: str, found: Examination, written: Path | None) -> DoctorAnswer
 
 def text(found: Examination) -> str:
     """Return an examination as lines: verdict, name, value, what it means or what to do."""
-    checks, unchecked = found.findings
-    rows = [("ok" if check.ok else "NO", check.name, valued(check), explained(check)) for check in checks]
-    rows += [("-", one.name, "not checked", one.reason) for one in unchecked]
+    rows = [("ok" if one.ok else "NO", one.name, valued(one), explained(one)) for one in found.findings.worst_first]
+    rows += [("-", one.name, "not run", one.reason) for one in found.findings.unchecked]
     lines = [table(["", "", "", ""], rows, left=(0, 1, 3))]
     lines += ["", *(calibrated(one) for one in found.calibration)] if found.calibration else []
-    failed = sum(not check.ok for check in checks)
-    verdict = f"{len(checks)} checks: {failed} failed, {len(unchecked)} not run"
-    return "\n".join([*lines, "", f"{verdict}; the drive was at most {found.highest_v:.3g} V"])
+    return "\n".join([*lines, "", f"{found.findings.summary}; the drive was at most {found.highest_v:.3g} V"])
 
 
 def calibrated(one: ChannelCalibration) -> str:

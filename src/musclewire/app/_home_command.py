@@ -42,7 +42,7 @@ WHEN = ("start", "idle", "never")
 class HomeOptions:
     """When a closed loop makes a home move, with which thermometer, and where its model is written.
 
-    Never, unless asked: a home move heats the wire for half a minute and is right at the load of the characterisation
+    Never, unless asked: a home move heats the wire for half a minute and is right at the load of the characterization
     only, which no program can see.
     """
 
@@ -145,7 +145,7 @@ def home_found(found: Homing) -> HomeFound:
 def home_text(found: Homing) -> str:
     """Return a home move in a few lines: the load it assumes first, then what it found, then what it did not see."""
     home = found.home
-    load = "the load of the characterisation" if home.load_n is None else f"a load of {home.load_n:g} N"
+    load = "the load of the characterization" if home.load_n is None else f"a load of {home.load_n:g} N"
     air = "air not measured" if home.ambient_k is None else f"air of {home.ambient_k - 273.15:.1f} degC"
     return "\n".join(
         [

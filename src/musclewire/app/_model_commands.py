@@ -213,7 +213,7 @@ class CitedWork:
     @property
     def bibtex(self) -> str:
         """The work as an entry of BibTeX; braces keep the capitals of a title."""
-        fields = {**self.fields} | {"title": f"{{{self.fields['title']}}}"}
+        fields = {**self.fields, "title": f"{{{self.fields['title']}}}"}
         return "\n".join([f"@{self.kind}{{{self.key},", *(f"  {key} = {{{fields[key]}}}," for key in fields), "}"])
 
 

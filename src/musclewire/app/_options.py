@@ -159,7 +159,7 @@ HOME = option(
 HOMED_MODEL = option("--homed-model", help="Model file to write after a home move (.json).")
 CYCLES_MADE = option(
     "--cycles-made",
-    help="Cycles that the wire has made since its characterisation, if counted; kept in the model.",
+    help="Cycles that the wire has made since its characterization, if counted; kept in the model.",
     min=0,
 )
 SWEEP_FILE = option("--sweep", help="Recording of the home move's sweep to write (.h5).")

@@ -51,7 +51,7 @@ def table_text(rows: ProtectionTable) -> str:
     return "\n".join(
         [
             table(
-                ["state", "what is out", "meaning"],
+                ["state", "drive", "meaning"],
                 ((row.name, row.output, row.meaning) for row in rows.state),
                 left=range(3),
             ),

@@ -49,7 +49,7 @@ def demo(
     output: Annotated[Path, output_option("Folder for report, model and recordings.")] = Path("musclewire-demo"),
     seed: Annotated[int, SEED] = 1,
 ) -> Result:
-    """The main job on the simulated rig: characterise, fit, control by resistance, report."""
+    """The main job on the simulated rig: characterize, fit, control by resistance, report."""
     started = time.perf_counter()
     from musclewire.app._answers import DemoAnswer
     from musclewire.app._report.page import write_report

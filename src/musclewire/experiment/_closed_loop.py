@@ -75,7 +75,7 @@ class SelfSensingPolicy:
     approach_s
         Time [s] the wire gets to reach the first target.
     first_drive_voltage_v
-        The drive voltage [V] that the rig already puts out.
+        The drive voltage [V] that the rig already applies.
     """
 
     def __init__(

@@ -38,12 +38,12 @@ def home(
     model
         The model, fitted to a recording with voltages.
     load_n
-        Force of the cold wire now [N]; that which the rig states, or that of the characterisation, if None.
+        Force of the cold wire now [N]; that which the rig states, or that of the characterization, if None.
     ambient_k
         Measured temperature of the air [K]; that of the rig's own thermometer, if it has one, if None. With it the
         shift of the transformation is known to 3 K instead of 9 K, and a changed load is noticed more surely.
     cycles
-        Cycles that the wire has made since the characterisation, if they were counted; kept in the model.
+        Cycles that the wire has made since the characterization, if they were counted; kept in the model.
     **run
         ``path`` of the recorded sweep, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
         may raise to stop the run, ``until`` asked after each whether the run is to end now.
@@ -102,7 +102,7 @@ def home_duration_s(rig: Rig, model: SensingModel) -> float:
 
 
 def require_spring(model: SensingModel, stated_n_per_m: MetadataValue) -> None:
-    """Raise CallerError if the rig states another spring than the model was characterised on."""
+    """Raise CallerError if the rig states another spring than the model was characterized on."""
     before = model.wire.get("spring_stiffness_n_per_m")
     if (
         isinstance(before, int | float)
@@ -110,6 +110,6 @@ def require_spring(model: SensingModel, stated_n_per_m: MetadataValue) -> None:
         and abs(stated_n_per_m - before) > SAME_SPRING * before
     ):
         raise CallerError(
-            f"the wire pulls {stated_n_per_m:g} N/m and pulled {before:g} N/m at the characterisation: make the "
-            "home move on the same load, or characterise again on this one"
+            f"the wire pulls {stated_n_per_m:g} N/m and pulled {before:g} N/m at the characterization: make the "
+            "home move on the same load, or characterize again on this one"
         )

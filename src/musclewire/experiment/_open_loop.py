@@ -1,4 +1,4 @@
-"""Driving a wire by a waveform, and the slow sine that characterises it.
+"""Driving a wire by a waveform, and the slow sine that characterizes it.
 
 Its amplitude may be found beforehand: one sweep shows where the resistance has stopped falling.
 """

@@ -251,7 +251,7 @@ def pretension_sweep(
     on_sample: OnSample | None = None,
     **sine: Unpack[SlowSine],
 ) -> PretensionSweep:
-    """Find the pretension with the smallest hysteresis gap: characterise the wire at each and compare the gaps.
+    """Find the pretension with the smallest hysteresis gap: characterize the wire at each and compare the gaps.
 
     A setting whose loop cannot be used (slack, or no transformation left at high stress) is kept as a failure with its
     reason.

@@ -214,7 +214,7 @@ def tune(
     closed_loop_time_s: float | None = None,
     rule_base: str | None = None,
 ) -> Tuning:
-    """Find the gains of a controller from the slow loop that characterised a wire.
+    """Find the gains of a controller from the slow loop that characterized a wire.
 
     Parameters
     ----------

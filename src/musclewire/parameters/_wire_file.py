@@ -9,7 +9,7 @@ description = "..."
 value = 0.0001
 unit = "m"
 kind = "measured"
-source = "calliper"
+source = "caliper"
 
 [alloy.martensite_temperature_k]        all numbers of an alloy
 ...

@@ -115,7 +115,7 @@ class Device(Protocol):
         ...
 
     def exchange(self, command: Command) -> Answer:
-        """Put out a command for one sample period and return the sample at its end.
+        """Apply a command for one sample period and return the sample at its end.
 
         Parameters
         ----------
@@ -146,7 +146,7 @@ class Device(Protocol):
         ...
 
     def off(self) -> bool:
-        """Put out 0 V and release the hardware; nothing is put out after that.
+        """Apply 0 V and release the hardware; nothing is applied after that.
 
         May be called twice, and from another thread while ``exchange`` waits for its sample: the drive does not wait
         for the sample, and the exchange ends soon, with an answer or an error that is not used. Never raises.

@@ -39,7 +39,7 @@ from musclewire.rigs._remembered_temperature import RememberedTemperature
 from musclewire.signals import Command, Drive, RawSample, Target, drive_voltage_of
 
 # Python 3.11 takes longer to look up a member of an enumeration than to compare it.
-RUN, TRIPPED = int(State.RUN), int(State.TRIPPED)
+RUN, TRIPPED, DEGRADED = int(State.RUN), int(State.TRIPPED), int(State.DEGRADED)
 # The device's word on its drive counts within this fraction of the maximum voltage, if by both the wire is driven or by
 # neither; else what was ordered does.
 DRIVE_AGREEMENT = STUCK_FRACTION
@@ -287,7 +287,7 @@ class GuardedRig:
             if self._off_for_good:
                 self._end_as_switched_off()
             if isinstance(allowed, Target):
-                # The protection judges what the device put out as if the host had commanded it.
+                # The protection judges what the device applied as if the host had commanded it.
                 self._ordered_v = sample.drive_voltage_v
                 self._protection.command(min(sample.drive_voltage_v, self.maximum_voltage_v))
             self._judge(sample)
@@ -375,7 +375,11 @@ class GuardedRig:
 
     def _miss(self, missing: Missing) -> Drive:
         """Hold, go to the sense voltage or trip, by the total time that something was missing; the drive meanwhile."""
+        before = int(self._protection.state.state)
         allowed_v, state = self._protection.missing(missing.event, missing.missing_s)
+        if state == DEGRADED != before:
+            text = "%s for %.2f s: the drive went to the sense voltage, %g V"
+            LOGGER.info(text, missing.event.name.lower().replace("_", " "), missing.missing_s, self.sense_voltage_v)
         if state == TRIPPED:
             self._trip(missing.event, f"missing for {missing.missing_s:.3f} s")
         return Drive(allowed_v, by_protection=state != RUN)

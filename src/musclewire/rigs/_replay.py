@@ -193,7 +193,7 @@ class ReplayDevice:
             self._compare(drive_voltage_of(command), sample)
         self._next += 1
         self._drive_voltage_v = sample.drive_voltage_v
-        if self._off:  # looked at after it was put out, so that 0 V is the last word whichever thread comes first
+        if self._off:  # looked at after it was applied, so that 0 V is the last word whichever thread comes first
             self._drive_voltage_v = 0.0
             return SWITCHED_OFF
         return sample

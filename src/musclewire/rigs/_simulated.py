@@ -411,7 +411,7 @@ class SimulatedDevice:
             return Missing(Event.SAMPLE_LATE, late_s)
         resolution_v = self._resolution_v
         self._drive_voltage_v = resolution_v * round(drive_voltage_of(command) / resolution_v)
-        if self._off:  # looked at after it was put out, so that 0 V is the last word whichever thread comes first
+        if self._off:  # looked at after it was applied, so that 0 V is the last word whichever thread comes first
             self._drive_voltage_v = 0.0
             return SWITCHED_OFF
         time_s = self.wires.time_s

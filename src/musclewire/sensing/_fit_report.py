@@ -39,7 +39,7 @@ class FittedCurve(ResistanceCurve):
         Time [s], electrical power [W] and resistance [ohm] through the loop, from cold to hot and back, with which a
         home move compares; none if the recording has no power.
     home
-        The last home move; None if there was none since the characterisation.
+        The last home move; None if there was none since the characterization.
     gains
         "controller", the name of the one that a loop with this model takes by default, and that one's settings by name;
         empty if none were found. Here they are only kept: ``musclewire.controllers.Gains`` reads them.

@@ -12,9 +12,9 @@ class Cause(IntEnum):
     SATURATION = 1
     """The drive is at its limit, and the target is not reached."""
     CHANGED_LOAD = 2
-    """Force or stiffness of the load differ from those of the characterisation."""
+    """Force or stiffness of the load differ from those of the characterization."""
     CHANGED_AIR = 3
-    """Temperature or flow of the air differ from those of the characterisation."""
+    """Temperature or flow of the air differ from those of the characterization."""
     OTHER_WIRE = 4
     """The resistance is not that of the wire of the model: another wire, or one that has aged."""
     STALLED = 5
@@ -30,8 +30,8 @@ class Cause(IntEnum):
 CAUSE_TEXT = {
     Cause.SATURATION: "the drive is at its limit and the target is not reached: a slower reference, a smaller step, or "
     "for heating a higher maximum_voltage within the wire's limits",
-    Cause.CHANGED_LOAD: "the load is not that of the characterisation: put it back, or characterise with this one",
-    Cause.CHANGED_AIR: "the air is warmer, colder, calmer or faster than at the characterisation",
+    Cause.CHANGED_LOAD: "the load is not that of the characterization: put it back, or characterize with this one",
+    Cause.CHANGED_AIR: "the air is warmer, colder, calmer or faster than at the characterization",
     Cause.OTHER_WIRE: "not the resistance of this model's wire: another wire, or an aged one (musclewire home)",
     Cause.STALLED: "the drive is at its upper limit and the resistance does not follow: the tendon is slack, or "
     "something blocks the wire",

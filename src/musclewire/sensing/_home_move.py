@@ -19,17 +19,17 @@ NEVER_NEGATIVE = ("cycles", "load_n", "ambient_k", "drift_resistance_ohm")
 class HomeMove:
     """What one home move found, as the model's file keeps it.
 
-    The resistance of today is ``resistance_scale`` times that of the characterisation, plus ``resistance_offset_ohm``;
-    both are counted from the characterisation, however many home moves came between.
+    The resistance of today is ``resistance_scale`` times that of the characterization, plus ``resistance_offset_ohm``;
+    both are counted from the characterization, however many home moves came between.
 
     Parameters
     ----------
     time
         When, in ISO 8601 with the time zone.
     moves
-        How many home moves there were since the characterisation, this one included.
+        How many home moves there were since the characterization, this one included.
     cycles
-        Cycles that the wire has made since the characterisation, if they were counted.
+        Cycles that the wire has made since the characterization, if they were counted.
     load_n
         Force of the cold wire that was assumed [N]; None if neither rig nor model states it.
     ambient_k
@@ -43,7 +43,7 @@ class HomeMove:
     transformation_shift_k, transformation_shift_std_k
         Shift of the transformation temperatures [K], and its standard deviation [K], wide without a thermometer.
     convection_ratio, convection_ratio_std
-        Heat loss to the air, over that at the characterisation, and its standard deviation.
+        Heat loss to the air, over that at the characterization, and its standard deviation.
     drift_resistance_ohm
         Drift of the resistance [ohm] that is allowed for since then, as a standard deviation.
     drift_source

@@ -10,12 +10,10 @@ from musclewire.pages import notebook_table
 from musclewire.sensing._branch_equations import evaluate
 from musclewire.sensing._curve import SHOWN_AS
 from musclewire.sensing._fit_report import FittedCurve
+from musclewire.signals import fact_in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-# How names of notes end, and how their numbers are shown: factor and unit. Longer endings come first.
-NOTE_UNITS = (("_n_per_m", 1.0, "N/m"), ("_ohm", 1.0, "ohm"), ("_m", 1e3, "mm"), ("_n", 1.0, "N"), ("_v", 1.0, "V"))
 
 
 def report(model: FittedCurve) -> dict[str, Any]:
@@ -66,19 +64,11 @@ def rows(model: FittedCurve) -> list[tuple[str, str]]:
         ),
         ("samples", str(model.samples)),
         ("gains", gains_controller(model) or f"none: {model.no_gains or 'not looked for'}"),
-        *[note(name, value) for name, value in model.wire.items()],
+        *[fact_in_words(name, value) for name, value in model.wire.items()],
         ("created by", model.created_by),
         *[("source", model.source)][: bool(model.source)],
         *[("warning", warning) for warning in model.warnings],
     ]
-
-
-def note(name: str, value: str | float) -> tuple[str, str]:
-    """Return a note on the wire as name and text, with the unit that its name ends in; lengths in mm."""
-    for ending, factor, unit in NOTE_UNITS:
-        if name.endswith(ending) and not isinstance(value, str):
-            return name.removesuffix(ending).replace("_", " "), f"{factor * value:.4g} {unit}"
-    return name.replace("_", " "), value if isinstance(value, str) else f"{value:.4g}"
 
 
 def summary(model: FittedCurve) -> str:

@@ -40,6 +40,7 @@ from ._journal import recording_of as recording_of
 from ._metadata import MetadataValue as MetadataValue
 from ._metadata import checked_metadata as checked_metadata
 from ._metadata import entry_from_text as entry_from_text
+from ._metadata import fact_in_words as fact_in_words
 from ._metadata import value_to_text as value_to_text
 from ._open_journal import OpenJournal as OpenJournal
 from ._open_journal import refuse_unfinished as refuse_unfinished

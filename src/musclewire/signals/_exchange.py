@@ -86,7 +86,7 @@ class RawSample(NamedTuple):
     """The measurements that a rig returns for one command, with nothing derived from them.
 
     Displacements and forces come from reference instruments and are None on a rig without them. They are recorded and
-    serve to characterise and to validate; the closed loop never reads them.
+    serve to characterize and to validate; the closed loop never reads them.
 
     Parameters
     ----------

@@ -121,3 +121,37 @@ def _plain_value(text: str) -> MetadataValue:
         return float(text)
     except ValueError:
         return text
+
+
+# How names of facts end, and how their numbers are shown: factor and unit. Longer endings come first.
+FACT_UNITS = (
+    ("_n_per_m", 1.0, "N/m"),
+    ("_ohm", 1.0, "ohm"),
+    ("_m", 1e3, "mm"),
+    ("_n", 1.0, "N"),
+    ("_v", 1.0, "V"),
+    ("_s", 1.0, "s"),
+    ("_k", 1.0, "K"),
+)
+
+
+def fact_in_words(name: str, value: MetadataValue) -> tuple[str, str]:
+    """Return a fact as name and text, with the unit that its name ends in.
+
+    Parameters
+    ----------
+    name
+        The key of the metadata.
+    value
+        Its value in SI.
+
+    Returns
+    -------
+    The name in words and the value with its unit; lengths in mm.
+    """
+    if isinstance(value, (str, bool)) or value is None:
+        return name.replace("_", " "), str(value)
+    for ending, factor, unit in FACT_UNITS:
+        if name.endswith(ending):
+            return name.removesuffix(ending).replace("_", " "), f"{factor * value:.4g} {unit}"
+    return name.replace("_", " "), f"{value:.4g}"

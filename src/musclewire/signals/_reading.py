@@ -31,7 +31,7 @@ def read_recording(
     mapping: ImportMapping | str | Path | None = None,
     group: str | None = None,
 ) -> Recording:
-    """Read a recording of ours, or of LabVIEW, MATLAB, Excel and other programs.
+    """Read a recording of musclewire, LabVIEW, MATLAB, Excel and other programs.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, MissingExtraError, RecordingError
 from musclewire.pages import notebook_table
 from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, known_column, needs_no_clock
-from musclewire.signals._metadata import MetadataValue, checked_metadata
+from musclewire.signals._metadata import MetadataValue, checked_metadata, fact_in_words
 from musclewire.signals._plots import PLOTS, usual_plot
 from musclewire.signals._run_facts import RunFacts
 from musclewire.signals._writing import write_columns
@@ -25,6 +25,25 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
+
+
+# The facts of a run that a person reads first, in this order; .metadata has all.
+READ_FIRST = (
+    "experiment",
+    "wire",
+    "wire_length_m",
+    "wire_diameter_m",
+    "leg_length_m",
+    "pretension_n",
+    "spring_stiffness_n_per_m",
+    "shunt_resistance_ohm",
+    "sample_period_s",
+    "rig",
+    "seed",
+    "start_time",
+    "source",
+    "note",
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -298,9 +317,12 @@ class Recording:
         return ", ".join(parts)
 
     def _repr_html_(self) -> str:
-        """Return a table of the columns with unit and range, and the metadata, for a notebook."""
+        """Return a table of the columns with unit and range, and the main facts of the run, for a notebook."""
         rows = [_column_row(name, values) for name, values in self.columns.items()]
-        facts = ", ".join(f"{key} = {value}" for key, value in self.metadata.items())
+        shown = [key for key in READ_FIRST if key in self.metadata]
+        facts = ", ".join(" ".join(fact_in_words(key, self.metadata[key])) for key in shown)
+        if rest := len(self.metadata) - len(shown):
+            facts += f"{'; ' if facts else ''}{rest} more in .metadata"
         return notebook_table(f"Recording ({self._summary()})", ("column", "unit", "minimum", "maximum"), rows, facts)
 
 

@@ -38,14 +38,14 @@ def test_a_wire_is_warmed_only_while_somebody_is_there(tmp_path: Path) -> None:
                 assert handle.state["phase"] == "busy"
             await until_phase(handle, "ready")
             assert "nobody in control" in handle.state["messages"][-1]["text"]
-            (recorded,) = tmp_path.glob("characterise-*.h5")
+            (recorded,) = tmp_path.glob("characterize-*.h5")
             cut = read_recording(recorded)
             assert "nobody in control" in cut.metadata["ended"]
             assert len(cut) >= 20
             await asyncio.sleep(0.2)
             assert (
                 drive_v(handle, handle.rows(0)[1]) == 0.30012
-            )  # of the sense voltage of 0.3 V, what the amplifier puts out
+            )  # of the sense voltage of 0.3 V, what the amplifier applies
 
     asyncio.run(run())
 
@@ -152,7 +152,7 @@ def test_what_a_killed_bench_had_recorded_is_there_at_the_next_start(tmp_path: P
         async with bench(tmp_path) as handle:
             await until_phase(handle, "off")
             (listed,) = handle.state["recordings"]
-            assert listed["name"].startswith("characterise-")
+            assert listed["name"].startswith("characterize-")
             assert len(read_recording(tmp_path / listed["name"])) >= 20
 
     asyncio.run(run())

@@ -14,6 +14,7 @@ import musclewire as mw
 from musclewire.app import document, text
 from musclewire.errors import CallerError
 from musclewire.experiment._doctor import Examination, examine
+from musclewire.experiment._doctor.evidence import Findings, RigCheck, SkippedCheck
 from musclewire.rigs import Answer, HasTrueState, ability
 from musclewire.signals import RawSample
 
@@ -235,3 +236,10 @@ def test_an_examination_that_is_interrupted_leaves_the_rig_safe() -> None:
         with pytest.raises(KeyboardInterrupt):
             examine(rig, on_sample=interrupted)
         assert rig.drive_voltage_v <= 0.3 + 2e-4
+
+
+def test_failed_checks_come_first_and_one_sentence_counts_all() -> None:
+    checks = tuple(RigCheck(name, ok, None, "", "") for name, ok in (("a", True), ("b", False), ("c", True)))
+    findings = Findings(checks, (SkippedCheck("d", "no clock"),))
+    assert [check.name for check in findings.worst_first] == ["b", "a", "c"]
+    assert findings.summary == "4 checks: 1 failed, 2 passed, 1 not run"

@@ -1,4 +1,4 @@
-"""The same characterisation, fit and control on whatever a wire pulls: no experiment knows what that is.
+"""The same characterization, fit and control on whatever a wire pulls: no experiment knows what that is.
 
 How well it goes is the wire's matter, not the experiment's: the further heating and cooling are apart on a load
 (Eq. 2), the further its average is off.

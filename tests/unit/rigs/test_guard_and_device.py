@@ -70,13 +70,17 @@ def late(missing_s: float, after_all: RawSample | None = None) -> Missing:
     return Missing(Event.SAMPLE_LATE, missing_s, after_all)
 
 
-def test_while_a_sample_is_missing_the_drive_is_held_then_goes_to_the_sense_voltage() -> None:
+def test_while_a_sample_is_missing_the_drive_is_held_then_goes_to_the_sense_voltage(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    caplog.set_level("INFO", "musclewire.rigs")
     device = Scripted(sample(1), late(0.05), late(0.15), sample(2, SENSE_V), sample(3))
     rig = GuardedRig(device)
     rig.exchange(1.0)
     assert rig.exchange(1.0).drive_voltage_v == SENSE_V
     assert device.told == [Drive(1.0), Drive(1.0), Drive(1.0, by_protection=True), Drive(SENSE_V, by_protection=True)]
     assert rig.protection.state is State.RUN  # the sample came
+    assert caplog.messages == [f"sample late for 0.15 s: the drive went to the sense voltage, {SENSE_V:g} V"]
     rig.exchange(1.0)
     assert device.told[-1] == Drive(1.0)
 

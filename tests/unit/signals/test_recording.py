@@ -117,6 +117,14 @@ def test_in_a_notebook_it_is_a_table_with_units_and_nothing_of_the_metadata_is_h
     assert "<script>" not in page
 
 
+def test_in_a_notebook_the_main_facts_are_in_words_and_the_rest_is_counted(loop):
+    stated = {"wire_length_m": 0.14, "limit_minimum_current_a": 0.0010924981791697013, "limit_wire_range_v": 10.0}
+    page = loop.with_metadata(stated)._repr_html_()
+    assert "wire length 140 mm" in page
+    assert "limit" not in page
+    assert "more in .metadata" in page
+
+
 def test_pandas_gets_the_columns_and_the_metadata(loop):
     frame = loop.to_pandas()
     assert list(frame.columns) == ["time_s", "force_n"]

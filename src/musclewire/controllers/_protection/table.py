@@ -168,7 +168,7 @@ class NumberedRow(BaseModel):
 
 
 class StateRow(NumberedRow):
-    """One state: what is out, and what it means."""
+    """One state: the drive that is applied in it, and what it means."""
 
     drive: Literal["none", "commanded", "sense"]
     output: str

@@ -89,7 +89,7 @@ def quiet_checks(evidence: Evidence, at_sense: VoltageLevel | None, sample_perio
         bits_check(evidence, wire_v, shunt_v),
     ]
     if at_sense is None:
-        return Findings(tuple(checks), (SkippedCheck("resistance_noise_strain", "the sense voltage was not put out"),))
+        return Findings(tuple(checks), (SkippedCheck("resistance_noise_strain", "the sense voltage was not applied"),))
     return Findings((*checks, strain_noise_check(at_sense, evidence, calmer)))
 
 
@@ -192,7 +192,7 @@ def range_check(evidence: Evidence) -> RigCheck:
         "1",
         "no reading exceeds the output"
         if ok
-        else "a channel reads more than is put out: an open input, a saturated channel, a wrong range or gain, or an "
+        else "a channel reads more than is applied: an open input, a saturated channel, a wrong range or gain, or an "
         "output that exceeds its command",
     )
 

@@ -1,7 +1,7 @@
-"""What the doctor judges by: the few volts that it puts out, straight lines through the readings, and plain findings.
+"""What the doctor judges by: the few volts that it applies, straight lines through the readings, and plain findings.
 
-Nothing above the sense voltage is ever put out. The first levels lie below half of it: there the protection expects no
-current yet, so wrong wiring can be examined without a trip. Only if these levels pass is the sense voltage put out.
+Nothing above the sense voltage is ever applied. The first levels lie below half of it: there the protection expects no
+current yet, so wrong wiring can be examined without a trip. Only if these levels pass is the sense voltage applied.
 """
 
 from __future__ import annotations
@@ -52,6 +52,20 @@ class Findings(NamedTuple):
         """Names of the checks that did not hold."""
         return frozenset(check.name for check in self.checks if not check.ok)
 
+    @property
+    def worst_first(self) -> tuple[RigCheck, ...]:
+        """The checks as people read them: those that failed before those that hold, else in their order."""
+        return tuple(sorted(self.checks, key=lambda check: check.ok))
+
+    @property
+    def summary(self) -> str:
+        """How many checks there are of each kind, as command and live page say it."""
+        failed = sum(not check.ok for check in self.checks)
+        all_of_them = len(self.checks) + len(self.unchecked)
+        return (
+            f"{all_of_them} checks: {failed} failed, {len(self.checks) - failed} passed, {len(self.unchecked)} not run"
+        )
+
 
 Clock = Callable[[], float]
 OnProbe = Callable[[RawSample], None]
@@ -95,7 +109,7 @@ class VoltageProbe:
     def hold(self, voltage_v: float, seconds: float) -> VoltageLevel | None:
         """Hold a voltage and return its samples; None after a fault of the rig, which is then in ``trouble``.
 
-        Raises CallerError for a voltage above the sense voltage, which must not be put out here.
+        Raises CallerError for a voltage above the sense voltage, which must not be applied here.
         """
         if not 0.0 <= voltage_v <= self._rig.sense_voltage_v * (1.0 + 1e-9):
             raise CallerError(

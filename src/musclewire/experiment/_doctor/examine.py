@@ -36,7 +36,7 @@ from musclewire.rigs import Metadata, ProtectionTripError, Rig, keeps_real_time
 from musclewire.signals import RunFacts
 
 ZERO_S, LOW_S, SENSE_S = 2.0, 1.0, 5.0
-# With one of these the sense voltage is not put out: the wiring is not what the rig file says.
+# With one of these the sense voltage is not applied: the wiring is not what the rig file says.
 STOPPING = frozenset(
     {
         "readings_are_numbers",

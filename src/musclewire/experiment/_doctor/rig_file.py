@@ -45,7 +45,7 @@ def gain_of(channel: str, offset_v: float, at_sense: VoltageLevel | None, meter_
         return None
     if at_sense is None:
         raise CallerError(
-            f"the sense voltage was not put out, so --meter-{channel} cannot be used: correct the failed checks first"
+            f"the sense voltage was not applied, so --meter-{channel} cannot be used: correct the failed checks first"
         )
     reading = float(getattr(at_sense, f"{channel}_voltage_v").mean()) - offset_v
     gain = meter_v / reading if reading else 0.0

@@ -24,7 +24,7 @@ def warmth_findings(
 ) -> Findings:
     """Return the effect of the sense voltage on the wire: measured drift and computed temperature."""
     if at_sense is None:
-        why = "the sense voltage was not put out"
+        why = "the sense voltage was not applied"
         return Findings((), (SkippedCheck("sense_drift", why), SkippedCheck("sense_warming_k", why)))
     drift = drift_check(evidence, at_sense)
     if wire is None or length_m is None:

@@ -109,7 +109,7 @@ class Home(Record):
 
 
 class SweepPretension(Record):
-    """Characterise the wire at several pretensions."""
+    """Characterize the wire at several pretensions."""
 
     do: Literal["sweep_pretension"]
     pretensions_n: Annotated[list[Positive], Field(min_length=1, max_length=50)] | None = None

@@ -24,7 +24,7 @@ class ChangeEvidence(NamedTuple):
     changed_air, changed_load
         Probabilities that air or load have changed.
     convection_ratio, stiffness_ratio
-        Convection and stiffness over those of the characterisation.
+        Convection and stiffness over those of the characterization.
     ambient_change_k
         Change of the air's temperature [K].
     load_fraction

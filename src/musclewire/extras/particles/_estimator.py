@@ -67,7 +67,7 @@ class ParticleState(NamedTuple):
 
 
 class ParticleFilter:
-    """Weighs hypotheses of what has changed since characterisation: air, load, stiffness.
+    """Weighs hypotheses of what has changed since characterization: air, load, stiffness.
 
     Each hypothesis is a wire of the user's wire file under its own load and air, driven by the measured power; the
     measured resistance weighs them. A filter follows each of three explanations: only the air has changed, only the
@@ -197,7 +197,7 @@ class ParticleFilter:
             duration_s = sample.time_s - state.time_s
         if resistance_ohm is not None:
             power_w = sample.wire_voltage_v * sample.shunt_voltage_v / self._shunt_ohm
-            # The calibrated wire has the resistance of its characterisation; a home move says what became of it.
+            # The calibrated wire has the resistance of its characterization; a home move says what became of it.
             calibrated_ohm = max((resistance_ohm - self._offset_ohm) / self._scale, MIN_RESISTANCE_OHM)
             return ParticleSample(
                 min(power_w, self._max_power_w), calibrated_ohm, abs(sample.shunt_voltage_v), duration_s
@@ -238,7 +238,7 @@ class ParticleFilter:
 
 
 def resistance_after(home: HomeMove | None) -> tuple[float, float]:
-    """Return scale and offset [ohm] of the resistance since the characterisation, as the last home move found them."""
+    """Return scale and offset [ohm] of the resistance since the characterization, as the last home move found them."""
     if home is None or not home.corrected:
         return 1.0, 0.0
     return home.resistance_scale, home.resistance_offset_ohm

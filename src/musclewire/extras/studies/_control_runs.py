@@ -66,7 +66,7 @@ class ControlOptions(KindOptions):
     Parameters
     ----------
     model
-        "own": each wire is characterised and its own model fitted. Otherwise a model file (.json), which controls all
+        "own": each wire is characterized and its own model fitted. Otherwise a model file (.json), which controls all
         wires: how much a wire may differ from the one that a model was fitted to.
     estimator
         Estimator by name.

@@ -42,7 +42,7 @@ MAX_MISFIT = 0.04
 SAME_LOAD = 0.02
 # Errors of points that both courses show, as fractions of the resistance.
 B_FRACTION, COOLING_B_FRACTION, C_FRACTION = 2e-4, 1e-3, 1e-3
-# Air further from that of the characterisation is a wrong unit.
+# Air further from that of the characterization is a wrong unit.
 MAX_AIR_CHANGE_K, ZERO_CELSIUS_K = 60.0, 273.15
 # How well the air's change, and the loss to it, are known beforehand: 8 K, 0.5 K with a thermometer, and 3 %.
 AIR_STD_K, MEASURED_STD_K, LOSS_FRACTION, SHAPE_STD_K = 8.0, 0.5, 0.03, 1.5
@@ -102,12 +102,12 @@ def homed_model(
     recording
         The sweep, from cold to beyond the transformation and back, with voltages and the rig's heat capacity and loss.
     load_n
-        Force of the cold wire during the sweep [N]; the load of the characterisation if None. Another one is refused.
+        Force of the cold wire during the sweep [N]; the load of the characterization if None. Another one is refused.
     ambient_k
         Measured temperature of the air [K]; None for the mean of the recording's own thermometer, if it has one.
-        It is compared with that of the characterisation, as the model states it.
+        It is compared with that of the characterization, as the model states it.
     cycles
-        Cycles that the wire has made since its characterisation, if they were counted; recorded.
+        Cycles that the wire has made since its characterization, if they were counted; recorded.
 
     Returns
     -------
@@ -148,7 +148,7 @@ def homed_model(
 
 
 class SweepAirTemperature(NamedTuple):
-    """The air's temperature in the sweep, and its change since the characterisation [K], None if unknown."""
+    """The air's temperature in the sweep, and its change since the characterization [K], None if unknown."""
 
     measured_k: float | None
     change_k: float | None
@@ -165,7 +165,7 @@ class SweepAirTemperature(NamedTuple):
         if not abs(ambient_k - before_k) < MAX_AIR_CHANGE_K:
             now, then = (f"{kelvins - ZERO_CELSIUS_K:.4g} degC" for kelvins in (ambient_k, before_k))
             raise CallerError(
-                f"air of {now}, and of {then} at the characterisation: give the temperature of the air around the "
+                f"air of {now}, and of {then} at the characterization: give the temperature of the air around the "
                 "wire, with its unit ('22 degC')"
             )
         return cls(ambient_k, ambient_k - before_k)
@@ -236,14 +236,14 @@ def loop_of(model: SensingModel) -> HeatCourse:
 
 
 def require_load(model: SensingModel, load_n: float | None) -> float | None:
-    """Return the force of the cold wire [N]. Raises CallerError for another one than at the characterisation."""
+    """Return the force of the cold wire [N]. Raises CallerError for another one than at the characterization."""
     before = model.wire.get("pretension_n")
     if not isinstance(before, int | float):
         return load_n
     if load_n is not None and abs(load_n - before) > SAME_LOAD * before:
         raise CallerError(
-            f"the load is {load_n:g} N and was {before:g} N at the characterisation: its effect on the resistance "
-            "cannot be separated from ageing; make the home move at the same load, or characterise again at this one"
+            f"the load is {load_n:g} N and was {before:g} N at the characterization: its effect on the resistance "
+            "cannot be separated from ageing; make the home move at the same load, or characterize again at this one"
         )
     return float(before)
 
@@ -283,7 +283,7 @@ def require_explained(model: SensingModel, found: Registration, moved: WireChang
     if found.misfit_ohm > MAX_MISFIT * span_ohm:
         raise RecordingError(
             f"the sweep has another shape than the loop, by {100 * found.misfit_ohm / span_ohm:.1f} % of its fall "
-            f"({100 * MAX_MISFIT:g} % are allowed): another load or another wire; characterise again"
+            f"({100 * MAX_MISFIT:g} % are allowed): another load or another wire; characterize again"
         )
     if abs(moved.at_b_ohm) > MAX_CHANGE * model.resistance_max_ohm:
         raise RecordingError(
@@ -297,12 +297,12 @@ def require_explained(model: SensingModel, found: Registration, moved: WireChang
         )
         raise RecordingError(
             f"the wire transforms {moved.warming_k:+.0f} K away and reads {moved.at_b_ohm:+.3g} ohm at B, which a "
-            f"changed load explains as well as a changed wire: set the load of the characterisation{thermometer}"
+            f"changed load explains as well as a changed wire: set the load of the characterization{thermometer}"
         )
 
 
 def home_move(model: SensingModel, recording: Recording, found: Registration, moved: WireChange) -> HomeMove:
-    """Return what the model's file keeps, counted from the characterisation."""
+    """Return what the model's file keeps, counted from the characterization."""
     low_ohm, high_ohm = model.resistance_min_ohm, model.resistance_max_ohm
     span_ohm = high_ohm - low_ohm
     scale, offset_ohm = moved_line(model, found) if moved.corrects else (1.0, 0.0)

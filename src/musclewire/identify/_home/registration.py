@@ -241,7 +241,7 @@ def register(
 
 
 def starts(problem: RegistrationProblem) -> list[FloatArray]:
-    """Return where to begin the search: as characterised, and with the loss by which the hottest samples agree."""
+    """Return where to begin the search: as characterized, and with the loss by which the hottest samples agree."""
     ratio = float(problem.sweep.power_w.max() / problem.loop.power_w.max())
     other = problem.start.copy()
     other[NAMES.index("log_ratio")] = np.log(min(max(ratio, 0.2), 5.0))

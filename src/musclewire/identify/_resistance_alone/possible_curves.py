@@ -72,8 +72,8 @@ STATED = {
     "spring_stiffness_n_per_m": "the spring's stiffness",
     "ambient_temperature_k": "the air's temperature",
 }
-# What it would cost to buy: marks by a ruler, by a calliper, and by a dial gauge; standard deviations of a reading.
-INSTRUMENTS = {"a ruler": 0.5e-3, "a calliper": 0.05e-3, "a dial gauge": 0.01e-3}
+# What it would cost to buy: marks by a ruler, by a caliper, and by a dial gauge; standard deviations of a reading.
+INSTRUMENTS = {"a ruler": 0.5e-3, "a caliper": 0.05e-3, "a dial gauge": 0.01e-3}
 # A number is worth knowing better if knowing it exactly lessened the standard deviation by at least this fraction.
 WORTH = 0.02
 

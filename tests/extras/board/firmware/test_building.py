@@ -31,7 +31,7 @@ def test_an_unknown_board_is_refused_with_the_nearest() -> None:
     [
         ('wire = "paper-100um"', 'wire = "flexinol-0.10-lt"', "flexinol-0.10-lt: give your wire by --wire"),
         ('"140 mm"', '"120 mm"', "120 mm: give your wire by --wire"),
-        ('"3.6 V"', '"6 V"', "puts out 5 V at most"),
+        ('"3.6 V"', '"6 V"', "gives 5 V at most"),
         ("pretension", "pretention", "pretension"),
     ],
 )

@@ -24,7 +24,7 @@ def without_design_packages(folder: Path, *arguments: str) -> subprocess.Complet
 
 
 @pytest.mark.full
-def test_a_wire_is_characterised_fitted_controlled_and_simulated(tmp_path: Path) -> None:
+def test_a_wire_is_characterized_fitted_controlled_and_simulated(tmp_path: Path) -> None:
     for command in (
         "demo",
         "characterize simulated --cycles 1 --period 12s -o loop.h5",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import os
 import sys
 from pathlib import Path
@@ -111,3 +112,13 @@ def test_the_server_leaves_the_loops_core_to_it_if_there_is_another(
     monkeypatch.setattr(os, "sched_setaffinity", lambda _process, others: set_to.append(others), raising=False)
     running.leave_core(1)
     assert set_to == chosen
+
+
+def test_a_drive_that_fell_because_the_loop_was_late_is_named_on_the_page() -> None:
+    said: list[tuple[str, str]] = []
+    session: Any = SimpleNamespace(now_s=12.34, shown=SimpleNamespace(say=lambda *words: said.append(words)))
+    rigs = logging.getLogger("musclewire.rigs")
+    with process.missed_deadlines_shown(session):
+        rigs.info("sample late for 0.15 s")
+    rigs.info("afterwards")
+    assert said == [("warning", "missed deadline, at 12.3 s on the plots: sample late for 0.15 s")]

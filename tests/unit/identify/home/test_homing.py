@@ -96,7 +96,7 @@ def test_the_corrected_model_is_nearer_to_the_aged_wire_than_the_old_one(swept: 
     assert after < 0.02 * model.quantity_max
 
 
-def test_a_second_home_move_counts_from_the_characterisation(swept: Swept) -> None:
+def test_a_second_home_move_counts_from_the_characterization(swept: Swept) -> None:
     first = homed_model(swept.model, aged(swept.sweep, 1.01), ambient_k=AIR_K)
     second = homed_model(first.model, aged(swept.sweep, 1.02), ambient_k=AIR_K, cycles=500.0)
     at_b = second.home.resistance_scale * swept.model.resistance_max_ohm + second.home.resistance_offset_ohm
@@ -121,7 +121,7 @@ def test_what_a_load_explains_as_well_is_refused(swept: Swept) -> None:
     loaded = in_warmer_air(aged(swept.sweep, 1.0045), -9.0)
     with pytest.raises(RecordingError, match=r"a changed load explains .*ambient_k"):
         homed_model(swept.model, loaded)
-    with pytest.raises(RecordingError, match=r"a changed load explains .*: set the load of the characterisation$"):
+    with pytest.raises(RecordingError, match=r"a changed load explains .*: set the load of the characterization$"):
         homed_model(swept.model, loaded, ambient_k=AIR_K)
 
 
@@ -146,7 +146,7 @@ def test_a_sweep_that_began_warm_and_another_wire_are_refused(swept: Swept) -> N
 
 
 def test_another_load_and_a_model_without_power_are_the_callers(swept: Swept) -> None:
-    with pytest.raises(CallerError, match=r"the load is 2.5 N and was 1.9 N at the characterisation"):
+    with pytest.raises(CallerError, match=r"the load is 2.5 N and was 1.9 N at the characterization"):
         homed_model(swept.model, swept.sweep, load_n=2.5)
     with pytest.raises(CallerError, match="does not contain the power of its loop"):
         homed_model(replace(swept.model, slow_loop=()), swept.sweep)

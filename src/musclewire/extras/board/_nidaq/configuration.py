@@ -243,7 +243,7 @@ class Output(BaseModel):
     gain
         Drive volts per volt of the card: the buffer amplifier's.
     offset
-        Drive voltage when the card puts out 0 V [V].
+        Drive voltage when the card applies 0 V [V].
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)

@@ -179,7 +179,7 @@ class NiDaqDevice:
         }
 
     def exchange(self, command: Command) -> Answer:
-        """Put out a drive voltage and return the mean of the readings taken under it."""
+        """Apply a drive voltage and return the mean of the readings taken under it."""
         drive_voltage_v = drive_voltage_of(command)
         driven = self._drive_voltage_v > self._of.sense_voltage
         with self._exchanging:
@@ -271,7 +271,7 @@ class NiDaqDevice:
         return True
 
     def off(self) -> bool:
-        """End the guardian, which puts out 0 V, and release the card."""
+        """End the guardian, which applies 0 V, and release the card."""
         self._off = True
         with self._writing:
             confirmed = self._output.close()

@@ -310,7 +310,7 @@ class OutputLine:
             return float(self._timed.timing.samp_clk_rate)
 
     def begin(self, voltage_v: float) -> None:
-        """Put out a voltage now; if the output has a clock, the inputs' start triggers it."""
+        """Apply a voltage now; if the output has a clock, the inputs' start triggers it."""
         self.put_now(voltage_v)
         if self._timed is None:
             return
@@ -320,7 +320,7 @@ class OutputLine:
         self._clocked = True
 
     def put(self, voltage_v: float) -> None:
-        """Put out a voltage: at the next clock edge if the clock runs, at once otherwise."""
+        """Apply a voltage: at the next clock edge if the clock runs, at once otherwise."""
         if not self._clocked:
             self.put_now(voltage_v)
             return
@@ -333,7 +333,7 @@ class OutputLine:
                 raise
 
     def put_now(self, voltage_v: float) -> None:
-        """Put out a voltage at once, whatever the clock does."""
+        """Apply a voltage at once, whatever the clock does."""
         with self._card.explaining():
             if self._clocked:
                 self._clocked = False
@@ -345,7 +345,7 @@ class OutputLine:
         task.control(self._card.package.constants.TaskMode.TASK_UNRESERVE)
 
     def take_over(self, voltage_v: float) -> None:
-        """Put out a voltage by every means: abort all tasks on the card, whoever owns them, and write."""
+        """Apply a voltage by every means: abort all tasks on the card, whoever owns them, and write."""
         self._card.reset()
         with self._card.explaining():
             self._now, self._now_writer = self._output()

@@ -204,7 +204,7 @@ class OutputGuardian:
         return False
 
     def _look(self, silent_at_s: float) -> None:
-        """Put out the voltage that silence until a time requires."""
+        """Apply the voltage that silence until a time requires."""
         due_v = self._watch.due(silent_at_s)
         if due_v is None:
             return
@@ -214,7 +214,7 @@ class OutputGuardian:
             self._off(PERSIST_S)
 
     def _off(self, persist_s: float) -> bool:
-        """Put out 0 V, by a reset of the card if a write fails; give up after a while. Return whether it is out."""
+        """Apply 0 V, by a reset of the card if a write fails; give up after a while. Return whether it is out."""
         until = time.monotonic() + persist_s
         while True:
             try:

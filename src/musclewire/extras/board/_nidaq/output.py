@@ -40,7 +40,7 @@ class GuardedOutput:
     """The output of a card, owned by a guardian process. Raises DaqFaultError if the card refuses."""
 
     def __init__(self, orders: GuardianOrders) -> None:
-        """Start the guardian, and wait until it has put out 0 V."""
+        """Start the guardian, and wait until it has applied 0 V."""
         self._orders = orders
         self._closed = False
         self._off_confirmed = False
@@ -80,15 +80,15 @@ class GuardedOutput:
             raise
 
     def begin(self, drive_v: float) -> None:
-        """Put out a drive voltage now; if the card has a clock for it, the next ones wait for its edges."""
+        """Apply a drive voltage now; if the card has a clock for it, the next ones wait for its edges."""
         self._ask(BEGIN, drive_v)
 
     def put(self, drive_v: float) -> None:
-        """Put out a drive voltage at the next edge, or at once without a clock."""
+        """Apply a drive voltage at the next edge, or at once without a clock."""
         self._ask(PUT, drive_v)
 
     def put_now(self, drive_v: float) -> None:
-        """Put out a drive voltage at once."""
+        """Apply a drive voltage at once."""
         self._ask(SAFE, drive_v)
 
     def keep(self) -> None:
@@ -163,13 +163,13 @@ class GuardedOutput:
         self._process.wait()
 
     def close(self) -> bool:
-        """Put out 0 V and end the guardian; return whether the card took it. May be called twice; never raises."""
+        """Apply 0 V and end the guardian; return whether the card took it. May be called twice; never raises."""
         if self._closed:
             return self._off_confirmed
         self._closed = True
         try:
             self._line.sendall(COMMAND.pack(END, 0.0))
-            # It ends only after it has put out 0 V, or has tried for long enough; its exit code says which.
+            # It ends only after it has applied 0 V, or has tried for long enough; its exit code says which.
             self._off_confirmed = self._process.wait(timeout=START_S) == 0
         except (OSError, subprocess.TimeoutExpired):
             pass

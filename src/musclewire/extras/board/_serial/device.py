@@ -155,7 +155,7 @@ class SerialDevice:
             )
         if wanted.maximum_voltage > board.maximum_voltage_v * (1.0 + AGREEMENT):
             raise CallerError(
-                f"maximum_voltage is {wanted.maximum_voltage:g} V in the rig file and the board puts out "
+                f"maximum_voltage is {wanted.maximum_voltage:g} V in the rig file and the board gives "
                 f"{board.maximum_voltage_v:g} V at most: lower it"
             )
         ticks = wanted.sample_period / board.tick_period_s
@@ -251,7 +251,7 @@ class SerialDevice:
         }
 
     def exchange(self, command: Command) -> Answer:
-        """Let the board put out a drive voltage, or follow a target (SI, its model's quantity), for a sample period."""
+        """Let the board apply a drive voltage, or follow a target (SI, its model's quantity), for a sample period."""
         with self._talking:
             try:
                 return self._period(command)

@@ -68,7 +68,7 @@ class IdentityFields(NamedTuple):
         tick_period_us: time between two readings of the converter [us].
         control_period_us: time between two steps of the board's own controller [us].
         sense_voltage_v: drive that heats by little and still lets resistance be measured [V].
-        maximum_voltage_v: highest drive that is put out [V].
+        maximum_voltage_v: highest drive that is applied [V].
         shunt_resistance_ohm: R of Eq. 1 (Lan and Fan 2010) [ohm].
         expiry_ms: so long without a command, and the heater is off [ms].
         model_checksum: of model, controller and rules, as `musclewire export c` writes it into `mw_constants.h`.

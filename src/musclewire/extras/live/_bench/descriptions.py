@@ -92,10 +92,10 @@ def described_examination(found: Examination) -> dict[str, Any]:
     """Return the doctor's findings."""
     checks = [
         {"name": one.name, "ok": one.ok, "text": valued(one.value, one.unit, one.advice)}
-        for one in found.findings.checks
+        for one in found.findings.worst_first
     ]
     skipped = [{"name": one.name, "text": one.reason} for one in found.findings.unchecked]
-    return {"ok": found.ok, "checks": checks, "skipped": skipped}
+    return {"ok": found.ok, "count": found.findings.summary, "checks": checks, "skipped": skipped}
 
 
 def valued(value: float | str | None, unit: str, advice: str) -> str:

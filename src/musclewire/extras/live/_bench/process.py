@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import os
 import signal
 import sys
@@ -30,6 +31,40 @@ WAIT_S = 0.2
 
 def run_session(session: BenchSession, orders: OrderQueue) -> None:
     """Serve a session until its server ends; the rig is off then."""
+    with missed_deadlines_shown(session):
+        serve_orders(session, orders)
+
+
+class MissedDeadlines(logging.Handler):
+    """Shows on the page what the rig says when the loop was late and the drive fell to the sense voltage."""
+
+    def __init__(self, session: BenchSession) -> None:
+        """Show it in this session."""
+        super().__init__(logging.INFO)
+        self._session = session
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Show one message, with its time on the plots."""
+        text = f"missed deadline, at {self._session.now_s:.1f} s on the plots: {record.getMessage()}"
+        self._session.shown.say("warning", text)
+
+
+@contextmanager
+def missed_deadlines_shown(session: BenchSession) -> Iterator[None]:
+    """Show the messages of rigs inside; the page's plots show only the voltage that fell."""
+    logger, handler = logging.getLogger("musclewire.rigs"), MissedDeadlines(session)
+    level = logger.level
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(level)
+
+
+def serve_orders(session: BenchSession, orders: OrderQueue) -> None:
+    """Carry out orders until the server ends, and switch the rig off."""
     try:
         while not session.quitting:
             resting = session.shown.state.phase == "ready"

@@ -123,7 +123,7 @@ def rig_of(session: BenchSession) -> GuardedRig:
 def model_of(session: BenchSession) -> SensingModel:
     """Return the session's model. Raises CallerError if there is none."""
     if session.work.model is None:
-        raise CallerError("there is no model yet: characterise the wire and fit one, or load one")
+        raise CallerError("there is no model yet: characterize the wire and fit one, or load one")
     return session.work.model
 
 
@@ -149,9 +149,9 @@ def examine_rig(session: BenchSession, _command: messages.Doctor) -> None:
         raise found.trouble
     if found.ok:
         session.shown.done("doctor")
-        session.shown.say("info", f"doctor: {len(found.findings.checks)} checks, all passed")
+        session.shown.say("info", f"doctor: {found.findings.summary}")
     else:
-        session.shown.say("error", f"doctor: {len(found.findings.failed)} checks failed")
+        session.shown.say("error", f"doctor: {found.findings.summary}")
 
 
 def pulse(session: BenchSession, command: messages.Pulse) -> None:
@@ -182,9 +182,9 @@ def said_of_pulse(recording: Recording, shunt_resistance_ohm: float, voltage_v: 
     return f"pulse of {voltage_v:.2f} V: from {cold:.3f} ohm to {warm:.3f} ohm while warm"
 
 
-def characterise(session: BenchSession, command: messages.Characterize) -> None:
+def record_slow_loop(session: BenchSession, command: messages.Characterize) -> None:
     """Heat and cool the wire slowly; the recording is what a model is fitted to."""
-    rig, path = rig_of(session), new_file(session, "characterise")
+    rig, path = rig_of(session), new_file(session, "characterize")
     loop = characterize(
         rig,
         amplitude_v=command.amplitude_v,
@@ -201,7 +201,7 @@ def characterise(session: BenchSession, command: messages.Characterize) -> None:
 def fit_model(session: BenchSession, command: messages.Fit) -> None:
     """Fit a model to the last slow loop, and keep it as a file."""
     if session.work.loop is None:
-        raise CallerError("there is no slow loop in this session yet: characterise the wire first")
+        raise CallerError("there is no slow loop in this session yet: characterize the wire first")
     model, path = fit(session.work.loop, quantity=command.quantity), new_file(session, "model", "json")
     model.save(path)
     take_model(session, model, path.name)
@@ -218,7 +218,7 @@ def home_move(session: BenchSession, _command: messages.Home) -> None:
 
 
 def sweep_pretension(session: BenchSession, command: messages.SweepPretension) -> None:
-    """Characterise the wire at several pretensions and show their gaps."""
+    """Characterize the wire at several pretensions and show their gaps."""
     folder = new_file(session, "pretensions", "sweep").with_suffix("")
     sweep = pretension_sweep(rig_of(session), command.pretensions_n, folder=folder, on_sample=session.on_sample)
     session.shown.change(pretensions=described_sweep(sweep))
@@ -234,7 +234,7 @@ def choose_pretension(session: BenchSession, command: messages.ChoosePretension)
     session.work.loop = session.work.model = None
     described = described_rig(rig, session.name, simulated=session.simulated)
     session.shown.change(model=None, loop=None, rig=described)
-    session.shown.say("info", f"pretension {command.pretension_n:g} N: characterise the wire again")
+    session.shown.say("info", f"pretension {command.pretension_n:g} N: characterize the wire again")
 
 
 def control_wire(session: BenchSession, command: messages.Control) -> None:
@@ -302,7 +302,7 @@ RECIPES: dict[type, CommandRecipe] = {
     ),
     messages.Pulse: CommandRecipe("First pulse", pulse, duration_s=lambda _session, one: one.duration_s + PULSE_REST_S),
     messages.Characterize: CommandRecipe(
-        "Characterisation", characterise, duration_s=lambda _session, one: one.cycles * one.period_s
+        "Characterization", record_slow_loop, duration_s=lambda _session, one: one.cycles * one.period_s
     ),
     messages.Fit: CommandRecipe("Fit", fit_model, heats=False),
     messages.Home: CommandRecipe(

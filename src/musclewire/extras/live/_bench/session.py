@@ -125,6 +125,11 @@ class BenchSession:
         steered.steer(target)
 
     @property
+    def now_s(self) -> float:
+        """Time of the newest row in this session [s], as the plots count it."""
+        return self._now_s
+
+    @property
     def sample_s(self) -> float:
         """Time between two samples [s]; 0 without a rig."""
         return 0.0 if self.rig is None else self.rig.sample_period_s

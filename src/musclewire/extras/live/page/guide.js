@@ -1,7 +1,7 @@
 /** The guided first use: a short list of steps, the next one large, each with what it does and one button. */
 
 import { el, renew, show, table } from "./dom.js";
-import { fixed, namedValue, sentence, withUnit } from "./format.js";
+import { namedValue, sentence, withUnit } from "./format.js";
 
 const SLOW_LOOP = { do: "characterize", amplitude_v: null, period_s: 90, cycles: 2 };
 // A simulated rig need not keep anybody waiting for its slow loop.
@@ -143,8 +143,7 @@ export class Guide {
       body.append(el("button", { type: "button", class: "primary", disabled: !canGo, onclick: () => this.run(step.commands(state), step.thenFocus) }, text));
       if (step.key === "doctor" && state.doctor?.ok === false) body.append(this.goOn(canGo));
     } else if (step.key === "doctor" && state.doctor) {
-      const found = state.doctor.checks.filter((check) => check.ok).length;
-      body.append(el("details", {}, el("summary", {}, `${fixed(found, 0)} of ${state.doctor.checks.length} checks passed`), findings(state.doctor)));
+      body.append(el("details", {}, el("summary", {}, state.doctor.count), findings(state.doctor)));
     }
     return el("li", { class: "step", "data-state": done ? "done" : isNext ? "next" : "later" }, body);
   }

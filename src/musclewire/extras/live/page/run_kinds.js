@@ -92,7 +92,7 @@ export const KINDS = [
   },
   {
     key: "pretension", label: "Pretension", needsStage: true, button: "Sweep the pretension",
-    hint: "Characterises the wire at several pretensions and compares the gaps of the loops.",
+    hint: "Characterizes the wire at several pretensions and compares the gaps of the loops.",
     fields: () => [{ name: "pretensions_n", label: "Pretensions, between spaces (empty: the usual ones)", unit: "N", text: true }],
     commands: (v, _, state) => {
       const sweep = { do: "sweep_pretension", pretensions_n: v.pretensions_n };

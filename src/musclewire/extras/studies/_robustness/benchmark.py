@@ -201,7 +201,7 @@ def robustness(
     """Run estimators and closed loops on a population of simulated wires under disturbances.
 
     Every wire differs in structure from the models that an estimator has: other grains, several classes of barrier,
-    and half of them in segments along their length. Each is characterised as its user would, from his own noisy
+    and half of them in segments along their length. Each is characterized as its user would, from his own noisy
     recordings. What was computed is kept, and a run that was interrupted goes on from there.
 
     Parameters
@@ -246,7 +246,7 @@ def robustness(
     result = sweep(
         plan,
         Path(folder) / "runs" / plan.fingerprint,
-        # The runs of one wire go to one process, which characterises it once.
+        # The runs of one wire go to one process, which characterizes it once.
         workers=Workers(processes=workers, runs_per_chunk=len(conditions)),
         on_progress=on_progress,
         look=look,

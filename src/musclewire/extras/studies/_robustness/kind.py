@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from musclewire.errors import CallerError, MusclewireError
-from musclewire.extras.studies._robustness.characterising import UsersKnowledge
+from musclewire.extras.studies._robustness.characterizing import UsersKnowledge
 from musclewire.extras.studies._robustness.closed_loops import ScoredLoop, run_loop
 from musclewire.extras.studies._robustness.estimating import estimated
 from musclewire.extras.studies._robustness.population import drawn_wire
@@ -174,7 +174,7 @@ def quantities(options: RobustnessOptions) -> Mapping[str, Quantity]:
 
 
 def evaluate(runs: StudyRuns[RobustnessOptions]) -> Sequence[Outcome]:
-    """Return the numbers and the answer of each run; the wires of one chunk are characterised once."""
+    """Return the numbers and the answer of each run; the wires of one chunk are characterized once."""
     if runs.rig.keys:
         raise CallerError(
             f"{', '.join(runs.rig.keys)}: a wire of the population has its own rig; let run.wire and run.condition vary"

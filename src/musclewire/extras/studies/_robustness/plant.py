@@ -12,7 +12,7 @@ from musclewire.extras.studies._segmented.instruments import InstrumentSettings
 from musclewire.parameters import Wire, load_alloy, load_wire
 from musclewire.rigs import GuardedRig
 
-AS_CHARACTERISED = Condition(name="as characterised", bar="none")
+AS_CHARACTERIZED = Condition(name="as characterized", bar="none")
 
 
 class Disturbance:
@@ -129,7 +129,7 @@ class DisturbedPlant:
             self._device.exchange_instruments(changed, self.seed * LEADS_PER_RUN + self._leads)
 
 
-def open_plant(wire: PopulationWire, condition: Condition = AS_CHARACTERISED, *, run: int = 0) -> DisturbedPlant:
+def open_plant(wire: PopulationWire, condition: Condition = AS_CHARACTERIZED, *, run: int = 0) -> DisturbedPlant:
     """Return a wire on its rig, cold, before anything changes.
 
     Parameters

@@ -31,7 +31,7 @@ class RecordedRun:
     drive_voltage_v, wire_voltage_v, shunt_voltage_v
         What an estimator sees [V], (n_samples,).
     strain
-        Strain by the displacement sensor with the zero of the characterisation, (n_samples,).
+        Strain by the displacement sensor with the zero of the characterization, (n_samples,).
     zero_shift
         By how much a new zero would differ at each sample, (n_samples,).
     force_n

@@ -14,8 +14,8 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError, RecordingError, RigError
 from musclewire.experiment import home
-from musclewire.extras.studies._robustness.characterising import UsersKnowledge
-from musclewire.extras.studies._robustness.plant import AS_CHARACTERISED, DisturbedPlant, open_plant
+from musclewire.extras.studies._robustness.characterizing import UsersKnowledge
+from musclewire.extras.studies._robustness.plant import AS_CHARACTERIZED, DisturbedPlant, open_plant
 from musclewire.extras.studies._robustness.population import PopulationWire
 from musclewire.extras.studies._robustness.recorded_run import RecordedRun
 from musclewire.extras.studies._robustness.references import REFERENCES, reference_targets, start_up
@@ -203,7 +203,7 @@ def zero_shift(wire: PopulationWire, condition: Condition, leg_length_m: float) 
     """Return the strain that the cold wire shows once a changed load is on: what taking zero again takes away."""
     if not condition.moves_zero:
         return 0.0
-    only = AS_CHARACTERISED.model_copy(
+    only = AS_CHARACTERIZED.model_copy(
         update={"load_fraction": condition.load_fraction, "pretension_fraction": condition.pretension_fraction}
     )
     plant = open_plant(wire, only, run=9)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
-from musclewire.extras.studies._robustness.characterising import UsersKnowledge
+from musclewire.extras.studies._robustness.characterizing import UsersKnowledge
 from musclewire.extras.studies._robustness.estimating import EstimatedRun
 from musclewire.extras.studies._robustness.recorded_run import RecordedRun
 from musclewire.extras.studies._robustness.settings import Condition, RunSettings

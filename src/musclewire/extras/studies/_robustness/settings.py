@@ -104,7 +104,7 @@ class RunSettings(StrictTable):
     usable_high: float = Field(gt=0.0, le=1.0)
 
 
-class Characterisation(StrictTable):
+class Characterization(StrictTable):
     """What a user records and how long his calibration searches."""
 
     random_steps_s: float = Field(gt=0.0)
@@ -268,7 +268,7 @@ class RobustnessSettings(StrictTable):
     population: Population
     rig: RigSettings
     run: RunSettings
-    characterisation: Characterisation
+    characterization: Characterization
     quick: QuickRun
     grips: GripRuns
     condition: tuple[Condition, ...] = Field(min_length=1)

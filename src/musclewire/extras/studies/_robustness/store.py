@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
 
-from musclewire.extras.studies._robustness.characterising import UsersKnowledge, characterised
+from musclewire.extras.studies._robustness.characterizing import UsersKnowledge, characterized
 from musclewire.extras.studies._robustness.population import PopulationWire, drawn_wire
 from musclewire.extras.studies._robustness.recorded_run import RecordedRun
 from musclewire.extras.studies._robustness.recording_runs import record_run
@@ -50,7 +50,7 @@ class BenchmarkRun(NamedTuple):
 
 
 class ResultStore:
-    """A folder of characterised wires and recorded runs."""
+    """A folder of characterized wires and recorded runs."""
 
     def __init__(self, folder: Path) -> None:
         """Use a folder; it is made when something is kept in it."""
@@ -58,9 +58,9 @@ class ResultStore:
         self._known: dict[int, UsersKnowledge] = {}
 
     def knowledge(self, wire: PopulationWire) -> UsersKnowledge:
-        """Return what the user of a wire knows, characterised now or before."""
+        """Return what the user of a wire knows, characterized now or before."""
         if wire.seed not in self._known:
-            self._known[wire.seed] = characterised(wire, self._of(wire))
+            self._known[wire.seed] = characterized(wire, self._of(wire))
         return self._known[wire.seed]
 
     def run(self, wire: PopulationWire, condition: Condition, reference: str) -> tuple[RecordedRun, SensingModel]:
@@ -77,9 +77,9 @@ class ResultStore:
         return RecordedRun.load(path), load_model(model_path) if condition.home else knowledge.model
 
     def _of(self, wire: PopulationWire) -> Path:
-        """Return the folder of a wire: it is named by all that makes its characterisation."""
+        """Return the folder of a wire: it is named by all that makes its characterization."""
         known = settings()
-        made_of = digest(sources(), repr(wire), repr(known.rig), repr(known.characterisation))
+        made_of = digest(sources(), repr(wire), repr(known.rig), repr(known.characterization))
         return self._folder / "wires" / f"{wire.seed}-{made_of}"
 
 

@@ -266,7 +266,7 @@ class SegmentedDevice:
         """Hold a drive voltage for one sample period and return the averaged readings at its end."""
         resolution_v = self._bench["amplifier_resolution_v"]
         self._drive_voltage_v = resolution_v * round(drive_voltage_of(command) / resolution_v)
-        if self._off:  # looked at after it was put out, so that 0 V is the last word whichever thread comes first
+        if self._off:  # looked at after it was applied, so that 0 V is the last word whichever thread comes first
             self._drive_voltage_v = 0.0
             return SWITCHED_OFF
         drive_v, instruments = self._drive_voltage_v, self._instruments

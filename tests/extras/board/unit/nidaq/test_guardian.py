@@ -1,4 +1,4 @@
-"""The guardian on a card in memory: what it puts out, what it answers, how it switches off whatever the card does."""
+"""The guardian on a card in memory: what it applies, what it answers, how it switches off whatever the card does."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ class UsersKnowledge(NamedTuple):
     loop: Recording
 
 
-def characterised(wire: PopulationWire, folder: Path) -> UsersKnowledge:
+def characterized(wire: PopulationWire, folder: Path) -> UsersKnowledge:
     """Return what the user of a wire knows; recorded and computed once, then read from the folder.
 
     Parameters
@@ -68,7 +68,7 @@ def characterised(wire: PopulationWire, folder: Path) -> UsersKnowledge:
     """
     if not (folder / LOOP).exists():  # it is written last
         folder.mkdir(parents=True, exist_ok=True)
-        characterise(wire, folder)
+        characterize_wire(wire, folder)
     loop = read_recording(folder / LOOP)
     gaps = loop_gaps(loop)
     amplitude_v = loop.facts.number_or_none("amplitude_v")
@@ -83,9 +83,9 @@ def characterised(wire: PopulationWire, folder: Path) -> UsersKnowledge:
     )
 
 
-def characterise(wire: PopulationWire, folder: Path) -> None:
+def characterize_wire(wire: PopulationWire, folder: Path) -> None:
     """Record a slow loop and a minute of random steps, fit a model and calibrate a wire file."""
-    known = settings().characterisation
+    known = settings().characterization
     loop = slow_loop(wire)
     amplitude_v = loop.facts.number_or_none("amplitude_v")
     assert amplitude_v is not None
