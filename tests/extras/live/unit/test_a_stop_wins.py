@@ -1,18 +1,16 @@
 """Stops in every drawn order of events: after a stop nothing is out until switch on was pressed after it.
 
-The server's end, its session and the bench's process are the real ones, in one process: the bench's two threads go on line
-by line and the server's tasks begin in the order that Hypothesis draws, on a clock of the test's own. The rig is an
-ideal wire behind the real guard.
+The server's end, its session and the bench's process are the real ones, in one process: the bench's two threads go on
+line by line and the server's tasks begin in the order that Hypothesis draws, on a clock of the test's own. The rig is
+an ideal wire behind the real guard.
 """
 
 from __future__ import annotations
 
 import asyncio
 import json
-import os
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -23,8 +21,8 @@ from hypothesis import strategies as st
 from tests.extras.live.unit.turns import Turn, TurnLock
 from tests.unit.rigs.ideal_wire import IdealWire
 
-from musclewire.extras.live import _messages as messages
 from musclewire.extras.live import _bench_handle as bench_handle
+from musclewire.extras.live import _messages as messages
 from musclewire.extras.live._bench import opening, orders, process, recipes
 from musclewire.extras.live._bench import session as bench_session
 from musclewire.extras.live._bench.lines import MessageWriter

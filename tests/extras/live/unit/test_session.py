@@ -1,4 +1,4 @@
-"""The server's session by a clock of the test's own: leases while a run heats, old pongs, and when a stop is answered."""
+"""The server's session by a clock of the test's own: leases while a run heats, old pongs, when a stop is answered."""
 
 from __future__ import annotations
 

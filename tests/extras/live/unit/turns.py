@@ -1,4 +1,4 @@
-"""Threads that go on line by line, as the test says: whatever order it draws is one that the scheduler might have taken.
+"""Threads that go on line by line, as the test says: any order it draws is one that the scheduler might have taken.
 
 Only lines of the files that are named count. A lock that is held is waited for by giving the turn back.
 """
@@ -62,7 +62,7 @@ class Turn:
             self._target()
         except Killed:
             pass
-        except BaseException as failure:  # noqa: BLE001  # shown by the test, which runs in another thread
+        except BaseException as failure:  # shown by the test, which runs in another thread
             self.failure = failure
         finally:
             sys.settrace(None)
