@@ -54,7 +54,8 @@ All quantities are in SI units, strain as a fraction. The server describes its r
 - **A connection that says nothing keeps nobody out.** Until its first valid request it is one of few, has 5 s, and
   makes room if there are too many. Connections that have sent one are not limited.
 
-`python -m benchmarks.live_stop` measures stops over both ways, in the middle of heated runs; `python -m
+`python -m benchmarks.live_stop` measures stops over both ways, in the middle of heated runs, and with
+`--while-switching-on 200` counts those that are lost while a rig is switched on; `python -m
 benchmarks.malformed_messages` sends 10,000 malformed requests and messages and holds that nothing changes.
 
 Why it is built so: [decision 47](../explanation/decisions/0047-a-server-next-to-the-rigs-process.md).

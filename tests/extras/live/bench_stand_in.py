@@ -28,6 +28,7 @@ class BenchStandIn:
             "clock_speed": 1.0,
             "gains": None,
         }
+        self.stops = 0
         self.told: list[tuple[str, Any]] = []
         self.on_change: list[Callable[[Any], None]] = []
         self.layouts = {1: COLUMNS}
@@ -49,11 +50,12 @@ class BenchStandIn:
     async def close(self) -> None:
         self.told.append(("close", None))
 
-    async def command(self, command: Any) -> Answer:
+    async def command(self, command: Any, stops_before: int) -> Answer:
         self.told.append(("command", command))
-        return Answer(True, "")
+        return Answer(stops_before == self.stops, "")
 
     def stop(self, who: str) -> asyncio.Future[None]:
+        self.stops += 1
         self.told.append(("stop", who))
         self.change(phase="stopped")
         confirmation: asyncio.Future[None] = asyncio.get_running_loop().create_future()

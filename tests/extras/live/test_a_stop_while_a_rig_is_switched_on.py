@@ -342,6 +342,39 @@ def test_a_stop_after_the_first_look_at_the_phase_keeps_a_run_from_beginning(
     assert "busy" not in bench.phases
 
 
+def test_who_stopped_first_stays_the_reason_until_the_rig_is_on_again(bench: Bench) -> None:
+    def reason() -> str:
+        return bench.session.shown.state.why.partition(":")[0]
+
+    bench.session.stop("Ann")
+    bench.session.stop("Ben")
+    assert reason() == "stopped by Ann"
+    bench.order("switch_on")
+    bench.perform_next()
+    bench.session.stop("Cid")
+    assert reason() == "stopped by Cid"
+
+
+def test_after_a_run_that_fails_the_rig_is_off_and_was_never_ready_again(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An error of the rig that its guard knows nothing of, so that nobody else switches off."""
+
+    def failing(_session: BenchSession, _command: Any) -> None:
+        raise RigError("the stage does not move")
+
+    bench.order("switch_on")
+    bench.perform_next()
+    assert not bench.is_off()
+    perform(bench.session, order_of(bench, monkeypatch, failing))
+    answer = bench.answer()
+    assert (answer["accepted"], answer["message"]) == (False, "the stage does not move")
+    assert bench.session.shown.state.why == "the stage does not move"
+    after = bench.phases[bench.phases.index("busy") :]
+    assert (set(after), after[-1]) == ({"busy", "failed"}, "failed")
+    assert bench.is_off()
+
+
 def test_a_bench_that_was_stopped_while_opening_waits_and_does_not_spin(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -124,6 +124,17 @@ def test_stops_over_http_and_websocket_end_in_a_state_that_says_so(tmp_path: Pat
     assert live_stop.run(tmp_path, 6, 1)["stops"] == 6
 
 
+@pytest.mark.slow
+def test_no_stop_is_lost_by_any_way_while_a_rig_is_switched_on(tmp_path: Path) -> None:
+    assert live_stop.run_while_switching_on(tmp_path, 10, 1)["bars_met"]
+
+
+@pytest.mark.full
+def test_of_two_hundred_stops_while_a_rig_is_switched_on_none_is_lost(tmp_path: Path) -> None:
+    found = live_stop.run_while_switching_on(tmp_path, 200, 1)
+    assert (found["bars_met"], found["signals"]) == (True, 5), found
+
+
 @pytest.mark.full
 def test_ten_thousand_malformed_messages_change_nothing(tmp_path: Path) -> None:
     found = malformed_messages.run(tmp_path, 1, 10_000)

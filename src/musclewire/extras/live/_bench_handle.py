@@ -86,6 +86,8 @@ class BenchHandle:
         self.settings = settings
         self.state: dict[str, Any] = {"bench": settings.identifier, "revision": 0, "phase": "starting", "why": ""}
         self.on_change: list[Callable[[BenchHandle], None]] = []
+        # How many stops have been ordered: an order to switch on that came before the last one is not passed on.
+        self.stops = 0
         self._given_up = False
         self._process: asyncio.subprocess.Process | None = None
         self._answers: dict[int, asyncio.Future[Answer]] = {}
@@ -158,13 +160,15 @@ class BenchHandle:
             self._ring_folder.cleanup()
             self._ring = None
 
-    async def command(self, command: Command) -> Answer:
+    async def command(self, command: Command, stops_before: int | None = None) -> Answer:
         """Pass on a command.
 
         Parameters
         ----------
         command
             The command, read by ``read_command``.
+        stops_before
+            What ``stops`` was when the command arrived, if that was earlier. After a later stop it is not passed on.
 
         Returns
         -------
@@ -173,6 +177,8 @@ class BenchHandle:
         if command.do == "stop":
             self.stop("whoever is at the page")
             return Answer(True)
+        if stops_before not in (None, self.stops):
+            return Answer(False, "a stop came after this command: order it again when it is safe")
         if self._process is None:
             return Answer(False, str(self.state["why"]))
         self._numbers += 1
@@ -201,6 +207,7 @@ class BenchHandle:
         -------
         Done when the process has confirmed that the drive is off, or has ended. Not to be cancelled.
         """
+        self.stops += 1
         confirmation: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         if self._process is None:
             confirmation.set_result(None)

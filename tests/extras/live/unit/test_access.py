@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.extras.live._server.access import Access, is_loopback, name_in_host, new_token
+from musclewire.extras.live._server.gate import Gate
 
 LOCAL = Access()
 ABROAD = Access("a-token-of-the-test-0123", frozenset({"bench.lab"}), any_address=True)
@@ -71,6 +72,18 @@ def test_only_our_own_page_and_programs_may_change_something(
     origin: str | None, site: str | None, permitted: bool
 ) -> None:
     assert LOCAL.origin_is_ours(origin, site, "localhost:8765") is permitted
+
+
+@pytest.mark.parametrize("origins", [("http://localhost:8765", "http://evil.example"), ("http://localhost:8765",) * 2])
+def test_of_several_origins_none_passes_whichever_comes_first(origins: tuple[str, ...]) -> None:
+    async def nothing(*_arguments: object) -> None:
+        raise AssertionError("it was passed on")
+
+    gate = Gate(nothing, LOCAL, "cookie", lambda _scope: None)
+    for several, status in ((origins, 403), (origins[::-1], 403), (origins[:1], None)):
+        headers = [(b"host", b"localhost:8765"), *((b"origin", one.encode()) for one in several)]
+        refusal = gate.refusal({"type": "http", "method": "POST", "path": "/", "headers": headers})
+        assert (refusal and refusal.status) == status
 
 
 @given(st.text())

@@ -60,6 +60,15 @@ def test_who_asked_comes_next_when_the_holder_leaves() -> None:
     assert control.holds("b", 0.3)
 
 
+def test_control_is_not_given_to_somebody_who_asked_and_is_gone() -> None:
+    control = BenchControl()
+    control.ask("a", "Ann", 0.0)
+    control.ask("b", "Ben", 0.0)
+    control.sign_of_life("a", 0.9 * LEASE_S)
+    assert not control.answer("a", True, 1.1 * LEASE_S)
+    assert control.holds("a", 1.1 * LEASE_S)
+
+
 class Leases(RuleBasedStateMachine):
     """Three people and a clock: whatever they do, nobody has control who gave no sign, and never two."""
 

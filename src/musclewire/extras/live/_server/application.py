@@ -163,13 +163,13 @@ class ViewerConnection:
         elif len(self._commands) >= MAX_COMMANDS_WAITING:
             self._answer(message.id, False, "too many commands wait for the bench's answer")
         else:
-            task = asyncio.create_task(self._passed_on(bench, message))
+            task = asyncio.create_task(self._passed_on(bench, message, bench.handle.stops))
             self._commands.add(task)
             task.add_done_callback(self._commands.discard)
 
-    async def _passed_on(self, bench: OnlineBench, message: CommandMessage) -> None:
+    async def _passed_on(self, bench: OnlineBench, message: CommandMessage, stops_before: int) -> None:
         try:
-            answer = await self._session.command(bench, message.command, self._viewer.name)
+            answer = await self._session.command(bench, message.command, self._viewer.name, stops_before)
         except CallerError as error:
             self._answer(message.id, False, str(error))
         else:

@@ -39,7 +39,8 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
 }
 
 
-def session_of(request: Request) -> Session:
+# Dependencies are coroutines: plain functions would wait for a thread, and a stop for whoever has all of them.
+async def session_of(request: Request) -> Session:
     """Return the session of the application."""
     session: Session = request.app.state.session
     return session
@@ -48,7 +49,7 @@ def session_of(request: Request) -> Session:
 SessionOf = Annotated[Session, Depends(session_of)]
 
 
-def bench_of(bench: str, session: SessionOf) -> OnlineBench:
+async def bench_of(bench: str, session: SessionOf) -> OnlineBench:
     """Return the bench of an address."""
     try:
         return session.bench(bench)
@@ -107,14 +108,14 @@ async def bench_rows(bench: BenchOf, after: Annotated[int, Query(ge=-1, le=2**53
 
 @ROUTES.post("/{bench}/commands")
 async def send_command(
-    bench: BenchOf, session: SessionOf, command: Command, response: Response, lease: LeaseOf = None
+    bench: BenchOf, session: SessionOf, command: Command, request: Request, response: Response, lease: LeaseOf = None
 ) -> CommandResult:
     """Send a command; all but stop need control. 409 says that the bench refused it, with the reason."""
     if command.do not in NEEDS_NO_CONTROL and not session.may_command(bench, lease):
         raise HTTPException(403, "you do not have control of this bench: POST .../control, then send Musclewire-Lease")
     if lease is not None:
         session.sign_of_life(lease)
-    answer = await session.command(bench, command, "a program")
+    answer = await session.command(bench, command, "a program", request.state.stops[bench.name])
     response.status_code = 200 if answer.accepted else 409
     return CommandResult(accepted=answer.accepted, message=answer.message)
 

@@ -71,10 +71,10 @@ class Gate:
     cookie
         Name of the cookie that keeps the token.
     passed
-        Called with the address and port at the other end of each request that may pass.
+        Called with the scope of each request that may pass, before anything of its body is waited for.
     """
 
-    def __init__(self, app: ASGIApp, access: Access, cookie: str, passed: Callable[[Any], None]) -> None:
+    def __init__(self, app: ASGIApp, access: Access, cookie: str, passed: Callable[[Scope], None]) -> None:
         """Take the application and the rules."""
         self.app, self.access, self.cookie, self.passed = app, access, cookie, passed
 
@@ -84,12 +84,12 @@ class Gate:
             await self.app(scope, receive, send)
             return
         if scope["type"] == "http" and self.enters(scope):
-            self.passed(scope["client"])
+            self.passed(scope)
             await answer(send, HTTPStatus.OK, ENTERED, "text/html; charset=utf-8", self.new_cookie())
             return
         refusal = self.refusal(scope)
         if refusal is None:
-            self.passed(scope["client"])
+            self.passed(scope)
         if refusal is None and scope["type"] == "websocket":
             await self.app(scope, receive, send)
         elif refusal is None:

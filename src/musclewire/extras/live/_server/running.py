@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import uvicorn
+from starlette.types import Scope
 
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError
@@ -240,9 +241,14 @@ def configuration(
     local = settings.address.is_local
     names = frozenset() if local else frozenset({address.host.lower(), *own_names()})
     access = Access(settings.token, names, any_address=not local)
+
+    def passed(scope: Scope) -> None:
+        newcomers.passed(scope["client"])
+        scope.setdefault("state", {})["stops"] = session.stops()
+
     cookie = f"musclewire_{address.port}"  # browsers do not keep the cookies of two ports apart
     return uvicorn.Config(
-        Gate(make_app(session), access, cookie, newcomers.passed),
+        Gate(make_app(session), access, cookie, passed),
         loop="asyncio",
         ws="websockets-sansio",
         ws_max_size=MAX_BYTES,

@@ -144,6 +144,10 @@ class Session:
             raise CallerError(f"no bench '{name[:100]}'{nearest_hint(name[:100], self.benches)}")
         return bench
 
+    def stops(self) -> dict[str, int]:
+        """Return how many stops each bench has had: what arrives now comes after them."""
+        return {name: bench.handle.stops for name, bench in self.benches.items()}
+
     # Viewers
 
     def enter(self) -> Viewer | None:
@@ -223,13 +227,13 @@ class Session:
         """Return whether somebody has control of a bench."""
         return bench.control.holds(key, time.monotonic())
 
-    async def command(self, bench: OnlineBench, command: Command, who: str) -> Answer:
-        """Pass a command on to the bench; whoever sends it is permitted to."""
+    async def command(self, bench: OnlineBench, command: Command, who: str, stops_before: int) -> Answer:
+        """Pass a command that arrived after so many stops on to the bench; whoever sends it is permitted to."""
         if isinstance(command, Stop):
             bench.handle.stop(who)
             return Answer(True, ORDERED)
         refuse_paths(command)
-        return await bench.handle.command(command)
+        return await bench.handle.command(command, stops_before)
 
     # What everybody is sent
 

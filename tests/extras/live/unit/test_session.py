@@ -1,0 +1,129 @@
+"""The server's session by a clock of the test's own: leases while a run heats, old pongs, when a stop is answered."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import httpx
+import pytest
+from tests.extras.live.bench_stand_in import BenchStandIn
+
+from musclewire.extras.live._server import bench_routes
+from musclewire.extras.live._server import session as server_session
+from musclewire.extras.live._server.access import LEASE_AT_REST_S, LEASE_S
+from musclewire.extras.live._server.newcomers import Newcomers
+from musclewire.extras.live._server.running import ListenAddress, ServerSettings, configuration
+from musclewire.extras.live._server.session import Session
+
+BENCH = "http://localhost/api/v1/benches/simulated"
+TURNS = 50
+
+
+class Held:
+    """A session whose bench Ann has control of, with a clock."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now_s = 0.0
+        monkeypatch.setattr(server_session, "time", SimpleNamespace(monotonic=lambda: self.now_s))
+        self.handle: Any = BenchStandIn()
+        self.session = Session([self.handle], Path())
+        self.bench = self.session.bench("simulated")
+        self.session.ask(self.bench, "ann", "Ann")
+
+    def at(self, now_s: float) -> Held:
+        self.now_s = now_s
+        self.session.end_lost_leases()
+        return self
+
+    @property
+    def is_held(self) -> bool:
+        return self.bench.control.holder is not None
+
+
+@pytest.fixture
+def held(monkeypatch: pytest.MonkeyPatch) -> Held:
+    """A session at rest."""
+    return Held(monkeypatch)
+
+
+def test_a_lease_is_long_at_rest_and_short_as_soon_as_something_is_done(held: Held) -> None:
+    assert held.at(0.9 * LEASE_AT_REST_S).is_held
+    held.handle.change(doing={"experiment": "pulse"})
+    assert not held.at(held.now_s).is_held
+    assert [what for what, _ in held.handle.told] == ["release"]
+
+
+def test_only_the_answer_to_a_recent_ping_keeps_a_lease(held: Held) -> None:
+    held.handle.change(doing={"experiment": "pulse"})
+    held.session.ping()  # number 1, at 0 s
+    held.at(0.8 * LEASE_S).session.ping()
+    held.session.pong("ann", 2)
+    held.at(1.5 * LEASE_S).session.pong("ann", 1)
+    assert held.is_held
+    assert not held.at(1.9 * LEASE_S).is_held
+
+
+class LateStandIn(BenchStandIn):
+    """A bench that confirms a stop when the test says so."""
+
+    def stop(self, who: str) -> asyncio.Future[None]:
+        super().stop(who)
+        self.confirmation: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        return self.confirmation
+
+
+def http_of(handle: Any) -> httpx.AsyncClient:
+    """Return a client of the whole application, its gate included, without a connection."""
+    session = Session([handle], Path())
+    app = configuration(session, ServerSettings(Path()), ListenAddress(), Newcomers(8)).app
+    return httpx.AsyncClient(transport=httpx.ASGITransport(app=app))  # type: ignore[arg-type]
+
+
+def test_a_stop_is_answered_when_it_is_confirmed_although_the_bench_is_shown_as_stopped_before() -> None:
+    async def run() -> None:
+        handle = LateStandIn()
+        async with http_of(handle) as http:
+            answering = asyncio.create_task(http.post(f"{BENCH}/stop"))
+            for _ in range(TURNS):
+                await asyncio.sleep(0)
+            assert handle.state["phase"] == "stopped"
+            assert not answering.done()
+            handle.confirmation.set_result(None)
+            answer = await answering
+            assert (answer.status_code, answer.json()) == (200, {"phase": "stopped"})
+
+    asyncio.run(run())
+
+
+def test_a_stop_that_is_not_confirmed_in_time_is_answered_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench_routes, "STOP_ANSWER_S", 0.0)
+
+    async def run() -> None:
+        async with http_of(LateStandIn()) as http:
+            assert (await http.post(f"{BENCH}/stop")).status_code == 202
+
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize("is_stopped", [True, False])
+def test_an_order_whose_body_is_on_its_way_while_somebody_stops_came_before_the_stop(is_stopped: bool) -> None:
+    async def run() -> None:
+        handle = BenchStandIn()
+
+        async def body() -> AsyncIterator[bytes]:
+            yield b'{"do": '
+            if is_stopped:
+                handle.stop("somebody")
+            yield b'"switch_on"}'
+
+        async with http_of(handle) as http:
+            lease = (await http.post(f"{BENCH}/control", json={"name": "Ann"})).json()["lease"]
+            headers = {"Musclewire-Lease": lease, "Content-Type": "application/json"}
+            answer = await http.post(f"{BENCH}/commands", content=body(), headers=headers)
+            assert answer.status_code == (409 if is_stopped else 200)
+
+    asyncio.run(run())
