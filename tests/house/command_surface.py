@@ -20,7 +20,6 @@ import tempfile
 import tomllib
 from collections.abc import Iterable, Iterator
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +27,7 @@ import typer
 from typer.testing import CliRunner
 
 import musclewire as mw
+from musclewire.app import app
 
 ROOT = Path(__file__).resolve().parents[2]
 LISTING = Path(__file__).with_name("command_surface.toml")
@@ -81,17 +81,9 @@ def listing(known: Listing) -> Listing:
 
 
 @cache
-def program() -> typer.Typer:
-    """Return the command line that the installed console script starts."""
-    scripts = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["scripts"]
-    found: typer.Typer = import_module(scripts["musclewire"].partition(":")[0]).app
-    return found
-
-
-@cache
 def commands() -> dict[str, Any]:
     """Return every command that runs something by its full name, as 'design finger'; before all, the program itself."""
-    root = typer.main.get_command(program())
+    root = typer.main.get_command(app)
     return {"musclewire": root, **dict(leaves(root))}
 
 
@@ -107,7 +99,7 @@ def leaves(group: Any, before: str = "") -> Iterator[tuple[str, Any]]:
 @cache
 def answer(*arguments: str) -> Any:
     """Return the document that a command prints with ``--json``."""
-    printed = CliRunner().invoke(program(), [*arguments, "--json"], prog_name="musclewire")
+    printed = CliRunner().invoke(app, [*arguments, "--json"], prog_name="musclewire")
     assert printed.exit_code == 0, printed.output
     return json.loads(printed.stdout)
 

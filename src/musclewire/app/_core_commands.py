@@ -130,7 +130,7 @@ COMMANDS = (
     Command(
         "cite",
         "musclewire.app._model_commands:cite",
-        "Print the references to cite.",
+        "Print the references to cite; --bibtex as entries of BibTeX.",
         panel=STUDIES,
         answer="musclewire.app._model_commands:CiteAnswer",
     ),

@@ -111,5 +111,5 @@ def test_the_heat_balance_never_exceeds_the_highest_temperature(target: float, l
 def test_settings_that_cannot_be_are_refused(changed: dict[str, object], message: str) -> None:
     with pytest.raises(CallerError, match=message):
         FeedforwardSettings(**{**KNOWN.model_dump(), **changed})
-    with pytest.raises(CallerError, match="musclewire tune"):
+    with pytest.raises(CallerError, match="fit keeps them in a new model"):
         FeedforwardController(ControllerSetup(LIMITS))

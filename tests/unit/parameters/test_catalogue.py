@@ -102,8 +102,8 @@ def test_the_holding_currents_are_the_heat_balance_they_claim(row: CatalogueRow)
     ("wrong", "right"),
     [
         ("flexinol-0.2-HT", "flexinol-0.20-ht"),
-        ("flexinol-0.10", "flexinol-0.10-ht"),
-        ("Flexinol 0.1mm", "flexinol-0.10-ht"),
+        ("flexinol-0.10", "flexinol-0.10-lt"),
+        ("Flexinol 0.1mm", "flexinol-0.10-lt"),
         ("0.15 mm LT", "flexinol-0.15-lt"),
         ("flexinoll-0.25-ht", "flexinol-0.25-ht"),
     ],

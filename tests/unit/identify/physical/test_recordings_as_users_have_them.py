@@ -194,7 +194,7 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
     ),
     "strain from another zero": (
         lambda loop: loop.with_columns(displacement_m=loop["displacement_m"] + 1e-3),
-        "give --zero",
+        "take off what it reads cold",
     ),
     "millivolts taken for volts": (
         lambda loop: loop.with_columns(wire_voltage_v=1e-3 * loop["wire_voltage_v"]),
@@ -222,7 +222,7 @@ REFUSED: dict[str, tuple[Callable[[Recording], Recording], str]] = {
     ),
     "a cooling curve without a temperature": (
         lambda loop: only(loop, "time_s", "displacement_m"),
-        "give --set start_temperature_k",
+        "give bench={'start_temperature_k'",
     ),
     "a clock and nothing else": (lambda loop: only(loop, "time_s"), "there is nothing to compare"),
 }
