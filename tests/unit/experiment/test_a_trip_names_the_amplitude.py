@@ -18,7 +18,7 @@ def test_the_amplitude_that_a_trip_proposes_does_not_trip() -> None:
         characterize(rig, amplitude_v=3.2, cycles=1, period_s=20.0)
     said = str(trip.value)
     assert re.search(r"amplitude of 3\.2 V the protection's estimate was 20\d C, its limit is 200 C", said)
-    proposed = re.search(r'amplitude_v=([\d.]+),', said)
+    proposed = re.search(r"amplitude_v=([\d.]+),", said)
     assert proposed is not None
     with open_rig("simulated", wire_length_m=0.06, maximum_voltage_v=3.6) as rig:
         again = characterize(rig, amplitude_v=float(proposed[1]), cycles=1, period_s=20.0)
