@@ -95,7 +95,7 @@ def _disk_full(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_without_any_other_place_the_journal_is_named_with_the_rows_it_has(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("musclewire.experiment._run.rescued", lambda *_: None)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "gone"))
     with pytest.raises(RigError) as caught:
         characterize(FakeRig(), period_s=5.0, path=tmp_path / "run.h5")
     assert caught.value.__notes__[0].endswith(r"run.h5.journal (the first 0)")
