@@ -11,7 +11,7 @@ import pytest
 from musclewire.controllers import staircase
 from musclewire.errors import RigError
 from musclewire.experiment import control_many, drive_wire
-from musclewire.rigs._compiled_loop.running import uncompiled
+from musclewire.rigs._compiled_loop.running import run_known_drive, uncompiled
 from musclewire.rigs._configuration import RigConfiguration, open_rig
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.sensing import SensingModel
@@ -92,3 +92,10 @@ def test_a_few_samples_of_a_known_drive_are_those_in_python(limits: dict[str, fl
         for name in runs[1].columns:
             np.testing.assert_array_equal(runs[0].columns[name], runs[1].columns[name], err_msg=name)
     assert rigs[0].protection == rigs[1].protection
+
+
+def test_after_compiled_samples_the_last_drive_is_out() -> None:
+    with open_rig("simulated") as rig:
+        run_known_drive(rig, np.linspace(0.5, 2.0, 20))
+        assert rig.drive_voltage_v == pytest.approx(2.0, abs=0.002)  # the step of the output's converter
+        assert rig.protection.drive_voltage_v == pytest.approx(2.0, abs=0.002)
