@@ -375,6 +375,16 @@ def test_after_a_run_that_fails_the_rig_is_off_and_was_never_ready_again(
     assert bench.is_off()
 
 
+def test_a_stop_in_a_run_that_takes_no_further_sample_is_not_followed_by_ready(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench.order("switch_on")
+    bench.perform_next()
+    perform(bench.session, order_of(bench, monkeypatch, lambda _session, _command: bench.stop() and None))
+    assert bench.phase == "stopped"
+    assert bench.is_off()
+
+
 def test_a_bench_that_was_stopped_while_opening_waits_and_does_not_spin(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:

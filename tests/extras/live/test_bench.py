@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
-from tests.extras.live.bench import ask, bench, in_control, until_phase
+from tests.extras.live.bench import MAX_WAIT_S, ask, bench, in_control, until_phase
 
 from musclewire.signals import read_recording
 
@@ -115,7 +115,7 @@ def test_a_frozen_bench_is_given_up_within_two_seconds_and_says_so(tmp_path: Pat
             waiting = asyncio.create_task(ask(handle, do="pulse"))
             await asyncio.sleep(0.0)  # it is sent
             began_s = time.monotonic()
-            await (handle.stop("a test") if how == "stop" else handle.close())
+            await asyncio.wait_for(handle.stop("a test") if how == "stop" else handle.close(), MAX_WAIT_S)
             assert time.monotonic() - began_s < 2.0
             assert process.returncode == -signal.SIGKILL
             assert not (await waiting).accepted

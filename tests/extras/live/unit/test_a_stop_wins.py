@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 from tests.extras.live.unit.turns import Turn, TurnLock
 from tests.unit.rigs.ideal_wire import IdealWire
 
+from musclewire.errors import RigError
 from musclewire.extras.live import _bench_handle as bench_handle
 from musclewire.extras.live import _messages as messages
 from musclewire.extras.live._bench import opening, orders, process, recipes
@@ -127,10 +128,13 @@ class World:
         run = recipes.RECIPES[messages.Pulse]._replace(run=self.run, duration_s=lambda _session, _command: 1.0)
         monkeypatch.setitem(process.RECIPES, messages.Pulse, run)
         self.turns: list[Turn] = []
-        self.pressed_of, self.performing = {}, 0  # type: ignore[var-annotated]
-        self.stops: list[tuple[int, asyncio.Future[bool]]] = []
-        self.switched_on, self.wires, self.waiting = [0], [], []  # type: ignore[var-annotated]
-        self.devices: list[Wire] = []
+        self.pressed_of: dict[int, int] = {}
+        self.performing, self.opening_s = 0, 0.0
+        self.stops: list[tuple[int, asyncio.Task[bool]]] = []
+        self.switched_on = [0]
+        self.waiting: list[tuple[int, messages.Command, int]] = []
+        self.tasks: set[asyncio.Task[messages.Answer]] = set()
+        self.rigs: list[GuardedRig] = []
         self.failure = ""
         self.loop.run_until_complete(self._begin(folder))
 
@@ -176,7 +180,7 @@ class World:
         rig = GuardedRig(device)
         while self.now_s < ends_s:
             self.main.pause()
-        self.devices.append(device)
+        self.rigs.append(rig)
         return rig
 
     def performed(self, session: bench_session.BenchSession, order: orders.NumberedOrder) -> None:
@@ -234,7 +238,6 @@ class World:
         self._now(self._begun(command, stops_before))
 
     async def _begun(self, command: Any, stops_before: int) -> None:
-        self.tasks = getattr(self, "tasks", set())
         task = asyncio.create_task(self.server.command(self.bench, command, "somebody", stops_before))
         self.tasks.add(task)
         await asyncio.sleep(0)
@@ -300,7 +303,9 @@ class World:
         if self.pipe.returncode is None and self.stops and self.stops[-1][0] > self.switched_on[-1]:
             self.main.step(300)  # nothing may come of it any more
             assert not self.failure, self.failure
-            assert [device.drive_voltage_v for device in self.devices if device.drive_voltage_v] == []
+            for rig in self.rigs:
+                with pytest.raises(RigError, match="closed"):
+                    rig.exchange(0.3)
             assert self.session.shown.state.phase == "stopped"
             assert self.handle.state["phase"] == "stopped"
 
