@@ -86,7 +86,7 @@ def test_the_model_that_ships_for_a_catalogue_wire_is_the_simulated_one() -> Non
 
 
 def test_a_wire_that_needs_more_than_the_board_puts_out_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(CallerError, match="puts out 5 V at most"):
+    with pytest.raises(CallerError, match="gives 5 V at most"):
         write_sources("arduino-uno", tmp_path, wire="flexinol-0.050-lt")
 
 
