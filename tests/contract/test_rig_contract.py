@@ -325,8 +325,9 @@ def interrupted(rig: Rig, drive_v: float, random: np.random.Generator) -> bool:
     try:
         timer = threading.Timer(random.uniform(1e-4, longest_s), signal.pthread_kill, (main, signal.SIGUSR1))
         timer.start()
-        while True:
+        while timer.is_alive():
             rig.exchange(drive_v)
+        return False  # it came where Python cannot raise it, in a finaliser for one: nothing was interrupted
     except (KeyboardInterrupt, SystemError):  # what compiled code makes of Ctrl-C that comes while it is entered
         return alarm.inside
     finally:

@@ -71,7 +71,7 @@ def test_a_molten_wire_is_no_result(musclewire: Callable[..., Any]) -> None:
     assert answer.json["true_peak_temperature_degc"] is None
     assert answer.json["suggested"]["supply_v"] == pytest.approx(3.73, abs=0.01)
     shown = musclewire("simulate", "--supply", "100 V", "--beyond-catalogue").out
-    assert "through 0.47 ohm for 1 s: melted" in shown
+    assert "through 1 ohm for 1 s: melted" in shown
     assert "contraction" not in shown
 
 
