@@ -91,7 +91,7 @@ class Characterize(Record):
 
     do: Literal["characterize"]
     amplitude_v: Positive | None = None
-    period_s: Positive = 90.0
+    period_s: Annotated[float, Field(gt=0.0, le=3600.0)] = 90.0
     cycles: Annotated[int, Field(ge=1, le=100)] = 2
 
 

@@ -38,6 +38,7 @@ def test_a_command_keeps_its_numbers() -> None:
         ({"do": "switch_on", "kind": "serial"}, "kind"),
         ({"do": "pulse", "duration_s": 1e6}, "duration_s"),
         ({"do": "characterize", "cycles": 0}, "cycles"),
+        ({"do": "characterize", "period_s": 1e300}, "period_s"),
         ({"do": "control", "reference": {"kind": "path", "time_s": [], "target": []}}, "time_s"),
         (["do", "stop"], "command"),
         (None, "command"),
