@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
 
@@ -278,9 +279,10 @@ def shared_keys(mounted: type[BaseModel]) -> dict[str, FieldInfo]:
     return {key: field for key, field in mounted.model_fields.items() if key not in OWN_TO_A_KIND}
 
 
-def stated_by(table: BaseModel, mounted: type[BaseModel] = MountedWire) -> Metadata:
-    """Return what the keys of wire and circuit say to a recording, by the names of the numbers."""
-    said = {si_name(key, field): getattr(table, key) for key, field in shared_keys(mounted).items()}
+def stated_by(table: BaseModel, but_for: Container[str] = ()) -> Metadata:
+    """Return what the keys of wire and circuit but for some say to a recording, by the names of the numbers."""
+    told = {key: field for key, field in shared_keys(MountedWire).items() if key not in but_for}
+    said = {si_name(key, field): getattr(table, key) for key, field in told.items()}
     return {name: value for name, value in said.items() if name not in IN_OTHER_NAMES}
 
 
@@ -337,5 +339,5 @@ class WireKeys(KeysLeftOut):
         return self.settings[name] if key is None else float(getattr(self, key))
 
     def stated(self) -> Metadata:
-        """Return what the keys in the file say to a recording."""
-        return {name: value for name, value in stated_by(self).items() if value is not None}
+        """Return what the keys in the file say to a recording but for numbers of wire and bench, which the wire has."""
+        return {name: value for name, value in stated_by(self, SETTINGS).items() if value is not None}
