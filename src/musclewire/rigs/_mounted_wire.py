@@ -281,8 +281,8 @@ def shared_keys(mounted: type[BaseModel]) -> dict[str, FieldInfo]:
 
 def stated_by(table: BaseModel, but_for: Container[str] = ()) -> Metadata:
     """Return what the keys of wire and circuit but for some say to a recording, by the names of the numbers."""
-    told = {key: field for key, field in shared_keys(MountedWire).items() if key not in but_for}
-    said = {si_name(key, field): getattr(table, key) for key, field in told.items()}
+    kept = {key: field for key, field in shared_keys(MountedWire).items() if key not in but_for}
+    said = {si_name(key, field): getattr(table, key) for key, field in kept.items()}
     return {name: value for name, value in said.items() if name not in IN_OTHER_NAMES}
 
 
