@@ -38,8 +38,8 @@ def test_the_door_leads_to_its_end(door: str, tmp_path: Path) -> None:
                 pytest.mark.full,
                 pytest.mark.xfail(
                     strict=True,
-                    reason="it cools too slowly for steps of 6 s: 15 % and 39 % of the target on the way back, and 0.22 % "
-                    "of strain off the target at the end, where 0.1 % is asked for",
+                    reason="it cools too slowly for steps of 6 s: 15 % and 39 % of the target on the way back, and "
+                    "0.22 % of strain off the target at the end, where 0.1 % is asked for",
                 ),
             ],
         ),
