@@ -8,7 +8,7 @@ from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment._home_sweep import HomeSweep, SweepPlan
 from musclewire.experiment._run import RunOptions, run_on_rig
 from musclewire.identify import Homing, check_made_for, homed_model, loop_of, require_load, seen_points
-from musclewire.rigs import Rig
+from musclewire.rigs import Rig, refuse_no_rig
 from musclewire.sensing import SensingModel
 from musclewire.signals import MetadataValue
 
@@ -71,6 +71,7 @@ def home(
     >>> found.home.corrected  # the wire has not changed
     False
     """
+    refuse_no_rig(rig)
     known = rig.metadata()
     check_made_for(model, known)
     stated_n = known.get("pretension_n") if load_n is None else load_n

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.places import CHECKOUT
 
 from musclewire.errors import CallerError
-from musclewire.experiment import characterize, control
+from musclewire.experiment import characterize, control, home
 from musclewire.parameters import (
     Parameter,
     finger_file_text,
@@ -240,7 +240,7 @@ def test_an_object_is_no_rig_and_the_message_says_how_a_device_of_ones_own_becom
         open_rig(Supply())  # type: ignore[arg-type]
     with pytest.raises(CallerError, match="a GuardedRig holds a Device, and a Supply is none: it has no facts"):
         GuardedRig(Supply())  # type: ignore[arg-type]
-    for drive in (characterize, lambda rig: control(rig, None)):
+    for drive in (characterize, lambda rig: control(rig, None), lambda rig: home(rig, None)):
         with pytest.raises(CallerError, match="a rig is driven, as open_rig returns it, not a Supply: hardware"):
             drive(Supply())
 

@@ -114,3 +114,25 @@ def test_texts_for_a_reader_may_be_added_to_and_a_model_from_before_has_no_check
     del document["checksum"]
     path.write_text(json.dumps(document), encoding="utf-8")
     assert load_model(path).rmse_average == model.rmse_average
+
+
+def numbers_in(value: Any) -> list[tuple[Any, Any]]:
+    """Return every (container, key) of a document that holds a number."""
+    pairs = list(value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ())
+    own = [(value, key) for key, item in pairs if type(item) in (int, float)]
+    return own + [place for _, item in pairs for place in numbers_in(item)]
+
+
+def test_no_number_of_a_model_can_be_altered_unnoticed(model: SensingModel, tmp_path: Path) -> None:
+    path = tmp_path / "model.json"
+    model.save(path)
+    document = json.loads(path.read_text(encoding="utf-8"))
+    places = numbers_in(document)
+    assert len(places) > 50
+    for container, key in places:
+        kept = container[key]
+        container[key] = type(kept)(1.5 * kept + 1)
+        path.write_text(json.dumps(document), encoding="utf-8")
+        with pytest.raises(CallerError):
+            load_model(path)
+        container[key] = kept
