@@ -109,7 +109,9 @@ QUANTITY = option("--quantity", help="Quantity sensed from resistance: strain, d
 
 # The closed loop.
 REFERENCE = option(
-    "--reference", help="'staircase', steps as '2.5 mm to 6 mm by 0.5 mm', or a file with the targets over time."
+    "--reference",
+    help="'staircase', steps as '2.5 mm to 6 mm by 0.5 mm', each for 6 s or as '... by 0.5 mm for 20 s', or a file "
+    "with the targets over time.",
 )
 KNOWN_STIFFNESS = quantity(
     "--known-stiffness",
