@@ -51,7 +51,7 @@ A simulated rig file takes the same faults, to see what your own script does wit
     lasts = "0.5 s"         # without it the fault stays
     resistance = "5 ohm"
 
-All kinds and their keys: [rig files](hardware_rig_files.md).
+All kinds and their keys: [rig files](rig_files.md).
 """
 
 

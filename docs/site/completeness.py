@@ -64,8 +64,8 @@ def missing(site: Path) -> Iterator[str]:
     yield from (f"command or option not in reference/command_line: {word}" for word in command_words() - lines)
     files = reference["files.html"]
     yield from (f"column not in reference/files: {name}" for name in set(COLUMNS) - files)
-    keys = files | reference["hardware_rig_files.html"] | reference["toml_files.html"]
-    yield from (f"key not in reference/files, hardware_rig_files or toml_files: {key}" for key in toml_keys() - keys)
+    keys = files | reference["rig_files.html"] | reference["toml_files.html"]
+    yield from (f"key not in reference/files, rig_files or toml_files: {key}" for key in toml_keys() - keys)
     yield from broken_links(pages, site)
 
 
@@ -94,7 +94,7 @@ def toml_keys() -> set[str]:
     schemas: list[type[BaseModel]] = [RigConfiguration, ModelFile, Surroundings]
     schemas += [LOAD_PARTS.find(name) for name in LOAD_PARTS.own_names()]
     schemas += [DEVICES.find(name).configuration for name in DEVICES.own_names()]
-    schemas += [model for model, _ in [*rig_keys_page.SECTIONS.values(), *rig_keys_page.SEGMENTED.values()]]
+    schemas += [model for model, _ in [*rig_keys_page.SECTIONS.values(), *rig_keys_page.SIMULATED.values()]]
     schemas += [model for model, _ in toml_keys_page.SECTIONS.values()]
     return {key for schema in schemas for key in schema.model_fields} - {"part"}
 

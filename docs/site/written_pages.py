@@ -24,7 +24,7 @@ import wire_row_page
 
 PAGES: dict[str, Callable[[], str]] = {
     "reference/faults": faults_page.page,
-    "reference/hardware_rig_files": rig_keys_page.page,
+    "reference/rig_files": rig_keys_page.page,
     "reference/live_api": live_api_page.page,
     "reference/parameters": parameter_page.page,
     "reference/protection": protection_page.page,
