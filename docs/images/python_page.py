@@ -1,4 +1,4 @@
-"""docs/reference/python.md from the names that are promised to users, and their docstrings."""
+"""The page reference/python of the site, from the names that are promised to users, and their docstrings."""
 
 from __future__ import annotations
 
@@ -17,9 +17,6 @@ from musclewire.registry import Registry
 
 STUB = Path(musclewire.__file__).with_suffix(".pyi")
 HEAD = """# Python
-
-<!-- Written by `python docs/images/draw.py pages` from the docstrings; a test holds this page to them. Do not edit it
-by hand. -->
 
 For everybody who writes scripts.
 `help(mw.control)` shows all of a name: each argument with its unit, what is returned, each error, an example.

@@ -1,4 +1,4 @@
-"""docs/reference/hardware_rig_files.md from the schemas that check rig files of real hardware, and simulated faults."""
+"""The page reference/hardware_rig_files of the site, from the schemas of its rig files, and of simulated faults."""
 
 from __future__ import annotations
 
@@ -26,9 +26,6 @@ from musclewire.extras.studies import (
 from musclewire.rigs import LimitsTable, MountedWire, PulseWidth, ReplayConfiguration, SimulatedFault
 
 HEAD = """# Rig files of real hardware
-
-<!-- Written by `python docs/images/draw.py pages` from the schemas that check the files; a test holds this page to
-them. Do not edit it by hand. -->
 
 For those who connect a card or a board. Rig files of the simulated rig are on the page on [files](files.md).
 
