@@ -1,4 +1,4 @@
-"""docs/reference/hardware_rig_files.md from the schemas that check rig files of real hardware, and simulated faults."""
+"""The page reference/hardware_rig_files of the site, from the schemas of its rig files, and of simulated faults."""
 
 from __future__ import annotations
 
@@ -27,9 +27,6 @@ from musclewire.rigs import LimitsTable, MountedWire, PulseWidth, ReplayConfigur
 
 HEAD = """# Rig files of real hardware
 
-<!-- Written by `python docs/images/draw.py pages` from the schemas that check the files; a test holds this page to
-them. Do not edit it by hand. -->
-
 For those who connect a card or a board. Rig files of the simulated rig are on the page on [files](files.md).
 
 With a wire on a bench one word changes: a command takes the rig file's name instead of `simulated`. Numbers
@@ -54,19 +51,19 @@ SECTIONS = {
     "`[inputs.force]` and `[inputs.endpoint_force]` of a card": (ForceInput, ""),
     '`kind = "replay"`': (
         ReplayConfiguration,
-        "A recording as a rig: [how to](../how-to/replay_a_recording.md). The keys of wire and circuit are needed "
-        "where the recording's metadata lack them.",
+        "[A recording as a rig](../how-to/change_the_simulated_rig.md#a-recording-as-a-rig). The keys of wire and "
+        "circuit are needed where the recording's metadata lack them.",
     ),
 }
 SEGMENTED = {
     "`[pwm]` of a simulated rig": (
         PulseWidth,
-        "Heating by pulse width, and when the voltages are read: [how to](../how-to/heat_by_pulse_width.md).",
+        "[Heating by pulses](../how-to/change_the_simulated_rig.md#heating-by-pulses), and when the voltages are read.",
     ),
     '`kind = "segmented"`': (
         SegmentedConfiguration,
-        "A simulated wire in segments: [how to](../how-to/simulate_a_wire_in_segments.md). It has the keys of wire and "
-        "circuit, too, each by default that of wire or bench.",
+        "[A simulated wire in segments](../how-to/change_the_simulated_rig.md#a-wire-in-segments). It has the keys "
+        "of wire and circuit, too, each by default that of wire or bench.",
     ),
     "`[[grains]]` of a wire in segments": (GrainsTable, ""),
     "`[[barriers]]` of a wire in segments": (BarrierTable, ""),

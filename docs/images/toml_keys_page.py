@@ -1,4 +1,4 @@
-"""docs/reference/toml_files.md from the schemas that check every TOML file but those of rigs."""
+"""The page reference/toml_files of the site, from the schemas that check every TOML file but those of rigs."""
 
 from __future__ import annotations
 
@@ -28,9 +28,6 @@ from musclewire.parameters import (
 )
 
 HEAD = """# TOML files, key by key
-
-<!-- Written by `python docs/images/draw.py pages` from the schemas that check the files; a test holds this page to
-them. Do not edit it by hand. -->
 
 For those who write such a file or look up a key of one. Rig files have pages of their own: [files](files.md) for
 simulated rigs, [rig files of real hardware](hardware_rig_files.md) for the others. Numbers are in SI unless a column
@@ -81,7 +78,7 @@ SECTIONS: dict[str, tuple[type[BaseModel], str]] = {
     "`[curve]` of a finger": (FingerCurve, ""),
     "Pretensioner": (
         PretensionerFile,
-        "Written by `musclewire design pretensioner`: [how to](../how-to/design_a_pretensioner.md).",
+        "Written by `musclewire design pretensioner`: [how to](../how-to/design_a_finger.md).",
     ),
     "`[geometry]` of a pretensioner": (FileGeometry, ""),
     "Material": (Material, "What flexures are made of: `--material` of both `design` commands takes its file."),

@@ -1,65 +1,90 @@
-"""docs/explanation/physics.md and docs/reference/parameters.md say what the code and the parameter files say."""
+"""Generated numbers on committed pages are those of the code, and every page that the site adds can be written."""
 
 from __future__ import annotations
 
 import importlib
 import re
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
 from tests.house.docs.doc_pages import code_words, resolve, tables_of
 from tests.places import CHECKOUT
 
-FOLDER = CHECKOUT / "docs" / "images"
+FOLDERS = [str(CHECKOUT / "docs" / name) for name in ("images", "site")]
 PHYSICS = CHECKOUT / "docs" / "explanation" / "physics.md"
 FOUND = CHECKOUT / "docs" / "explanation" / "parameters.md"
 TURNS = CHECKOUT / "docs" / "explanation" / "turns_and_minor_loops.md"
-PARAMETERS = CHECKOUT / "docs" / "reference" / "parameters.md"
+PAPER_MAP = CHECKOUT / "docs" / "reference" / "paper_map.md"
+# Pages that follow from the code alone: docs/site/written_pages.py. And how a committed page names one of them.
+WRITTEN = ("faults", "hardware_rig_files", "live_api", "parameters", "protection", "python", "toml_files", "wire_row")
+NAMED = re.compile(r"`site:([\w/]+)(?:#[\w-]+)?`")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
 AGAIN = "run python docs/images/draw.py and commit what it changes"
 
 
 @pytest.fixture(scope="module")
-def draw() -> Iterator[ModuleType]:
-    sys.path.insert(0, str(FOLDER))
-    try:
-        yield importlib.import_module("draw")
-    finally:
-        sys.path.remove(str(FOLDER))
+def scripts() -> Iterator[Callable[[str], Any]]:
+    """What imports a script of the documentation."""
+    with pytest.MonkeyPatch.context() as patch:
+        for folder in FOLDERS:
+            patch.syspath_prepend(folder)
+        yield importlib.import_module
+
+
+@pytest.fixture(scope="module")
+def draw(scripts: Callable[[str], Any]) -> Any:
+    return scripts("draw")
+
+
+@pytest.fixture(scope="module")
+def written(scripts: Callable[[str], Any]) -> dict[str, Callable[[], str]]:
+    """Every page that the site adds, by its name."""
+    pages: dict[str, Callable[[], str]] = scripts("written_pages").PAGES
+    return pages
 
 
 def last_digit(number: str) -> float:
     return 10.0 ** -len(number.partition(".")[2])
 
 
-@pytest.mark.parametrize("name", ["protection", "wire_row", "faults", "rig_keys", "toml_keys", "python", "live_api"])
-def test_a_page_that_a_script_writes_is_as_it_writes_it_and_every_row_says_something(
-    draw: ModuleType, name: str
+# A number of the page of parameters may have nothing published.
+@pytest.mark.parametrize("name", [name for name in WRITTEN if name != "parameters"])
+def test_a_page_that_the_site_adds_has_tables_and_each_row_of_a_name_says_something(
+    written: dict[str, Callable[[], str]], name: str
 ) -> None:
-    page = getattr(draw, f"{name}_page").page()
-    assert getattr(draw, f"{name.upper()}_PAGE").read_text("utf-8") == page, AGAIN
-    rows = [line for line in page.splitlines() if line.startswith("| `")]
-    assert [line for line in rows if line.split(" | ")[-1].strip(" |") == ""] == []
+    page = written[f"reference/{name}"]()
+    assert page.startswith("# ")
+    assert sum(map(len, tables_of(page))) > 10
+    named = [line for line in page.splitlines() if line.startswith("| `")]
+    assert [line for line in named if line.split(" | ")[-1].strip(" |") == ""] == []
 
 
-def test_the_pages_of_parameters_and_of_the_paper_are_as_their_scripts_write_them(draw: ModuleType) -> None:
-    assert PARAMETERS.read_text("utf-8") == draw.parameter_page.page(), AGAIN
-    page = draw.PAPER_MAP_PAGE.read_text("utf-8")
-    assert page == draw.paper_map_page.page(page), AGAIN
+def test_the_pages_that_the_site_adds_are_those_that_committed_pages_name_and_none_is_committed(
+    written: dict[str, Callable[[], str]],
+) -> None:
+    assert sorted(written) == sorted(f"reference/{name}" for name in WRITTEN)
+    committed = [CHECKOUT / "README.md", *(CHECKOUT / "docs").rglob("*.md")]
+    assert {name for page in committed for name in NAMED.findall(page.read_text("utf-8"))} == set(written)
+    assert not [name for name in written if (CHECKOUT / f"docs/{name}.md").exists()]
 
 
-def test_the_check_of_published_ranges_counts_what_the_page_counts(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_column_of_the_map_of_the_paper_is_as_its_script_writes_it(draw: Any) -> None:
+    page = PAPER_MAP.read_text("utf-8")
+    assert page == draw.paper_map_page.page(page), "run python docs/images/draw.py paper_map and commit what it changes"
+
+
+def test_the_check_of_published_ranges_counts_what_the_page_counts(
+    capsys: pytest.CaptureFixture[str], written: dict[str, Callable[[], str]]
+) -> None:
     from checks.published_ranges import main
 
     code = main()
     found = re.search(r"parameters outside their published range: (\d+)", capsys.readouterr().out)
     assert found is not None
     assert code == (1 if int(found[1]) else 0)
-    assert f"counts: **{found[1]}** outside" in PARAMETERS.read_text("utf-8")
+    assert f"counts: **{found[1]}** outside" in written["reference/parameters"]()
 
 
 BLOCKS: dict[Path, Callable[[Any], dict[str, str]]] = {
@@ -71,7 +96,7 @@ BLOCKS: dict[Path, Callable[[Any], dict[str, str]]] = {
 
 @pytest.mark.documented
 @pytest.mark.parametrize("page", BLOCKS, ids=lambda page: page.stem)
-def test_the_numbers_on_a_page_are_those_of_the_shipped_wire(draw: ModuleType, page: Path) -> None:
+def test_the_numbers_on_a_page_are_those_of_the_shipped_wire(draw: Any, page: Path) -> None:
     raw = page.read_text("utf-8")
     text, fresh = " ".join(raw.split()), " ".join(draw.with_blocks(raw, BLOCKS[page](draw)).split())
     assert NUMBER.sub("#", fresh) == NUMBER.sub("#", text), AGAIN
