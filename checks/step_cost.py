@@ -8,7 +8,7 @@ says what the code costs. The fixed work is compiled arithmetic for what runs co
 is called from Python. Both run in turns, by the processor time of the thread, so that a turn in which other programs
 run counts like any other; shown is the median of the turns' ratios. What seems dearer is measured again, twice at most,
 and the smallest ratio counts. From ``WARNED`` on the answer is a warning, from ``FAILED`` on an exit code
-(docs/explanation/decisions/0026-speed-is-a-ratio.md).
+(docs/explanation/decisions/dependencies.md says why so).
 """
 
 from __future__ import annotations
