@@ -242,7 +242,7 @@ WORKERS = option("--workers", help="Processes on this machine; by default one on
 FILE = option("--file", help="Take all dimensions from a pretensioner's file.")
 
 # Everything else.
-ONLY = option("--only", help="Only rows whose names begin so: 'fig4', 'table2.mae'; 'step'.", metavar="NAME")
+ONLY = option("--only", help="Only rows whose names begin so: 'fig4', 'table2.mae'.", metavar="NAME")
 QUICK = option("--quick", help="Fewer repetitions.")
 SETTINGS = option("--settings", help="TOML file with settings of the controller, as kp_range = [0.01, 0.1].")
 NAME = option("--name", help="Name of the library or FMU, a C identifier.")

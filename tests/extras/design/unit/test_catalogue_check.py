@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import musclewire.identify._catalogue_check as check
-from musclewire.identify._catalogue_check import (
+import musclewire.extras.design._supply.catalogue_check as check
+from musclewire.extras.design._supply.catalogue_check import (
     compare_catalogue,
     dead_weight_bench,
     judged_within,

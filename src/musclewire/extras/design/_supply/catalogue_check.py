@@ -17,7 +17,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import NumericsError
-from musclewire.identify._electrical_sizing import heat
+from musclewire.extras.design._supply.one_second import heat
 from musclewire.parameters import (
     CLASSES,
     Alloy,

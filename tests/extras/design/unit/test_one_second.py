@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from musclewire.identify._catalogue_check import dead_weight_bench, run_catalogue_test
-from musclewire.identify._electrical_sizing import (
-    one_second_current,
-    relaxation_time_s,
-    steady_temperature_k,
-)
+from musclewire.extras.design._supply.catalogue_check import dead_weight_bench, run_catalogue_test
+from musclewire.extras.design._supply.one_second import one_second_current, relaxation_time_s
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.physics import convection_coefficient_w_per_m2_k
 
 ALLOY = load_alloy("flexinol")
 
@@ -39,14 +30,6 @@ def test_the_voltage_goes_with_the_length_and_the_current_does_not() -> None:
     short, long = one_second_current(ALLOY, wire, bench), one_second_current(ALLOY, wire, longer)
     assert long.current_a == pytest.approx(short.current_a, rel=1e-3)
     assert long.wire_voltage_v == pytest.approx(2.0 * short.wire_voltage_v, rel=1e-3)
-
-
-@given(st.floats(305.0, 900.0))
-def test_a_wire_settles_where_it_gives_off_what_it_gets(wall_k: float) -> None:
-    wire = load_wire("flexinol-0.20-ht")
-    given_off = convection_coefficient_w_per_m2_k(wall_k, 295.15, wire.diameter_m.value) * wire.convection_factor.value
-    power = given_off * math.pi * wire.diameter_m.value * (wall_k - 295.15)
-    assert steady_temperature_k(power, wire, 295.15) == pytest.approx(wall_k, abs=1e-3)
 
 
 def test_a_hotter_start_takes_longer_to_relax() -> None:

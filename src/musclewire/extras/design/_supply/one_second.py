@@ -1,6 +1,6 @@
 """Electrical sizing of a wire before parts are bought: the current that contracts it in time, how long it relaxes.
 
-The numbers come from fast simulated runs (``wire._paths``) and from the heat balance, not from measurements.
+The numbers come from fast simulated runs and from the heat balance, not from measurements.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.errors import NumericsError
+from musclewire.identify import convective_loss_w_per_m
 from musclewire.parameters import Alloy, Bench, Wire
-from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.wire import DrivenPath, WireConstants, WireState, constants_from, drive_path, resting_state
 
 # A wire counts as contracted at this fraction of its full stroke.
@@ -24,7 +24,6 @@ STEP_S, COARSE_STEP_S = 2e-3, 5e-3
 RELAXED_STRAIN = 0.0025
 # At this temperature no wire has martensite left; heating further only expands the metal.
 HOT_K = 480.0
-HOTTEST_WALL_K = 3000.0
 
 
 class OneSecondDrive(NamedTuple):
@@ -121,26 +120,3 @@ def relaxation_time_s(
     path, _ = drive_path(constants, off, sample_s=COARSE_STEP_S, state=state)
     stretched = np.flatnonzero(path.displacement_m > RELAXED_STRAIN * constants.leg_length_m)
     return COARSE_STEP_S * (int(stretched[-1]) + 1) if stretched.size else 0.0
-
-
-def convective_loss_w_per_m(wall_k: float, wire: Wire, ambient_temperature_k: float) -> float:
-    """Return the heat loss of a metre of wire to still air [W/m]: Churchill and Chu times the convection factor."""
-    diameter = wire.diameter_m.value
-    coefficient = convection_coefficient_w_per_m2_k(wall_k, ambient_temperature_k, diameter)
-    return wire.convection_factor.value * coefficient * math.pi * diameter * (wall_k - ambient_temperature_k)
-
-
-def steady_temperature_k(power_w_per_m: float, wire: Wire, ambient_temperature_k: float) -> float:
-    """Return the steady temperature [K] of a wire heated by this power [W/m].
-
-    Radiation is neglected, as it is small for a thin wire.
-    """
-    low, high = ambient_temperature_k, HOTTEST_WALL_K
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (
-            (middle, high)
-            if convective_loss_w_per_m(middle, wire, ambient_temperature_k) < power_w_per_m
-            else (low, middle)
-        )
-    return high
