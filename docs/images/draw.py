@@ -10,7 +10,7 @@ After a change of the shipped parameters or of the physics, run it once and comm
   (``python docs/images/draw.py turns`` draws and writes these alone),
 - the Bode plot of docs/how-to/tune_a_controller.md (``python docs/images/draw.py margins`` draws it alone),
 - point B on docs/explanation/why_resistance_tells_strain.md (``python docs/images/draw.py point_b`` draws it alone),
-- the table of docs/explanation/estimators.md from studies/robustness_rows.json
+- the table of docs/explanation/estimators.md from studies/robustness/rows.json
   (``python docs/images/draw.py robustness`` writes it alone),
 - the column "Compared" of docs/reference/paper_map.md (``python docs/images/draw.py paper_map`` writes it alone).
 

@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import Any
 
 import musclewire
-from musclewire.manifest import own_manifests, parts
+from musclewire.manifest import manifests_of_others, own_manifests, parts
 from musclewire.registry import Registry
 
 STUB = Path(musclewire.__file__).with_suffix(".pyi")
@@ -134,6 +134,9 @@ def arguments(item: Any) -> str:
 def first_line(item: ModuleType | Any) -> str:
     """Return the summary of a docstring, in Markdown; of a registry our own kinds, not those a test has added."""
     if isinstance(item, Registry):
-        return f"Known by name: {', '.join(f'`{name}`' for name in item.own_names())}; `register` adds one."
+        field = item.group.rpartition(".")[2]
+        others = {name for one in manifests_of_others() for name in getattr(one, field)}
+        names = ", ".join(f"`{name}`" for name in item.own_names() if name not in others)
+        return f"Known by name: {names}; `register` adds one."
     summary = " ".join((inspect.getdoc(item) or "").split("\n\n")[0].split()).replace("``", "`")
     return re.sub(r":\w+:(`[^`]+`)", r"\1", summary)

@@ -1,6 +1,6 @@
 """The table of docs/explanation/estimators.md, from the rows that ``musclewire robustness`` has written.
 
-They are a copy of its rows.json: studies/robustness_rows.json, of a run on the held-out seeds.
+They are a copy of its rows.json: studies/robustness/rows.json, of a run on the held-out seeds.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from typing import Any
 
 from parameter_page import table
 
-ROWS = Path(__file__).parents[2] / "studies" / "robustness_rows.json"
+ROWS = Path(__file__).parents[2] / "studies" / "robustness" / "rows.json"
 # Conditions that the page leaves out, as they are nearly those of another row.
 LEFT_OUT = ("air known", "12 bits", "24 bits")
-NOT_RUN = "Not run yet: `musclewire robustness`, then copy its `rows.json` to `studies/robustness_rows.json`."
+NOT_RUN = "Not run yet: `musclewire robustness`, then copy its `rows.json` to `studies/robustness/rows.json`."
 
 
 def block() -> str:

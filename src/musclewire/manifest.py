@@ -223,7 +223,7 @@ def offered(kind: str) -> dict[str, str]:
 
 @cache
 def parts() -> Mapping[str, Mapping[str, Any]]:
-    """Return what our own parts offer by name, whether they are there or not (``parts.toml``)."""
+    """Return what our own parts and packages offer by name, whether they are there or not (``parts.toml``)."""
     return tomllib.loads(PARTS.read_text(encoding="utf-8"))
 
 
@@ -244,6 +244,11 @@ def absent_part(kind: str, name: str) -> CallerError | None:
     there = {manifest.name for manifest in manifests()}
     for part, offer in parts().items():
         if part not in there and name in offer.get(kind, ()):
+            if "install" in offer:
+                return CallerError(
+                    f"'{name}' belongs to the package '{part}' ({offer['what']}), which is not installed: "
+                    f"{offer['install']} in the checkout"
+                )
             return CallerError(
                 f"'{name}' belongs to the part '{part}' ({offer['what']}), which this installation does not have: put "
                 f"the folder musclewire/extras/{part} back, or install musclewire again"

@@ -111,7 +111,6 @@ CALLS = {
     "design finger": ["--finger", "lan-fan-2010", "--compare", "--foam", "50 N/m", "--wire", "paper-100um"],
     "import": ["loop.h5"],
     "sweep": ["study.toml"],
-    "robustness": ["--quick", "--condition", "none", "--track", "sines", "--controllers", "none"],
     "calibrate": ["short.h5", "--effort", "quick", "-o", "wire.toml"],
     "fit": ["loop.h5"],
     "tune": ["model.json", "loop.h5"],
@@ -127,7 +126,7 @@ CALLS = {
 
 
 # Commands whose answer may be that something does not hold: exit code 1, and the document all the same.
-MAY_NOT_HOLD = ("catalogue", "robustness")
+MAY_NOT_HOLD = ("catalogue",)
 
 
 def test_every_command_but_serve_answers_with_json() -> None:

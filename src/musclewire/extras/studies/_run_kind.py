@@ -206,7 +206,6 @@ RUN_KINDS: Registry[RunKind[Any]] = Registry(
         "characterize": "musclewire.extras.studies._characterize_runs:CHARACTERIZE",
         "simulate": "musclewire.extras.studies._simulate_runs:SIMULATE",
         "control": "musclewire.extras.studies._control_runs:CONTROL",
-        "robustness": "musclewire.extras.studies._robustness.kind:ROBUSTNESS",
     },
 )
 

@@ -8,16 +8,24 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.experiment import APPROACH_S, ControlRun, StepMetrics, control, staircase_within
-from musclewire.extras.studies._robustness.plant import DisturbedPlant, open_plant
-from musclewire.extras.studies._robustness.population import PopulationWire
-from musclewire.extras.studies._robustness.recording_runs import homed
-from musclewire.extras.studies._robustness.scoring import judged_from_s
-from musclewire.extras.studies._robustness.settings import Condition, settings
-from musclewire.rigs import required_true_state
-from musclewire.sensing import ESTIMATORS, EstimatorFactory, EstimatorSetup, SensingModel
+from musclewire import (
+    ESTIMATORS,
+    CallerError,
+    EstimatorSetup,
+    NumericsError,
+    RigError,
+    SensingModel,
+    control,
+    required_true_state,
+)
+from musclewire.experiment import APPROACH_S, ControlRun, StepMetrics, staircase_within
+from musclewire.sensing import EstimatorFactory
 from musclewire.wire import WireConstants
+from musclewire_robustness.plant import DisturbedPlant, open_plant
+from musclewire_robustness.population import PopulationWire
+from musclewire_robustness.recording_runs import homed
+from musclewire_robustness.scoring import judged_from_s
+from musclewire_robustness.settings import Condition, settings
 
 # Number of the run of a wire, for its noise: after those that are recorded for estimators.
 RUN_NUMBER = 50

@@ -2,29 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from musclewire.errors import MusclewireError
+from musclewire import ElasticObject, MusclewireError, RigConfiguration, load_bench, load_wire, open_rig
 from musclewire.extras.grip import (
     TARGET_N,
     GripperKnowledge,
     grip,
-    load_knowledge,
     object_of,
     train_gripper,
     with_object,
 )
-from musclewire.extras.studies._robustness.settings import GripCondition, settings
-from musclewire.extras.studies._robustness.store import digest, sources
-from musclewire.parameters import load_bench, load_wire
-from musclewire.rigs import RigConfiguration, open_rig
-from musclewire.signals import write_text_whole
-from musclewire.wire import ElasticObject
+from musclewire_robustness.settings import GripCondition, settings
 
 RIG = "gripper"
 # Seed of the training; those of the grips follow the settings.
@@ -57,35 +49,10 @@ class GripRow:
     grips: int
 
 
-def grip_rows(folder: Path) -> tuple[GripRow, ...]:
-    """Return a row for each condition of grips, computed now or before with the same sources.
-
-    Parameters
-    ----------
-    folder
-        Folder of the benchmark.
-
-    Returns
-    -------
-    The rows.
-    """
-    known = settings().grips
-    made_of = digest(sources(with_estimators=True), repr(known))
-    path = folder / "grips" / f"{made_of}.json"
-    if path.exists():
-        return tuple(GripRow(**row) for row in json.loads(path.read_text("utf-8")))
-    path.parent.mkdir(parents=True, exist_ok=True)
-    knowledge = trained(path.with_suffix(".gripper.json"))
-    rows = tuple(row_of(condition, knowledge, known.seeds) for condition in known.condition)
-    write_text_whole(path, json.dumps([row.__dict__ for row in rows]))
-    return rows
-
-
-def trained(path: Path) -> GripperKnowledge:
-    """Return what the gripper has learned, now or before."""
-    if not path.exists():
-        train_gripper(RIG, seed=TRAINING_SEED).save(path)
-    return load_knowledge(path)
+def grip_rows() -> tuple[GripRow, ...]:
+    """Return a row for each condition of grips, all with what the gripper has learned in one training."""
+    known, knowledge = settings().grips, train_gripper(RIG, seed=TRAINING_SEED)
+    return tuple(row_of(condition, knowledge, known.seeds) for condition in known.condition)
 
 
 def row_of(condition: GripCondition, knowledge: GripperKnowledge, seeds: tuple[int, ...]) -> GripRow:

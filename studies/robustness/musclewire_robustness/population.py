@@ -12,17 +12,16 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError
-from musclewire.extras.studies._robustness.settings import BaseWire, StructureSpread, settings
-from musclewire.extras.studies._segmented.structure import (
+from musclewire import CallerError, FloatArray, load_alloy, load_bench, load_wire
+from musclewire.extras.studies import (
     NormalMixture,
     WireAgeing,
     WireStructure,
     mixture_distribution,
 )
-from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire, require_seed
+from musclewire.parameters import Alloy, Bench, Wire, require_seed
 from musclewire.wire import BarrierClass
+from musclewire_robustness.settings import BaseWire, StructureSpread, settings
 
 # A normal distribution is cut off at this many standard deviations.
 CUT_OFF = 2.0

@@ -14,18 +14,29 @@ from musclewire.app import (
     WORKERS,
     FigureOptions,
     Result,
+    option,
     output_option,
     run_bar,
     stop_if_asked,
     stops_between_samples,
 )
-from musclewire.extras.studies._options import CONDITION, CONTROLLERS, ESTIMATORS, TRACK, TUNING, resumable
+from musclewire.extras.studies import resumable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from musclewire.extras.studies._answers import RobustnessAnswer
-    from musclewire.extras.studies._robustness import Robustness, Selection
+    from musclewire_robustness.answers import RobustnessAnswer
+    from musclewire_robustness.benchmark import Robustness, Selection
+
+TUNING = option("--tuning", help="The wires that are for tuning, and not those whose figures are reported.")
+CONDITION = option("--condition", help="A condition by name; --list shows them. Repeatable.", metavar="NAME")
+TRACK = option(
+    "--track", help="A reference that the wire follows, by name; --list shows them. Repeatable.", metavar="NAME"
+)
+ESTIMATORS = option("--estimators", help="An estimator to compare, by name. Repeatable.", metavar="NAME")
+CONTROLLERS = option(
+    "--controllers", help="A controller to compare, by name; 'none' for no closed loops. Repeatable.", metavar="NAME"
+)
 
 
 @dataclass(frozen=True)
@@ -41,7 +52,8 @@ class WhatIsRun:
 
     def selection(self) -> Selection:
         """Return what is run."""
-        from musclewire.extras.studies._robustness import Selection, tuning_seeds
+        from musclewire_robustness.benchmark import Selection
+        from musclewire_robustness.population import tuning_seeds
 
         def chosen(names: list[str] | None) -> tuple[str, ...] | None:
             return None if names is None else tuple(names)
@@ -71,9 +83,9 @@ def robustness(
     command continues a run that was interrupted. It ends with 1 if a bar of the default estimator or loop is missed
     that is not on the committed list of known misses.
     """
-    from musclewire.extras.studies._robustness import robustness as run_robustness
-    from musclewire.extras.studies._robustness.store import FOLDER
-    from musclewire.extras.studies._robustness.table_text import table_text
+    from musclewire_robustness.benchmark import robustness as run_robustness
+    from musclewire_robustness.store import FOLDER
+    from musclewire_robustness.table_text import table_text
 
     if list_all:
         return known_names()
@@ -91,17 +103,17 @@ def robustness(
 
 def drawn(result: Robustness, *, style: str) -> Figure:
     """Return the heat map of errors; loads what draws only now."""
-    from musclewire.extras.studies._robustness.report_page import error_figure
+    from musclewire_robustness.report_page import error_figure
 
     return error_figure(result, style=style)
 
 
 def written(result: Robustness, folder: Path) -> RobustnessAnswer:
     """Write rows and page into the folder; return the answer."""
-    from musclewire.extras.studies._answers import RobustnessAnswer
-    from musclewire.extras.studies._robustness.report_page import write_report
-    from musclewire.extras.studies._robustness.table_text import csv_text, rows_answer
     from musclewire.signals import write_text_whole
+    from musclewire_robustness.answers import RobustnessAnswer
+    from musclewire_robustness.report_page import write_report
+    from musclewire_robustness.table_text import csv_text, rows_answer
 
     page = folder / "report.html"
     answer = RobustnessAnswer.read_from(
@@ -124,9 +136,9 @@ def written(result: Robustness, folder: Path) -> RobustnessAnswer:
 def known_names() -> Result:
     """Return the names of conditions, references, estimators and controllers."""
     from musclewire import controllers, sensing
-    from musclewire.extras.studies._answers import RobustnessNames
-    from musclewire.extras.studies._robustness.references import REFERENCES
-    from musclewire.extras.studies._robustness.settings import settings
+    from musclewire_robustness.answers import RobustnessNames
+    from musclewire_robustness.references import REFERENCES
+    from musclewire_robustness.settings import settings
 
     known = RobustnessNames(
         conditions=tuple(item.name for item in settings().condition),

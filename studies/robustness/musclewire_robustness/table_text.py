@@ -7,9 +7,9 @@ import io
 from collections.abc import Iterable, Sequence
 
 from musclewire.app import AnswerModel
-from musclewire.extras.studies._robustness.benchmark import Robustness
-from musclewire.extras.studies._robustness.grips import GripRow
-from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow
+from musclewire_robustness.benchmark import Robustness
+from musclewire_robustness.grips import GripRow
+from musclewire_robustness.rows import EstimatorRow, LoopRow
 
 
 class RobustnessRow(AnswerModel):

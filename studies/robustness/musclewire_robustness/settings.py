@@ -9,7 +9,8 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from musclewire.errors import CallerError, nearest_hint
+from musclewire import CallerError
+from musclewire.errors import nearest_hint
 from musclewire.parameters import validated
 
 SETTINGS_FILE = "settings.toml"
@@ -208,6 +209,11 @@ class Condition(StrictTable):
         return self.name.partition(" ")[2]
 
     @property
+    def undisturbed(self) -> bool:
+        """Whether nothing is changed."""
+        return self == Condition(name=self.name, bar=self.bar)
+
+    @property
     def moves_zero(self) -> bool:
         """Whether the cold wire has another length under it, so that a new zero differs from the old one."""
         return bool(self.load_fraction or self.pretension_fraction)
@@ -286,7 +292,7 @@ class RobustnessSettings(StrictTable):
 @cache
 def settings() -> RobustnessSettings:
     """Return the settings that ship with musclewire."""
-    text = (files("musclewire.extras.studies._robustness") / "data" / SETTINGS_FILE).read_text("utf-8")
+    text = (files("musclewire_robustness") / "data" / SETTINGS_FILE).read_text("utf-8")
     return validated(RobustnessSettings, tomllib.loads(text), f"robustness: {SETTINGS_FILE}")
 
 
@@ -308,6 +314,9 @@ class RowBar(StrictTable):
         The same for wires in segments, where it differs.
     honest
         Whether intervals and validity are judged.
+    loop_first_pct, loop_other_pct, loop_mean_pct
+        Largest errors of the closed loop on the paper's staircase [% of the target]: of the first step, of any other,
+        and their mean; None for what is only reported.
     """
 
     bar: str
@@ -315,6 +324,9 @@ class RowBar(StrictTable):
     max_pct: float | None = Field(default=None, gt=0.0)
     segmented_max_pct: float | None = Field(default=None, gt=0.0)
     honest: bool = True
+    loop_first_pct: float | None = Field(default=None, gt=0.0)
+    loop_other_pct: float | None = Field(default=None, gt=0.0)
+    loop_mean_pct: float | None = Field(default=None, gt=0.0)
 
 
 class HonestBars(StrictTable):
@@ -333,17 +345,6 @@ class FlagBars(StrictTable):
 
     in_time_fraction: float
     false_per_hour: float
-
-
-class StaircaseBars(StrictTable):
-    """Bars of the closed loop on the paper's staircase [%]."""
-
-    first_pct: float
-    other_pct: float
-    mean_pct: float
-    disturbed_mean_pct: float
-    load_less_mean_pct: float
-    after_home_mean_pct: float
 
 
 class TemperatureBars(StrictTable):
@@ -366,7 +367,6 @@ class RobustnessBars(StrictTable):
     row: tuple[RowBar, ...]
     honest: HonestBars
     flags: FlagBars
-    staircase: StaircaseBars
     temperature: TemperatureBars
 
     def bar_named(self, name: str) -> RowBar:
@@ -381,7 +381,7 @@ class RobustnessBars(StrictTable):
 @cache
 def bars() -> RobustnessBars:
     """Return the bars that ship with musclewire."""
-    text = (files("musclewire.extras.studies._robustness") / "data" / BARS_FILE).read_text("utf-8")
+    text = (files("musclewire_robustness") / "data" / BARS_FILE).read_text("utf-8")
     return validated(RobustnessBars, tomllib.loads(text), f"robustness: {BARS_FILE}")
 
 
@@ -432,5 +432,5 @@ class KnownMisses(StrictTable):
 @cache
 def known_misses() -> KnownMisses:
     """Return the committed list of bars that are known to be missed."""
-    text = (files("musclewire.extras.studies._robustness") / "data" / KNOWN_MISSES_FILE).read_text("utf-8")
+    text = (files("musclewire_robustness") / "data" / KNOWN_MISSES_FILE).read_text("utf-8")
     return validated(KnownMisses, tomllib.loads(text), f"robustness: {KNOWN_MISSES_FILE}")

@@ -11,18 +11,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, NumericsError, RecordingError, RigError
-from musclewire.experiment import home
-from musclewire.extras.studies._robustness.characterizing import UsersKnowledge
-from musclewire.extras.studies._robustness.plant import AS_CHARACTERIZED, DisturbedPlant, open_plant
-from musclewire.extras.studies._robustness.population import PopulationWire
-from musclewire.extras.studies._robustness.recorded_run import RecordedRun
-from musclewire.extras.studies._robustness.references import REFERENCES, reference_targets, start_up
-from musclewire.extras.studies._robustness.settings import Condition, RunSettings, settings
-from musclewire.rigs import Rig, required_true_state
-from musclewire.sensing import SensingModel
-from musclewire.signals import RawSample
+from musclewire import (
+    CallerError,
+    FloatArray,
+    NumericsError,
+    RawSample,
+    RecordingError,
+    RigError,
+    SensingModel,
+    home,
+    required_true_state,
+)
+from musclewire.rigs import Rig
+from musclewire_robustness.characterizing import UsersKnowledge
+from musclewire_robustness.plant import AS_CHARACTERIZED, DisturbedPlant, open_plant
+from musclewire_robustness.population import PopulationWire
+from musclewire_robustness.recorded_run import RecordedRun
+from musclewire_robustness.references import REFERENCES, reference_targets, start_up
+from musclewire_robustness.settings import Condition, RunSettings, settings
 
 # Error of a thermometer in the air [K].
 THERMOMETER_STD_K = 0.3

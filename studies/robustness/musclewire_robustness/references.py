@@ -6,9 +6,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from musclewire.arrays import FloatArray
-from musclewire.controllers import staircase
-from musclewire.errors import CallerError, nearest_hint
+from musclewire import CallerError, FloatArray, staircase
+from musclewire.errors import nearest_hint
 
 # Where random targets lie, in full strokes: inside of the range that is judged.
 LOW, HIGH = 0.18, 0.93

@@ -8,11 +8,11 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from musclewire.arrays import FloatArray
-from musclewire.extras.studies._robustness.characterizing import UsersKnowledge
-from musclewire.extras.studies._robustness.estimating import EstimatedRun
-from musclewire.extras.studies._robustness.recorded_run import RecordedRun
-from musclewire.extras.studies._robustness.settings import Condition, RunSettings
+from musclewire import FloatArray
+from musclewire_robustness.characterizing import UsersKnowledge
+from musclewire_robustness.estimating import EstimatedRun
+from musclewire_robustness.recorded_run import RecordedRun
+from musclewire_robustness.settings import Condition, RunSettings
 
 # A sample counts as wrong beyond this fraction of the full stroke; an interval is this many standard deviations wide.
 WRONG, DEVIATIONS = 0.05, 1.96
@@ -210,7 +210,7 @@ def flags_of(run: RecordedRun, found: EstimatedRun, condition: Condition, times:
         return ErrorSums()
     flagged = health != 0.0
     begins = flagged & ~np.concatenate([[False], flagged[:-1]])
-    if condition.bar == "none":
+    if condition.undisturbed:
         quiet = run.time_s >= 0.0
         period_s = run.facts["sample_period_s"]
         return ErrorSums(false_flags=int(begins[quiet].sum()), quiet_s=float(quiet.sum()) * period_s)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from musclewire.extras.studies._robustness.closed_loops import ScoredLoop
-from musclewire.extras.studies._robustness.kind import JobAnswer
-from musclewire.extras.studies._robustness.scoring import ErrorSums, pooled
-from musclewire.extras.studies._robustness.settings import Condition, RobustnessBars
+from musclewire_robustness.closed_loops import ScoredLoop
+from musclewire_robustness.kind import JobAnswer
+from musclewire_robustness.scoring import ErrorSums, pooled
+from musclewire_robustness.settings import Condition, RobustnessBars
 
 
 @dataclass(frozen=True)

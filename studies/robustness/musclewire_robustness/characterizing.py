@@ -7,14 +7,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.errors import RecordingError
-from musclewire.experiment import Waveform, WaveformPolicy, characterize, run_on_rig
-from musclewire.extras.studies._robustness.plant import open_plant
-from musclewire.extras.studies._robustness.population import PopulationWire
-from musclewire.extras.studies._robustness.settings import settings
-from musclewire.identify import SearchSettings, calibrate, fit, loop_gaps, save_wire
-from musclewire.sensing import SensingModel, load_model
-from musclewire.signals import Recording, read_recording
+from musclewire import (
+    Recording,
+    RecordingError,
+    SensingModel,
+    calibrate,
+    characterize,
+    fit,
+    load_model,
+    loop_gaps,
+    read_recording,
+    save_wire,
+)
+from musclewire.experiment import Waveform, WaveformPolicy, run_on_rig
+from musclewire.identify import SearchSettings
+from musclewire_robustness.plant import open_plant
+from musclewire_robustness.population import PopulationWire
+from musclewire_robustness.settings import settings
 
 # Steps of the drive, held for this long [s]: from less than the wire's own time constant to a few of them.
 HOLDS_S = (0.5, 3.0)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow
-from musclewire.extras.studies._robustness.settings import Condition, RobustnessBars, RowBar
+from musclewire_robustness.rows import EstimatorRow, LoopRow
+from musclewire_robustness.settings import RobustnessBars, RowBar
 
 
 class BarVerdict(NamedTuple):
@@ -110,7 +110,7 @@ def estimator_verdicts(row: EstimatorRow, baseline: EstimatorRow | None, bars: R
     flags, name = row.score, row.condition.name
     if row.condition.flag_s is not None and flags.flag_runs:
         yield BarVerdict("flagged in time", name, flags.flags_in_time_fraction, bars.flags.in_time_fraction, None, "")
-    if row.condition.bar == "none" and flags.quiet_s:
+    if row.condition.undisturbed and flags.quiet_s:
         yield BarVerdict("false flags", name, flags.false_flags_per_hour, None, bars.flags.false_per_hour, "an hour")
 
 
@@ -142,7 +142,7 @@ def honest_verdicts(row: EstimatorRow, bars: RobustnessBars) -> Iterator[BarVerd
     score, honest, name = row.score, bars.honest, row.condition.name
     yield BarVerdict("95 % intervals hold", name, score.coverage, honest.coverage_low, honest.coverage_high, "")
     yield BarVerdict("valid and wrong by 5 %", name, score.beyond_5_share, None, honest.beyond_5_share, "")
-    least = honest.valid_undisturbed if row.condition.bar == "none" else honest.valid_changed
+    least = honest.valid_undisturbed if row.condition.undisturbed else honest.valid_changed
     yield BarVerdict("valid", name, score.valid_share, least, None, "")
     if score.cold:
         yield BarVerdict("valid before B", name, score.valid_cold_fraction, None, honest.valid_before_b, "")
@@ -150,16 +150,13 @@ def honest_verdicts(row: EstimatorRow, bars: RobustnessBars) -> Iterator[BarVerd
 
 def loop_verdicts(row: LoopRow, bars: RobustnessBars) -> Iterator[BarVerdict]:
     """Yield the verdicts on a closed loop: pooled over wires, and no wire above twice the bar."""
-    staircase, name = bars.staircase, row.condition.name
-    if row.condition.bar == "none":
-        wanted = [
-            ("mae_first_pct", "first step", staircase.first_pct),
-            ("mae_other_max_pct", "largest other step", staircase.other_pct),
-        ]
-        wanted.append(("mae_mean_pct", "mean of the steps", staircase.mean_pct))
-    else:
-        high_pct = mean_bar_pct(row.condition, bars)
-        wanted = [] if high_pct is None else [("mae_mean_pct", "mean of the steps", high_pct)]
+    bar, name = bars.bar_named(row.condition.bar), row.condition.name
+    judged = (
+        ("mae_first_pct", "first step", bar.loop_first_pct),
+        ("mae_other_max_pct", "largest other step", bar.loop_other_pct),
+        ("mae_mean_pct", "mean of the steps", bar.loop_mean_pct),
+    )
+    wanted = [(key, text, high_pct) for key, text, high_pct in judged if high_pct is not None]
     for key, text, high_pct in wanted:
         mean_pct, largest_pct = row.counted(key)
         yield BarVerdict(f"loop, {text}", name, mean_pct, None, high_pct, "%")
@@ -167,18 +164,6 @@ def loop_verdicts(row: LoopRow, bars: RobustnessBars) -> Iterator[BarVerdict]:
     if wanted:
         yield BarVerdict("loops that ended early", name, float(row.ended), None, 0.0, "")
         yield from limit_verdicts(row, bars)
-
-
-def mean_bar_pct(condition: Condition, bars: RobustnessBars) -> float | None:
-    """Return the bar of a disturbed loop's mean [%]; None for a row that is only reported."""
-    staircase = bars.staircase
-    special = {"load -50 %": staircase.load_less_mean_pct, "after home": staircase.after_home_mean_pct}
-    only_reported = bars.bar_named(condition.bar).max_pct is None
-    return (
-        None
-        if only_reported or condition.bar == "all half"
-        else special.get(condition.bar, staircase.disturbed_mean_pct)
-    )
 
 
 def limit_verdicts(row: LoopRow, bars: RobustnessBars) -> Iterator[BarVerdict]:

@@ -9,19 +9,19 @@ from typing import NamedTuple
 import numpy as np
 from pydantic import TypeAdapter
 
-from musclewire.errors import CallerError, MusclewireError
-from musclewire.extras.studies._robustness.characterizing import UsersKnowledge
-from musclewire.extras.studies._robustness.closed_loops import ScoredLoop, run_loop
-from musclewire.extras.studies._robustness.estimating import estimated
-from musclewire.extras.studies._robustness.population import drawn_wire
-from musclewire.extras.studies._robustness.recorded_run import RecordedRun
-from musclewire.extras.studies._robustness.references import REFERENCES
-from musclewire.extras.studies._robustness.scoring import ErrorSums, judged_from_s, pooled, score_of, usable
-from musclewire.extras.studies._robustness.settings import Condition, RunSettings, settings
-from musclewire.extras.studies._robustness.store import FOLDER, ResultStore, known_wire
-from musclewire.extras.studies._run_kind import KindOptions, Outcome, Quantity, RunKind, StudyRuns, each
-from musclewire.sensing import ESTIMATORS, KnownSpring, force_model
+from musclewire import ESTIMATORS, CallerError, MusclewireError
+from musclewire.extras.studies import KindOptions, Outcome, Quantity, RunKind, StudyRuns, each
+from musclewire.sensing import KnownSpring, force_model
 from musclewire.wire import WireConstants
+from musclewire_robustness.characterizing import UsersKnowledge
+from musclewire_robustness.closed_loops import ScoredLoop, run_loop
+from musclewire_robustness.estimating import estimated
+from musclewire_robustness.population import drawn_wire
+from musclewire_robustness.recorded_run import RecordedRun
+from musclewire_robustness.references import REFERENCES
+from musclewire_robustness.scoring import ErrorSums, judged_from_s, pooled, score_of, usable
+from musclewire_robustness.settings import Condition, RunSettings, settings
+from musclewire_robustness.store import FOLDER, ResultStore, known_wire
 
 # Cold samples whose mean is the load cell's zero.
 ZERO_SAMPLES = 4

@@ -9,11 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from musclewire.arrays import FloatArray
-from musclewire.extras.studies._robustness.recorded_run import RecordedRun
-from musclewire.sensing import ESTIMATORS, EstimatorFactory, EstimatorSetup, KnownSpring, SensingModel, estimates
-from musclewire.signals import WireSample
+from musclewire import ESTIMATORS, EstimatorSetup, FloatArray, SensingModel, WireSample
+from musclewire.sensing import EstimatorFactory, KnownSpring, estimates
 from musclewire.wire import WireConstants
+from musclewire_robustness.recorded_run import RecordedRun
 
 
 class EstimatedRun(NamedTuple):

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from musclewire.extras.studies._robustness.population import PopulationWire
-from musclewire.extras.studies._robustness.settings import Condition, RunSettings, settings
-from musclewire.extras.studies._segmented.conditions import Conditions, LocalDraughts, steady
-from musclewire.extras.studies._segmented.device import SegmentedDevice, SegmentedSpool
-from musclewire.extras.studies._segmented.instruments import InstrumentSettings
-from musclewire.parameters import Wire, load_alloy, load_wire
-from musclewire.rigs import GuardedRig
+from musclewire import GuardedRig, load_alloy, load_wire
+from musclewire.extras.studies import (
+    Conditions,
+    InstrumentSettings,
+    LocalDraughts,
+    SegmentedDevice,
+    SegmentedSpool,
+    steady,
+)
+from musclewire.parameters import Wire
+from musclewire_robustness.population import PopulationWire
+from musclewire_robustness.settings import Condition, RunSettings, settings
 
 AS_CHARACTERIZED = Condition(name="as characterized", bar="none")
 

@@ -1,4 +1,7 @@
-"""What the benchmark has computed, in a folder, by content: the same wire, settings and sources are not run twice."""
+"""Recordings of the benchmark in a folder, by content: the same wire, settings and sources are not run twice.
+
+What estimators and loops make of them is kept by the study, for one selection; the recordings serve every selection.
+"""
 
 from __future__ import annotations
 
@@ -8,24 +11,22 @@ from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
 
-from musclewire.extras.studies._robustness.characterizing import UsersKnowledge, characterized
-from musclewire.extras.studies._robustness.population import PopulationWire, drawn_wire
-from musclewire.extras.studies._robustness.recorded_run import RecordedRun
-from musclewire.extras.studies._robustness.recording_runs import record_run
-from musclewire.extras.studies._robustness.settings import Condition, settings
+from musclewire import SensingModel, load_model
 from musclewire.identify import users_wire
-from musclewire.sensing import SensingModel, load_model
 from musclewire.wire import WireConstants
+from musclewire_robustness.characterizing import UsersKnowledge, characterized
+from musclewire_robustness.population import PopulationWire, drawn_wire
+from musclewire_robustness.recorded_run import RecordedRun
+from musclewire_robustness.recording_runs import record_run
+from musclewire_robustness.settings import Condition, settings
 
 # Where runs are kept by default.
 FOLDER = Path("robustness")
-# Rooms whose sources and data decide what a wire does and what its user knows of it: an edit of any runs all again. An
-# estimator decides neither: whoever works on one keeps all runs.
+# Rooms of musclewire whose sources and data decide what a wire does, what its user knows of it and what estimators say.
 ROOMS = (
     *("physics", "wire", "parameters", "sensing", "controllers", "rigs", "identify", "experiment"),
-    *("extras/grip", "extras/particles", "extras/studies/_segmented", "extras/studies/_robustness"),
+    *("extras/grip", "extras/particles", "extras/studies"),
 )
-OF_ESTIMATORS = ("estimator", "gated", "particles", "tick")
 
 
 class BenchmarkRun(NamedTuple):
@@ -89,15 +90,15 @@ def digest(*texts: str) -> str:
 
 
 @cache
-def sources(*, with_estimators: bool = False) -> str:
-    """Return a short hash of the sources and data of ``ROOMS``; those of estimators count if results depend on them."""
-    package = Path(str(files("musclewire")))
+def sources() -> str:
+    """Return a short hash of the sources and data of ``ROOMS`` and of this package: an edit of any runs all again."""
+    package, own = Path(str(files("musclewire"))), Path(__file__).parent
     found = hashlib.sha256()
-    for file in (file for room in ROOMS for file in sorted((package / room).rglob("*"))):
-        of_an_estimator = any(word in file.relative_to(package).as_posix() for word in OF_ESTIMATORS)
-        if file.suffix in (".py", ".toml", ".csv", ".json") and (with_estimators or not of_an_estimator):
-            found.update(file.relative_to(package).as_posix().encode())
-            found.update(file.read_bytes())
+    for folder in (*(package / room for room in ROOMS), own):
+        for file in sorted(folder.rglob("*")):
+            if file.suffix in (".py", ".toml", ".csv", ".json"):
+                found.update(f"{folder.name}/{file.relative_to(folder).as_posix()}".encode())
+                found.update(file.read_bytes())
     return found.hexdigest()[:12]
 
 

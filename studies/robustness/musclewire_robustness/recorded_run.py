@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from musclewire.arrays import FloatArray
+from musclewire import FloatArray
 from musclewire.signals import write_whole
 
 

@@ -8,18 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from musclewire.controllers import CONTROLLERS
-from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.studies._robustness.grips import GripRow, grip_rows
-from musclewire.extras.studies._robustness.kind import ANSWER, JobAnswer, answer_of_text
-from musclewire.extras.studies._robustness.population import held_out_seeds, tuning_seeds
-from musclewire.extras.studies._robustness.references import REFERENCES, require_reference
-from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow, estimator_rows, loop_rows
-from musclewire.extras.studies._robustness.settings import Condition, RobustnessBars, bars, known_misses, settings
-from musclewire.extras.studies._robustness.store import FOLDER, sources
-from musclewire.extras.studies._robustness.verdicts import BarVerdict, verdicts_of
-from musclewire.extras.studies._study import Workers, read_study, sweep
-from musclewire.sensing import ESTIMATORS
+from musclewire import CONTROLLERS, ESTIMATORS, CallerError, NumericsError
+from musclewire.extras.studies import Workers, read_study, sweep
+from musclewire_robustness.grips import GripRow, grip_rows
+from musclewire_robustness.kind import ANSWER, JobAnswer, answer_of_text
+from musclewire_robustness.population import held_out_seeds, tuning_seeds
+from musclewire_robustness.references import REFERENCES, require_reference
+from musclewire_robustness.rows import EstimatorRow, LoopRow, estimator_rows, loop_rows
+from musclewire_robustness.settings import Condition, RobustnessBars, bars, known_misses, settings
+from musclewire_robustness.store import FOLDER, sources
+from musclewire_robustness.verdicts import BarVerdict, verdicts_of
 
 OnProgress = Callable[[int, int], None]
 
@@ -180,7 +178,7 @@ def study_of(chosen: ChosenRuns, folder: Path) -> dict[str, Any]:
             "estimators": list(chosen.estimators),
             "loops": [list(pair) for pair in chosen.loops],
             "folder": str(folder),
-            "sources": sources(with_estimators=True),
+            "sources": sources(),
         },
         "parameters": {
             "run.wire": {"values": list(chosen.seeds)},
@@ -241,7 +239,7 @@ def robustness(
 
     Examples
     --------
-    >>> from musclewire.extras.studies._robustness import Selection, robustness
+    >>> from musclewire import Selection, robustness
     >>> asked = Selection(seeds=(102,), conditions=("none",), references=("sines",), controllers=())
     >>> robustness(asked, folder=folder, workers=1).estimators[0].score.rms_pct < 2.0  # doctest: +SKIP
     True
@@ -267,6 +265,6 @@ def robustness(
     rows = estimator_rows(answers, conditions, known)
     runs = loop_rows(answers, conditions, known)
     verdicts = verdicts_of(rows, runs, known, known_misses().reasons(quick=asked.quick))
-    grips = () if asked.quick or asked.conditions is not None else grip_rows(Path(folder))
+    grips = () if asked.quick or asked.conditions is not None else grip_rows()
     wall_s = time.perf_counter() - began_s
     return Robustness(seeds, conditions, references, rows, runs, verdicts, grips, answers, asked.quick, wall_s)

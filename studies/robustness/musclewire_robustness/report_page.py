@@ -11,12 +11,12 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from musclewire.extras.studies._robustness.benchmark import Robustness
-from musclewire.extras.studies._robustness.table_text import COLUMNS, number, rows_answer
-from musclewire.extras.studies._robustness.verdicts import BarVerdict
 from musclewire.figures import StyledFigure, figure_style
 from musclewire.pages import STYLE, NumberCard, page, svg_in_frame
 from musclewire.signals import write_text_whole
+from musclewire_robustness.benchmark import Robustness
+from musclewire_robustness.table_text import COLUMNS, number, rows_answer
+from musclewire_robustness.verdicts import BarVerdict
 
 # Colours from the best that was seen in the study of prototypes to what is of no use.
 MIN_PCT, MAX_PCT = 0.3, 10.0
@@ -43,7 +43,7 @@ def write_report(result: Robustness, path: Path) -> None:
         If the folder cannot be written to.
     """
     text = page(
-        "musclewire.extras.studies._robustness/report.html",
+        "musclewire_robustness/report.html",
         cards=key_numbers(result),
         seeds=f"{len(result.seeds)} wires: {result.seeds_text}",
         references=", ".join(result.references),
@@ -69,7 +69,7 @@ def key_numbers(result: Robustness) -> list[NumberCard]:
             not result.new_misses,
         )
     ]
-    undisturbed = [row for row in result.estimators if row.condition.bar == "none"]
+    undisturbed = [row for row in result.estimators if row.condition.undisturbed]
     found += [
         NumberCard(row.estimator, f"{number(row.score.rms_pct)} %", "undisturbed, of the full stroke")
         for row in undisturbed
