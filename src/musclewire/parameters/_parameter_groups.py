@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 
 from musclewire.errors import nearest_hint
 
+LARGEST = 1e15
 Kind = Literal["measured", "datasheet", "fitted", "derived", "assumed"]
 
 # Keys that files of earlier versions have, and what became of them.
@@ -27,7 +28,7 @@ class Parameter(BaseModel):
     Parameters
     ----------
     value
-        The number, finite, in ``unit``.
+        The number, finite, in ``unit``: at most 1e15, which is beyond every constant of a material.
     unit
         SI, as "ohm/m"; "1" for a fraction.
     kind
@@ -40,7 +41,7 @@ class Parameter(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    value: float = Field(allow_inf_nan=False)
+    value: float = Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)
     unit: str
     kind: Kind
     source: str = Field(min_length=3)
