@@ -13,7 +13,7 @@ from musclewire.controllers._pid import PidSettings
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.toml_text import toml_text
 
-FORMAT = "musclewire-gains"
+FORMAT, KEYS = "musclewire-gains", {"format", "controller", "settings"}
 # What is said where a model with gains is driven from C: on a board, in an exported library, in an FMU.
 FUZZY_PID_IN_C = (
     "the paper's fuzzy PID drives the wire here, and needs some 12 s from cold: feedforward, whose gains this model "
@@ -119,6 +119,8 @@ def load_gains(path: str | Path) -> Gains:
     controller, settings = content.get("controller"), content.get("settings")
     if content.get("format") != FORMAT or not isinstance(settings, dict):
         raise CallerError(f"{path} is not a gains file of musclewire: make one with 'musclewire tune'")
+    if unknown := sorted(set(content) - KEYS):
+        raise CallerError(f"gains file {path}: unknown key '{unknown[0]}'{nearest_hint(unknown[0], KEYS)}")
     return Gains.read({"controller": controller, **settings}, f"gains file {path}")
 
 
