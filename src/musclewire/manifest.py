@@ -95,7 +95,7 @@ class Manifest:
         Groups of commands that are its own.
     names
         Names of ``import musclewire as mw`` by their places.
-    estimators, controllers, devices, load_parts, run_kinds
+    estimators, controllers, devices, load_parts, plots, run_kinds
         Kinds by name, each with its place, as the registries of the core take them. Devices are the kinds of rigs.
     rig_files
         "package:folder" with the rig files that come with it, "" for none; "package:" is the package's own folder.
@@ -124,6 +124,7 @@ class Manifest:
     controllers: Mapping[str, str] = field(default_factory=dict)
     devices: Mapping[str, str] = field(default_factory=dict)
     load_parts: Mapping[str, str] = field(default_factory=dict)
+    plots: Mapping[str, str] = field(default_factory=dict)
     run_kinds: Mapping[str, str] = field(default_factory=dict)
     rig_files: str = ""
     rig_names: Mapping[str, str] = field(default_factory=dict)

@@ -36,7 +36,7 @@ def test_a_name_of_a_part_that_is_there_is_not_absent(monkeypatch: pytest.Monkey
 
 
 def test_a_registry_finds_the_kinds_of_parts_and_names_the_absent_ones(monkeypatch: pytest.MonkeyPatch) -> None:
-    kinds: Registry[object] = Registry("kind of rig", "musclewire.devices", {"own": "math:e"})
+    kinds: Registry[object] = Registry("kind of rig", "devices", {"own": "math:e"})
     there = Manifest("robots", devices={"arm": "math:pi", "own": "math:tau"})
     monkeypatch.setattr(manifest, "manifests", lambda: (there,))
     assert kinds.find("arm") == pytest.approx(3.14159, abs=1e-5)

@@ -176,7 +176,7 @@ class StudyRuns(Generic[Options]):
 
 @dataclass(frozen=True)
 class RunKind(Generic[Options]):
-    """A kind of run. Register yours with ``RUN_KINDS.register("name", kind)`` or by an entry point of its group.
+    """A kind of run. Register yours with ``RUN_KINDS.register("name", kind)`` or in a package's manifest.
 
     Its functions belong into a module that every worker can import; they have no state.
 
@@ -201,7 +201,7 @@ class RunKind(Generic[Options]):
 # A kind is loaded only when a study names it.
 RUN_KINDS: Registry[RunKind[Any]] = Registry(
     "kind of run",
-    "musclewire.run_kinds",
+    "run_kinds",
     {
         "characterize": "musclewire.extras.studies._characterize_runs:CHARACTERIZE",
         "simulate": "musclewire.extras.studies._simulate_runs:SIMULATE",
