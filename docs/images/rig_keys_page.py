@@ -45,7 +45,7 @@ Names stand for included rigs: `simulated`, the paper's V on a spring; `finger`,
 `gripper`, two such fingers with foam between them. `ni-pci-6229`, `ni-usb-6001`, `serial-board` and `arduino-uno` are
 templates to copy, from `src/musclewire/extras/board/rig_files`.
 """
-SECTIONS = {
+SECTIONS: dict[str, tuple[type[BaseModel], str]] = {
     "The wire and its circuit": (
         MountedWire,
         "Every rig has these keys, at the top of the file; a simulated one may leave them to its wire and bench.",
@@ -67,7 +67,7 @@ SECTIONS = {
         "circuit are needed where the recording's metadata lack them.",
     ),
 }
-SIMULATED = {
+SIMULATED: dict[str, tuple[type[BaseModel], str]] = {
     '`kind = "simulated"`': (
         RigConfiguration,
         "The kind of a file that names none. It has the keys of wire and circuit, too; those that are left out have "
