@@ -14,8 +14,9 @@ from musclewire.arrays import FloatArray
 from musclewire.controllers import Event
 from musclewire.errors import CallerError, MusclewireError, RigError
 from musclewire.extras.studies._design import run_seed
+from musclewire.extras.studies._varied_rig import Value, VariedRig, VariedWire
 from musclewire.registry import Registry
-from musclewire.rigs import GuardedRig, ProtectionTripError, Value, VariedRig, VariedWire
+from musclewire.rigs import GuardedRig, ProtectionTripError
 
 # The result of a run: a number, an array of numbers for a series, or a text, by quantity; or the error that ended it.
 # Of ``overheated`` the value is a pair, temperature and limit [K].

@@ -11,23 +11,26 @@ from pydantic.fields import FieldInfo
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters import Alloy, Bench, Parameter, ParameterGroup, Wire, checked, unit_of, validated
-from musclewire.rigs._air import Surroundings
-from musclewire.rigs._device import Metadata
-from musclewire.rigs._guarded import GuardedRig
-from musclewire.rigs._load_kinds import Parts
-from musclewire.rigs._load_part import LoadPart
-from musclewire.rigs._mechanism import FingerTendon, SimulatedLoad
-from musclewire.rigs._mounted_wire import SETTINGS
-from musclewire.rigs._own_voltages import OwnVoltages, own_voltages, with_own_voltages
-from musclewire.rigs._simulated import SimulatedSpool, mechanism_on, require_allowed_pull, stepping_of
-from musclewire.rigs._simulated_configuration import (
+from musclewire.rigs import (
+    SETTINGS,
+    FingerTendon,
+    GuardedRig,
+    LoadPart,
+    Metadata,
+    OwnVoltages,
+    Parts,
     RigConfiguration,
+    SimulatedLoad,
+    SimulatedSpool,
+    Surroundings,
     device_of,
-    on_the_drive,
+    driven_wire,
+    highest_temperature_k,
+    mechanism_on,
+    own_voltages,
     parameters_of,
-    refuse_beyond,
+    stepping_of,
 )
-from musclewire.rigs._wire_limits import highest_temperature_k
 from musclewire.wire import SHAPE, DrivenPath, WireConstants, drive_path
 
 Value = float | str | bool
@@ -238,10 +241,8 @@ class VariedRig:
         assert isinstance(alloy, Alloy)
         assert isinstance(bench, Bench)
         given = {*base.configuration.numbers_set(), *(str(key.place[0]) for key in self.keys.values() if key.group)}
-        if not base.configuration.beyond_catalogue:
-            refuse_beyond(wire, bench, given, base.configuration.limits.changed(), self.where)
-        wire = with_own_voltages(wire, alloy, bench, base.own, given, on_the_drive(base.configuration))
-        return SimulatedSpool(wire, alloy, bench, base.configuration.new_wire)
+        driven = driven_wire(base.configuration, (alloy, wire, bench), base.own, given, self.where)
+        return SimulatedSpool(driven, alloy, bench, base.configuration.new_wire)
 
     def wire(self, values: Mapping[str, Value]) -> VariedWire:
         """Return the wire on its load, without noise, steps of a converter and protection.
@@ -264,7 +265,6 @@ class VariedRig:
         refuse_what_only_a_rig_has(base.configuration, self.where)
         spool = self._spool(base, values)
         pretension_n = spool.bench["pretension_n"]
-        require_allowed_pull(pretension_n, spool.wire["maximum_force_n"], spool.wire.name)
         mechanism = self._mechanism(base.configuration, spool)
         constants = spool.pulling(mechanism.load, (pretension_n if mechanism.stage else 0.0) + mechanism.added_n)
         return VariedWire(spool, constants, mechanism.tendon)
