@@ -170,7 +170,7 @@ def without_extras(session: nox.Session) -> None:
         selected = [*sorted(tests.values()), "-m", NO_LONG_TESTS] if quick else []
         session.chdir(folder)
         if set(deleted) == set(EXTRAS):
-            session.run(*python, "musclewire", "demo", "--out", "demo", env=variables)
+            session.run(*python, "musclewire", "demo", "--output", "demo", env=variables)
         session.run(*python, "pytest", "-q", "-n", "auto", "--dist", "worksteal", *selected, env=variables)
 
 

@@ -283,7 +283,7 @@ def main() -> int:
     parser.add_argument("--model", type=Path, default=None, help="sensing model, as musclewire fit writes it")
     parser.add_argument("--wire", default=WIRE, help="the wire on the board: a name of the catalogue, or a file (TOML)")
     parser.add_argument("--estimator", default=PAPER_ESTIMATOR, help="the board's: polynomial, the paper's, or gated")
-    parser.add_argument("-o", "--out", type=Path, default=None, help="folder; firmware/build/BOARD without it")
+    parser.add_argument("-o", "--output", type=Path, default=None, help="folder; firmware/build/BOARD without it")
     parser.add_argument("--standalone", action="store_true", help="closes the loop by itself, started by a button")
     parser.add_argument(
         "--serial-plotter", action="store_true", help="begins with lines of text for a serial monitor and plotter"
@@ -293,7 +293,7 @@ def main() -> int:
     )
     given = parser.parse_args()
     given.board = board_name(given.board)
-    folder = given.out or FIRMWARE / "build" / given.board
+    folder = given.output or FIRMWARE / "build" / given.board
     flags = {
         "-DMW_STANDALONE": given.standalone,
         "-DMW_FAULT_INJECTION": given.fault_injection,

@@ -5,7 +5,7 @@ steep price near and beyond it, and bounds from the literature (docs/explanation
 files, or from a vector written before; ends with the best vector in a file, which --write turns into parameter files.
 
     python studies/fit_paper_wires.py --quick                       judge the shipped set, search a few generations
-    python studies/fit_paper_wires.py --minutes 30 --out best.json  the whole search
+    python studies/fit_paper_wires.py --minutes 30 --output best.json  the whole search
     python studies/fit_paper_wires.py --r-phase published           with the R-phase at no stress between 20 and 40 C
     python studies/fit_paper_wires.py --write best.json             write the parameter files
 """
@@ -52,7 +52,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--spread", type=float, default=Search.spread)
     parser.add_argument("--r-phase", choices=("free", "published"), default="free")
     parser.add_argument("--start", type=Path)
-    parser.add_argument("--out", type=Path)
+    parser.add_argument("--output", type=Path)
     parser.add_argument("--write", type=Path)
     return parser.parse_args()
 
@@ -70,8 +70,8 @@ def main() -> int:
     asked = Search(seed=given.seed, spread=given.spread, minutes=given.minutes, generations=generations, bounds=bounds)
     best = search(start, asked, cost)
     show(best)
-    if given.out is not None:
-        given.out.write_text(json.dumps(dict(zip(NAMES, best.tolist(), strict=True)), indent=1) + "\n", "utf-8")
+    if given.output is not None:
+        given.output.write_text(json.dumps(dict(zip(NAMES, best.tolist(), strict=True)), indent=1) + "\n", "utf-8")
     return 0 if given.r_phase == "published" or cost(best) <= cost(start) else 1
 
 

@@ -43,6 +43,6 @@ def test_a_perfect_run_without_an_instrument_ends_well_and_says_how_a_model_come
 def test_a_recording_that_has_the_instrument_and_shows_no_loop_still_ends_with_one(
     musclewire: Callable[..., Any], tmp_path: Path
 ) -> None:
-    answer = musclewire("characterize", "simulated", "-o", tmp_path / "x.h5", "--amplitude", "0.4 V", "--period", "5")
+    answer = musclewire("characterize", "simulated", "-o", tmp_path / "x.h5", "--amplitude", "0.4 V", "--period", "5 s")
     assert answer.code == 1
     assert answer.out.count("\n") == 2

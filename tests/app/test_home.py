@@ -1,4 +1,4 @@
-"""The home move from the command line, and what became of --recalibrate."""
+"""The home move from the command line."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ def test_an_impatient_second_ctrl_c_changes_nothing(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("number", "code"), SIGNALS)
 def test_a_demo_stopped_by_a_signal_keeps_what_it_recorded(number: signal.Signals, code: int, tmp_path: Path) -> None:
-    process = start("demo", "--json", "--out", tmp_path / "demo")
+    process = start("demo", "--json", "--output", tmp_path / "demo")
     wait_for_rows(process, tmp_path / "demo" / "loop-3.2V.h5", 200)
     process.send_signal(number)
     out, err = process.communicate(timeout=PATIENCE_S)

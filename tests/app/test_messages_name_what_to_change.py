@@ -13,7 +13,7 @@ def test_a_blocked_wire_is_recorded_with_a_warning_and_the_word_that_there_is_no
 ) -> None:
     rig = tmp_path / "held.toml"
     rig.write_text('[[load]]\npart = "blocked"\n', "utf-8")
-    call = ("characterize", rig, "-o", tmp_path / "held.h5", "--cycles", "1", "--period", "30")
+    call = ("characterize", rig, "-o", tmp_path / "held.h5", "--cycles", "1", "--period", "30 s")
     answer = musclewire(*call)
     assert answer.code == 1
     assert "no loop: the part 'blocked' holds the wire" in answer.out
@@ -30,7 +30,7 @@ def test_a_blocked_wire_is_recorded_with_a_warning_and_the_word_that_there_is_no
 def test_characterize_shows_every_gap_and_that_of_a_fingers_endpoint(
     musclewire: Callable[..., Any], tmp_path: Any
 ) -> None:
-    short = ("--cycles", "1", "--period", "40")
+    short = ("--cycles", "1", "--period", "40 s")
     finger = musclewire("characterize", "finger", "-o", tmp_path / "finger.h5", *short).out
     assert all(f"{name} gap" in finger for name in ("strain", "displacement", "force"))
     spring = musclewire("characterize", "simulated", "-o", tmp_path / "spring.h5", *short).out
@@ -41,7 +41,9 @@ def test_characterize_shows_every_gap_and_that_of_a_fingers_endpoint(
 def test_a_sweep_warns_on_stderr_and_in_json(musclewire: Callable[..., Any], tmp_path: Any) -> None:
     rig = tmp_path / "stiff.toml"
     rig.write_text('[[load]]\npart = "spring"\nstiffness = "2000 N/m"\n', "utf-8")
-    answer = musclewire("pretension", rig, "--at", "0.5 N", "--at", "3 N", "--cycles", "1", "--period", "60", "--json")
+    answer = musclewire(
+        "pretension", rig, "--at", "0.5 N", "--at", "3 N", "--cycles", "1", "--period", "60 s", "--json"
+    )
     assert (answer.code, answer.json["best_pretension_n"]) == (1, None)
     assert answer.json["advice"].startswith("no pretension of these is within the wire's limit")
     (warning,) = [text for text in answer.json["warnings"] if "allowed (maximum_force_n" in text]

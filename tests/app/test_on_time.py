@@ -18,7 +18,7 @@ def test_what_the_system_refuses_is_a_warning_and_the_run_goes_on(
 ) -> None:
     monkeypatch.setattr("musclewire.rigs.take_priority", lambda: ["real-time priority is not permitted"])
     answer = musclewire(
-        "characterize", "simulated", "--real-time", "--clock-speed", 10, "--real-time-priority", "--period", "1",
+        "characterize", "simulated", "--real-time", "--clock-speed", 10, "--real-time-priority", "--period", "1 s",
         "--cycles", "1", "-o", tmp_path / "loop.h5", "--json",
     )  # fmt: skip  # no sample is too late for a clock that is faster than time
     assert (tmp_path / "loop.h5").exists(), answer

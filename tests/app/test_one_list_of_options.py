@@ -1,9 +1,7 @@
-"""The options of all commands are one list: a name means one thing, old names still work, and typos get a hint."""
+"""The options of all commands are one list: a name means one thing."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -51,27 +49,3 @@ def test_times_lengths_and_all_other_quantities_have_a_unit() -> None:
         if definition.quantity is None and use.values[0].opts[0] == name and kind_of(use.values[0])[0] is float
     }  # fmt: skip
     assert plain == {"--friction", "--clock-speed"} & set(OPTIONS)  # ratios
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        (("demo", "--out", "{0}", "--seed", "-1"), ("demo", "--output", "{0}", "--seed", "-1")),
-        (("fit", "lan-fan-2010-table-2", "--length=7"), ("fit", "lan-fan-2010-table-2", "--leg-length=7")),
-    ],
-)  # fmt: skip
-def test_an_option_reads_by_its_old_name(
-    old: tuple[str, ...], new: tuple[str, ...], musclewire: Callable[..., Any], tmp_path: Path
-) -> None:
-    answers = [musclewire(*(text.format(tmp_path) for text in call)) for call in (old, new)]
-    assert answers[0] == answers[1]
-    assert answers[0].code == 2
-    assert "No such option" not in answers[0].err
-
-
-def test_replacing_reads_by_its_old_name_too(musclewire: Callable[..., Any], tmp_path: Path) -> None:
-    table = tmp_path / "table.csv"
-    table.write_text("time_s,force_n\n0,1\n1,2\n", "utf-8")
-    call = ("import", table, "-o", tmp_path / "again.csv")
-    codes = [musclewire(*call, *extra).code for extra in ((), (), ("--force",), ("--overwrite",))]
-    assert codes == [0, 2, 0, 0]

@@ -145,7 +145,6 @@ def test_wrong_usage_is_one_line_too(
     ("arguments", "words"),
     [
         ("--on-board --home start", "leave out --home"),
-        ("--recalibrate", "make a home move instead, 'musclewire home"),
         ("--runs 2 -o run.h5", "--output belongs to a single run"),
         ("--refrence x", "(Possible options: --reference)"),
         ("--quantity force", "--known-stiffness"),
@@ -162,7 +161,7 @@ def test_an_existing_recording_is_not_replaced_without_overwrite(
 ) -> None:
     path = tmp_path / "loop.h5"
     path.write_bytes(b"precious")
-    command = ("characterize", "simulated", "-o", path, "--period", "30", "--cycles", "1", "--json")
+    command = ("characterize", "simulated", "-o", path, "--period", "30 s", "--cycles", "1", "--json")
     assert musclewire(*command).code == 2
     assert path.read_bytes() == b"precious"
     assert musclewire(*command, "--overwrite").code == 0

@@ -4,9 +4,8 @@
     python -m tests.house.command_surface -w   writes it there; read the difference before it is committed
 
 It goes through the console script that ``pyproject.toml`` names, ``musclewire schema`` and the public names only, so
-that files may move within the package. What no program can list it asks about: a former name of an option and the
-suffix of a file are tried, those of the listing and those that a message names. A new former name is therefore added by
-hand, to ``former_options`` of the listing, before it is written again.
+that files may move within the package. What no program can list it asks about: the suffix
+of a file is tried, those of the listing and those that a message names.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ LISTING = Path(__file__).with_name("command_surface.toml")
 HEAD = """\
 # What people type and programs read: one table for each command, and the names that files and programs use.
 # tests/house/test_command_surface.py compares it with the live command line; tests/house/command_surface.py writes it.
-# An option: its names, what it takes, "= default" or "required". A former name still works for the option beside it.
+# An option: its names, what it takes, "= default" or "required".
 # A key of --json: "rows[].name" is the key name of each object of the list rows, "parameters.*.value" that of each
 # object of parameters.
 """
@@ -63,8 +62,7 @@ Listing = dict[str, Any]
 
 
 def listing(known: Listing) -> Listing:
-    """Return what there is now; ``known`` is the listing whose former names and suffixes are tried."""
-    former = known["names"]["former_options"]
+    """Return what there is now; ``known`` is the listing whose suffixes are tried."""
     names = {
         "public": list(dir(mw)),
         "errors": [f"{one.__name__} {one.exit_code}" for one in errors()],
@@ -72,11 +70,10 @@ def listing(known: Listing) -> Listing:
         **completed_names(),
         "recordings_read": readable(known["names"]["recordings_read"]),
         "recordings_written": writable(known["names"]["recordings_written"]),
-        "former_options": former,
     }
     return {
         "names": names,
-        "command": {name: command_table(name, command, former) for name, command in commands().items()},
+        "command": {name: command_table(name, command) for name, command in commands().items()},
     }
 
 
@@ -104,13 +101,12 @@ def answer(*arguments: str) -> Any:
     return json.loads(printed.stdout)
 
 
-def command_table(name: str, command: Any, former: Iterable[str]) -> Listing:
+def command_table(name: str, command: Any) -> Listing:
     """Return the table of one command."""
     options = [one for one in command.params if one.param_type_name == "option"]
     return {
         "arguments": [argument_line(one) for one in command.params if one.param_type_name == "argument"],
         "options": [option_line(one) for one in options if "--help" not in one.opts],
-        "former": [] if name == "musclewire" else accepted(command, former),
         "json": json_keys(name),
     }
 
@@ -141,24 +137,6 @@ def default_text(one: Any) -> str:
     if one.required:
         return ", required"
     return "" if one.default in (None, False, (), []) else f" = {one.default}"
-
-
-def accepted(command: Any, former: Iterable[str]) -> list[str]:
-    """Return the former names that a command takes, of those that are no name of its options now."""
-    now = {name for one in command.params for name in one.opts}
-    return [line for name in former if name not in now and (line := taken_as(command, name))]
-
-
-def taken_as(command: Any, name: str) -> str:
-    """Return a name with the option that it leads to, "" if the command does not know it; of a switch only the name."""
-    try:
-        command.make_context("musclewire", [name])
-    except Exception as problem:  # typer has had two classes of usage errors, which have no name in common
-        if "No such option" in str(problem):
-            return ""
-        leads_to = re.search(r"Option '(--[\w-]+)'.* requires an argument", str(problem))
-        return f"{name} for {leads_to[1]}" if leads_to else name
-    return name
 
 
 def json_keys(name: str) -> list[str]:

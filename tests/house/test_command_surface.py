@@ -21,7 +21,7 @@ COMMANDS = [name for name in LISTED["command"] if name not in DELETED]
 
 
 def table(name: str) -> dict[str, Any]:
-    return surface.command_table(name, surface.commands()[name], LISTED["names"]["former_options"])
+    return surface.command_table(name, surface.commands()[name])
 
 
 def test_the_commands_are_those_of_the_listing() -> None:
@@ -46,7 +46,7 @@ def test_an_option_that_is_gone_and_a_default_that_changed_are_noticed() -> None
     command = copy.copy(surface.commands()["control"])
     command.params = [copy.copy(one) for one in command.params if one.name != "in_python"]
     next(one for one in command.params if one.name == "reference").default = "sine"
-    found = surface.command_table("control", command, ())["options"]
+    found = surface.command_table("control", command)["options"]
     listed = LISTED["command"]["control"]["options"]
     assert set(listed) - set(found) == {"--in-python switch", "--reference str = staircase"}
     assert set(found) - set(listed) == {"--reference str = sine"}

@@ -71,7 +71,6 @@ from ._options import LIST as LIST
 from ._options import LOAD as LOAD
 from ._options import NAME as NAME
 from ._options import OBJECT_STIFFNESS as OBJECT_STIFFNESS
-from ._options import OLD_NAMES as OLD_NAMES
 from ._options import ONLY as ONLY
 from ._options import OPTIONS as OPTIONS
 from ._options import OVERWRITE as OVERWRITE

@@ -1,6 +1,6 @@
 """The commands of the core and of all parts that are there, listed without importing any of them.
 
-A function becomes a command here: options that belong together as one object, and options by their old names.
+A function becomes a command here: options that belong together as one object.
 ``musclewire --help`` and a shell's completion read plain data: a name, a line of help, a panel. A command's module is
 imported when the command is called.
 """
@@ -16,7 +16,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from musclewire.app._core_commands import COMMANDS, GROUPS, PANELS
-from musclewire.app._options import BeyondCatalogue, Json, renamed
+from musclewire.app._options import BeyondCatalogue, Json
 from musclewire.app._output import Result, run_command
 from musclewire.manifest import Command, CommandGroup, absent_part, loaded, manifests
 
@@ -25,19 +25,9 @@ WITH_A_WIRE = {"rig", "wire", "study", "wire_file"}
 BEYOND = "beyond_catalogue"
 
 
-class CommandWithOldNames(TyperCommand):
-    """A command that also takes its options by the names they had before (``options.OLD_NAMES``)."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Take the arguments; after "--" there are no options."""
-        known = {name for param in self.params for name in (*param.opts, *param.secondary_opts)}
-        end = args.index("--") if "--" in args else len(args)
-        return super().parse_args(ctx, [*(renamed(argument, known) for argument in args[:end]), *args[end:]])
-
-
 def add_command(app: typer.Typer, function: Callable[..., Result | None], name: str | None = None) -> None:
     """Add a function as a command. A parameter that is a dataclass becomes one option for each of its fields."""
-    app.command(name, cls=CommandWithOldNames)(flat(function))
+    app.command(name)(flat(function))
 
 
 def flat(function: Callable[..., Result | None]) -> Callable[..., None]:

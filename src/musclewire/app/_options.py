@@ -21,7 +21,7 @@ from musclewire.app._completion import (
 )
 from musclewire.errors import CallerError
 
-# A number without a unit, which some options take in the unit they had before they took any.
+# A number without a unit.
 BARE = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*")
 EXAMPLES = {
     "--column": "NAME=HEADER or NAME=HEADER:UNIT, as wire_voltage_v='Vw:V'",
@@ -31,15 +31,11 @@ EXAMPLES = {
 
 
 class OptionQuantity(NamedTuple):
-    """What an option with a number and a unit becomes: the SI unit, and the smallest and largest value in it.
-
-    ``bare`` is the unit of a number that comes without one; "" if there must be one.
-    """
+    """What an option with a number and a unit becomes: the SI unit, and the smallest and largest value in it."""
 
     unit: str
     low: float = -inf
     high: float = inf
-    bare: str = ""
 
 
 class OptionDefinition(NamedTuple):
@@ -60,9 +56,9 @@ def option(*names: str, help: str, **how: Any) -> Any:
     return typer.Option(*names, help=help, **how)
 
 
-def quantity(name: str, unit: str, help: str, low: float = -inf, high: float = inf, bare: str = "") -> Any:
+def quantity(name: str, unit: str, help: str, low: float = -inf, high: float = inf) -> Any:
     """Define an option whose value is a number with a unit."""
-    OPTIONS[name] = OptionDefinition((name,), help, OptionQuantity(unit, low, high, bare))
+    OPTIONS[name] = OptionDefinition((name,), help, OptionQuantity(unit, low, high))
     return typer.Option(name, help=help, metavar="QUANTITY")
 
 
@@ -92,7 +88,7 @@ REAL_TIME_PRIORITY = option(
     "--real-time-priority", help="On Linux: run before all ordinary programs, with memory locked."
 )
 CPU = option("--cpu", help="On Linux: keep the loop on this processor core.", min=0)
-HOLD = quantity("--hold", "s", "Time for which the sense voltage is held, as '5 s'.", 1.0, 3600.0, "s")
+HOLD = quantity("--hold", "s", "Time for which the sense voltage is held, as '5 s'.", 1.0, 3600.0)
 METER_WIRE = quantity("--meter-wire", "V", "Reading of a meter across the wire at the sense voltage.")
 METER_SHUNT = quantity("--meter-shunt", "V", "Reading of a meter across the shunt at the sense voltage.")
 WRITE = option("--write", help="Write offsets, and gains by the meter, into the rig file.")
@@ -105,7 +101,7 @@ RIG = option(
 # The slow sine and what is compared by it.
 AMPLITUDE = quantity("--amplitude", "V", "Amplitude of the slow sine, as '3.2 V'.")
 UNTIL_LEVEL = option("--until-level", help="Raise the amplitude until the resistance levels off or a limit is met.")
-PERIOD = quantity("--period", "s", "Period of the slow sine, as '90 s'.", 1.0, 86400.0, "s")
+PERIOD = quantity("--period", "s", "Period of the slow sine, as '90 s'.", 1.0, 86400.0)
 CYCLES = option("--cycles", help="Cycles at each setting; the last is analysed.", min=1)
 MAX_CYCLES = option("--max-cycles", help="Stop after this many cycles at the latest.", min=2)
 AT = quantity("--at", "N", "A pretension to try, as '1.9 N'. Repeatable.")
@@ -145,7 +141,6 @@ APPROACH = quantity(
     "that cannot bring a cold wire there by itself.",
     0.0,
     3600.0,
-    "s",
 )
 CLOSED_LOOP_TIME = quantity("--closed-loop-time", "s", "tau_c of the tuning rule; by default the dead time.")
 WIRE_FILE = option(
@@ -262,37 +257,6 @@ RigName = Annotated[
     ),
 ]
 
-# Names that options had before. They still work: a command takes the first of the new names that it has.
-OLD_NAMES: dict[str, tuple[str, ...]] = {
-    "--out": ("--output",),
-    "--folder": ("--output",),
-    "--force": ("--overwrite",),
-    "--length": ("--leg-length", "--overall-length", "--wire-length"),
-    "--stiffness": ("--known-stiffness",),
-    "--most-cycles": ("--max-cycles",),
-    "--most-depth": ("--max-depth",),
-    "--away": ("--no-object",),
-    "--foam": ("--object-stiffness",),
-    "--inward": ("--inward-angle",),
-}
-# Options that are gone, and what does their work now.
-REMOVED: dict[str, str] = {
-    "--recalibrate": "make a home move instead, 'musclewire home RIG MODEL -o NEW_MODEL', or give --home start",
-}
-
-
-def renamed(argument: str, known: set[str]) -> str:
-    """Return an argument of a command line with an option's old name replaced by the one the command knows.
-
-    Raises CallerError for an option that is gone, naming what does its work.
-    """
-    name, separator, value = argument.partition("=")
-    if name in known:
-        return argument
-    if name in REMOVED:
-        raise CallerError(f"there is no option {name} any more: {REMOVED[name]}")
-    return next((new for new in OLD_NAMES.get(name, ()) if new in known), name) + separator + value
-
 
 def mapping(pairs: list[str] | None, option: str = "--column") -> dict[str, str]:
     """Return repeated NAME=VALUE options as a mapping."""
@@ -324,7 +288,7 @@ def in_si(name: str, text: str | None) -> float | None:
     from musclewire.signals import parse_quantity
 
     try:
-        value = parse_quantity(f"{text} {kind.bare}" if kind.bare and BARE.fullmatch(text) else text, kind.unit)
+        value = parse_quantity(text, kind.unit)
     except CallerError as error:
         raise CallerError(f"{name}: {error}") from None
     if not kind.low <= value <= kind.high:

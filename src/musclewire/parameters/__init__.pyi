@@ -30,7 +30,6 @@ from ._parameter_groups import Parameter as Parameter
 from ._parameter_groups import ParameterGroup as ParameterGroup
 from ._parameter_groups import Wire as Wire
 from ._parameter_groups import checked as checked
-from ._parameter_groups import key_hint as key_hint
 from ._pretensioner_file import FileGeometry as FileGeometry
 from ._pretensioner_file import PretensionerFile as PretensionerFile
 from ._pretensioner_file import read_pretensioner as read_pretensioner

@@ -6,19 +6,13 @@ error, and so is an unknown key: a typo must not become a silent default.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from math import ceil, floor
 from typing import Annotated, Any, Literal, Protocol, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
-from musclewire.errors import nearest_hint
-
 Kind = Literal["measured", "datasheet", "fitted", "derived", "assumed"]
-
-# Keys that files of earlier versions have, and what became of them.
-REMOVED = {"grains": "the transformation temperatures are distributed continuously now, so delete this key"}
 
 
 class Parameter(BaseModel):
@@ -121,11 +115,6 @@ class ParameterGroup(BaseModel):
         """Return all parameters in the order of the schema."""
         pairs = ((key, getattr(self, key)) for key in type(self).model_fields)
         return [(key, item) for key, item in pairs if isinstance(item, Parameter)]
-
-
-def key_hint(key: str, known: Iterable[str]) -> str:
-    """Return the end of a message about an unknown key: what became of it, else the nearest key, else all keys."""
-    return f"; {REMOVED[key]}" if key in REMOVED else nearest_hint(key, known)
 
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]

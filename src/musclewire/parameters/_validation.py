@@ -18,7 +18,6 @@ from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticKnownError, core_schema
 
 from musclewire.errors import CallerError, nearest_hint, toml_problem
-from musclewire.parameters._parameter_groups import key_hint
 from musclewire.registry import Registry
 
 
@@ -229,7 +228,7 @@ def problem_of(error: ValidationError, model: type[BaseModel]) -> str:
     problem = next((found for found in problems if found["type"] == "extra_forbidden"), problems[0])
     place = ".".join(str(part) for part in problem["loc"])
     if problem["type"] == "extra_forbidden":
-        return f"unknown key '{place}'{key_hint(str(problem['loc'][-1]), known_keys(model, problem['loc']))}"
+        return f"unknown key '{place}'{nearest_hint(str(problem['loc'][-1]), known_keys(model, problem['loc']))}"
     if problem["type"] in ("union_tag_invalid", "union_tag_not_found"):
         return tag_problem(place, {name: str(text) for name, text in problem["ctx"].items()})
     if problem["type"] == "missing":

@@ -34,7 +34,8 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, model_validator
 
-from musclewire.parameters._parameter_groups import Alloy, Bench, Parameter, Wire, checked, key_hint
+from musclewire.errors import nearest_hint
+from musclewire.parameters._parameter_groups import Alloy, Bench, Parameter, Wire, checked
 from musclewire.parameters._validation import read_toml, toml_text, validated
 
 SUFFIX = ".toml"
@@ -60,7 +61,7 @@ class WireFile(BaseModel):
         fields = {key: field for key, field in Bench.model_fields.items() if key not in HEAD}
         for key, item in self.bench.items():
             if key not in fields:
-                raise ValueError(f"unknown key 'bench.{key}'{key_hint(key, fields)}")
+                raise ValueError(f"unknown key 'bench.{key}'{nearest_hint(key, fields)}")
             checked(f"bench.{key}", item, fields[key])
         return self
 

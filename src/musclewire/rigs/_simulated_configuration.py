@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, Self, TypeVar
 
 from pydantic import Field, ValidationError, model_validator
 
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters import (
     Alloy,
     Bench,
@@ -20,7 +20,6 @@ from musclewire.parameters import (
     checked,
     first_problem,
     is_wire_file,
-    key_hint,
     load_alloy,
     load_bench,
     load_wire,
@@ -137,7 +136,7 @@ def with_numbers(
     changed: dict[str, Parameter] = {}
     for name in names:
         if name not in known:
-            raise CallerError(f"{where}: unknown setting '{name}'{key_hint(name, known)}")
+            raise CallerError(f"{where}: unknown setting '{name}'{nearest_hint(name, known)}")
         given = number(name)
         if isinstance(given, bool):
             raise CallerError(f"{where}: {name} is {str(given).lower()}, which is no number: give one with its unit")

@@ -1,6 +1,6 @@
 """One HDF5 file per recording: a dataset per column, metadata as attributes; MATLAB and any other reader opens it.
 
-Files are written whole. Those of earlier versions, which grew during a run, stay readable.
+Files are written whole.
 """
 
 from __future__ import annotations

@@ -83,7 +83,7 @@ class RunFacts:
         """Length whose shortening is the strain [m]: stated, or the wire's length over its number of legs."""
         found = self.leg_length_or_none_m
         if found is None:
-            raise self.missing("leg_length_m", "length whose shortening is the strain", "--length")
+            raise self.missing("leg_length_m", "length whose shortening is the strain", "--leg-length")
         return found
 
     @property

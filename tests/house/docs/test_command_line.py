@@ -63,7 +63,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def prepared(path: Path) -> Path:
     run(path, "characterize", "simulated", "-o", "loop.h5")
     run(path, "fit", "loop.h5", "-o", "model.json")
-    run(path, "characterize", "simulated", "-o", "short.h5", "--cycles", "1", "--period", "12")
+    run(path, "characterize", "simulated", "-o", "short.h5", "--cycles", "1", "--period", "12 s")
     (path / "study.toml").write_text(STUDY, "utf-8")
     shutil.copy(CHECKOUT / "tests/unit/signals/old_recordings/journal-1-cut-off.h5.journal", path / "cut.h5.journal")
     return path
@@ -91,8 +91,8 @@ parameters.pretension.values = ["1.5 N", "1.9 N"]
 """
 
 CALLS = {
-    "demo": ["--out", "demo"],
-    "reproduce": ["--only", "eq5", "--out", "reproduced"],
+    "demo": ["--output", "demo"],
+    "reproduce": ["--only", "eq5", "--output", "reproduced"],
     "doctor": ["simulated"],
     "flash": ["nano", "--wire", "paper-100um", "--dry-run"],
     "characterize": ["simulated", "-o", "again.h5", "--cycles", "1"],

@@ -14,7 +14,6 @@ from musclewire.experiment import characterize, control, home
 from musclewire.parameters import (
     Parameter,
     finger_file_text,
-    key_hint,
     load_alloy,
     load_bench,
     load_finger,
@@ -113,10 +112,6 @@ def test_a_mistake_in_a_rig_file_is_one_line_with_a_hint(rig_file, text: str, hi
     message = refusal(rig_file(text))
     assert hint in message
     assert "my_rig.toml" in message
-
-
-def test_a_key_of_an_earlier_version_is_answered_by_what_became_of_it() -> None:
-    assert key_hint("grains", ["legs", "pretension_n"]).endswith("so delete this key")
 
 
 def test_a_name_that_is_no_rig_is_answered_in_whole_sentences() -> None:

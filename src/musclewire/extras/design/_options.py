@@ -41,7 +41,11 @@ PLATE = quantity("--plate", "m", "Length of the extension plate.")
 COLUMNS = option("--columns", help="Number of columns that guide the tendon.")
 COLUMN_WIDTH = quantity("--column-width", "m", "Width of a column.")
 INWARD_ANGLE = quantity(
-    "--inward-angle", "rad", "Angle by which all unloaded segments together curve inward, as '8 deg'.", 0.0, inf, "deg"
+    "--inward-angle",
+    "rad",
+    "Angle by which all unloaded segments together curve inward, as '8 deg'.",
+    0.0,
+    inf,
 )
 ENDPOINT = quantity("--endpoint", "m", "Displacement of the endpoint that is wanted, as '6 mm'.")
 FRICTION = option("--friction", help="Coefficient of friction between tendon and holes.", min=0.0)
@@ -52,10 +56,10 @@ COMPARE = option("--compare", help="Compare distributed with concentrated actuat
 REFINED = option("--refined", help="Factor by which the finite elements are finer.", min=1, max=4)
 SUPPLY = quantity("--supply", "V", "Supply voltage, as '5 V'.")
 CURRENT = quantity("--current", "A", "Current that is held, as '200 mA'; --supply is then its limit.")
-OFF_AFTER = quantity("--off-after", "s", "Time until switching off, as '1 s'.", 0.01, inf, "s")
+OFF_AFTER = quantity("--off-after", "s", "Time until switching off, as '1 s'.", 0.01, inf)
 DUTY = quantity("--duty", "", "Heat in pulses until --off-after: on for this part of each period, as '40 %'.", 0.0, 1.0)
-DUTY_PERIOD = quantity("--duty-period", "s", "Period of the pulses of --duty, as '1 s'.", 0.01, inf, "s")
-DURATION = quantity("--duration", "s", "Duration of the whole run; by default long enough to cool.", 0.0, 86400.0, "s")
+DUTY_PERIOD = quantity("--duty-period", "s", "Period of the pulses of --duty, as '1 s'.", 0.01, inf)
+DURATION = quantity("--duration", "s", "Duration of the whole run; by default long enough to cool.", 0.0, 86400.0)
 STRESS = quantity("--stress", "Pa", "The load as a stress; without --load and --stress it is '172 MPa'.")
 SPRING = quantity("--spring", "N/m", "A spring to pull, as '588.6 N/m'.")
 TABLE = option("--table", help="Show current, voltage and shunt of all wires at --wire-length, and exit.")

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from musclewire.errors import CallerError, RecordingError
-from musclewire.parameters import Bench, Parameter, Wire, checked, key_hint, load_bench
+from musclewire.errors import CallerError, RecordingError, nearest_hint
+from musclewire.parameters import Bench, Parameter, Wire, checked, load_bench
 from musclewire.signals import Recording, parse_quantity
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def checked_settings(given: Mapping[str, float | str]) -> dict[str, float]:
     found = {}
     for name, setting in given.items():
         if name not in SETTABLE:
-            raise CallerError(f"a bench has no number '{name}'{key_hint(name, SETTABLE)}")
+            raise CallerError(f"a bench has no number '{name}'{nearest_hint(name, SETTABLE)}")
         value = in_si(name, setting) if isinstance(setting, str) else setting
         field = Bench.model_fields.get(name) or Wire.model_fields.get(name)
         if not np.isfinite(value):

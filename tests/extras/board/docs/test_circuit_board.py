@@ -1,4 +1,8 @@
-"""The circuit board in hardware/board: its nets are those of the parts list, and KiCad has judged these very files."""
+"""The circuit board in hardware/board: its nets are those of the parts list, and KiCad has judged these very files.
+
+Schematic and board are edited in KiCad; nothing in the repository writes them. What judges them is here, and reads the
+committed files. After an edit the lines in hardware/board/README.md let KiCad judge again and make the rest.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,6 @@ import csv
 import hashlib
 import json
 import re
-import tomllib
 import xml.etree.ElementTree as ET
 from collections import Counter
 from typing import Any
@@ -18,8 +21,10 @@ from musclewire.extras.board._parts import load_parts
 
 BOARD = CHECKOUT / "hardware/board"
 PARTS = {part.label: part for part in load_parts("board").part if part.symbol}
-CHECKED = tomllib.loads((BOARD / "checks/checked.toml").read_text("utf-8"))
+SUMS = dict(line.split(maxsplit=1)[::-1] for line in (BOARD / "checks/SHA256SUMS").read_text("utf-8").splitlines())
 WANTED = {(label, pin.pin): pin.net for label, part in PARTS.items() for pin in part.pins}
+# What carries the wire's current.
+WIDE_NETS = {"SUPPLY", "FUSED", "FUSED_12V", "+12V", "REGULATED", "LIMITED", "EMITTER", "OUTPUT", "SHUNT"}
 TOKEN = re.compile(r'(\()|(\))|"((?:[^"\\]|\\.)*)"|([^\s()"]+)')
 
 
@@ -96,33 +101,31 @@ def test_the_bill_of_materials_is_the_list() -> None:
     assert {(row["Value"], row["Footprint"]): int(row["QUANTITY"]) for row in rows} == wanted
 
 
-def test_kicad_of_version_8_or_newer_has_judged_these_very_files() -> None:
-    assert int(CHECKED["kicad"].split(".")[0]) >= 8
-    noted = CHECKED["judged"] | CHECKED["made"]
-    now = {name: hashlib.sha256((BOARD / name).read_bytes()).hexdigest() for name in noted}
-    assert now == noted, "run hardware/board/make.py with KiCad 9"
+def test_kicad_has_judged_these_very_files() -> None:
+    now = {name: hashlib.sha256((BOARD / name).read_bytes()).hexdigest() for name in SUMS}
+    assert now == SUMS, "let KiCad judge what was edited: the lines are in hardware/board/README.md"
     made = {f"fabrication/{path.name}" for path in (BOARD / "fabrication").iterdir()}
-    assert made <= set(noted)
-    assert {path.name for path in BOARD.glob("board.kicad_*")} == set(CHECKED["judged"])
+    edited = {path.name for path in BOARD.glob("board.kicad_*")}
+    assert set(SUMS) == made | edited | {"checks/netlist.xml"}
 
 
 def test_no_rule_is_broken_and_no_pin_is_left_unconnected() -> None:
     drc = json.loads((BOARD / "checks/drc.json").read_text("utf-8"))
     erc = json.loads((BOARD / "checks/erc.json").read_text("utf-8"))
     assert (drc["source"], erc["source"]) == ("board.kicad_pcb", "board.kicad_sch")
-    assert drc["kicad_version"] == erc["kicad_version"] == CHECKED["kicad"]
+    assert drc["kicad_version"] == erc["kicad_version"]
+    assert int(drc["kicad_version"].split(".")[0]) >= 8
     assert drc["violations"] == drc["unconnected_items"] == drc["schematic_parity"] == []
     assert [sheet["violations"] for sheet in erc["sheets"]] == [[]]
 
 
 def test_the_wires_current_flows_in_wide_tracks(board: list[Any]) -> None:
     names = {item[1]: item[2] for item in inner(board, "net")}
-    placement = tomllib.loads((BOARD / "placement.toml").read_text("utf-8"))
     widths: dict[str, set[float]] = {}
     for track in inner(board, "segment"):
         net = names[inner(track, "net")[0][1]]
         widths.setdefault(net, set()).add(float(inner(track, "width")[0][1]))
-    assert set(placement["wide_nets"]) <= set(widths)
-    assert all(max(widths[net]) == 1.2 for net in placement["wide_nets"])
+    assert set(widths) >= WIDE_NETS
+    assert all(max(widths[net]) == 1.2 for net in WIDE_NETS)
     # Narrow only where a pad of U2 is reached, which carries no current.
-    assert {net for net in placement["wide_nets"] if min(widths[net]) < 1.2} <= {"SHUNT"}
+    assert {net for net in WIDE_NETS if min(widths[net]) < 1.2} <= {"SHUNT"}

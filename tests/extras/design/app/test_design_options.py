@@ -1,4 +1,4 @@
-"""The options of designs: of the one list, by their old names, with a hint for typos, and from a file."""
+"""The options of designs: of the one list, with a hint for typos, and from a file."""
 
 from __future__ import annotations
 
@@ -7,14 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-
-def test_a_length_reads_by_its_old_name(musclewire: Callable[..., Any]) -> None:
-    finger = ("design", "finger", "--finger", "lan-fan-2010")
-    answers = [musclewire(*finger, option, "9 mm") for option in ("--length", "--overall-length")]
-    assert answers[0] == answers[1]
-    assert answers[0].code == 2
-    assert "No such option" not in answers[0].err
 
 
 @pytest.mark.slow

@@ -27,7 +27,7 @@ def test_a_wire_of_the_catalogue_needs_nothing_else(musclewire: Callable[..., An
 def test_quantities_may_be_written_as_people_write_them(musclewire: Callable[..., Any]) -> None:
     said = musclewire(
         "simulate", "--wire", "flexinol-0.15-ht", "--supply", "3300 mV", "--wire-length", "12 cm", "--load", "100 gf",
-        "--spring", "0.2 N/mm", "--ambient", "300 K", "--shunt", "220 mohm", "--off-after", "0.5", "--json",
+        "--spring", "0.2 N/mm", "--ambient", "300 K", "--shunt", "220 mohm", "--off-after", "0.5 s", "--json",
     ).json  # fmt: skip
     assert said["supply_v"] == pytest.approx(3.3)
     assert said["length_m"] == pytest.approx(0.12)
@@ -51,7 +51,7 @@ def test_the_recording_and_the_figure_are_written(musclewire: Callable[..., Any]
 
 
 def test_a_wire_that_gets_too_hot_is_warned_about(musclewire: Callable[..., Any]) -> None:
-    answer = musclewire("simulate", "--wire", "flexinol-0.10-lt", "--current", "450 mA", "--off-after", "3")
+    answer = musclewire("simulate", "--wire", "flexinol-0.10-lt", "--current", "450 mA", "--off-after", "3 s")
     assert answer.code == 0
     assert "warning: overheated" in answer.err
     assert "left on, it would settle" in musclewire("simulate", "--wire", "flexinol-0.31-lt").err
@@ -114,14 +114,14 @@ def test_a_row_of_the_table_equals_the_answer_for_this_wire_alone_and_lasts(musc
     assert row["shunt_resistance_ohm"] == alone["shunt_resistance_ohm"]
     lasting = f"{rows['flexinol-0.20-ht']['lasting_current_a']} A"
     said = musclewire(
-        "simulate", "--wire", "flexinol-0.20-ht", "--current", lasting, "--off-after", "30", "--json"
+        "simulate", "--wire", "flexinol-0.20-ht", "--current", lasting, "--off-after", "30 s", "--json"
     ).json
     # The current is that of a wire which is kept from contracting; a free one, whose resistance is lower, stays cooler.
     assert 144.0 < said["settled_temperature_degc"] <= 150.0
 
 
 def test_a_duty_heats_in_pulses_and_shows_largest_and_final_contraction(musclewire: Callable[..., Any]) -> None:
-    drive = ("--current", "200 mA", "--off-after", "6", "--seed", "2", "--json")
+    drive = ("--current", "200 mA", "--off-after", "6 s", "--seed", "2", "--json")
     steady = musclewire("simulate", *drive).json
     pulsed = musclewire("simulate", *drive, "--duty", "50 %", "--duty-period", "0.5 s").json
     assert (steady["duty"], pulsed["duty"], pulsed["duty_period_s"]) == (1.0, 0.5, 0.5)
@@ -140,7 +140,7 @@ def test_a_duty_heats_in_pulses_and_shows_largest_and_final_contraction(musclewi
         ("simulate --wire flexinol-0.1-lt", "'flexinol-0.10-lt'"),
         ("simulate --load 1N --stress 172MPa", "not both"),
         ("simulate --wire paper-100um", "--supply or --current"),
-        ("simulate --off-after 3 --duration 1", "ends before"),
+        ("simulate --off-after 3s --duration 1s", "ends before"),
         ("simulate --load 100N", "4.75"),
         ("simulate --duty 50% --duty-period 20ms", "[pwm]"),
     ],

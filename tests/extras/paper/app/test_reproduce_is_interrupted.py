@@ -16,7 +16,7 @@ from tests.app.interrupting import PATIENCE_S, SIGNALS, start
 def test_verdicts_over_seeds_stopped_by_a_signal_leave_no_process_and_no_page(
     number: signal.Signals, code: int, tmp_path: Path
 ) -> None:
-    arguments = ("--only", "table1.resistance", "--seeds", 20000, "--workers", 3, "--out", tmp_path)
+    arguments = ("--only", "table1.resistance", "--seeds", 20000, "--workers", 3, "--output", tmp_path)
     process = start("reproduce", *arguments)
     assert process.stderr is not None
     assert "of 20000 seeds" in process.stderr.readline()

@@ -50,7 +50,7 @@ def test_rows_that_hold_end_with_zero_and_one_that_is_reported_counts_neither_wa
 ) -> None:
     checks(GOOD, REPORTED)
     folder = tmp_path / "new" / "folder"
-    code, out, _ = musclewire("reproduce", "--out", str(folder))
+    code, out, _ = musclewire("reproduce", "--output", str(folder))
     assert code == 0
     assert "1 of 1 rows hold; 1 more are reported and not judged" in out
     assert "reported, not judged" in (folder / "reproduce.html").read_text("utf-8")
@@ -63,7 +63,7 @@ def test_the_json_is_one_document_beside_a_page_that_shows_every_verdict(
     checks: Callable[..., None], musclewire: Callable[..., Any], tmp_path: Path
 ) -> None:
     checks(GOOD, REPAIRED, KNOWN, NEW)
-    code, out, err = musclewire("reproduce", "--json", "--out", str(tmp_path))
+    code, out, err = musclewire("reproduce", "--json", "--output", str(tmp_path))
     document: dict[str, Any] = json.loads(out)
     assert (code, err) == (1, "")
     assert document == json.loads((tmp_path / "reproduce.json").read_text("utf-8"))
@@ -84,7 +84,7 @@ def test_a_single_seed_is_named_in_json_and_on_the_page_and_only_keeps_what_begi
     checks: Callable[..., None], musclewire: Callable[..., Any], tmp_path: Path
 ) -> None:
     checks(check("eq1.seed", lambda runs: 2.0 + 0.01 * runs.seed), KNOWN)
-    options = ("--out", str(tmp_path), "--only", "eq1", "--seed", "7", "--json")
+    options = ("--output", str(tmp_path), "--only", "eq1", "--seed", "7", "--json")
     code, out, _ = musclewire("reproduce", *options)
     document = json.loads(out)
     assert (code, document["seed"], document["seeds"]) == (0, 7, [7])
@@ -96,7 +96,7 @@ def test_many_seeds_give_the_median_with_its_spread_and_the_page_says_which(
     checks: Callable[..., None], musclewire: Callable[..., Any], tmp_path: Path
 ) -> None:
     checks(check("eq1.seed", lambda runs: 2.0 + 0.01 * runs.seed))
-    options = ("--out", str(tmp_path), "--seeds", "21", "--first-seed", "10", "--workers", "1", "--json")
+    options = ("--output", str(tmp_path), "--seeds", "21", "--first-seed", "10", "--workers", "1", "--json")
     document = musclewire("reproduce", *options).json
     row = document["rows"][0]
     assert (document["seed"], document["seeds"]) == (None, list(range(10, 31)))
@@ -110,9 +110,9 @@ def test_many_seeds_give_the_median_with_its_spread_and_the_page_says_which(
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("--seed", "7", "--seeds", "3", "--out", "OUT"), "--seed runs a single seed"),
-        (("--only", "fig44", "--out", "OUT"), "no row or figure begins with 'fig44'; did you mean 'fig4'?"),
-        (("--out", "FILE/under"), "cannot make the folder"),
+        (("--seed", "7", "--seeds", "3", "--output", "OUT"), "--seed runs a single seed"),
+        (("--only", "fig44", "--output", "OUT"), "no row or figure begins with 'fig44'; did you mean 'fig4'?"),
+        (("--output", "FILE/under"), "cannot make the folder"),
     ],
 )
 def test_wrong_usage_is_one_line_exit_code_two_and_nothing_written(

@@ -6,4 +6,4 @@ from tests.browser.report_subject import ReportSubject
 
 from musclewire.extras.paper._page.paper_figures import FIGURES
 
-SUBJECTS = (ReportSubject("reproduce", (("reproduce", "--seeds", "3", "--json", "--out", "."),), len(FIGURES)),)
+SUBJECTS = (ReportSubject("reproduce", (("reproduce", "--seeds", "3", "--json", "--output", "."),), len(FIGURES)),)

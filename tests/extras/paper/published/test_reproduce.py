@@ -23,7 +23,7 @@ pytestmark = pytest.mark.full
 
 
 def reproduce(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "musclewire", "reproduce", "--json", "--out", str(folder), *arguments]
+    command = [sys.executable, "-m", "musclewire", "reproduce", "--json", "--output", str(folder), *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
 
 
