@@ -43,8 +43,7 @@ NO_LONG_TESTS = "not (slow or emulated or documented or oracles or browser or fu
 # What measures time, one after the other: another process beside it is part of the figure.
 TIMED = (
     "checks/step_cost.py",
-    "musclewire bench",
-    "-m benchmarks.step",
+    "-m benchmarks.speed",
     "benchmarks/batch.py",
     "benchmarks/wire_in_segments.py",
     "benchmarks/start_up.py",
@@ -193,8 +192,7 @@ def full(session: nox.Session) -> None:
     for line in chosen:
         name, *options = shlex.split(line)
         options += ["--quick"] if quick and name not in WITHOUT_QUICK_FORM else []
-        program = [f"{Path(sys.executable).parent}/{name}"] if name == "musclewire" else [sys.executable, name]
-        session.run(*program, *options, env={"PYTHONPATH": str(ROOT)}, external=True)
+        session.run(sys.executable, name, *options, env={"PYTHONPATH": str(ROOT)}, external=True)
     if not quick and (not parts or "tests" in parts):
         session.run(sys.executable, "-m", "pytest", "-n", "auto", "--dist", "worksteal", "-m", "full", external=True)
         session.notify("without_extras")

@@ -29,7 +29,7 @@ from musclewire.signals import Recording
 ROOT = Path(__file__).resolve().parent.parent
 BAR_PCT = 0.3
 # A known miss ends the command well: CI shows it in every run. A bar that holds again ends it with 1.
-MISS_IS_KNOWN, WHY_KNOWN = True, "firmware/models/paper-100um.json was fitted on the wire before decision 35"
+MISS_IS_KNOWN, WHY_KNOWN = True, "firmware/models/paper-100um.json was fitted on a wire before the present parameters"
 PATIENCE_S = 20.0
 APPROACH_S = 12.0
 

@@ -1,13 +1,16 @@
 """Mutation testing: how many small faults in the code the tests find. The faults are cosmic-ray's.
 
-    python checks/mutation.py [--sample 60] [--seed 1] [--tree CHECKOUT] [--keep FOLDER]
+    python checks/mutation.py [--sample 60] [--seed 1] [--places core protection live] [--tests PATH ...]
+                              [--tree CHECKOUT] [--keep FOLDER]
 
-A third of the sample each is drawn from the core, from the protection with the guard, and from the live server. First
-pytest-cov measures which test runs which line, once with compilation and once, for kernels, without. Each mutant is
-judged by the quickest tests that run its line, together at most BUDGET_S, until one fails; one that no test runs has
-survived, one whose tests do not end is found. Prints every survivor with its change. ``--keep`` keeps what was measured
-for the next call with the same sources and tests; ``--tree`` judges another checkout. No exit code judges: read each
-survivor, and write the test that finds it, by an oracle or a property rather than by the number that comes out.
+Each place gives an equal part of the sample: the core, the protection with the guard, the live server, the guardian of
+NI's cards. First pytest-cov measures which test runs which line, once with compilation and once, for kernels, without;
+``--tests`` are measured, slow ones too, and not those that a run without names runs. Each mutant is judged by the
+quickest tests that run its line, together at most BUDGET_S, until one fails; one that no test runs has survived, one
+whose tests do not end is found. The processes that a test starts have the fault, too. Prints every survivor with its
+change. ``--keep`` keeps what was measured for the next call with the same sources and tests; ``--tree`` judges another
+checkout. No exit code judges: read each survivor, and write the test that finds it, by an oracle or a property rather
+than by the number that comes out.
 """
 
 from __future__ import annotations
@@ -34,7 +37,8 @@ from coverage import CoverageData
 CHECKOUT = Path(__file__).resolve().parents[1]
 PROTECTION = ("controllers/_protection", "rigs/_guarded.py")
 CORE = ("wire", "sensing", "controllers", "rigs", "signals", "identify", "experiment", "parameters")
-PLACES = {"core": CORE, "protection": PROTECTION, "live": ("extras/live",)}
+GUARDIAN = ("extras/board/_nidaq/guardian.py",)
+PLACES = {"core": CORE, "protection": PROTECTION, "live": ("extras/live",), "guardian": GUARDIAN}
 # Compiled code cannot be traced: these run it in plain Python, those of them that take at most a few seconds so.
 WITHOUT_COMPILATION = (
     "tests/unit/controllers",
@@ -45,6 +49,9 @@ WITHOUT_COMPILATION = (
 )
 LIMIT_S = 4.0
 BUDGET_S, BEGIN_S = 20.0, 120.0
+NOT_JUDGES = "not full and not browser and not documented and not oracles"
+# As sitecustomize, which Python imports as it begins: the processes that a test starts have the fault, too.
+IN_EVERY_PROCESS = "import sys\nif 'checks.mutated' not in sys.orig_argv:\n    import checks.mutated\n"
 OPERATORS = (
     "ReplaceBinaryOperator_Add_Sub", "ReplaceBinaryOperator_Sub_Add", "ReplaceBinaryOperator_Mul_Div",
     "ReplaceBinaryOperator_Div_Mul", "ReplaceComparisonOperator_Lt_LtE", "ReplaceComparisonOperator_LtE_Lt",
@@ -101,7 +108,7 @@ def environment(tree: Path, compiled: bool, **more: str) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": f"{tree / 'src'}:{tree}:{CHECKOUT}", "MPLBACKEND": "Agg", **plain, **more}
 
 
-def measured(tree: Path, folder: Path, compiled: bool) -> Measured:
+def measured(tree: Path, folder: Path, compiled: bool, tests_that_judge: list[str]) -> Measured:
     """Run the tests under coverage and return which runs what; what a folder holds is not measured again."""
     name = "compiled" if compiled else "plain"
     data, seconds = folder / f"{name}.coverage", folder / f"{name}.json"
@@ -109,8 +116,10 @@ def measured(tree: Path, folder: Path, compiled: bool) -> Measured:
         # For threads coverage holds a lock, and a test that ends at its limit while it is held never ends.
         no_threads = folder / "plain.ini"
         no_threads.write_text("[run]\nconcurrency = multiprocessing\n", "utf-8")
-        limited = ["--timeout", str(LIMIT_S), f"--cov-config={no_threads}", *WITHOUT_COMPILATION]
-        chosen = [] if compiled else limited
+        quick = [test for test in tests_that_judge if test.startswith(WITHOUT_COMPILATION)] or WITHOUT_COMPILATION
+        limited = ["--timeout", str(LIMIT_S), f"--cov-config={no_threads}", *quick]
+        named = ["-m", NOT_JUDGES, *tests_that_judge] if tests_that_judge else []
+        chosen = named if compiled else limited
         command = ["-m", "pytest", "-q", "-n", "auto", "-p", "checks.mutated", f"--cov={tree / 'src/musclewire'}"]
         options = ["--cov-context=test", "--cov-report=", "-p", "no:cacheprovider", "-o", "filterwarnings=default"]
         variables = environment(tree, compiled, COVERAGE_FILE=str(data), DURATIONS=str(seconds))
@@ -162,7 +171,9 @@ def survives(mutant: Mutant, tree: Path, found: dict[bool, Measured]) -> str:
         with tempfile.TemporaryDirectory() as folder:
             text = Path(folder, "changed.py")
             text.write_text(after, "utf-8")
+            Path(folder, "sitecustomize.py").write_text(IN_EVERY_PROCESS, "utf-8")
             variables = environment(tree, compiled, MUTATED=f"{mutant.path}{os.pathsep}{text}")
+            variables["PYTHONPATH"] = f"{folder}:{variables['PYTHONPATH']}"
             command = [sys.executable, "-m", "pytest", "-xq", "-p", "checks.mutated", "-p", "no:cacheprovider", *tests]
             try:
                 code = subprocess.run(command, cwd=tree, env=variables, capture_output=True, timeout=BEGIN_S).returncode
@@ -176,8 +187,10 @@ def survives(mutant: Mutant, tree: Path, found: dict[bool, Measured]) -> str:
 def main() -> None:
     """Draw, measure, judge, and print the survivors."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--sample", type=int, default=60, help="how many mutants, a third of each place")
+    parser.add_argument("--sample", type=int, default=60, help="how many mutants, as many of each place")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--places", nargs="+", choices=PLACES, default=["core", "protection", "live"])
+    parser.add_argument("--tests", nargs="+", default=[], metavar="PATH", help="tests that may judge")
     parser.add_argument("--tree", type=Path, default=CHECKOUT, help="checkout that is judged")
     parser.add_argument("--keep", type=Path, help="folder of what was measured")
     given = parser.parse_args()
@@ -185,9 +198,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as temporary:
         folder = given.keep or Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
-        found = {compiled: measured(tree, folder, compiled) for compiled in (True, False)}
-        for place, places in PLACES.items():
-            chosen = draw.sample(list(mutants_in(tree, places)), given.sample // len(PLACES))
+        found = {compiled: measured(tree, folder, compiled, given.tests) for compiled in (True, False)}
+        for place in given.places:
+            chosen = draw.sample(list(mutants_in(tree, PLACES[place])), given.sample // len(given.places))
             with ThreadPoolExecutor(os.cpu_count()) as threads:
                 results = list(threads.map(lambda mutant: survives(mutant, tree, found), chosen))
             survivors = [words for words in results if words]

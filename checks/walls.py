@@ -34,7 +34,7 @@ MAX_PROMISED, MAX_CROSSING = 150, 500
 FOR_USERS = ("musclewire", "musclewire.compiled")
 # Python that is not of the package and is held to its lists.
 OUTSIDE = ("tests", "benchmarks", "checks", "docs", "emulation", "firmware", "hardware", "studies", "examples")
-# Pages and programs that users read and copy from; decisions are history.
+# Pages and programs that users read and copy from; decisions also say what is no more.
 USERS_PAGES = ("README.md", "docs/start", "docs/tutorials", "docs/how-to", "docs/explanation", "docs/reference",
                "docs/notebooks", "docs/lesson", "examples")  # fmt: skip
 HISTORY = "docs/explanation/decisions"

@@ -22,7 +22,7 @@ from musclewire.sensing import KnownSpring, SensingModel, force_model
 SPRING_N_PER_M = 588.6
 RATIOS = (0.5, 1.0, 2.0)
 BAR_PCT = 5.0
-# Springs on which the bar is known to be missed, with the alloy of decision 35: a new miss ends the command with 1,
+# Springs on which the bar is known to be missed, with the shipped alloy: a new miss ends the command with 1,
 # and so does one that has gone.
 KNOWN_MISSES = {0.5, 2.0}
 SEEDS = (1, 2, 3, 4, 5, 6)

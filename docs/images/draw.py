@@ -8,7 +8,7 @@ After a change of the shipped parameters or of the physics, run it once and comm
   (``python docs/images/draw.py alternatives`` writes these alone),
 - the picture of docs/explanation/turns_and_minor_loops.md and the numbers in it
   (``python docs/images/draw.py turns`` draws and writes these alone),
-- the Bode plot of docs/how-to/linearise_a_wire.md (``python docs/images/draw.py margins`` draws it alone),
+- the Bode plot of docs/how-to/tune_a_controller.md (``python docs/images/draw.py margins`` draws it alone),
 - point B on docs/explanation/why_resistance_tells_strain.md (``python docs/images/draw.py point_b`` draws it alone),
 - the table of docs/explanation/estimators.md from studies/robustness_rows.json
   (``python docs/images/draw.py robustness`` writes it alone),
@@ -74,7 +74,7 @@ def draw_physics_pictures(loops: tuple[physics_runs.LoopTruth, ...]) -> None:
 
 
 def draw_margins() -> None:
-    """Write the Bode plot of docs/how-to/linearise_a_wire.md into this folder."""
+    """Write the Bode plot of docs/how-to/tune_a_controller.md into this folder."""
     with mpl.rc_context(STYLE):
         bode_axes(linearise(MARGINS_AT_M)).figure.savefig(HERE / "margins.png", dpi=DPI)
 

@@ -1,4 +1,4 @@
-"""Draw the printed finger and pretensioner of docs/how-to/print_a_finger.md, as their STL files have them:
+"""Draw the printed finger and pretensioner of docs/how-to/design_a_finger.md, as their STL files have them:
 python docs/images/draw_printed_parts.py
 
 The surfaces are drawn by depth, with a light from the left, so that the picture is of the files and of nothing else.

@@ -55,7 +55,7 @@ All quantities are in SI units, strain as a fraction. The server describes its r
 `--while-switching-on 200` counts those that are lost while a rig is switched on; `python -m
 benchmarks.malformed_messages` sends 10,000 malformed requests and messages and holds that nothing changes.
 
-Why it is built so: [decision 47](../explanation/decisions/0047-a-server-next-to-the-rigs-process.md).
+Why it is built so: [the live page](../explanation/decisions/live-page.md).
 
 """
 

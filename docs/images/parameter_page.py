@@ -266,8 +266,8 @@ def derived_table(alloy: Alloy) -> str:
 
 
 WIRES_TEXT = """The numbers of one spool; all others are the alloy's. `finger-100um` is the wire of the
-paper's finger, taken to be a spool of its own ([decision
-10](../explanation/decisions/0010-the-fingers-wire-is-its-own-spool.md)). The isobar sample is the wire behind the
+paper's finger, taken to be a spool of its own
+([why](../explanation/decisions/grains-and-spools.md)). The isobar sample is the wire behind the
 published isobars. Their diameter and class are not stated with them; at 172 MPa it begins to transform near where wire
 of the 90 °C class does ([turns and minor loops](../explanation/turns_and_minor_loops.md))."""
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from musclewire.extras.board import load_parts
-from musclewire.extras.design import table_text, wire_table
-from musclewire.identify import PULL_STRESS_PA
+from musclewire.extras.design import PULL_STRESS_PA, table_text, wire_table
 
 __all__ = ["WIRES", "block"]
 

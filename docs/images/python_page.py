@@ -33,7 +33,7 @@ RESULTS = """## What they return
 """
 COMPILED = """## A tick of your own in compiled loops
 
-[Write an estimator or a controller](../how-to/add_an_estimator_or_a_controller.md) shows how it is used.
+[Write an estimator or a controller](../how-to/add_your_own.md) shows how it is used.
 """
 # The core's names by the room that they are from, in the order in which a script meets them.
 HEADINGS = {
@@ -53,7 +53,7 @@ HEADINGS = {
 }
 # Names that are neither a class nor a function, and so have no docstring.
 OTHERS = {
-    "PLOTS": "Plots of a recording by name ([your own](../how-to/plot_what_you_recorded.md#a-plot-of-your-own)).",
+    "PLOTS": "Plots of a recording by name ([your own](../how-to/add_your_own.md#a-plot)).",
     "SWITCHED_OFF": "The fault of a device that was switched off from outside.",
     "FloatArray": "Annotation of an array of floats.",
     "Length": "Annotation of a field [m] that is also read from text with a unit: `12 mm`.",

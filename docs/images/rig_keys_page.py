@@ -51,19 +51,19 @@ SECTIONS = {
     "`[inputs.force]` and `[inputs.endpoint_force]` of a card": (ForceInput, ""),
     '`kind = "replay"`': (
         ReplayConfiguration,
-        "A recording as a rig: [how to](../how-to/replay_a_recording.md). The keys of wire and circuit are needed "
-        "where the recording's metadata lack them.",
+        "[A recording as a rig](../how-to/change_the_simulated_rig.md#a-recording-as-a-rig). The keys of wire and "
+        "circuit are needed where the recording's metadata lack them.",
     ),
 }
 SEGMENTED = {
     "`[pwm]` of a simulated rig": (
         PulseWidth,
-        "Heating by pulse width, and when the voltages are read: [how to](../how-to/heat_by_pulse_width.md).",
+        "[Heating by pulses](../how-to/change_the_simulated_rig.md#heating-by-pulses), and when the voltages are read.",
     ),
     '`kind = "segmented"`': (
         SegmentedConfiguration,
-        "A simulated wire in segments: [how to](../how-to/simulate_a_wire_in_segments.md). It has the keys of wire and "
-        "circuit, too, each by default that of wire or bench.",
+        "[A simulated wire in segments](../how-to/change_the_simulated_rig.md#a-wire-in-segments). It has the keys "
+        "of wire and circuit, too, each by default that of wire or bench.",
     ),
     "`[[grains]]` of a wire in segments": (GrainsTable, ""),
     "`[[barriers]]` of a wire in segments": (BarrierTable, ""),

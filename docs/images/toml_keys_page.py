@@ -78,7 +78,7 @@ SECTIONS: dict[str, tuple[type[BaseModel], str]] = {
     "`[curve]` of a finger": (FingerCurve, ""),
     "Pretensioner": (
         PretensionerFile,
-        "Written by `musclewire design pretensioner`: [how to](../how-to/design_a_pretensioner.md).",
+        "Written by `musclewire design pretensioner`: [how to](../how-to/design_a_finger.md).",
     ),
     "`[geometry]` of a pretensioner": (FileGeometry, ""),
     "Material": (Material, "What flexures are made of: `--material` of both `design` commands takes its file."),

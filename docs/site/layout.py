@@ -136,8 +136,8 @@ def add_navigation(sources: Path) -> None:
         trees.append(toctree(entries, title[2]))
     index.write_text("\n".join([text, *trees]), encoding="utf-8")
     decisions = sources / DECISIONS / "README.md"
-    below = toctree(sorted(page.name for page in decisions.parent.glob("0*.md")), "")
-    decisions.write_text(f"{decisions.read_text('utf-8')}\n{below}", encoding="utf-8")
+    text = decisions.read_text("utf-8")
+    decisions.write_text(f"{text}\n{toctree(LISTED.findall(text), '')}", encoding="utf-8")
 
 
 def group_page(text: str, sources: Path) -> str:

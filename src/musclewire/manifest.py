@@ -109,8 +109,6 @@ class Manifest:
         Places of :class:`musclewire.signals._writing.FileWriter` by the suffix that they write.
     schemas
         Kinds of files by name, each with the place of the model that checks it.
-    doctor_checks
-        Places of functions that the doctor calls with its examination of a rig.
     kernels
         Packages and modules that hold compiled functions: an edit of any starts a new cache for these, and for no
         others.
@@ -133,7 +131,6 @@ class Manifest:
     suffixes_read: tuple[str, ...] = ()
     writers: Mapping[str, str] = field(default_factory=dict)
     schemas: Mapping[str, str] = field(default_factory=dict)
-    doctor_checks: tuple[str, ...] = ()
     kernels: tuple[str, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
 

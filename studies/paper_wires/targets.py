@@ -25,7 +25,7 @@ FINGER_LEVELS = ((2.5, 5.5, 7.0), (3.0, 2.6, 4.5), (3.5, 2.2, 2.6), (4.0, 1.8, 1
 MAXIMUM_FORCE_N = {"100um": 4.601, "125um": 7.220, "200um": 18.247}
 # Gaps read from a recording lie higher than a curve without noise has them, by about this much.
 GAP_OF_NOISE_PCT = 0.05
-# And A-B from a recording is that much shorter, by the definition of B that noise moves least (decision 36).
+# And A-B from a recording is that much shorter, by the definition of B that noise moves least.
 AB_OF_NOISE_PCT = 1.0
 # A recording's least resistance is the least of many noisy readings at C: by about this much below the wire's own.
 MIN_OF_NOISY_OHM = 0.012

@@ -1,8 +1,8 @@
 """Phase changes of grains, each an interval of transformation temperatures, as temperature and stress change.
 
 A grain changes only if one of six driving forces has risen and that force's threshold has swept over it, so only the
-grains between the thresholds before and after are evaluated. The thresholds are those of decision 3 (grains as
-intervals); order between states is preserved as Sethna et al. 1993, doi 10.1103/PhysRevLett.70.3347, ask for.
+grains between the thresholds before and after are evaluated. The thresholds are those of grains as
+intervals; order between states is preserved as Sethna et al. 1993, doi 10.1103/PhysRevLett.70.3347, ask for.
 """
 
 from __future__ import annotations

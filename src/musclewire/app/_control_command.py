@@ -48,8 +48,8 @@ if TYPE_CHECKING:
     from musclewire.sensing import KnownSpring, SensingModel
 
 
-# Steps as a text: "2.5 mm to 6 mm by 0.5 mm".
-STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+)")
+# Steps as a text: "2.5 mm to 6 mm by 0.5 mm", or "... for 20 s".
+STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+?)(?:\s+for\s+(.+))?")
 # The paper's controller, whose rule base --rules names.
 FUZZY_PID = "fuzzy-pid"
 NO_RULES = "--rules belong to the controller fuzzy-pid, not to {}: leave one of them out"
@@ -307,12 +307,13 @@ def read_reference(reference: str, quantity: str, loaded: SensingModel) -> Refer
         return None
     if steps := STEPS.fullmatch(reference.strip()):
         unit = {"strain": "", "displacement": "m", "force": "N"}[quantity]
-        start, stop, by = (parse_quantity(text, unit) for text in steps.groups())
+        start, stop, by = (parse_quantity(text, unit) for text in steps.groups()[:3])
+        hold_s = staircase().hold_s if steps[4] is None else parse_quantity(steps[4], "s")
         # Whether the top is within the model's range matters more than whether the increments meet it.
         if quantity == loaded.quantity and stop > start:
-            whole = staircase(start, stop, stop - start)
+            whole = staircase(start, stop, stop - start, hold_s)
             check_targets(loaded, whole, whole.hold_s)
-        return staircase(start, stop, by, shown_as=SHOWN_AS[quantity])
+        return staircase(start, stop, by, hold_s, shown_as=SHOWN_AS[quantity])
     if not Path(reference).exists():
         raise CallerError(
             f"there is no reference '{reference}'{nearest_hint(reference, ['staircase'])}, or give a file"

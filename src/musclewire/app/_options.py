@@ -109,7 +109,9 @@ QUANTITY = option("--quantity", help="Quantity sensed from resistance: strain, d
 
 # The closed loop.
 REFERENCE = option(
-    "--reference", help="'staircase', steps as '2.5 mm to 6 mm by 0.5 mm', or a file with the targets over time."
+    "--reference",
+    help="'staircase', steps as '2.5 mm to 6 mm by 0.5 mm', each for 6 s or as '... by 0.5 mm for 20 s', or a file "
+    "with the targets over time.",
 )
 KNOWN_STIFFNESS = quantity(
     "--known-stiffness",
@@ -240,7 +242,7 @@ WORKERS = option("--workers", help="Processes on this machine; by default one on
 FILE = option("--file", help="Take all dimensions from a pretensioner's file.")
 
 # Everything else.
-ONLY = option("--only", help="Only rows whose names begin so: 'fig4', 'table2.mae'; 'step'.", metavar="NAME")
+ONLY = option("--only", help="Only rows whose names begin so: 'fig4', 'table2.mae'.", metavar="NAME")
 QUICK = option("--quick", help="Fewer repetitions.")
 SETTINGS = option("--settings", help="TOML file with settings of the controller, as kp_range = [0.01, 0.1].")
 NAME = option("--name", help="Name of the library or FMU, a C identifier.")

@@ -11,6 +11,7 @@ from musclewire.controllers._feedforward import FeedforwardSettings
 from musclewire.controllers._fuzzy_pid import FuzzyPidSettings
 from musclewire.controllers._pid import PidSettings
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.toml_text import toml_text
 
 FORMAT = "musclewire-gains"
 # What is said where a model with gains is driven from C: on a board, in an exported library, in an FMU.
@@ -138,20 +139,8 @@ def save_gains(gains: Gains, path: str | Path, notes: tuple[str, ...] = ()) -> N
     CallerError
         If the file cannot be written there.
     """
-    lines = [f"# {note}" for note in notes]
-    lines += [f'format = "{FORMAT}"', f'controller = "{gains.controller}"', "", "[settings]"]
-    lines += [f"{name} = {toml_value(value)}" for name, value in gains.settings.model_dump().items()]
+    content = {"format": FORMAT, "controller": gains.controller, "settings": gains.settings.model_dump()}
     try:
-        Path(path).write_text("\n".join(lines) + "\n", "utf-8")
+        Path(path).write_text("".join(f"# {note}\n" for note in notes) + toml_text(content), "utf-8")
     except OSError as error:
         raise CallerError(f"cannot write gains file {path}: {error.strerror or error}") from None
-
-
-def toml_value(value: Any) -> str:
-    """Return a text, a number or a row of numbers as TOML."""
-    if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-        return f'"{escaped}"'
-    if isinstance(value, tuple):
-        return f"[{', '.join(repr(float(one)) for one in value)}]"
-    return repr(float(value))

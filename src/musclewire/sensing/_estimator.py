@@ -23,7 +23,7 @@ from musclewire.sensing._known_load import KnownSpring
 from musclewire.signals import EstimatorStep, QuantityEstimate, RawSample, WireSample
 from musclewire.wire import WireConstants
 
-# What a closed loop runs unless another is named (docs/explanation/decisions/0041-gated-branches-by-default.md).
+# What a closed loop runs unless another is named (docs/explanation/decisions/estimators-in-a-loop.md).
 DEFAULT_ESTIMATOR = "gated"
 # The one with which the paper's figures were made.
 PAPER_ESTIMATOR = "polynomial"

@@ -31,7 +31,7 @@ from musclewire.signals import CompiledTick, Reason
 
 
 class GateNumbers(NamedTuple):
-    """Numbers of the method, chosen on the tuning seeds 1 to 10 of a population of wires (decision 41).
+    """Numbers of the method, chosen on the tuning seeds 1 to 10 of a population of wires.
 
     Resistance counts in units of R_max - R_min, the quantity in units of the model's range, times in seconds.
     """
@@ -226,9 +226,7 @@ def gain(dt_s: float, time_constant_s: float) -> float:
 @compiled_inner
 def is_on_curve(numbers: Row, read: float, noise: float) -> bool:
     """Return whether a reading can be one of the valid range, within three deviations of its noise."""
-    below = numbers.normalised_min - numbers.normalised_margin - read
-    above = read - numbers.normalised_max - numbers.normalised_margin
-    outside = max(below, above, 0.0)
+    outside = max(numbers.valid_from - read, read - numbers.valid_to, 0.0)
     return bool(outside * outside <= 9.0 * noise)
 
 

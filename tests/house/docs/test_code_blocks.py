@@ -1,8 +1,8 @@
-"""Every ``python`` and ``sh`` block of the pages runs, page by page, in one empty folder in the order it is read.
+"""Every ``python`` and ``sh`` block of the pages runs, page by page, in the order it is read.
 
-Blocks marked ``console`` are for reading: setting up a checkout, and what needs a board, a card or a second terminal.
-They stand on the pages of ``FOR_READING`` only. ``mermaid`` is a drawing. The front doors' pages begin in a checkout:
-``test_front_doors.py`` follows them.
+The folder in which it runs has nothing but the checkout's examples. Blocks marked ``console`` are for reading: setting
+up a checkout, and what needs a board, a card or a second terminal. They stand on the pages of ``FOR_READING`` only.
+``mermaid`` is a drawing. The front doors' pages begin in a checkout: ``test_front_doors.py`` follows them.
 """
 
 from __future__ import annotations
@@ -25,12 +25,11 @@ FOLLOWED = {page for door in DOORS.values() for page in door.pages}
 PAGES = sorted([*CHECKOUT.glob("*.md"), *(CHECKOUT / "docs").rglob("*.md")])
 FOR_READING = {
     "CONTRIBUTING.md",
-    "add_a_package_of_your_own.md",
     "README.md",
+    "add_your_own.md",
     "drive_a_board.md",
     "drive_an_ni_card.md",
-    "flash_the_firmware.md",
-    "put_the_controller_on_a_microcontroller.md",
+    "export_a_controller_or_a_wire.md",
     "run_a_study_of_many_wires.md",
     "run_in_real_time.md",
     "wire_the_circuit.md",
@@ -51,32 +50,24 @@ def name_of(page: Path) -> str:
 ALWAYS = "rules.md"
 LONG = {
     "calibrate_my_wire.md",
+    "change_the_simulated_rig.md",
     "check_the_simulator_against_the_paper.md",
     "choose_supply_shunt_and_current.md",
-    "choose_what_the_wire_pulls.md",
     "compare_estimators.md",
     "control.md",
     "design_a_finger.md",
-    "design_a_pretensioner.md",
     "estimators.md",
+    "export_a_controller_or_a_wire.md",
     "files.md",
     "fit_without_a_displacement_sensor.md",
     "from_a_stroke_to_a_moving_finger.md",
     "grip_without_a_sensor.md",
-    "heat_by_pulse_width.md",
-    "home_a_wire.md",
-    "linearise_a_wire.md",
     "plot_what_you_recorded.md",
-    "print_a_finger.md",
-    "put_the_controller_on_a_microcontroller.md",
+    "pretension_train_and_home.md",
     "read_my_recordings.md",
-    "replay_a_recording.md",
     "run_a_study_of_many_wires.md",
     "run_in_real_time.md",
-    "run_many_closed_loops.md",
     "tune_a_controller.md",
-    "use_a_wire_in_another_simulation.md",
-    "use_files_of_labview_matlab_and_excel.md",
 }
 
 
@@ -104,6 +95,7 @@ def test_every_block_of_the_page_runs(page: Path, tmp_path: Path) -> None:
     # Which fonts a machine has is no fault of a page.
     strict = "error,ignore:none of the fonts"
     environment = {**os.environ, "PATH": python, "MPLBACKEND": "Agg", "PYTHONWARNINGS": strict}
+    (tmp_path / "examples").symlink_to(CHECKOUT / "examples")
     said, found = "", blocks(page)
     for (language, text), (following, _) in pairwise([*found, ("", "")]):
         if "python3 -m venv" in text:
@@ -145,7 +137,7 @@ def test_every_link_within_the_repository_leads_somewhere(page: Path) -> None:
 
 
 def test_a_class_with_two_methods_gets_a_closed_loop_in_25_lines() -> None:
-    page = CHECKOUT / "docs/how-to/in_your_own_loop.md"
+    page = CHECKOUT / "docs/how-to/bring_your_own_plant.md"
     (loop,) = (text for language, text in blocks(page) if language == "python" and "class Bench" in text)
     assert sum(bool(line.strip()) for line in loop.splitlines()) <= 25
     with mw.open_rig("simulated", seed=1) as rig:

@@ -83,7 +83,6 @@ CALLS = {
     "tune": ["model.json", "loop.h5"],
     "estimate": ["model.json", "loop.h5"],
     "protection": ["simulated"],
-    "bench": ["--quick", "--only", "step[10ms,numba]"],
     "recover": ["cut.h5"],
     "rules": [],
     "export c": ["model.json", "-o", "library"],

@@ -64,7 +64,7 @@ def parse(arguments: list[str]) -> None:
 
 
 # Its command is that of a package which only this page installs.
-OF_A_PACKAGE = "add_a_package_of_your_own.md"
+OF_A_PACKAGE = "add_your_own.md"
 WITH_COMMANDS = [page for page in PAGES if page.name != OF_A_PACKAGE and any(commands_of(page))]
 
 

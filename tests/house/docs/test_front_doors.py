@@ -33,7 +33,7 @@ def test_the_door_leads_to_its_end(door: str, tmp_path: Path) -> None:
         pytest.param(
             "flexinol-0.25-lt",
             "90 s",
-            "1.2 % to 2.4 % by 0.6 %",
+            "1.2 % to 2.4 % by 0.6 % for 20 s",
             marks=[
                 pytest.mark.full,
                 pytest.mark.xfail(

@@ -57,6 +57,8 @@ class RobustnessAnswer(AnswerModel):
     grips: tuple[GripRow, ...]
     bars: tuple[Annotated[BarVerdict, AnswerRecord(holds=bool)], ...]
     missed: Words
+    new_misses: Words
+    repaired: Words
     seeds: tuple[int, ...]
     seeds_are: str
     references: Words

@@ -199,7 +199,8 @@ def fit_resistance(
 
     References
     ----------
-    Lan and Fan 2010, Eqs. 3 to 5, for the model; decision 40 for the prior.
+    Lan and Fan 2010, Eqs. 3 to 5, for the model; the prior's sources are in
+    ``parameters/data/spreads/named-wire.toml``.
 
     Examples
     --------

@@ -37,7 +37,7 @@ def test_the_papers_stiffness_becomes_a_part_with_drawings_figure_and_file(
     assert found["finger_share"] == pytest.approx(1084.4 / (1084.4 + found["stiffness_n_per_m"]))
     assert all(200 < path.stat().st_size < 500_000 for path in files)
     the_drawings_have_its_size(svg, dxf, geometry)
-    page = (DOCS / "how-to/design_a_pretensioner.md").read_text("utf-8")
+    page = (DOCS / "how-to/design_a_finger.md").read_text("utf-8")
     for key in ("stiffness_n_per_m", "stiffness_guided_n_per_m"):
         assert f"{found[key]:.1f} N/m" in page, "the page has the numbers of the command it shows"
     again = musclewire(*COMMAND, "--file", toml, "--json")

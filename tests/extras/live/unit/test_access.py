@@ -74,16 +74,36 @@ def test_only_our_own_page_and_programs_may_change_something(
     assert LOCAL.origin_is_ours(origin, site, "localhost:8765") is permitted
 
 
+async def never_called(*_arguments: object) -> None:
+    raise AssertionError("it was passed on")
+
+
 @pytest.mark.parametrize("origins", [("http://localhost:8765", "http://evil.example"), ("http://localhost:8765",) * 2])
 def test_of_several_origins_none_passes_whichever_comes_first(origins: tuple[str, ...]) -> None:
-    async def nothing(*_arguments: object) -> None:
-        raise AssertionError("it was passed on")
-
-    gate = Gate(nothing, LOCAL, "cookie", lambda _scope: None)
+    gate = Gate(never_called, LOCAL, "cookie", lambda _scope: None)
     for several, status in ((origins, 403), (origins[::-1], 403), (origins[:1], None)):
         headers = [(b"host", b"localhost:8765"), *((b"origin", one.encode()) for one in several)]
         refusal = gate.refusal({"type": "http", "method": "POST", "path": "/", "headers": headers})
         assert (refusal and refusal.status) == status
+
+
+CHUNKED, LENGTH, NOTHING = (b"transfer-encoding", b"chunked"), (b"content-length", b"2"), (b"content-length", b"0")
+JSON, FORM = (b"content-type", b"application/json; charset=utf-8"), (b"content-type", b"text/plain")
+
+
+@pytest.mark.parametrize(
+    ("headers", "passes"),
+    [
+        *(((CHUNKED,), False), ((CHUNKED, NOTHING), False), ((CHUNKED, FORM), False), ((LENGTH, FORM), False)),
+        *(((CHUNKED, JSON), True), ((LENGTH, JSON), True), ((NOTHING,), True), ((), True)),
+    ],
+)
+def test_what_is_not_json_passes_only_as_a_stop(headers: tuple[tuple[bytes, bytes], ...], passes: bool) -> None:
+    gate = Gate(never_called, LOCAL, "cookie", lambda _scope: None)
+    request = {"type": "http", "method": "POST", "headers": [(b"host", b"localhost:8765"), *headers]}
+    refusal = gate.refusal({**request, "path": "/api/v1/benches/simulated/commands"})
+    assert (refusal and refusal.status) == (None if passes else 415)
+    assert gate.refusal({**request, "path": "/api/v1/benches/simulated/stop"}) is None
 
 
 @given(st.text())

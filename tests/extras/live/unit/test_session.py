@@ -12,7 +12,7 @@ import httpx
 import pytest
 from tests.extras.live.bench_stand_in import BenchStandIn
 
-from musclewire.extras.live._server import bench_routes
+from musclewire.extras.live._server import application, bench_routes
 from musclewire.extras.live._server import session as server_session
 from musclewire.extras.live._server.access import LEASE_AT_REST_S, LEASE_S
 from musclewire.extras.live._server.newcomers import Newcomers
@@ -65,6 +65,50 @@ def test_only_the_answer_to_a_recent_ping_keeps_a_lease(held: Held) -> None:
     held.at(1.5 * LEASE_S).session.pong("ann", 1)
     assert held.is_held
     assert not held.at(1.9 * LEASE_S).is_held
+
+
+def test_a_bench_is_told_that_somebody_is_there_only_while_its_holder_gives_signs(held: Held) -> None:
+    """Without a sign for a while a bench ends what heats, whatever the server still believes of its holder."""
+    held.now_s = 0.9 * LEASE_S
+    held.session.ping()
+    assert held.handle.signs_of_life == 1
+    held.now_s = 1.1 * LEASE_S  # before the server has looked at its leases again
+    held.session.ping()
+    assert held.is_held
+    assert held.handle.signs_of_life == 1
+
+
+class Said:
+    """A WebSocket that says what it was made with, and then that its client is gone."""
+
+    application_state = None
+
+    def __init__(self, *texts: str) -> None:
+        self._texts = iter(texts)
+
+    async def receive(self) -> dict[str, str]:
+        text = next(self._texts, None)
+        return {"type": "websocket.disconnect"} if text is None else {"type": "websocket.receive", "text": text}
+
+    async def send_text(self, _text: str) -> None:
+        """Send to nobody."""
+
+
+@pytest.mark.parametrize("is_too_fast", [False, True])
+def test_of_messages_that_come_too_fast_only_stops_are_carried_out(
+    is_too_fast: bool, held: Held, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A message with the word that a stop has, but which is none, is left out like any other."""
+    monkeypatch.setattr(application, "time", SimpleNamespace(monotonic=lambda: 0.0))
+    monkeypatch.setattr(application, "MESSAGES_A_SECOND", 0 if is_too_fast else 2)
+    ask = '{"type": "ask_control", "bench": "simulated", "name": "stop"}'
+    stop = '{"type": "command", "id": 1, "bench": "simulated", "command": {"do": "stop"}}'
+    viewer = held.session.enter()
+    assert viewer is not None
+    connection: Any = Said(ask, stop)
+    asyncio.run(application.ViewerConnection(connection, held.session, viewer).run())
+    assert held.handle.stops == 1
+    assert viewer.name == ("viewer 1" if is_too_fast else "stop")
 
 
 class LateStandIn(BenchStandIn):

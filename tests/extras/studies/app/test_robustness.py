@@ -1,6 +1,9 @@
-"""``musclewire robustness``: a table, its files, exit code 1 for a missed bar, and a run that goes on."""
+"""``musclewire robustness``: a table, its files, exit code 1 for an unexpected miss, and a run that goes on."""
 
 import pytest
+
+from musclewire.extras.studies._robustness import benchmark
+from musclewire.extras.studies._robustness.settings import KnownMiss, KnownMisses
 
 ONE = ("--condition", "load +50 %", "--track", "sines", "--controllers", "none", "--workers", "1")
 
@@ -8,8 +11,6 @@ ONE = ("--condition", "load +50 %", "--track", "sines", "--controllers", "none",
 @pytest.fixture
 def one_wire(monkeypatch):
     """The benchmark with one wire, so that it takes seconds, and with the polynomial, which no load forgives."""
-    from musclewire.extras.studies._robustness import benchmark
-
     known = benchmark.bars().model_copy(update={"default_estimator": "polynomial"})
     monkeypatch.setattr(benchmark, "held_out_seeds", lambda: (102,))
     monkeypatch.setattr(benchmark, "bars", lambda: known)
@@ -17,7 +18,7 @@ def one_wire(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("one_wire")
-def test_a_missed_bar_ends_with_1_and_is_named(tmp_path, musclewire):
+def test_an_unexpected_miss_ends_with_1_and_is_named(tmp_path, musclewire, monkeypatch):
     answer = musclewire("robustness", "-o", tmp_path / "out", "--json", *ONE)
     assert answer.code == 1
     found = answer.json
@@ -27,6 +28,8 @@ def test_a_missed_bar_ends_with_1_and_is_named(tmp_path, musclewire):
     assert row["controller"] is None
     assert 1.0 < row["estimate_rms_pct"] < 8.0
     assert "load +50 %: error" in found["missed"]
+    assert "load +50 %: error" not in found["new_misses"]
+    assert "load +50 %: valid and wrong by 5 %" in found["new_misses"]
     assert found["seeds"] == [102]
     assert "<svg" in (tmp_path / "out" / "report.html").read_text("utf-8")
     assert (tmp_path / "out" / "rows.csv").read_text("utf-8").startswith("disturbance,level,estimator")
@@ -36,6 +39,11 @@ def test_a_missed_bar_ends_with_1_and_is_named(tmp_path, musclewire):
     assert "<svg" in (tmp_path / "all.svg").read_text("utf-8")
     assert again.json["rows"] == found["rows"]
     assert [file.stat().st_mtime_ns for file in kept] == times
+    listed = KnownMisses(miss=(KnownMiss(reason="it knows nothing of the load", bars=tuple(found["missed"])),))
+    monkeypatch.setattr(benchmark, "known_misses", lambda: listed)
+    expected = musclewire("robustness", "-o", tmp_path / "out", "--json", *ONE)
+    assert expected.code == 0
+    assert (expected.json["missed"], expected.json["new_misses"]) == (found["missed"], [])
 
 
 def test_the_names_can_be_listed(musclewire):

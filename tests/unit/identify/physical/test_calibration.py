@@ -126,7 +126,7 @@ def log_ratio(calibration: Calibration, above: str, below: str) -> tuple[float, 
 LATENT_HEAT_WITH_SHIFTS = pytest.mark.xfail(
     strict=True,
     reason="0.128 in the quotient, 0.145 in the latent heat alone: a factor of 0.89 where 0.85 is asked for; the spool "
-    "of paper-100um has temperature shifts now (decision 35)",
+    "of paper-100um has temperature shifts now",
 )
 
 

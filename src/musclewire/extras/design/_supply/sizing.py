@@ -25,17 +25,10 @@ from musclewire.experiment import (
     pulses_of,
     step_warnings,
 )
+from musclewire.extras.design._supply.catalogue_check import PULL_STRESS_PA, UNCOUNTED_STRAIN, run_catalogue_test
+from musclewire.extras.design._supply.one_second import OneSecondDrive, one_second_current, relaxation_time_s
 from musclewire.extras.design._supply.wire_table import ShuntChoice, rated_shunt
-from musclewire.identify import (
-    PULL_STRESS_PA,
-    UNCOUNTED_STRAIN,
-    OneSecondDrive,
-    extrapolation_warnings,
-    one_second_current,
-    relaxation_time_s,
-    run_catalogue_test,
-    steady_temperature_k,
-)
+from musclewire.identify import extrapolation_warnings, steady_temperature_k
 from musclewire.parameters import (
     Bench,
     CatalogueRow,

@@ -15,7 +15,7 @@ from musclewire.extras.studies._robustness.kind import ANSWER, JobAnswer, answer
 from musclewire.extras.studies._robustness.population import held_out_seeds, tuning_seeds
 from musclewire.extras.studies._robustness.references import REFERENCES, require_reference
 from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow, estimator_rows, loop_rows
-from musclewire.extras.studies._robustness.settings import Condition, RobustnessBars, bars, settings
+from musclewire.extras.studies._robustness.settings import Condition, RobustnessBars, bars, known_misses, settings
 from musclewire.extras.studies._robustness.store import FOLDER, sources
 from musclewire.extras.studies._robustness.verdicts import BarVerdict, verdicts_of
 from musclewire.extras.studies._study import Workers, read_study, sweep
@@ -117,7 +117,7 @@ class Robustness:
     loops
         Rows of closed loops.
     verdicts
-        The bars of the defaults.
+        The bars of the defaults, those that are known to be missed with their reasons.
     grips
         Rows of grips; none in a quick run, or in one of chosen conditions.
     answers
@@ -143,6 +143,16 @@ class Robustness:
     def missed(self) -> tuple[BarVerdict, ...]:
         """The bars that were missed."""
         return tuple(verdict for verdict in self.verdicts if not verdict.holds)
+
+    @property
+    def new_misses(self) -> tuple[BarVerdict, ...]:
+        """Missed bars that the committed list does not have: the benchmark fails by these alone."""
+        return tuple(verdict for verdict in self.missed if verdict.known_reason is None)
+
+    @property
+    def repaired(self) -> tuple[BarVerdict, ...]:
+        """Bars of the committed list that hold."""
+        return tuple(verdict for verdict in self.verdicts if verdict.holds and verdict.known_reason is not None)
 
     @property
     def seeds_text(self) -> str:
@@ -256,7 +266,7 @@ def robustness(
     answers = tuple(answer_of_text(text) for text in result.texts[ANSWER])
     rows = estimator_rows(answers, conditions, known)
     runs = loop_rows(answers, conditions, known)
-    verdicts = verdicts_of(rows, runs, known)
+    verdicts = verdicts_of(rows, runs, known, known_misses().reasons(quick=asked.quick))
     grips = () if asked.quick or asked.conditions is not None else grip_rows(Path(folder))
     wall_s = time.perf_counter() - began_s
     return Robustness(seeds, conditions, references, rows, runs, verdicts, grips, answers, asked.quick, wall_s)

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from musclewire.extras.studies._robustness.benchmark import Robustness
 from musclewire.extras.studies._robustness.table_text import COLUMNS, number, rows_answer
+from musclewire.extras.studies._robustness.verdicts import BarVerdict
 from musclewire.figures import StyledFigure, figure_style
 from musclewire.pages import STYLE, NumberCard, page, svg_in_frame
 from musclewire.signals import write_text_whole
@@ -64,8 +65,8 @@ def key_numbers(result: Robustness) -> list[NumberCard]:
         NumberCard(
             "bars that hold",
             f"{held} of {len(result.verdicts)}",
-            "of the default estimator and loop",
-            not result.missed,
+            f"of the default estimator and loop; missed unexpectedly: {len(result.new_misses)}",
+            not result.new_misses,
         )
     ]
     undisturbed = [row for row in result.estimators if row.condition.bar == "none"]
@@ -179,18 +180,27 @@ def grip_cells(result: Robustness) -> list[list[str]]:
 
 
 def bar_cells(result: Robustness) -> list[list[str]]:
-    """Return every verdict as cells, missed ones first."""
-    ordered = sorted(result.verdicts, key=lambda verdict: verdict.holds)
+    """Return every verdict as cells, missed ones first, and of these what nobody expected."""
+    ordered = sorted(result.verdicts, key=lambda one: (one.holds, one.known_reason is not None))
     return [
         [
-            "holds" if one.holds else "missed",
+            outcome_text(one),
             one.condition,
             one.name,
             f"{number(one.value, 3)} {one.unit}",
             one.bar_text,
+            one.known_reason or "",
         ]
         for one in ordered
     ]
+
+
+def outcome_text(verdict: BarVerdict) -> str:
+    """Return whether a bar holds, and whether that was expected."""
+    expected = verdict.known_reason is not None
+    if verdict.holds:
+        return "holds, listed as missed" if expected else "holds"
+    return "missed, as expected" if expected else "missed, unexpectedly"
 
 
 def row_cells(result: Robustness) -> list[list[str]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from functools import cache
 from importlib.resources import files
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -382,3 +383,54 @@ def bars() -> RobustnessBars:
     """Return the bars that ship with musclewire."""
     text = (files("musclewire.extras.studies._robustness") / "data" / BARS_FILE).read_text("utf-8")
     return validated(RobustnessBars, tomllib.loads(text), f"robustness: {BARS_FILE}")
+
+
+KNOWN_MISSES_FILE = "known_misses.toml"
+
+
+class KnownMiss(StrictTable):
+    """Bars that are known to be missed for one reason.
+
+    Parameters
+    ----------
+    reason
+        Why they are missed.
+    bars
+        Their full names: condition and what is judged.
+    runs
+        Of which runs that is known.
+    """
+
+    reason: str = Field(min_length=20)
+    bars: tuple[str, ...] = Field(min_length=1)
+    runs: Literal["quick", "whole", "both"] = "both"
+
+
+class KnownMisses(StrictTable):
+    """The whole file."""
+
+    miss: tuple[KnownMiss, ...]
+
+    def reasons(self, *, quick: bool) -> dict[str, str]:
+        """Return the reasons by full name for a quick run, or for one that is not."""
+        runs = ("both", "quick" if quick else "whole")
+        found: dict[str, str] = {}
+        for one in self.miss:
+            if one.runs in runs:
+                if twice := found.keys() & set(one.bars):
+                    raise ValueError(f"{', '.join(sorted(twice))}: a bar has one reason, leave the other out")
+                found |= dict.fromkeys(one.bars, one.reason)
+        return found
+
+    @model_validator(mode="after")
+    def _one_reason_each(self) -> KnownMisses:
+        for quick in (True, False):
+            self.reasons(quick=quick)
+        return self
+
+
+@cache
+def known_misses() -> KnownMisses:
+    """Return the committed list of bars that are known to be missed."""
+    text = (files("musclewire.extras.studies._robustness") / "data" / KNOWN_MISSES_FILE).read_text("utf-8")
+    return validated(KnownMisses, tomllib.loads(text), f"robustness: {KNOWN_MISSES_FILE}")

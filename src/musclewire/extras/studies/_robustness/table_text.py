@@ -118,9 +118,30 @@ def table_text(result: Robustness) -> str:
                   *loop_lines(result.loops)]  # fmt: skip
     if result.grips:
         parts += ["", "Held force of a grip, in percent of the target.", *grip_lines(result.grips)]
-    missed = [f"  {verdict}" for verdict in result.missed]
-    parts += ["", f"{len(result.verdicts) - len(missed)} of {len(result.verdicts)} bars hold", *missed]
-    return "\n".join(parts)
+    return "\n".join([*parts, "", *bar_lines(result)])
+
+
+def bar_lines(result: Robustness) -> list[str]:
+    """Return how many bars hold, and which do not, by whether the committed list has them."""
+    known = [one for one in result.missed if one.known_reason is not None]
+    lines = [
+        f"{len(result.verdicts) - len(result.missed)} of {len(result.verdicts)} bars hold; missed as expected: "
+        f"{len(known)}; missed unexpectedly: {len(result.new_misses)}; held although expected to miss: "
+        f"{len(result.repaired)}"
+    ]
+    groups = (
+        ("missed as expected", known),
+        ("missed unexpectedly, not on the committed list", result.new_misses),
+        ("held although expected to miss", result.repaired),
+    )
+    for title, verdicts in groups:
+        lines += [f"{title}:"] if verdicts else []
+        by_reason: dict[str, list[str]] = {}
+        for one in verdicts:
+            by_reason.setdefault(one.known_reason or "", []).append(f"  {one}")
+        for reason, bars in by_reason.items():
+            lines += [*bars, *([f"    {reason}"] if reason else [])]
+    return lines
 
 
 def number(value: float | None, digits: int = 2) -> str:

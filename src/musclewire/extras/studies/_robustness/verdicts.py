@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow
@@ -24,6 +24,10 @@ class BarVerdict(NamedTuple):
         The bar: the number must not be below or above; None without such an end.
     unit
         Unit of all three.
+    wire
+        Seed of the wire whose number it is; None for a number of several.
+    known_reason
+        Why the bar is known to be missed; None for one that the committed list does not have.
     """
 
     name: str
@@ -32,6 +36,13 @@ class BarVerdict(NamedTuple):
     low: float | None
     high: float | None
     unit: str
+    wire: int | None = None
+    known_reason: str | None = None
+
+    @property
+    def full_name(self) -> str:
+        """Condition and name, by which the committed list has it."""
+        return f"{self.condition}: {self.name}"
 
     @property
     def holds(self) -> bool:
@@ -50,7 +61,8 @@ class BarVerdict(NamedTuple):
     def __str__(self) -> str:
         """Return it as a line."""
         value = "not found" if self.value is None else f"{self.value:.3g} {self.unit}".rstrip()
-        return f"{'holds' if self.holds else 'MISSED'}: {self.condition}: {self.name} {value}, {self.bar_text}"
+        wire = "" if self.wire is None else f" (wire {self.wire})"
+        return f"{self.full_name} {value}{wire}, {self.bar_text}"
 
 
 def effective_bar_pct(own_pct: float, baseline_pct: float | None, bars: RobustnessBars) -> float:
@@ -59,7 +71,7 @@ def effective_bar_pct(own_pct: float, baseline_pct: float | None, bars: Robustne
 
 
 def verdicts_of(
-    estimators: Sequence[EstimatorRow], loops: Sequence[LoopRow], bars: RobustnessBars
+    estimators: Sequence[EstimatorRow], loops: Sequence[LoopRow], bars: RobustnessBars, known: Mapping[str, str]
 ) -> tuple[BarVerdict, ...]:
     """Return every bar of the default estimator and the default loop that the rows allow to judge.
 
@@ -71,6 +83,8 @@ def verdicts_of(
         Rows of closed loops.
     bars
         The bars.
+    known
+        Reasons of the bars that are known to be missed, by their full names.
 
     Returns
     -------
@@ -84,7 +98,7 @@ def verdicts_of(
     for loop in loops:
         if (loop.estimator, loop.controller) == (bars.default_estimator, bars.default_controller):
             found += loop_verdicts(loop, bars)
-    return tuple(found)
+    return tuple(one._replace(known_reason=known.get(one.full_name)) for one in found)
 
 
 def estimator_verdicts(row: EstimatorRow, baseline: EstimatorRow | None, bars: RobustnessBars) -> Iterator[BarVerdict]:
@@ -119,8 +133,8 @@ def error_verdicts(
             yield BarVerdict("error of wires in segments", name, row.segmented_pct, None, segmented_pct, "%")
     if row.worst is not None:
         high_pct = segmented_pct if row.worst.segments > 1 else high_pct
-        worst = f"error of the worst wire, {row.worst.seed}"
-        yield BarVerdict(worst, name, row.worst.counted_pct, None, bars.worst_wire_ratio * high_pct, "%")
+        worst_pct = bars.worst_wire_ratio * high_pct
+        yield BarVerdict("error of the worst wire", name, row.worst.counted_pct, None, worst_pct, "%", row.worst.seed)
 
 
 def honest_verdicts(row: EstimatorRow, bars: RobustnessBars) -> Iterator[BarVerdict]:

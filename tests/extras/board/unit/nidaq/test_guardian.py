@@ -6,6 +6,7 @@ import signal
 import socket
 from collections.abc import Iterator
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import pytest
 from tests.extras.board.unit.nidaq.card_in_memory import OFF_V, ORDERS, CardInMemory
@@ -137,6 +138,29 @@ def test_silence_leads_to_the_sense_voltage_then_off_and_every_later_command_is_
     replies = [bench.reply() for _ in range(3)]
     assert replies[-1][0] == b"T"
     assert replies[-1][1] == pytest.approx(0.3)
+
+
+def test_a_command_that_came_while_the_guardian_itself_was_delayed_ends_the_silence(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The wait ends without a command; then the machine holds the guardian up, and the host goes on meanwhile."""
+    guardian = bench.guardian()
+    guardian._obey(PUT, 2.0)
+    waits: list[float] = []
+
+    def select(lines: list[socket.socket], _write: object, _error: object, wait_s: float) -> tuple[list[object], ...]:
+        waits.append(wait_s)
+        if len(waits) > 1:
+            return real(lines, [], [], 60.0)
+        bench.clock.now_s += 1.0
+        bench.send((KEEP, 0.0), (END, 0.0))
+        return [], [], []
+
+    real = module.select.select
+    monkeypatch.setattr(module, "select", SimpleNamespace(select=select))
+    assert guardian.run()
+    assert bench.card.out == [("now", OFF_V), ("edge", 1.1), ("now", OFF_V)]
+    assert bench.reply()[0] == bench.reply()[0] == bench.reply()[0] == b"A"
 
 
 def test_silence_on_a_card_that_refuses_the_sense_voltage_ends_at_0_v(bench: Bench) -> None:

@@ -42,6 +42,14 @@ def test_a_command_after_the_sense_voltage_drives_again_and_a_sign_of_life_does_
     assert watch.due(100.2) is None
 
 
+def test_every_stall_leads_to_the_sense_voltage_and_not_only_the_first() -> None:
+    watch = heard(2.0)
+    assert [watch.due(100.15), watch.due(100.2)] == [0.3, None]
+    watch.note(100.21, 2.0)
+    assert [watch.due(100.3), watch.due(100.32), watch.due(100.4)] == [None, 0.3, None]
+    assert watch.due(100.47) == 0.0
+
+
 @pytest.mark.parametrize("drive_v", [0.0, 0.1, 0.3])
 def test_at_the_sense_voltage_and_below_silence_harms_nothing(drive_v: float) -> None:
     watch = heard(drive_v)

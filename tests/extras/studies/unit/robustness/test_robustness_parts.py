@@ -11,17 +11,18 @@ from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
 from musclewire.extras.studies._robustness import Selection, held_out_seeds, tuning_seeds
-from musclewire.extras.studies._robustness.benchmark import chosen_by
+from musclewire.extras.studies._robustness.benchmark import Robustness, chosen_by
 from musclewire.extras.studies._robustness.closed_loops import ScoredLoop
 from musclewire.extras.studies._robustness.grips import changes
 from musclewire.extras.studies._robustness.kind import JobAnswer, RobustnessOptions, answer_of_text
 from musclewire.extras.studies._robustness.plant import Disturbance
 from musclewire.extras.studies._robustness.population import drawn_wire
 from musclewire.extras.studies._robustness.references import REFERENCES, reference_targets, start_up
-from musclewire.extras.studies._robustness.rows import estimator_rows
+from musclewire.extras.studies._robustness.rows import EstimatorRow, LoopRow, WireError, estimator_rows
 from musclewire.extras.studies._robustness.scoring import ErrorSums, pooled
-from musclewire.extras.studies._robustness.settings import bars, settings
+from musclewire.extras.studies._robustness.settings import bars, known_misses, settings
 from musclewire.extras.studies._robustness.store import ROOMS, sources
+from musclewire.extras.studies._robustness.table_text import bar_lines
 from musclewire.extras.studies._robustness.verdicts import verdicts_of
 
 
@@ -142,10 +143,38 @@ def test_a_wire_with_a_large_gap_has_a_larger_bar():
 
 def test_a_missed_bar_is_named():
     rows = estimator_rows([answer(101, 3.0), answer(102, 0.1)], [condition("none")], bars())
-    found = {verdict.name: verdict for verdict in verdicts_of(rows, (), bars())}
+    found = {verdict.name: verdict for verdict in verdicts_of(rows, (), bars(), {})}
     assert not found["error"].holds
-    assert not found["error of the worst wire, 101"].holds
+    assert not found["error of the worst wire"].holds
+    assert found["error of the worst wire"].wire == 101
     assert found["95 % intervals hold"].holds
+
+
+def test_the_benchmark_fails_by_bars_that_nobody_expected_to_be_missed():
+    rows = estimator_rows([answer(101, 3.0), answer(102, 0.1)], [condition("none")], bars())
+    known = {"none: error": "it is far off", "none: 95 % intervals hold": "they did not"}
+    verdicts = verdicts_of(rows, (), bars(), known)
+    result = Robustness((101, 102), (condition("none"),), (), rows, (), verdicts, (), (), False, 0.0)
+    assert [one.full_name for one in result.missed] == ["none: error", "none: error of the worst wire"]
+    assert [one.full_name for one in result.new_misses] == ["none: error of the worst wire"]
+    assert [one.full_name for one in result.repaired] == ["none: 95 % intervals hold"]
+    text = "\n".join(bar_lines(result))
+    assert "missed as expected: 1; missed unexpectedly: 1; held although expected to miss: 1" in text
+    assert text.index("none: error 2.12 %") < text.index("it is far off") < text.index("none: error of the worst wire")
+
+
+@pytest.mark.parametrize("quick", [True, False], ids=["quick", "whole"])
+def test_every_known_miss_is_a_bar_of_its_run(quick):
+    names = settings().quick.conditions if quick else None
+    conditions, known = settings().conditions(names), bars()
+    score = ErrorSums(samples=1, valid=1, cold=1, flag_runs=1, quiet_s=1.0)
+    of_both = (WireError(101, 12, 1.0, 1.0), WireError(102, 1, 1.0, 1.0))
+    rows = [EstimatorRow(one, known.default_estimator, score, ErrorSums(), of_both, "", 0) for one in conditions]
+    loops = [
+        LoopRow(one, known.default_estimator, known.default_controller, (LOOP,), (1.0,), (101,)) for one in conditions
+    ]
+    there = {one.full_name for one in verdicts_of(rows, loops, known, {})}
+    assert known_misses().reasons(quick=quick).keys() <= there
 
 
 def test_an_answer_is_what_was_kept_of_it():
