@@ -72,6 +72,18 @@ def test_the_pages_that_the_site_adds_are_those_that_committed_pages_name_and_no
     assert [name for name in written if (CHECKOUT / f"docs/{name}.md").exists()] == [COMMAND_LINE]
 
 
+def test_every_link_of_a_page_that_the_site_adds_leads_to_a_page(written: dict[str, Callable[[], str]]) -> None:
+    """Nobody who moves a page meets these links in the checkout."""
+    missing = []
+    for name, page in written.items():
+        folder = (CHECKOUT / "docs" / name).parent
+        for link in re.findall(r"\]\((?!\w+:)([^)\s#]+)", page()):
+            place = (folder / link).resolve()
+            if not place.exists() and place.with_suffix("").relative_to(CHECKOUT / "docs").as_posix() not in written:
+                missing.append(f"{name}: {link}")
+    assert missing == []
+
+
 def test_the_page_on_the_command_line_has_every_command_with_its_options_and_what_is_written_by_hand(
     written: dict[str, Callable[[], str]], commands: dict[str, Any]
 ) -> None:
