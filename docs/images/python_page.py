@@ -46,7 +46,6 @@ HEADINGS = {
     "parameters": "Wires, alloys and benches",
     "wire": "Wires without a rig",
     "physics": "Physics",
-    "app": "Speed",
     "manifest": "A part of your own",
     "errors": "Errors",
     "arrays": "Types",

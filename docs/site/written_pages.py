@@ -1,5 +1,7 @@
 """The pages of the site that are written from the code whenever it is built, and are in no commit.
 
+Of the page on the command line a commit has what is written by hand, and the site the options, too.
+
     python docs/site/written_pages.py          lists their names
     python docs/site/written_pages.py NAME     prints one, as reference/protection
 
@@ -13,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "images"))
+import command_line_page
 import faults_page
 import live_api_page
 import parameter_page
@@ -23,6 +26,7 @@ import toml_keys_page
 import wire_row_page
 
 PAGES: dict[str, Callable[[], str]] = {
+    "reference/command_line": command_line_page.page,
     "reference/faults": faults_page.page,
     "reference/rig_files": rig_keys_page.page,
     "reference/live_api": live_api_page.page,

@@ -19,6 +19,7 @@ TURNS = CHECKOUT / "docs" / "explanation" / "turns_and_minor_loops.md"
 PAPER_MAP = CHECKOUT / "docs" / "reference" / "paper_map.md"
 # Pages that follow from the code alone: docs/site/written_pages.py. And how a committed page names one of them.
 WRITTEN = ("faults", "rig_files", "live_api", "parameters", "protection", "python", "toml_files", "wire_row")
+COMMAND_LINE = "reference/command_line"
 NAMED = re.compile(r"`site:([\w/]+)(?:#[\w-]+)?`")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
 AGAIN = "run python docs/images/draw.py and commit what it changes"
@@ -64,10 +65,37 @@ def test_a_page_that_the_site_adds_has_tables_and_each_row_of_a_name_says_someth
 def test_the_pages_that_the_site_adds_are_those_that_committed_pages_name_and_none_is_committed(
     written: dict[str, Callable[[], str]],
 ) -> None:
-    assert sorted(written) == sorted(f"reference/{name}" for name in WRITTEN)
+    """Of the page on the command line a part is."""
+    assert set(written) == {COMMAND_LINE, *(f"reference/{name}" for name in WRITTEN)}
     committed = [CHECKOUT / "README.md", *(CHECKOUT / "docs").rglob("*.md")]
     assert {name for page in committed for name in NAMED.findall(page.read_text("utf-8"))} == set(written)
-    assert not [name for name in written if (CHECKOUT / f"docs/{name}.md").exists()]
+    assert [name for name in written if (CHECKOUT / f"docs/{name}.md").exists()] == [COMMAND_LINE]
+
+
+def test_every_link_of_a_page_that_the_site_adds_leads_to_a_page(written: dict[str, Callable[[], str]]) -> None:
+    """Nobody who moves a page meets these links in the checkout."""
+    missing = []
+    for name, page in written.items():
+        folder = (CHECKOUT / "docs" / name).parent
+        for link in re.findall(r"\]\((?!\w+:)([^)\s#]+)", page()):
+            place = (folder / link).resolve()
+            if not place.exists() and place.with_suffix("").relative_to(CHECKOUT / "docs").as_posix() not in written:
+                missing.append(f"{name}: {link}")
+    assert missing == []
+
+
+def test_the_page_on_the_command_line_has_every_command_with_its_options_and_what_is_written_by_hand(
+    written: dict[str, Callable[[], str]], commands: dict[str, Any]
+) -> None:
+    page = written[COMMAND_LINE]()
+    sections = dict(re.findall(r"^## `musclewire (\w+(?: \w+)?)`\n(.*?)(?=^## |\Z)", page, re.M | re.S))
+    assert list(sections) == list(commands)
+    options = [row["Option"] for table in tables_of(sections["control"]) for row in table if "Option" in row]
+    own = [one for one in commands["control"].params if one.param_type_name == "option" and "--help" not in one.opts]
+    assert [code_words(names) for names in options] == [one.opts for one in own]
+    assert "`steps`, " in sections["control"]
+    by_hand = (CHECKOUT / f"docs/{COMMAND_LINE}.md").read_text("utf-8")
+    assert set(by_hand.splitlines()) <= set(page.splitlines())
 
 
 def test_the_column_of_the_map_of_the_paper_is_as_its_script_writes_it(draw: Any) -> None:
