@@ -6,7 +6,6 @@ import signal
 import socket
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import httpx
@@ -16,7 +15,6 @@ from benchmarks.live_server import running_server
 
 from musclewire.extras.live._client import LiveClient
 from musclewire.extras.live._serve_command import AddressOptions, announce, identifiers
-from musclewire.extras.live._server import running as server_running
 from musclewire.extras.live._server.running import ListenAddress, running
 
 
@@ -49,21 +47,6 @@ def test_what_cannot_be_served_is_one_line(
     assert said in answer.err
     assert len(answer.err.strip().splitlines()) == 1
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
-
-
-@pytest.mark.parametrize(("cores", "left"), [({0, 1, 2}, [{0, 2}]), ({1}, []), ({0, 2}, [{0, 2}])])
-def test_the_server_leaves_the_core_of_the_loop_if_there_is_another(
-    cores: set[int], left: list[set[int]], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    taken: list[set[int]] = []
-    system = SimpleNamespace(
-        sched_getaffinity=lambda _: cores, sched_setaffinity=lambda _, others: taken.append(others)
-    )
-    monkeypatch.setattr(server_running, "os", system)
-    monkeypatch.setattr(server_running.sys, "platform", "linux")
-    server_running.leave_core(1)
-    server_running.leave_core(None)
-    assert taken == left
 
 
 @pytest.mark.parametrize("named", [True, False])

@@ -15,6 +15,7 @@ import pytest
 from musclewire.errors import CallerError
 from musclewire.extras.live import _messages as messages
 from musclewire.extras.live._bench import orders, process, recipes
+from musclewire.extras.live._bench.session import BenchSession
 from musclewire.extras.live._bench_handle import BenchHandle, BenchSettings
 from musclewire.extras.live._server import running
 
@@ -68,6 +69,19 @@ def test_a_run_that_ends_has_its_last_samples_before_it_is_switched_off(monkeypa
     session = Watched(monkeypatch, heating=True, ending="as asked")
     session.watch(until_s=2.0 * SAMPLE_S)
     assert session.stopped_at_s == []
+
+
+def test_a_run_that_was_ended_keeps_its_reason_when_nobody_is_there_any_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    session = Watched(monkeypatch, heating=True, ending="as asked")
+    session.watch(until_s=3.0)
+    assert session.ending == "as asked"
+    assert session.stopped_at_s
+
+
+@pytest.mark.parametrize(("rig", "sample_s"), [(None, 0.0), (SimpleNamespace(sample_period_s=SAMPLE_S), SAMPLE_S)])
+def test_how_long_a_run_may_take_to_end_counts_the_samples_of_the_rig_that_is_open(rig: Any, sample_s: float) -> None:
+    nothing: Any = None
+    assert BenchSession("simulated", Path(), nothing, nothing, rig=rig).sample_s == sample_s
 
 
 @pytest.mark.parametrize("fails", [False, True])
