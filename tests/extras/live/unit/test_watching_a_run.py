@@ -18,6 +18,7 @@ from musclewire.extras.live._bench import orders, process, recipes
 from musclewire.extras.live._bench.session import BenchSession
 from musclewire.extras.live._bench_handle import BenchHandle, BenchSettings
 from musclewire.extras.live._server import running
+from musclewire.rigs import open_rig
 
 SAMPLE_S, MAX_SILENCE_S = 0.05, 0.6
 
@@ -102,6 +103,16 @@ def test_a_bench_without_a_process_refuses_what_is_ordered_and_says_why(tmp_path
     handle.state["why"] = "its process has ended"
     answer = asyncio.run(handle.command(messages.read_command({"do": "home"})))
     assert (answer.accepted, answer.message) == (False, "its process has ended")
+
+
+def test_a_rig_that_is_in_order_has_passed_the_doctor() -> None:
+    passed: list[str] = []
+    state = SimpleNamespace(phase="ready")
+    shown = SimpleNamespace(state=state, change=lambda **_: None, say=lambda *_: None, done=passed.append)
+    with open_rig("simulated") as rig:
+        session: Any = SimpleNamespace(rig=rig, shown=shown, on_probe=lambda *_: None)
+        recipes.examine_rig(session, messages.Doctor(do="doctor"))
+    assert passed == ["doctor"]
 
 
 def test_a_model_cannot_be_fitted_before_there_is_a_slow_loop() -> None:
