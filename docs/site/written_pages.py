@@ -15,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "images"))
+import circuits_page
 import command_line_page
 import faults_page
 import live_api_page
@@ -26,6 +27,7 @@ import toml_keys_page
 import wire_row_page
 
 PAGES: dict[str, Callable[[], str]] = {
+    "reference/circuits": circuits_page.page,
     "reference/command_line": command_line_page.page,
     "reference/faults": faults_page.page,
     "reference/rig_files": rig_keys_page.page,

@@ -18,7 +18,17 @@ FOUND = CHECKOUT / "docs" / "explanation" / "parameters.md"
 TURNS = CHECKOUT / "docs" / "explanation" / "turns_and_minor_loops.md"
 PAPER_MAP = CHECKOUT / "docs" / "reference" / "paper_map.md"
 # Pages that follow from the code alone: docs/site/written_pages.py. And how a committed page names one of them.
-WRITTEN = ("faults", "rig_files", "live_api", "parameters", "protection", "python", "toml_files", "wire_row")
+WRITTEN = (
+    "circuits",
+    "faults",
+    "rig_files",
+    "live_api",
+    "parameters",
+    "protection",
+    "python",
+    "toml_files",
+    "wire_row",
+)
 COMMAND_LINE = "reference/command_line"
 NAMED = re.compile(r"`site:([\w/]+)(?:#[\w-]+)?`")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
