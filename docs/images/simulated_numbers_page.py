@@ -9,7 +9,7 @@ import turns_numbers
 
 HEAD = """# Tables of simulated numbers
 
-For whoever wants all numbers behind a sentence of [physics](../explanation/physics.md), [turns and minor
+For whoever needs all numbers behind a sentence of [physics](../explanation/physics.md), [turns and minor
 loops](../explanation/turns_and_minor_loops.md), [parameters](../explanation/parameters.md) or
 [estimators](../explanation/estimators.md), which say how they came about.
 """

@@ -1,4 +1,4 @@
-"""ARCHITECTURE.md, CITATION.cff and CHANGELOG.md say what pyproject.toml and the package say, and pyproject.toml why."""
+"""ARCHITECTURE.md, CITATION.cff and CHANGELOG.md say what pyproject.toml and the package say."""
 
 from __future__ import annotations
 
