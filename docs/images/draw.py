@@ -4,7 +4,7 @@ After a change of the shipped parameters or of the physics, run it once and comm
 
 - README.md's pictures, from a run of the demo (``python docs/images/draw.py physics`` leaves these out),
 - the pictures of docs/explanation/physics.md and the numbers in it,
-- the tables of docs/explanation/parameters.md from the vectors in studies/vectors
+- what docs/explanation/parameters.md says of other fits, from the vectors in studies/vectors
   (``python docs/images/draw.py alternatives`` writes these alone),
 - the picture of docs/explanation/turns_and_minor_loops.md and the numbers in it
   (``python docs/images/draw.py turns`` draws and writes these alone),

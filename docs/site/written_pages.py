@@ -23,6 +23,7 @@ import parameter_page
 import protection_page
 import python_page
 import rig_keys_page
+import simulated_numbers_page
 import toml_keys_page
 import wire_row_page
 
@@ -35,6 +36,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "reference/parameters": parameter_page.page,
     "reference/protection": protection_page.page,
     "reference/python": python_page.page,
+    "reference/simulated_numbers": simulated_numbers_page.page,
     "reference/toml_files": toml_keys_page.page,
     "reference/wire_row": wire_row_page.page,
 }

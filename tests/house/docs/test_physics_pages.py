@@ -30,6 +30,7 @@ WRITTEN = (
     "wire_row",
 )
 COMMAND_LINE = "reference/command_line"
+NUMBERS = "reference/simulated_numbers"  # after a minute of simulations
 NAMED = re.compile(r"`site:([\w/]+)(?:#[\w-]+)?`")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
 AGAIN = "run python docs/images/draw.py and commit what it changes"
@@ -76,7 +77,7 @@ def test_the_pages_that_the_site_adds_are_those_that_committed_pages_name_and_no
     written: dict[str, Callable[[], str]],
 ) -> None:
     """Of the page on the command line a part is."""
-    assert set(written) == {COMMAND_LINE, *(f"reference/{name}" for name in WRITTEN)}
+    assert set(written) == {COMMAND_LINE, NUMBERS, *(f"reference/{name}" for name in WRITTEN)}
     committed = [CHECKOUT / "README.md", *(CHECKOUT / "docs").rglob("*.md")]
     assert {name for page in committed for name in NAMED.findall(page.read_text("utf-8"))} == set(written)
     assert [name for name in written if (CHECKOUT / f"docs/{name}.md").exists()] == [COMMAND_LINE]
@@ -86,6 +87,8 @@ def test_every_link_of_a_page_that_the_site_adds_leads_to_a_page(written: dict[s
     """Nobody who moves a page meets these links in the checkout."""
     missing = []
     for name, page in written.items():
+        if name == NUMBERS:
+            continue
         folder = (CHECKOUT / "docs" / name).parent
         for link in re.findall(r"\]\((?!\w+:)([^)\s#]+)", page()):
             place = (folder / link).resolve()
@@ -141,6 +144,14 @@ def test_the_numbers_on_a_page_are_those_of_the_shipped_wire(draw: Any, page: Pa
     # Another machine may round the last bit otherwise: a unit of the last digit printed is no other result.
     for ours, printed in zip(NUMBER.findall(fresh), NUMBER.findall(text), strict=True):
         assert float(ours) == pytest.approx(float(printed), abs=1.01 * last_digit(printed)), AGAIN
+
+
+@pytest.mark.documented
+def test_the_tables_of_simulated_numbers_have_their_rows(written: dict[str, Callable[[], str]]) -> None:
+    tables = tables_of(written[NUMBERS]())
+    assert len(tables) == 9
+    assert min(map(len, tables)) > 5
+    assert all(cell for table in tables for row in table for cell in row.values())
 
 
 def test_every_equation_of_the_page_leads_to_code() -> None:
