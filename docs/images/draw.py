@@ -9,9 +9,7 @@ After a change of the shipped parameters or of the physics, run it once and comm
 - the picture of docs/explanation/turns_and_minor_loops.md and the numbers in it
   (``python docs/images/draw.py turns`` draws and writes these alone),
 - the Bode plot of docs/how-to/tune_a_controller.md (``python docs/images/draw.py margins`` draws it alone),
-- point B on docs/explanation/why_resistance_tells_strain.md (``python docs/images/draw.py point_b`` draws it alone),
-- the table of docs/explanation/estimators.md from studies/robustness/rows.json
-  (``python docs/images/draw.py robustness`` writes it alone).
+- point B on docs/explanation/why_resistance_tells_strain.md (``python docs/images/draw.py point_b`` draws it alone).
 
 Pages of which nothing is written by hand are not committed: docs/site/written_pages.py.
 """
@@ -31,7 +29,6 @@ import physics_numbers
 import physics_pictures
 import physics_runs
 import point_b_picture
-import robustness_page
 import turns_numbers
 import turns_pictures
 
@@ -44,7 +41,6 @@ HERE = Path(__file__).parent
 PHYSICS_PAGE = HERE.parent / "explanation" / "physics.md"
 TURNS_PAGE = HERE.parent / "explanation" / "turns_and_minor_loops.md"
 FOUND_PAGE = HERE.parent / "explanation" / "parameters.md"
-ESTIMATORS_PAGE = HERE.parent / "explanation" / "estimators.md"
 BLOCK = re.compile(r"(<!-- written by docs/images/draw\.py: (\w+) -->\n).*?(<!-- end -->)", re.S)
 DPI = 110
 # Displacement of the operating points in the Bode plot.
@@ -95,12 +91,6 @@ def write_alternatives() -> None:
     FOUND_PAGE.write_text(page, encoding="utf-8")
 
 
-def write_robustness() -> None:
-    """Write the errors of estimators and closed loops under disturbance into docs/explanation/estimators.md."""
-    page = with_blocks(ESTIMATORS_PAGE.read_text("utf-8"), {"robustness": robustness_page.block()})
-    ESTIMATORS_PAGE.write_text(page, encoding="utf-8")
-
-
 def physics_blocks(loops: tuple[physics_runs.LoopTruth, ...]) -> dict[str, str]:
     """Return every generated text of docs/explanation/physics.md."""
     return physics_numbers.blocks(loops) | balance_numbers.blocks()
@@ -131,7 +121,6 @@ ALONE = {
     "turns": draw_turns,
     "point_b": draw_point_b,
     "alternatives": write_alternatives,
-    "robustness": write_robustness,
 }
 
 

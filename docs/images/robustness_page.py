@@ -1,4 +1,4 @@
-"""Tables of estimators under disturbance, short and long, from the rows that ``musclewire robustness`` has written.
+"""The table of estimators and loops under disturbance, from the rows that ``musclewire robustness`` has written.
 
 They are a copy of its rows.json: studies/robustness/rows.json, of a run on the held-out seeds.
 """
@@ -14,8 +14,6 @@ from parameter_page import table
 ROWS = Path(__file__).parents[2] / "studies" / "robustness" / "rows.json"
 # Conditions that the page leaves out, as they are nearly those of another row.
 LEFT_OUT = ("air known", "12 bits", "24 bits")
-# Those of the short table.
-SHOWN = ("none", "draughts 0.25", "load +50 %", "k x2", "R +1 %", "R +1 %, home", "T +5 K", "noise x10")
 
 
 def all_conditions() -> str:
@@ -30,16 +28,6 @@ def all_conditions() -> str:
         "Estimators: root mean square error in percent of the full stroke. Loops: mean absolute error in percent of "
         f"the target on the paper's staircase, approach included. {len(data['seeds'])} wires, {data['seeds_are']}; "
         f"references: {', '.join(data['references'])}.\n\n{table(['condition', *heads], cells)}"
-    )
-
-
-def block() -> str:
-    """Return what estimators err by under some of the conditions, in a short table."""
-    rows = [row for row in json.loads(ROWS.read_text("utf-8"))["rows"] if name_of(row) in SHOWN]
-    alone = errors(rows)
-    return table(
-        ["condition", *(f"{name}, %" for name in alone)],
-        [[item, *(number(found[item]) for found in alone.values())] for item in SHOWN],
     )
 
 
