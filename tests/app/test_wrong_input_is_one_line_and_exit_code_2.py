@@ -125,7 +125,6 @@ def test_a_header_of_another_program_is_taken_by_an_explicit_mapping(
         ("characterize simulated -o x.h5 --cpu 99999999999", "--cpu: give at most"),
         ("characterize simulated -o x.h5 --real-time-priority", "add --real-time"),
         ("doctor simulated --write", "rig file of your own"),
-        ("bench --only stap", "did you mean 'step'"),
     ],
 )
 def test_wrong_usage_is_one_line_too(
