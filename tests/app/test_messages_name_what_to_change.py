@@ -61,15 +61,3 @@ def test_a_staircase_is_answered_in_the_unit_in_which_it_was_asked_for(
         "0.5 % to 6 % by 0.6 %"
     )
     assert refusal("1 % to 3 % by 0.6 %").endswith("from 1 % to 3 %: increments of 0.6 % miss the stop; try 0.666667 %")
-
-
-def test_numbers_outside_an_options_range_are_answered_with_what_may_be_meant(
-    musclewire: Callable[..., Any], tmp_path: Any
-) -> None:
-    loop = ("characterize", "simulated", "-o", tmp_path / "loop.h5")
-    assert musclewire(*loop, "--cycles", "0").refusal == "musclewire: --cycles: give at least 1"
-    assert musclewire(*loop, "--cycles", "two").refusal == "musclewire: --cycles: give a whole number"
-    above = musclewire(*loop, "--amplitude", "12 V").refusal
-    assert above.endswith("raise the rig file's maximum_voltage")
-    both = musclewire(*loop, "--amplitude", "3 V", "--until-level").refusal
-    assert "leave out --amplitude, or --until-level" in both

@@ -61,12 +61,9 @@ def changed(row: int, column: int, value: float, rows: list[list[float]]) -> lis
 
 
 CASES = {
-    "a header without units": (loop_rows(), "time [s],Voltage,I [A],displacement [mm]", ("Voltage", "unit")),
     "a missing column": (without(3, loop_rows()), "time [s],V_SMA [V],I [A]", ("displacement_m",)),
     "a clock that runs back": (changed(41, 0, 1.0, loop_rows()), HEADER, ("line 43", "clock")),
-    "not a number": (changed(7, 1, float("nan"), loop_rows()), HEADER, ("line 9", "V_SMA")),
     "no current": (loop_rows(current=1e-6), HEADER, ("no current",)),
-    "an unknown unit": (loop_rows(), "time [s],V_SMA [V],I [A],displacement [furlong/K]", ("displacement",)),
 }
 
 
@@ -115,7 +112,6 @@ def test_a_header_of_another_program_is_taken_by_an_explicit_mapping(
     [
         ("fit", "RECORDING"),
         ("fti x", "Did you mean 'fit'"),
-        ("foo", "No such command 'foo'; 'musclewire --help' lists what there is"),
         ("fit x.h5 --ordr 6", "--order"),
         ("--json rules", "musclewire COMMAND ... --json"),
         ("fit nowhere.csv", "nowhere.csv"),
@@ -126,9 +122,7 @@ def test_a_header_of_another_program_is_taken_by_an_explicit_mapping(
         ("characterize simulated -o nowhere/x.h5", "nowhere"),
         ("characterize simulated -o x.h5 --amplitude 9V", "maximum"),
         ("characterize simulated -o x.h5 --amplitude 3", "--amplitude: '3' has no unit; write it with one, as "),
-        ("characterize simulated -o x.h5 --period 0.1s", "is outside 1 to 86400 s"),
         ("characterize simulated -o x.h5 --cpu 99999999999", "--cpu: give at most"),
-        ("calibrate x.h5 --jumps 99999999999", "--jumps: give at most"),
         ("characterize simulated -o x.h5 --real-time-priority", "add --real-time"),
         ("doctor simulated --write", "rig file of your own"),
     ],

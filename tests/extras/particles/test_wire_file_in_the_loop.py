@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
-from typer.testing import CliRunner
 
 import musclewire as mw
-from musclewire.app import app
 from musclewire.errors import CallerError
 from musclewire.identify import users_wire
 from musclewire.parameters import load_alloy, load_wire, wire_file_text
@@ -34,14 +33,13 @@ def model_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.slow
 def test_control_takes_the_particle_filter_and_records_what_it_finds(
-    wire_file: Path, model_file: Path, tmp_path: Path
+    wire_file: Path, model_file: Path, musclewire: Callable[..., Any], tmp_path: Path
 ) -> None:
     run_file = tmp_path / "run.h5"
-    steps = ["--reference", "1.5 % to 2.1 % by 0.3 %"]
-    given = ["control", "simulated", str(model_file), "--wire-file", str(wire_file), *steps, "-o", str(run_file)]
-    result = CliRunner().invoke(app, [*given, "--json"])
-    assert result.exit_code == 0, result.output
-    answer = json.loads(result.stdout)
+    steps = ("--reference", "1.5 % to 2.1 % by 0.3 %")
+    answer = musclewire(
+        "control", "simulated", model_file, "--wire-file", wire_file, *steps, "-o", run_file, "--json"
+    ).json
     assert answer["estimator"] == "particle-filter"
     assert answer["mae_max_approached_pct"] < 2.62  # the largest error of the paper
     assert answer["health"] == ""

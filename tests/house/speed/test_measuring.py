@@ -47,11 +47,6 @@ def test_the_ratio_is_that_of_the_times_of_a_unit(ours_s: float, theirs_s: float
     assert row.ratio_low <= row.ratio <= row.ratio_high
 
 
-def test_one_turn_that_was_disturbed_does_not_move_the_ratio() -> None:
-    row = comparison("step", "a step", "another", [(1.0, 4.0), (9.0, 4.0), (1.0, 4.0), (1.0, 90.0), (1.0, 4.0)])
-    assert (row.ours_us, row.theirs_us, row.ratio) == (1.0, 4.0, 4.0)
-
-
 def test_what_is_prepared_is_not_timed() -> None:
     clock = Clock()
 
@@ -71,20 +66,6 @@ def test_what_is_repeated_in_a_turn_counts_once() -> None:
     once, often = clock.work("once", 2.0, 4.0), clock.work("often", 2.0, 4.0)
     assert TimedProgram(often.run, 4.0, repeats=10).time_us(clock) == pytest.approx(once.time_us(clock))
     assert clock.done.count("often") == 10
-
-
-def test_a_name_that_no_comparison_has_is_answered_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit, match="2"):
-        main(["--only", "exchnge"])
-    assert "did you mean 'exchange'" in capsys.readouterr().err
-
-
-def test_the_table_says_what_the_time_is_for_and_on_which_machine(capsys: pytest.CaptureFixture[str]) -> None:
-    main(["--quick", "--only", "closed_loop_period"])
-    printed = capsys.readouterr()
-    assert "What the time is for" in printed.out
-    assert "Gflop/s" in printed.out
-    assert printed.err == "1 of 1: closed_loop_period\n"
 
 
 def test_json_is_one_document_with_the_keys_that_programs_read(capsys: pytest.CaptureFixture[str]) -> None:

@@ -225,7 +225,6 @@ def test_a_wrong_device_channel_or_setting_is_named() -> None:
             data = {**wiring.model_dump(), **changed, "grpc": server.address}
             with pytest.raises(RigError, match=expected) as caught:
                 open_rig(type(wiring).model_validate(data))
-            assert "\n" not in str(caught.value)
             assert caught.value.exit_code == 3
 
 
@@ -238,9 +237,8 @@ def test_a_wrong_device_channel_or_setting_is_named() -> None:
     ],
 )
 def test_no_server_and_no_driver_are_said(changed: dict[str, str], said: str) -> None:
-    with pytest.raises(RigError, match=said) as caught:
+    with pytest.raises(RigError, match=said):
         open_rig(wiring_of("ni-usb-6001").model_copy(update=changed))
-    assert "\n" not in str(caught.value)
 
 
 def test_without_the_package_it_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import re
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.extras.board.export.export_parts import usual_model
@@ -71,10 +73,7 @@ def test_keywords_are_names_of_the_header_with_a_tab(archive: zipfile.ZipFile) -
     assert {"mw_controller", "mw_start", "mw_tick"} <= {row[0] for row in rows}
 
 
-def test_another_ending_is_refused_before_anything_is_written(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_another_ending_is_refused_before_anything_is_written(tmp_path: Path, musclewire: Callable[..., Any]) -> None:
     asked = ("export", "c", "model.json", "-o", tmp_path / "library", "--arduino-zip", tmp_path / "a.tar")
-    assert run([str(one) for one in asked]) == 2
-    assert ".zip" in capsys.readouterr().err
+    assert ".zip" in musclewire(*asked).refusal
     assert not (tmp_path / "library").exists()

@@ -112,9 +112,8 @@ def cancelling_model(power: int = 12, size: float = 2e4) -> dict[str, tuple[floa
 
 
 def test_coefficients_that_cancel_are_refused_by_name(tmp_path: Path) -> None:
-    with pytest.raises(CallerError, match=r"heating_coefficients\[1[12]\], -?20000.0, is cancelled") as refused:
+    with pytest.raises(CallerError, match=r"heating_coefficients\[1[12]\], -?20000.0, is cancelled"):
         export(tmp_path / "library", model=usual_model(**cancelling_model()))
-    assert "\n" not in str(refused.value)
     assert not (tmp_path / "library").exists()
     export(tmp_path / "library", model=usual_model(**cancelling_model()), double=True)
 

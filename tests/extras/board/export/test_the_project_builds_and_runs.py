@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
-import os
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from emulation.exported_library.cost import emulated, linked, target_figures
@@ -16,7 +14,6 @@ from emulation.exported_library.targets import TARGETS
 from tests.extras.board.export.export_parts import RULE_BASES, Exported, usual_model
 from tests.tools import require_tool
 
-from musclewire.app import run as command_line
 from musclewire.sensing import save_model
 
 Libraries = Callable[[str], Exported]
@@ -196,23 +193,15 @@ def test_the_arduino_sketch_builds_for_an_uno_with_the_arduino_core(exported: Li
     assert data + bss < 1024
 
 
-def musclewire(*arguments: object, **environment: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "musclewire", "export", "c", *(str(argument) for argument in arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **environment})
-
-
-def run_here(*arguments: object) -> int:
-    """Run the command in this process and return its exit code."""
-    return command_line(["export", "c", *(str(argument) for argument in arguments)])
-
-
 @pytest.mark.slow
-def test_the_command_writes_the_library_without_any_compiler(tmp_path: Path) -> None:
+def test_the_command_writes_the_library_without_any_compiler(
+    tmp_path: Path, musclewire: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
     model = usual_model()
     save_model(model, tmp_path / "model.json")
-    done = musclewire(tmp_path / "model.json", "-o", tmp_path / "library", "--name", "elbow", "--json", PATH="")
-    assert done.returncode == 0, done.stderr
-    answer = json.loads(done.stdout)
+    monkeypatch.setenv("PATH", "")
+    asked = ("export", "c", tmp_path / "model.json", "-o", tmp_path / "library", "--name", "elbow", "--json")
+    answer = musclewire(*asked).json
     assert all((tmp_path / "library" / name).is_file() for name in answer["files"])
     assert (tmp_path / "library/examples/elbow/elbow.ino").is_file()
     assert "@" not in (tmp_path / "library/library.properties").read_text()
@@ -229,19 +218,16 @@ def test_the_command_writes_the_library_without_any_compiler(tmp_path: Path) -> 
     ],
 )
 def test_wrong_use_is_one_line_and_nothing_is_written(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: tuple[str, str], complaint: str
+    tmp_path: Path, musclewire: Callable[..., Any], arguments: tuple[str, str], complaint: str
 ) -> None:
     save_model(usual_model(), tmp_path / "model.json")
     (tmp_path / "gains.toml").write_text("kp_rang = [0.0, 0.1]\n")
     given = [str(tmp_path / "gains.toml") if text == "SETTINGS" else text for text in arguments]
-    assert run_here(tmp_path / "model.json", "-o", tmp_path / "library", *given) == 2
-    said = capsys.readouterr().err
-    assert complaint in said
-    assert len(said.strip().splitlines()) == 1
+    assert complaint in musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library", *given).refusal
     assert not (tmp_path / "library").exists()
 
 
-def test_a_model_of_another_wire_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_model_of_another_wire_is_refused(tmp_path: Path, musclewire: Callable[..., Any]) -> None:
     save_model(usual_model(wire={"wire": "flexinol-0.20-lt"}), tmp_path / "model.json")
-    assert run_here(tmp_path / "model.json", "-o", tmp_path / "library") == 2
-    assert "fit one for this wire" in capsys.readouterr().err
+    refused = musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library").refusal
+    assert "fit one for this wire" in refused

@@ -17,24 +17,23 @@ from pathlib import Path
 import numpy as np
 from emulation.board import EmulatedBoard
 from numpy.typing import NDArray
+from tests.extras.board.contract.serial_rigs import mounted
 from tests.faults.table import FaultRow
 from tests.places import included_rig_file
 
 from musclewire.errors import MusclewireError, RecordingError
 from musclewire.experiment import Decision, run_on_rig
-from musclewire.extras.board._serial.device import SerialConfiguration, SerialDevice
+from musclewire.extras.board._serial.device import SerialDevice
 from musclewire.extras.board._serial.frames import SerialFrame, encode_frame
 from musclewire.extras.board._serial.messages import MessageKind
-from musclewire.rigs import GuardedRig, ProtectionTripError, open_rig, rig_configuration
+from musclewire.rigs import GuardedRig, ProtectionTripError, open_rig
 from musclewire.signals import Command, Drive, RawSample, Recording, Target, read_hdf5
 
-__all__ = ["Outcome", "command_run", "judged_s", "mounted", "scripted_run"]
+__all__ = ["Outcome", "command_run", "judged_s", "scripted_run"]
 
 INJECT = 0x7F
 # Sound samples before the fault, and samples that a survived fault must outlive: 1 s and 5 s.
 SOUND_SAMPLES, SURVIVED_SAMPLES = 20, 100
-# After this long nothing more is awaited; the stated times are shorter.
-LAST_S = 1.0
 OFF_V = 1e-3
 PATIENCE_S = 90.0
 # Bytes after which a recording's file finds the disk full: it begins and some seconds of rows fit.
@@ -78,14 +77,6 @@ class Outcome:
         return "" if self.recording is None else str(self.recording.metadata.get("ended"))
 
 
-def mounted(port: str, row: FaultRow, patience_s: float) -> SerialConfiguration:
-    """Return the rig file that comes with musclewire, at a board's port, with the row's limits."""
-    shipped = rig_configuration("serial-board")[0]
-    assert isinstance(shipped, SerialConfiguration)
-    changed = {"port": port, "patience": patience_s, "limits": row.limits}
-    return SerialConfiguration.model_validate({**shipped.model_dump(), **changed})
-
-
 def judged_s(board: EmulatedBoard, since: float, row: FaultRow) -> float:
     """Return how long after a fault the last voltage was out, on the axis of the board's pace [s]."""
     lockstep = row.run == "lockstep"
@@ -114,7 +105,7 @@ def scripted_run(board: EmulatedBoard, row: FaultRow, path: Path, patience_s: fl
     seen = 0
     beside: list[threading.Thread] = []
     try:
-        with open_rig(mounted(board.port_url, row, patience_s)) as rig:
+        with open_rig(mounted(board.port_url, patience=patience_s, limits=row.limits)) as rig:
             assert isinstance(rig.device, SerialDevice)
             if row.inject == "from the start":
                 outcome.since = now(board, row)

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 from emulation.board import EmulatedBoard
-from tests.extras.board.contract.serial_rigs import built_firmware, require_board
-from tests.extras.board.faults.injecting import SOUND_SAMPLES, Outcome, command_run, judged_s, mounted, scripted_run
+from tests.extras.board.contract.serial_rigs import built_firmware, mounted, require_board
+from tests.extras.board.faults.injecting import SOUND_SAMPLES, Outcome, command_run, judged_s, scripted_run
 from tests.faults.table import FaultRow, fault_matrix
 
 from musclewire.errors import RigError
@@ -180,5 +180,5 @@ def test_another_version_of_the_protocol_is_refused_before_anything_is_driven(
         other.setattr(frames, "PROTOCOL_VERSION", PROTOCOL_VERSION + 1)
         other.setattr(board_module, "PROTOCOL_VERSION", PROTOCOL_VERSION + 1)
         with pytest.raises(RigError, match=r"version|no answer"):
-            open_rig(mounted(board.port_url, row, CLOCK_PATIENCE_S))
+            open_rig(mounted(board.port_url, patience=CLOCK_PATIENCE_S, limits=row.limits))
     assert judged_s(board, since, row) == 0.0

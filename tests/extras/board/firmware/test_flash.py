@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from musclewire.app import run
 from musclewire.errors import CallerError, RigError
 from musclewire.extras.board._serial import flash
 from musclewire.extras.board._serial.flash import FOLDER, find_image, firmware_images, require_sound
@@ -62,11 +61,6 @@ def test_no_wire_and_a_wrong_wire_list_what_there_is() -> None:
         find_image("nanno", None)
 
 
-def test_a_board_that_is_not_supported_is_answered_with_the_boards_there_are_and_what_is_missing() -> None:
-    with pytest.raises(CallerError, match=r"no firmware for board 'esp32'.*arduino-uno.*stm32f411.*Another board"):
-        find_image("esp32", None)
-
-
 def test_the_one_port_that_looks_like_the_board_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(flash, "serial_ports", lambda: [UNO, OTHER])
     assert flash.find_port("arduino-uno") == "/dev/ttyACM0"
@@ -79,10 +73,9 @@ def test_the_one_port_that_looks_like_the_board_is_taken(monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize(("old", "baud"), [((), "115200"), (("--old-bootloader",), "57600")])
-def test_a_dry_run_shows_the_command(old: tuple[str, ...], baud: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_dry_run_shows_the_command(old: tuple[str, ...], baud: str, musclewire: Callable[..., Any]) -> None:
     given = ["flash", "nano", "--wire", "paper-100um", "--serial-port", "/dev/ttyACM0", *old, "--dry-run", "--json"]
-    assert run(given) == 0
-    command = json.loads(capsys.readouterr().out)["command"]
+    command = musclewire(*given).json["command"]
     assert command[:9] == ["avrdude", "-p", "m328p", "-c", "arduino", "-P", "/dev/ttyACM0", "-b", baud]
     assert command[-1].endswith("arduino-uno_paper-100um.hex:i")
 

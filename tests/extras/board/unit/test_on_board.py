@@ -52,8 +52,7 @@ def test_the_file_is_made_before_the_board_is_armed_so_that_its_heater_does_not_
 
 def test_a_target_is_refused_by_a_rig_without_a_loop_of_its_own_before_anything_is_heated() -> None:
     with open_rig("simulated") as rig:
-        with pytest.raises(CallerError, match=r"a target of 0.01 \(strain\) needs a board") as caught:
+        with pytest.raises(CallerError, match=r"a target of 0.01 \(strain\) needs a board"):
             run_on_rig(rig, OneTarget(), 0.25)
-        assert "\n" not in str(caught.value)
         assert rig.drive_voltage_v <= rig.sense_voltage_v
         assert rig.exchange(1.0).time_s == pytest.approx(rig.sample_period_s)

@@ -6,7 +6,6 @@ import re
 
 import pytest
 
-from musclewire.errors import CallerError
 from musclewire.extras.board import load_parts, parts_names
 from musclewire.parameters import catalogue_row
 from musclewire.rigs import own_circuit
@@ -56,8 +55,3 @@ def test_the_current_limits_are_what_their_formulas_say() -> None:
     assert 15000 * 4.75 / (13750 + 1e3 * float(amplifier.split()[0])) == pytest.approx(0.30, abs=0.01)
     transistor = load_parts("board").values()["RCL"]
     assert 0.65 / float(transistor.split()[0]) == pytest.approx(0.30, abs=0.01)
-
-
-def test_a_list_that_is_not_there_suggests_the_nearest() -> None:
-    with pytest.raises(CallerError, match="did you mean 'board'"):
-        load_parts("boards")

@@ -84,8 +84,6 @@ GIVEN = ("--finger", "lan-fan-2010")
     [
         ((), "say which finger"),
         (("--thickness", "0.2 mm"), "--thickness and --offset belong together"),
-        (("--stiffness", "4 mm"), "a stiffness is needed"),
-        (("--stiffness", "5000 N/m"), "above the 65 MPa at which pom yields"),
         ((*SIZED, "--material", "pon"), "did you mean 'pom'?"),
         ((*SIZED, "--wire", "paper-100um", "--wire-length", "5 cm"), " % short"),
         ((*GIVEN, "--depth", "5 mm"), "--depth and --finger exclude each other: a finger's file has all dimensions"),

@@ -68,14 +68,6 @@ def test_the_length_does_not_matter() -> None:
     assert there.cooling_s == pytest.approx(here.cooling_s, rel=1e-6)
 
 
-def test_better_convection_cools_faster() -> None:
-    windy = WIRE.with_values(convection_factor=2.0 * WIRE.convection_factor.value)
-    still, moving = run_catalogue_test(ALLOY, WIRE, BENCH, 0.45), run_catalogue_test(ALLOY, windy, BENCH, 0.48)
-    assert still.cooling_s is not None
-    assert moving.cooling_s is not None
-    assert moving.cooling_s < 0.7 * still.cooling_s
-
-
 def test_a_cold_wire_has_no_cooling_time() -> None:
     run = run_catalogue_test(ALLOY, WIRE, BENCH, 0.01)
     assert run.cooling_s is None

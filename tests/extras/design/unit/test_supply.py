@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from musclewire.errors import CallerError, RecordingError
+from musclewire.errors import RecordingError
 from musclewire.extras.design._supply.catalogue_check import run_catalogue_test
 from musclewire.extras.design._supply.sizing import SupplyRequest, drive_numbers, plan_supply, size_supply
 from musclewire.parameters import load_alloy, load_bench, load_wire
@@ -88,8 +88,3 @@ def test_a_fact_that_the_numbers_need_is_asked_for(missing: str) -> None:
     )
     with pytest.raises(RecordingError, match=missing):
         drive_numbers(run, 1.0, 0.03)
-
-
-def test_an_impossible_seed_is_refused() -> None:
-    with pytest.raises(CallerError, match=r"seed.*whole number"):
-        plan_supply(SupplyRequest("flexinol-0.10-ht", seed=-1))

@@ -52,7 +52,7 @@ def test_within_means_neither_above_nor_below_the_tolerance(ours: float, paper: 
 
 def test_a_loop_that_cannot_be_used_gives_no_number_and_says_why() -> None:
     def measure(_: RunCache) -> float:
-        raise RecordingError("no complete\ncycle")
+        raise RecordingError("no complete\rcycle")
 
     gap = PaperCheck("fig0.gap", 1.0, "%", 9.0, "because", "printed", measure, origin="fitted")
     assert measured(gap, RUNS) == SeedResult(None, "no complete cycle")

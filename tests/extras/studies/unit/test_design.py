@@ -67,11 +67,6 @@ def test_a_sobol_sequence_fills_every_dyadic_interval_equally() -> None:
         assert np.bincount((column * 64).astype(int), minlength=64).tolist() == [1] * 64
 
 
-def test_a_sobol_sequence_of_no_power_of_two_is_refused_with_the_nearest_ones() -> None:
-    with pytest.raises(CallerError, match="64 or 128"):
-        unit_cube("sobol", 2, 100, 1)
-
-
 def test_saltellis_points_exchange_one_coordinate_at_a_time() -> None:
     pairs = np.arange(8.0).reshape(2, 4) / 10.0
     points = saltelli_points(pairs)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from typer.testing import CliRunner
+from tests.extras.studies.unit.study_parts import study_of
 
 import musclewire as mw
-from musclewire.app import app
 from musclewire.extras.studies._data_set import read_columns, read_study_data
 from musclewire.extras.studies._study import Workers, sweep
 from musclewire.toml_text import toml_text
@@ -19,13 +19,8 @@ HERE = Workers(processes=1)
 
 
 def study(**run: Any) -> dict[str, Any]:
-    return {
-        "format": "musclewire-study",
-        "version": 1,
-        "name": "lengths",
-        "run": {"kind": "characterize", "cycles": 1, "period": "20 s", "keep": ["stroke", "temperature_max_k"], **run},
-        "parameters": {"wire_length": {"values": ["60 mm", "140 mm"]}},
-    }
+    known = {"kind": "characterize", "cycles": 1, "period": "20 s", "keep": ["stroke", "temperature_max_k"]}
+    return study_of(run={**known, **run}, parameters={"wire_length": {"values": ["60 mm", "140 mm"]}})
 
 
 def test_wires_that_are_driven_by_their_own_amplitude_stay_within() -> None:
@@ -52,17 +47,17 @@ def test_on_a_rig_the_protections_own_estimate_tells() -> None:
 
 
 @pytest.mark.slow
-def test_the_command_ends_with_1_and_the_folder_keeps_it(tmp_path: Path) -> None:
+def test_the_command_ends_with_1_and_the_folder_keeps_it(tmp_path: Path, musclewire: Callable[..., Any]) -> None:
     file = tmp_path / "lengths.toml"
     file.write_text(toml_text({**study(amplitude="3.2 V"), "rig": {"maximum_voltage": "3.6 V"}}), "utf-8")
     folder = tmp_path / "out"
     for _ in range(2):  # the second time from what the folder has
-        done = CliRunner().invoke(app, ["sweep", str(file), "-o", str(folder), "--workers", "1", "--json"])
-        assert done.exit_code == 1
-        (found,) = json.loads(done.stdout)["overheated"]
+        done = musclewire("sweep", file, "-o", folder, "--workers", "1", "--json")
+        assert done.code == 1
+        (found,) = done.json["overheated"]
         assert (found["run"], found["limit_k"]) == (0, pytest.approx(473.15))
     assert read_columns(folder / "data.parquet")[3][0].temperature_max_k == found["temperature_max_k"]
     assert json.loads(read_study_data(folder).attrs["overheated"]) == [found]
     assert mw.read_study_data(folder)["stroke"].size == 2
-    said = CliRunner().invoke(app, ["sweep", str(file), "-o", str(folder), "--workers", "1"])
-    assert "1 wires went beyond their limit of temperature: runs 0" in said.output
+    said = musclewire("sweep", file, "-o", folder, "--workers", "1")
+    assert "1 wires went beyond their limit of temperature: runs 0" in said.out + said.err

@@ -16,7 +16,7 @@ from musclewire.extras.studies._study import Workers, sweep
 from musclewire.extras.studies._varied_rig import VariedRig, keys_of
 from musclewire.identify import fit, loop_gaps
 from musclewire.parameters import GrainQuantiles, load_alloy, load_bench, load_wire, wire_file_text
-from musclewire.rigs import RigConfiguration, open_rig, parameters_of, simulated_configuration
+from musclewire.rigs import RigConfiguration, open_rig
 from musclewire.wire import constants_from
 
 HERE = Workers(processes=1)
@@ -60,16 +60,6 @@ def test_its_constants_are_those_of_the_rig_to_the_bit(load: list[dict[str, Any]
         inside = opened.device.wires.constants  # type: ignore[attr-defined]  # a rig shows no one its constants
     assert alone.numbers.tobytes() == inside.numbers.tobytes()
     assert np.array_equal(alone.load_table_n, inside.load_table_n)
-
-
-def test_the_numbers_of_open_rig_with_the_same_settings_are_the_same() -> None:
-    configuration, _ = simulated_configuration("simulated")
-    rig = VariedRig(configuration, "test", ["pretension_n", "diameter_m"])
-    values = {"pretension_n": 1.4, "diameter_m": 0.95e-4}
-    parameters = parameters_of(configuration, "test", None, None, values)
-    numbers = rig.wire(values)
-    assert numbers.spool.wire.values() == parameters[1].values()
-    assert numbers.spool.bench.values() == parameters[2].values()
 
 
 @pytest.mark.parametrize("rig", ["simulated", "finger"])

@@ -24,7 +24,6 @@ def content(name: str = "ni-usb-6001") -> dict[str, Any]:
 def refused(data: dict[str, Any]) -> str:
     with pytest.raises(CallerError) as caught:
         validated(NiDaqConfiguration, data, "rig file bench.toml")
-    assert "\n" not in str(caught.value)
     return str(caught.value)
 
 

@@ -21,7 +21,6 @@ from musclewire.signals import Target
 def trip_of(rig: GuardedRig, drive_v: float = 1.0) -> Event:
     with pytest.raises(ProtectionTripError) as caught:
         rig.exchange(drive_v)
-    assert "\n" not in str(caught.value)
     assert rig.drive_voltage_v == 0.0
     return caught.value.event
 
