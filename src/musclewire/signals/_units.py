@@ -116,7 +116,7 @@ def quantity_with_suffix(text: str) -> tuple[float, str] | None:
 
 # What no bench with a wire has, in SI: a slip of the pen or of the unit, which would compute nonsense or never end.
 _LARGEST = {
-    **{"s": 1e8, "m": 1e3, "N": 1e6, "V": 1e6, "A": 1e6, "ohm": 1e9, "Pa": 1e12, "K": 1e4, "N/m": 1e9, "Hz": 1e9},
+    **{"s": 1e8, "m": 1e3, "N": 1e6, "V": 1e6, "A": 1e6, "ohm": 1e9, "Pa": 1e12, "K": 1e9, "N/m": 1e9, "Hz": 1e9},
     **{"kg": 1e6, "W": 1e9, "J": 1e9, "m/s": 1e5, "": 1e9},
 }
 
@@ -222,7 +222,7 @@ def _conversion(unit_text: str, unit_si: str) -> UnitConversion:
     offset = float(quantity(0.0, unit).to(unit_si).magnitude)
     if offset and unit_si != "K":
         # Decibels and similar units have an offset, and no quantity here is measured in them.
-        raise _UnitError(f"unknown unit '{unit_text}'{nearest_hint(unit_text, _COMMON)}")
+        raise _unknown(unit_text)
     # A degree Celsius is 1 K wide wherever the scale begins: the width itself has no rounding of a difference.
     step = f"delta_{unit}" if offset else unit
     return UnitConversion(float(quantity(1.0, step).to(unit_si).magnitude), offset)
@@ -253,7 +253,13 @@ def _parsed(spelling: str, unit_text: str) -> pint.Unit:
     # pint raises AssertionError, ValueError, tokenizer errors and its own; all say that this is no unit.
     except Exception:
         pass
-    raise _UnitError(f"unknown unit '{unit_text}'{nearest_hint(unit_text, _COMMON)}")
+    raise _unknown(unit_text)
+
+
+def _unknown(unit_text: str) -> _UnitError:
+    """Return the error of what is no unit; a header may have line breaks, and a message has one line."""
+    shown = " ".join(unit_text.split())
+    return _UnitError(f"unknown unit '{shown}'{nearest_hint(shown, _COMMON)}")
 
 
 def _same_dimension(unit: pint.Unit, unit_si: str) -> bool:

@@ -82,7 +82,7 @@ def test_friction_that_holds_the_wire_is_said_by_both(model: SensingModel) -> No
     assert fast.compiled
     assert_same(fast, slow)
     assert fast.run is not None
-    assert friction_warnings(fast.run) == fast.warnings[-1:] != ()
+    assert set(friction_warnings(fast.run)) & set(fast.warnings)
     shown = ManyControlRuns((fast._replace(warnings=()), fast)).warnings
     assert shown == tuple(f"in 1 of 2 loops, the first of them that of seed 1: {text}" for text in fast.warnings)
 

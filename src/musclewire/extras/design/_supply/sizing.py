@@ -58,7 +58,7 @@ from musclewire.signals import Recording
 BENCH = "dead-weight"
 DEFAULT_LENGTH_M = 0.14
 # The fate of the wire is to be shown: a protection that switches off before would hide it.
-SIZING_LIMITS = LimitsTable(maximum_temperature=1e4, resistance_low=1e-6, resistance_high=1e6, jump_share=1.0)
+SIZING_LIMITS = LimitsTable(maximum_temperature=1e9, resistance_low=1e-6, resistance_high=1e6, jump_share=1.0)
 # Dynalloy, Technical Characteristics of Flexinol Actuator Wires (F1140): melting point 1300 C.
 MELTING_K = 1573.15
 AMBIENT_K = 295.15
