@@ -42,7 +42,7 @@ def test_a_chip_at_the_end_of_its_range_is_said_by_import_and_estimate_and_not_u
     cut = {**loop, "current_mA": np.round(np.minimum(loop["current_mA"], 120.0), 1)}
     file, model, output = written(tmp_path / "ina219.csv", cut), tmp_path / "m.json", tmp_path / "e.h5"
     at_end = cut["current_mA"] == 120.0
-    said = f"{int(at_end.sum())} of 3600 rows are no measurements: wire_current_a stands at 0.12 A"
+    said = f"{int(at_end.sum())} of 3600 rows are no measurements: wire_current_a stays at 0.12 A"
     assert musclewire("fit", true, *OPTIONS, "-o", model).code == 0
     preview = musclewire("import", file, "-c", "wire_voltage_v=bus_V:V", "-o", tmp_path / "r.h5")
     assert said in preview.out

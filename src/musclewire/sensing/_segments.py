@@ -36,7 +36,7 @@ MIN_STRAIN_FRACTION = 0.3
 # Correlation of strain and resistance over the middle of the stroke above which its sign is certain.
 CERTAIN_SIGN = 0.5
 # With more samples without a usable reading than this part, the readings come before the drive.
-MOST_LEFT_OUT = 0.01
+MAX_LEFT_OUT = 0.01
 # Heating without transformation raises the resistance by less than this; an inverted loop changes it by more.
 THERMAL_FRACTION = 0.05
 # Instrument of each quantity, and the word for its range.
@@ -312,7 +312,7 @@ def readings_first(usable: int, samples: int) -> str:
 
     As long as readings are missing, nothing is known that more drive would mend.
     """
-    if usable > (1.0 - MOST_LEFT_OUT) * samples:
+    if usable > (1.0 - MAX_LEFT_OUT) * samples:
         return ""
     return f"{samples - usable} of {samples} samples cannot be used, mend the readings first"
 

@@ -1,7 +1,7 @@
 """Readings that are no measurements: overload marks, ends of a range, pulses that are off, sources that contradict.
 
 They are judged before the wire is, and by this table only: whatever computes a resistance from a recording, and the
-import of a file, asks ``judge_readings``. What stands at the end of a range looks like a wire that has stopped moving.
+import of a file, asks ``judge_readings``. What stays at the end of a range looks like a wire that has stopped moving.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ PLATEAU_ROWS = 5
 # w rows on either side, rounded to a step q, has risen by q ((2 + 1)^2 - 1) = 8 q within its own length at most.
 CUT_STEPS = 12.0
 # Of that rise, a fifth of the rows makes at most this part: more is a jump to a level, or a decaying approach to it.
-LARGEST_PART = 0.45
+MAX_PART = 0.45
 # Noise of so many steps on both sides of it would not leave five rows equal.
 NOISE_STEPS = 1.5
 NEIGHBOURS = 20
 # Of these neighbours at most this part repeats the one before, and a channel that is held scatters less by this factor.
 REPEATED, CALM = 0.1, 0.3
-# Another channel tells whether the drive was held if it moved by so many of its steps, and of its noise, before.
-TOLD_STEPS, HOLD_ROWS = 2.0, 4
-# What moves on while a column stands at the end of its range. Past a resistance it moves by this part of its own range;
+# Another channel shows whether the drive was held if it moved by so many of its steps, and of its noise, before.
+MIN_STEPS, HOLD_ROWS = 2.0, 4
+# What moves on while a column stays at the end of its range. Past a resistance it moves by this part of its own range;
 # from A to B a wire does by 15 %, at one value of a meter with few steps.
 _ELECTRICAL = ("wire_current_a", "shunt_voltage_v")
 PARTNERS = {
@@ -52,7 +52,7 @@ PARTNERS = {
 }
 KEPT = (*MEASURED, "drive_voltage_v", "displacement_m", "reference_strain")
 # An import judges files of at most so many rows, which take 100 MB; what uses a recording judges it in any case.
-MOST_ROWS = 2_000_000
+MAX_ROWS = 2_000_000
 MOVED, FINE = 0.25, 0.01
 # A wire's resistance changes by less than this factor, and so does the voltage at a current that is held.
 PASSED = 1.5
@@ -181,7 +181,7 @@ def ends_of_range(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows
         for end, whose in _stated_ends(name, metadata):
             rows = size >= AT_END * end
             if rows.any() and (whose == "stated" or size[rows].max() <= end / AT_END):
-                yield UnusableRows(name, rows, f"{name} stands at {_shown(end, name)}, {_END_OF[whose]}; {_LARGER}")
+                yield UnusableRows(name, rows, f"{name} stays at {_shown(end, name)}, {_END_OF[whose]}; {_LARGER}")
 
 
 _END_OF = {"stated": "the end of the range that is stated", "chip": "the end of a range of this chip"}
@@ -218,7 +218,7 @@ def plateaus(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
         ends = _ends_resistance if name == "wire_resistance_ohm" else _ends_drive
         if any(ends(_Plateau(size, *run, step), columns, PARTNERS[name]) for run in runs):
             top = _shown(float(size.max()), name)
-            yield UnusableRows(name, at_top, f"{name} stands at {top}, the end of a range; {_LARGER}")
+            yield UnusableRows(name, at_top, f"{name} stays at {top}, the end of a range; {_LARGER}")
 
 
 class _Plateau(NamedTuple):
@@ -270,18 +270,18 @@ def _ends_drive(plateau: _Plateau, columns: Columns, partners: tuple[str, ...]) 
 
 
 def _goes_on(plateau: _Plateau, values: FloatArray) -> list[bool]:
-    """Return whether another column goes on where the plateau begins, and where it ends; all stop if the drive is held.
+    """Return whether another column continues where the plateau begins and ends; all stop if the drive is held.
 
-    Nothing is returned for a side where it moved too little before, for its steps and noise, to tell.
+    Nothing is returned for a side where it moved too little before, for its steps and noise, to show it.
     """
     rows = min(plateau.cut_rows, max((plateau.last - plateau.first) // HOLD_ROWS, 1))
-    told_from = TOLD_STEPS * max(_step_of(np.abs(values)), _scatter(values))
+    least = MIN_STEPS * max(_step_of(np.abs(values)), _scatter(values))
     found = []
     for edge, inwards in ((plateau.first, 1), (plateau.last - 1, -1)):
         outside, then = edge - inwards * rows, edge + inwards * (rows // 2 + 1)
         if 0 <= outside < values.size:
             before, after = values[edge] - values[outside], values[then + inwards * rows] - values[then]
-            if abs(before) > told_from:
+            if abs(before) > least:
                 found.append(bool(after * np.sign(before) > CALM * abs(before)))
     return found
 
@@ -313,7 +313,7 @@ def _rows_into(side: FloatArray, length: int, step: float) -> int:
     while PLATEAU_ROWS * rows <= min(max(length, PLATEAU_ROWS), side.size - 1):
         points = side[-1 - PLATEAU_ROWS * rows :: rows]
         gains, rise = np.diff(points), float(points[-1] - points[0])
-        if rise >= least and gains.min() >= -LARGEST_PART * rise / 2.0 and gains.max() <= LARGEST_PART * rise:
+        if rise >= least and gains.min() >= -MAX_PART * rise / 2.0 and gains.max() <= MAX_PART * rise:
             return PLATEAU_ROWS * rows
         rows *= 2
     return 0
@@ -440,7 +440,7 @@ class ReadingsOfBlocks:
     def add(self, columns: Columns) -> None:
         """Keep a block's readings, and what shows that the rest moves."""
         self._rows += next(iter(columns.values())).size
-        if self._rows <= MOST_ROWS:
+        if self._rows <= MAX_ROWS:
             self._blocks.append({name: columns[name] for name in KEPT if name in columns})
         else:
             self._blocks.clear()

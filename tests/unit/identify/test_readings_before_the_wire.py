@@ -146,7 +146,7 @@ def test_a_current_at_the_end_of_its_range_is_no_reading_and_the_rest_is_used(lo
     at_end = current == current.max()
     assert not report.recording["valid"][at_end].any()
     assert report.recording["valid"][~at_end].any()
-    said = f"{int(at_end.sum())} of {len(loop)} rows are no measurements: wire_current_a stands at 0.12 A"
+    said = f"{int(at_end.sum())} of {len(loop)} rows are no measurements: wire_current_a stays at 0.12 A"
     assert said in report.warnings[0]
     assert said in str(report.recording.metadata["unusable_readings"])
     assert report.not_counted["that are no measurements"] == pytest.approx(at_end.mean(), abs=0.01)
@@ -161,7 +161,7 @@ def test_stated_ends_of_range_and_those_of_a_stated_chip_are_no_readings() -> No
     for stated in ({"chip": "INA219"}, {"wire_current_range_a": 0.4}):
         judged = judge_readings(columns, stated)
         assert judged.usable.tolist() == [False] * 10 + [True] * 10
-        assert "10 of 20 rows are no measurements: wire_current_a stands at 0.4 A" in judged.findings[0]
+        assert "10 of 20 rows are no measurements: wire_current_a stays at 0.4 A" in judged.findings[0]
 
 
 def test_pulses_that_are_off_are_left_out_and_what_is_on_is_fitted(loop: Recording) -> None:
