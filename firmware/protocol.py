@@ -1,10 +1,10 @@
-"""Write the serial protocol's messages for Python, C and the documentation from their one definition.
+"""Write the serial protocol's messages for Python and C from their one definition, and its tables for the site.
 
     python firmware/protocol.py
 
 The definition is data/protocol.toml in src/musclewire/extras/board/_serial. From it follow message_types.py beside that
-folder, firmware/src/messages.h and the tables of docs/reference/firmware_protocol.md; a test compares the
-committed files with it.
+folder and firmware/src/messages.h, which a test compares with it, and the tables that the site adds to
+docs/reference/firmware_protocol.md.
 """
 
 from __future__ import annotations
@@ -265,22 +265,21 @@ def _unit(field: FieldRow) -> str:
 TABLES: dict[str, Callable[[Protocol], str]] = {"host": host_table, "board": board_table, "numbers": number_table}
 
 
-def page_text(of: Protocol, page: str) -> str:
-    """Return the page with its tables replaced by those of the definition. Raises ValueError if a marker is missing."""
+def page() -> str:
+    """Return the page of the site: what is written by hand, with the tables at their places."""
+    of, text = protocol(), PAGE.read_text(encoding="utf-8")
     for name, table in TABLES.items():
-        start, end = f"<!-- {name}: written by firmware/protocol.py -->\n", f"\n<!-- end of {name} -->"
-        if page.count(start) != 1 or page.count(end) != 1:
+        before, place, after = text.partition(f"<!-- {name} -->")
+        if not place:
             raise ValueError(f"{PAGE.name} has no place for the table '{name}'")
-        before, after = page.partition(start)[0], page.partition(end)[2]
-        page = f"{before}{start}\n{table(of)}\n{end}{after}"
-    return page
+        text = f"{before}{table(of)}{after}"
+    return text
 
 
 def written() -> dict[Path, str]:
     """Return each generated file with its text."""
     of = protocol()
-    page = page_text(of, PAGE.read_text(encoding="utf-8"))
-    return {PYTHON: python_text(of), HEADER: header_text(of), PAGE: page}
+    return {PYTHON: python_text(of), HEADER: header_text(of)}
 
 
 def main() -> int:

@@ -18,6 +18,7 @@ from tests.command_line import musclewire
 sys.path.insert(0, str(Path(__file__).parent))  # for groups and grain_wire
 
 from groups import pytest_addoption, pytest_configure
+from musclewire.errors import MusclewireError
 
 __all__ = ["browser", "musclewire", "playwright", "pytest_addoption", "pytest_configure"]
 
@@ -33,6 +34,15 @@ NUMBERS = count()
 # every time, so that a red run can be repeated.
 settings.register_profile("musclewire", deadline=None, derandomize=True)
 settings.load_profile("musclewire")
+
+
+def said_in_one_line(error: MusclewireError, *arguments: object) -> None:
+    """Make an error of musclewire, and fail the test in which one says what is wrong in more than a line."""
+    super(MusclewireError, error).__init__(*arguments)
+    assert "\n" not in str(error)
+
+
+MusclewireError.__init__ = said_in_one_line  # type: ignore[method-assign]
 
 
 def pytest_runtest_setup() -> None:

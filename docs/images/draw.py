@@ -4,15 +4,14 @@ After a change of the shipped parameters or of the physics, run it once and comm
 
 - README.md's pictures, from a run of the demo (``python docs/images/draw.py physics`` leaves these out),
 - the pictures of docs/explanation/physics.md and the numbers in it,
-- the tables of docs/explanation/parameters.md from the vectors in studies/vectors
+- what docs/explanation/parameters.md says of other fits, from the vectors in studies/vectors
   (``python docs/images/draw.py alternatives`` writes these alone),
 - the picture of docs/explanation/turns_and_minor_loops.md and the numbers in it
   (``python docs/images/draw.py turns`` draws and writes these alone),
 - the Bode plot of docs/how-to/tune_a_controller.md (``python docs/images/draw.py margins`` draws it alone),
 - point B on docs/explanation/why_resistance_tells_strain.md (``python docs/images/draw.py point_b`` draws it alone),
 - the table of docs/explanation/estimators.md from studies/robustness/rows.json
-  (``python docs/images/draw.py robustness`` writes it alone),
-- the column "Compared" of docs/reference/paper_map.md (``python docs/images/draw.py paper_map`` writes it alone).
+  (``python docs/images/draw.py robustness`` writes it alone).
 
 Pages of which nothing is written by hand are not committed: docs/site/written_pages.py.
 """
@@ -28,7 +27,6 @@ import alternatives_page
 import balance_numbers
 import balance_picture
 import matplotlib as mpl
-import paper_map_page
 import physics_numbers
 import physics_pictures
 import physics_runs
@@ -47,7 +45,6 @@ PHYSICS_PAGE = HERE.parent / "explanation" / "physics.md"
 TURNS_PAGE = HERE.parent / "explanation" / "turns_and_minor_loops.md"
 FOUND_PAGE = HERE.parent / "explanation" / "parameters.md"
 ESTIMATORS_PAGE = HERE.parent / "explanation" / "estimators.md"
-PAPER_MAP_PAGE = HERE.parent / "reference" / "paper_map.md"
 BLOCK = re.compile(r"(<!-- written by docs/images/draw\.py: (\w+) -->\n).*?(<!-- end -->)", re.S)
 DPI = 110
 # Displacement of the operating points in the Bode plot.
@@ -104,11 +101,6 @@ def write_robustness() -> None:
     ESTIMATORS_PAGE.write_text(page, encoding="utf-8")
 
 
-def write_paper_map() -> None:
-    """Write what the rows of ``musclewire reproduce`` say into docs/reference/paper_map.md."""
-    PAPER_MAP_PAGE.write_text(paper_map_page.page(PAPER_MAP_PAGE.read_text("utf-8")), encoding="utf-8")
-
-
 def physics_blocks(loops: tuple[physics_runs.LoopTruth, ...]) -> dict[str, str]:
     """Return every generated text of docs/explanation/physics.md."""
     return physics_numbers.blocks(loops) | balance_numbers.blocks()
@@ -140,7 +132,6 @@ ALONE = {
     "point_b": draw_point_b,
     "alternatives": write_alternatives,
     "robustness": write_robustness,
-    "paper_map": write_paper_map,
 }
 
 

@@ -80,8 +80,8 @@ def described(model: type[BaseModel]) -> dict[str, str]:
 def numpydoc_parameters(kind: type) -> list[tuple[str, str]]:
     """Return name and meaning of each of a docstring's ``Parameters``, begun as in the middle of a sentence."""
     text = (kind.__doc__ or "").partition("    Parameters\n    ----------\n")[2].partition("\n\n")[0]
-    found = re.findall(r"^ {4}(\w+)\n\s*(.*?)(?=^ {4}\w|\Z)", text, re.M | re.S)
-    return [(name, within_a_sentence(said)) for name, said in found]
+    found = re.findall(r"^ {4}(\w[\w, ]*)\n\s*(.*?)(?=^ {4}\w|\Z)", text, re.M | re.S)
+    return [(name, within_a_sentence(said)) for names, said in found for name in names.split(", ")]
 
 
 def within_a_sentence(said: str) -> str:

@@ -1,34 +1,40 @@
-"""The column "Compared" of docs/reference/paper_map.md: what the rows of ``musclewire reproduce`` say of each entry.
+"""The page reference/paper_map of the site: what is written by hand, and a column that says what its rows say.
 
-The page is written by hand but for that column. Column "Rows" names beginnings of rows, as ``--only`` takes them; which
-rows fail is the committed list of known failures, which test_reproduce.py of tests/extras/paper holds to a whole run.
+Column "Rows" names beginnings of rows of ``musclewire reproduce``, as ``--only`` takes them; which rows fail is the
+committed list of known failures, which test_reproduce.py of tests/extras/paper holds to a whole run.
 """
 
 from __future__ import annotations
 
 import re
 from collections import Counter
+from pathlib import Path
 from typing import get_args
 
 from musclewire.extras.paper import Origin, PaperCheck, all_checks, known_failures, selected
 
+BY_HAND = Path(__file__).resolve().parents[1] / "reference" / "paper_map.md"
 ROWS, COMPARED = "Rows", "Compared"
 NOTHING = "not compared"
 
 
-def page(text: str) -> str:
-    """Return the page with its column written again."""
+def page() -> str:
+    """Return the whole page."""
     lines, header = [], []
-    for line in text.splitlines():
+    for line in BY_HAND.read_text("utf-8").splitlines():
         if not line.startswith("|"):
             header = []
-        elif not header:
-            header = cells_of(line)
-        elif COMPARED in header and not set(line) <= set("|-: "):
-            cells = cells_of(line)
-            cells[header.index(COMPARED)] = compared(re.findall(r"`([^`]+)`", cells[header.index(ROWS)]))
-            line = f"| {' | '.join(cells)} |".replace("|  |", "| |")
-        lines.append(line)
+            lines.append(line)
+            continue
+        cells = cells_of(line)
+        if not header:
+            header, said = cells, COMPARED
+        elif set(line) <= set("|-"):
+            said = "---"
+        else:
+            said = compared(re.findall(r"`([^`]+)`", cells[header.index(ROWS)]))
+        after = header.index(ROWS) + 1
+        lines.append(f"| {' | '.join([*cells[:after], said, *cells[after:]])} |")
     return "\n".join(lines) + "\n"
 
 

@@ -133,8 +133,7 @@ def arguments(item: Any) -> str:
 def first_line(item: ModuleType | Any) -> str:
     """Return the summary of a docstring, in Markdown; of a registry our own kinds, not those a test has added."""
     if isinstance(item, Registry):
-        field = item.group.rpartition(".")[2]
-        others = {name for one in manifests_of_others() for name in getattr(one, field)}
+        others = {name for one in manifests_of_others() for name in getattr(one, item.field)}
         names = ", ".join(f"`{name}`" for name in item.own_names() if name not in others)
         return f"Known by name: {names}; `register` adds one."
     summary = " ".join((inspect.getdoc(item) or "").split("\n\n")[0].split()).replace("``", "`")

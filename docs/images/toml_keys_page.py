@@ -1,4 +1,4 @@
-"""The page reference/toml_files of the site, from the schemas that check every TOML file but those of rigs."""
+"""The page reference/toml_files of the site, from the schemas that check models, and TOML files but those of rigs."""
 
 from __future__ import annotations
 
@@ -26,8 +26,9 @@ from musclewire.parameters import (
     PriorSet,
     WireFile,
 )
+from musclewire.sensing import ModelFile
 
-HEAD = """# TOML files, key by key
+HEAD = """# Files, key by key
 
 For those who write such a file or look up a key of one; [rig files](rig_files.md) have a page of their own. Numbers are
 in SI unless a column says otherwise, and an unknown key is an error that names the nearest.
@@ -67,6 +68,7 @@ SECTIONS: dict[str, tuple[type[BaseModel], str]] = {
         "What is at most keys of wires, alloys, benches, fingers and materials; their names, units and values are in "
         "[parameters, one by one](parameters.md).",
     ),
+    "Model file": (ModelFile, "JSON, written by `musclewire fit`: [files](files.md#models-json)."),
     "Wire file": (WireFile, "Written by `musclewire calibrate`: [how to](../how-to/calibrate_my_wire.md)."),
     "Study": (StudyFile, "Read by `musclewire sweep`: [how to](../how-to/run_a_study_of_many_wires.md)."),
     "`[sampling]` of a study": (Sampling, ""),

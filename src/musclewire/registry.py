@@ -36,7 +36,7 @@ class Registry(Generic[Kind]):
 
     def __init__(self, what: str, field: str, built_in: Mapping[str, str], parts: tuple[str, ...] = ()) -> None:
         """Take our own kinds; those of manifests are looked up when a name is needed."""
-        self.what, self._field = what, field
+        self.what, self.field = what, field
         self._built_in, self._parts = dict(built_in), parts
         self._registered: dict[str, Kind] = {}
 
@@ -68,7 +68,7 @@ class Registry(Generic[Kind]):
     @property
     def _places(self) -> dict[str, str]:
         """The kinds of the core, then those of the parts that are there: name to place."""
-        return {**offered(self._field), **self._built_in}
+        return {**offered(self.field), **self._built_in}
 
     def own_names(self) -> tuple[str, ...]:
         """Return the names of musclewire's own kinds, and of those that manifests offer."""
@@ -100,7 +100,7 @@ class Registry(Generic[Kind]):
         place = self._places.get(name)
         if place is not None:
             return cast(Kind, loaded(place))
-        absent = absent_part(self._field, name)
+        absent = absent_part(self.field, name)
         raise absent or CallerError(f"there is no {self.what} '{name}'{nearest_hint(name, self.names())}")
 
     def make(self, kind: str | Kind, setup: Any) -> Any:

@@ -31,7 +31,7 @@ def test_a_perfect_run_without_an_instrument_ends_well_and_says_how_a_model_come
     without_instruments: Path, musclewire: Callable[..., Any], tmp_path: Path
 ) -> None:
     output = tmp_path / "loop.h5"
-    arguments = ("characterize", without_instruments, "-o", output, "--period", PERIOD_S, "--cycles", "1")
+    arguments = ("characterize", without_instruments, "-o", output, "--period", f"{PERIOD_S} s", "--cycles", "1")
     answer = musclewire(*arguments)
     assert answer.code == 0, answer.err
     assert "measures no movement" in answer.out

@@ -131,7 +131,6 @@ def test_a_header_of_another_program_is_taken_by_an_explicit_mapping(
         ("calibrate x.h5 --jumps 99999999999", "--jumps: give at most"),
         ("characterize simulated -o x.h5 --real-time-priority", "add --real-time"),
         ("doctor simulated --write", "rig file of your own"),
-        ("bench --only stap", "did you mean 'step'"),
     ],
 )
 def test_wrong_usage_is_one_line_too(

@@ -112,7 +112,6 @@ def test_a_voltage_out_of_range_is_refused_and_leaves_the_drive_off(rig: Rig, wr
         with pytest.raises(RigError, match="drive voltage") as caught:
             rig.exchange(voltage)
         assert rig.drive_voltage_v == 0.0
-    assert "\n" not in str(caught.value)
     assert f"{rig.maximum_voltage_v}" in str(caught.value)
 
 
@@ -276,7 +275,6 @@ def test_another_thread_may_close_a_rig_that_exchanges_and_the_exchange_ends_wit
     thread.join(5.0)
     assert not thread.is_alive()
     assert len(ended) == 1
-    assert "\n" not in str(ended[0])
     assert rig.drive_voltage_v == 0.0
     with pytest.raises(RigError, match="stays off"):
         rig.exchange(1.0)

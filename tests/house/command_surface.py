@@ -86,7 +86,7 @@ def of_others(kind: str) -> set[str]:
 
 def own_kinds(registry: Registry[Any]) -> list[str]:
     """Return the names of musclewire's own kinds."""
-    others = of_others(registry.group.rpartition(".")[2])
+    others = of_others(registry.field)
     return [name for name in registry.own_names() if name not in others]
 
 

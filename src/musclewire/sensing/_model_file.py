@@ -40,7 +40,66 @@ FOR_READERS = {"checksum", "created_by", "no_gains", "source", "warnings"}
 
 
 class ModelFile(BaseModel):
-    """The keys of a model file; anything else is an error."""
+    """The keys of a model file; anything else is an error.
+
+    Parameters
+    ----------
+    format
+        "musclewire-sensing-model".
+    version
+        Version of the format, 1.
+    quantity
+        Strain, displacement or force.
+    unit
+        Strain "1", displacement "m" or force "N".
+    resistance_min_ohm, resistance_max_ohm
+        The resistance at C (R_min) and at B (R_max), on heating [ohm].
+    order
+        Of both polynomials.
+    heating_coefficients, cooling_coefficients
+        The polynomials g_h and g_c, ascending powers of the normalised resistance.
+    normalised_min, normalised_max
+        Where the average falls and can be inverted.
+    quantity_min, quantity_max
+        The range it senses; must agree with the polynomials.
+    hysteresis_gap
+        The gap between the branches (Eq. 2), a fraction.
+    rmse_heating, rmse_cooling, rmse_average
+        Root mean square errors over resistance.
+    samples
+        Number of samples in the fit.
+    resistance_noise_ohm
+        Noise of the recording, for the standard deviation of an estimate [ohm].
+    scale_std, offset_std
+        Standard deviations of a common factor and of a common offset of a curve that was not measured with an
+        instrument; 0 for one that was.
+    heating_standard_errors, cooling_standard_errors
+        Of the coefficients.
+    warnings
+        Reservations about the fit.
+    wire
+        Notes on the wire it was fitted to, and the guide's friction if the recording identifies it.
+    created_by, source
+        Program and recording it was fitted with.
+    heating_samples, cooling_samples
+        At most 200 points of each branch, for plots.
+    slow_loop
+        At most 2000 rows of time [s], electrical power [W] and resistance [ohm] through the loop, cold to hot and
+        back, with which a home move compares; without them there can be none.
+    home
+        The last home move, null before the first: ``time``, ``moves`` and ``cycles`` since the characterization,
+        ``load_n`` and ``ambient_k`` that were assumed, ``corrected``, scale and offset of the resistance, shift of the
+        transformation and convection with their standard deviations (``..._std``), and ``drift_resistance_ohm``, the
+        drift allowed for since, with ``drift_source``.
+    gains
+        The gains that ``fit`` found in the loop, or ``tune -o MODEL`` put there: ``controller`` and its settings by
+        name, as in a gains file; empty if there are none.
+    no_gains
+        Why the fit found none, as that the recording does not state the wire's heat balance.
+    checksum
+        Of all that is computed with: a file whose numbers were altered is refused; ``warnings``, ``source`` and the
+        like may be added to.
+    """
 
     model_config = ConfigDict(extra="forbid", strict=True)
 

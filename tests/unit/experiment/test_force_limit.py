@@ -54,16 +54,6 @@ def test_the_limit_of_the_load_cell_is_that_of_the_weakest_wire_of_the_rig() -> 
     assert found["next to a thicker one"] == pytest.approx(min(5 * 4.601, 18.247 * 5 / 4), rel=1e-6)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("part", ["blocked", "antagonist"])
-def test_a_hot_wire_on_a_stiff_load_is_warned_of(part: str) -> None:
-    with opened({"part": part}) as rig:
-        loop = characterize(rig, cycles=1, period_s=30.0)
-    (warning,) = force_warnings(loop)
-    assert f"{loop['force_n'].max():.2f} N" in warning
-    assert "above the 4.601 N allowed (maximum_force_n of wire paper-100um)" in warning
-
-
 def test_the_papers_bench_and_the_finger_stay_below_their_limit() -> None:
     for name in ("simulated", "finger"):
         with open_rig(name) as rig:

@@ -139,11 +139,6 @@ def test_readings_of_another_wire_in_a_recording_are_named(loop: Recording) -> N
     assert "check that it is the same wire" in said
 
 
-def test_an_unknown_quantity_suggests_the_nearest(loop: Recording) -> None:
-    with pytest.raises(CallerError, match="did you mean 'strain'"):
-        fit(loop, quantity="strian")
-
-
 def test_a_wire_held_at_both_ends_is_said_to_have_no_loop_to_fit() -> None:
     with open_rig(RigConfiguration(load=[{"part": "blocked"}])) as rig:  # type: ignore[list-item]
         held = characterize(rig, cycles=1, period_s=30.0)

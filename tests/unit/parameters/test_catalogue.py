@@ -6,7 +6,6 @@ import math
 
 import pytest
 
-from musclewire.errors import CallerError
 from musclewire.parameters._catalogue import CatalogueRow, catalogue_names, catalogue_row, load_catalogue
 from musclewire.parameters._library import load_alloy, load_wire, names
 from musclewire.physics import convection_coefficient_w_per_m2_k
@@ -96,21 +95,6 @@ def test_the_holding_currents_are_the_heat_balance_they_claim(row: CatalogueRow)
     for holding_ma, hotter_k in ((row.holding_lt_ma, 0.0), (row.holding_ht_ma, 20.0)):
         share = given_off(row.diameter_m, paper_wall_k + hotter_k) / given_off(100e-6, paper_wall_k)
         assert 1e-3 * holding_ma == pytest.approx(math.sqrt(paper_w_per_m * share / hot_ohm_per_m), rel=0.01)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "right"),
-    [
-        ("flexinol-0.2-HT", "flexinol-0.20-ht"),
-        ("flexinol-0.10", "flexinol-0.10-lt"),
-        ("Flexinol 0.1mm", "flexinol-0.10-lt"),
-        ("0.15 mm LT", "flexinol-0.15-lt"),
-        ("flexinoll-0.25-ht", "flexinol-0.25-ht"),
-    ],
-)
-def test_a_misspelt_wire_gets_the_nearest_name(wrong: str, right: str) -> None:
-    with pytest.raises(CallerError, match=f"did you mean '{right}'"):
-        load_wire(wrong)
 
 
 def test_catalogue_wires_are_among_the_names_after_the_files() -> None:

@@ -20,9 +20,7 @@ def pom() -> dict[str, Any]:
 def complaint(data: dict[str, Any]) -> str:
     with pytest.raises(CallerError) as caught:
         validated(Material, data, "material file mine.toml")
-    message = str(caught.value)
-    assert "\n" not in message
-    return message
+    return str(caught.value)
 
 
 def test_at_least_eight_materials_come_along() -> None:

@@ -122,9 +122,8 @@ def test_whatever_else_carries_the_pretension_leaves_the_finger_straight_but_no_
 
 
 def test_more_pretension_than_the_finger_carries_is_refused_with_what_to_do() -> None:
-    with pytest.raises(CallerError, match=f"pretension of 4 N, and it ends at {FORCE[-1]:.3g} N: add a part") as caught:
+    with pytest.raises(CallerError, match=f"pretension of 4 N, and it ends at {FORCE[-1]:.3g} N: add a part"):
         mechanism(FINGER, pretension_n=4.0)
-    assert "\n" not in str(caught.value)
 
 
 def test_a_contact_without_a_finger_stands_before_the_connector_and_one_between_fingers_is_left_to_the_pair() -> None:

@@ -19,9 +19,9 @@ from tests.unit.rigs.ideal_wire import LIMITS, PERIOD_S, IdealWire
 from musclewire.controllers import Event, State, largest_power_w_per_v2, protection_table
 from musclewire.errors import CallerError, RigError
 from musclewire.rigs import _guarded as guarded_module
-from musclewire.rigs._device import Missing
+from musclewire.rigs._device import Answer, Missing
 from musclewire.rigs._guarded import GuardedRig, ProtectionTripError, SecondThreadError
-from musclewire.signals import RawSample
+from musclewire.signals import Command, RawSample, Target
 
 SENSE_V = LIMITS.sense_voltage_v
 NONE_V = (math.nan, math.nan)
@@ -282,3 +282,34 @@ def test_a_rig_that_is_paced_rests_when_its_turn_is_over_and_says_so(caplog: pyt
         assert rig.exchange(3.0).drive_voltage_v == 3.0
     assert "nobody talked to the rig" in caplog.text
     rig.close()
+
+
+class OwnLoop(IdealWire):
+    """An ideal wire whose own closed loop puts out what the test says."""
+
+    model_checksum, board_estimate, board_resistance_ohm = 0, None, None
+    puts_v = 0.0
+
+    def checksum_of(self, *_: object) -> int:
+        return 0
+
+    def exchange(self, command: Command) -> Answer:
+        return self.put(self.puts_v) if isinstance(command, Target) else super().exchange(command)
+
+
+def test_what_a_devices_own_loop_puts_out_is_judged_by_its_readings_and_is_no_command_to_refuse() -> None:
+    """Its converter rounds up: a little above the maximum is no fault of anybody, but the wire still gets too hot."""
+    device = OwnLoop()
+    device.puts_v = 1.001 * LIMITS.maximum_voltage_v
+    rig = GuardedRig(device)
+    assert rig.exchange(Target(0.02)).drive_voltage_v == device.puts_v
+    assert rig.protection.state is State.RUN
+    events = []
+    for _ in range(1000):
+        try:
+            rig.exchange(Target(0.02))
+        except RigError as error:
+            events.append(getattr(error, "event", None))
+            break
+    assert events == [Event.OVER_TEMPERATURE]
+    assert device.drive_voltage_v == 0.0

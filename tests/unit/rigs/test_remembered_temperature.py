@@ -151,7 +151,7 @@ def test_a_file_of_somebody_else_that_may_not_be_read_counts_as_the_limit() -> N
     assert "Permission denied" in str(found.reason)
 
 
-@pytest.mark.parametrize("error", [PermissionError(13, "Permission denied"), CallerError("folder: cannot be\nwritten")])
+@pytest.mark.parametrize("error", [PermissionError(13, "Permission\ndenied"), CallerError("folder: cannot be written")])
 def test_a_folder_that_cannot_be_written_is_said_at_opening_and_raises_nothing_later(error: Exception) -> None:
     kept = kept_at(400.0, 0.0)
     kept.writing = error

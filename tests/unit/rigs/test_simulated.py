@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from musclewire.errors import CallerError
 from musclewire.rigs._abilities import ability
 from musclewire.rigs._configuration import open_rig
 from musclewire.rigs._device import HasStage, HasTrueState
@@ -47,9 +46,3 @@ def test_the_stage_sets_the_pretension_and_zeroes_the_instruments() -> None:
     assert sample.displacement_m == pytest.approx(0.0, abs=1e-9)
     assert sample.time_s == pytest.approx(warm.time_s + rig.sample_period_s)
     assert rig.metadata()["pretension_n"] == 2.5
-
-
-@pytest.mark.parametrize("pretension_n", [-1.0, float("nan")])
-def test_the_stage_refuses_what_no_stage_can_do(pretension_n: float) -> None:
-    with pytest.raises(CallerError, match="pretension"):
-        ability(open_rig("simulated"), HasStage).set_pretension(pretension_n)

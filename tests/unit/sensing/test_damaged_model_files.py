@@ -69,15 +69,12 @@ def damage_bytes(data: bytes, draw: st.DataObject) -> bytes:
 
 
 def is_refused_or_usable(path: Path, again: Path) -> None:
-    """Assert that a file is refused in one line, or that its model estimates, inverts and survives saving."""
+    """Assert that a file is refused, or that its model estimates, inverts and survives saving."""
     try:
         model = load_model(path)
-    except CallerError as error:
-        refusal = str(error)
-    else:
-        is_usable(model, again)
+    except CallerError:
         return
-    assert "\n" not in refusal
+    is_usable(model, again)
 
 
 def is_usable(model: SensingModel, again: Path) -> None:

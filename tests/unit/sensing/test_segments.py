@@ -170,13 +170,6 @@ def test_columns_that_hold_no_loop_are_refused(resistance: np.ndarray, strain: n
         find_segments(resistance, strain)
 
 
-@pytest.mark.parametrize("noise", [0.0, 2e-3])
-def test_heating_that_never_reaches_the_transformation_is_named(noise: float) -> None:
-    loop = noisy(MAKER.record(top=0.14), noise, 2 * noise)
-    with pytest.raises(RecordingError, match=r"^no transformation"):
-        found(loop)
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_a_resistance_that_is_only_noise_is_no_transformation(seed: int) -> None:
     flat = Loop(np.full(1800, 16.0), SLOW.strain, SLOW.time_s)

@@ -1,4 +1,4 @@
-"""One definition of the serial messages: Python, C and the page are written from it, and it allows no contradiction."""
+"""One definition of the serial messages: Python, C and the page follow from it, and it allows no contradiction."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from firmware.protocol import DEFINITION, Protocol, protocol, written
+from firmware.protocol import DEFINITION, Protocol, page, protocol, written
 from pydantic import ValidationError
 
 from musclewire.controllers import Event, State
@@ -37,6 +37,14 @@ VERSION_2 = {
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
 def test_the_committed_files_are_what_the_definition_gives(file: Path) -> None:
     assert file.read_text("utf-8") == FILES[file], "run: python firmware/protocol.py"
+
+
+def test_the_page_says_the_version_and_has_each_message() -> None:
+    text = page()
+    assert f"Version {protocol().version}, between a host and a board" in text
+    assert f"| 1 | version of the protocol: {protocol().version} |" in text
+    assert [row.in_c for row in protocol().message if not row.only_with and f" {row.in_c}" not in text] == []
+    assert "<!--" not in text
 
 
 def test_version_2_is_as_boards_in_use_speak_it() -> None:
