@@ -35,6 +35,7 @@ NOT_COUNTED = {
     Reason.UNEXPLAINED: "that the wire file does not explain",
     Reason.UNCERTAIN: "with several explanations",
 }
+UNUSABLE = "that are no measurements"
 # The mean error over so many samples is what noise of single readings leaves.
 MEAN_SAMPLES = 33
 # A cause explains an error if without it at most this fraction of the error remains.
@@ -136,10 +137,11 @@ class JudgedEstimate:
         return (self.estimated - self.measured) / self.stroke * 100.0
 
 
-def fractions_not_counted(reasons: Sequence[int], valid: Mask) -> Mapping[str, float]:
+def fractions_not_counted(reasons: Sequence[int], valid: Mask, usable: Mask) -> Mapping[str, float]:
     """Return which fraction of all samples was not counted for which reason, the largest first."""
-    counts = Counter(int(reason) for reason, counted in zip(reasons, valid.tolist(), strict=True) if not counted)
-    return {NOT_COUNTED[Reason(reason)]: count / len(reasons) for reason, count in counts.most_common()}
+    rows = zip(reasons, valid.tolist(), usable.tolist(), strict=True)
+    counts = Counter(NOT_COUNTED[Reason(why)] if there else UNUSABLE for why, counted, there in rows if not counted)
+    return {why: count / len(reasons) for why, count in counts.most_common()}
 
 
 def error_groups(judged: JudgedEstimate) -> tuple[ErrorGroup, ...]:

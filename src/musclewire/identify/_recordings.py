@@ -9,7 +9,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.physics import ArrayReading, wire_resistance, wire_resistance_from_current
-from musclewire.signals import ElectricalSource, Recording, require_electrical
+from musclewire.signals import ElectricalSource, Recording, require_electrical, usable_readings
 
 QUANTITIES = ("strain", "displacement", "force")
 # Endings of the columns of each quantity: target_strain, estimated_displacement_m, target_force_n.
@@ -28,18 +28,19 @@ def resistance_reading(recording: Recording) -> ArrayReading:
 
     Returns
     -------
-    Resistance [ohm] and whether it is valid, both (n_times,); a sample without current is not valid.
+    Resistance [ohm] and whether it is valid, both (n_times,); a sample without current is not valid, nor is one whose
+    readings are no measurements, as at the end of an instrument's range.
 
     Raises
     ------
     RecordingError
-        If no resistance follows from the columns, or no sample has a current.
+        If no resistance follows from the columns, two of them contradict each other, or no sample can be used.
 
     References
     ----------
     Lan and Fan 2010, Eq. 1.
     """
-    source = require_electrical(recording)
+    source, judged = require_electrical(recording), usable_readings(recording)
     if source is ElectricalSource.SHUNT:
         shunt_ohm = recording.facts.shunt_resistance_ohm
         reading = wire_resistance(recording["wire_voltage_v"], recording["shunt_voltage_v"], shunt_ohm)
@@ -48,7 +49,12 @@ def resistance_reading(recording: Recording) -> ArrayReading:
     else:
         resistance = recording["wire_resistance_ohm"]
         reading = ArrayReading(resistance, resistance > 0.0)
+    if judged.found:
+        valid = reading.valid & judged.usable
+        reading = ArrayReading(np.where(valid, reading.resistance_ohm, 0.0), valid)
     if not reading.valid.any():
+        if judged.found:
+            raise RecordingError(f"none of {len(recording)} samples can be used: {'; '.join(judged.findings)}")
         raise RecordingError(
             f"no current: none of {len(recording)} samples has 1 mA or more through the wire ({source}); "
             "check the columns and their units"
@@ -99,6 +105,9 @@ def circuit_readings(recording: Recording) -> CircuitReadings:
             "heating from cooling: add the column wire_current_a or wire_voltage_v, or choose the estimator "
             "'polynomial', which takes the resistance alone"
         )
+    usable = usable_readings(recording).usable
+    # To an estimator, a row that is no measurement is one without current.
+    wire_v, shunt_v = np.where(usable, wire_v, 0.0), np.where(usable, shunt_v, 0.0)
     drive_v = recording["drive_voltage_v"] if "drive_voltage_v" in recording else wire_v + shunt_v
     return CircuitReadings(np.asarray(drive_v), np.asarray(wire_v), np.asarray(shunt_v), shunt_ohm)
 

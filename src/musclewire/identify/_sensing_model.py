@@ -43,7 +43,7 @@ from musclewire.sensing import (
     other_wires,
     segment_course,
 )
-from musclewire.signals import Reason, Recording, WireSample
+from musclewire.signals import Reason, Recording, WireSample, usable_readings
 from musclewire.wire import WireConstants
 
 if TYPE_CHECKING:
@@ -171,9 +171,8 @@ def fit(
         raise CallerError("a recording holds what was measured: give fit the recording alone, or two arrays")
     if recording.is_branch_table:
         return fit_table(recording, order)
-    reading = resistance_reading(recording)
+    reading, measured = reading_and_quantity(recording, quantity)
     notes, source = loop_notes(recording), recording.facts.text_or_none("source") or ""
-    measured = quantity_to_fit(recording, quantity)
     cut_short = not_done(recording)
     try:
         model = fit_loop(
@@ -191,7 +190,8 @@ def fit(
         why = without_loop(error, recording)
         raise (RecordingError(f"{why} ({cut_short})") if cut_short else why) from None
     model = with_gains(replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity)), recording)
-    return replace(model, warnings=(*model.warnings, cut_short)) if cut_short else model
+    found = (*usable_readings(recording).findings, *([cut_short] if cut_short else []))
+    return replace(model, warnings=(*model.warnings, *found)) if found else model
 
 
 def fit_arrays(
@@ -233,6 +233,22 @@ def power_loop(
     rows = np.stack([recording["time_s"][there], recording["wire_voltage_v"][there] ** 2 / resistance, resistance])
     means = [part.mean(axis=1) for part in np.array_split(rows, min(LOOP_ROWS, there.size), axis=1)]
     return tuple((float(f"{t:.7g}"), float(f"{p:.7g}"), float(f"{r:.7g}")) for t, p, r in means)
+
+
+def reading_and_quantity(recording: Recording, quantity: str) -> tuple[ArrayReading, FloatArray]:
+    """Return the resistance and the measured quantity of a recording.
+
+    Raises RecordingError that names all that is missing for both, at once.
+    """
+    missing = []
+    for found in (resistance_reading, lambda given: quantity_to_fit(given, quantity)):
+        try:
+            found(recording)
+        except RecordingError as error:
+            missing.append(str(error))
+    if missing:
+        raise RecordingError("; besides, ".join(missing))
+    return resistance_reading(recording), quantity_to_fit(recording, quantity)
 
 
 def quantity_to_fit(recording: Recording, quantity: str) -> FloatArray:
@@ -308,7 +324,8 @@ class EstimateReport:
     Parameters
     ----------
     recording
-        The recording with the estimate's columns added.
+        The recording with the estimate's columns added; its metadata ``unusable_readings`` says which rows are no
+        measurements, if there are any.
     valid_share
         Fraction of valid samples, which count.
     rms_pct
@@ -318,7 +335,7 @@ class EstimateReport:
     no_reference
         Why there is no reference to compare with, and what would give one; "" with a reference.
     warnings
-        That readings lie outside the model's range, with their number and their range; none if hardly one does.
+        That rows are no measurements, and that readings lie outside the model's range, with their number.
     not_counted
         Why samples are not valid: the fraction of all samples for each reason, the largest first.
     error_groups
@@ -469,14 +486,17 @@ def estimate(
     if measured is not None:
         errors = (value - measured)[valid] / stroke * 100.0
         groups = error_groups(JudgedEstimate(model, recording, reading.resistance_ohm, value, measured, valid))
+    judged = usable_readings(recording)
+    found = judged.findings
+    kept = recording.with_metadata(unusable_readings="; ".join(found)) if found else recording
     return EstimateReport(
-        recording=recording.with_columns(columns),
+        recording=kept.with_columns(columns),
         valid_share=float(valid.mean()),
         rms_pct=None if errors is None else float(np.sqrt(np.mean(errors**2))),
         max_pct=None if errors is None else float(np.abs(errors).max()),
         no_reference=why_no_reference(recording, model.quantity),
-        warnings=range_warnings(model, reading),
-        not_counted=fractions_not_counted(reasons, valid),
+        warnings=(*found, *range_warnings(model, reading)),
+        not_counted=fractions_not_counted(reasons, valid, judged.usable),
         error_groups=groups,
         quantity=model.quantity,
     )

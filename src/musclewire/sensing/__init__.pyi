@@ -50,6 +50,7 @@ from ._segment_tracking import segment_course as segment_course
 from ._segments import LoopSegments as LoopSegments
 from ._segments import find_loops as find_loops
 from ._segments import find_segments as find_segments
+from ._segments import readings_first as readings_first
 from ._smoothing import centred_mean as centred_mean
 from ._smoothing import noise_level as noise_level
 from ._smoothing import smooth as smooth

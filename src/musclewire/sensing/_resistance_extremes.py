@@ -12,6 +12,7 @@ from musclewire.errors import RecordingError
 from musclewire.sensing._branches import MAX_WINDOW_FRACTION
 from musclewire.sensing._loop_points import fall_from_b_to_c
 from musclewire.sensing._resistance_maximum import ResistanceMaximum, resistance_maximum
+from musclewire.sensing._segments import readings_first
 from musclewire.sensing._smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
 MIN_SAMPLES = 20
@@ -90,9 +91,12 @@ def find_resistance_extremes(
     b, c = fall_from_b_to_c(resistance, rough)
     fall = float(resistance[b] - resistance[c])
     if fall < max(MIN_FALL_FRACTION * float(resistance[b]), MIN_FALL_NOISES * left):
+        samples = np.size(resistance_ohm)
+        cure = readings_first(samples if valid is None else int(np.sum(valid)), samples)
         raise RecordingError(
             f"no transformation: the resistance falls by {fall:.3g} ohm from {resistance[b]:.4g} ohm (noise "
-            f"{left:.2g} ohm; {100 * MIN_FALL_FRACTION:g} % and ten times the noise are needed): heat further"
+            f"{left:.2g} ohm; {100 * MIN_FALL_FRACTION:g} % and ten times the noise are needed): "
+            f"{cure or 'heat further'}"
         )
     bump = max(BUMP_NOISES * left, BUMP_FRACTION * fall)
     saw_b = float(resistance[b] - resistance[: b + 1].min()) > bump

@@ -35,6 +35,8 @@ MIN_SIGNAL = 10.0
 MIN_STRAIN_FRACTION = 0.3
 # Correlation of strain and resistance over the middle of the stroke above which its sign is certain.
 CERTAIN_SIGN = 0.5
+# With more samples without a usable reading than this part, the readings come before the drive.
+MAX_LEFT_OUT = 0.01
 # Heating without transformation raises the resistance by less than this; an inverted loop changes it by more.
 THERMAL_FRACTION = 0.05
 # Instrument of each quantity, and the word for its range.
@@ -199,6 +201,7 @@ class _UsableSamples:
     turns: list[int]
     starts_low: bool
     quantity: str
+    left_out: str
 
     @classmethod
     def read(
@@ -210,12 +213,13 @@ class _UsableSamples:
     ) -> _UsableSamples:
         """Return the usable samples of a recording; RecordingError if there is no transformation in them."""
         place, resistance, contraction = _usable(resistance_ohm, strain, valid, quantity)
-        _check_stroke(contraction, quantity)
+        left_out = readings_first(place.size, np.size(resistance_ohm))
+        _check_stroke(contraction, quantity, left_out)
         swing = max(MIN_SWING * float(np.ptp(contraction)), MIN_SIGNAL * noise_level(contraction))
         turns, starts_low = turning_points(contraction, swing)
         curves = smoothed(resistance, contraction, len(turns) - 1)
-        _check_fall(curves, quantity)
-        return cls(place, resistance, contraction, curves, turns, starts_low, quantity)
+        _check_fall(curves, quantity, left_out)
+        return cls(place, resistance, contraction, curves, turns, starts_low, quantity, left_out)
 
     def cycles(self) -> list[tuple[HalfCycle, HalfCycle]]:
         """Return the complete cycles as (heating, cooling); cooling may come first if no cycle starts cold."""
@@ -235,7 +239,7 @@ class _UsableSamples:
         curves, place = self.curves, self.place
         up, down = (points_of(half, self.resistance_ohm, curves) for half in (heating, cooling))
         for half, points in ((heating, up), (cooling, down)):
-            _check_branch(half, points, curves, self.quantity)
+            _check_branch(half, points, curves, self.quantity, self.left_out)
         return LoopSegments(
             heating_a=int(place[up.a]),
             heating_b=int(place[up.b]),
@@ -303,18 +307,28 @@ def _shown(value: float, quantity: str) -> str:
     return f"{factor * value:.3g} {unit}"
 
 
-def _check_stroke(strain: FloatArray, quantity: str) -> None:
+def readings_first(usable: int, samples: int) -> str:
+    """Return advice on the readings if a part of them cannot be used, "" if they are sound.
+
+    As long as readings are missing, nothing is known that more drive would mend.
+    """
+    if usable > (1.0 - MAX_LEFT_OUT) * samples:
+        return ""
+    return f"{samples - usable} of {samples} samples cannot be used, mend the readings first"
+
+
+def _check_stroke(strain: FloatArray, quantity: str, left_out: str) -> None:
     """Raise RecordingError for a stroke that is not well above its noise."""
     stroke, noise = float(np.ptp(strain)), noise_level(strain)
     if stroke <= 0.0 or stroke < MIN_STROKE_NOISES * noise:
         raise RecordingError(
             f"no transformation: the {quantity} moves by {_shown(stroke, quantity)}, its noise is "
-            f"{_shown(noise, quantity)}, and at least {MIN_STROKE_NOISES:g} times that are needed: raise the drive "
-            f"or check the {INSTRUMENTS[quantity]}"
+            f"{_shown(noise, quantity)}, and at least {MIN_STROKE_NOISES:g} times that are needed: "
+            f"{left_out or f'raise the drive or check the {INSTRUMENTS[quantity]}'}"
         )
 
 
-def _check_fall(curves: SmoothedRecording, quantity: str) -> None:
+def _check_fall(curves: SmoothedRecording, quantity: str, left_out: str) -> None:
     """Raise RecordingError unless resistance falls with rising strain over the middle of the stroke."""
     strain, resistance = curves.strain, curves.resistance_ohm
     sign, change = _middle_trend(strain, resistance)
@@ -335,7 +349,7 @@ def _check_fall(curves: SmoothedRecording, quantity: str) -> None:
     raise RecordingError(
         f"no transformation: the resistance does not fall as the {quantity} rises over {span} "
         f"(correlation {sign:+.2f}, fall needed {-CERTAIN_SIGN:+.1f}; change {100 * change:.1f} %): "
-        f"{held}raise the drive voltage, and check that {wanted} is positive"
+        f"{held}{left_out or 'raise the drive voltage'}, and check that {wanted} is positive"
     )
 
 
@@ -404,7 +418,7 @@ def _fraction_from_b(points: LoopPoints, strain: FloatArray) -> float:
     return (warm - at_b) / (warm - cold)
 
 
-def _check_branch(half: HalfCycle, points: LoopPoints, curves: SmoothedRecording, quantity: str) -> None:
+def _check_branch(half: HalfCycle, points: LoopPoints, curves: SmoothedRecording, quantity: str, left_out: str) -> None:
     """Raise RecordingError unless resistance falls well above its noise, with enough strain, over enough samples."""
     resistance, strain = curves.resistance_ohm, curves.strain
     name = "heating" if half.rising else "cooling"
@@ -414,12 +428,13 @@ def _check_branch(half: HalfCycle, points: LoopPoints, curves: SmoothedRecording
         raise RecordingError(
             f"no transformation: on the {name} branch the resistance falls by {fall:.3g} ohm (its noise is "
             f"{curves.resistance_noise_ohm:.2g} ohm after smoothing) while the {quantity} gains "
-            f"{100 * gain:.0f} % of its range: raise the drive voltage or average more samples"
+            f"{100 * gain:.0f} % of its range: {left_out or 'raise the drive voltage or average more samples'}"
         )
     if strain[points.c] <= 0.0:
         raise RecordingError(
             f"no transformation: on the {name} branch the {quantity} is {_shown(float(strain[points.c]), quantity)} at "
-            "minimum resistance: contraction must be positive and zero when cold, check drive voltage, sign and zero"
+            "minimum resistance: contraction must be positive and zero when cold, check "
+            f"{left_out or 'drive voltage'}, sign and zero"
         )
     samples = abs(points.c - points.b) + 1
     if samples < MIN_BRANCH_SAMPLES:

@@ -10,6 +10,7 @@ from ._compiled_tick import CompiledTick as CompiledTick
 from ._compiled_tick import declared_tick as declared_tick
 from ._electrical import ElectricalSource as ElectricalSource
 from ._electrical import require_electrical as require_electrical
+from ._electrical import usable_readings as usable_readings
 from ._exchange import ELECTRICAL_COLUMNS as ELECTRICAL_COLUMNS
 from ._exchange import REFERENCE_COLUMNS as REFERENCE_COLUMNS
 from ._exchange import Command as Command
@@ -71,6 +72,7 @@ from ._understanding import FileInterpretation as FileInterpretation
 from ._units import measured_in as measured_in
 from ._units import measures as measures
 from ._units import parse_quantity as parse_quantity
+from ._unusable_readings import judge_readings as judge_readings
 from ._whole_files import remove_parts as remove_parts
 from ._whole_files import write_text_whole as write_text_whole
 from ._whole_files import write_whole as write_whole

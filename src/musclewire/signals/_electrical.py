@@ -6,6 +6,7 @@ from enum import StrEnum
 
 from musclewire.errors import RecordingError
 from musclewire.signals._recording import Recording
+from musclewire.signals._unusable_readings import JudgedReadings, judge_readings
 
 
 class ElectricalSource(StrEnum):
@@ -14,6 +15,11 @@ class ElectricalSource(StrEnum):
     SHUNT = "wire_voltage_v and shunt_voltage_v"
     CURRENT = "wire_voltage_v and wire_current_a"
     RESISTANCE = "wire_resistance_ohm"
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The names of the columns."""
+        return tuple(self.value.split(" and "))
 
 
 def require_electrical(recording: Recording) -> ElectricalSource:
@@ -29,6 +35,29 @@ def require_electrical(recording: Recording) -> ElectricalSource:
     if "wire_resistance_ohm" in recording:
         return ElectricalSource.RESISTANCE
     raise RecordingError(_what_is_missing(recording, has_shunt))
+
+
+def usable_readings(recording: Recording) -> JudgedReadings:
+    """Return which rows of a recording give a resistance, and why others give none.
+
+    Parameters
+    ----------
+    recording
+        A recording from which resistance follows, as :func:`require_electrical` finds.
+
+    Returns
+    -------
+    The rows in which the columns that are used are measurements.
+
+    Raises
+    ------
+    RecordingError
+        If no resistance follows, or two sources of one quantity contradict each other throughout.
+    """
+    judged = judge_readings(recording.columns, recording.metadata, require_electrical(recording).columns)
+    if judged.contradiction:
+        raise RecordingError(f"two columns contradict each other: {judged.contradiction}")
+    return judged
 
 
 def _shunt_is_known(recording: Recording) -> bool:

@@ -28,6 +28,7 @@ from musclewire.signals._metadata import MetadataValue
 from musclewire.signals._side_by_side import stacked_branches
 from musclewire.signals._source_table import Cells, RowBlock, SourceTable, head_of
 from musclewire.signals._units import beyond, conversion_to_si, largest_in
+from musclewire.signals._unusable_readings import LEFT_OUT, ReadingsOfBlocks, is_overload
 
 # Our own runs hold NaN in samples without an estimate; in any other column NaN is a gap in the data.
 _MAY_BE_NAN = frozenset(name for name in COLUMNS if name.startswith("estimated_"))
@@ -72,16 +73,25 @@ class CheckedBlocks:
     row_count: int = 0
     dropped: int = 0
     start_time: str | None = None
+    overloads: dict[str, int] = field(default_factory=dict)
+    readings: ReadingsOfBlocks = field(default_factory=ReadingsOfBlocks)
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def add(self, columns: Mapping[str, FloatArray]) -> None:
         """Count a block of the recording's rows."""
         self.row_count += next(iter(columns.values())).size
+        self.readings.add(columns)
         for name, values in columns.items():
             finite = values[np.isfinite(values)]
             if finite.size:
                 low, high = self.ranges.get(name, (np.inf, -np.inf))
                 self.ranges[name] = (min(low, float(finite.min())), max(high, float(finite.max())))
+
+    @property
+    def left_out(self) -> dict[str, MetadataValue]:
+        """The rows that an instrument marked as an overload, in words, as metadata; none if there are none."""
+        counted = [f"{count} rows with an overload mark in {name}" for name, count in self.overloads.items()]
+        return {LEFT_OUT: f"left out: {', '.join(counted)}"} if counted else {}
 
 
 def plan_import(table: SourceTable, mapping: ImportMapping) -> ImportPlan:
@@ -172,6 +182,11 @@ class _BlockReader:
                 if item.column not in _MAY_BE_NAN:
                     keep &= ~np.isnan(values)
             self._tally.dropped += int(size - keep.sum())
+        for item, values in zip(self._plan.match.taken, numbered, strict=True):
+            if (marked := keep & np.isfinite(values) & is_overload(values)).any():
+                counts = self._tally.overloads
+                counts[item.column] = counts.get(item.column, 0) + int(marked.sum())
+                keep &= ~marked
         return keep
 
     def _checked(

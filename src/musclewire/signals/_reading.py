@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -20,6 +21,8 @@ from musclewire.signals._source_table import SourceColumn, SourceTable, TableInM
 from musclewire.signals._understanding import FileInterpretation, understanding_of
 from musclewire.signals._writing import require_streamable, write_blocks
 
+# Blocks of rows that are read before a file is written.
+BUFFERED_BLOCKS = 8
 # Suffixes that need no part outside the core.
 OWN_SUFFIXES = (".h5", ".hdf5", ".csv", ".tsv", ".txt", ".dat", ".asc")
 
@@ -69,7 +72,8 @@ def read_recording(
     blocks = list(checked_blocks(plan, tally))
     values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     started = {} if tally.start_time is None else {"start_time": tally.start_time}
-    return _recording(values, {**started, **plan.table.metadata}, Path(path)).with_metadata(wanted.metadata)
+    found = {**started, **plan.table.metadata, **tally.left_out}
+    return _recording(values, found, Path(path)).with_metadata(wanted.metadata)
 
 
 def import_recording(
@@ -212,9 +216,16 @@ def _first_problem(plan: ImportPlan, tally: CheckedBlocks) -> str:
     try:
         for _ in checked_blocks(plan, tally):
             pass
+        _refuse_contradictions(plan, tally)
     except RecordingError as problem:
         return str(problem)
     return ""
+
+
+def _refuse_contradictions(plan: ImportPlan, tally: CheckedBlocks) -> None:
+    judged = tally.readings.judged(plan.metadata)
+    if judged is not None and judged.contradiction:
+        raise RecordingError(f"{plan.table.path}: two columns contradict each other: {judged.contradiction}")
 
 
 def _write(plan: ImportPlan, tally: CheckedBlocks, output: Path, matlab_version: str | None) -> None:
@@ -222,16 +233,18 @@ def _write(plan: ImportPlan, tally: CheckedBlocks, output: Path, matlab_version:
         raise RecordingError(plan.problem)
     require_streamable(output, matlab_version)
     blocks = checked_blocks(plan, tally)
-    # What the first block shows, when a file with dates begins, belongs to the metadata.
-    first = next(blocks, None)
+    # When a file with dates begins, and which readings are no measurements, belongs to the metadata, which come first.
+    buffered = list(itertools.islice(blocks, BUFFERED_BLOCKS))
+    judged = tally.readings.judged(plan.metadata) if len(buffered) < BUFFERED_BLOCKS else None
     started = {} if tally.start_time is None else {"start_time": tally.start_time}
-    metadata = checked_metadata({**started, **plan.metadata})
+    found = "; ".join(judged.findings) if judged is not None else ""
+    noted = {**tally.left_out, **({"unusable_readings": found} if found else {})}
+    metadata = checked_metadata({**started, **plan.metadata, **noted})
 
     def rows() -> Iterator[tuple[FloatArray, ...]]:
-        if first is not None:
-            yield tuple(first[name] for name in plan.names)
-        for block in blocks:
+        for block in itertools.chain(buffered, blocks):
             yield tuple(block[name] for name in plan.names)
+        _refuse_contradictions(plan, tally)
 
     write_blocks(plan.names, rows(), metadata, output, matlab_version)
 

@@ -104,6 +104,8 @@ def understanding_of(plan: ImportPlan, tally: CheckedBlocks, problem: str) -> Fi
     """Return the report of a plan whose blocks have been read, to the end or to a problem."""
     table, match = plan.table, plan.match
     dropped = (f"{tally.dropped} rows without a number left out",) if tally.dropped else ()
+    judged = tally.readings.judged({**plan.metadata, **tally.left_out})
+    unusable = judged.findings if judged is not None else tuple(str(text) for text in tally.left_out.values())
     metadata = plan.metadata if tally.start_time is None else {"start_time": tally.start_time, **plan.metadata}
     return FileInterpretation(
         table.path,
@@ -114,7 +116,7 @@ def understanding_of(plan: ImportPlan, tally: CheckedBlocks, problem: str) -> Fi
         match.undecided,
         metadata,
         tally.ranges,
-        (*plan.notes, *dropped),
+        (*plan.notes, *dropped, *unusable),
         problem,
         _explicit(plan),
     )

@@ -24,8 +24,8 @@ from musclewire.identify._physical.observations import (
     require_rows,
 )
 from musclewire.identify._recordings import resistance_reading
-from musclewire.sensing import noise_level
-from musclewire.signals import Recording
+from musclewire.sensing import noise_level, readings_first
+from musclewire.signals import Recording, judge_readings
 from musclewire.wire import ConnectorLoad, DrivenPath
 
 # In a recording of a drive the model's error has about this many independent values.
@@ -162,7 +162,10 @@ def refuse_idle(channels: Mapping[str, RawChannel]) -> None:
         if change < MIN_RESISTANCE_CHANGE or not moves(raw):
             raise RecordingError(
                 f"no transformation: the resistance changes by {100.0 * change:.2g} % at most: "
-                "drive the wire higher, until it contracts"
+                + (
+                    readings_first(int(raw.usable.sum()), raw.usable.size)
+                    or "drive the wire higher, until it contracts"
+                )
             )
     elif not moves(channels["force"]):
         raise RecordingError(
@@ -220,6 +223,7 @@ def drive_of(recording: Recording) -> tuple[FloatArray, dict[str, float]]:
     For a voltage across the wire alone they are negligible. Raises RecordingError if the drive is not recorded.
     """
     names = recording.columns
+    refuse_cut_drive(recording)
     shunt_ohm = recording.facts.number_or_none("shunt_resistance_ohm")
     bare = {"shunt_resistance_ohm": MIN_SHUNT_OHM, "lead_resistance_ohm": 0.0}
     if "wire_voltage_v" in names and "shunt_voltage_v" in names and shunt_ohm is not None:
@@ -243,6 +247,15 @@ def drive_of(recording: Recording) -> tuple[FloatArray, dict[str, float]]:
             "metadata, 0 for none"
         )
     return names["drive_voltage_v"], {"shunt_resistance_ohm": max(shunt_ohm, MIN_SHUNT_OHM)}
+
+
+def refuse_cut_drive(recording: Recording) -> None:
+    """Raise RecordingError if the voltage across the wire is not known in some rows, and so not what heated it."""
+    for item in judge_readings(recording.columns, recording.metadata, ("wire_voltage_v",)).found:
+        if not item.is_real:
+            raise RecordingError(
+                f"the drive of the wire is not known in {int(item.rows.sum())} of {item.rows.size} rows: {item.why}"
+            )
 
 
 def channels_of(recording: Recording) -> dict[str, RawChannel]:

@@ -20,7 +20,7 @@ from musclewire.identify._physical.isobaric import (
 )
 from musclewire.identify._physical.observations import Observation
 from musclewire.parameters import Alloy, Bench, Parameter, PriorSet, Wire, load_alloy, load_bench, load_wire
-from musclewire.signals import ISOBAR_TABLE, Recording
+from musclewire.signals import ISOBAR_TABLE, Recording, judge_readings
 
 ELECTRICAL = ("drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
 # Parameters on which a kind of observation does not depend, by parts of their names.
@@ -112,6 +112,7 @@ def observations_of(
             kind = "driven from cold" if electrical else "cooling without current"
             channels = ", ".join(channel.name for channel in observation.channels)
             notes.append(f"{name}: {kind}; {channels}")
+            notes += [f"{name}: {text}" for text in judge_readings(recording.columns, recording.metadata).findings]
             notes += [f"assumed: {text}" for text in assumed_of_bench(observation.bench)]
     if isobars:
         notes.append(f"strain of isobars: positive in {'contraction' if counts_contraction(isobars) else 'elongation'}")

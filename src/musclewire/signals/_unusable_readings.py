@@ -1,0 +1,489 @@
+"""Readings that are no measurements: overload marks, ends of a range, pulses that are off, sources that contradict.
+
+They are judged before the wire is, and by this table only: whatever computes a resistance from a recording, and the
+import of a file, asks ``judge_readings``. What stays at the end of a range looks like a wire that has stopped moving.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.arrays import FloatArray
+from musclewire.signals._columns import COLUMNS
+from musclewire.signals._metadata import MetadataValue
+
+Rows = NDArray[np.bool_]
+Columns = Mapping[str, FloatArray]
+Metadata = Mapping[str, MetadataValue]
+
+# The metadata in which an import says which rows it left out.
+LEFT_OUT = "rows_left_out"
+# What is judged. The drive is a command, which may stand still; instruments of motion meet stops that are real.
+MEASURED = ("wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
+# Instruments print a number for "overload" that no bench has: 9.9E37 and 9.91E37 (SCPI), 1e38, a float's largest.
+OVERLOAD_FROM = 1e30
+# A plateau is at least so many equal rows.
+PLATEAU_ROWS = 5
+# It counts if the column moved by so many of its own steps within as many rows before it. The top of a smooth curve of
+# w rows on either side, rounded to a step q, has risen by q ((2 + 1)^2 - 1) = 8 q within its own length at most.
+CUT_STEPS = 12.0
+# Of that rise, a fifth of the rows makes at most this part: more is a jump to a level, or a decaying approach to it.
+MAX_PART = 0.45
+# Noise of so many steps on both sides of it would not leave five rows equal.
+NOISE_STEPS = 1.5
+NEIGHBOURS = 20
+# Of these neighbours at most this part repeats the one before, and a channel that is held scatters less by this factor.
+REPEATED, CALM = 0.1, 0.3
+# Another channel shows whether the drive was held if it moved by so many of its steps, and of its noise, before.
+MIN_STEPS, HOLD_ROWS = 2.0, 4
+# What moves on while a column stays at the end of its range. Past a resistance it moves by this part of its own range;
+# from A to B a wire does by 15 %, at one value of a meter with few steps.
+_ELECTRICAL = ("wire_current_a", "shunt_voltage_v")
+PARTNERS = {
+    "wire_voltage_v": _ELECTRICAL,
+    "shunt_voltage_v": ("wire_voltage_v",),
+    "wire_current_a": ("wire_voltage_v",),
+    "wire_resistance_ohm": ("drive_voltage_v", "wire_voltage_v", *_ELECTRICAL, "displacement_m", "reference_strain"),
+}
+KEPT = (*MEASURED, "drive_voltage_v", "displacement_m", "reference_strain")
+# An import judges files of at most so many rows, which take 100 MB; what uses a recording judges it in any case.
+MAX_ROWS = 2_000_000
+MOVED, FINE = 0.25, 0.01
+# A wire's resistance changes by less than this factor, and so does the voltage at a current that is held.
+PASSED = 1.5
+# In noise a resistance is cut off in at least this part of all rows.
+OFTEN = 0.03
+# The part of all its distinct neighbouring values that lies at a column's own step.
+STEP_QUANTILE = 0.1
+# Ends of range [V] of a chip's shunt voltage, by its data sheet, and the shunt on its usual board [ohm].
+CHIPS = {"ina219": (0.04, 0.08, 0.16, 0.32), "ina226": (0.08192,)}
+BOARD_SHUNT_OHM = 0.1
+# A reading within this part of a stated range's end is at it: one step of 12 bits less.
+AT_END = 1.0 - 1.0 / 4096.0
+# Pulses are off where voltage and current are below this part of their largest, and their quotient is none of the wire.
+OFF_FRACTION = 0.02
+WIRE_RATIO = 2.0
+# Two sources of one quantity may differ by so much: shunts, leads and ranges do; and wire and shunt of the drive.
+CURRENT_FRACTION, RESISTANCE_FRACTION, NOT_COUNTED = 0.1, 0.2, 0.05
+DRIVE_LOW, DRIVE_HIGH = 1.0 / 3.0, 1.2
+
+
+class UnusableRows(NamedTuple):
+    """Rows of a column that are no measurements.
+
+    Parameters
+    ----------
+    column
+        The column.
+    rows
+        Which rows, (n_times,).
+    why
+        What they are and what to do about it.
+    is_real
+        Whether the numbers are right all the same, and only no resistance follows from them.
+    """
+
+    column: str
+    rows: Rows
+    why: str
+    is_real: bool = False
+
+
+@dataclass(frozen=True)
+class JudgedReadings:
+    """Which rows of a recording are measurements.
+
+    Parameters
+    ----------
+    usable
+        Whether a row's readings can be used, (n_times,).
+    found
+        The rows that cannot be used, by column and reason.
+    contradiction
+        That two sources of one quantity disagree throughout, so that no row can be trusted; "" if they agree.
+    notes
+        What else is to be known: rows that importing left out, a drive that is none.
+    """
+
+    usable: Rows
+    found: tuple[UnusableRows, ...] = ()
+    contradiction: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """What cannot be used in words, with the number of rows."""
+        counted = (
+            f"{int(item.rows.sum())} of {item.rows.size} rows are no measurements: {item.why}" for item in self.found
+        )
+        return (*self.notes, *counted)
+
+
+def judge_readings(columns: Columns, metadata: Metadata, used: tuple[str, ...] = MEASURED) -> JudgedReadings:
+    """Return which rows are measurements.
+
+    Parameters
+    ----------
+    columns
+        Name -> values in SI, (n_times,).
+    metadata
+        What is known of the recording. ``shunt_resistance_ohm``; ends of range as ``wire_current_range_a``; the
+        ``chip``, as INA219; ``held_columns``, the names of those that were held on purpose.
+    used
+        The columns in which a row has to be a measurement.
+
+    Returns
+    -------
+    The rows, with what was found.
+    """
+    n_times = next(iter(columns.values())).size
+    named = {name: np.zeros(n_times, dtype=np.bool_) for name in used}
+    found = []
+    for rule in RULES:
+        for item in rule(columns, metadata):
+            if item.column in used and (item.rows & ~named[item.column]).any():
+                named[item.column] |= item.rows
+                found.append(item)
+    bad = np.any(list(named.values()), axis=0)
+    good = {name: values[~bad] for name, values in columns.items()}
+    contradiction = "" if bad.all() else next(contradictions(good, metadata), "")
+    notes = [str(metadata[LEFT_OUT])] if LEFT_OUT in metadata else []
+    notes += [] if bad.all() else drive_doubts(good)
+    return JudgedReadings(~bad, tuple(found), contradiction, tuple(notes))
+
+
+def overload_marks(columns: Columns, _: Metadata) -> Iterator[UnusableRows]:
+    """Yield the rows in which an instrument says that its range was exceeded."""
+    for name in MEASURED:
+        if name in columns and (rows := is_overload(columns[name])).any():
+            yield UnusableRows(
+                name, rows, f"{name} holds {columns[name][np.argmax(rows)]:.3g}, an instrument's mark of an overload"
+            )
+
+
+def is_overload(values: FloatArray) -> Rows:
+    """Return which numbers are overload marks, (n_times,)."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.abs(values) >= OVERLOAD_FROM)
+
+
+def ends_of_range(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
+    """Yield the rows at an end of range that file, mapping or chip states."""
+    for name in MEASURED:
+        if name not in columns:
+            continue
+        size = _sizes(columns[name])
+        for end, whose in _stated_ends(name, metadata):
+            rows = size >= AT_END * end
+            if rows.any() and (whose == "stated" or size[rows].max() <= end / AT_END):
+                yield UnusableRows(name, rows, f"{name} stays at {_shown(end, name)}, {_END_OF[whose]}; {_LARGER}")
+
+
+_END_OF = {"stated": "the end of the range that is stated", "chip": "the end of a range of this chip"}
+_LARGER = "choose a larger range or a smaller shunt"
+
+
+def _stated_ends(name: str, metadata: Metadata) -> Iterator[tuple[float, str]]:
+    """Yield the ends of range of a column, in SI, and who states each."""
+    quantity, unit = name.rsplit("_", 1)
+    if (stated := _positive(metadata.get(f"{quantity}_range_{unit}"))) is not None:
+        yield stated, "stated"
+    scale = {"shunt_voltage_v": 1.0, "wire_current_a": _positive(metadata.get("chip_shunt_ohm")) or BOARD_SHUNT_OHM}
+    if name in scale:
+        for end_v in CHIPS.get(str(metadata.get("chip", "")).strip().lower(), ()):
+            yield end_v / scale[name], "chip"
+
+
+def plateaus(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
+    """Yield the rows in which a column stands still at its largest value, for five rows or more, while the rest moves.
+
+    The largest is that of the size: an input range has no end at zero. ``held_columns`` of the metadata names columns
+    that were held on purpose.
+    """
+    held = {name.strip() for name in str(metadata.get("held_columns", "")).split(",")}
+    for name in MEASURED:
+        if name not in columns or name in held:
+            continue
+        size = _sizes(columns[name])
+        at_top = size == size.max()
+        runs = [run for run in _runs(at_top) if run[1] - run[0] >= PLATEAU_ROWS]
+        if not runs or size.max() == 0.0:
+            continue
+        step = _step_of(size)
+        ends = _ends_resistance if name == "wire_resistance_ohm" else _ends_drive
+        if any(ends(_Plateau(size, *run, step), columns, PARTNERS[name]) for run in runs):
+            top = _shown(float(size.max()), name)
+            yield UnusableRows(name, at_top, f"{name} stays at {top}, the end of a range; {_LARGER}")
+
+
+class _Plateau(NamedTuple):
+    """Equal rows at the largest size of a column: from ``first`` to before ``last``; ``step`` is the column's own."""
+
+    size: FloatArray
+    first: int
+    last: int
+    step: float
+
+    @property
+    def sides(self) -> list[FloatArray]:
+        """The rows on both sides towards the plateau, one of it included, where there are enough."""
+        both = self.size[: self.first + 1], self.size[self.last - 1 :][::-1]
+        return [side for side in both if side.size > PLATEAU_ROWS]
+
+    def neighbours(self, values: FloatArray) -> list[FloatArray]:
+        """Return what another column does next to the plateau, on each side."""
+        before = values[max(self.first - NEIGHBOURS, 0) : self.first]
+        after = values[self.last : self.last + NEIGHBOURS]
+        return [side for side in (before, after) if side.size >= PLATEAU_ROWS]
+
+    @property
+    def cut_rows(self) -> int:
+        """Over how many rows the column runs evenly into the equal ones, and out of them, as if cut off; else 0."""
+        found = [_rows_into(side, self.last - self.first, self.step) for side in self.sides]
+        return max(found) if found and all(found) else 0
+
+    @property
+    def is_in_noise(self) -> bool:
+        """Whether the rows around scatter so much that these would not be equal."""
+        around = [side[-1 - NEIGHBOURS :] for side in self.sides]
+        around = [rows[rows < rows[-1]] for rows in around]
+        around = [rows for rows in around if rows.size >= PLATEAU_ROWS + 2]
+        return bool(around) and all(_is_noisy(rows, self.step) for rows in around)
+
+
+def _ends_drive(plateau: _Plateau, columns: Columns, partners: tuple[str, ...]) -> bool:
+    """Return whether a voltage or current is at the end of its range: the others go on, with the drive or its noise."""
+    others = [columns[name] for name in ("drive_voltage_v", *partners) if name in columns]
+    inside = slice(plateau.first, plateau.last)
+    if any(_sizes(values[inside]).max() > PASSED * _sizes(values[inside]).min() for values in others):
+        return True
+    if plateau.cut_rows:
+        found = [goes_on for values in others for goes_on in _goes_on(plateau, values)]
+        if (found and all(found)) or not others:
+            return True
+    return plateau.is_in_noise and any(_stays_noisy(plateau, values) for values in others)
+
+
+def _goes_on(plateau: _Plateau, values: FloatArray) -> list[bool]:
+    """Return whether another column continues where the plateau begins and ends; all stop if the drive is held.
+
+    Nothing is returned for a side where it moved too little before, for its steps and noise, to show it.
+    """
+    rows = min(plateau.cut_rows, max((plateau.last - plateau.first) // HOLD_ROWS, 1))
+    least = MIN_STEPS * max(_step_of(np.abs(values)), _scatter(values))
+    found = []
+    for edge, inwards in ((plateau.first, 1), (plateau.last - 1, -1)):
+        outside, then = edge - inwards * rows, edge + inwards * (rows // 2 + 1)
+        if 0 <= outside < values.size:
+            before, after = values[edge] - values[outside], values[then + inwards * rows] - values[then]
+            if abs(before) > least:
+                found.append(bool(after * np.sign(before) > CALM * abs(before)))
+    return found
+
+
+def _stays_noisy(plateau: _Plateau, values: FloatArray) -> bool:
+    """Return whether another column scatters in the plateau as it does next to it, by more than its step."""
+    around = [_scatter(side) for side in plateau.neighbours(values)]
+    inside = _scatter(values[plateau.first : plateau.last])
+    return bool(around) and inside >= max(NOISE_STEPS * _step_of(np.abs(values)), CALM * max(around))
+
+
+def _ends_resistance(plateau: _Plateau, columns: Columns, partners: tuple[str, ...]) -> bool:
+    """Return whether a resistance is at the end of its range: it is not if the wire rests, or passes B."""
+    inside = slice(plateau.first, plateau.last)
+    ranges = {name: float(np.ptp(columns[name])) for name in partners if name in columns}
+    moved = {name for name, span in ranges.items() if np.ptp(columns[name][inside]) > MOVED * span > 0.0}
+    instruments = {"displacement_m", "reference_strain"} & ranges.keys()
+    inner = plateau.first > 0 and plateau.last < plateau.size.size
+    fine = plateau.step <= FINE * float(np.ptp(plateau.size))
+    if (fine and moved & instruments) or (plateau.cut_rows and (inner or (moved and not instruments))):
+        return True
+    at_top = int((plateau.size == plateau.size[plateau.first]).sum())
+    return plateau.is_in_noise and at_top >= OFTEN * plateau.size.size
+
+
+def _rows_into(side: FloatArray, length: int, step: float) -> int:
+    """Return over how many rows the values of a side, the oldest first, rise evenly into the last one; 0 for none."""
+    rows, least = 1, CUT_STEPS * max(step, _scatter(side[-1 - NEIGHBOURS :]))
+    while PLATEAU_ROWS * rows <= min(max(length, PLATEAU_ROWS), side.size - 1):
+        points = side[-1 - PLATEAU_ROWS * rows :: rows]
+        gains, rise = np.diff(points), float(points[-1] - points[0])
+        if rise >= least and gains.min() >= -MAX_PART * rise / 2.0 and gains.max() <= MAX_PART * rise:
+            return PLATEAU_ROWS * rows
+        rows *= 2
+    return 0
+
+
+def _is_noisy(rows: FloatArray, step: float) -> bool:
+    """Return whether rows scatter by more than their step, and hardly ever repeat a value."""
+    return bool(np.mean(np.diff(rows) == 0.0) <= REPEATED and _scatter(rows) >= NOISE_STEPS * step)
+
+
+def _scatter(values: FloatArray) -> float:
+    """Return the standard deviation of noise on a short, almost straight piece of a curve."""
+    return float(np.median(np.abs(np.diff(values, n=2)))) / 0.6745 / np.sqrt(6.0) if values.size > 2 else 0.0
+
+
+def _step_of(size: FloatArray) -> float:
+    """Return the step in which a column was recorded; that of a column without steps is small."""
+    steps = np.diff(np.unique(size))
+    steps = steps[steps > 1e-12 * size.max()]
+    return float(np.quantile(steps, STEP_QUANTILE)) if steps.size else 0.0
+
+
+def off_pulses(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
+    """Yield the rows in which a pulsed drive is off: next to no current, so no resistance."""
+    for name, current_a in _currents(columns, metadata):
+        if "wire_voltage_v" not in columns:
+            continue
+        volts, amperes = _sizes(columns["wire_voltage_v"]), _sizes(current_a)
+        low = (volts <= OFF_FRACTION * volts.max()) & (amperes <= OFF_FRACTION * amperes.max())
+        if not low.any() or low.all() or not amperes[~low].min() > 0.0:
+            continue
+        on_ohm = float(np.median(volts[~low] / amperes[~low]))
+        ohm = volts[low] / np.maximum(amperes[low], 1e-30)
+        signs = np.sign(columns["wire_voltage_v"][low]) == np.sign(current_a[low])
+        others = ~(signs & (ohm > on_ohm / WIRE_RATIO) & (ohm < on_ohm * WIRE_RATIO))
+        if 2 * int(others.sum()) > int(low.sum()):
+            most = _shown(float(amperes[low].max()), "wire_current_a")
+            why = f"the drive is off, {most} at most, and without current there is no resistance; read in the pulses"
+            yield UnusableRows(name, low, why, is_real=True)
+
+
+def _currents(columns: Columns, metadata: Metadata) -> Iterator[tuple[str, FloatArray]]:
+    """Yield the sources of the current, each by the name of its column, as [A]."""
+    shunt_ohm = _positive(metadata.get("shunt_resistance_ohm"))
+    if "shunt_voltage_v" in columns and shunt_ohm is not None:
+        yield "shunt_voltage_v", _without_marks(columns["shunt_voltage_v"]) / shunt_ohm
+    if "wire_current_a" in columns:
+        yield "wire_current_a", _without_marks(columns["wire_current_a"])
+
+
+def other_current(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
+    """Yield the rows in which two sources of the current differ that agree elsewhere."""
+    currents = dict(_currents(columns, metadata))
+    if len(currents) < 2 or _ratio_of_currents(currents) is not None:
+        return
+    shunt_a, current_a = currents.values()
+    off = np.abs(shunt_a - current_a) > CURRENT_FRACTION * np.abs(current_a) + NOT_COUNTED * np.abs(current_a).max()
+    # Where one of the two is at the end of its range, the other is right.
+    known = [item for rule in (overload_marks, ends_of_range, plateaus) for item in rule(columns, metadata)]
+    for item in known:
+        off &= ~item.rows
+    if off.any():
+        why = "shunt_voltage_v over the shunt differs from wire_current_a there; leave out the column that is wrong"
+        yield UnusableRows("shunt_voltage_v", off, why)
+        yield UnusableRows("wire_current_a", off, why)
+
+
+def _ratio_of_currents(currents: Mapping[str, FloatArray]) -> float | None:
+    """Return the current by the shunt over that which was measured, None if the two agree."""
+    shunt_a, current_a = currents["shunt_voltage_v"], currents["wire_current_a"]
+    counted = np.abs(current_a) > NOT_COUNTED * np.abs(current_a).max()
+    if not counted.any():
+        return None
+    ratio = float(np.median(shunt_a[counted] / current_a[counted]))
+    return None if abs(ratio - 1.0) <= CURRENT_FRACTION else ratio
+
+
+def contradictions(good: Columns, metadata: Metadata) -> Iterator[str]:
+    """Yield in which quantities two sources disagree throughout, and what to do; of columns without unusable rows."""
+    currents = dict(_currents(good, metadata))
+    if len(currents) == 2 and (ratio := _ratio_of_currents(currents)) is not None:
+        shunt_ohm = _positive(metadata.get("shunt_resistance_ohm")) or 0.0
+        yield (
+            f"shunt_voltage_v over the shunt of {shunt_ohm:g} ohm is {ratio:.3g} times wire_current_a: by the current "
+            f"the shunt has {shunt_ohm * abs(ratio):.3g} ohm; correct its resistance or a unit, or leave one column out"
+        )
+    if not {"wire_voltage_v", "wire_resistance_ohm"} <= good.keys():
+        return
+    volts, resistance = _without_marks(good["wire_voltage_v"]), _without_marks(good["wire_resistance_ohm"])
+    for name, current_a in currents.items():
+        there = (np.abs(current_a) > NOT_COUNTED * np.abs(current_a).max()) & (resistance > 0.0)
+        ratio = float(np.median(volts[there] / (current_a * resistance)[there])) if there.any() else 1.0
+        if abs(ratio - 1.0) > RESISTANCE_FRACTION:
+            yield (
+                f"wire_voltage_v over the current of {name} is {ratio:.3g} times wire_resistance_ohm: correct a unit, "
+                "or leave out the columns that are wrong"
+            )
+
+
+def drive_doubts(good: Columns) -> list[str]:
+    """Return that the drive is not what wire and shunt have together; of columns without unusable rows.
+
+    Such a drive spoils no reading: the voltages that were measured are used.
+    """
+    if not {"wire_voltage_v", "drive_voltage_v"} <= good.keys() or not good["drive_voltage_v"].max() > 0.0:
+        return []
+    drive_v = good["drive_voltage_v"]
+    inner_v = _without_marks(good["wire_voltage_v"]) + _without_marks(good.get("shunt_voltage_v", 0.0 * drive_v))
+    high = drive_v > 0.5 * drive_v.max()
+    ratio = float(np.median(inner_v[high] / drive_v[high]))
+    if DRIVE_LOW <= ratio <= DRIVE_HIGH:
+        return []
+    return [f"wire and shunt together have {ratio:.3g} times drive_voltage_v: check units and channels"]
+
+
+class ReadingsOfBlocks:
+    """The readings of a table that comes block after block, up to a number of rows, to be judged at its end."""
+
+    def __init__(self) -> None:
+        """Begin without rows."""
+        self._blocks: list[dict[str, FloatArray]] = []
+        self._rows = 0
+
+    def add(self, columns: Columns) -> None:
+        """Keep a block's readings, and what shows that the rest moves."""
+        self._rows += next(iter(columns.values())).size
+        if self._rows <= MAX_ROWS:
+            self._blocks.append({name: columns[name] for name in KEPT if name in columns})
+        else:
+            self._blocks.clear()
+
+    def judged(self, metadata: Metadata) -> JudgedReadings | None:
+        """Return which rows are measurements; None if there are none to judge, or too many."""
+        if not self._blocks or not set(MEASURED) & self._blocks[0].keys():
+            return None
+        first = self._blocks[0]
+        return judge_readings(
+            {name: np.concatenate([block[name] for block in self._blocks]) for name in first}, metadata
+        )
+
+
+# What makes a reading unusable, in the order in which it is named.
+RULES: tuple[Callable[[Columns, Metadata], Iterator[UnusableRows]], ...] = (
+    overload_marks,
+    ends_of_range,
+    plateaus,
+    off_pulses,
+    other_current,
+)
+
+
+def _sizes(values: FloatArray) -> FloatArray:
+    return np.abs(_without_marks(values))
+
+
+def _without_marks(values: FloatArray) -> FloatArray:
+    """Return values in which overload marks and what is not finite are 0."""
+    return np.where(np.isfinite(values) & ~is_overload(values), values, 0.0)
+
+
+def _runs(there: Rows) -> list[tuple[int, int]]:
+    """Return first row and row after the last of each run of rows."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], there, [False])).astype(np.int8)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def _positive(value: MetadataValue) -> float | None:
+    number = isinstance(value, int | float) and not isinstance(value, bool) and 0.0 < value < float("inf")
+    return float(value) if number else None  # type: ignore[arg-type]
+
+
+def _shown(value: float, name: str) -> str:
+    return f"{value:.4g} {COLUMNS[name].unit}"
