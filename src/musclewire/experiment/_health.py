@@ -190,11 +190,11 @@ def contradiction_in_words(recording: Recording, suffix: str) -> str:
         return ""
     estimated = recording[f"estimated_{suffix}"]
     stroke = max(float(np.ptp(estimated - error)), float(np.ptp(estimated)))
-    share = f"{100.0 * beyond.mean():.0f} % of the samples"
+    said = f"{100.0 * beyond.mean():.0f} % of the samples"
     if stroke == 0.0:
-        return share
+        return said
     rms_pct = 100.0 * float(np.sqrt(np.mean(error[beyond] ** 2))) / stroke
-    return f"{share}, by {rms_pct:.1f} % rms of the stroke"
+    return f"{said}, by {rms_pct:.1f} % rms of the stroke"
 
 
 def saturated(recording: Recording, suffix: str) -> npt.NDArray[np.bool_]:

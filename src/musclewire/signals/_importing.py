@@ -210,7 +210,7 @@ class _BlockReader:
             raise RecordingError(f"{where}: {what}; correct the number or its unit")
         unit_si = COLUMNS[item.column].unit
         too_large = np.abs(converted) > largest_in(unit_si)
-        # What a recording of ours holds was computed, and is read back whatever it is.
+        # What musclewire has recorded was computed, and is read back whatever it is.
         if too_large.any() and item.how != "own name":
             row = int(np.argmax(too_large))
             where = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}'"
