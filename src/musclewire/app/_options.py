@@ -267,6 +267,9 @@ def mapping(pairs: list[str] | None, option: str = "--column") -> dict[str, str]
         name, separator, value = pair.partition("=")
         if not (separator and name.strip() and value.strip()):
             raise CallerError(f"{option} {pair}: write {EXAMPLES[option]}")
+        if found.get(name.strip(), value.strip()) != value.strip():
+            both = f"'{found[name.strip()]}' and '{value.strip()}'"
+            raise CallerError(f"{option} gives {name.strip()} twice, {both}: choose one")
         found[name.strip()] = value.strip()
     return found
 

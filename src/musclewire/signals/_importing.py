@@ -13,12 +13,13 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.signals._absolute_clocks import ABSOLUTE_FROM_S, absolute_clock
-from musclewire.signals._clock_texts import ClockTexts
+from musclewire.signals._clock_texts import WRITTEN_CLOCKS, ClockTexts, written_clock
 from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, needs_no_clock
 from musclewire.signals._headers import (
     HeaderMatch,
     IgnoredHeader,
     MatchedHeader,
+    UndecidedHeader,
     match_columns,
     missing_from,
     numbered_headers,
@@ -94,7 +95,7 @@ def plan_import(table: SourceTable, mapping: ImportMapping) -> ImportPlan:
     table = table if found else stacked_branches(table)
     path, headers = table.path, tuple(column.header for column in table.columns)
     match = match_columns(table.columns, mapping.columns, path, mapping.ignore, mapping.only_mapped)
-    match = _with_absolute_clock(match, table)
+    match = _with_written_clock(_with_absolute_clock(match, table), table)
     period_s = _counted_period_s(match, table, mapping)
     if mapping.sample_period_s is not None:
         match = _without_undecided_clock(match)
@@ -136,7 +137,7 @@ class _BlockReader:
         self._origin: float | None = None
         clock = next((item for item in plan.match.taken if item.is_text), None)
         header = "" if clock is None else clock.header.replace("{", "{{").replace("}", "}}")
-        self._clock = ClockTexts(f"{self._path}: {{place}}, column '{header}'")
+        self._clock = ClockTexts(f"{self._path}: {{place}}, column '{header}'", "" if clock is None else clock.unit)
 
     def columns_of(self, block: RowBlock) -> dict[str, FloatArray]:
         """Return a block's rows as columns of a recording."""
@@ -254,6 +255,25 @@ def _with_absolute_clock(match: HeaderMatch, table: SourceTable) -> HeaderMatch:
     )
     taken = sorted((*match.taken, clock), key=lambda item: item.index)
     return HeaderMatch(tuple(taken), match.ignored, tuple(item for item in match.undecided if item is not clocks[0]))
+
+
+def _with_written_clock(match: HeaderMatch, table: SourceTable) -> HeaderMatch:
+    """Return a match in which times of two numbers are minutes and seconds by their numbers, or undecided."""
+    clock = next((item for item in match.taken if item.is_text), None)
+    if clock is None or clock.unit in WRITTEN_CLOCKS:
+        return match
+    form = written_clock(None, [str(cell) for cell in head_of(table, clock.index)])
+    if form == "":
+        return match
+    others = tuple(item for item in match.taken if item is not clock)
+    if form is not None:
+        return HeaderMatch((replace(clock, unit=form), *others), match.ignored, match.undecided)
+    message = (
+        f"{table.path}: column '{clock.header}' may be minutes and seconds or hours and minutes; "
+        f"map it as it is meant: time_s={clock.header}:{WRITTEN_CLOCKS[0]}"
+    )
+    undecided = UndecidedHeader(clock.header, clock.index, "time_s", message)
+    return HeaderMatch(others, match.ignored, (*match.undecided, undecided))
 
 
 def _without_undecided_clock(match: HeaderMatch) -> HeaderMatch:

@@ -17,8 +17,8 @@ from musclewire.signals._metadata import MetadataValue
 BLOCK_ROWS = 65_536
 
 # Under which keys programs state the time between rows, or how many there are in a second.
-_PERIOD = re.compile(r"((?:sampl\w*_)?(?:interval|period|time|time_step)|dt|ts|delta_[tx])(_s)?")
-_RATE = re.compile(r"((?:sampl\w*_)?(?:rate|frequency|freq)|samplerate|fs)(_hz)?")
+_PERIOD = re.compile(r"((?:sampl\w*_)?(?:interval|period|time|time_step)|dt|ts|delta_[tx]|abtastintervall)(_s)?")
+_RATE = re.compile(r"((?:sampl\w*_)?(?:rate|frequency|freq)|samplerate|fs|abtastrate|abtastfrequenz|messrate)(_hz)?")
 
 # The cells of one column: numbers (NaN in an empty cell), or text as it is written.
 Cells = FloatArray | list[str]

@@ -9,6 +9,7 @@ from musclewire.errors import RecordingError
 
 _SPACED_HEADER = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
 _BRACKETED = re.compile(r"\s*[\[(<{](.*)[\])>}]\s*")
+_LABEL = re.compile(r"(?:data)?\s*(?:units?|einheit(?:en)?)\s*:?", re.IGNORECASE)
 # Words of two groups of columns next to each other.
 _BRANCHES = re.compile(r"heat|cool|aufheiz|abkühl|erwärm|load|forward|reverse|up\b|down\b", re.IGNORECASE)
 
@@ -72,6 +73,8 @@ def _fits(row: Sequence[str], width: int) -> bool:
 
 def _is_units(row: Sequence[str], is_unit: Callable[[str], bool]) -> bool:
     filled = [cell for cell in row if cell]
+    # A row of units may say so itself, in a column that holds no numbers.
+    filled = filled[1:] if filled and _LABEL.fullmatch(filled[0]) else filled
     return bool(filled) and all(_BRACKETED.fullmatch(cell) or is_unit(cell) for cell in filled)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -18,10 +18,11 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.signals._clock_texts import is_date, is_time_of_day
 from musclewire.signals._metadata import MetadataValue, entry_from_text, value_to_text
-from musclewire.signals._number_style import is_missing
+from musclewire.signals._number_style import is_missing, number_and_unit
 from musclewire.signals._source_table import BLOCK_ROWS, Cells, RowBlock, SourceColumn, stated_period_s
 from musclewire.signals._text_layout import TextLayout, layout_of, split_lines, too_wide
 from musclewire.signals._text_lines import Line, lines_of
+from musclewire.signals._text_shapes import shape_of
 from musclewire.signals._units import is_unit
 
 _COMMENT = re.compile(r"\s*(?:#|%|//|!)+\s?(.*)")
@@ -41,7 +42,8 @@ _BLOCK_LENGTH = 1 << 22
 class TextTable:
     """A table in lines of text, of which only the first have been read. ``lines`` begins with the first of them again.
 
-    ``row_word`` is what messages call a line, ``parts`` which of the cells of a line each column is.
+    ``row_word`` is what messages call a line, ``parts`` which of the cells of a line each column is, ``cell_units`` the
+    unit that stands in the cells of a column themselves.
     """
 
     path: str
@@ -51,6 +53,7 @@ class TextTable:
     row_word: str
     columns: tuple[SourceColumn, ...]
     parts: tuple[tuple[int, ...], ...]
+    cell_units: tuple[str | None, ...]
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
     sample_period_s: float | None = None
     notes: tuple[str, ...] = ()
@@ -76,8 +79,8 @@ class TextTable:
         return lambda row: f"{self.row_word} {numbers[row]}"
 
     def _values(self, numbers: Sequence[int], texts: list[str], indices: Sequence[int]) -> tuple[Cells, ...]:
-        plain = self._plain_numbers(texts, [index for index in indices if not self.columns[index].is_text])
-        if plain is not None and not any(self.columns[index].is_text for index in indices):
+        plain = self._plain_numbers(texts, [index for index in indices if self._is_plain(index)])
+        if plain is not None and all(map(self._is_plain, indices)):
             return tuple(plain[index] for index in indices)
         rows = split_lines(texts, self.text_layout.separator)
         width = len(self.text_layout.headers)
@@ -88,6 +91,10 @@ class TextTable:
         return tuple(
             plain[index] if plain and index in plain else self._cells(index, rows, numbers) for index in indices
         )
+
+    def _is_plain(self, index: int) -> bool:
+        """Return whether the cells of a column are numbers and nothing else."""
+        return not self.columns[index].is_text and self.cell_units[index] is None
 
     def _plain_numbers(self, texts: list[str], indices: Sequence[int]) -> dict[int, FloatArray] | None:
         """Return columns of numbers that NumPy reads at once; None if cells have to be looked at one by one."""
@@ -113,7 +120,9 @@ class TextTable:
             return [" ".join(row[part].strip() for part in parts if part < len(row)) for row in rows]
         style, values = self.text_layout.style, np.full(len(rows), np.nan)
         for place, row in enumerate(rows):
-            cell = row[parts[0]] if parts[0] < len(row) else ""
+            cell = " ".join(row[part] for part in parts if part < len(row))
+            if self.cell_units[index] is not None:
+                cell = self._without_unit(cell, index, numbers[place])
             try:
                 values[place] = style.number(cell)
             except ValueError:
@@ -123,6 +132,16 @@ class TextTable:
                     cure = f"correct it or remove the {self.row_word}"
                     raise RecordingError(f"{where}: '{shown}' is not a number; {cure}") from None
         return values
+
+
+    def _without_unit(self, cell: str, index: int, number: int) -> str:
+        """Return the number of a cell like "0.33 V". RecordingError for another unit than that of the first rows."""
+        found, unit = number_and_unit(cell) or (cell.strip(), self.cell_units[index])
+        if unit != self.cell_units[index]:
+            where = f"{self.path}: {self.row_word} {number}, column '{self.columns[index].header}'"
+            said = f"'{cell.strip()[:40]}' is not in {self.cell_units[index]}, as the cells above are"
+            raise RecordingError(f"{where}: {said}; write one unit throughout")
+        return found
 
 
 def read_text_table(path: Path) -> TextTable:
@@ -139,7 +158,12 @@ def read_text_table(path: Path) -> TextTable:
         elif text.strip(_ONLY_SEPARATORS) and not (number < 3 and _SEPARATOR_LINE.fullmatch(text)):
             break
     separator = "\t" if path.suffix.lower() == ".tsv" else None
-    return table_of_lines(str(path), partial(_without_comments, path), "text", separator, "line", comments)
+    lines, what = partial(_without_comments, path), "text"
+    shape = shape_of(list(itertools.islice(lines(), _HEAD_LINES)), str(path))
+    if shape is not None:
+        plain = lines
+        lines, what = lambda: shape.lines(plain()), shape.words  # noqa: E731
+    return table_of_lines(str(path), lines, what, separator, "line", comments)
 
 
 def table_of_lines(
@@ -189,11 +213,11 @@ def table_of_lines(
     layout = layout_of(head, comments, separator, path)
     words = what if separator is not None and row_word == "row" else f"{what}, {layout}"
     metadata = {**_metadata(comments, " "), **_metadata(layout.titles, layout.separator)}
-    columns, parts = _with_dates_joined(layout, head)
+    columns, parts, cell_units = _source_columns(layout, head)
     titles = len(layout.titles)
     notes = (f"{titles} {row_word}{'s' if titles > 1 else ''} above the headers skipped",) if titles else ()
     period_s = stated_period_s(metadata, unit_stated=True)
-    return TextTable(path, lines, layout, words, row_word, columns, parts, metadata, period_s, notes)
+    return TextTable(path, lines, layout, words, row_word, columns, parts, cell_units, metadata, period_s, notes)
 
 
 def fill_csv(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
@@ -226,22 +250,43 @@ def _without_comments(path: Path) -> Iterator[Line]:
             yield number, text
 
 
-def _with_dates_joined(
+def _source_columns(
     layout: TextLayout, lines: Sequence[Line]
-) -> tuple[tuple[SourceColumn, ...], tuple[tuple[int, ...], ...]]:
-    """Return the columns, a date and the time of day next to it as one, and which columns of the file each one is."""
-    first = split_lines([text for number, text in lines if number == layout.first_line], layout.separator)[0]
+) -> tuple[tuple[SourceColumn, ...], tuple[tuple[int, ...], ...], tuple[str | None, ...]]:
+    """Return the columns, which cells of a line each one is, and the unit in its cells.
+
+    A date and the time of day next to it are one column, and so are a number and the unit in the cell next to it.
+    """
+    rows = split_lines([text for number, text in lines if number >= layout.first_line], layout.separator)
+    first = rows[0]
     columns: list[SourceColumn] = []
     parts: list[tuple[int, ...]] = []
+    units: list[str | None] = []
     for index, (header, unit, kind) in enumerate(zip(layout.headers, layout.units, layout.kinds, strict=True)):
         cells = first[index - 1 : index + 1] if index else []
+        inside = _unit_in(rows, index) if kind in {"quantities", "text"} else None
         if len(cells) == 2 and is_date(cells[0]) and is_time_of_day(cells[1]):
             columns[-1] = SourceColumn(f"{columns[-1].header} {header}", None, is_text=True)
             parts[-1] = (index - 1, index)
+        elif kind == "text" and inside and index and layout.kinds[index - 1] == "numbers":
+            columns[-1] = replace(columns[-1], unit=inside)
+            parts[-1], units[-1] = (index - 1, index), inside
         else:
-            columns.append(SourceColumn(header, unit, kind in {"times", "text"}, kind == "blank"))
+            is_text = kind in {"times", "text"}
+            columns.append(SourceColumn(header, unit if inside is None or is_text else inside, is_text, kind == "blank"))
             parts.append((index,))
-    return tuple(columns), tuple(parts)
+            units.append(None if is_text else inside)
+    return tuple(columns), tuple(parts), tuple(units)
+
+
+def _unit_in(rows: Sequence[Sequence[str]], index: int) -> str | None:
+    """Return the unit that the cells of a column hold, alone or behind a number; None if they hold anything else."""
+    cells = [row[index].strip() for row in rows if index < len(row) and not is_missing(row[index])]
+    if not cells:
+        return None
+    found = number_and_unit(cells[0])
+    unit = cells[0] if found is None else found[1]
+    return unit if is_unit(unit) and (found is not None or all(cell == unit for cell in cells)) else None
 
 
 def _metadata(texts: Sequence[str], separator: str) -> dict[str, MetadataValue]:

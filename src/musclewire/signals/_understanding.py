@@ -141,7 +141,8 @@ def _explicit(plan: ImportPlan) -> ImportMapping:
 def _wanted(item: MatchedHeader, headers: Sequence[str]) -> str:
     """Return a header with its unit as a mapping names it: by its number if others have the same name."""
     header = item.header if headers.count(item.header) == 1 else f"#{item.index + 1}"
-    return header if item.is_text or not item.unit else f"{header}:{item.unit}"
+    stated = item.unit and not (item.is_text and item.unit == "s")
+    return f"{header}:{item.unit}" if stated else header
 
 
 def _why(item: MatchedHeader) -> str:
