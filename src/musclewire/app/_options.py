@@ -205,6 +205,13 @@ JOIN = option(
     "By default by the only column that both have.",
     metavar="COLUMN",
 )
+DELAY = quantity(
+    "--delay",
+    "s",
+    "Join two files, of which the second one's clock is ahead by this: what nothing in the files shows.",
+    -1e9,
+    1e9,
+)
 ZERO = option("--zero", help="Count displacement, strain and force from the first row.")
 INVERT = option("--invert", help="The sensor reads backwards: negate displacement and strain.")
 ORDER = option("--order", help="Order of the polynomials, or 'auto' (cross-validation).")

@@ -36,8 +36,10 @@ _PLAIN_ISO = re.compile(r"\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}:\d{2}(?:\.\d{1,6})?")
 
 # How a time of two numbers may be written: minutes and seconds, or hours and minutes.
 WRITTEN_CLOCKS = ("mm:ss", "hh:mm")
-_FORMS = {"mm:ss": WRITTEN_CLOCKS[0], "m:ss": WRITTEN_CLOCKS[0], "min:s": WRITTEN_CLOCKS[0], "min:sec": WRITTEN_CLOCKS[0],
-          "hh:mm": WRITTEN_CLOCKS[1], "h:mm": WRITTEN_CLOCKS[1], "h:min": WRITTEN_CLOCKS[1]}  # fmt: skip
+_FORMS = {
+    **dict.fromkeys(("mm:ss", "m:ss", "min:s", "min:sec"), WRITTEN_CLOCKS[0]),
+    **dict.fromkeys(("hh:mm", "h:mm", "h:min"), WRITTEN_CLOCKS[1]),
+}
 _TWO_NUMBERS = re.compile(r"(\d{1,3}):\d{2}")
 
 

@@ -129,7 +129,8 @@ def match_columns(
     found = _with_one_clock([by_index[index] for index in range(len(columns))])
     taken = _as_branch_table([item for item in found if isinstance(item, MatchedHeader)])
     taken, twice = _taken_once(taken, path)
-    undecided = tuple(item for item in found if isinstance(item, UndecidedHeader))
+    taken, anybodys = _voltage_of_the_wire(taken, path)
+    undecided = (*anybodys, *(item for item in found if isinstance(item, UndecidedHeader)))
     ignored = tuple(item for item in found if isinstance(item, IgnoredHeader))
     return HeaderMatch(tuple(taken), ignored, undecided + twice)
 
@@ -369,6 +370,38 @@ def _as_branch_table(taken: list[MatchedHeader]) -> list[MatchedHeader]:
     if not is_table:
         return taken
     return [replace(item, column=BRANCH_TABLE[0]) if item.column == "wire_resistance_ohm" else item for item in taken]
+
+
+# Names that a sensor's converter gives its own output as well.
+_ANY_VOLTAGE = frozenset({"voltage", "volts", "v", "u", "spannung", "measuredvoltage"})
+_BESIDE_A_WIRE = frozenset({
+    "wire_current_a", "shunt_voltage_v", "drive_voltage_v", "wire_resistance_ohm", "wire_temperature_k",
+})  # fmt: skip
+
+
+def _voltage_of_the_wire(
+    taken: list[MatchedHeader], path: str
+) -> tuple[list[MatchedHeader], tuple[UndecidedHeader, ...]]:
+    """A voltage that only says so may be a sensor's, unless something else of the wire is beside it."""
+    voltages = [item for item in taken if item.column == "wire_voltage_v"]
+    alone = len(voltages) == 1 and not {item.column for item in taken} & _BESIDE_A_WIRE
+    asked = [
+        item
+        for item in voltages
+        if alone and item.how == "synonym"
+        if key_of_header(_with_unit_as_last_words(split_header(item.header)[0])[0]) in _ANY_VOLTAGE
+    ]
+    undecided = tuple(
+        UndecidedHeader(
+            item.header,
+            item.index,
+            item.column,
+            f"{path}: column '{item.header}' may be the wire's voltage or a sensor's; nothing else here is of a wire: "
+            f"map it, wire_voltage_v={item.header}:{item.unit}, or ignore it",
+        )
+        for item in asked
+    )
+    return [item for item in taken if item not in asked], undecided
 
 
 def _name_of(item: MatchedHeader, other: MatchedHeader) -> str:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Sequence
 
 from musclewire.errors import RecordingError
+from musclewire.signals._number_style import looks_numeric
 
 _SPACED_HEADER = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
 _BRACKETED = re.compile(r"\s*[\[(<{](.*)[\])>}]\s*")
@@ -86,6 +87,8 @@ def _bare_unit(cell: str) -> str:
 def _are_groups(upper: Sequence[str], lower: Sequence[str]) -> bool:
     """Return whether a row names groups of the columns below: each begins a group, and names below are repeated."""
     filled = [index for index, cell in enumerate(upper) if cell]
+    if any(looks_numeric(upper[index]) for index in filled):
+        return False
     repeated = len(set(filter(None, lower))) < sum(map(bool, lower))
     named = sum(_BRANCHES.search(upper[index]) is not None for index in filled) > 1
     return len(filled) > 1 and (repeated or named) and len(filled) <= len(lower)

@@ -23,6 +23,7 @@ _SEPARATORS = ("\t", ";", "|", ",", " ")
 # Lines from which separator and width follow: the last of the first piece, where titles are over.
 _SAMPLE_LINES = 60
 _MAX_COLUMNS = 4096
+_MIN_SCORE_OF_TABS = 0.3
 # Kinds of columns that a table of numbers is made of.
 _COUNTED = frozenset({"numbers", "quantities", "times"})
 _RULE = re.compile(r"[-=_+|,;\t ]*[-=_]{2,}[-=_+|,;\t ]*")
@@ -34,8 +35,8 @@ class TextLayout:
 
     ``headers`` and ``units`` (None for a column whose unit is not given in a row of units) are of equal length;
     ``kinds`` says what the cells of a column are: "numbers", "quantities" (numbers with their unit), "times", "text" or
-    "blank". ``first_line`` is the number
-    of the first line of the table's rows, ``titles`` are the lines before the headers.
+    "blank". ``first_line`` is the number of the first line of the table's rows, ``titles`` are the lines before the
+    headers, ``header_lines`` those of the headers themselves.
     """
 
     separator: str
@@ -45,6 +46,7 @@ class TextLayout:
     style: NumberStyle
     first_line: int
     titles: tuple[str, ...]
+    header_lines: frozenset[str] = frozenset()
 
     def __str__(self) -> str:
         """Return the layout in words."""
@@ -95,12 +97,16 @@ def layout_of(lines: Sequence[Line], comments: Sequence[str], separator: str | N
     ]
     kinds = tuple(_kind([row[index] for row in body if index < len(row)]) for index in range(len(headers)))
     titles = tuple(texts[: len(texts) - used])
-    return TextLayout(separator, headers, units, kinds, style_of(cells), lines[start][0], titles)
+    header_lines = frozenset(texts[len(titles) :])
+    return TextLayout(separator, headers, units, kinds, style_of(cells), lines[start][0], titles, header_lines)
 
 
 def _separator(sample: Sequence[str]) -> str:
     """Return the separator by which most cells are numbers and times."""
     scores = {separator: _score(sample, separator) for separator in _SEPARATORS}
+    # A tab separates cells and nothing else, whatever spaces are in them.
+    if scores["\t"][0] and scores["\t"][1] >= _MIN_SCORE_OF_TABS:
+        return "\t"
     best = max(_SEPARATORS, key=lambda separator: scores[separator])
     if scores[best][0]:
         return best
@@ -164,7 +170,7 @@ def _is_row(row: Sequence[str], width: int, numeric: frozenset[int]) -> bool:
     if len(_stripped(row)) < max(1, min(numeric) + 1) or len(_stripped(row)) < width // 2:
         return False
     good = [_count([row[index]]) or is_missing(row[index]) for index in sorted(numeric) if index < len(row)]
-    return bool(_count([row[min(numeric)]])) and 2 * sum(map(bool, good)) >= len(good)
+    return bool(_count([row[min(numeric)]])) and 2 * sum(map(bool, good)) >= len(numeric)
 
 
 def _too_wide(path: str, line: Line, separator: str, headers: int) -> str:

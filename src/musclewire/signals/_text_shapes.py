@@ -1,7 +1,7 @@
 """Text that is a table in disguise: what instruments put beside and above their numbers, and what sketches print.
 
-Each function of ``SHAPES`` looks at the first lines and returns what turns the lines of such a file into those of a plain
-table, or None. The rules for tables in text read what comes out, so that there is one parser.
+Each function of ``SHAPES`` looks at the first lines and returns what turns the lines of such a file into those of a
+plain table, or None. The rules for tables in text read what comes out, so that there is one parser.
 """
 
 from __future__ import annotations
@@ -79,12 +79,13 @@ def _counted_rows(head: Sequence[Line], path: str) -> Shape | None:
         start, step, skip = float(found["start"][0]), float(found["step"][0]), 1
         kept = [index for index, name in enumerate(names) if name and "=" not in name]
         headers = [names[index] for index in kept]
-    elif {"Start", "Increment"} <= set(names) and len(below) >= len(names):
-        start, step = (below[names.index(key)] for key in ("Start", "Increment"))
-        if not (looks_numeric(start) and looks_numeric(step)):
+    elif {"Start", "Increment"} <= set(names) and len(below) > max(map(names.index, ("Start", "Increment"))):
+        stated = [below[names.index(key)] for key in ("Start", "Increment")]
+        if not all(map(looks_numeric, stated)):
             return None
-        start, step, skip = float(start), float(step), 2
+        start, step, skip = float(stated[0]), float(stated[1]), 2
         kept = [index for index, name in enumerate(names) if name not in {"", "X", "Start", "Increment"}]
+        kept = [index for index in kept if index < len(below)]
         headers = [f"{names[index]} [{below[index]}]" if is_unit(below[index]) else names[index] for index in kept]
     else:
         return None
@@ -137,7 +138,9 @@ def _as_table(
         for name, (_, unit) in values.items():
             if name in units and _unit_of(unit) != units[name]:
                 said = f"'{unit}' and before '{units[name]}'"
-                raise RecordingError(f"{path}: line {number}: the unit of '{name}' is {said}; write one unit throughout")
+                raise RecordingError(
+                    f"{path}: line {number}: the unit of '{name}' is {said}; write one unit throughout"
+                )
         yield number, "\t".join(values.get(name, ("", ""))[0] for name in names)
 
 
@@ -172,7 +175,9 @@ def _blocks_of_pairs(head: Sequence[Line], path: str) -> Shape | None:
         if len(block) == len(names):
             yield began, block
 
-    return Shape(f"names with values, {len(names)} lines a row", lambda lines: _as_table(names, units, blocks(lines), path))
+    return Shape(
+        f"names with values, {len(names)} lines a row", lambda lines: _as_table(names, units, blocks(lines), path)
+    )
 
 
 def _lines_of_pairs(head: Sequence[Line], path: str) -> Shape | None:

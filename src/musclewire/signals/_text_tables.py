@@ -30,6 +30,8 @@ _COMMENT = re.compile(r"\s*(?:#|%|//|!)+\s?(.*)")
 _MAY_BE_NO_ROW = frozenset("#%/! \t\f\v\xa0")
 _ONLY_SEPARATORS = " \t;,|"
 _SEPARATOR_LINE = re.compile(r"\s*\"?sep=.\"?\s*", re.IGNORECASE)
+# The header of a column that holds the units of the one before, "#5" where there is none.
+_OF_UNITS = re.compile(r"units?|einheit(?:en)?|#\d+", re.IGNORECASE)
 _MAX_TITLE_LENGTH = 200
 # The layout follows from the first lines, of which there are few if they are long.
 _HEAD_LINES = 2000
@@ -71,14 +73,19 @@ class TextTable:
             block, held = held + block, []
             while block and not block[-1][1].strip(_ONLY_SEPARATORS):
                 held.insert(0, block.pop())
+            # Tests below each other may each have the headers again.
+            if not self.text_layout.header_lines.isdisjoint(text for _, text in block):
+                block = [line for line in block if line[1] not in self.text_layout.header_lines]
             if block:
                 numbers, texts = zip(*block, strict=True)
-                yield RowBlock(self._values(numbers, list(texts), indices), self._place(numbers))
+                yield RowBlock(self._values(numbers, list(texts), indices), self._place(numbers), len(numbers))
 
     def _place(self, numbers: Sequence[int]) -> Callable[[int], str]:
         return lambda row: f"{self.row_word} {numbers[row]}"
 
     def _values(self, numbers: Sequence[int], texts: list[str], indices: Sequence[int]) -> tuple[Cells, ...]:
+        if not indices:
+            return ()
         plain = self._plain_numbers(texts, [index for index in indices if self._is_plain(index)])
         if plain is not None and all(map(self._is_plain, indices)):
             return tuple(plain[index] for index in indices)
@@ -120,9 +127,10 @@ class TextTable:
             return [" ".join(row[part].strip() for part in parts if part < len(row)) for row in rows]
         style, values = self.text_layout.style, np.full(len(rows), np.nan)
         for place, row in enumerate(rows):
-            cell = " ".join(row[part] for part in parts if part < len(row))
+            cell = row[parts[0]] if parts[0] < len(row) else ""
             if self.cell_units[index] is not None:
-                cell = self._without_unit(cell, index, numbers[place])
+                beside = row[parts[1]] if len(parts) > 1 and parts[1] < len(row) else None
+                cell = self._without_unit(cell, beside, index, numbers[place])
             try:
                 values[place] = style.number(cell)
             except ValueError:
@@ -133,13 +141,14 @@ class TextTable:
                     raise RecordingError(f"{where}: '{shown}' is not a number; {cure}") from None
         return values
 
-
-    def _without_unit(self, cell: str, index: int, number: int) -> str:
-        """Return the number of a cell like "0.33 V". RecordingError for another unit than that of the first rows."""
+    def _without_unit(self, cell: str, beside: str | None, index: int, number: int) -> str:
+        """Return the number of "0.33 V", or of a cell beside its unit. RecordingError if the unit is another one."""
         found, unit = number_and_unit(cell) or (cell.strip(), self.cell_units[index])
-        if unit != self.cell_units[index]:
+        if beside is not None:
+            found, unit = cell.strip(), beside.strip() or unit
+        if unit != self.cell_units[index] and not is_missing(found):
             where = f"{self.path}: {self.row_word} {number}, column '{self.columns[index].header}'"
-            said = f"'{cell.strip()[:40]}' is not in {self.cell_units[index]}, as the cells above are"
+            said = f"'{cell.strip()[:40]}' in {unit} is not in {self.cell_units[index]}, as the cells above are"
             raise RecordingError(f"{where}: {said}; write one unit throughout")
         return found
 
@@ -158,12 +167,11 @@ def read_text_table(path: Path) -> TextTable:
         elif text.strip(_ONLY_SEPARATORS) and not (number < 3 and _SEPARATOR_LINE.fullmatch(text)):
             break
     separator = "\t" if path.suffix.lower() == ".tsv" else None
-    lines, what = partial(_without_comments, path), "text"
-    shape = shape_of(list(itertools.islice(lines(), _HEAD_LINES)), str(path))
-    if shape is not None:
-        plain = lines
-        lines, what = lambda: shape.lines(plain()), shape.words  # noqa: E731
-    return table_of_lines(str(path), lines, what, separator, "line", comments)
+    plain = partial(_without_comments, path)
+    shape = shape_of(list(itertools.islice(plain(), _HEAD_LINES)), str(path))
+    if shape is None:
+        return table_of_lines(str(path), plain, "text", separator, "line", comments)
+    return table_of_lines(str(path), lambda: shape.lines(plain()), shape.words, None, "line", comments)
 
 
 def table_of_lines(
@@ -268,12 +276,16 @@ def _source_columns(
         if len(cells) == 2 and is_date(cells[0]) and is_time_of_day(cells[1]):
             columns[-1] = SourceColumn(f"{columns[-1].header} {header}", None, is_text=True)
             parts[-1] = (index - 1, index)
-        elif kind == "text" and inside and index and layout.kinds[index - 1] == "numbers":
+        elif (
+            inside and index and layout.kinds[index - 1] == "numbers" and kind == "text" and _OF_UNITS.fullmatch(header)
+        ):
             columns[-1] = replace(columns[-1], unit=inside)
             parts[-1], units[-1] = (index - 1, index), inside
         else:
             is_text = kind in {"times", "text"}
-            columns.append(SourceColumn(header, unit if inside is None or is_text else inside, is_text, kind == "blank"))
+            columns.append(
+                SourceColumn(header, unit if inside is None or is_text else inside, is_text, kind == "blank")
+            )
             parts.append((index,))
             units.append(None if is_text else inside)
     return tuple(columns), tuple(parts), tuple(units)

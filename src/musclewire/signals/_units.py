@@ -58,10 +58,10 @@ _SCALE = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\s\d/][^\
 
 
 def scale_to_si(text: str, column: str, own_unit: str | None, where: str) -> UnitConversion | None:
-    """Return the conversion by a sensor's sensitivity ("2 V/mm") or scale ("0.5 mm/V", "0.05 mm"); None for no such text.
+    """Return the conversion by a sensor's sensitivity ("2 V/mm") or scale ("0.5 mm/V", "0.05 mm").
 
-    ``own_unit`` is that of the numbers, None if it is not stated and the text's own holds. Raises RecordingError, which
-    begins with ``where``, if the text fits neither ``column`` nor the numbers.
+    None for another text. ``own_unit`` is that of the numbers, None if it is not stated and the text's own holds.
+    Raises RecordingError, which begins with ``where``, if the text fits neither ``column`` nor the numbers.
     """
     match = _SCALE.fullmatch(text.strip())
     if match is None:
@@ -71,7 +71,7 @@ def scale_to_si(text: str, column: str, own_unit: str | None, where: str) -> Uni
     if not number or not (is_sensitivity or measures(above, column)):
         unit_si = COLUMNS[column].unit
         raise RecordingError(
-            f"{where}: '{text}' is no scale for {column}; write {unit_si} per unit of the sensor, or the other way round"
+            f"{where}: '{text}' is no scale for {column}; write {unit_si} per unit of the sensor, or its inverse"
         )
     ours, theirs = (below, above) if is_sensitivity else (above, below)
     try:
@@ -171,9 +171,9 @@ _COMMON = (
 # Symbol: its name in words, compared without regard to case, with or without a plural s. Symbols themselves are
 # never compared so: mV and MV differ by a thousand million. (An mPa of stress is always an MPa.)
 _SPELLINGS = {
-    "V": "volt",
+    "V": "volt voltdc vdc",
     "mV": "millivolt",
-    "A": "ampere amp",
+    "A": "ampere amp ampdc adc",
     "mA": "milliampere milliamp",
     "mohm": "milliohm",
     "kohm": "kiloohm",
@@ -183,7 +183,7 @@ _SPELLINGS = {
     "min": "minute min",
     "h": "hour",
     "m": "meter metre",
-    "mm": "millimeter millimetre",
+    "mm": "millimeter millimetre mm",
     "um": "micrometer micrometre micron",
     "N": "newton",
     "mN": "millinewton",
