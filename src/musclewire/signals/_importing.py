@@ -49,6 +49,8 @@ _MOVED = frozenset({"displacement_m", "reference_strain", "force_n"})
 _OF_THE_WIRE = frozenset({"wire_resistance_ohm", "wire_voltage_v", "wire_current_a", "wire_temperature_k"})
 _ELECTRICAL = _OF_THE_WIRE - {"wire_temperature_k"}
 _MOST_STEPS = 1000
+# Of the time between rows that no file states nobody knows anything.
+EXAMPLE_PERIOD_S = 1.0
 # Rows are repeated by polling if so many of them are, never for long, between steps of so many of the smallest.
 _MIN_ROWS_OF_POLLING = 20
 _FEWEST_REPEATS, _MOST_REPEATS = 0.05, 0.95
@@ -272,8 +274,12 @@ class _BlockReader:
             missing = np.isnan(written[row])
             what = "the cell is blank or NaN" if missing else f"{written[row]:g} is not a finite number"
             cure = f"correct it, {_DROP_CURE}" if missing else "correct it or remove the row"
+            mostly_blank = missing and item.column != "time_s" and float(np.isnan(written).mean()) > 0.5
+            if mostly_blank:
+                cure = "as in most rows: correct it, or leave the column out"
             message = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}': {what}; {cure}"
-            raise CurableError(message, ImportMapping(drop_missing=True) if missing else None)
+            added = ImportMapping(ignore=(item.header,)) if mostly_blank else ImportMapping(drop_missing=True)
+            raise CurableError(message, added if missing else None)
         self._check_strain_is_a_fraction(item, written, block, rows)
         if item.column == "time_s" and item.how != "own name":
             written = self._since_the_first(written, item.factor)
@@ -426,9 +432,8 @@ def _cure(plan: ImportPlan) -> ImportMapping | None:
     found = set(plan.names) | set(offered.columns)
     if not found - _COUNTERS:
         return None
-    # Of the time between rows nobody knows anything: the period is an example.
     has_clock = "time_s" in found or needs_no_clock(found)
-    return offered if has_clock else offered.joined(ImportMapping(sample_period_s=1.0))
+    return offered if has_clock else offered.joined(ImportMapping(sample_period_s=EXAMPLE_PERIOD_S))
 
 
 def _with_absolute_clock(match: HeaderMatch, table: SourceTable) -> HeaderMatch:

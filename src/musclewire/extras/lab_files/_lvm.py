@@ -191,6 +191,11 @@ def _packets(path: Path, style: _LvmStyle) -> Iterator[_LvmPacket]:
 def _chosen(first: _LvmPacket, group: str | None) -> list[int]:
     """Return the columns of the channels that are one table: those whose X columns are the same, or one by its name."""
     channels = first.channels
+    steps = {cell: channel for channel in channels if (cell := first.cell("Delta_X", channel))}
+    if not first.style.paired and len(steps) > 1:
+        stated = ", ".join(f"'{one_line(first.names[channel])}' every {step}" for step, channel in steps.items())
+        cure = "save it with one X column for each channel"
+        raise RecordingError(f"{first.path}: states channels of different rates, {stated}, in one table: {cure}")
     same = not first.style.paired or all(
         len({row[channel - 1] for channel in channels if channel <= len(row)}) < 2
         for packet in _packets(first.path, first.style)
