@@ -35,7 +35,7 @@ PLATFORMS = {
 }
 # All extras, and which of them imports which, as ARCHITECTURE.md draws it and pyproject.toml holds it.
 EXTRAS = sorted(path.parent.name for path in ROOT.glob("src/musclewire/extras/*/manifest.py"))
-ARROWS = {"design": ("paper",), "board": ("interfaces",), "grip": ("studies",), "particles": ("studies",)}
+ARROWS = {"design": ("paper",), "board": ("interfaces",)}
 # What a copy of the checkout does without: what is made in it, and the tests that are about the whole of it.
 NOT_COPIED = shutil.ignore_patterns(".*", "__pycache__", "build", "*.egg-info", "house")
 # Files that are named run whole, their long tests too, unless these are left out.
@@ -43,8 +43,7 @@ NO_LONG_TESTS = "not (slow or emulated or documented or oracles or browser or fu
 # What measures time, one after the other: another process beside it is part of the figure.
 TIMED = (
     "checks/step_cost.py",
-    "musclewire bench",
-    "-m benchmarks.step",
+    "-m benchmarks.speed",
     "benchmarks/batch.py",
     "benchmarks/wire_in_segments.py",
     "benchmarks/start_up.py",
@@ -132,6 +131,16 @@ def package(session: nox.Session) -> None:
         session.error(f"checks/extras.toml and pyproject.toml disagree about the extras {sorted(missing)}")
     for row in ACTIONS:
         without_extra(session, row)
+    beside_it(session)
+
+
+def beside_it(session: nox.Session) -> None:
+    """Try a command whose package is not here: it says which line installs it. Then that line, and the command."""
+    said = str(session.run("musclewire", "robustness", silent=True, success_codes=[2])).strip()
+    if not said.endswith("pip install ./studies/robustness in the checkout"):
+        session.error(f"musclewire robustness must say how it is installed, and says: {said}")
+    session.install("--no-deps", str(ROOT / "studies/robustness"))
+    session.run("musclewire", "robustness", "--list")
 
 
 def without_extra(session: nox.Session, row: dict[str, str]) -> None:
@@ -164,6 +173,8 @@ def without_extras(session: nox.Session) -> None:
         for name in [""] if set(deleted) == set(EXTRAS) else deleted:
             shutil.rmtree(folder / "src/musclewire/extras" / name)
             shutil.rmtree(folder / "tests/extras" / name, ignore_errors=True)
+        # Of a package that stands on three of them.
+        shutil.rmtree(folder / "tests/extras/robustness", ignore_errors=True)
         python = (sys.executable, "-P", "-m")
         variables = {"PYTHONPATH": f"{folder / 'src'}{os.pathsep}{folder}"}
         tests = {path.parent: str(path) for path in sorted((folder / "tests").rglob("test_*.py"), reverse=True)}
@@ -193,8 +204,7 @@ def full(session: nox.Session) -> None:
     for line in chosen:
         name, *options = shlex.split(line)
         options += ["--quick"] if quick and name not in WITHOUT_QUICK_FORM else []
-        program = [f"{Path(sys.executable).parent}/{name}"] if name == "musclewire" else [sys.executable, name]
-        session.run(*program, *options, env={"PYTHONPATH": str(ROOT)}, external=True)
+        session.run(sys.executable, name, *options, env={"PYTHONPATH": str(ROOT)}, external=True)
     if not quick and (not parts or "tests" in parts):
         session.run(sys.executable, "-m", "pytest", "-n", "auto", "--dist", "worksteal", "-m", "full", external=True)
         session.notify("without_extras")

@@ -3,18 +3,19 @@
     python checks/step_cost.py                       compares, exit code 1 where a step is much dearer
     python checks/step_cost.py --record "why"        adds what it finds to checks/step_cost.toml
 
-Seconds say as much about the machine and its other programs as about the code; a ratio to work whose lines never
-change says what the code costs. The fixed work is that of ``musclewire bench``: compiled arithmetic for what runs
-compiled, plain Python and NumPy for what is called from Python. Both run in turns, by the processor time of the thread,
-so that a turn in which other programs run counts like any other; shown is the median of the turns' ratios. What seems
-dearer is measured again, twice at most, and the smallest ratio counts. From ``WARNED`` on the answer is a warning, from
-``FAILED`` on an exit code (docs/explanation/decisions/dependencies.md says why so).
+Seconds say as much about the machine and its other programs as about the code; a ratio to work whose lines never change
+says what the code costs. The fixed work is compiled arithmetic for what runs compiled, plain Python and NumPy for what
+is called from Python. Both run in turns, by the processor time of the thread, so that a turn in which other programs
+run counts like any other; shown is the median of the turns' ratios. What seems dearer is measured again, twice at most,
+and the smallest ratio counts. From ``WARNED`` on the answer is a warning, from ``FAILED`` on an exit code
+(docs/explanation/decisions/dependencies.md says why so).
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import statistics
 import sys
 import tomllib
@@ -25,22 +26,20 @@ from pathlib import Path
 from time import thread_time
 from typing import Any
 
+import numba
 import numpy as np
 
-from musclewire.app import (
-    PERIOD_S,
-    TimedProgram,
-    arithmetic_side,
-    cycle,
-    drive_v,
-    paired_us,
-    paper_wire,
-    processor_name,
-    python_side,
-)
-from musclewire.rigs import GuardedRig, open_rig
-from musclewire.signals import Drive
-from musclewire.wire import CHOSEN, ConnectorLoad, OneWire, fixed_steps, resting_state
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from benchmarks.speed.machine import processor_name  # noqa: E402
+from benchmarks.speed.measuring import TimedProgram, paired_us  # noqa: E402
+from benchmarks.speed.our_wire import PERIOD_S, cycle, drive_v, paper_wire  # noqa: E402
+
+from musclewire.arrays import FloatArray  # noqa: E402
+from musclewire.rigs import GuardedRig, open_rig  # noqa: E402
+from musclewire.signals import Drive  # noqa: E402
+from musclewire.wire import CHOSEN, ConnectorLoad, OneWire, fixed_steps, resting_state  # noqa: E402
 
 RECORDS = Path(__file__).with_name("step_cost.toml")
 # A step that has become dearer by this is seen by whoever reads the run, and by the larger one the run ends. Repeated
@@ -49,6 +48,68 @@ WARNED, FAILED = 0.07, 0.20
 TURNS = 31
 ATTEMPTS = 3
 SAMPLE_S = 0.05
+ARITHMETIC_ROUNDS, PYTHON_ROUNDS = 100_000, 2_000
+
+
+def arithmetic(rounds: int, table: FloatArray) -> float:
+    """Do what a step consists of, so many times: products, quotients, roots, exponentials, a table, comparisons.
+
+    These lines must not change: every ratio on record is to them.
+    """
+    value, other = 0.3, 1.7
+    for number in range(rounds):
+        place = 10.0 * value
+        index = min(int(place), table.shape[0] - 2)
+        found = table[index] + (place - index) * (table[index + 1] - table[index])
+        other = 0.5 * (other + (2.0 + found) / (1.0 + other * other))
+        other += 1e-3 * math.exp(-value * found) + 1e-4 * math.sqrt(1.0 + found * found)
+        if other > 1.2 + 1e-6 * (number % 7):
+            value = min(value + 0.37 * other, 9.0 - value)
+        else:
+            value = max(value - 0.11, 0.05)
+        value = abs(value - 5.0 * math.floor(0.2 * value))
+    return value + other
+
+
+# Without a cache on disk: that of the package is named by its own sources only.
+fixed_arithmetic: Any = numba.njit(error_model="numpy")(arithmetic)
+
+
+class Fixed:
+    """State of the fixed work in Python."""
+
+    __slots__ = ("numbers", "total")
+
+    def __init__(self) -> None:
+        """Start at nothing."""
+        self.numbers = np.zeros(64)
+        self.total = 0.0
+
+
+def fixed_python(rounds: int) -> None:
+    """Do what a call from Python consists of, so many times: objects, attributes, tuples, copies of small arrays.
+
+    These lines must not change: every ratio on record is to them.
+    """
+    state = Fixed()
+    for number in range(rounds):
+        after = Fixed()
+        after.numbers = state.numbers.copy()
+        after.numbers[number % 64] = 0.5 * number
+        values = (state.total, float(after.numbers[3]), number)
+        after.total = round(min(max(values[0] + 1e-3 * values[1], -1.0), 1.0), 9)
+        state = after
+
+
+def arithmetic_side() -> TimedProgram:
+    """Return the fixed compiled work in units of a round."""
+    table = np.linspace(0.0, 1.0, 101) ** 2
+    return TimedProgram(lambda _: fixed_arithmetic(ARITHMETIC_ROUNDS, table), ARITHMETIC_ROUNDS)
+
+
+def python_side() -> TimedProgram:
+    """Return the fixed work in Python in units of a round."""
+    return TimedProgram(lambda _: fixed_python(PYTHON_ROUNDS), PYTHON_ROUNDS)
 
 
 def step_side(step_s: float, load: ConnectorLoad | None = None) -> TimedProgram:

@@ -1,7 +1,8 @@
 """Build the documentation site: python docs/build.py [--output FOLDER]
 
-Lays out the pages of docs/ and the project's own pages for Sphinx (docs/site/), writes a page for every public name,
-runs the notebooks, and fails at the first build with a warning. The site needs no network: open build/docs/index.html.
+Lays out the pages of docs/ and the project's own pages for Sphinx (docs/site/), writes those that follow from the code
+and one for every public name, runs the notebooks, and fails if there is a warning. The site needs no network: open
+build/docs/index.html.
 """
 
 from __future__ import annotations
@@ -28,11 +29,12 @@ def main() -> int:
     from completeness import missing
     from layout import lay_out
     from sphinx.cmd.build import build_main
+    from written_pages import PAGES
 
     sources = output.with_name(output.name + "-sources")
     for folder in (sources, output):
         shutil.rmtree(folder, ignore_errors=True)
-    lay_out(ROOT, sources)
+    lay_out(ROOT, sources, {name: page() for name, page in PAGES.items()})
     write_api_pages(sources / "reference")
     words = ["-W", "--keep-going", "-q", "-j", "auto", "-c", str(ROOT / "docs" / "site")]
     code = build_main([*words, "-d", str(sources / "_build"), str(sources), str(output)])

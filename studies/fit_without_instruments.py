@@ -21,7 +21,7 @@ were used while it was built; 1001 to 1030 are reported.
 
 With `--population` the wires are the first six that `musclewire robustness` is tuned on: half of them in segments,
 with other grains and several barriers, which the fit knows nothing of. They are judged on the recording that is
-fitted; no bars.
+fitted; no bars. That needs `pip install ./studies/robustness`.
 
     python studies/fit_without_instruments.py --population
     python studies/fit_without_instruments.py [--quick]     30 wires, or 4 without a
@@ -39,8 +39,6 @@ import numpy as np
 
 import musclewire as mw
 from musclewire.errors import MusclewireError
-from musclewire.extras.studies import drawn_wire as population_wire
-from musclewire.extras.studies import open_plant, tuning_seeds
 from musclewire.identify import CandidateParameters, WireValues, resistance_reading
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_spreads, load_wire, priors_around
 from musclewire.rigs import Contact, GuardedRig, SimulatedDevice, SimulatedSpool, Spring
@@ -194,6 +192,9 @@ def pooled_rms(numbers: list[float]) -> float:
 
 def of_population(seed: int) -> dict[str, Judged]:
     """Return the errors on a wire whose structure no model here has."""
+    from musclewire_robustness.plant import open_plant
+    from musclewire_robustness.population import drawn_wire as population_wire
+
     wire = population_wire(seed)
     with open_plant(wire).rig as rig:
         loop = mw.characterize(rig, amplitude_v=POPULATION_DRIVE * load_wire(wire.base).drive_amplitude_v.value)
@@ -207,7 +208,7 @@ def of_population(seed: int) -> dict[str, Judged]:
 
 def population() -> int:
     """Print the errors on wires of another structure; return 0."""
-    found = [of_population(seed) for seed in tuning_seeds()[:POPULATION_WIRES]]
+    found = [of_population(seed) for seed in mw.tuning_seeds()[:POPULATION_WIRES]]
     print("% of stroke, wires of another structure\n\n               rms  worst  inside 95 %  stated std")
     for name in found[0]:
         rows = [one[name] for one in found]

@@ -1,7 +1,7 @@
 """The mechanics of the simulated wire beside SMADI, the shape-memory law of simcoon, parameters matched.
 
 simcoon (https://github.com/3MAH/simcoon) is a C++ library of constitutive laws under GPL-3.0-or-later: no dependency of
-musclewire and no part of its tests. See README.md in this folder for how to run this.
+musclewire and no part of its tests. See checks/README.md for how to run this.
 
 Two phases, as SMADI has no R-phase. Under constant stress the wire is cooled and heated; at constant temperature it is
 loaded. Exits 1 where parts that can agree do not. Prints a table, or one JSON document with --json.

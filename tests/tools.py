@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 
 import pytest
 
-__all__ = ["require_oracle", "require_tool"]
+__all__ = ["require_oracle", "require_package", "require_tool"]
 
 
 def require_tool(program: str, packages: str) -> str:
@@ -28,10 +28,16 @@ def require_tool(program: str, packages: str) -> str:
 def require_oracle(module: str) -> Any:
     """Return a module of the extra ``oracles``; without it skip the test, or all of a test's file that asks for it."""
     __tracebackhide__ = True
+    return require_package(module, 'pip install ".[oracles]"')
+
+
+def require_package(module: str, install: str) -> Any:
+    """Return a module; without it skip the test, or all of a test's file that asks for it, with what installs it."""
+    __tracebackhide__ = True
     try:
         return importlib.import_module(module)
     except ImportError:
-        not_run(f'{module} is missing: pip install ".[oracles]"')
+        not_run(f"{module} is missing: {install}")
 
 
 def not_run(reason: str) -> NoReturn:

@@ -1,1 +1,1 @@
-"""How fast it is, compared with what one would use instead: the rows of ``musclewire bench`` in a checkout."""
+"""How fast it is on this machine, as ratios to what one would use instead: python -m benchmarks.speed."""

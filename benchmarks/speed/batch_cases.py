@@ -10,9 +10,10 @@ from time import perf_counter
 import numpy as np
 from benchmarks.speed.compiled_wires import EXPLICIT_STEP_S, numba_batch
 from benchmarks.speed.easier_wire import START
+from benchmarks.speed.machine import usable_cores
+from benchmarks.speed.measuring import PreparedComparison, TimedProgram
 from benchmarks.speed.our_wire import different_wires
 
-from musclewire.app import PreparedComparison, TimedProgram, usable_cores
 from musclewire.arrays import FloatArray
 
 __all__ = ["batch_cases"]

@@ -2,37 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
 from functools import partial
+from pathlib import Path
 from time import perf_counter
 
+import numpy as np
 from benchmarks.speed import fuzzy_tick
 from benchmarks.speed.batch_cases import batch_cases
 from benchmarks.speed.compiled_wires import EXPLICIT_STEP_S, numba_cycle
-from benchmarks.speed.easier_wire import PERIOD_S, ScipyLoop, scipy_cycle
+from benchmarks.speed.easier_wire import PERIOD_S, ScipyLoop, drive_v, scipy_cycle
 from benchmarks.speed.loop_cases import loop_cases
-from benchmarks.speed.processes import first_period_of_ours, first_period_of_scipy
+from benchmarks.speed.measuring import PreparedComparison, TimedProgram
+from benchmarks.speed.our_wire import cycle, paper_wire
 
-from musclewire.app import (
-    CONTROL_PERIOD_S,
-    CYCLES,
-    SAMPLE_S,
-    PreparedComparison,
-    TimedProgram,
-    cycle,
-    exchange_side,
-    paper_wire,
-    period_side,
-    period_voltages,
-    sample_voltages,
-    step_side,
-    tick_side,
-)
-from musclewire.wire import resting_state
+from musclewire.controllers import DriveLimits, FuzzyPidController, FuzzyPidSettings
+from musclewire.rigs import GuardedRig, open_rig
+from musclewire.signals import Drive, QuantityEstimate
+from musclewire.wire import CHOSEN, OneWire, fixed_steps, resting_state
 
 __all__ = ["cases"]
 
+CONTROL_PERIOD_S, SAMPLE_S = 0.01, 0.05
+# Cycles in a turn, where one takes less than a millisecond.
+CYCLES = 10
 EASIER = "theirs is an easier wire: two phases, no minor loops, no friction"
+# The first 10 ms of a wire in a process of its own, which finds this package from the checkout's folder.
+ROOT = Path(__file__).resolve().parents[2]
+OUR_PROCESS = """
+from benchmarks.speed.our_wire import paper_wire
+from musclewire.wire import advance, resting_state
+wire = paper_wire()
+advance(resting_state(wire), wire, 1.0, 0.01)
+"""
+SCIPY_PROCESS = """
+from benchmarks.speed.easier_wire import ScipyLoop
+ScipyLoop(0.01).advance(1.0)
+"""
 
 
 def cases() -> list[PreparedComparison]:
@@ -67,6 +75,13 @@ def step_and_numba(_quick: bool) -> tuple[TimedProgram, TimedProgram]:
     return step_side(1e-2), theirs
 
 
+def step_side(step_s: float) -> TimedProgram:
+    """Return our side of a fixed step; a unit is a step."""
+    wire = paper_wire()
+    start = resting_state(wire)
+    return TimedProgram(lambda _: cycle(wire, start, SAMPLE_S, fixed_steps(step_s)), PERIOD_S / step_s, repeats=CYCLES)
+
+
 def slow_loop() -> PreparedComparison:
     """Return the comparison of a whole loop at the rig's sample period."""
     work = f"one cycle of the slow sine, 90 s in samples of 50 ms, from cold; {EASIER}"
@@ -92,7 +107,15 @@ def closed_loop_period() -> PreparedComparison:
 
 def period_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of a period, along a whole cycle of the slow sine or, if quick, while the wire heats."""
-    return period_side(quick), loop_side(period_voltages(quick), CONTROL_PERIOD_S)
+    first_s, last_s = (20.0, 26.0) if quick else (0.0, PERIOD_S)
+    periods = round((last_s - first_s) / CONTROL_PERIOD_S)
+    voltages = [drive_v(first_s + number * CONTROL_PERIOD_S) for number in range(periods)]
+
+    def run(wire: OneWire) -> None:
+        for voltage_v in voltages:
+            wire.advance(voltage_v, CONTROL_PERIOD_S, CHOSEN)
+
+    return TimedProgram(run, periods, partial(OneWire, paper_wire())), loop_side(voltages, CONTROL_PERIOD_S)
 
 
 def loop_side(voltages: list[float], period_s: float) -> TimedProgram:
@@ -115,8 +138,16 @@ def exchange() -> PreparedComparison:
 
 
 def exchange_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
-    """Return both sides of a sample."""
-    return exchange_side(quick), loop_side(sample_voltages(quick), SAMPLE_S)
+    """Return both sides of a sample, while the wire heats."""
+    voltages = [drive_v(20.0 + number * SAMPLE_S) for number in range(100 if quick else 400)]
+    drives = [Drive(voltage_v) for voltage_v in voltages]
+
+    def run(rig: GuardedRig) -> None:
+        for drive in drives:
+            rig.exchange(drive)
+        rig.close()
+
+    return TimedProgram(run, len(drives), partial(open_rig, "simulated")), loop_side(voltages, SAMPLE_S)
 
 
 def fuzzy_pid_ticks() -> Iterator[PreparedComparison]:
@@ -133,9 +164,19 @@ def fuzzy_pid_ticks() -> Iterator[PreparedComparison]:
 
 
 def fuzzy_pid_tick_sides(rule_base: str, quick: bool) -> tuple[TimedProgram, TimedProgram]:
-    """Return both sides of a tick."""
-    inferences = 5 if quick else 20
-    return tick_side(quick, rule_base), TimedProgram(fuzzy_tick.scikit_fuzzy_inferences(inferences), inferences)
+    """Return both sides of a tick, with measurements that differ."""
+    inferences, ticks = (5, 2000) if quick else (20, 20_000)
+    controller = FuzzyPidController(FuzzyPidSettings(rule_base=rule_base), DriveLimits(0.3, 3.2))
+    strains = np.random.default_rng(1).uniform(0.014, 0.022, ticks).tolist()
+    estimates = [QuantityEstimate(strain, 0.0, True) for strain in strains]
+
+    def run(_: object) -> None:
+        state = controller.start(1.0)
+        for estimate in estimates:
+            state = controller.step(state, 0.018, estimate, 0.05).state
+
+    theirs = TimedProgram(fuzzy_tick.scikit_fuzzy_inferences(inferences), inferences)
+    return TimedProgram(run, ticks), theirs
 
 
 def first_step() -> PreparedComparison:
@@ -147,4 +188,9 @@ def first_step() -> PreparedComparison:
 
 def first_step_sides(_quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of a first step."""
-    return TimedProgram(first_period_of_ours(), 1.0), TimedProgram(first_period_of_scipy(), 1.0)
+    return TimedProgram(process(OUR_PROCESS), 1.0), TimedProgram(process(SCIPY_PROCESS), 1.0)
+
+
+def process(program: str) -> Callable[[object], object]:
+    """Return a call that runs a program in a new process of this Python. Its error is raised if it fails."""
+    return lambda _: subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, cwd=ROOT)

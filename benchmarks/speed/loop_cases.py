@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 from benchmarks.speed.easier_wire import SENSE_V, ScipyLoop
+from benchmarks.speed.measuring import PreparedComparison, TimedProgram
 
-from musclewire.app import PreparedComparison, TimedProgram
 from musclewire.controllers import staircase
 from musclewire.experiment import APPROACH_S, characterize, control_many
 from musclewire.identify import fit

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import platform
 from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
 from statistics import median
 from time import perf_counter
 
 import numpy as np
-from benchmarks.speed.uncached import compiled
+from benchmarks.speed.compiled_wires import compiled
 
-from musclewire.app import MachinePeaks, processor_name, usable_cores
 from musclewire.arrays import FloatArray
 
-__all__ = ["measured_machine"]
+__all__ = ["MachinePeaks", "measured_machine", "processor_name", "usable_cores"]
 
 TURNS = 7
 # Numbers that one core keeps in its registers and nearest cache.
@@ -21,6 +24,46 @@ NEAR_ROUNDS = 100_000
 CHAIN_LENGTH = 2_000_000
 # Three arrays of 32 MB each, more than most caches hold.
 FAR_NUMBERS = 4_000_000
+
+
+@dataclass(frozen=True)
+class MachinePeaks:
+    """The machine of a benchmark, with measured peaks of one thread in doubles with nothing fused.
+
+    Parameters
+    ----------
+    processor
+        Name of the processor.
+    cores
+        Number of processor cores that this process may use.
+    vector_flops_per_s
+        Multiplications and additions per second [1/s] over a short array, in vector registers.
+    chained_flops_per_s
+        The same where each waits for the one before, as within one step of one wire [1/s].
+    bandwidth_bytes_per_s
+        Bytes read and written per second [1/s] over arrays larger than the caches.
+    """
+
+    processor: str
+    cores: int
+    vector_flops_per_s: float
+    chained_flops_per_s: float
+    bandwidth_bytes_per_s: float
+
+
+def usable_cores() -> int:
+    """Return the number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def processor_name() -> str:
+    """Return the processor's name as the system states it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
+    except OSError:
+        lines = []
+    named = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(named, "") or platform.processor() or platform.machine()
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""The tables of docs/explanation/parameters.md: what fits predict that did not see all, and what published values cost.
+"""What fits predict that did not see all, and what published values cost: in text for a page, in tables for the site.
 
 The fits are those of studies/alternative_fits.py; their numbers follow from the vectors in studies/vectors.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from parameter_page import table
+from parameter_page import paragraphs, table
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "studies"))
 
@@ -20,8 +20,25 @@ SHOWN_FROM = 2.0
 
 
 def block() -> str:
-    """Return both tables."""
-    return f"{held_out_table()}\n\n{held_inside_table()}"
+    """Return how many predictions hold and what holding parameters inside costs, as text."""
+    judged = [
+        (name, row)
+        for name, fit in FITS.items()
+        if fit.held_out is not None and (vector := read(name)) is not None
+        for row in predictions(vector, fit.held_out)
+        if row.verdict
+    ]
+    failing = [
+        f"{row.what} ({name}: {row.ours:.2f} for {row.measured:.2f})"
+        for name, row in judged
+        if row.verdict.lower() != "holds"
+    ]
+    vectors = {name: read(name) for name, fit in FITS.items() if fit.held_out is None}
+    inside = ", ".join(f"{met(targets(vector))} with {name}" for name, vector in vectors.items() if vector is not None)
+    return paragraphs(
+        f"Of {len(judged)} predictions {len(judged) - len(failing)} hold; those that fail are {'; '.join(failing)}. "
+        f"Targets met: {met(targets(shipped_vector()))} as shipped, {inside}."
+    )
 
 
 def held_out_table() -> str:

@@ -33,11 +33,41 @@ def blocks() -> dict[str, str]:
     found = {wire: balances(wire) for wire in BALANCE_WIRES}
     return {
         "balance_temperature": paragraphs(temperature_text(found)),
-        "balance": "\n\n".join(f"{title(wire)}:\n\n{balance_table(found[wire])}" for wire in BALANCE_WIRES),
+        "balance": paragraphs(balance_text(found)),
         "balance_r_phase": paragraphs(r_phase_text()),
         "balance_barrier": barrier_table(),
-        "balance_without": changes_table(),
+        "balance_without": paragraphs(changes_text()),
     }
+
+
+def balance_text(found: dict[str, list[Balance]]) -> str:
+    """Return what R-phase, and all parts together, make of the difference at the least and the largest pretension."""
+    wires = [
+        f"in the {title(wire)} {1e3 * rows[0].r_phase:+.0f} mohm at a force ratio of {FORCE_RATIOS[0]:.2f} and "
+        f"{1e3 * rows[-1].r_phase:+.0f} mohm at {FORCE_RATIOS[-1]:.2f}, with all other parts "
+        f"{1e3 * rows[0].whole:+.0f} and {1e3 * rows[-1].whole:+.0f} mohm"
+        for wire, rows in found.items()
+    ]
+    return f"It makes, as a mean over the strain that both branches have, {'; '.join(wires)}."
+
+
+def changes_text() -> str:
+    """Return the signed gap at the least pretension as shipped, without an R-phase, and as the other spool."""
+    ratio, without = FORCE_RATIOS[0], changed_wires()["without an R-phase"]
+    wires = []
+    for wire in BALANCE_WIRES:
+        loops = (loop_at_ratio(wire, ratio, **change) for change in ({}, without, other_spool(wire)))
+        shipped, alone, other = (f"{100.0 * loop.signed_gap:+.2f}" for loop in loops)
+        wires.append(f"of the {title(wire)} from {shipped} to {alone} and {other} %")
+    return (
+        f"At a force ratio of {ratio:.2f}, taking the R-phase out and taking the other wire's temperatures bring the "
+        f"signed gap {', '.join(wires)}."
+    )
+
+
+def balance_tables() -> str:
+    """Return a table for each wire of what parts its branches."""
+    return "\n\n".join(f"{title(wire)}:\n\n{balance_table(balances(wire))}" for wire in BALANCE_WIRES)
 
 
 def title(wire: str) -> str:

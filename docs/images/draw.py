@@ -1,20 +1,20 @@
-"""Draw all pictures and write all generated numbers of the documentation: python docs/images/draw.py
+"""Draw all pictures and write all generated numbers on committed pages: python docs/images/draw.py
 
 After a change of the shipped parameters or of the physics, run it once and commit what changed:
 
 - README.md's pictures, from a run of the demo (``python docs/images/draw.py physics`` leaves these out),
 - the pictures of docs/explanation/physics.md and the numbers in it,
-- the tables of docs/explanation/parameters.md from the vectors in studies/vectors
-  (``python docs/images/draw.py alternatives`` writes these alone, ``pages`` too),
+- what docs/explanation/parameters.md says of other fits, from the vectors in studies/vectors
+  (``python docs/images/draw.py alternatives`` writes these alone),
 - the picture of docs/explanation/turns_and_minor_loops.md and the numbers in it
   (``python docs/images/draw.py turns`` draws and writes these alone),
-- the Bode plot of docs/how-to/linearise_a_wire.md (``python docs/images/draw.py margins`` draws it alone),
+- the Bode plot of docs/how-to/tune_a_controller.md (``python docs/images/draw.py margins`` draws it alone),
 - point B on docs/explanation/why_resistance_tells_strain.md (``python docs/images/draw.py point_b`` draws it alone),
-- the table of docs/explanation/estimators.md from studies/robustness_rows.json
-  (``python docs/images/draw.py robustness`` writes it alone, ``pages`` too),
-- docs/reference/parameters.md, protection.md, faults.md, hardware_rig_files.md, toml_files.md, wire_row.md, python.md
-  and live_api.md, and the column "Compared" of paper_map.md
-  (``python docs/images/draw.py pages`` writes these alone, in seconds).
+- the table of docs/explanation/estimators.md from studies/robustness/rows.json
+  (``python docs/images/draw.py robustness`` writes it alone),
+- the column "Compared" of docs/reference/paper_map.md (``python docs/images/draw.py paper_map`` writes it alone).
+
+Pages of which nothing is written by hand are not committed: docs/site/written_pages.py.
 """
 
 from __future__ import annotations
@@ -27,23 +27,15 @@ from pathlib import Path
 import alternatives_page
 import balance_numbers
 import balance_picture
-import faults_page
-import live_api_page
 import matplotlib as mpl
 import paper_map_page
-import parameter_page
 import physics_numbers
 import physics_pictures
 import physics_runs
 import point_b_picture
-import protection_page
-import python_page
-import rig_keys_page
 import robustness_page
-import toml_keys_page
 import turns_numbers
 import turns_pictures
-import wire_row_page
 
 from musclewire.app import loops_figure, staircase_figure
 from musclewire.experiment import run_demo
@@ -55,14 +47,6 @@ PHYSICS_PAGE = HERE.parent / "explanation" / "physics.md"
 TURNS_PAGE = HERE.parent / "explanation" / "turns_and_minor_loops.md"
 FOUND_PAGE = HERE.parent / "explanation" / "parameters.md"
 ESTIMATORS_PAGE = HERE.parent / "explanation" / "estimators.md"
-PARAMETER_PAGE = HERE.parent / "reference" / "parameters.md"
-PROTECTION_PAGE = HERE.parent / "reference" / "protection.md"
-FAULTS_PAGE = HERE.parent / "reference" / "faults.md"
-RIG_KEYS_PAGE = HERE.parent / "reference" / "hardware_rig_files.md"
-TOML_KEYS_PAGE = HERE.parent / "reference" / "toml_files.md"
-WIRE_ROW_PAGE = HERE.parent / "reference" / "wire_row.md"
-PYTHON_PAGE = HERE.parent / "reference" / "python.md"
-LIVE_API_PAGE = HERE.parent / "reference" / "live_api.md"
 PAPER_MAP_PAGE = HERE.parent / "reference" / "paper_map.md"
 BLOCK = re.compile(r"(<!-- written by docs/images/draw\.py: (\w+) -->\n).*?(<!-- end -->)", re.S)
 DPI = 110
@@ -90,7 +74,7 @@ def draw_physics_pictures(loops: tuple[physics_runs.LoopTruth, ...]) -> None:
 
 
 def draw_margins() -> None:
-    """Write the Bode plot of docs/how-to/linearise_a_wire.md into this folder."""
+    """Write the Bode plot of docs/how-to/tune_a_controller.md into this folder."""
     with mpl.rc_context(STYLE):
         bode_axes(linearise(MARGINS_AT_M)).figure.savefig(HERE / "margins.png", dpi=DPI)
 
@@ -120,6 +104,11 @@ def write_robustness() -> None:
     ESTIMATORS_PAGE.write_text(page, encoding="utf-8")
 
 
+def write_paper_map() -> None:
+    """Write what the rows of ``musclewire reproduce`` say into docs/reference/paper_map.md."""
+    PAPER_MAP_PAGE.write_text(paper_map_page.page(PAPER_MAP_PAGE.read_text("utf-8")), encoding="utf-8")
+
+
 def physics_blocks(loops: tuple[physics_runs.LoopTruth, ...]) -> dict[str, str]:
     """Return every generated text of docs/explanation/physics.md."""
     return physics_numbers.blocks(loops) | balance_numbers.blocks()
@@ -131,49 +120,28 @@ def with_blocks(text: str, blocks: dict[str, str]) -> str:
 
 
 def main() -> None:
-    """Draw and write everything; with ``physics`` all but the demo's pictures, with ``pages`` the pages alone.
-
-    With ``margins`` the Bode plot alone, with ``turns`` the page on turns alone, with ``point_b`` the
-    picture of point B, with ``alternatives`` the tables of how the parameters were found, with ``robustness`` that of
-    estimators under disturbance.
-    """
-    alone = {
-        "margins": draw_margins,
-        "turns": draw_turns,
-        "point_b": draw_point_b,
-        "alternatives": write_alternatives,
-        "robustness": write_robustness,
-    }
-    if len(sys.argv) == 2 and sys.argv[1] in alone:
-        alone[sys.argv[1]]()
-        return
-    write_pages()
-    if sys.argv[1:] == ["pages"]:
+    """Draw and write everything; with ``physics`` all but the demo's pictures, with a name of ``ALONE`` that alone."""
+    if len(sys.argv) == 2 and sys.argv[1] in ALONE:
+        ALONE[sys.argv[1]]()
         return
     if sys.argv[1:] != ["physics"]:
         draw_readme_pictures()
     loops = physics_runs.loops_of_the_sweep()
     draw_physics_pictures(loops)
-    draw_turns()
-    draw_margins()
-    draw_point_b()
     page = with_blocks(PHYSICS_PAGE.read_text("utf-8"), physics_blocks(loops))
     PHYSICS_PAGE.write_text(page, encoding="utf-8")
+    for draw_or_write in ALONE.values():
+        draw_or_write()
 
 
-def write_pages() -> None:
-    """Write the pages that follow from data files, schemas, docstrings and vectors alone: a matter of seconds."""
-    PARAMETER_PAGE.write_text(parameter_page.page(), encoding="utf-8")
-    PROTECTION_PAGE.write_text(protection_page.page(), encoding="utf-8")
-    FAULTS_PAGE.write_text(faults_page.page(), encoding="utf-8")
-    RIG_KEYS_PAGE.write_text(rig_keys_page.page(), encoding="utf-8")
-    TOML_KEYS_PAGE.write_text(toml_keys_page.page(), encoding="utf-8")
-    WIRE_ROW_PAGE.write_text(wire_row_page.page(), encoding="utf-8")
-    PYTHON_PAGE.write_text(python_page.page(), encoding="utf-8")
-    LIVE_API_PAGE.write_text(live_api_page.page(), encoding="utf-8")
-    PAPER_MAP_PAGE.write_text(paper_map_page.page(PAPER_MAP_PAGE.read_text("utf-8")), encoding="utf-8")
-    write_alternatives()
-    write_robustness()
+ALONE = {
+    "margins": draw_margins,
+    "turns": draw_turns,
+    "point_b": draw_point_b,
+    "alternatives": write_alternatives,
+    "robustness": write_robustness,
+    "paper_map": write_paper_map,
+}
 
 
 if __name__ == "__main__":

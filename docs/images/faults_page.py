@@ -1,4 +1,4 @@
-"""docs/reference/faults.md from the table that the fault tests run (tests/faults/matrix.toml)."""
+"""The page reference/faults of the site, from the table that the fault tests run (tests/faults/matrix.toml)."""
 
 from __future__ import annotations
 
@@ -10,9 +10,6 @@ MATRIX = Path(__file__).resolve().parents[2] / "tests" / "faults" / "matrix.toml
 WHERE = ("wire", "circuit", "converter", "board", "line", "host")
 
 HEAD = """# Faults that were injected
-
-<!-- Written by `python docs/images/draw.py physics` from `tests/faults/matrix.toml`, the table that the tests run; a
-test holds this page to it. Do not edit it by hand. -->
 
 For everybody who asks what happens when something breaks: what was broken on purpose, and what followed.
 `pytest tests/faults` injects every row.
@@ -54,7 +51,7 @@ A simulated rig file takes the same faults, to see what your own script does wit
     lasts = "0.5 s"         # without it the fault stays
     resistance = "5 ohm"
 
-All kinds and their keys: [rig files](hardware_rig_files.md).
+All kinds and their keys: [rig files](rig_files.md).
 """
 
 

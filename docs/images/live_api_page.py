@@ -1,4 +1,4 @@
-"""docs/reference/live_api.md from the records and routes that the server of the live page runs by."""
+"""The page reference/live_api of the site, from the records and routes that the server of the live page runs by."""
 
 from __future__ import annotations
 
@@ -8,9 +8,6 @@ from typing import Any, get_args
 from musclewire.extras.live import LIVE, Command, FromPage, Reference, Session, ToPage, make_app
 
 HEAD = """# The live API
-
-<!-- Written by `python docs/images/draw.py pages` from the records and routes that the server runs by; a test holds
-this page to it. Do not edit it by hand. -->
 
 For programmers whose program watches or moves a wire through a running `musclewire serve`.
 `musclewire serve` shows a wire on a page; the page uses nothing but what is here, so a program can do all that it

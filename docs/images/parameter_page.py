@@ -1,4 +1,4 @@
-"""docs/reference/parameters.md from the parameter files: every number with its published range."""
+"""The page reference/parameters of the site, from the parameter files: every number with its published range."""
 
 from __future__ import annotations
 
@@ -40,9 +40,6 @@ SHOWN = {
     "J/kg": (1e-3, "kJ/kg"),
 }
 HEAD = """# Parameters of the simulated wire, one by one
-
-<!-- Written by `python docs/images/draw.py` from the TOML files under `src/musclewire/parameters/data`; a test holds
-this page to them. Do not edit it by hand. -->
 
 For researchers who look up a number of the simulated wire, and what is published about it.
 See also [how the values were found](../explanation/parameters.md), [their

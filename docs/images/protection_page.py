@@ -1,4 +1,4 @@
-"""docs/reference/protection.md from the table that host, exported C and firmware follow."""
+"""The page reference/protection of the site, from the table that host, exported C and firmware follow."""
 
 from __future__ import annotations
 
@@ -6,9 +6,6 @@ from musclewire.controllers import AllowedDrive, ProtectionLimits, ProtectionTab
 from musclewire.rigs import open_rig
 
 HEAD = """# What keeps the wire safe
-
-<!-- Written by `python docs/images/draw.py physics` from the table the code runs by; a test holds this page to it. Do
-not edit it by hand. -->
 
 For everybody who heats a real wire: what is watched, and what happens then.
 `musclewire protection` prints the same table, `musclewire protection RIG` also the limits of a rig.

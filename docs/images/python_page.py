@@ -1,4 +1,4 @@
-"""docs/reference/python.md from the names that are promised to users, and their docstrings."""
+"""The page reference/python of the site, from the names that are promised to users, and their docstrings."""
 
 from __future__ import annotations
 
@@ -12,14 +12,11 @@ from types import ModuleType
 from typing import Any
 
 import musclewire
-from musclewire.manifest import own_manifests, parts
+from musclewire.manifest import manifests_of_others, own_manifests, parts
 from musclewire.registry import Registry
 
 STUB = Path(musclewire.__file__).with_suffix(".pyi")
 HEAD = """# Python
-
-<!-- Written by `python docs/images/draw.py pages` from the docstrings; a test holds this page to them. Do not edit it
-by hand. -->
 
 For everybody who writes scripts.
 `help(mw.control)` shows all of a name: each argument with its unit, what is returned, each error, an example.
@@ -49,7 +46,6 @@ HEADINGS = {
     "parameters": "Wires, alloys and benches",
     "wire": "Wires without a rig",
     "physics": "Physics",
-    "app": "Speed",
     "manifest": "A part of your own",
     "errors": "Errors",
     "arrays": "Types",
@@ -137,6 +133,8 @@ def arguments(item: Any) -> str:
 def first_line(item: ModuleType | Any) -> str:
     """Return the summary of a docstring, in Markdown; of a registry our own kinds, not those a test has added."""
     if isinstance(item, Registry):
-        return f"Known by name: {', '.join(f'`{name}`' for name in item.own_names())}; `register` adds one."
+        others = {name for one in manifests_of_others() for name in getattr(one, item.field)}
+        names = ", ".join(f"`{name}`" for name in item.own_names() if name not in others)
+        return f"Known by name: {names}; `register` adds one."
     summary = " ".join((inspect.getdoc(item) or "").split("\n\n")[0].split()).replace("``", "`")
     return re.sub(r":\w+:(`[^`]+`)", r"\1", summary)

@@ -1,4 +1,4 @@
-"""docs/reference/toml_files.md from the schemas that check every TOML file but those of rigs."""
+"""The page reference/toml_files of the site, from the schemas that check every TOML file but those of rigs."""
 
 from __future__ import annotations
 
@@ -29,12 +29,8 @@ from musclewire.parameters import (
 
 HEAD = """# TOML files, key by key
 
-<!-- Written by `python docs/images/draw.py pages` from the schemas that check the files; a test holds this page to
-them. Do not edit it by hand. -->
-
-For those who write such a file or look up a key of one. Rig files have pages of their own: [files](files.md) for
-simulated rigs, [rig files of real hardware](hardware_rig_files.md) for the others. Numbers are in SI unless a column
-says otherwise, and an unknown key is an error that names the nearest.
+For those who write such a file or look up a key of one; [rig files](rig_files.md) have a page of their own. Numbers are
+in SI unless a column says otherwise, and an unknown key is an error that names the nearest.
 """
 # What is said of keys that their schemas' docstrings leave to their names.
 SAID = {

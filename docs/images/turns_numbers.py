@@ -32,18 +32,29 @@ from studies.measured_isobars import LEFT
 SHOWN_LEFT = (0.97, 0.50, 0.03)
 # Stresses at which one barrier and one linear strain make the measured distance even to within half a kelvin.
 EVEN_FROM_MPA = 150.0
+# Stress at which the vendor states where its wires' austenite starts.
+VENDOR_MPA = 172
 
 
 def blocks() -> dict[str, str]:
     """Return the text between the page's markers, by their names."""
     readings, rests = isobar_readings(), rests_after_turns()
     return {
-        "branches": branches_table(readings),
         "one_barrier": paragraphs(one_barrier(readings)),
-        "ends": ends_table(readings),
+        "ends": paragraphs(ends_text(readings)),
         "classes": paragraphs(what_classes_show(rests)),
-        "rests": rests_table(rests),
+        "rests": paragraphs(rests_text(rests)),
         "fig3a": fig3a_table(driven_loops()),
+    }
+
+
+def tables() -> dict[str, str]:
+    """Return the tables behind that text, by their names."""
+    readings = isobar_readings()
+    return {
+        "branches": branches_table(readings),
+        "ends": ends_table(readings),
+        "rests": rests_table(rests_after_turns()),
     }
 
 
@@ -121,6 +132,35 @@ def ends_table(readings: Sequence[IsobarReading]) -> str:
         "start of austenite by tangents, °C",
     ]
     return table(header, rows)
+
+
+def ends_text(readings: Sequence[IsobarReading]) -> str:
+    """Return what strain does after the turns at the ends, how much barriers may spread, and where austenite starts."""
+    measured, ours = of_source(readings, "measured"), of_source(readings, "simulated")
+    cold, hot = (
+        [f"{extent([1e6 * rate(each) for each in group], 0)}e-6" for group in (measured, ours)]
+        for rate in (lambda each: each.rate_after_cold_turn_per_k, lambda each: each.rate_after_hot_turn_per_k)
+    )
+    spread = max(each.most_spread_of_barriers_k for each in measured)
+    starts = {each.source: each.austenite_start_degc for each in readings if round(each.stress_mpa) == VENDOR_MPA}
+    return (
+        f"Per kelvin {cold[0]} after the cold turn and {hot[0]} after the hot one (simulated {cold[1]} and {hot[1]}). "
+        f"Barriers spread by {spread:.1f} K at most, and at {VENDOR_MPA} MPa austenite starts, by tangents, at "
+        f"{starts['measured']:.0f} °C (simulated {starts['simulated']:.0f} °C)."
+    )
+
+
+def rests_text(rests: Sequence[Rest]) -> str:
+    """Return over how many kelvin strain rests after turns inside the loop, with one class of barrier and with two."""
+    one, two = (
+        [[each.kelvin[place] for each in rests if each.classes == classes] for place in range(len(MOVED))]
+        for classes in ("one", "two")
+    )
+    parts = [
+        f"by {100.0 * part:.0f} % after {extent(one[place])} K with one class and {extent(two[place])} K with two"
+        for place, part in enumerate(MOVED)
+    ]
+    return f"After turns with 75, 50 and 25 % of the stroke left, both ways, strain has moved {', '.join(parts)}."
 
 
 def what_classes_show(rests: Sequence[Rest]) -> str:

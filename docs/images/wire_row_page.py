@@ -1,13 +1,10 @@
-"""docs/reference/wire_row.md from the two lists of fields that lay out the simulated wire in memory."""
+"""The page reference/wire_row of the site, from the two lists of fields that lay out the simulated wire in memory."""
 
 from __future__ import annotations
 
 from musclewire.wire import Row, WireConstants, WireState
 
 HEAD = """# The row of a wire
-
-<!-- Written by `python docs/images/draw.py physics` from the lists of fields in `wire/_state.py` and
-`wire/_constants.py`; a test holds this page to them. Do not edit it by hand. -->
 
 For those who write their own programs around the simulated wire.
 A simulated wire is two rows: its state, which changes from step to step, and its constants. A row is a

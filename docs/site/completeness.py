@@ -1,4 +1,4 @@
-"""What the built site must have: every public name, command, option, key and column, and no link that leads nowhere."""
+"""What the built site must have: every public name, key and column, and no link that leads nowhere."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ import toml_keys_page
 from api_pages import public_names
 from pydantic import BaseModel
 
-from musclewire.app import every_command
 from musclewire.rigs import DEVICES, LOAD_PARTS, RigConfiguration, Surroundings
 from musclewire.sensing import ModelFile
 from musclewire.signals import COLUMNS
@@ -60,12 +59,10 @@ def missing(site: Path) -> Iterator[str]:
     pages = {path: Page(path.read_text("utf-8")) for path in sorted(site.rglob("*.html"))}
     yield from names_without_page(pages, site)
     reference = {path.name: page.code for path, page in pages.items() if path.parent == site / "reference"}
-    lines = reference["command_line.html"]
-    yield from (f"command or option not in reference/command_line: {word}" for word in command_words() - lines)
     files = reference["files.html"]
     yield from (f"column not in reference/files: {name}" for name in set(COLUMNS) - files)
-    keys = files | reference["hardware_rig_files.html"] | reference["toml_files.html"]
-    yield from (f"key not in reference/files, hardware_rig_files or toml_files: {key}" for key in toml_keys() - keys)
+    keys = files | reference["rig_files.html"] | reference["toml_files.html"]
+    yield from (f"key not in reference/files, rig_files or toml_files: {key}" for key in toml_keys() - keys)
     yield from broken_links(pages, site)
 
 
@@ -77,15 +74,6 @@ def names_without_page(pages: dict[Path, Page], site: Path) -> Iterator[str]:
             yield f"public name without its page: {name}"
 
 
-def command_words() -> set[str]:
-    """Return every command, as it is typed, and every option."""
-    words: set[str] = set()
-    for name, command in every_command().items():
-        options = [item for item in command.params if item.param_type_name == "option"]
-        words.update({f"musclewire {name}"}, *(set(item.opts) - {"-h", "--help"} for item in options))
-    return words
-
-
 def toml_keys() -> set[str]:
     """Return every key of rig files, of the parts of a load, of every kind of device, of models and of all other files.
 
@@ -94,7 +82,7 @@ def toml_keys() -> set[str]:
     schemas: list[type[BaseModel]] = [RigConfiguration, ModelFile, Surroundings]
     schemas += [LOAD_PARTS.find(name) for name in LOAD_PARTS.own_names()]
     schemas += [DEVICES.find(name).configuration for name in DEVICES.own_names()]
-    schemas += [model for model, _ in [*rig_keys_page.SECTIONS.values(), *rig_keys_page.SEGMENTED.values()]]
+    schemas += [model for model, _ in [*rig_keys_page.SECTIONS.values(), *rig_keys_page.SIMULATED.values()]]
     schemas += [model for model, _ in toml_keys_page.SECTIONS.values()]
     return {key for schema in schemas for key in schema.model_fields} - {"part"}
 

@@ -1,4 +1,4 @@
-"""The sources of the site: the pages of docs/ and of the project as GitHub shows them, with what Sphinx needs added.
+"""The sources of the site: pages of docs/ and of the project, and those that are written here, with what Sphinx needs.
 
 docs/README.md is the first page, and its headings are the navigation: a second-level heading is a part, a third-level
 one a group with a page of its own, and each link in a list is a page.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 # Pages outside of docs/, which the site has in its folder project/; other pages there are files to download.
@@ -21,17 +21,22 @@ LINK = re.compile(r"(!?\[[^\]]*\])\(([^)\s#]+)(#[^)\s]*)?\)")
 FENCED = re.compile(r"^(`{3,})[^\n]*\n.*?^\1\s*$|`[^`\n]+`", re.M | re.S)
 MERMAID = re.compile(r"^```mermaid\n(.*?)^```$", re.M | re.S)
 HEADING = re.compile(r"^(#{2,3}) (.+)$", re.M)
+# A page that is in no commit, as a committed page names it.
+ON_SITE = re.compile(r"`site:([\w/]+)(#[\w-]+)?`")
 LISTED = re.compile(r"\]\(([\w./-]+\.(?:md|ipynb))\)")
 
 
-def lay_out(root: Path, sources: Path) -> None:
-    """Write the sources of the site into a folder."""
+def lay_out(root: Path, sources: Path, written: Mapping[str, str]) -> None:
+    """Write the sources of the site into a folder; ``written`` are the pages that are in no commit, by name."""
     docs = root / "docs"
     shutil.copytree(docs, sources, ignore=shutil.ignore_patterns("__pycache__", ".ipynb_checkpoints", *NO_PAGES))
     (sources / "README.md").rename(sources / "index.md")
     (sources / "project").mkdir()
     for name in PROJECT_PAGES:
         shutil.copy(root / name, sources / "project" / name)
+    for name, text in written.items():
+        (sources / f"{name}.md").write_text(text, encoding="utf-8")
+    titles = {name: text.partition("\n")[0].removeprefix("# ") for name, text in written.items()}
     for page in sorted([*sources.rglob("*.md"), *sources.rglob("*.ipynb")]):
         path = page.relative_to(sources).as_posix()
         origin = origin_of(path, root)
@@ -39,7 +44,8 @@ def lay_out(root: Path, sources: Path) -> None:
         if path.startswith(f"{DECISIONS}/"):
             text = f"---\nnosearch: true\n---\n\n{text}"
         text = MERMAID.sub(lambda found: transitions_as_table(found[1]), text)
-        page.write_text(relinked(text, origin, page, root, sources), encoding="utf-8")
+        text = relinked(text, origin, page, root, sources)
+        page.write_text(with_written_pages(text, page, sources, titles), encoding="utf-8")
     add_navigation(sources)
 
 
@@ -82,6 +88,16 @@ def relinked(text: str, origin: Path, page: Path, root: Path, sources: Path) -> 
         return f"{words}({os.path.relpath(place, page.parent)}{anchor})"
 
     return outside_of_code(text, lambda part: LINK.sub(led, part))
+
+
+def with_written_pages(text: str, page: Path, sources: Path, titles: Mapping[str, str]) -> str:
+    """Return a page with links, by their titles, to the pages that it names as ``site:NAME``."""
+
+    def led(found: re.Match[str]) -> str:
+        place = os.path.relpath(sources / f"{found[1]}.md", page.parent)
+        return f"[{titles[found[1]]}]({place}{found[2] or ''})"
+
+    return ON_SITE.sub(led, text)
 
 
 def outside_of_code(text: str, change: Callable[[str], str]) -> str:

@@ -2,7 +2,6 @@
 
 import typing
 
-from .app import bench as bench
 from .arrays import FloatArray as FloatArray
 from .controllers import CONTROLLERS as CONTROLLERS
 from .controllers import ControllerSetup as ControllerSetup

@@ -95,7 +95,7 @@ class Manifest:
         Groups of commands that are its own.
     names
         Names of ``import musclewire as mw`` by their places.
-    estimators, controllers, devices, load_parts, run_kinds
+    estimators, controllers, devices, load_parts, plots, run_kinds
         Kinds by name, each with its place, as the registries of the core take them. Devices are the kinds of rigs.
     rig_files
         "package:folder" with the rig files that come with it, "" for none; "package:" is the package's own folder.
@@ -109,8 +109,6 @@ class Manifest:
         Places of :class:`musclewire.signals._writing.FileWriter` by the suffix that they write.
     schemas
         Kinds of files by name, each with the place of the model that checks it.
-    doctor_checks
-        Places of functions that the doctor calls with its examination of a rig.
     kernels
         Packages and modules that hold compiled functions: an edit of any starts a new cache for these, and for no
         others.
@@ -126,6 +124,7 @@ class Manifest:
     controllers: Mapping[str, str] = field(default_factory=dict)
     devices: Mapping[str, str] = field(default_factory=dict)
     load_parts: Mapping[str, str] = field(default_factory=dict)
+    plots: Mapping[str, str] = field(default_factory=dict)
     run_kinds: Mapping[str, str] = field(default_factory=dict)
     rig_files: str = ""
     rig_names: Mapping[str, str] = field(default_factory=dict)
@@ -133,7 +132,6 @@ class Manifest:
     suffixes_read: tuple[str, ...] = ()
     writers: Mapping[str, str] = field(default_factory=dict)
     schemas: Mapping[str, str] = field(default_factory=dict)
-    doctor_checks: tuple[str, ...] = ()
     kernels: tuple[str, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
 
@@ -226,7 +224,7 @@ def offered(kind: str) -> dict[str, str]:
 
 @cache
 def parts() -> Mapping[str, Mapping[str, Any]]:
-    """Return what our own parts offer by name, whether they are there or not (``parts.toml``)."""
+    """Return what our own parts and packages offer by name, whether they are there or not (``parts.toml``)."""
     return tomllib.loads(PARTS.read_text(encoding="utf-8"))
 
 
@@ -247,6 +245,11 @@ def absent_part(kind: str, name: str) -> CallerError | None:
     there = {manifest.name for manifest in manifests()}
     for part, offer in parts().items():
         if part not in there and name in offer.get(kind, ()):
+            if "install" in offer:
+                return CallerError(
+                    f"'{name}' belongs to the package '{part}' ({offer['what']}), which is not installed: "
+                    f"{offer['install']} in the checkout"
+                )
             return CallerError(
                 f"'{name}' belongs to the part '{part}' ({offer['what']}), which this installation does not have: put "
                 f"the folder musclewire/extras/{part} back, or install musclewire again"

@@ -1,14 +1,13 @@
 """Kinds of estimators, controllers, devices and load parts by name: our own, and those that others add.
 
 Each registry lists the names of its kinds and where they are defined, and imports a kind only when it is looked up. The
-extras add theirs by their manifests. A package from outside adds a kind by its manifest, by one call,
-``ESTIMATORS.register("name", factory)``, or without any call by an entry point of the registry's group.
+extras add theirs by their manifests, and so does a package from outside; a script adds a kind by one call,
+``ESTIMATORS.register("name", factory)``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib.metadata import entry_points
 from typing import Any, Generic, TypeVar, cast
 
 from musclewire.errors import CallerError, an_object, nearest_hint
@@ -20,15 +19,14 @@ Kind = TypeVar("Kind")
 
 
 class Registry(Generic[Kind]):
-    """Kinds of one thing by name: our own, those registered by a call, and those of entry points.
+    """Kinds of one thing by name: our own, those of manifests, and those registered by a call.
 
     Parameters
     ----------
     what
         Word for a kind in messages, "estimator" for example.
-    group
-        Group of the entry points under which other packages offer theirs, "musclewire.estimators" for example. Its last
-        word is the field of a manifest that offers such kinds.
+    field
+        The field of a manifest that offers such kinds, "estimators" for example.
     built_in
         Our own kinds by name, each as "module:attribute". A module is imported when its kind is first looked up.
     parts
@@ -36,11 +34,9 @@ class Registry(Generic[Kind]):
         used as they are.
     """
 
-    def __init__(self, what: str, group: str, built_in: Mapping[str, str], parts: tuple[str, ...] = ()) -> None:
-        """Take our own kinds; those of other packages are looked up when a name is needed."""
-        self.what = what
-        self.group = group
-        self._field = group.rpartition(".")[2]
+    def __init__(self, what: str, field: str, built_in: Mapping[str, str], parts: tuple[str, ...] = ()) -> None:
+        """Take our own kinds; those of manifests are looked up when a name is needed."""
+        self.what, self.field = what, field
         self._built_in, self._parts = dict(built_in), parts
         self._registered: dict[str, Kind] = {}
 
@@ -72,15 +68,15 @@ class Registry(Generic[Kind]):
     @property
     def _places(self) -> dict[str, str]:
         """The kinds of the core, then those of the parts that are there: name to place."""
-        return {**offered(self._field), **self._built_in}
+        return {**offered(self.field), **self._built_in}
 
     def own_names(self) -> tuple[str, ...]:
         """Return the names of musclewire's own kinds, and of those that manifests offer."""
         return tuple(dict.fromkeys([*self._built_in, *self._places]))
 
     def names(self) -> tuple[str, ...]:
-        """Return all known names: our own first, then registered ones, then those of entry points."""
-        return tuple(dict.fromkeys([*self.own_names(), *self._registered, *self._offered()]))
+        """Return all known names: our own first, then those of manifests, then registered ones."""
+        return tuple(dict.fromkeys([*self.own_names(), *self._registered]))
 
     def find(self, name: str) -> Kind:
         """Return the kind of a name.
@@ -101,10 +97,10 @@ class Registry(Generic[Kind]):
         """
         if name in self._registered:
             return self._registered[name]
-        place = self._places.get(name) or self._offered().get(name)
+        place = self._places.get(name)
         if place is not None:
             return cast(Kind, loaded(place))
-        absent = absent_part(self._field, name)
+        absent = absent_part(self.field, name)
         raise absent or CallerError(f"there is no {self.what} '{name}'{nearest_hint(name, self.names())}")
 
     def make(self, kind: str | Kind, setup: Any) -> Any:
@@ -146,7 +142,3 @@ class Registry(Generic[Kind]):
     def article(self) -> str:
         """Return "a" or "an", whichever the word needs."""
         return "an" if self.what[0] in "aeiou" else "a"
-
-    def _offered(self) -> dict[str, str]:
-        """Return the entry points of this group: name to "module:attribute"; a name of our own is never replaced."""
-        return {point.name: point.value for point in entry_points(group=self.group) if point.name not in self._places}

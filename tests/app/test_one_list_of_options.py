@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import pytest
-
 from musclewire.app import OPTIONS, every_command
 
 
@@ -14,38 +12,32 @@ def kind_of(option: Any) -> tuple[Any, bool]:
     return option.type_descriptor.annotation, option.is_flag
 
 
-COMMANDS = every_command()
 USES = [
-    pytest.param(option, id=f"{name} {option.opts[0]}")
-    for name, command in COMMANDS.items()
+    option
+    for command in every_command().values()
     for option in command.params
     if option.param_type_name == "option" and option.opts[0] != "--help"
 ]
 
 
-@pytest.mark.parametrize("use", USES)
-def test_every_option_is_the_one_of_the_list(use: Any) -> None:
-    definition = OPTIONS[use.opts[0]]
-    assert tuple(use.opts) == definition.names
-    if use.opts[0] == "--output":  # says what this command writes
-        assert use.help.split()[0] != "File", use.help
-    else:
-        assert use.help == definition.help
-    assert (use.metavar == "QUANTITY") == (definition.quantity is not None)
+def test_every_option_is_the_one_of_the_list() -> None:
+    for use in USES:
+        definition = OPTIONS[use.opts[0]]
+        assert tuple(use.opts) == definition.names
+        if use.opts[0] == "--output":  # says what this command writes
+            assert use.help.split()[0] != "File", use.help
+        else:
+            assert use.help == definition.help
+        assert (use.metavar == "QUANTITY") == (definition.quantity is not None)
 
 
 def test_the_same_name_takes_the_same_kind_of_value_everywhere() -> None:
     kinds: dict[str, set[tuple[Any, bool]]] = {}
-    for parameter in USES:
-        use = parameter.values[0]
+    for use in USES:
         kinds.setdefault(use.opts[0], set()).add(kind_of(use))
     assert {name: kind for name, kind in kinds.items() if len(kind) > 1} == {}
 
 
 def test_times_lengths_and_all_other_quantities_have_a_unit() -> None:
-    plain = {
-        name for name, definition in OPTIONS.items()
-        for use in USES
-        if definition.quantity is None and use.values[0].opts[0] == name and kind_of(use.values[0])[0] is float
-    }  # fmt: skip
-    assert plain == {"--friction", "--clock-speed"} & set(OPTIONS)  # ratios
+    plain = {use.opts[0] for use in USES if kind_of(use)[0] is float}
+    assert plain - {name for name, one in OPTIONS.items() if one.quantity} <= {"--friction", "--clock-speed"}  # ratios

@@ -127,6 +127,8 @@ def test_a_header_of_another_program_is_taken_by_an_explicit_mapping(
         ("characterize simulated -o x.h5 --amplitude 9V", "maximum"),
         ("characterize simulated -o x.h5 --amplitude 3", "--amplitude: '3' has no unit; write it with one, as "),
         ("characterize simulated -o x.h5 --period 0.1s", "is outside 1 to 86400 s"),
+        ("characterize simulated -o x.h5 --cpu 99999999999", "--cpu: give at most"),
+        ("calibrate x.h5 --jumps 99999999999", "--jumps: give at most"),
         ("characterize simulated -o x.h5 --real-time-priority", "add --real-time"),
         ("doctor simulated --write", "rig file of your own"),
         ("bench --only stap", "did you mean 'step'"),

@@ -95,7 +95,7 @@ class FirstOrderDevice:
         return True
 
 
-# All that a package does to add its kind. An entry point of the group "musclewire.devices" does it without a call.
+# All that a package does to add its kind. The field "devices" of its manifest does it without a call.
 DEVICES.register("first order", DeviceKind(FirstOrderConfiguration, FirstOrderDevice))
 
 

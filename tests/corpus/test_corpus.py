@@ -91,12 +91,10 @@ def test_a_file_is_refused_in_one_line_that_names_the_cure(entry: dict[str, Any]
     assert entry["refused"] in message
 
 
-@pytest.mark.parametrize(
-    "entry", [entry for entry in REFUSED if not {"mapping", "group"} & set(entry)], ids=lambda entry: str(entry["name"])
-)
-def test_the_command_ends_with_2_and_that_line(
-    entry: dict[str, Any], capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+@pytest.mark.parametrize("name", ["only_headers.csv", "word_in_a_row.csv", "row_too_short.csv"])
+def test_the_command_ends_with_2_and_that_line(name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """One of each kind: no rows, a wrong one, and one whose cure is an argument in Python and an option here."""
+    entry = next(entry for entry in REFUSED if entry["name"] == name)
     output = tmp_path / "out.h5"
     assert run(["import", str(path_of(entry)), "-o", str(output)]) == 2
     printed = capsys.readouterr()

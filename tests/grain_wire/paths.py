@@ -47,8 +47,8 @@ class Pair(NamedTuple):
 
     direction: float
     feed: int
-    partner_voltage_v: float
-    partner_series_ohm: float
+    second_voltage_v: float
+    second_series_ohm: float
 
 
 @compiled
@@ -190,7 +190,7 @@ def currents_a(
         voltage = current * together
         return voltage / first_ohm, voltage / second_ohm, voltage, current
     current = drive_v / (first_ohm + series_ohm)
-    partner = pair.partner_voltage_v / (second_ohm + pair.partner_series_ohm)
+    partner = pair.second_voltage_v / (second_ohm + pair.second_series_ohm)
     return current, partner, current * first_ohm, current
 
 

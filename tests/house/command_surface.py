@@ -27,6 +27,8 @@ from typer.testing import CliRunner
 
 import musclewire as mw
 from musclewire.app import app
+from musclewire.manifest import manifests_of_others
+from musclewire.registry import Registry
 
 ROOT = Path(__file__).resolve().parents[2]
 LISTING = Path(__file__).with_name("command_surface.toml")
@@ -64,9 +66,9 @@ Listing = dict[str, Any]
 def listing(known: Listing) -> Listing:
     """Return what there is now; ``known`` is the listing whose suffixes are tried."""
     names = {
-        "public": list(dir(mw)),
+        "public": [name for name in dir(mw) if name not in of_others("names")],
         "errors": [f"{one.__name__} {one.exit_code}" for one in errors()],
-        **{name: list(getattr(mw, registry).own_names()) for name, registry in REGISTRIES.items()},
+        **{name: own_kinds(getattr(mw, registry)) for name, registry in REGISTRIES.items()},
         **completed_names(),
         "recordings_read": readable(known["names"]["recordings_read"]),
         "recordings_written": writable(known["names"]["recordings_written"]),
@@ -77,11 +79,22 @@ def listing(known: Listing) -> Listing:
     }
 
 
+def of_others(kind: str) -> set[str]:
+    """Return what packages beside musclewire offer of a kind, by their manifests: it comes and goes with them."""
+    return {getattr(one, "name", one) for manifest in manifests_of_others() for one in getattr(manifest, kind)}
+
+
+def own_kinds(registry: Registry[Any]) -> list[str]:
+    """Return the names of musclewire's own kinds."""
+    others = of_others(registry.field)
+    return [name for name in registry.own_names() if name not in others]
+
+
 @cache
 def commands() -> dict[str, Any]:
-    """Return every command that runs something by its full name, as 'design finger'; before all, the program itself."""
-    root = typer.main.get_command(app)
-    return {"musclewire": root, **dict(leaves(root))}
+    """Return every command of ours that runs something by its full name, 'design finger'; first, the program itself."""
+    root, others = typer.main.get_command(app), of_others("commands")
+    return {"musclewire": root, **{name: command for name, command in leaves(root) if name not in others}}
 
 
 def leaves(group: Any, before: str = "") -> Iterator[tuple[str, Any]]:

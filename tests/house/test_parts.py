@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from tests.places import CHECKOUT
 
 from musclewire.manifest import Manifest, folder_of, manifests, parts
 
@@ -17,6 +18,7 @@ def names_by_kind(one: Manifest) -> dict[str, list[str]]:
         "devices": sorted(one.devices),
         "rig_files": sorted(file.stem for file in folder_of(one.rig_files).glob("*.toml")) if one.rig_files else [],
         "suffixes": sorted(one.suffixes_read),
+        "run_kinds": sorted(one.run_kinds),
     }
 
 
@@ -29,4 +31,11 @@ def test_the_list_of_absent_parts_says_what_the_manifest_offers(one: Manifest) -
 
 
 def test_every_part_of_the_checkout_is_listed() -> None:
-    assert {each.name for each in manifests()} >= parts().keys()
+    installed_apart = {name for name, offer in parts().items() if "install" in offer}
+    assert {each.name for each in manifests()} >= parts().keys() - installed_apart
+
+
+def test_a_package_that_is_installed_apart_is_where_its_line_says() -> None:
+    for offer in parts().values():
+        if "install" in offer:
+            assert (CHECKOUT / offer["install"].removeprefix("pip install ") / "pyproject.toml").is_file()

@@ -6,9 +6,7 @@ from inspect import getsource
 
 import numpy as np
 import pytest
-from checks.step_cost import FAILED, WARNED, verdict
-
-from musclewire.app import fixed_arithmetic, fixed_python
+from checks.step_cost import FAILED, WARNED, fixed_arithmetic, fixed_python, verdict
 
 
 @pytest.mark.parametrize(

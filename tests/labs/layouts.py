@@ -449,7 +449,7 @@ def long_table(loop: Loop) -> Written:
 
 def long_table_of_two_rates(loop: Loop) -> Written:
     rows = [("meter", f"{1e6 * t:.0f}", f"{r:.6g}", "ohm") for t, r in zip(loop[TIME], loop[R], strict=True)]
-    fine_s = np.linspace(0.0, loop[TIME][-1], 3 * loop[TIME].size)
+    fine_s = np.linspace(0.0, loop[TIME][-1], 3 * loop[TIME].size - 2)
     fine_mm = 1e3 * np.interp(fine_s, loop[TIME], loop[STROKE])
     rows += [("laser", f"{1e6 * t:.0f}", f"{x:.6g}", "mm") for t, x in zip(fine_s, fine_mm, strict=True)]
     rows.sort(key=lambda row: int(row[1]))

@@ -21,13 +21,22 @@ def test_a_name_of_an_absent_part_is_one_line_that_says_which_part(monkeypatch: 
     assert absent_part("commands", "control") is None
 
 
+def test_a_command_of_a_package_that_is_not_installed_names_the_line_that_installs_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(manifest, "manifests", lambda: ())
+    told = str(absent_part("commands", "robustness"))
+    assert told.endswith("not installed: pip install ./studies/robustness in the checkout")
+    assert "extras" not in told
+
+
 def test_a_name_of_a_part_that_is_there_is_not_absent(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(manifest, "manifests", lambda: (Manifest("paper"),))
     assert absent_part("commands", "reproduce") is None
 
 
 def test_a_registry_finds_the_kinds_of_parts_and_names_the_absent_ones(monkeypatch: pytest.MonkeyPatch) -> None:
-    kinds: Registry[object] = Registry("kind of rig", "musclewire.devices", {"own": "math:e"})
+    kinds: Registry[object] = Registry("kind of rig", "devices", {"own": "math:e"})
     there = Manifest("robots", devices={"arm": "math:pi", "own": "math:tau"})
     monkeypatch.setattr(manifest, "manifests", lambda: (there,))
     assert kinds.find("arm") == pytest.approx(3.14159, abs=1e-5)

@@ -12,7 +12,7 @@ from musclewire.registry import Registry
 
 def registry() -> Registry[object]:
     """Return a registry with one kind of our own, which is any importable attribute."""
-    return Registry("estimator", "musclewire.test_kinds", {"pi": "math:pi"})
+    return Registry("estimator", "test_kinds", {"pi": "math:pi"})
 
 
 def test_a_kind_of_our_own_is_imported_when_it_is_asked_for() -> None:
@@ -65,7 +65,7 @@ class WithoutColumns:
 
 
 def test_what_a_kind_makes_is_checked_when_it_is_made() -> None:
-    kinds: Registry[Any] = Registry("estimator", "musclewire.nothing", {}, parts=("columns", "step"))
+    kinds: Registry[Any] = Registry("estimator", "nothing", {}, parts=("columns", "step"))
     kinds.register("complete", Complete)
     assert kinds.make("complete", "a setup").setup == kinds["complete"]("a setup").setup
     assert "complete" in kinds
@@ -76,6 +76,6 @@ def test_what_a_kind_makes_is_checked_when_it_is_made() -> None:
 
 
 def test_what_makes_nothing_is_not_registered() -> None:
-    kinds: Registry[Any] = Registry("controller", "musclewire.nothing", {}, parts=("step",))
+    kinds: Registry[Any] = Registry("controller", "nothing", {}, parts=("step",))
     with pytest.raises(CallerError, match="by its class or by a function that makes one, not by an int"):
         kinds.register("bad", 3)

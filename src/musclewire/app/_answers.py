@@ -8,7 +8,6 @@ from typing import Annotated, Any, Self
 from pydantic import AliasGenerator, ConfigDict, Field
 
 from musclewire.app._answer import ABSENT, AnswerModel, AnswerRecord, Finite
-from musclewire.app._bench_measure import Comparison, MachinePeaks
 from musclewire.controllers import ProtectionLimits, ProtectionTable, RuleBase
 from musclewire.experiment import (
     ChannelCalibration,
@@ -446,20 +445,3 @@ class KnownNames(AnswerModel):
 
 class RulesAnswer(RuleBase, KnownNames):
     """Of ``rules``: a rule base, and the names of all."""
-
-
-class UnmeasuredRow(AnswerModel):
-    """A comparison that was not measured, and the extra that it needs; null if it needs a checkout."""
-
-    name: str
-    needs_extra: str | None
-
-
-class BenchAnswer(AnswerModel):
-    """Of ``bench``."""
-
-    rows: tuple[Comparison, ...]
-    left_out: tuple[UnmeasuredRow, ...]
-    machine: MachinePeaks
-    quick: bool
-    wall_s: float

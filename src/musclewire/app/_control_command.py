@@ -84,6 +84,7 @@ def control(
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
     """Closed loop: move the wire by its own resistance; MAE of each step, with --runs for many seeds."""
+    from musclewire.identify import other_load
     from musclewire.rigs import open_rig
     from musclewire.sensing import load_model
 
@@ -111,20 +112,21 @@ def control(
             target = staircase_for(loaded, load, opened.leg_length_m)
         settled = choice.settled(loaded, opened.sample_period_s)
         limits = said_of_speed(opened, loaded, target, settled, load)
+        said = [*refused, *warn(filter(None, [other_load(loaded, opened.metadata())]))]
         with progress_bar("Closed loop", settled.approach_s + target.duration_s, opened) as on_sample:
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
         if homing.home == "idle":
             homed = homing.homed(opened, loaded)
     figure.draw(run.plot)
-    answer = control_answer(run, load, limits, homed, refused)
+    answer = control_answer(run, load, limits, homed, said)
     text = [] if homed is None else [home_text(homed)]
     return Result(answer, "\n".join([*text, str(run.metrics)]), error=why_not(run))
 
 
 def control_answer(
-    run: ControlRun, load: KnownSpring | None, limits: SpeedLimits | None, homed: Homing | None, refused: list[str]
+    run: ControlRun, load: KnownSpring | None, limits: SpeedLimits | None, homed: Homing | None, said: list[str]
 ) -> ControlRunAnswer:
-    """Return the answer of a closed loop; its warnings are also printed."""
+    """Return the answer of a closed loop; its warnings are also printed, but for those that were ``said`` before."""
     from musclewire.app._answers import ControlRunAnswer
     from musclewire.experiment import run_warnings, timing_json
 
@@ -136,7 +138,11 @@ def control_answer(
         known_friction_n=None if load is None else load.friction_n,
         **{name: facts.get(name) for name in ("estimator", "controller", "health", "ended")},
         samples=len(run),
-        warnings=[*refused, *warn(run_warnings(run)), *(() if limits is None else limits.warnings)],
+        warnings=[
+            *said,
+            *warn(one for one in run_warnings(run) if one not in said),
+            *(() if limits is None else limits.warnings),
+        ],
         speed_limits=limits,
         home=None if homed is None else home_found(homed),
     )

@@ -121,13 +121,6 @@ COMMANDS = (
         answer="musclewire.app._answers:RulesAnswer",
     ),
     Command(
-        "bench",
-        "musclewire.app._bench_command:bench",
-        "How fast it is on this machine, as ratios to what one would use instead.",
-        panel=STUDIES,
-        answer="musclewire.app._answers:BenchAnswer",
-    ),
-    Command(
         "cite",
         "musclewire.app._model_commands:cite",
         "Print the references to cite; --bibtex as entries of BibTeX.",

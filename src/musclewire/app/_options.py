@@ -46,6 +46,8 @@ class OptionDefinition(NamedTuple):
     quantity: OptionQuantity | None = None
 
 
+# Beyond these a count is a slip of the pen, whose command would never end.
+MAX_COUNT, MAX_CORES = 100_000, 4096
 # All options by their first name.
 OPTIONS: dict[str, OptionDefinition] = {}
 
@@ -78,7 +80,7 @@ BIBTEX = option("--bibtex", help="Print entries of BibTeX.")
 LIST = option("--list", help="List the names that can be given, and exit.")
 
 # Rigs and their clocks.
-SEED = option("--seed", help="Seed of everything random: the same seed, the same numbers.", min=0)
+SEED = option("--seed", help="Seed of everything random: the same seed, the same numbers.", min=0, max=10**18)
 BEYOND_CATALOGUE = option(
     "--beyond-catalogue", help="Confirm lengths, voltages and limits that no wire of the catalogue has or survives."
 )
@@ -87,7 +89,7 @@ CLOCK_SPEED = option("--clock-speed", help="With --real-time: run so many times 
 REAL_TIME_PRIORITY = option(
     "--real-time-priority", help="On Linux: run before all ordinary programs, with memory locked."
 )
-CPU = option("--cpu", help="On Linux: keep the loop on this processor core.", min=0)
+CPU = option("--cpu", help="On Linux: keep the loop on this processor core.", min=0, max=MAX_CORES)
 HOLD = quantity("--hold", "s", "Time for which the sense voltage is held, as '5 s'.", 1.0, 3600.0)
 METER_WIRE = quantity("--meter-wire", "V", "Reading of a meter across the wire at the sense voltage.")
 METER_SHUNT = quantity("--meter-shunt", "V", "Reading of a meter across the shunt at the sense voltage.")
@@ -103,7 +105,7 @@ AMPLITUDE = quantity("--amplitude", "V", "Amplitude of the slow sine, as '3.2 V'
 UNTIL_LEVEL = option("--until-level", help="Raise the amplitude until the resistance levels off or a limit is met.")
 PERIOD = quantity("--period", "s", "Period of the slow sine, as '90 s'.", 1.0, 86400.0)
 CYCLES = option("--cycles", help="Cycles at each setting; the last is analysed.", min=1)
-MAX_CYCLES = option("--max-cycles", help="Stop after this many cycles at the latest.", min=2)
+MAX_CYCLES = option("--max-cycles", help="Stop after this many cycles at the latest.", min=2, max=MAX_COUNT)
 AT = quantity("--at", "N", "A pretension to try, as '1.9 N'. Repeatable.")
 QUANTITY = option("--quantity", help="Quantity sensed from resistance: strain, displacement or force.")
 
@@ -144,7 +146,9 @@ APPROACH = quantity(
     0.0,
     3600.0,
 )
-CLOSED_LOOP_TIME = quantity("--closed-loop-time", "s", "tau_c of the tuning rule; by default the dead time.")
+CLOSED_LOOP_TIME = quantity(
+    "--closed-loop-time", "s", "tau_c of the tuning rule; by default the dead time.", 1e-3, 86400.0
+)
 WIRE_FILE = option(
     "--wire-file",
     metavar="FILE",
@@ -158,6 +162,7 @@ CYCLES_MADE = option(
     "--cycles-made",
     help="Cycles that the wire has made since its characterization, if counted; kept in the model.",
     min=0,
+    max=100_000_000,
 )
 SWEEP_FILE = option("--sweep", help="Recording of the home move's sweep to write (.h5).")
 ON_BOARD = option(
@@ -167,6 +172,7 @@ RUNS = option(
     "--runs",
     help="Run so many loops at once, each on a simulated rig with a seed of its own: from --seed, or 1, on.",
     min=1,
+    max=MAX_COUNT,
 )
 IN_PYTHON = option("--in-python", help="With --runs: step every loop in Python, for what has no compiled form.")
 OBJECT_STIFFNESS = quantity(
@@ -238,18 +244,18 @@ AMBIENT = quantity("--ambient", "K", "Temperature of the air around the wire, as
 PRIORS = option("--priors", help="Priors of the parameters, by name or TOML file.")
 SET = option("--set", help="A number of the bench that no recording states. Repeatable.", metavar="NAME=VALUE")
 EFFORT = option("--effort", help="How long to search: quick, normal or thorough.")
-STARTS = option("--starts", help="Descents from the prior; by default depends on --effort.", min=1)
-JUMPS = option("--jumps", help="Descents from near the best; by default depends on --effort.", min=0)
-THREADS = option("--threads", help="Threads; by default one on each core.", min=1)
+STARTS = option("--starts", help="Descents from the prior; by default depends on --effort.", min=1, max=MAX_COUNT)
+JUMPS = option("--jumps", help="Descents from near the best; by default depends on --effort.", min=0, max=MAX_COUNT)
+THREADS = option("--threads", help="Threads; by default one on each core.", min=1, max=MAX_CORES)
 
 # Studies of many wires.
-WORKERS = option("--workers", help="Processes on this machine; by default one on each core.", min=1)
+WORKERS = option("--workers", help="Processes on this machine; by default one on each core.", min=1, max=MAX_CORES)
 
 # Parts to design.
 FILE = option("--file", help="Take all dimensions from a pretensioner's file.")
 
 # Everything else.
-ONLY = option("--only", help="Only rows whose names begin so: 'fig4', 'table2.mae'; 'step'.", metavar="NAME")
+ONLY = option("--only", help="Only rows whose names begin so: 'fig4', 'table2.mae'.", metavar="NAME")
 QUICK = option("--quick", help="Fewer repetitions.")
 SETTINGS = option("--settings", help="TOML file with settings of the controller, as kp_range = [0.01, 0.1].")
 NAME = option("--name", help="Name of the library or FMU, a C identifier.")

@@ -9,8 +9,8 @@ from ._drive_limits import DriveLimits as DriveLimits
 from ._feedforward import FeedforwardSettings as FeedforwardSettings
 from ._fuzzy import infer_ratios as infer_ratios
 from ._fuzzy import infer_surface as infer_surface
-from ._fuzzy import input_grades as input_grades
 from ._fuzzy import packed_rules as packed_rules
+from ._fuzzy import rule_weights as rule_weights
 from ._fuzzy_pid import GAIN_COLUMNS as GAIN_COLUMNS
 from ._fuzzy_pid import FuzzyPidController as FuzzyPidController
 from ._fuzzy_pid import FuzzyPidSettings as FuzzyPidSettings

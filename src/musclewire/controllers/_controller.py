@@ -6,7 +6,7 @@ back. ``tests/contract/test_controller_contract.py`` tests every implementation 
 can run in compiled loops (``mw.control_many``).
 
 Another controller is one file with a factory, a ``ControllerFactory``, and a name for it: a line in ``CONTROLLERS``
-here, or from outside ``CONTROLLERS.register("name", factory)`` or an entry point of the group "musclewire.controllers".
+here, or from outside ``CONTROLLERS.register("name", factory)`` in a script and ``controllers`` in a package's manifest.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ ControllerFactory = Callable[[ControllerSetup], Controller]
 
 CONTROLLERS: Registry[ControllerFactory] = Registry(
     "controller",
-    "musclewire.controllers",
+    "controllers",
     {
         "feedforward": "musclewire.controllers._feedforward:FeedforwardController",
         "fuzzy-pid": "musclewire.controllers._fuzzy_pid:fuzzy_pid_controller",

@@ -49,6 +49,8 @@ from musclewire.errors import CallerError
 from musclewire.signals import CONTROLLER_ANSWERS, CompiledTick, ControlStep, Drive, QuantityEstimate
 
 Positive = Annotated[float, Field(gt=0.0)]
+# Times of a loop: a day is longer than any; beyond, an integral would be none.
+Seconds = Annotated[float, Field(gt=0.0, le=86400.0)]
 Table = Annotated[tuple[Positive, ...], Field(min_length=3)]
 # A branch is never taken as flatter or steeper than its median by more than these factors: near the ends of the loop
 # its slope is that of few samples.
@@ -98,7 +100,8 @@ class FeedforwardSettings(StrictModel):
     Raises
     ------
     CallerError
-        For an unknown key, tables of different length, branches that cross, or a number that is not positive.
+        For an unknown key, tables of different length, branches that cross, a number that is not positive, or a time of
+        more than a day.
     """
 
     quantity: str = "strain"
@@ -108,12 +111,12 @@ class FeedforwardSettings(StrictModel):
     cooling_power_w: Table
     resistance_ohm: Table
     shunt_resistance_ohm: Positive
-    thermal_time_constant_s: Positive
+    thermal_time_constant_s: Seconds
     heat_per_unit: Annotated[float, Field(ge=0.0)]
-    closed_loop_time_s: Positive
-    dead_time_s: Positive
-    integral_time_s: Positive
-    pulse_time_s: Positive = 0.15
+    closed_loop_time_s: Seconds
+    dead_time_s: Seconds
+    integral_time_s: Seconds
+    pulse_time_s: Seconds = 0.15
     tolerance: Positive
     gap_fraction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.4
     maximum_steady_power_w: Positive

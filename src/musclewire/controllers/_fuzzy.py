@@ -140,15 +140,17 @@ def infer_surface(rule_base: RuleBase, error_ratio: ArrayLike, change_ratio: Arr
     return RatioSurface(*(ratio.reshape(errors.shape) for ratio in ratios))
 
 
-def input_grades(rule_base: RuleBase, ratio: float) -> dict[str, float]:
-    """Return the grade of one input in [-1, 1] in each input set; a rule base without sets has none."""
+def rule_weights(rule_base: RuleBase, error_ratio: float, change_ratio: float) -> FloatArray:
+    """Return how strongly each rule fires for two inputs, each clipped to [-1, 1].
+
+    The shape is (7, 7), the error's sets down, those of its change across. Constant rules have no weight.
+    """
     from musclewire.controllers import _kernels as kernels
 
-    if not rule_base.input_sets:
-        return {}
-    grades = np.empty(len(SET_NAMES))
-    kernels.grade_inputs(packed_rules(rule_base)[0], float(ratio), grades)
-    return {name: float(grade) for name, grade in zip(SET_NAMES, grades, strict=True)}
+    weights = np.zeros((len(SET_NAMES), len(SET_NAMES)))
+    if not isinstance(rule_base.rules, ConstantRules):
+        kernels.weigh_rules(packed_rules(rule_base), float(error_ratio), float(change_ratio), weights)
+    return weights
 
 
 def packed_rules(rule_base: RuleBase) -> NDArray[np.void]:

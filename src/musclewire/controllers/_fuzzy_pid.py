@@ -170,6 +170,14 @@ class FuzzyPidController:
             raise step_error(target, estimate.value, dt_s)
         return ControlStep(Drive(after[1]), after, gains)
 
+    def rule_inputs(self, state: tuple[float, ...]) -> tuple[float, float]:
+        """Return the inputs of the rules that a step left in its state: the error and its rate, each over its range."""
+        from musclewire.controllers import _kernels as kernels
+
+        after = kernels.PidState(*state)
+        found: tuple[float, float] = kernels.rule_inputs(self._constants, after.error, after.error_rate)
+        return found
+
     def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
         """Return ``step`` on arrays, for loops in compiled code."""
         return CompiledTick(self._tick, self._constants.view(np.float64), np.array(self.start(drive_voltage_v)))

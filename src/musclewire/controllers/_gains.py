@@ -11,8 +11,9 @@ from musclewire.controllers._feedforward import FeedforwardSettings
 from musclewire.controllers._fuzzy_pid import FuzzyPidSettings
 from musclewire.controllers._pid import PidSettings
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.toml_text import toml_text
 
-FORMAT = "musclewire-gains"
+FORMAT, KEYS = "musclewire-gains", {"format", "controller", "settings"}
 # What is said where a model with gains is driven from C: on a board, in an exported library, in an FMU.
 FUZZY_PID_IN_C = (
     "the paper's fuzzy PID drives the wire here, and needs some 12 s from cold: feedforward, whose gains this model "
@@ -118,6 +119,8 @@ def load_gains(path: str | Path) -> Gains:
     controller, settings = content.get("controller"), content.get("settings")
     if content.get("format") != FORMAT or not isinstance(settings, dict):
         raise CallerError(f"{path} is not a gains file of musclewire: make one with 'musclewire tune'")
+    if unknown := sorted(set(content) - KEYS):
+        raise CallerError(f"gains file {path}: unknown key '{unknown[0]}'{nearest_hint(unknown[0], KEYS)}")
     return Gains.read({"controller": controller, **settings}, f"gains file {path}")
 
 
@@ -138,20 +141,8 @@ def save_gains(gains: Gains, path: str | Path, notes: tuple[str, ...] = ()) -> N
     CallerError
         If the file cannot be written there.
     """
-    lines = [f"# {note}" for note in notes]
-    lines += [f'format = "{FORMAT}"', f'controller = "{gains.controller}"', "", "[settings]"]
-    lines += [f"{name} = {toml_value(value)}" for name, value in gains.settings.model_dump().items()]
+    content = {"format": FORMAT, "controller": gains.controller, "settings": gains.settings.model_dump()}
     try:
-        Path(path).write_text("\n".join(lines) + "\n", "utf-8")
+        Path(path).write_text("".join(f"# {note}\n" for note in notes) + toml_text(content), "utf-8")
     except OSError as error:
         raise CallerError(f"cannot write gains file {path}: {error.strerror or error}") from None
-
-
-def toml_value(value: Any) -> str:
-    """Return a text, a number or a row of numbers as TOML."""
-    if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-        return f'"{escaped}"'
-    if isinstance(value, tuple):
-        return f"[{', '.join(repr(float(one)) for one in value)}]"
-    return repr(float(value))

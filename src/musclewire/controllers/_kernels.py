@@ -118,8 +118,30 @@ def grade_inputs(rule: Row, ratio: float, grades: FloatArray) -> None:
         grades[index] = membership(shapes[index], points[index, 0], points[index, 1], points[index, 2], x)
 
 
+@compiled
+def weigh_rules(rules: Rows, error_ratio: float, change_ratio: float, weights: FloatArray) -> None:
+    """Write how strongly each rule fires for two inputs, each clipped to [-1, 1], into ``weights``, shape (7, 7).
+
+    The error's sets are down, those of its change across. Not for constant rules, which do not fire.
+    """
+    rule = rules[0]
+    half = rule["mirrored"]
+    if half != 0.0:
+        sign = half if error_ratio > 0.0 else (-half if error_ratio < 0.0 else 0.0)
+        error_ratio, change_ratio = sign * error_ratio, sign * change_ratio
+    error_grades = np.empty(7)
+    change_grades = np.empty(7)
+    grade_inputs(rule, error_ratio, error_grades)
+    grade_inputs(rule, change_ratio, change_grades)
+    product = rule["inference"] == PRODUCT_WEIGHTED_SUM
+    for row in range(7):
+        for column in range(7):
+            error, change = error_grades[row], change_grades[column]
+            weights[row, column] = error * change if product else min(error, change)
+
+
 @compiled_inner
-def product_weighted_sum(rule: Row, error_grades: FloatArray, change_grades: FloatArray) -> tuple[float, float, float]:
+def product_weighted_sum(rule: Row, weights: FloatArray) -> tuple[float, float, float]:
     """Return (kp, ki, kd) ratios after Zhao, Tomizuka, Isaka 1993, doi 10.1109/21.260670.
 
     A rule fires with mu, the product of its two grades. Inverting mu_S = -ln(x)/4 and mu_B = -ln(1-x)/4
@@ -128,10 +150,8 @@ def product_weighted_sum(rule: Row, error_grades: FloatArray, change_grades: Flo
     kp_table, ki_table, kd_table = rule["kp_table"], rule["ki_table"], rule["kd_table"]
     kp = ki = kd = 0.0
     for row in range(7):
-        if error_grades[row] == 0.0:
-            continue
         for column in range(7):
-            mu = error_grades[row] * change_grades[column]
+            mu = weights[row, column]
             if mu == 0.0:
                 continue
             small = math.exp(-4.0 * mu)
@@ -143,17 +163,14 @@ def product_weighted_sum(rule: Row, error_grades: FloatArray, change_grades: Flo
 
 
 @compiled_inner
-def fire_labels(table: FloatArray, error_grades: FloatArray, change_grades: FloatArray, fired: FloatArray) -> None:
-    """Write how strongly each output set of one table fires into ``fired``: min for and, max for or."""
+def fire_labels(table: FloatArray, weights: FloatArray, fired: FloatArray) -> None:
+    """Write how strongly each output set of one table fires into ``fired``: that of its strongest rule."""
     for label in range(7):
         fired[label] = 0.0
     for row in range(7):
-        if error_grades[row] == 0.0:
-            continue
         for column in range(7):
-            strength = min(error_grades[row], change_grades[column])
             label = int(table[row, column])
-            fired[label] = max(fired[label], strength)
+            fired[label] = max(fired[label], weights[row, column])
 
 
 @compiled_inner
@@ -190,23 +207,17 @@ def infer(rules: Rows, error_ratio: float, change_ratio: float) -> tuple[float, 
     rule = rules[0]
     if rule["inference"] == CONSTANT:
         return rule["kp_table"][0, 0], rule["ki_table"][0, 0], rule["kd_table"][0, 0]
-    half = rule["mirrored"]
-    if half != 0.0:
-        sign = half if error_ratio > 0.0 else (-half if error_ratio < 0.0 else 0.0)
-        error_ratio, change_ratio = sign * error_ratio, sign * change_ratio
-    error_grades = np.empty(7)
-    change_grades = np.empty(7)
-    grade_inputs(rule, error_ratio, error_grades)
-    grade_inputs(rule, change_ratio, change_grades)
+    weights = np.empty((7, 7))
+    weigh_rules(rules, error_ratio, change_ratio, weights)
     if rule["inference"] == PRODUCT_WEIGHTED_SUM:
-        return product_weighted_sum(rule, error_grades, change_grades)
+        return product_weighted_sum(rule, weights)
     fired = np.empty(7)
     joined = np.empty(UNIVERSE_POINTS)
-    fire_labels(rule["kp_table"], error_grades, change_grades, fired)
+    fire_labels(rule["kp_table"], weights, fired)
     kp = centroid_ratio(rule["output_sets"], fired, joined)
-    fire_labels(rule["ki_table"], error_grades, change_grades, fired)
+    fire_labels(rule["ki_table"], weights, fired)
     ki = centroid_ratio(rule["output_sets"], fired, joined)
-    fire_labels(rule["kd_table"], error_grades, change_grades, fired)
+    fire_labels(rule["kd_table"], weights, fired)
     kd = centroid_ratio(rule["output_sets"], fired, joined)
     return kp, ki, kd
 
@@ -246,6 +257,14 @@ def gain_from_ratio(ratio: float, minimum: float, maximum: float) -> float:
 
 
 @compiled
+def rule_inputs(constants: Rows, error: float, error_rate: float) -> tuple[float, float]:
+    """Return the two inputs of the rules: an error and its filtered rate, each over its range."""
+    setting = constants[0]
+    unit = setting["error_unit"]
+    return error / unit / setting["error_range"], error_rate / unit / setting["change_range"]
+
+
+@compiled
 def fuzzy_pid_step(
     state: Numbers, target: float, measured: float, reason: float, dt_s: float, constants: Rows
 ) -> tuple[Numbers, float, tuple[float, float, float]]:
@@ -276,9 +295,8 @@ def fuzzy_pid_step(
         error_rate = error_rate_before + weight * ((error - error_before) / dt_s - error_rate_before)
     failed = 0.0 if math.isfinite(measured_rate + error_rate) else 1.0
     unit = setting["error_unit"]
-    kp_ratio, ki_ratio, kd_ratio = infer(
-        constants, error / unit / setting["error_range"], error_rate / unit / setting["change_range"]
-    )
+    error_ratio, change_ratio = rule_inputs(constants, error, error_rate)
+    kp_ratio, ki_ratio, kd_ratio = infer(constants, error_ratio, change_ratio)
     kp = gain_from_ratio(kp_ratio, setting["kp_minimum"], setting["kp_maximum"])
     ki = gain_from_ratio(ki_ratio, setting["ki_minimum"], setting["ki_maximum"])
     kd = gain_from_ratio(kd_ratio, setting["kd_minimum"], setting["kd_maximum"])

@@ -9,7 +9,7 @@ are recorded as well and compared afterwards; nothing here reads them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, NamedTuple, Unpack
@@ -27,7 +27,7 @@ from musclewire.errors import RigError
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
 from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
-from musclewire.identify import COLUMN_SUFFIX, check_made_for, error_unit_for, gains_of, users_wire
+from musclewire.identify import COLUMN_SUFFIX, check_made_for, error_unit_for, gains_of, other_load, users_wire
 from musclewire.rigs import Rig, refuse_no_rig
 from musclewire.sensing import (
     DEFAULT_ESTIMATOR,
@@ -98,13 +98,14 @@ class SelfSensingPolicy:
             *estimator.columns,
             f"target_{suffix}",
             f"estimated_{suffix}",
+            "estimate_std",
             "valid",
             *controller.columns,
         )
 
     @property
     def columns(self) -> Sequence[str]:
-        """Names of the columns this policy adds: the estimator's, target, estimate and validity, the controller's."""
+        """Names of the columns this policy adds: the estimator's, those of every loop, the controller's."""
         return self._columns
 
     def first_command(self) -> Command:
@@ -122,7 +123,7 @@ class SelfSensingPolicy:
         command, self._controller_state, controlled = self._controller.step(
             self._controller_state, target, estimate, self._sample_period_s
         )
-        values = (*sensed, judged, estimate.value, float(estimate.valid), *controlled)
+        values = (*sensed, judged, estimate.value, estimate.std, float(estimate.valid), *controlled)
         return Decision(command, values)
 
 
@@ -340,8 +341,19 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         settled.settings,
         settled.approach_s,
         settled.approach_s + chosen.duration_s,
-        {"experiment": "closed loop", "quantity": model.quantity, **choice.metadata(settled)},
+        {
+            "experiment": "closed loop",
+            "quantity": model.quantity,
+            **choice.metadata(settled),
+            **load_metadata(model, facts),
+        },
     )
+
+
+def load_metadata(model: SensingModel, known: Mapping[str, MetadataValue]) -> dict[str, MetadataValue]:
+    """Return what a closed loop's recording says where its rig states another load than the model's."""
+    differs = other_load(model, known)
+    return {"other_load": differs} if differs else {}
 
 
 def name_of(kind: str | EstimatorFactory | ControllerFactory) -> str:

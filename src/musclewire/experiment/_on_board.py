@@ -11,7 +11,7 @@ from typing import Unpack
 
 from musclewire.controllers import FuzzyPidSettings, Reference
 from musclewire.errors import CallerError
-from musclewire.experiment._closed_loop import APPROACH_S
+from musclewire.experiment._closed_loop import APPROACH_S, load_metadata
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
 from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
@@ -131,6 +131,7 @@ def control_on_board(
         metadata={
             "experiment": "closed loop on the board",
             "quantity": model.quantity,
+            **load_metadata(model, rig.metadata()),
             "approach_s": approach_s,
             **speed_metadata(rig, model, chosen, None),
         },

@@ -22,8 +22,8 @@ def run_warnings(recording: Recording) -> tuple[str, ...]:
 
 
 def stated_warnings(recording: Recording) -> tuple[str, ...]:
-    """Return what a recording says of itself: pulses read at a wrong time, a loop whose model has no gains."""
-    said = (recording.facts.text_or_none(name) for name in ("pwm_problem", "without_gains"))
+    """Return what a recording says of itself: another load, pulses read at a wrong time, a model without gains."""
+    said = (recording.facts.text_or_none(name) for name in ("other_load", "pwm_problem", "without_gains"))
     return tuple(one for one in said if one is not None)
 
 

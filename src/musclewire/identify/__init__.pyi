@@ -1,16 +1,5 @@
 """The list of names that other rooms may use."""
 
-from ._catalogue_check import BARS as BARS
-from ._catalogue_check import PULL_STRESS_PA as PULL_STRESS_PA
-from ._catalogue_check import UNCOUNTED_STRAIN as UNCOUNTED_STRAIN
-from ._catalogue_check import CatalogueComparison as CatalogueComparison
-from ._catalogue_check import JudgedValue as JudgedValue
-from ._catalogue_check import compare_catalogue as compare_catalogue
-from ._catalogue_check import run_catalogue_test as run_catalogue_test
-from ._electrical_sizing import OneSecondDrive as OneSecondDrive
-from ._electrical_sizing import one_second_current as one_second_current
-from ._electrical_sizing import relaxation_time_s as relaxation_time_s
-from ._electrical_sizing import steady_temperature_k as steady_temperature_k
 from ._error_causes import ErrorGroup as ErrorGroup
 from ._extrapolation import extrapolation_metadata as extrapolation_metadata
 from ._extrapolation import extrapolation_warnings as extrapolation_warnings
@@ -63,6 +52,8 @@ from ._speed_limits.limits import SufficientChanges as SufficientChanges
 from ._speed_limits.limits import TooFast as TooFast
 from ._speed_limits.limits import speed_limits_of as speed_limits_of
 from ._speed_limits.supply import WeakSupply as WeakSupply
+from ._steady_temperature import convective_loss_w_per_m as convective_loss_w_per_m
+from ._steady_temperature import steady_temperature_k as steady_temperature_k
 from ._time_figures import halves as halves
 from ._time_figures import mark_points as mark_points
 from ._tuning import Tuning as Tuning
@@ -70,5 +61,6 @@ from ._tuning import gains_of as gains_of
 from ._tuning import tune as tune
 from ._use_of_model import check_made_for as check_made_for
 from ._use_of_model import error_unit_for as error_unit_for
+from ._use_of_model import other_load as other_load
 from ._use_of_model import settings_for as settings_for
 from ._use_of_model import users_wire as users_wire

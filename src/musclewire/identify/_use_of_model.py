@@ -14,6 +14,10 @@ from musclewire.wire import WireConstants, constants_of, measured_grains
 
 # Lengths that differ by less are one length, measured twice.
 SAME_LENGTH_FRACTION = 0.005
+# Loads and springs that differ by less are one, measured twice.
+SAME_LOAD_FRACTION = 0.02
+# What of a load a model and a rig may both state, in words and with its unit.
+STATED_LOAD = {"pretension_n": ("a pretension", "N"), "spring_stiffness_n_per_m": ("a spring", "N/m")}
 # What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
 RANGE_AS_PERCENT_STRAIN = 3.0
 # Where friction reverses, force changes steeply with strain: this multiple of the friction counts as range, or the loop
@@ -68,6 +72,22 @@ def check_made_for(
     moved, moves = model.wire.get("finger"), known.get("finger")
     if model.quantity == "displacement" and moved and moves and moved != moves:
         raise CallerError(f"this model was fitted to finger {moved}, {place} has {moves}: {cure} for this finger")
+
+
+def other_load(model: SensingModel, known: Mapping[str, MetadataValue]) -> str:
+    """Return in words how the load that a rig states differs from that of the characterization; "" if it does not.
+
+    A model reads the strain of its own load: with another one it is wrong, though every estimate looks sound.
+    """
+    fitted, stated = RunFacts(model.wire, "this model"), RunFacts(known, "this rig")
+    for key, (what, unit) in STATED_LOAD.items():
+        was, now = fitted.number_or_none(key), stated.number_or_none(key)
+        if was is not None and now is not None and abs(now - was) > SAME_LOAD_FRACTION * was:
+            return (
+                f"the rig states {what} of {now:g} {unit}, and the model was made at {was:g} {unit}: its estimates are "
+                "wrong with this load; characterize and fit with it, or put the other one back"
+            )
+    return ""
 
 
 # Numbers of the bench that a rig or a recording may state; they count before those of the wire file.

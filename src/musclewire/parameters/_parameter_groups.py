@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, Protocol, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
+LARGEST = 1e15
 Kind = Literal["measured", "datasheet", "fitted", "derived", "assumed"]
 
 
@@ -21,7 +22,7 @@ class Parameter(BaseModel):
     Parameters
     ----------
     value
-        The number, finite, in ``unit``.
+        The number, finite, in ``unit``: at most 1e15, which is beyond every constant of a material.
     unit
         SI, as "ohm/m"; "1" for a fraction.
     kind
@@ -34,7 +35,7 @@ class Parameter(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    value: float = Field(allow_inf_nan=False)
+    value: float = Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)
     unit: str
     kind: Kind
     source: str = Field(min_length=3)

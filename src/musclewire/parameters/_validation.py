@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -164,29 +163,6 @@ def load_named(model: type[Model], folder: str, what: str, name: str) -> Model:
 def shipped(model: type[Model], folder: str, what: str, name: str) -> Model:
     """Return a file that ships with musclewire, checked."""
     return validated(model, read_toml(DATA / folder / f"{name}.toml", f"{what} file"), f"{what} {name}")
-
-
-def toml_text(content: Mapping[str, Any], place: str = "") -> str:
-    """Return nested tables as TOML, without what is None or an empty text; numbers keep every bit."""
-    stated = {key: value for key, value in content.items() if value is not None and value != ""}
-    own = [f"{key} = {toml_value(value)}\n" for key, value in stated.items() if not isinstance(value, Mapping)]
-    head = [f"[{place}]\n"] if place and own else []
-    tables = (
-        toml_text(value, f"{place}.{key}" if place else key)
-        for key, value in stated.items()
-        if isinstance(value, Mapping)
-    )
-    return "\n".join(filter(None, ("".join(head + own), *tables)))
-
-
-def toml_value(value: Any) -> str:
-    """Return a text, a number or a list of them as TOML."""
-    if isinstance(value, str):
-        # JSON's strings are TOML's, but for the character that JSON leaves as it is.
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(toml_value, value))}]"
-    return repr(float(value) if isinstance(value, float) else value)
 
 
 class CheckedFile(BaseModel):

@@ -42,6 +42,7 @@ from ._kinds import DEVICES as DEVICES
 from ._kinds import DeviceConfiguration as DeviceConfiguration
 from ._kinds import DeviceKind as DeviceKind
 from ._load_kinds import LOAD_PARTS as LOAD_PARTS
+from ._load_kinds import Parts as Parts
 from ._load_part import Length as Length
 from ._load_part import LoadPart as LoadPart
 from ._load_part import Pull as Pull
@@ -51,6 +52,7 @@ from ._load_parts import Spring as Spring
 from ._mechanism import FingerTendon as FingerTendon
 from ._mechanism import SimulatedLoad as SimulatedLoad
 from ._mechanism import mechanism_of as mechanism_of
+from ._mounted_wire import SETTINGS as SETTINGS
 from ._mounted_wire import AirKelvins as AirKelvins
 from ._mounted_wire import LimitsTable as LimitsTable
 from ._mounted_wire import LivePeriod as LivePeriod
@@ -60,7 +62,9 @@ from ._mounted_wire import WireKeys as WireKeys
 from ._mounted_wire import numbers_given as numbers_given
 from ._own_voltages import OVERHEATED_K as OVERHEATED_K
 from ._own_voltages import OwnCircuit as OwnCircuit
+from ._own_voltages import OwnVoltages as OwnVoltages
 from ._own_voltages import own_circuit as own_circuit
+from ._own_voltages import own_voltages as own_voltages
 from ._pacing import SamplePacer as SamplePacer
 from ._pulse_width import PulseWidth as PulseWidth
 from ._pulse_width import unsettled_error as unsettled_error
@@ -72,10 +76,14 @@ from ._simulated import MIN_SPREAD_STEPS as MIN_SPREAD_STEPS
 from ._simulated import SimulatedDevice as SimulatedDevice
 from ._simulated import SimulatedSpool as SimulatedSpool
 from ._simulated import convection_metadata as convection_metadata
+from ._simulated import mechanism_on as mechanism_on
 from ._simulated import read_sample as read_sample
+from ._simulated import stepping_of as stepping_of
 from ._simulated import wires_of as wires_of
 from ._simulated_configuration import RigConfiguration as RigConfiguration
 from ._simulated_configuration import changed_group as changed_group
+from ._simulated_configuration import device_of as device_of
+from ._simulated_configuration import driven_wire as driven_wire
 from ._simulated_configuration import open_simulated as open_simulated
 from ._simulated_configuration import parameters_of as parameters_of
 from ._simulated_configuration import with_numbers as with_numbers
@@ -84,11 +92,6 @@ from ._simulated_faults import SimulatedFault as SimulatedFault
 from ._simulated_faults import SimulatedFaults as SimulatedFaults
 from ._simulated_pwm import PulsedDevice as PulsedDevice
 from ._simulation_clock import SimulationClock as SimulationClock
-from ._varied_rig import Value as Value
-from ._varied_rig import VariedKey as VariedKey
-from ._varied_rig import VariedRig as VariedRig
-from ._varied_rig import VariedWire as VariedWire
-from ._varied_rig import key_unit as key_unit
-from ._varied_rig import keys_of as keys_of
 from ._wire_limits import WireCircuit as WireCircuit
+from ._wire_limits import highest_temperature_k as highest_temperature_k
 from ._wire_limits import limits_of as limits_of

@@ -24,8 +24,18 @@ Kelvins = Annotated[float, measured_in("K", difference=True), Field(ge=0.0, le=M
 class Surroundings(BaseModel):
     """The table ``[surroundings]`` of a rig file: by default still air at the bench's temperature.
 
-    The air's temperature swings by ``ambient_swing`` to both sides with ``ambient_period``, from a random phase.
-    Draughts change convection by the fraction ``draught`` (standard deviation) and last about ``draught_time``.
+    Swing and draughts repeat for one seed and leave the instruments' noise as it is.
+
+    Parameters
+    ----------
+    ambient_swing
+        Amplitude of the swing of the air's temperature [K], at most 20 K.
+    ambient_period
+        Period of the swing [s], which begins at a random phase.
+    draught
+        Standard deviation of convection, as a fraction of that of still air, at most 0.25.
+    draught_time
+        Correlation time of the draughts [s].
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)

@@ -102,7 +102,7 @@ class DeviceKind(Generic[Settings]):
 # A kind is loaded only when a rig file names it.
 DEVICES: Registry[DeviceKind[Any]] = Registry(
     "kind of rig",
-    "musclewire.devices",
+    "devices",
     {
         "simulated": "musclewire.rigs._simulated_configuration:SIMULATED",
         "replay": "musclewire.rigs._replay:REPLAY",

@@ -12,7 +12,7 @@ from musclewire.rigs._load_part import LoadPart
 
 LOAD_PARTS: Registry[type[LoadPart]] = Registry(
     "part of a load",
-    "musclewire.load_parts",
+    "load_parts",
     {
         "spring": "musclewire.rigs._load_parts:Spring",
         "pretensioner": "musclewire.rigs._load_parts:Pretensioner",

@@ -49,8 +49,8 @@ class LoadPart(BaseModel):
     """A part at the connector of a simulated wire, as a table ``[[load]]`` of a rig file.
 
     A part of one's own is a subclass with ``part: Literal["its name"]``, its keys as fields, and those of the methods
-    below that describe its contribution; ``LOAD_PARTS.register("its name", Class)`` or an entry point of the group
-    ``musclewire.load_parts`` makes it known to rig files.
+    below that describe its contribution; ``LOAD_PARTS.register("its name", Class)`` or ``load_parts`` of a
+    package's manifest makes it known to rig files.
 
     Parameters
     ----------

@@ -26,7 +26,15 @@ from musclewire.wire import ElasticObject
 
 
 class Spring(LoadPart):
-    """A spring at the connector; with ``slack`` it begins to pull only after that much contraction."""
+    """A spring at the connector; with ``slack`` it begins to pull only after that much contraction.
+
+    Parameters
+    ----------
+    stiffness
+        Its stiffness [N/m]; it carries the pretension.
+    slack
+        Contraction before it begins to pull [m]; with slack it carries no pretension.
+    """
 
     is_straight: ClassVar[bool] = True
 
@@ -129,7 +137,13 @@ class Finger(LoadPart):
 
 
 class Weight(LoadPart):
-    """A hanging weight: the same force at any height."""
+    """A hanging weight: the same force at any height.
+
+    Parameters
+    ----------
+    force
+        The weight [N].
+    """
 
     is_straight: ClassVar[bool] = True
 
@@ -143,7 +157,13 @@ class Weight(LoadPart):
 
 
 class Blocked(LoadPart):
-    """A wire held at both ends; nothing is rigid, so the mount has a stiffness."""
+    """A wire held at both ends; nothing is rigid, so the mount has a stiffness.
+
+    Parameters
+    ----------
+    mount_stiffness
+        Stiffness of the mount [N/m].
+    """
 
     part: Literal["blocked"]
     mount_stiffness: Stiffness = 1e6
@@ -160,7 +180,15 @@ class Blocked(LoadPart):
 
 
 class Contact(LoadPart):
-    """An object in the way: a foam block in front of the finger's endpoint, or of the connector without a finger."""
+    """An object in the way: a foam block in front of the finger's endpoint, or of the connector without a finger.
+
+    Parameters
+    ----------
+    stiffness
+        Stiffness of the object [N/m].
+    clearance
+        Travel of the endpoint, or of both fingers' endpoints together, before contact [m].
+    """
 
     once: ClassVar[bool] = True
 
@@ -213,7 +241,13 @@ class Antagonist(LoadPart):
 
 
 class ParallelWire(LoadPart):
-    """A second wire parallel to the first, on the same connector and the same two terminals."""
+    """A second wire parallel to the first, on the same connector and the same two terminals.
+
+    Parameters
+    ----------
+    wire
+        Name of the second wire; None for one like the first.
+    """
 
     once: ClassVar[bool] = True
 

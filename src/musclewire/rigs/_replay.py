@@ -40,7 +40,7 @@ from musclewire.signals import (
 
 # Metadata that describe a recording's own run and not its rig: the run on the replay sets its own.
 OF_THE_RUN = {"experiment", "ended", "start_time", "software_version", "pace", "scheduling", "deadline_misses"}
-OF_THE_RUN_TOO = ("limit_", "drift_", "compute_", "latency_", "jitter_", "replay_")
+PREFIXES_OF_THE_RUN = ("limit_", "drift_", "compute_", "latency_", "jitter_", "replay_")
 # If a recording does not state its channels' ranges, saturation cannot be detected.
 UNKNOWN_RANGE_V = 1e6
 
@@ -168,7 +168,7 @@ class ReplayDevice:
         known = {
             key: value
             for key, value in self._known.items()
-            if key not in OF_THE_RUN and not key.startswith(OF_THE_RUN_TOO)
+            if key not in OF_THE_RUN and not key.startswith(PREFIXES_OF_THE_RUN)
         }
         return {
             **known,

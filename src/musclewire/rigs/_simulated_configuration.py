@@ -31,7 +31,7 @@ from musclewire.rigs._kinds import DeviceConfiguration, DeviceKind
 from musclewire.rigs._load_kinds import Part, Parts
 from musclewire.rigs._load_part import Supply
 from musclewire.rigs._mounted_wire import LimitsTable, WireKeys
-from musclewire.rigs._own_voltages import own_voltages, with_own_voltages
+from musclewire.rigs._own_voltages import OwnVoltages, own_voltages, with_own_voltages
 from musclewire.rigs._pulse_width import PulseWidth, sampling_problem
 from musclewire.rigs._simulated_faults import SimulatedFault
 from musclewire.signals import parse_quantity
@@ -201,11 +201,45 @@ def parameters_of(
         return settings[name] if name in settings else configuration.number(name)
 
     chosen, around = with_numbers(named, around, names, given, where)
-    if not configuration.beyond_catalogue:
-        refuse_beyond(chosen, around, names, configuration.limits.changed(), where)
     alloy = load_alloy(chosen.alloy)
-    driven = with_own_voltages(chosen, alloy, around, own_voltages(name), names, on_the_drive(configuration))
-    return alloy, driven, around
+    return alloy, driven_wire(configuration, (alloy, chosen, around), own_voltages(name), names, where), around
+
+
+def driven_wire(
+    configuration: RigConfiguration,
+    parameters: tuple[Alloy, Wire, Bench],
+    own: OwnVoltages,
+    given: Collection[str],
+    where: str,
+) -> Wire:
+    """Return a rig's wire with the voltages that its numbers ask for, where neither they nor the file state them.
+
+    Parameters
+    ----------
+    configuration
+        The rig file.
+    parameters
+        Alloy, wire and bench with all their numbers.
+    own
+        Voltages of the wire as it is named, and what they are for.
+    given
+        The numbers that are set and not the wire's own, by name.
+    where
+        The rig file's name in messages.
+
+    Returns
+    -------
+    The wire with its own amplitude and maximum.
+
+    Raises
+    ------
+    CallerError
+        For a number that is set and that no wire of the catalogue has or survives, unless the file confirms it.
+    """
+    alloy, wire, bench = parameters
+    if not configuration.beyond_catalogue:
+        refuse_beyond(wire, bench, given, configuration.limits.changed(), where)
+    return with_own_voltages(wire, alloy, bench, own, given, on_the_drive(configuration))
 
 
 def refuse_beyond(wire: Wire, bench: Bench, given: Collection[str], limits: Mapping[str, float], where: str) -> None:

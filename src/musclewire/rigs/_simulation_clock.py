@@ -63,7 +63,6 @@ class SimulationClock:
 
     def rest(self) -> None:
         """Expect no sample until the next wait."""
-        self._late_reported = False
         self._pacer.rest()
 
     def end(self) -> None:

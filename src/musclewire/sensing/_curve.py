@@ -31,7 +31,8 @@ CURVE_NUMBERS = (
     "per_ohm",
     "normalised_min",
     "normalised_max",
-    "normalised_margin",
+    "valid_from",
+    "valid_to",
     "noise_ohm",
     "residual_variance",
     "scale_variance",
@@ -71,9 +72,8 @@ def curve_estimate(
     normalised = (resistance_ohm - curve.resistance_min_ohm) * curve.per_ohm
     if not math.isfinite(normalised):
         return curve.quantity_max, curve.quantity_span, False
-    low, high, margin = curve.normalised_min, curve.normalised_max, curve.normalised_margin
-    valid = low - margin <= normalised <= high + margin
-    inside = min(max(normalised, low), high)
+    valid = curve.valid_from <= normalised <= curve.valid_to
+    inside = min(max(normalised, curve.normalised_min), curve.normalised_max)
     heating, cooling, slope = branches(coefficients, inside)
     half_gap = (heating - cooling) / 2.0
     spread = slope / 2.0 * (abs(normalised - inside) + noise_ohm * curve.per_ohm)
@@ -263,7 +263,8 @@ class ResistanceCurve:
             "per_ohm": self._per_ohm,
             "normalised_min": self.normalised_min,
             "normalised_max": self.normalised_max,
-            "normalised_margin": MARGIN,
+            "valid_from": self.normalised_min - MARGIN,
+            "valid_to": self.normalised_max + MARGIN,
             "noise_ohm": self.resistance_noise_ohm,
             "residual_variance": (self.rmse_heating**2 + self.rmse_cooling**2) / 2.0 + self.offset_std**2,
             "scale_variance": self.scale_std**2,

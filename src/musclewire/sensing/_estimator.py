@@ -6,7 +6,7 @@ also declares ``compiled_tick()``, a :class:`~musclewire.signals.CompiledTick` o
 can run in compiled loops (``mw.control_many``).
 
 Another estimator is one file with a factory, an ``EstimatorFactory``, and a name for it: a line in ``ESTIMATORS`` here,
-or from outside ``ESTIMATORS.register("name", factory)`` or an entry point of the group "musclewire.estimators". One
+or from outside ``ESTIMATORS.register("name", factory)`` in a script and ``estimators`` in a package's manifest. One
 that needs physics may use published equations (``physics``) with constants from the user's own wire file, never the
 simulator.
 """
@@ -102,7 +102,7 @@ EstimatorFactory = Callable[[EstimatorSetup], Estimator]
 
 ESTIMATORS: Registry[EstimatorFactory] = Registry(
     "estimator",
-    "musclewire.estimators",
+    "estimators",
     {
         "polynomial": "musclewire.sensing._polynomial_estimator:polynomial_estimator",
         "gated": "musclewire.sensing._gated_estimator:gated_estimator",

@@ -226,9 +226,7 @@ def gain(dt_s: float, time_constant_s: float) -> float:
 @compiled_inner
 def is_on_curve(numbers: Row, read: float, noise: float) -> bool:
     """Return whether a reading can be one of the valid range, within three deviations of its noise."""
-    below = numbers.normalised_min - numbers.normalised_margin - read
-    above = read - numbers.normalised_max - numbers.normalised_margin
-    outside = max(below, above, 0.0)
+    outside = max(numbers.valid_from - read, read - numbers.valid_to, 0.0)
     return bool(outside * outside <= 9.0 * noise)
 
 

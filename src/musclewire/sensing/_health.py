@@ -25,6 +25,8 @@ class Cause(IntEnum):
     """More power made the estimate fall back: the wire was beyond C, where resistance rises with temperature."""
     LATE = 8
     """The wire follows later than the controller's gains expect."""
+    CONTRADICTED = 9
+    """The reference instrument is too often beyond the interval that the estimate states."""
 
 
 CAUSE_TEXT = {
@@ -41,4 +43,6 @@ CAUSE_TEXT = {
     "temperature, and the drive was lowered: give a lower highest target",
     Cause.LATE: "the wire follows later than its gains expect, by a coating, a filter or a slow link: each step takes "
     "as much longer",
+    Cause.CONTRADICTED: "the reference instrument is too often beyond the 95 % interval of the estimate: load, "
+    "resistance or air are not those of the characterization, or the instrument counts from another zero",
 }

@@ -19,7 +19,6 @@ shunt_resistance_ohm = 1.0
 from __future__ import annotations
 
 import dataclasses
-import json
 import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -31,6 +30,7 @@ from musclewire.signals._columns import known_column
 from musclewire.signals._metadata import MetadataValue, checked_metadata
 from musclewire.signals._units import parse_quantity
 from musclewire.signals._whole_files import write_text_whole
+from musclewire.toml_text import toml_value
 
 _FORMAT = "musclewire-mapping"
 _SWITCHES = ("drop_missing", "zero", "invert")
@@ -195,16 +195,16 @@ def save_mapping(mapping: ImportMapping, path: str | Path) -> None:
     """
     lines = [f'format = "{_FORMAT}"', "version = 1"]
     if mapping.sample_period_s is not None:
-        lines.append(f"sample_period = {_toml(f'{mapping.sample_period_s!r} s')}")
+        lines.append(f"sample_period = {toml_value(f'{mapping.sample_period_s!r} s')}")
     if mapping.ignore:
-        lines.append(f"ignore = [{', '.join(map(_toml, mapping.ignore))}]")
+        lines.append(f"ignore = {toml_value(mapping.ignore)}")
     if mapping.group is not None:
-        lines.append(f"group = {_toml(mapping.group)}")
+        lines.append(f"group = {toml_value(mapping.group)}")
     lines += [f"{key} = true" for key in _SWITCHES if getattr(mapping, key)]
-    lines += ["", "[columns]", *(f"{name} = {_toml(wanted)}" for name, wanted in mapping.columns.items())]
+    lines += ["", "[columns]", *(f"{name} = {toml_value(wanted)}" for name, wanted in mapping.columns.items())]
     if mapping.metadata:
         stated = {key: value for key, value in mapping.metadata.items() if value is not None}
-        lines += ["", "[metadata]", *(f"{_toml(key)} = {_toml(value)}" for key, value in stated.items())]
+        lines += ["", "[metadata]", *(f"{toml_value(key)} = {toml_value(value)}" for key, value in stated.items())]
     write_text_whole(Path(path), "\n".join(lines) + "\n")
 
 
@@ -241,10 +241,3 @@ def _typed(data: Mapping[str, Any], key: str, kind: type, default: Any) -> Any:
     if value is not default and not isinstance(value, kind):
         raise CallerError(f"{key} is {value!r}; it must be {words[kind]}")
     return value
-
-
-def _toml(value: MetadataValue) -> str:
-    # A JSON string is a TOML string, but for DEL, which JSON leaves as it is.
-    if isinstance(value, float):
-        return repr(value)
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

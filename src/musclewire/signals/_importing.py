@@ -32,7 +32,7 @@ from musclewire.signals._metadata import MetadataValue
 from musclewire.signals._proposing import columns_offered, mapped_with_unit, repeated_stamps
 from musclewire.signals._side_by_side import stacked_branches
 from musclewire.signals._source_table import Cells, RowBlock, SourceTable, head_of, rows_in
-from musclewire.signals._units import conversion_to_si
+from musclewire.signals._units import beyond, conversion_to_si, largest_in
 
 # Our own runs hold NaN in samples without an estimate; in any other column NaN is a gap in the data.
 _MAY_BE_NAN = frozenset(name for name in COLUMNS if name.startswith("estimated_"))
@@ -289,6 +289,11 @@ class _BlockReader:
             where = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}'"
             what = f"{written[row]:g} {item.unit} is below absolute zero"
             raise RecordingError(f"{where}: {what}; correct the number or its unit")
+        unit_si = COLUMNS[item.column].unit
+        if (np.abs(converted) > largest_in(unit_si)).any():
+            row = int(np.argmax(np.abs(converted) > largest_in(unit_si)))
+            where = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}'"
+            raise RecordingError(f"{where}: {written[row]:g} {item.unit} {beyond(unit_si)}")
         return converted
 
     def _since_the_first(self, written: FloatArray, factor: float) -> FloatArray:
@@ -389,8 +394,8 @@ def begins_again(before: FloatArray, times: FloatArray) -> np.ndarray[tuple[int]
 def is_polled(measured: FloatArray) -> bool:
     """Return whether rows are repeated because they were read more often than measured.
 
-    ``measured`` are the numbers of all measured columns, (n_rows, n_columns). A slow signal stands still where it hardly
-    moves; one that moves by many of its smallest steps before and after stands still for no other reason.
+    ``measured`` are the numbers of all measured columns, (n_rows, n_columns). A slow signal stands still where it
+    hardly moves; one that moves by many of its smallest steps before and after stands still for no other reason.
     """
     if measured.shape[0] < _MIN_ROWS_OF_POLLING or not measured.shape[1] or not np.isfinite(measured).all():
         return False

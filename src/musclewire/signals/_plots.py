@@ -16,7 +16,7 @@ PlotKind = Callable[[Any, str], "Figure"]
 
 PLOTS: Registry[PlotKind] = Registry(
     "plot",
-    "musclewire.plots",
+    "plots",
     {
         "loop": "musclewire.identify._time_figures:loop_figure",
         "control": "musclewire.identify._time_figures:control_figure",

@@ -107,7 +107,8 @@ def parse_quantity(text: str, unit_si: str) -> float:
     """Return a number with its unit, such as "588.6 N/m" or "0.10 mm", as a number in ``unit_si``.
 
     ``unit_si`` is a pint symbol; "" asks for a dimensionless number, where "5 %" and "0.05" are the same.
-    Raises CallerError if the text is no number, has no unit, or the unit of another quantity.
+    Raises CallerError if the text is no number, has no unit, or the unit of another quantity, and for an amount that no
+    bench has.
     """
     match = _QUANTITY.fullmatch(text)
     example = f"'0.5 {unit_si}'" if unit_si else "'0.5' or '50 %'"
@@ -116,10 +117,13 @@ def parse_quantity(text: str, unit_si: str) -> float:
     if unit_si and not match[2]:
         raise CallerError(f"'{text}' has no unit; write it with one, as {example}")
     try:
-        return float(_conversion(match[2], unit_si).apply(float(match[1])))
+        value = float(_conversion(match[2], unit_si).apply(float(match[1])))
     except _UnitError as problem:
         needs = f"; {_dimension(unit_si)} is needed, like {example}" if problem.args[1:] else ""
         raise CallerError(f"'{text}': {problem.args[0]}{needs}") from None
+    if abs(value) > largest_in(unit_si):
+        raise CallerError(f"'{text}' {beyond(unit_si)}")
+    return value
 
 
 def quantity_with_suffix(text: str) -> tuple[float, str] | None:
@@ -137,6 +141,23 @@ def quantity_with_suffix(text: str) -> tuple[float, str] | None:
             continue
         return (float(conversion.apply(float(match[1]))), suffix) if suffix is not None else None
     return None
+
+
+# What no bench with a wire has, in SI: a slip of the pen or of the unit, which would compute nonsense or never end.
+_LARGEST = {
+    **{"s": 1e8, "m": 1e3, "N": 1e6, "V": 1e6, "A": 1e6, "ohm": 1e9, "Pa": 1e12, "K": 1e4, "N/m": 1e9, "Hz": 1e9},
+    **{"kg": 1e6, "W": 1e9, "J": 1e9, "m/s": 1e5, "": 1e9},
+}
+
+
+def largest_in(unit_si: str) -> float:
+    """Return the largest amount, in SI, that may be meant by a quantity in a unit; infinite where nothing is known."""
+    return _LARGEST.get(unit_si, float("inf"))
+
+
+def beyond(unit_si: str) -> str:
+    """Return what is wrong with a number beyond ``largest_in`` of a unit."""
+    return f"is beyond what any bench has ({largest_in(unit_si):g} {unit_si}".rstrip() + "): correct it or its unit"
 
 
 # The quantity in words, its SI unit, and the ending of our names for it (None: there are no such names).
@@ -314,13 +335,15 @@ def measured_in(unit: str, *, difference: bool = False) -> BeforeValidator:
     Raises
     ------
     ValueError
-        By the validator, for text that is no such quantity.
+        By the validator, for text that is no such quantity, and for an amount that no bench has.
     """
     from pydantic import BeforeValidator  # here, so that recordings are read without it
 
     def in_si(given: Any) -> Any:
         if isinstance(given, bool):
             raise ValueError(f"{str(given).lower()} is no number: give one in {unit or '1'}, or text with a unit")
+        if isinstance(given, (int, float)) and abs(given) > largest_in(unit) and given == given:
+            raise ValueError(f"{given:g} {beyond(unit)}")
         if not isinstance(given, str):
             return given
         if difference and given.rstrip().endswith(ABSOLUTE):

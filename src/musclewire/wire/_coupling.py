@@ -89,7 +89,7 @@ class CoupledBalance(NamedTuple):
     ----------
     first, second
         Their solutions.
-    push, other_push
+    push, second_push
         What pushed each connector beyond its load.
     contraction, friction_n
         Contraction of the first wire's connector and friction [N] there; of two wires on one connector only.
@@ -104,7 +104,7 @@ class CoupledBalance(NamedTuple):
     first: Equilibrium
     second: Equilibrium
     push: ConnectorForce
-    other_push: ConnectorForce
+    second_push: ConnectorForce
     contraction: float
     friction_n: float
     grip_n: float

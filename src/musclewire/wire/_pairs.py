@@ -59,16 +59,16 @@ class PairConnection(NamedTuple):
         connector of its own.
     feed
         How the second wire gets its current: ``OWN_SUPPLY``, ``PARALLEL`` or ``SERIES``.
-    partner_voltage_v
+    second_voltage_v
         Voltage of the second wire's own supply [V]; not used by the other two feeds.
-    partner_series_ohm
+    second_series_ohm
         Resistance in series with the second wire at its own supply [ohm].
     """
 
     direction: float
     feed: int
-    partner_voltage_v: float
-    partner_series_ohm: float
+    second_voltage_v: float
+    second_series_ohm: float
 
 
 class RunningPair(NamedTuple):
@@ -126,15 +126,17 @@ def currents_a(
         current = drive_voltage_v / (together + series_ohm)
         voltage = current * together
         return voltage / first_ohm, voltage / second_ohm, voltage, current
-    current = drive_voltage_v / (first_ohm + series_ohm)
-    partner = pair.partner_voltage_v / (second_ohm + pair.partner_series_ohm)
-    return current, partner, current * first_ohm, current
+    first_a = drive_voltage_v / (first_ohm + series_ohm)
+    second_a = pair.second_voltage_v / (second_ohm + pair.second_series_ohm)
+    return first_a, second_a, first_a * first_ohm, first_a
 
 
 @compiled_inline
-def heat_loss_w(constants: StepConstants, temperature_k: float) -> float:
-    """Return the heat that a wire loses to the air at a temperature [W]."""
-    return loss_w(constants, convection_w_per_m2_k(constants, constants, temperature_k), temperature_k)
+def wire_instant(constants: StepConstants, wire: PredictedWire, current_a: float) -> WireInstant:
+    """Return a wire at a current, with the heat that the current gives it and the air takes from it."""
+    convection = convection_w_per_m2_k(constants, constants, wire.temperature_k)
+    power_w = current_a * current_a * wire.resistance_ohm
+    return WireInstant(current_a, power_w, loss_w(constants, convection, wire.temperature_k))
 
 
 @compiled_inline
@@ -142,16 +144,15 @@ def instant_of_both(
     wires: RunningPair, setting: PairSetting, first: PredictedWire, second: PredictedWire
 ) -> PairInstant:
     """Return both wires in their circuit and in the air; shunt and leads are the first one's."""
-    one, two = wires.first.constants, wires.second.constants
-    own_ohm, other_ohm = first.resistance_ohm, second.resistance_ohm
-    current, partner, voltage, through = currents_a(
-        own_ohm, other_ohm, one.series_resistance_ohm, setting.drive_voltage_v, setting.pair
+    series_ohm = wires.first.constants.series_resistance_ohm
+    first_a, second_a, terminals_v, shunt_a = currents_a(
+        first.resistance_ohm, second.resistance_ohm, series_ohm, setting.drive_voltage_v, setting.pair
     )
     return PairInstant(
-        WireInstant(current, current * current * own_ohm, heat_loss_w(one, first.temperature_k)),
-        WireInstant(partner, partner * partner * other_ohm, heat_loss_w(two, second.temperature_k)),
-        voltage,
-        through,
+        wire_instant(wires.first.constants, first, first_a),
+        wire_instant(wires.second.constants, second, second_a),
+        terminals_v,
+        shunt_a,
     )
 
 
@@ -196,7 +197,7 @@ def tried_of(
 ) -> StepAttempt:
     """Return the attempt of one wire from start, middle and end of the step, as that of a single wire is made.
 
-    Of a wire that feels the other one the slopes are those of what both did.
+    The slopes of a joined wire are taken over the whole step: they contain how the other wire moved.
     """
     began, within, ended = instants
     state, k = wire.state, wire.constants
@@ -207,13 +208,13 @@ def tried_of(
     if joined:
         slopes = rises_over(k, state, found.wire, heat_j)
         found = Equilibrium(
-            found.wire,
-            slopes.temperature_k_per_j,
-            slopes.stress_pa_per_j,
-            slopes.contraction_per_j,
-            found.stress_per_contraction_pa,
-            found.evaluations,
-            found.solved,
+            wire=found.wire,
+            temperature_slope_k_per_j=slopes.temperature_k_per_j,
+            stress_slope_pa_per_j=slopes.stress_pa_per_j,
+            contraction_slope_per_j=slopes.contraction_per_j,
+            stress_per_contraction_pa=found.stress_per_contraction_pa,
+            evaluations=found.evaluations,
+            solved=found.solved,
         )
     return StepAttempt(found, within, ended, heat_j, owes_j, error_k)
 
@@ -227,25 +228,26 @@ def attempt_both(
     ``grip_n`` is the force on the object [N] at the start.
     """
     first, second = wires
-    half_j, other_half_j = 0.5 * step_s * net_w(began.first), 0.5 * step_s * net_w(began.second)
-    middle = ahead(first.state, first.constants, half_j, half_j)
-    other_middle = ahead(second.state, second.constants, other_half_j, other_half_j)
-    within = instant_of_both(wires, setting, middle, other_middle)
-    heat_j = net_w(within.first) * step_s + first.state.carried_heat_j
-    other_j = net_w(within.second) * step_s + second.state.carried_heat_j
-    start = start_of(first.state, first.constants, heat_j, ahead(first.state, first.constants, half_j, heat_j))
-    other_expected = ahead(second.state, second.constants, other_half_j, other_j)
-    other_start = start_of(second.state, second.constants, other_j, other_expected)
+    first_half_j, second_half_j = 0.5 * step_s * net_w(began.first), 0.5 * step_s * net_w(began.second)
+    first_middle = ahead(first.state, first.constants, first_half_j, first_half_j)
+    second_middle = ahead(second.state, second.constants, second_half_j, second_half_j)
+    within = instant_of_both(wires, setting, first_middle, second_middle)
+    first_j = net_w(within.first) * step_s + first.state.carried_heat_j
+    second_j = net_w(within.second) * step_s + second.state.carried_heat_j
+    first_end = ahead(first.state, first.constants, first_half_j, first_j)
+    second_end = ahead(second.state, second.constants, second_half_j, second_j)
+    first_start = start_of(first.state, first.constants, first_j, first_end)
+    second_start = start_of(second.state, second.constants, second_j, second_end)
     if setting.pair.direction != APART:
-        joint = balance_connector(first, second, setting.pair.direction, start, other_start)
+        joint = balance_connector(first, second, setting.pair.direction, first_start, second_start)
     else:
-        joint = hold_object(first, second, setting.grip, grip_n, start, other_start)
+        joint = hold_object(first, second, setting.grip, grip_n, first_start, second_start)
     ended = instant_of_both(wires, setting, settled_ahead(joint.first), settled_ahead(joint.second))
-    instants = (began.first, within.first, ended.first)
-    others = (began.second, within.second, ended.second)
+    of_first = (began.first, within.first, ended.first)
+    of_second = (began.second, within.second, ended.second)
     return PairAttempt(
-        tried_of(first, joint.first, instants, half_j, heat_j, step_s, joined),
-        tried_of(second, joint.second, others, other_half_j, other_j, step_s, joined),
+        tried_of(first, joint.first, of_first, first_half_j, first_j, step_s, joined),
+        tried_of(second, joint.second, of_second, second_half_j, second_j, step_s, joined),
         joint,
         ended,
     )
@@ -285,21 +287,22 @@ def accept_pair_step(
 ) -> None:
     """Move both wires by a step that was tried, in place."""
     first, second = wires
-    one, two, joint = first.state, second.state, tried.joint
+    joint = tried.joint
     direction = setting.pair.direction
     if direction != APART:  # the common connector, set below, does not follow a single slack wire
-        one.connector_contraction, two.connector_contraction = -math.inf, -math.inf
+        first.state.connector_contraction, second.state.connector_contraction = -math.inf, -math.inf
     accept_coupled_step(first, tried.first, joint.push, began.first, step_s, joined)
-    accept_coupled_step(second, tried.second, joint.other_push, began.second, step_s, joined)
+    accept_coupled_step(second, tried.second, joint.second_push, began.second, step_s, joined)
     if direction != APART:
         lengths = first.constants.leg_length_m / second.constants.leg_length_m
-        one.connector_contraction, one.friction_n = joint.contraction, joint.friction_n
-        two.connector_contraction, two.friction_n = direction * joint.contraction * lengths, 0.0
-    one.evaluations += joint.earlier[0]
-    two.evaluations += joint.earlier[1]
+        first.state.connector_contraction, first.state.friction_n = joint.contraction, joint.friction_n
+        second.state.connector_contraction = direction * joint.contraction * lengths
+        second.state.friction_n = 0.0
+    first.state.evaluations += joint.earlier[0]
+    second.state.evaluations += joint.earlier[1]
     if not joint.solved and tried.first.found.solved and tried.second.found.solved:
-        one.unsolved_steps += 1.0
-        two.unsolved_steps += 1.0
+        first.state.unsolved_steps += 1.0
+        second.state.unsolved_steps += 1.0
 
 
 @compiled_inline
@@ -327,9 +330,9 @@ class PairMeans(NamedTuple):
         Displacement of the first wire's connector [m].
     force_n
         Force of the first wire [N].
-    partner_displacement_m
+    second_displacement_m
         Displacement of the second wire's connector [m], the way that it pulls.
-    partner_force_n
+    second_force_n
         Force of the second wire [N].
     grip_n
         Force between each endpoint and the object [N]; 0 without one.
@@ -339,8 +342,8 @@ class PairMeans(NamedTuple):
     shunt_voltage_v: float
     displacement_m: float
     force_n: float
-    partner_displacement_m: float
-    partner_force_n: float
+    second_displacement_m: float
+    second_force_n: float
     grip_n: float
 
 
@@ -351,23 +354,25 @@ class AveragedQuantities(NamedTuple):
     shunt_a: float
     displacement_m: float
     stress_pa: float
-    other_displacement_m: float
-    other_stress_pa: float
+    second_displacement_m: float
+    second_stress_pa: float
     grip_n: float
 
 
 @compiled_inline
 def shown(wires: RunningPair, setting: PairSetting, instant: PairInstant) -> AveragedQuantities:
     """Return what instruments would see at a moment."""
-    one, two = wires.first.state, wires.second.state
-    x_m = one.connector_contraction * wires.first.constants.leg_length_m
-    y_m = two.connector_contraction * wires.second.constants.leg_length_m
+    first, second = wires.first.state, wires.second.state
+    first_m = first.connector_contraction * wires.first.constants.leg_length_m
+    second_m = second.connector_contraction * wires.second.constants.leg_length_m
     grip_n = 0.0
     if setting.pair.direction != APART:
-        y_m = setting.pair.direction * x_m
+        second_m = setting.pair.direction * first_m
     elif setting.grip.stiffness_n_per_m > 0.0:
-        grip_n = grip_force_n(setting.grip, x_m, y_m)
-    return AveragedQuantities(instant.terminals_v, instant.shunt_a, x_m, one.stress_pa, y_m, two.stress_pa, grip_n)
+        grip_n = grip_force_n(setting.grip, first_m, second_m)
+    return AveragedQuantities(
+        instant.terminals_v, instant.shunt_a, first_m, first.stress_pa, second_m, second.stress_pa, grip_n
+    )
 
 
 @compiled_inline
@@ -377,20 +382,20 @@ def add_both(sums: FloatArray, step_s: float, before: AveragedQuantities, after:
     sums[1] += step_s * (before.shunt_a + after.shunt_a)
     sums[2] += step_s * (before.displacement_m + after.displacement_m)
     sums[3] += step_s * (before.stress_pa + after.stress_pa)
-    sums[4] += step_s * (before.other_displacement_m + after.other_displacement_m)
-    sums[5] += step_s * (before.other_stress_pa + after.other_stress_pa)
+    sums[4] += step_s * (before.second_displacement_m + after.second_displacement_m)
+    sums[5] += step_s * (before.second_stress_pa + after.second_stress_pa)
     sums[6] += step_s * (before.grip_n + after.grip_n)
 
 
 @compiled_inline
 def advance_both(wires: RunningPair, setting: PairSetting, plan: FloatArray, sums: FloatArray) -> None:
     """Advance both wires in place by a duration, and add up what is averaged over it, (7,)."""
-    one, two = wires.first.state, wires.second.state
-    began = instant_of_both(wires, setting, present(one), present(two))
+    first, second = wires.first.state, wires.second.state
+    began = instant_of_both(wires, setting, present(first), present(second))
     seen = shown(wires, setting, began)
     fixed = plan[STEPS] > 0.0
     left_s = duration_s = plan[DURATION]
-    step_s = duration_s / plan[STEPS] if fixed else longest_step_s(one, duration_s)
+    step_s = duration_s / plan[STEPS] if fixed else longest_step_s(first, duration_s)
     steps_left = int(plan[STEPS])
     while steps_left > 0 if fixed else left_s > 0.0:
         if not fixed:  # equal steps over what is left, none longer than the tolerance asks for
@@ -402,17 +407,17 @@ def advance_both(wires: RunningPair, setting: PairSetting, plan: FloatArray, sum
             if ratio > 1.0 and step_s > MIN_STEP_S:
                 step_s = shorter_step_s(step_s, ratio)
                 continue
-            one.step_s = two.step_s = next_step_s(step_s, ratio)
+            first.step_s = second.step_s = next_step_s(step_s, ratio)
         accept_pair_step(wires, setting, tried, began, step_s, joined)
         after = shown(wires, setting, tried.ended)
         add_both(sums, step_s, seen, after)
         began, seen = tried.ended, after
         left_s -= step_s
         steps_left -= 1
-        step_s = step_s if fixed else one.step_s
+        step_s = step_s if fixed else first.step_s
     # Adding up time step by step would accumulate rounding errors; both wires have the first one's clock.
-    one.time_s += duration_s
-    two.time_s = one.time_s
+    first.time_s += duration_s
+    second.time_s = first.time_s
 
 
 @compiled
@@ -429,10 +434,10 @@ def advance_pair_rows(
 
     ``parts`` are the ``step_arrays`` of both wires' constants.
     """
-    one, two = parts
+    first, second = parts
     wires = RunningPair(
-        RunningWire(states[0][0], one[0][0], one[1][0], one[2][0]),
-        RunningWire(states[1][0], two[0][0], two[1][0], two[2][0]),
+        RunningWire(states[0][0], first[0][0], first[1][0], first[2][0]),
+        RunningWire(states[1][0], second[0][0], second[1][0], second[2][0]),
     )
     sums[:] = 0.0
     advance_both(

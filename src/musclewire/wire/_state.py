@@ -1,7 +1,7 @@
 """The state of a wire: all that it remembers from one step to the next.
 
 The list of fields is the only definition. The layout in memory, attributes in Python and in compiled code and
-docs/reference/wire_row.md follow from it; a new field is one line here, and the line of the step that writes it.
+the page on the row of a wire follow from it; a new field is one line here, and the line of the step that writes it.
 """
 
 from __future__ import annotations

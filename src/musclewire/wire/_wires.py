@@ -249,7 +249,7 @@ class TwoWires:
         self._states, means = advance_pair(
             self._states, self._both, self._pair, self._grip, drive_voltage_v, duration_s, stepping
         )
-        together_n = means.force_n + means.partner_force_n if self._pair.direction > 0.0 else means.force_n
+        together_n = means.force_n + means.second_force_n if self._pair.direction > 0.0 else means.force_n
         return WireMeans(
             means.wire_voltage_v,
             means.shunt_voltage_v,

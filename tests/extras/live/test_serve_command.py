@@ -32,6 +32,7 @@ def test_each_rig_has_a_name_of_its_own_that_fits_into_addresses() -> None:
     [
         (["--cpu", "0", "simulated", "finger"], "--cpu keeps one loop on one core"),
         (["--host", "no.such.host.invalid"], "cannot listen at no.such.host.invalid"),
+        (["--host", "x" * 70], "is no host's name"),
         (["simulatd"], "did you mean 'simulated'"),
         (["--token-file", "none.txt"], "--token-file none.txt cannot be read"),
         (["--output", "/proc/none"], "--output /proc/none cannot be made"),

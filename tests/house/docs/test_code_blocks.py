@@ -29,10 +29,10 @@ FOR_READING = {
     "add_your_own.md",
     "drive_a_board.md",
     "drive_an_ni_card.md",
-    "flash_the_firmware.md",
-    "put_the_controller_on_a_microcontroller.md",
+    "export_a_controller_or_a_wire.md",
     "run_a_study_of_many_wires.md",
     "run_in_real_time.md",
+    "speed.md",
     "wire_the_circuit.md",
 }
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.M | re.S)
@@ -58,20 +58,17 @@ LONG = {
     "control.md",
     "design_a_finger.md",
     "estimators.md",
+    "export_a_controller_or_a_wire.md",
     "files.md",
     "fit_without_a_displacement_sensor.md",
     "from_a_stroke_to_a_moving_finger.md",
     "grip_without_a_sensor.md",
-    "home_a_wire.md",
-    "linearise_a_wire.md",
     "plot_what_you_recorded.md",
-    "put_the_controller_on_a_microcontroller.md",
+    "pretension_train_and_home.md",
     "read_my_recordings.md",
     "run_a_study_of_many_wires.md",
     "run_in_real_time.md",
-    "run_many_closed_loops.md",
     "tune_a_controller.md",
-    "use_a_wire_in_another_simulation.md",
 }
 
 

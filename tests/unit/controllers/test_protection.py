@@ -45,6 +45,18 @@ FAULTS: dict[str, tuple[float, float, Event]] = {
 }
 
 
+@pytest.mark.parametrize("shunt_ohm", [0.1, 1.0, 2.5])
+@pytest.mark.parametrize(("ohm", "is_wire"), [(9.0, False), (11.0, True), (25.0, True), (27.0, False)])
+def test_a_wire_is_known_by_its_resistance_behind_any_shunt(shunt_ohm: float, ohm: float, is_wire: bool) -> None:
+    limits = LIMITS._replace(shunt_resistance_ohm=shunt_ohm)
+    state = run()
+    for number in range(20):
+        current_a = (1.0 + 1e-6 * number) / (ohm + shunt_ohm)
+        state = protect_reading(state, limits, 1.0, current_a * ohm, current_a * shunt_ohm, 0.05)
+    assert state.state is (State.RUN if is_wire else State.TRIPPED)
+    assert state.event is (Event.NONE if is_wire else Event.RESISTANCE_OUTSIDE_WINDOW)
+
+
 @pytest.mark.parametrize("dt_s", PERIODS_S)
 @pytest.mark.parametrize("fault", sorted(FAULTS))
 def test_every_fault_of_a_reading_ends_off_within_half_a_second_under_its_name(fault: str, dt_s: float) -> None:

@@ -11,11 +11,12 @@ from pathlib import Path
 import pytest
 from fake_rig import FakeRig, straight_model
 
-from musclewire.controllers import FuzzyPidSettings, sampled_reference
+from musclewire.controllers import FuzzyPidSettings, sampled_reference, staircase
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment._closed_loop import LoopChoice, control, prepared_loop
 from musclewire.experiment._open_loop import WaveformPolicy, characterize, slow_sine
 from musclewire.experiment._run import run_on_rig
+from musclewire.experiment._run_warnings import run_warnings
 from musclewire.sensing import SensingModel
 
 
@@ -242,3 +243,29 @@ def test_targets_outside_what_the_model_senses_are_refused_before_anything_moves
     with pytest.raises(CallerError, match=r"from 3 to 6 %, but this model senses strain only from 0 to 4 %"):
         control(rig, straight_model(), staircase(0.03, 0.06))
     assert rig.samples == 0
+
+
+@pytest.mark.parametrize(
+    ("stated", "said"),
+    [
+        ({"pretension_n": 0.95}, "the rig states a pretension of 0.95 N, and the model was made at 1.9 N"),
+        (
+            {"pretension_n": 1.9, "spring_stiffness_n_per_m": 300.0},
+            "a spring of 300 N/m, and the model was made at",
+        ),
+        ({"pretension_n": 1.91, "spring_stiffness_n_per_m": 590.0}, None),
+        ({}, None),
+    ],
+)
+def test_a_loop_on_another_load_than_the_models_says_so_and_does_not_hold(
+    stated: dict[str, float], said: str | None
+) -> None:
+    class Loaded(FakeRig):
+        def metadata(self):
+            return {**super().metadata(), **stated}
+
+    made_at = {"pretension_n": 1.9, "spring_stiffness_n_per_m": 588.6}
+    run = control(Loaded(), replace(straight_model(), wire=made_at), staircase(0.015, 0.018, 0.003, 1.0))
+    assert (said or "") in str(run.metadata.get("other_load", ""))
+    assert ("other_load" in run.metadata) == (said is not None)
+    assert any(said in one for one in run_warnings(run)) if said else True

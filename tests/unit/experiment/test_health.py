@@ -101,3 +101,28 @@ def test_a_late_wire_is_named_with_its_lateness_and_holds() -> None:
     run = loop(lag_s=np.where(between(10.0, 40.0), 0.21, 0.05))
     assert "late from 10.1 s on, 30.0 s in total (by up to 0.21 s)" in health_warnings(run)[0]
     assert result_holds(run)
+
+
+def judged(error: np.ndarray) -> Recording:
+    """A loop whose instrument differs from the estimate by an error, of which the estimate states 0.01 % of strain."""
+    target = np.where(between(0.0, 20.0), 0.015, 0.02)
+    measured = target + 1e-5 - error
+    columns = loop(estimate_std=np.full(800, 1e-4), valid=np.ones(800), displacement_m=0.07 * measured).columns
+    return Recording(dict(columns), {**FACTS, "leg_length_m": 0.07, "sample_period_s": PERIOD_S})
+
+
+def test_an_instrument_beyond_the_interval_in_more_than_a_fifth_of_the_samples_contradicts_the_estimate() -> None:
+    (found,) = findings(judged(np.where(between(20.0, 30.0), 1e-3, 0.0)))
+    assert (found.cause, round(found.from_s), round(found.lasted_s)) == (Cause.CONTRADICTED, 20, 10)
+    assert "25 % of the samples" in found.numbers
+    assert not result_holds(judged(np.full(800, 1e-3)))
+
+
+def test_a_step_beyond_the_interval_or_a_wide_one_that_holds_is_no_contradiction() -> None:
+    assert findings(judged(np.where(between(20.0, 25.0), 1e-3, 0.0))) == ()
+    assert findings(judged(np.full(800, 1.9e-4))) == ()
+
+
+def test_a_rig_that_states_another_load_than_the_models_does_not_hold() -> None:
+    stated = Recording(dict(loop().columns), {**FACTS, "other_load": "the rig states a pretension of 0.95 N"})
+    assert not result_holds(stated)

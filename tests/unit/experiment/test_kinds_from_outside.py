@@ -1,8 +1,7 @@
-"""An estimator and a controller of another package run the loop after one registration, by call or entry point."""
+"""An estimator and a controller of another package run the loop after one registration, by call or manifest."""
 
 from __future__ import annotations
 
-import importlib.metadata
 import sys
 import types
 from collections.abc import Callable
@@ -15,6 +14,7 @@ from tests.other_estimators import DriftingEstimator
 import musclewire as mw
 from musclewire.controllers import CONTROLLERS, ControllerSetup, DriveLimits, staircase
 from musclewire.experiment._metrics import ControlRun
+from musclewire.manifest import Manifest, manifests
 from musclewire.sensing import ESTIMATORS
 from musclewire.signals import ControlStep, Drive, QuantityEstimate, Reason
 
@@ -52,15 +52,17 @@ def registered(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def offered(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A package that offers both as entry points and registers nothing."""
+    """A package that offers both in its manifest and registers nothing."""
     module = types.ModuleType("another_package")
     module.on_off, module.drifting = on_off, DriftingEstimator  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "another_package", module)
-    points = {
-        "musclewire.controllers": [importlib.metadata.EntryPoint("on-off", "another_package:on_off", "-")],
-        "musclewire.estimators": [importlib.metadata.EntryPoint("drifting", "another_package:drifting", "-")],
-    }
-    monkeypatch.setattr("musclewire.registry.entry_points", lambda group: points.get(group, []))
+    another = Manifest(
+        "another",
+        controllers={"on-off": "another_package:on_off"},
+        estimators={"drifting": "another_package:drifting"},
+    )
+    there = (*manifests(), another)
+    monkeypatch.setattr("musclewire.manifest.manifests", lambda: there)
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +92,7 @@ def test_after_one_call_each_they_close_the_loop_on_the_simulated_rig(model: Pat
 
 
 @pytest.mark.usefixtures("offered")
-def test_by_entry_points_the_command_line_knows_them_without_a_call(
+def test_by_a_manifest_the_command_line_knows_them_without_a_call(
     model: Path, tmp_path: Path, musclewire: Callable[..., Any]
 ) -> None:
     (tmp_path / "targets.csv").write_text("time_s,target_strain\n0,0.02\n1,0.022\n2,0.02\n")

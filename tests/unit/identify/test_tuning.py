@@ -154,6 +154,9 @@ def test_files_that_are_no_gains_are_refused(tmp_path: Path) -> None:
     path.write_text('format = "musclewire-gains"\ncontroller = "feedforwad"\n[settings]\n')
     with pytest.raises(CallerError, match="did you mean 'feedforward'"):
         load_gains(path)
+    path.write_text('format = "musclewire-gains"\ncontroller = "feedforward"\ncontroler = 1\n[settings]\n')
+    with pytest.raises(CallerError, match="unknown key 'controler'; did you mean 'controller'"):
+        load_gains(path)
     path.write_text("a = 1\n")
     with pytest.raises(CallerError, match="not a gains file"):
         load_gains(path)

@@ -88,6 +88,7 @@ def test_a_bare_number_is_refused(wire: dict[str, Any]) -> None:
         ("value", None, "must be a number"),
         ("value", float("nan"), "must be a finite number, not nan"),
         ("value", float("inf"), "must be a finite number, not inf"),
+        ("value", 1e300, "must be 1e+15 or less, not 1e+300"),
         ("value", [1.0], "must be a number, not a list"),
         ("unit", 3, "must be text in quotes, not 3"),
         ("source", "", "must be text of at least 3 characters, not ''"),

@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.parameters import toml_text
 from musclewire.parameters._library import bench_known_with, load_alloy, load_wire
 from musclewire.parameters._parameter_groups import Parameter
 from musclewire.parameters._wire_file import read_wire_file, wire_file_text
+from musclewire.toml_text import toml_text
 
 FRICTION = Parameter(value=0.0123, unit="N", kind="fitted", source="a loop", note="0.01 to 0.02")
 
@@ -106,9 +106,10 @@ def test_any_text_survives_toml(given_text: str) -> None:
     assert tomllib.loads(toml_text({"x": [given_text]})) == {"x": [given_text]}
 
 
-@given(st.floats(allow_nan=False, allow_infinity=False))
-def test_any_number_survives_toml_to_the_bit(value: float) -> None:
-    assert tomllib.loads(toml_text({"x": value})) == {"x": value}
+@given(st.booleans() | st.integers(-(2**63), 2**63 - 1) | st.floats(allow_nan=False, allow_infinity=False))
+def test_a_yes_a_no_and_any_number_survive_toml_to_the_bit(value: float) -> None:
+    read = tomllib.loads(toml_text({"x": value}))["x"]
+    assert (type(read), read) == (type(value), value)
 
 
 def test_a_wire_file_that_changes_is_read_afresh(file: Path) -> None:

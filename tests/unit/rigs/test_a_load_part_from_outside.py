@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import sys
-from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 from types import SimpleNamespace
 from typing import ClassVar, Literal
 
 import pytest
 
-from musclewire import registry
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
+from musclewire.manifest import Manifest, manifests
 from musclewire.parameters import load_wire
 from musclewire.rigs._configuration import open_rig, read_rig_file
 from musclewire.rigs._device import Metadata
@@ -51,12 +50,10 @@ def _registered(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def _offered(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As an installed package offers it in its metadata."""
+    """As an installed package offers it in its manifest."""
     monkeypatch.setitem(sys.modules, "rubber_bands", SimpleNamespace(Band=RubberBand))  # type: ignore[arg-type]
-    point = EntryPoint("rubber band", "rubber_bands:Band", "musclewire.load_parts")
-    monkeypatch.setattr(
-        registry, "entry_points", lambda group: EntryPoints([point] if group == "musclewire.load_parts" else [])
-    )
+    there = (*manifests(), Manifest("rubber", load_parts={"rubber band": "rubber_bands:Band"}))
+    monkeypatch.setattr("musclewire.manifest.manifests", lambda: there)
 
 
 def rig_file(folder: Path, text: str) -> Path:

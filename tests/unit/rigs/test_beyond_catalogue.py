@@ -13,7 +13,6 @@ from musclewire.rigs import (
     MountedWire,
     RigConfiguration,
     StatedCircuit,
-    VariedRig,
     beyond_catalogue,
     confirmed_beyond,
     open_rig,
@@ -73,14 +72,11 @@ def test_true_is_no_number_even_when_confirmed(key: str) -> None:
         open_rig("simulated", wire_length_m=True)
 
 
-def test_a_setting_of_the_call_and_a_number_of_a_study_are_judged_as_well() -> None:
+def test_a_setting_of_the_call_is_judged_as_well() -> None:
     with pytest.raises(CallerError, match="wire_length 60 m"):
         open_rig("simulated", wire_length_m=60.0)
     with pytest.raises(CallerError, match=r"diameter_m 0\.1 m"):
         open_rig("simulated", diameter_m=0.1)
-    with pytest.raises(CallerError, match="study: wire_length 60 m"):
-        VariedRig(RigConfiguration(), "study", ["wire_length"]).wire({"wire_length": 60.0})
-    assert VariedRig(RigConfiguration(beyond_catalogue=True), "study", ["wire_length"])
 
 
 @pytest.mark.parametrize("row", load_catalogue().row, ids=lambda row: row.name)

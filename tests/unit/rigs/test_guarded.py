@@ -22,11 +22,6 @@ def hold(rig: GuardedRig, voltage_v: float, samples: int) -> None:
         rig.exchange(voltage_v)
 
 
-def use_at_the_sense_voltage(configuration: RigConfiguration, samples: int) -> None:
-    with open_rig(configuration) as rig:
-        hold(rig, rig.sense_voltage_v, samples)
-
-
 def test_a_wire_that_was_cooled_between_two_runs_has_not_jumped() -> None:
     with open_rig("simulated") as rig:
         for _ in range(60):
@@ -56,8 +51,10 @@ def test_what_is_missing_goes_on_counting_through_a_pause() -> None:
             rig.make_safe()
             rig.exchange(rig.drive_amplitude_v)
         rig.make_safe()
-        with pytest.raises(ProtectionTripError, match="reading_not_finite"):
+        with pytest.raises(ProtectionTripError) as caught:
             rig.exchange(rig.drive_amplitude_v)
+        assert caught.value.event is Event.READING_NOT_FINITE
+        assert (rig.drive_voltage_v, rig.protection.state) == (0.0, State.TRIPPED)
 
 
 @pytest.mark.parametrize("raised", [KeyboardInterrupt, ZeroDivisionError])
@@ -77,22 +74,30 @@ def test_whatever_breaks_into_an_exchange_leaves_the_sense_voltage(
 
 
 def test_nobody_says_that_a_lost_device_is_off() -> None:
+    rig = open_rig(faulty(kind="device_lost", at=0.5))
     with pytest.raises(ProtectionTripError) as caught:
-        use_at_the_sense_voltage(faulty(kind="device_lost", at=0.5), 20)
+        hold(rig, rig.sense_voltage_v, 20)
     assert caught.value.event is Event.DEVICE_LOST
     assert NOT_CONFIRMED in str(caught.value)
-    assert "the drive is off" not in str(caught.value)
+    assert not rig.off_confirmed
 
 
 def test_a_run_that_ends_on_a_device_that_is_gone_says_so() -> None:
-    with pytest.raises(RigError, match="did not answer at the end: 0 V was ordered and nothing confirms it"):
-        use_at_the_sense_voltage(faulty(kind="device_lost", at=0.09), 2)
+    rig = open_rig(faulty(kind="device_lost", at=0.09))
+    hold(rig, rig.sense_voltage_v, 2)
+    with pytest.raises(RigError, match="nothing confirms it"), rig:
+        pass
+    assert not rig.off_confirmed
+    assert rig.protection.state is State.OFF
 
 
 def test_an_output_that_is_stuck_is_not_called_off() -> None:
-    with pytest.raises(ProtectionTripError) as caught:
-        use_at_the_sense_voltage(faulty(kind="output_stuck", at=0.5), 20)
-    assert "0 V was ordered; CUT THE POWER" in str(caught.value)
+    rig = open_rig(faulty(kind="output_stuck", at=0.5))
+    with pytest.raises(ProtectionTripError, match="CUT THE POWER") as caught:
+        hold(rig, rig.sense_voltage_v, 20)
+    assert caught.value.event is Event.OUTPUT_STUCK
+    with pytest.raises(RigError):  # for good
+        rig.exchange(0.0)
 
 
 def test_a_trip_says_how_warm_the_wire_is_estimated_to_be() -> None:
@@ -102,3 +107,4 @@ def test_a_trip_says_how_warm_the_wire_is_estimated_to_be() -> None:
         degc = rig.protection.temperature_k - 273.15
         assert 20.0 < degc < 200.0
         assert f"estimated {degc:.0f} C" in str(tripped.value)
+        assert (tripped.value.event, rig.drive_voltage_v) == (Event.WIRE_OPEN, 0.0)

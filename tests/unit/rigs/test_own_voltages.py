@@ -14,7 +14,6 @@ from musclewire.parameters import catalogue_names, load_alloy, load_bench, load_
 from musclewire.rigs import (
     MountedWire,
     RigConfiguration,
-    VariedRig,
     open_rig,
     parameters_of,
     read_rig_file,
@@ -149,15 +148,6 @@ def test_the_paper_s_wire_gets_the_paper_s_shunt_and_longer_wire_the_same() -> N
 def test_air_as_hot_as_the_limit_leaves_no_current() -> None:
     with pytest.raises(CallerError, match="no current"):
         own_circuit("flexinol-0.15-lt", wire_length_m=0.14, ambient_temperature_k=430.0)
-
-
-def test_a_study_that_varies_the_length_drives_each_wire_by_its_own_amplitude() -> None:
-    varied = VariedRig(RigConfiguration(), "study", ["wire_length"])
-    for length_m in (0.06, 0.14, 0.2):
-        wire = varied.wire({"wire_length": length_m}).spool.wire
-        assert (wire["drive_amplitude_v"], wire["maximum_voltage_v"]) == voltages(wire_length_m=length_m)
-    stated = VariedRig(RigConfiguration(drive_amplitude=3.0), "study", ["wire_length"])
-    assert stated.wire({"wire_length": 0.06}).spool.wire["drive_amplitude_v"] == 3.0
 
 
 def hottest_k(wire: str, length_m: float, *, until_level: bool, period_s: float) -> float:

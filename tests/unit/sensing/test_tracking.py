@@ -47,6 +47,14 @@ def test_a_step_of_power_held_from_cold_is_followed_through_b() -> None:
     assert sensing[contraction > 0.3].all()
 
 
+def test_a_change_that_comes_with_the_turn_of_the_power_is_not_counted_against_the_direction_after_it() -> None:
+    """A cold wire whose resistance steps up in the sample in which its power falls is still in A-B."""
+    resistance, power = np.full(60, 17.0), np.full(60, 0.3)
+    power[30:] = 0.1
+    resistance[30] += 0.5  # smoothed, more than the change that counts
+    assert not segment_course(R_MIN, R_MAX, resistance, power).sensing[:31].any()
+
+
 BEGINS_OHM = {"in A-B": 17.0, "between B and C": 16.8}
 
 

@@ -1,12 +1,14 @@
 import re
+from typing import Annotated
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import TypeAdapter, ValidationError
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals._units import conversion_to_si, measures, parse_quantity, quantity_with_suffix
+from musclewire.signals._units import conversion_to_si, measured_in, measures, parse_quantity, quantity_with_suffix
 
 WHERE = "loop.csv: column 'Force'"
 
@@ -130,11 +132,23 @@ def test_a_quantity_in_a_configuration_file_becomes_si(text, unit_si, expected):
         ("5 V", "V is a voltage; a length is needed"),
         ("1e400 m", "is not a number with a unit"),
         ("5 kgff", "unknown unit 'kgff'; did you mean 'kgf'?"),
+        ("1e300 m", "'1e300 m' is beyond what any bench has (1000 m): correct it or its unit"),
+        ("-5 furlong", "is beyond what any bench has"),
     ],
 )
 def test_a_quantity_that_cannot_be_read_is_the_callers_error(text, message):
     with pytest.raises(CallerError, match=re.escape(message)):
         parse_quantity(text, "m")
+
+
+@pytest.mark.parametrize(("unit", "most"), [("s", 1e8), ("N", 1e6), ("K", 1e4), ("", 1e9), ("N/m", 1e9)])
+def test_a_number_of_a_file_is_bounded_like_its_text(unit: str, most: float) -> None:
+    read = TypeAdapter(Annotated[float, measured_in(unit)]).validate_python
+    for amount in (most, -most, f"{most} {unit}"):
+        assert abs(read(amount)) == pytest.approx(most)
+    for amount in (1.01 * most, -1e300, 10**30, f"{1.01 * most} {unit}"):
+        with pytest.raises(ValidationError, match="beyond what any bench has"):
+            read(amount)
 
 
 @pytest.mark.parametrize(

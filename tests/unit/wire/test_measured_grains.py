@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from wire_makers import alloy, bench, wire_100um
 
-from musclewire.errors import CallerError
 from musclewire.identify import CandidateParameters, candidate_constants
 from musclewire.parameters import Alloy, GrainQuantiles, load_priors
 from musclewire.wire._building import constants_from, constants_of
@@ -71,18 +69,3 @@ def test_quantiles_of_two_populations_make_their_isobar(early: float, width: flo
         for each in (table, family)
     )
     assert tabulated == pytest.approx(formula, abs=2e-3)
-
-
-def test_varying_what_they_replace_is_an_error(tmp_path: Path) -> None:
-    from musclewire.parameters import wire_file_text
-    from musclewire.rigs import RigConfiguration, VariedRig
-
-    path = tmp_path / "mine.toml"
-    path.write_text(wire_file_text("mine", "", wire_100um(), measured(), {}), "utf-8")
-    configuration = RigConfiguration(kind="simulated", wire=str(path))
-    own = VariedRig(configuration, "mine", ["martensite_barrier_k"]).wire({"martensite_barrier_k": 10.0})
-    assert np.array_equal(
-        own.constants.distribution_cells, constants_from(measured(), wire_100um(), bench()).distribution_cells
-    )
-    with pytest.raises(CallerError, match="'grain_skew' has no effect"):
-        VariedRig(configuration, "mine", ["grain_skew"]).wire({"grain_skew": 0.1})

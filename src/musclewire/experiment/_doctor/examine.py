@@ -30,7 +30,6 @@ from musclewire.experiment._doctor.evidence import (
 )
 from musclewire.experiment._doctor.rig_file import ChannelCalibration, calibrations
 from musclewire.experiment._doctor.sense_checks import clock_findings, protection_findings, warmth_findings
-from musclewire.manifest import loaded, manifests
 from musclewire.parameters import Wire, load_wire
 from musclewire.rigs import Metadata, ProtectionTripError, Rig, keeps_real_time
 from musclewire.signals import RunFacts
@@ -111,20 +110,10 @@ def examine(
     try:
         evidence, at_sense, seen = probed(probe, subject, findings, hold_s)
         findings += seen
-        findings += checks_of_parts(rig)
     finally:
         rig.make_safe()
     found = calibrations(evidence, at_sense, meter_wire_v, meter_shunt_v) if evidence is not None else ()
     return Examination(findings, found, subject.metadata, probe.highest_v, probe.trouble)
-
-
-def checks_of_parts(rig: Rig) -> Findings:
-    """Return what the checks find that parts outside the core offer; each takes the rig and returns findings."""
-    findings = Findings(())
-    for manifest in manifests():
-        for place in manifest.doctor_checks:
-            findings += loaded(place)(rig)
-    return findings
 
 
 def trip_findings(trouble: RigError | None) -> Findings:

@@ -22,7 +22,7 @@ from musclewire.app import (
     read_settings,
     require_zip_file,
 )
-from musclewire.controllers import FUZZY_PID_IN_C, DriveLimits, ProtectionLimits
+from musclewire.controllers import FUZZY_PID_IN_C, DriveLimits, Gains, ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.extras.board._options import ARDUINO_ZIP, DOUBLE
 from musclewire.extras.board._serial.device import SerialConfiguration
@@ -71,6 +71,8 @@ def export_c(
 
     require_zip_file(arduino_zip)
     loaded = load_model(model)
+    if loaded.gains:
+        Gains.read(loaded.gains, f"model file {model}: gains")  # not used here; but what is wrong is said
     limits, known = limits_of_rig(rig)
     check_made_for(loaded, known, f"rig {rig}", "name the rig with your wire by --rig, or fit one")
     chosen = settings_for(loaded, read_settings(controller.settings, controller.rules))

@@ -10,5 +10,6 @@ from ._serpentine.geometry import AvailableRoom as AvailableRoom
 from ._serpentine.outline import serpentine_drawing as serpentine_drawing
 from ._serpentine.sizing import PretensionerRequest as PretensionerRequest
 from ._serpentine.sizing import design_pretensioner as design_pretensioner
+from ._supply.catalogue_check import PULL_STRESS_PA as PULL_STRESS_PA
 from ._supply.text import table_text as table_text
 from ._supply.wire_table import wire_table as wire_table

@@ -27,7 +27,6 @@ from musclewire.wire import WireConstants, resting_state
 
 PARTICLE_COLUMNS = (
     "wire_resistance_ohm",
-    "estimate_std",
     "resistance_misfit_ohm",
     "estimated_temperature_k",
     "convection_ratio",
@@ -140,7 +139,7 @@ class ParticleFilter:
         weight = weights_of(evidence, self._settings.load_cost, 1.0)
         shown = weight @ np.array(answers)
         reason = seen.reason if seen.reason is not Reason.OK else self._doubts(shown[SUMMARY.misfit], std)
-        recorded = self._recorded(measured.resistance_ohm, std, shown)
+        recorded = self._recorded(measured.resistance_ohm, shown)
         change = after_evidence(state.change, self._evidence(recorded, reason), measured.duration_s)
         return EstimatorStep(
             QuantityEstimate(value, std, reason is Reason.OK, reason, seen.failure),
@@ -219,13 +218,12 @@ class ParticleFilter:
             reason,
         )
 
-    def _recorded(self, resistance_ohm: float, std: float, shown: FloatArray) -> tuple[float, ...]:
+    def _recorded(self, resistance_ohm: float, shown: FloatArray) -> tuple[float, ...]:
         """Return the numbers to record, but for the health."""
         unknown = dict(zip(UNKNOWNS, shown[SUMMARY.first_unknown : SUMMARY.first_change].tolist(), strict=True))
         changed = dict(zip(UNKNOWNS, shown[SUMMARY.first_change : SUMMARY.evidence].tolist(), strict=True))
         return (
             resistance_ohm,
-            std,
             float(shown[SUMMARY.misfit_ohm]),
             float(shown[SUMMARY.temperature_k]),
             math.exp(unknown["convection"]),

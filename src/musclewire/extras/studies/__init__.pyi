@@ -1,18 +1,28 @@
 """The list of names that other rooms may use."""
 
 from ._data_set import read_study_data as read_study_data
-from ._robustness.plant import open_plant as open_plant
-from ._robustness.population import drawn_wire as drawn_wire
-from ._robustness.population import tuning_seeds as tuning_seeds
+from ._options import resumable as resumable
 from ._run_kind import RUN_KINDS as RUN_KINDS
+from ._run_kind import KindOptions as KindOptions
+from ._run_kind import Outcome as Outcome
+from ._run_kind import Quantity as Quantity
+from ._run_kind import RunKind as RunKind
+from ._run_kind import StudyRuns as StudyRuns
+from ._run_kind import each as each
 from ._segmented.conditions import Conditions as Conditions
+from ._segmented.conditions import LocalDraughts as LocalDraughts
+from ._segmented.conditions import steady as steady
 from ._segmented.configuration import AgeingTable as AgeingTable
 from ._segmented.configuration import BarrierTable as BarrierTable
 from ._segmented.configuration import ConditionsTable as ConditionsTable
 from ._segmented.configuration import GrainsTable as GrainsTable
 from ._segmented.configuration import InstrumentsTable as InstrumentsTable
 from ._segmented.configuration import SegmentedConfiguration as SegmentedConfiguration
+from ._segmented.device import SegmentedDevice as SegmentedDevice
+from ._segmented.device import SegmentedSpool as SegmentedSpool
+from ._segmented.instruments import InstrumentSettings as InstrumentSettings
 from ._segmented.structure import NormalMixture as NormalMixture
+from ._segmented.structure import WireAgeing as WireAgeing
 from ._segmented.structure import WireStructure as WireStructure
 from ._segmented.structure import fin_length_m as fin_length_m
 from ._segmented.structure import mixture_distribution as mixture_distribution

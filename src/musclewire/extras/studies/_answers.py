@@ -1,15 +1,10 @@
-"""What the commands ``sweep`` and ``robustness`` print with --json."""
+"""What the command ``sweep`` prints with --json."""
 
 from __future__ import annotations
 
-from typing import Annotated
-
 from pydantic import Field
 
-from musclewire.app import AnswerModel, AnswerRecord
-from musclewire.extras.studies._robustness.grips import GripRow
-from musclewire.extras.studies._robustness.table_text import RobustnessRow
-from musclewire.extras.studies._robustness.verdicts import BarVerdict
+from musclewire.app import AnswerModel
 
 Words = tuple[str, ...]
 
@@ -48,35 +43,6 @@ class SweepKinds(AnswerModel):
 
     kinds: dict[str, Words]
     parameters: dict[str, str]
-
-
-class RobustnessAnswer(AnswerModel):
-    """Of ``robustness``; the file ``rows.json`` has all but ``report``."""
-
-    rows: tuple[RobustnessRow, ...]
-    grips: tuple[GripRow, ...]
-    bars: tuple[Annotated[BarVerdict, AnswerRecord(holds=bool)], ...]
-    missed: Words
-    new_misses: Words
-    repaired: Words
-    seeds: tuple[int, ...]
-    seeds_are: str
-    references: Words
-    quick: bool
-    wall_s: float
-    report: str
-
-
-class RobustnessNames(AnswerModel):
-    """Of ``robustness --list``."""
-
-    conditions: Words
-    tracks: Words
-    estimators: Words
-    controllers: Words
-
-
-RobustnessAnswers = RobustnessAnswer | RobustnessNames
 
 
 class VariedRange(AnswerModel):

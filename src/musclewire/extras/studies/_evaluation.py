@@ -22,8 +22,9 @@ from musclewire.extras.studies._run_kind import (
     overheated_of,
     texts_of,
 )
+from musclewire.extras.studies._varied_rig import Value, VariedRig
 from musclewire.parameters import validated
-from musclewire.rigs import RigConfiguration, Value, VariedRig
+from musclewire.rigs import RigConfiguration
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.rigs import VariedWire
+from musclewire.extras.studies._varied_rig import VariedWire
 from musclewire.signals import Recording
 
 # Whether a wire is read without errors, or through the rig's instruments and protection.

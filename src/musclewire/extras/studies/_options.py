@@ -11,18 +11,9 @@ from musclewire.app import StoppedCommand, option
 SCHEDULER = option(
     "--scheduler", help="A Dask cluster's address, as 'tcp://host:8786'; by default this machine's cores."
 )
-RUNS_PER_CHUNK = option("--runs-per-chunk", help="Runs evaluated together and kept as one file.", min=1)
-RETRIES = option("--retries", help="How often a chunk is begun again whose worker has died.", min=0)
+RUNS_PER_CHUNK = option("--runs-per-chunk", help="Runs evaluated together and kept as one file.", min=1, max=100_000)
+RETRIES = option("--retries", help="How often a chunk is begun again whose worker has died.", min=0, max=100_000)
 PLAN = option("--plan", help="Check the study, say what it would run, and exit.")
-TUNING = option("--tuning", help="The wires that are for tuning, and not those whose figures are reported.")
-CONDITION = option("--condition", help="A condition by name; --list shows them. Repeatable.", metavar="NAME")
-TRACK = option(
-    "--track", help="A reference that the wire follows, by name; --list shows them. Repeatable.", metavar="NAME"
-)
-ESTIMATORS = option("--estimators", help="An estimator to compare, by name. Repeatable.", metavar="NAME")
-CONTROLLERS = option(
-    "--controllers", help="A controller to compare, by name; 'none' for no closed loops. Repeatable.", metavar="NAME"
-)
 
 
 @contextmanager

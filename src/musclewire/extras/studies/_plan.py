@@ -22,8 +22,9 @@ from musclewire.extras.studies._design import StudyDesign, design_of
 from musclewire.extras.studies._run_kind import RUN_KINDS, KindOptions, Quantity, RunKind
 from musclewire.extras.studies._study_file import StudyFile
 from musclewire.extras.studies._varied_parameters import GridAxis, SampledParameter, resolved
+from musclewire.extras.studies._varied_rig import VariedKey, VariedRig, key_unit
 from musclewire.parameters import is_wire_file, validated
-from musclewire.rigs import RigConfiguration, VariedKey, VariedRig, key_unit, simulated_configuration
+from musclewire.rigs import RigConfiguration, simulated_configuration
 
 RUN = "run."
 

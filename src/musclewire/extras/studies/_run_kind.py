@@ -14,8 +14,9 @@ from musclewire.arrays import FloatArray
 from musclewire.controllers import Event
 from musclewire.errors import CallerError, MusclewireError, RigError
 from musclewire.extras.studies._design import run_seed
+from musclewire.extras.studies._varied_rig import Value, VariedRig, VariedWire
 from musclewire.registry import Registry
-from musclewire.rigs import GuardedRig, ProtectionTripError, Value, VariedRig, VariedWire
+from musclewire.rigs import GuardedRig, ProtectionTripError
 
 # The result of a run: a number, an array of numbers for a series, or a text, by quantity; or the error that ended it.
 # Of ``overheated`` the value is a pair, temperature and limit [K].
@@ -176,7 +177,7 @@ class StudyRuns(Generic[Options]):
 
 @dataclass(frozen=True)
 class RunKind(Generic[Options]):
-    """A kind of run. Register yours with ``RUN_KINDS.register("name", kind)`` or by an entry point of its group.
+    """A kind of run. Register yours with ``RUN_KINDS.register("name", kind)`` or in a package's manifest.
 
     Its functions belong into a module that every worker can import; they have no state.
 
@@ -201,12 +202,11 @@ class RunKind(Generic[Options]):
 # A kind is loaded only when a study names it.
 RUN_KINDS: Registry[RunKind[Any]] = Registry(
     "kind of run",
-    "musclewire.run_kinds",
+    "run_kinds",
     {
         "characterize": "musclewire.extras.studies._characterize_runs:CHARACTERIZE",
         "simulate": "musclewire.extras.studies._simulate_runs:SIMULATE",
         "control": "musclewire.extras.studies._control_runs:CONTROL",
-        "robustness": "musclewire.extras.studies._robustness.kind:ROBUSTNESS",
     },
 )
 

@@ -155,7 +155,8 @@ def known_kinds() -> Result:
     """Return which kinds of runs there are, and what may vary on the simulated rig."""
     from musclewire.extras.studies._answers import SweepKinds
     from musclewire.extras.studies._run_kind import RUN_KINDS
-    from musclewire.rigs import RigConfiguration, keys_of
+    from musclewire.extras.studies._varied_rig import keys_of
+    from musclewire.rigs import RigConfiguration
 
     kinds = {name: tuple(RUN_KINDS.find(name).options.model_fields) for name in RUN_KINDS.names()}
     keys = {name: key.unit for name, key in keys_of(RigConfiguration()).items()}

@@ -1,4 +1,4 @@
-"""Studies of many wires, and estimators and controllers under disturbance."""
+"""Studies of many wires, and wires in segments."""
 
 from __future__ import annotations
 
@@ -17,14 +17,6 @@ MANIFEST = Manifest(
             before="reproduce",
             answer="musclewire.extras.studies._answers:SweepAnswers",
         ),
-        Command(
-            "robustness",
-            "musclewire.extras.studies._robustness_command:robustness",
-            "Compare estimators and controllers on a population of simulated wires under disturbance.",
-            panel="Studies and the paper",
-            before="reproduce",
-            answer="musclewire.extras.studies._answers:RobustnessAnswers",
-        ),
     ),
     names={
         "Conditions": "musclewire.extras.studies._segmented.conditions:Conditions",
@@ -35,14 +27,10 @@ MANIFEST = Manifest(
         "RunningInstruments": "musclewire.extras.studies._segmented.instruments:RunningInstruments",
         "SegmentedDevice": "musclewire.extras.studies._segmented.device:SegmentedDevice",
         "SegmentedSpool": "musclewire.extras.studies._segmented.device:SegmentedSpool",
-        "Selection": "musclewire.extras.studies._robustness.benchmark:Selection",
         "WireStructure": "musclewire.extras.studies._segmented.structure:WireStructure",
         "each": "musclewire.extras.studies._run_kind:each",
         "on_grid": "musclewire.extras.studies._data_set:on_grid",
-        "robustness": "musclewire.extras.studies._robustness.benchmark:robustness",
-        "runs_of": "musclewire.extras.studies._robustness.store:runs_of",
         "steady": "musclewire.extras.studies._segmented.conditions:steady",
-        "tuning_seeds": "musclewire.extras.studies._robustness.population:tuning_seeds",
         "RUN_KINDS": "musclewire.extras.studies:RUN_KINDS",
         "read_study": "musclewire.extras.studies:read_study",
         "read_study_data": "musclewire.extras.studies:read_study_data",

@@ -11,6 +11,7 @@ import numpy as np
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify._home.registration import MARTENSITE_PER_K, AnchorPoint, Registration, register
 from musclewire.identify._home.warming import HeatCourse, SeenPoints, WireHeat, course_of, seen_points, wire_heat_of
+from musclewire.identify._use_of_model import SAME_LOAD_FRACTION
 from musclewire.sensing import DRIFT_FRACTION, SHOWN_AS, HomeMove, SensingModel
 from musclewire.signals import Recording
 
@@ -38,8 +39,6 @@ MAX_CHANGE = 0.06
 MIN_FALL = 0.85
 # A curve that fits worse than this fraction of its span has another shape.
 MAX_MISFIT = 0.04
-# Loads that differ by less are one load, measured twice.
-SAME_LOAD = 0.02
 # Errors of points that both courses show, as fractions of the resistance.
 B_FRACTION, COOLING_B_FRACTION, C_FRACTION = 2e-4, 1e-3, 1e-3
 # Air further from that of the characterization is a wrong unit.
@@ -240,7 +239,7 @@ def require_load(model: SensingModel, load_n: float | None) -> float | None:
     before = model.wire.get("pretension_n")
     if not isinstance(before, int | float):
         return load_n
-    if load_n is not None and abs(load_n - before) > SAME_LOAD * before:
+    if load_n is not None and abs(load_n - before) > SAME_LOAD_FRACTION * before:
         raise CallerError(
             f"the load is {load_n:g} N and was {before:g} N at the characterization: its effect on the resistance "
             "cannot be separated from ageing; make the home move at the same load, or characterize again at this one"

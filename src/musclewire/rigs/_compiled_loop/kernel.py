@@ -85,7 +85,7 @@ class LoopArrays(NamedTuple):
     """All arrays of one closed loop; those that change are its own.
 
     ``targets`` are those at each sample's end and those that hold after it. In a row of ``rig.shown`` there are, after
-    ``RIG_COLUMNS``, the estimator's numbers, target, estimate, validity, the controller's numbers.
+    ``RIG_COLUMNS``, the estimator's numbers, target, estimate, its deviation and validity, the controller's numbers.
     """
 
     rig: RigArrays
@@ -146,8 +146,9 @@ def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: f
         shown[row, 6:target_at] = estimated[N_ESTIMATED:]
         shown[row, target_at] = arrays.targets[0, row]
         shown[row, target_at + 1] = estimated[0]
-        shown[row, target_at + 2] = estimated[2]
-        shown[row, target_at + 3 :] = controlled[N_CONTROLLED:]
+        shown[row, target_at + 2] = estimated[1]
+        shown[row, target_at + 3] = estimated[2]
+        shown[row, target_at + 4 :] = controlled[N_CONTROLLED:]
     return DONE, shown.shape[0]
 
 

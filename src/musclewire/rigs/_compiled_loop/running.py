@@ -189,7 +189,15 @@ def air_of(model: AirModel | None, device: SimulatedDevice, wire: OneWire, sampl
 
 def names_of(ticks: LoopTicks) -> tuple[str, ...]:
     """Return the names of what a loop shows, in their order."""
-    return (*RIG_COLUMNS, *ticks.estimator_columns, "target", "estimated", "valid", *ticks.controller_columns)
+    return (
+        *RIG_COLUMNS,
+        *ticks.estimator_columns,
+        "target",
+        "estimated",
+        "estimate_std",
+        "valid",
+        *ticks.controller_columns,
+    )
 
 
 def with_endpoint(run: CompiledRun, rig: RigArrays, device: SimulatedDevice) -> CompiledRun:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
+from musclewire.extras.design._supply.catalogue_check import run_catalogue_test
 from musclewire.extras.design._supply.sizing import SupplyRequest, drive_numbers, plan_supply, size_supply
-from musclewire.identify import run_catalogue_test
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.signals import MetadataValue, Recording
 

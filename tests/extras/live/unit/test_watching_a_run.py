@@ -15,8 +15,10 @@ import pytest
 from musclewire.errors import CallerError
 from musclewire.extras.live import _messages as messages
 from musclewire.extras.live._bench import orders, process, recipes
+from musclewire.extras.live._bench.session import BenchSession
 from musclewire.extras.live._bench_handle import BenchHandle, BenchSettings
 from musclewire.extras.live._server import running
+from musclewire.rigs import open_rig
 
 SAMPLE_S, MAX_SILENCE_S = 0.05, 0.6
 
@@ -70,6 +72,19 @@ def test_a_run_that_ends_has_its_last_samples_before_it_is_switched_off(monkeypa
     assert session.stopped_at_s == []
 
 
+def test_a_run_that_was_ended_keeps_its_reason_when_nobody_is_there_any_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    session = Watched(monkeypatch, heating=True, ending="as asked")
+    session.watch(until_s=3.0)
+    assert session.ending == "as asked"
+    assert session.stopped_at_s
+
+
+@pytest.mark.parametrize(("rig", "sample_s"), [(None, 0.0), (SimpleNamespace(sample_period_s=SAMPLE_S), SAMPLE_S)])
+def test_how_long_a_run_may_take_to_end_counts_the_samples_of_the_rig_that_is_open(rig: Any, sample_s: float) -> None:
+    nothing: Any = None
+    assert BenchSession("simulated", Path(), nothing, nothing, rig=rig).sample_s == sample_s
+
+
 @pytest.mark.parametrize("fails", [False, True])
 def test_a_session_that_ends_closes_its_rig_however_it_ends(fails: bool) -> None:
     closed: list[bool] = []
@@ -88,6 +103,16 @@ def test_a_bench_without_a_process_refuses_what_is_ordered_and_says_why(tmp_path
     handle.state["why"] = "its process has ended"
     answer = asyncio.run(handle.command(messages.read_command({"do": "home"})))
     assert (answer.accepted, answer.message) == (False, "its process has ended")
+
+
+def test_a_rig_that_is_in_order_has_passed_the_doctor() -> None:
+    passed: list[str] = []
+    state = SimpleNamespace(phase="ready")
+    shown = SimpleNamespace(state=state, change=lambda **_: None, say=lambda *_: None, done=passed.append)
+    with open_rig("simulated") as rig:
+        session: Any = SimpleNamespace(rig=rig, shown=shown, on_probe=lambda *_: None)
+        recipes.examine_rig(session, messages.Doctor(do="doctor"))
+    assert passed == ["doctor"]
 
 
 def test_a_model_cannot_be_fitted_before_there_is_a_slow_loop() -> None:

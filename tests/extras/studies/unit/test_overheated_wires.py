@@ -13,7 +13,7 @@ import musclewire as mw
 from musclewire.app import app
 from musclewire.extras.studies._data_set import read_columns, read_study_data
 from musclewire.extras.studies._study import Workers, sweep
-from musclewire.parameters import toml_text
+from musclewire.toml_text import toml_text
 
 HERE = Workers(processes=1)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,11 @@ from tests.extras.studies.unit.study_parts import study_of
 
 from musclewire.errors import CallerError
 from musclewire.extras.studies._study import Workers, sweep
+from musclewire.extras.studies._varied_rig import VariedRig, keys_of
 from musclewire.identify import fit, loop_gaps
-from musclewire.rigs import RigConfiguration, VariedRig, keys_of, parameters_of, simulated_configuration
+from musclewire.parameters import GrainQuantiles, load_alloy, load_bench, load_wire, wire_file_text
+from musclewire.rigs import RigConfiguration, open_rig, parameters_of, simulated_configuration
+from musclewire.wire import constants_from
 
 HERE = Workers(processes=1)
 NO_ERRORS = {
@@ -139,3 +143,36 @@ def test_a_name_that_nothing_on_the_rig_has_is_refused_with_the_nearest() -> Non
     with pytest.raises(CallerError, match=r"did you mean 'surroundings\.draught'"):
         VariedRig(RigConfiguration(), "test", ["surroundings.draugt"])
     assert "load.spring.stiffness" not in keys_of(RigConfiguration())
+
+
+def test_a_number_of_a_study_that_no_wire_survives_is_refused_unless_the_file_confirms_it() -> None:
+    with pytest.raises(CallerError, match="study: wire_length 60 m"):
+        VariedRig(RigConfiguration(), "study", ["wire_length"]).wire({"wire_length": 60.0})
+    beyond = VariedRig(RigConfiguration(beyond_catalogue=True), "study", ["wire_length"])
+    assert beyond.wire({"wire_length": 60.0}).spool.bench["wire_length_m"] == 60.0
+
+
+def test_a_study_that_varies_the_length_drives_each_wire_by_its_own_amplitude() -> None:
+    varied = VariedRig(RigConfiguration(), "study", ["wire_length"])
+    for length_m in (0.06, 0.14, 0.2):
+        wire = varied.wire({"wire_length": length_m}).spool.wire
+        with open_rig("simulated", wire_length_m=length_m) as rig:
+            own = (rig.drive_amplitude_v, rig.maximum_voltage_v)
+        assert (wire["drive_amplitude_v"], wire["maximum_voltage_v"]) == own
+    stated = VariedRig(RigConfiguration(drive_amplitude=3.0), "study", ["wire_length"])
+    assert stated.wire({"wire_length": 0.06}).spool.wire["drive_amplitude_v"] == 3.0
+
+
+def test_varying_what_measured_quantiles_replace_is_an_error(tmp_path: Path) -> None:
+    table = GrainQuantiles(
+        fraction=(0.0, 0.17, 0.5, 0.9, 1.0), offset=(-4.7, -1.0, 0.0, 1.4, 4.0), kind="measured", source="an isobar"
+    )
+    alloy, wire = load_alloy("flexinol").model_copy(update={"grain_quantiles": table}), load_wire("paper-100um")
+    path = tmp_path / "mine.toml"
+    path.write_text(wire_file_text("mine", "", wire, alloy, {}), "utf-8")
+    configuration = RigConfiguration(kind="simulated", wire=str(path))
+    own = VariedRig(configuration, "mine", ["martensite_barrier_k"]).wire({"martensite_barrier_k": 10.0})
+    measured = constants_from(alloy, wire, load_bench("paper")).distribution_cells
+    assert np.array_equal(own.constants.distribution_cells, measured)
+    with pytest.raises(CallerError, match="'grain_skew' has no effect"):
+        VariedRig(configuration, "mine", ["grain_skew"]).wire({"grain_skew": 0.1})

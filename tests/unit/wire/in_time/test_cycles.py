@@ -46,4 +46,8 @@ def test_after_the_alloys_number_of_cycles_one_part_in_e_of_the_shakedown_is_lef
     new, worn, done = (shakedown_of(k, cycles) for cycles in (0.0, k.shakedown_cycles, math.inf))
     for at_first, later, at_last in zip(new, worn, done, strict=True):
         assert later - at_last == pytest.approx(math.exp(-1.0) * (at_first - at_last), rel=1e-3, abs=1e-12)
-    assert any(at_first != at_last for at_first, at_last in zip(new, done, strict=True))
+    # A wire grows longer while it settles; barrier and resistance come down to those of the settled wire.
+    assert new[1] == 0.0 < worn[1] < done[1]
+    for place in (0, 2):
+        assert new[place] >= worn[place] >= done[place] == 1.0
+    assert new[0] > 1.0

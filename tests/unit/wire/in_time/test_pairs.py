@@ -144,7 +144,7 @@ def test_a_cold_wire_beside_a_hot_one_goes_slack_and_the_other_carries_all(hot_f
     end, mean = visited[-1], means[-1]
     assert end[cold].stress_pa == 0.0
     assert mean.displacement_m > 1e-3
-    assert mean.displacement_m == mean.partner_displacement_m
+    assert mean.displacement_m == mean.second_displacement_m
     assert mean.displacement_m == pytest.approx(moved_m(end[hot], both[hot]), rel=1e-6)
     assert pulls_n(end[hot], both[hot]) == pytest.approx(0.6 + 300.0 * mean.displacement_m, rel=1e-6)
 
@@ -161,9 +161,11 @@ def test_every_history_keeps_shares_energy_and_no_wire_pushes(
 ) -> None:
     given_wires, pair, between = CASES[name]
     both = (with_pretension(given_wires[0], pretensions_n[0]), with_pretension(given_wires[1], pretensions_n[1]))
-    pair = pair._replace(partner_voltage_v=partner_v)
+    pair = pair._replace(second_voltage_v=partner_v)
     states = start = at_rest(both)
+    taken = 0
     for voltage, steps in history:
+        taken += steps
         states, means = advance_pair(states, both, pair, between, voltage, 1e-3 * steps, MS)
         assert all(np.isfinite(means))
         assert means.grip_n >= 0.0
@@ -174,7 +176,9 @@ def test_every_history_keeps_shares_energy_and_no_wire_pushes(
             assert min(state.martensite_fraction, state.r_phase_fraction) >= -1e-12
             assert state.martensite_fraction + state.r_phase_fraction <= 1.0 + 1e-12
             kept = state.heat_in_j - state.heat_out_j - state.carried_heat_j
-            assert state.enthalpy_j - first.enthalpy_j == pytest.approx(kept, abs=1e-12 * state.heat_in_j + 1e-14)
+            # Each step adds its heat to the enthalpy, and may lose half of the enthalpy's last digit.
+            rounding_j = 0.5 * taken * np.spacing(abs(state.enthalpy_j)) + 1e-12 * state.heat_in_j
+            assert state.enthalpy_j - first.enthalpy_j == pytest.approx(kept, rel=0.0, abs=rounding_j)
             assert state.enthalpy_j == pytest.approx(stored_heat_j(state, of), abs=1e-12 * of.latent_heat_j)
 
 

@@ -85,7 +85,7 @@ def currents_a(name: str, states: tuple[WireState, WireState], drive_v: float) -
         found = np.linalg.solve(matrix, [drive_v, drive_v])
         return found, found[0] * ohm[0], found.sum()
     own = drive_v / (ohm[0] + series_ohm)
-    return np.array([own, pair.partner_voltage_v / (ohm[1] + pair.partner_series_ohm)]), own * ohm[0], own
+    return np.array([own, pair.second_voltage_v / (ohm[1] + pair.second_series_ohm)]), own * ohm[0], own
 
 
 @pytest.mark.slow
@@ -111,7 +111,7 @@ def test_one_step_of_a_pair_keeps_energy_and_its_means_are_those_of_both_ends(na
         assert state.enthalpy_j == pytest.approx(stored_heat_j(state, of), abs=1e-12)
         assert state.unsolved_steps == 0.0
     forces = [np.mean([pulls_n(pair[place], both[place]) for pair in (before, now)]) for place in (0, 1)]
-    assert (means.force_n, means.partner_force_n) == pytest.approx(tuple(forces), rel=1e-9)
+    assert (means.force_n, means.second_force_n) == pytest.approx(tuple(forces), rel=1e-9)
 
 
 @ways
@@ -121,7 +121,7 @@ def test_wires_on_one_connector_balance_its_load(heated: bool) -> None:
         (first, second), means = after(name, heated, 0.05, TEN_MS)
         x_m = moved_m(first, both[0])
         assert moved_m(second, both[1]) == pytest.approx(sign * x_m, abs=1e-9)
-        assert means.partner_displacement_m == pytest.approx(sign * means.displacement_m, rel=1e-12)
+        assert means.second_displacement_m == pytest.approx(sign * means.displacement_m, rel=1e-12)
         pretension_n = both[0].pretension_n + sign * both[1].pretension_n
         load_n = pretension_n + stiffness * x_m + first.friction_n
         assert pulls_n(first, both[0]) + sign * pulls_n(second, both[1]) == pytest.approx(load_n, abs=1e-7)
@@ -189,7 +189,7 @@ def test_a_pair_that_shares_nothing_steps_like_two_single_wires_to_the_bit() -> 
                 for together, single in zip(states, (first, second), strict=True):
                     assert together.row.tobytes() == single.row.tobytes()
                 assert (means.displacement_m, means.force_n) == pytest.approx((mean.displacement_m, mean.force_n))
-                partner = (means.partner_displacement_m, means.partner_force_n)
+                partner = (means.second_displacement_m, means.second_force_n)
                 assert partner == pytest.approx((other.displacement_m, other.force_n))
         alone = states
 
@@ -206,4 +206,4 @@ def test_equal_wires_on_one_connector_share_pretension_and_spring() -> None:
         assert states[0].temperature_k == pytest.approx(single.temperature_k, abs=0.02)
         assert states[0].contraction == pytest.approx(states[1].contraction, abs=1e-9)
         assert states[0].contraction == pytest.approx(single.contraction, abs=2e-5)
-        assert means.force_n + means.partner_force_n == pytest.approx(2.0 * mean.force_n, rel=1e-3)
+        assert means.force_n + means.second_force_n == pytest.approx(2.0 * mean.force_n, rel=1e-3)

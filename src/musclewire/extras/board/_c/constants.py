@@ -159,15 +159,15 @@ def _circuit(limits: ProtectionLimits) -> list[CConstant]:
 
 def _model(model: SensingModel) -> list[CConstant]:
     heating, cooling = (tuple(reversed(powers)) for powers in (model.heating_coefficients, model.cooling_coefficients))
-    per_ohm, margin = model.numbers["per_ohm"], model.numbers["normalised_margin"]
+    numbers = model.numbers
     return [
         _real("RESISTANCE_MIN_OHM", model.resistance_min_ohm, "normalised resistance 0"),
         _real("RESISTANCE_MAX_OHM", model.resistance_max_ohm, "normalised resistance 1"),
-        _real("SHARE_PER_OHM", per_ohm),
+        _real("SHARE_PER_OHM", numbers["per_ohm"]),
         _real("NORMALISED_MIN", model.normalised_min, "the valid range of normalised resistance"),
         _real("NORMALISED_MAX", model.normalised_max),
-        _real("VALID_FROM", model.normalised_min - margin, "estimates are valid a little beyond it"),
-        _real("VALID_TO", model.normalised_max + margin),
+        _real("VALID_FROM", numbers["valid_from"], "estimates are valid a little beyond it"),
+        _real("VALID_TO", numbers["valid_to"]),
         _real("QUANTITY_MIN", model.quantity_min, f"{model.quantity} [{model.unit}] at the ends of the range"),
         _real("QUANTITY_MAX", model.quantity_max),
         _integer("COEFFICIENTS", len(heating)),

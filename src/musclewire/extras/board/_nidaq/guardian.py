@@ -234,7 +234,7 @@ class OutputGuardian:
         reply(self._line, what, number, fault)
 
 
-def reply(line: socket.socket, what: bytes, number: float = 0.0, fault: MusclewireError | None = None) -> None:
+def reply(line: socket.socket, what: bytes, number: float, fault: MusclewireError | None) -> None:
     """Send a reply, with the fault if there is one."""
     text = str(fault).encode() if fault else b""
     line.sendall(REPLY.pack(what, number, getattr(fault, "code", 0), len(text)) + text)

@@ -54,7 +54,7 @@ def find_image(board: str, wire: str | None) -> FirmwareImage:
         named = sorted(name for name, own in BOARD_NAMES.items() if own in boards)
         raise CallerError(
             f"there is no firmware for board '{board}'{nearest_hint(board, named)}; the code for another processor is "
-            'a file of C that nobody has written yet (docs/how-to/flash_the_firmware.md, "Another board"): take one of '
+            'a file of C that nobody has written yet (docs/how-to/drive_a_board.md, "Another board"): take one of '
             "these, or write it"
         )
     here = {image.wire: image for image in images if image.board == known}
@@ -67,7 +67,7 @@ def find_image(board: str, wire: str | None) -> FirmwareImage:
         )
         raise CallerError(
             f"{said}, whose limits the firmware keeps: {there}; for another wire or length build your own "
-            f"in a checkout: python firmware/build.py --board {known} --wire ... (docs/how-to/flash_the_firmware.md)"
+            f"in a checkout: python firmware/build.py --board {known} --wire ... (docs/how-to/drive_a_board.md)"
         )
     return here[wire]
 

@@ -159,8 +159,8 @@ def refuse_with_table(drive: DriveOptions, mounting: MountingOptions, output: Pa
 
 def table_of_wires(mounting: MountingOptions) -> Result:
     """Return what every wire of the catalogue needs at a length."""
+    from musclewire.extras.design._supply.catalogue_check import PULL_STRESS_PA
     from musclewire.extras.design._supply.wire_table import wire_table
-    from musclewire.identify import PULL_STRESS_PA
 
     length_m = in_si("--wire-length", mounting.wire_length)
     stress_pa = PULL_STRESS_PA if mounting.stress is None else in_si("--stress", mounting.stress)
@@ -177,7 +177,7 @@ def table_of_wires(mounting: MountingOptions) -> Result:
 
 def catalogue() -> Result:
     """Compare the Flexinol catalogue with the simulation: contraction after one second, and cooling times."""
-    from musclewire.identify import compare_catalogue
+    from musclewire.extras.design._supply.catalogue_check import compare_catalogue
 
     compared = compare_catalogue()
     answer = comparison_answer(compared)

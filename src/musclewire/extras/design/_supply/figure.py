@@ -46,7 +46,7 @@ def drive_axes(sizing: SupplySizing, *, style: str = "screen") -> Axes:
 
 def draw_contraction(axes: Axes, sizing: SupplySizing, time_s: FloatArray) -> None:
     """Draw the contraction, the full stroke and the end of the cooling time."""
-    from musclewire.identify import UNCOUNTED_STRAIN
+    from musclewire.extras.design._supply.catalogue_check import UNCOUNTED_STRAIN
 
     stroke = 100 * sizing.one_second.stroke
     axes.plot(time_s, 100 * sizing.recording["displacement_m"] / sizing.recording.facts.leg_length_m, color=AVERAGE)

@@ -25,17 +25,10 @@ from musclewire.experiment import (
     pulses_of,
     step_warnings,
 )
+from musclewire.extras.design._supply.catalogue_check import PULL_STRESS_PA, UNCOUNTED_STRAIN, run_catalogue_test
+from musclewire.extras.design._supply.one_second import OneSecondDrive, one_second_current, relaxation_time_s
 from musclewire.extras.design._supply.wire_table import ShuntChoice, rated_shunt
-from musclewire.identify import (
-    PULL_STRESS_PA,
-    UNCOUNTED_STRAIN,
-    OneSecondDrive,
-    extrapolation_warnings,
-    one_second_current,
-    relaxation_time_s,
-    run_catalogue_test,
-    steady_temperature_k,
-)
+from musclewire.identify import extrapolation_warnings, steady_temperature_k
 from musclewire.parameters import (
     Bench,
     CatalogueRow,
@@ -65,7 +58,7 @@ from musclewire.signals import Recording
 BENCH = "dead-weight"
 DEFAULT_LENGTH_M = 0.14
 # The fate of the wire is to be shown: a protection that switches off before would hide it.
-SIZING_LIMITS = LimitsTable(maximum_temperature=1e9, resistance_low=1e-6, resistance_high=1e6, jump_share=1.0)
+SIZING_LIMITS = LimitsTable(maximum_temperature=1e4, resistance_low=1e-6, resistance_high=1e6, jump_share=1.0)
 # Dynalloy, Technical Characteristics of Flexinol Actuator Wires (F1140): melting point 1300 C.
 MELTING_K = 1573.15
 AMBIENT_K = 295.15

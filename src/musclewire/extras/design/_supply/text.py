@@ -16,9 +16,9 @@ if TYPE_CHECKING:
         WiresAnswer,
         WireTableAnswer,
     )
+    from musclewire.extras.design._supply.catalogue_check import CatalogueComparison, JudgedValue
     from musclewire.extras.design._supply.sizing import SupplyPlan, SupplySizing
     from musclewire.extras.design._supply.wire_table import WireRow
-    from musclewire.identify import CatalogueComparison, JudgedValue
     from musclewire.parameters import CatalogueCell
 
 ZERO_DEGC_K = 273.15
@@ -240,7 +240,7 @@ def covered_words(limits: dict[str, float]) -> str:
 def comparison_answer(compared: Sequence[CatalogueComparison]) -> CatalogueAnswer:
     """Return the comparison with the catalogue: a row for each wire, in order."""
     from musclewire.extras.design._supply.answers import CatalogueAnswer, ComparedWire
-    from musclewire.identify import BARS
+    from musclewire.extras.design._supply.catalogue_check import BARS
 
     verdicts = [one.ok for each in compared for one in (each.contraction, each.cooling)]
     rows = [

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from musclewire.identify import one_second_current
+from musclewire.extras.design._supply.one_second import one_second_current
 from musclewire.parameters import CatalogueCell, catalogue_names, catalogue_row, load_alloy, load_bench, load_wire
 from musclewire.rigs import OwnCircuit, own_circuit
 

@@ -15,16 +15,20 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.controllers import (
     GAIN_COLUMNS,
-    ConstantRules,
+    SET_NAMES,
+    DriveLimits,
+    FuzzyPidController,
     FuzzyPidSettings,
     RuleBase,
     ZhaoRules,
-    infer_ratios,
-    input_grades,
-    load_rule_base,
+    rule_weights,
 )
 from musclewire.errors import MusclewireError
 from musclewire.extras.live._server.socket_messages import FiredRule
+from musclewire.signals import QuantityEstimate, Reason
+
+# Which rules fire does not depend on the drive, so neither on its range.
+ANY_LIMITS = DriveLimits(1.0, 2.0)
 
 
 class InputRatios(NamedTuple):
@@ -46,29 +50,17 @@ def settings_of(gains: Mapping[str, Any] | None) -> FuzzyPidSettings | None:
 
 def fired(rule_base: RuleBase, inputs: InputRatios) -> list[FiredRule]:
     """Return the rules that fire for two inputs, the strongest first; constant rules have none."""
-    rules = rule_base.rules
-    if isinstance(rules, ConstantRules):
-        return []
-    error, change = as_read(rule_base, inputs)
-    rows, columns = input_grades(rule_base, error), input_grades(rule_base, change)
-    product = isinstance(rules, ZhaoRules)
-    found = []
-    for row, (row_name, row_grade) in enumerate(rows.items()):
-        for column, (column_name, column_grade) in enumerate(columns.items()):
-            weight = row_grade * column_grade if product else min(row_grade, column_grade)
-            if weight > 0.0:
-                cells = cells_of(rules, row, column)
-                found.append(FiredRule(error=row_name, change=column_name, weight=weight, **cells))
+    weights = rule_weights(rule_base, *inputs)
+    found = [
+        FiredRule(
+            error=SET_NAMES[row],
+            change=SET_NAMES[column],
+            weight=float(weights[row, column]),
+            **cells_of(rule_base.rules, row, column),
+        )
+        for row, column in np.argwhere(weights > 0.0)
+    ]
     return sorted(found, key=lambda rule: -rule.weight)
-
-
-def as_read(rule_base: RuleBase, inputs: InputRatios) -> InputRatios:
-    """Return the inputs at which the tables are read: of a mirrored rule base, those of one half."""
-    half = {"no": 0.0, "positive-error": 1.0, "negative-error": -1.0}[rule_base.mirrored]
-    if half == 0.0:
-        return inputs
-    sign = 0.0 if inputs.error == 0.0 else half * math.copysign(1.0, inputs.error)
-    return InputRatios(sign * inputs.error, sign * inputs.change)
 
 
 def cells_of(rules: Any, row: int, column: int) -> dict[str, str]:
@@ -89,19 +81,21 @@ class FiredRules:
     """
 
     def __init__(self, settings: FuzzyPidSettings, sample_period_s: float) -> None:
-        """Load the rule base; nothing is known before the first row."""
-        self.settings, self.rule_base = settings, load_rule_base(settings.rule_base)
+        """Make the controller whose rules they are; nothing is known before the first row."""
+        self.settings, self._dt_s = settings, sample_period_s
+        self._controller = FuzzyPidController(settings, ANY_LIMITS)
+        self.rule_base = self._controller.rule_base
         self.inputs: InputRatios | None = None
-        weight = sample_period_s / (settings.derivative_filter_s + sample_period_s)
-        self._dt_s, self._weight = sample_period_s, weight
+        self._state: tuple[float, ...] = ()
         self._estimate: float | None = None
-        self._error: float | None = None
-        self._error_rate = 0.0
+        self.forget()
 
     def warm_up(self) -> None:
         """Compile what is computed for a row, so that no viewer waits for it."""
-        infer_ratios(self.rule_base, 0.0, 0.0)
-        fired(self.rule_base, InputRatios(0.0, 0.0))
+        self.add_sample(0.0, 0.0, held=False)
+        self.add_sample(0.0, 0.0, held=False)
+        self.rules()
+        self.forget()
 
     def follow(self, columns: Sequence[str], rows: FloatArray) -> None:
         """Take rows of shape (n_rows, n_columns) in, those of a closed loop by this controller."""
@@ -119,28 +113,19 @@ class FiredRules:
     def add_sample(self, target: float, estimate: float, *, held: bool) -> None:
         """Take one row in: its target completes the inputs of the row before."""
         if self._estimate is not None and math.isfinite(target):
-            self._complete(target - self._estimate)
-        if held or not math.isfinite(estimate):
-            self._estimate = None
-            self._error_rate, self._error = 0.0, None
-            return
-        self._estimate = estimate
+            self._step(target, QuantityEstimate(self._estimate, 0.0, True))
+            self.inputs = InputRatios(*self._controller.rule_inputs(self._state))
+        self._estimate = estimate if math.isfinite(estimate) and not held else None
+        if self._estimate is None:
+            self._step(0.0, QuantityEstimate(0.0, 0.0, False, Reason.NO_CURRENT))
 
-    def _complete(self, error: float) -> None:
-        if self._error is None:
-            self._error_rate = 0.0
-        else:
-            rate = (error - self._error) / self._dt_s
-            self._error_rate += self._weight * (rate - self._error_rate)
-        self._error = error
-        unit = self.settings.error_unit
-        self.inputs = InputRatios(
-            error / unit / self.settings.error_range, self._error_rate / unit / self.settings.change_range
-        )
+    def _step(self, target: float, estimate: QuantityEstimate) -> None:
+        self._state = self._controller.step(self._state, target, estimate, self._dt_s).state
 
     def forget(self) -> None:
         """Begin again: a loop has ended."""
-        self._estimate, self._error, self._error_rate, self.inputs = None, None, 0.0, None
+        self._state = self._controller.start(ANY_LIMITS.sense_voltage_v)
+        self._estimate = self.inputs = None
 
     def rules(self) -> list[FiredRule]:
         """Return the rules that fired last, the strongest first."""

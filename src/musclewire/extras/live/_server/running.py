@@ -211,6 +211,8 @@ def listening_socket(address: ListenAddress) -> socket.socket:
     for port in ports:
         try:
             return bound(address.host, port)
+        except UnicodeError as error:  # a name that is none of the Internet's
+            raise CallerError(f"cannot listen at {address.host:.60}: it is no host's name ({error})") from None
         except OSError as error:
             if error.errno != errno.EADDRINUSE:
                 raise CallerError(f"cannot listen at {address.host}, port {port}: {error.strerror or error}") from None

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import tomllib
-from itertools import takewhile
-from textwrap import dedent
 from typing import Any
 
 import pytest
-from tests.places import DOCS
 
 from musclewire.errors import CallerError
 from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
@@ -87,12 +83,3 @@ def test_a_wrong_input_is_named(name: str, key: str, value: object, expected: st
     data = content()
     data["inputs"][name][key] = value
     assert expected in refused(data)
-
-
-def test_the_rig_file_of_the_page_is_right() -> None:
-    page = (DOCS / "how-to" / "drive_an_ni_card.md").read_text("utf-8")
-    lines = page[page.index('    kind = "nidaq"') :].split("\n")
-    block = "\n".join(line for line in takewhile(lambda line: not line or line.startswith("    "), lines))
-    configuration = validated(NiDaqConfiguration, tomllib.loads(dedent(block)), "the page's rig file")
-    assert configuration.layout().decision == 9
-    assert configuration.inputs.shunt_voltage.range == 1.0

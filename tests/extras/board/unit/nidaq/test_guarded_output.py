@@ -122,13 +122,20 @@ def test_a_card_that_refuses_at_the_start_is_the_cards_fault_and_ends_the_proces
     assert caught.value.code == -200170
 
 
-def test_a_process_that_does_not_start_is_said(guardian: type[GuardianInMemory]) -> None:
-    def broken(_self: GuardianInMemory) -> None:
+def test_a_process_that_does_not_start_leaves_none_behind_and_nothing_on_the_card(
+    guardian: type[GuardianInMemory], card: CardInMemory
+) -> None:
+    begun: list[GuardianInMemory] = []
+
+    def broken(self: GuardianInMemory) -> None:
+        begun.append(self)
         raise BrokenPipeError
 
     guardian.connect = broken  # type: ignore[method-assign]
-    with pytest.raises(GuardianLostError, match="did not start"):
+    with pytest.raises(GuardianLostError):
         GuardedOutput(ORDERS)
+    assert [one.ended for one in begun] == [True]
+    assert card.out == []
 
 
 @pytest.mark.usefixtures("guardian")

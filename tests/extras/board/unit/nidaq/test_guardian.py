@@ -201,6 +201,21 @@ def test_a_card_that_comes_back_is_switched_off_at_last(bench: Bench) -> None:
     assert bench.card.out[-1] == ("now", OFF_V)
 
 
+def test_it_asks_to_run_before_others_for_itself_and_goes_on_where_that_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[int] = []
+
+    def refuse(process: int, *_: object) -> None:
+        asked.append(process)
+        raise PermissionError
+
+    system = SimpleNamespace(sched_setscheduler=refuse, SCHED_FIFO=1, sched_param=float)
+    monkeypatch.setattr(module, "os", system)
+    module.go_first()
+    assert asked == [0]  # this process
+
+
 def test_a_signal_that_ends_it_leaves_0_v(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     guardian = bench.guardian()
 

@@ -26,6 +26,11 @@ def test_a_driven_wire_goes_to_the_sense_voltage_and_then_off() -> None:
     assert watch.tripped_after_s == pytest.approx(0.251)
 
 
+def test_it_is_off_as_soon_as_the_silence_is_as_long_as_was_ordered() -> None:
+    watch = heard(2.0)
+    assert watch.due(100.0 + ORDERS.trip_after_s) == 0.0
+
+
 def test_a_sign_of_life_renews_the_time() -> None:
     watch = heard(2.0)
     for step in range(1, 100):

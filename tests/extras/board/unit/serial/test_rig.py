@@ -11,6 +11,7 @@ from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, driven
 from musclewire.controllers import Event
 from musclewire.errors import CallerError, RigError
 from musclewire.extras.board._serial.board import Board, BoardOffMeanwhileError, LinkStormError
+from musclewire.extras.board._serial.device import NO_TICK, SerialDevice
 from musclewire.extras.board._serial.frames import SerialFrame, encode_frame, stuff
 from musclewire.extras.board._serial.messages import MessageKind
 from musclewire.rigs import GuardedRig, ProtectionTripError
@@ -312,3 +313,10 @@ def test_once_0_v_is_ordered_no_other_command_goes_out() -> None:
         board.send_drive(1.0)
     board.send(MessageKind.OFF)
     assert {kind for kind, _ in line.commands} == {MessageKind.OFF}
+
+
+def test_after_a_late_sample_the_next_is_due_on_the_grid_and_not_at_once() -> None:
+    device = object.__new__(SerialDevice)  # without a board: only how its ticks are counted
+    device._ticks, device._frames, device._first_tick, device._due_tick = 100, 1, NO_TICK, NO_TICK
+    ticks = [100, 150, 200, 450, 470, 500, 560, 600]
+    assert [tick for tick in ticks if device._is_over(tick)] == [100, 200, 450, 500, 600]

@@ -1,0 +1,29 @@
+"""Estimators and controllers on a population of simulated wires under disturbance: ``musclewire robustness``.
+
+A package of its own, as musclewire's users would write it: what it adds is in its manifest.
+"""
+
+from musclewire import Command, Manifest
+
+__all__ = ["MANIFEST"]
+
+MANIFEST = Manifest(
+    name="robustness",
+    commands=(
+        Command(
+            "robustness",
+            "musclewire_robustness.command:robustness",
+            "Compare estimators and controllers on a population of simulated wires under disturbance.",
+            panel="Studies and the paper",
+            before="reproduce",
+            answer="musclewire_robustness.answers:RobustnessAnswers",
+        ),
+    ),
+    names={
+        "Selection": "musclewire_robustness.benchmark:Selection",
+        "robustness": "musclewire_robustness.benchmark:robustness",
+        "runs_of": "musclewire_robustness.store:runs_of",
+        "tuning_seeds": "musclewire_robustness.population:tuning_seeds",
+    },
+    run_kinds={"robustness": "musclewire_robustness.kind:ROBUSTNESS"},
+)

@@ -1,0 +1,149 @@
+"""The command that compares estimators and controllers under disturbance: robustness."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from musclewire.app import (
+    LIST,
+    QUICK,
+    WORKERS,
+    FigureOptions,
+    Result,
+    option,
+    output_option,
+    run_bar,
+    stop_if_asked,
+    stops_between_samples,
+)
+from musclewire.extras.studies import resumable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from musclewire_robustness.answers import RobustnessAnswer
+    from musclewire_robustness.benchmark import Robustness, Selection
+
+TUNING = option("--tuning", help="The wires that are for tuning, and not those whose figures are reported.")
+CONDITION = option("--condition", help="A condition by name; --list shows them. Repeatable.", metavar="NAME")
+TRACK = option(
+    "--track", help="A reference that the wire follows, by name; --list shows them. Repeatable.", metavar="NAME"
+)
+ESTIMATORS = option("--estimators", help="An estimator to compare, by name. Repeatable.", metavar="NAME")
+CONTROLLERS = option(
+    "--controllers", help="A controller to compare, by name; 'none' for no closed loops. Repeatable.", metavar="NAME"
+)
+
+
+@dataclass(frozen=True)
+class WhatIsRun:
+    """Which wires, conditions, references, estimators and controllers are run."""
+
+    quick: Annotated[bool, QUICK] = False
+    tuning: Annotated[bool, TUNING] = False
+    condition: Annotated[list[str] | None, CONDITION] = None
+    track: Annotated[list[str] | None, TRACK] = None
+    estimators: Annotated[list[str] | None, ESTIMATORS] = None
+    controllers: Annotated[list[str] | None, CONTROLLERS] = None
+
+    def selection(self) -> Selection:
+        """Return what is run."""
+        from musclewire_robustness.benchmark import Selection
+        from musclewire_robustness.population import tuning_seeds
+
+        def chosen(names: list[str] | None) -> tuple[str, ...] | None:
+            return None if names is None else tuple(names)
+
+        return Selection(
+            seeds=tuning_seeds() if self.tuning else None,
+            conditions=chosen(self.condition),
+            references=chosen(self.track),
+            estimators=chosen(self.estimators),
+            controllers=() if self.controllers == ["none"] else chosen(self.controllers),
+            quick=self.quick,
+        )
+
+
+def robustness(
+    what: WhatIsRun,
+    figure: FigureOptions,
+    output: Annotated[
+        Path | None, output_option("Folder of the runs and their report; by default 'robustness'.")
+    ] = None,
+    workers: Annotated[int | None, WORKERS] = None,
+    list_all: Annotated[bool, LIST] = False,
+) -> Result:
+    """Compare estimators and controllers on a population of simulated wires under disturbance.
+
+    The output is a folder, "robustness" by default, with a page, the rows as CSV and JSON, and all runs: the same
+    command continues a run that was interrupted. It ends with 1 if a bar of the default estimator or loop is missed
+    that is not on the committed list of known misses.
+    """
+    from musclewire_robustness.benchmark import robustness as run_robustness
+    from musclewire_robustness.store import FOLDER
+    from musclewire_robustness.table_text import table_text
+
+    if list_all:
+        return known_names()
+    figure.check()
+    folder = output or FOLDER
+    with resumable(folder), stops_between_samples(), run_bar("parts") as on_progress:
+        result = run_robustness(
+            what.selection(), folder=folder, workers=workers, on_progress=on_progress, look=stop_if_asked
+        )
+    answer = written(result, folder)
+    figure.draw(partial(drawn, result))
+    text = f"{table_text(result)}\n{result.wall_s:.0f} s; open {answer.report}"
+    return Result(answer, text, holds=not result.new_misses)
+
+
+def drawn(result: Robustness, *, style: str) -> Figure:
+    """Return the heat map of errors; loads what draws only now."""
+    from musclewire_robustness.report_page import error_figure
+
+    return error_figure(result, style=style)
+
+
+def written(result: Robustness, folder: Path) -> RobustnessAnswer:
+    """Write rows and page into the folder; return the answer."""
+    from musclewire.signals import write_text_whole
+    from musclewire_robustness.answers import RobustnessAnswer
+    from musclewire_robustness.report_page import write_report
+    from musclewire_robustness.table_text import csv_text, rows_answer
+
+    page = folder / "report.html"
+    answer = RobustnessAnswer.read_from(
+        result,
+        rows=rows_answer(result),
+        bars=result.verdicts,
+        missed=[verdict.full_name for verdict in result.missed],
+        new_misses=[verdict.full_name for verdict in result.new_misses],
+        repaired=[verdict.full_name for verdict in result.repaired],
+        seeds_are=result.seeds_text,
+        report=str(page),
+    )
+    write_report(result, page)
+    write_text_whole(folder / "rows.csv", csv_text(result))
+    rows = answer.model_dump(mode="json", exclude={"report"})
+    write_text_whole(folder / "rows.json", json.dumps(rows, indent=2, allow_nan=False) + "\n")
+    return answer
+
+
+def known_names() -> Result:
+    """Return the names of conditions, references, estimators and controllers."""
+    from musclewire import controllers, sensing
+    from musclewire_robustness.answers import RobustnessNames
+    from musclewire_robustness.references import REFERENCES
+    from musclewire_robustness.settings import settings
+
+    known = RobustnessNames(
+        conditions=tuple(item.name for item in settings().condition),
+        tracks=tuple(REFERENCES),
+        estimators=tuple(sensing.ESTIMATORS.names()),
+        controllers=tuple(controllers.CONTROLLERS.names()),
+    )
+    return Result(known, "\n".join(f"{kind}: {', '.join(names)}" for kind, names in known))
