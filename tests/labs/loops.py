@@ -93,7 +93,7 @@ def simulated() -> dict[str, dict[str, Array]]:
     """Simulate the loops: 60 s of a slow sine of voltage, or of a source of current."""
     sys.path.insert(0, str(Path(__file__).parents[1]))
     from grain_wire import grain_wire
-    from musclewire.extras.studies._segmented.configuration import SegmentedConfiguration
+    from musclewire.extras.studies import SegmentedConfiguration
     from musclewire.parameters import load_alloy, load_bench, load_wire
     from musclewire.rigs import open_rig
 

@@ -374,7 +374,7 @@ def _as_branch_table(taken: list[MatchedHeader]) -> list[MatchedHeader]:
 
 # Names that a sensor's converter gives its own output as well.
 _ANY_VOLTAGE = frozenset({"voltage", "volts", "v", "u", "spannung", "measuredvoltage"})
-_BESIDE_A_WIRE = frozenset({
+_OF_A_WIRE = frozenset({
     "wire_current_a", "shunt_voltage_v", "drive_voltage_v", "wire_resistance_ohm", "wire_temperature_k",
 })  # fmt: skip
 
@@ -382,9 +382,9 @@ _BESIDE_A_WIRE = frozenset({
 def _voltage_of_the_wire(
     taken: list[MatchedHeader], path: str
 ) -> tuple[list[MatchedHeader], tuple[UndecidedHeader, ...]]:
-    """A voltage that only says so may be a sensor's, unless something else of the wire is beside it."""
+    """A voltage that only says so may be a sensor's, unless something else of the wire is next to it."""
     voltages = [item for item in taken if item.column == "wire_voltage_v"]
-    alone = len(voltages) == 1 and not {item.column for item in taken} & _BESIDE_A_WIRE
+    alone = len(voltages) == 1 and not {item.column for item in taken} & _OF_A_WIRE
     asked = [
         item
         for item in voltages

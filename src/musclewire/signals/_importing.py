@@ -48,14 +48,14 @@ _COUNTERS = frozenset({"time_s", "cycle"})
 _MOVED = frozenset({"displacement_m", "reference_strain", "force_n"})
 _OF_THE_WIRE = frozenset({"wire_resistance_ohm", "wire_voltage_v", "wire_current_a", "wire_temperature_k"})
 _ELECTRICAL = _OF_THE_WIRE - {"wire_temperature_k"}
-_MOST_STEPS = 1000
-# Of the time between rows that no file states nobody knows anything.
+_MAX_STEPS = 1000
+# An example of the time between rows, which only a person can know if the file does not state it.
 EXAMPLE_PERIOD_S = 1.0
 # Rows are repeated by polling if so many of them are, never for long, between steps of so many of the smallest.
 _MIN_ROWS_OF_POLLING = 20
-_FEWEST_REPEATS, _MOST_REPEATS = 0.05, 0.95
+_MIN_REPEATS, _MAX_REPEATS = 0.05, 0.95
 _STEPS_OF_A_MEASUREMENT = 20.0
-_LONGEST_REPEAT = 5
+_MAX_RUN_OF_REPEATS = 5
 _DROP_CURE = "or leave such rows out (drop_missing=True)"
 
 
@@ -402,7 +402,7 @@ def is_polled(measured: FloatArray) -> bool:
     steps = np.abs(np.diff(measured, axis=0))
     repeated = ~steps.any(axis=1)
     ends = np.flatnonzero(np.concatenate(([True], ~repeated, [True])))
-    if not _FEWEST_REPEATS < repeated.mean() < _MOST_REPEATS or int(np.diff(ends).max()) - 1 > _LONGEST_REPEAT:
+    if not _MIN_REPEATS < repeated.mean() < _MAX_REPEATS or int(np.diff(ends).max()) - 1 > _MAX_RUN_OF_REPEATS:
         return False
     beside = ~repeated & (np.roll(repeated, 1) | np.roll(repeated, -1))
     smallest = np.min(np.where(steps > 0.0, steps, np.inf), axis=0)
@@ -417,7 +417,7 @@ def _has_row_clock(match: HeaderMatch, table: SourceTable, stacked: bool) -> boo
         return False
     # Steps of current and what they did, one row each; a meter's record without its clock is longer, and has a voltage.
     in_steps = "wire_resistance_ohm" in found and not found & {"wire_voltage_v", "drive_voltage_v"}
-    return stacked or (in_steps and rows_in(table) <= _MOST_STEPS)
+    return stacked or (in_steps and rows_in(table) <= _MAX_STEPS)
 
 
 def _cure(plan: ImportPlan) -> ImportMapping | None:

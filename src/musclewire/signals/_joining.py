@@ -101,7 +101,7 @@ class _DelayOfPart(NamedTuple):
 def join_recordings(
     first: Recording, second: Recording, on: str | tuple[str, str] | None = None, delay_s: float | None = None
 ) -> JoinedRecordings:
-    """Join two recordings of one experiment: by one clock, by a delay that is given, or by what both recorded.
+    """Join two recordings of one experiment: by one clock, by a delay that is given, or by a column of both.
 
     Recordings of one clock, ``on="time_s"``, have no delay but that of their beginnings, as ``start_time`` or
     ``clock_start_s`` in their metadata state them. Otherwise the delay is that at which the coefficient of correlation

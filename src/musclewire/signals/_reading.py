@@ -22,7 +22,7 @@ from musclewire.signals._understanding import FileInterpretation, understanding_
 from musclewire.signals._writing import require_streamable, write_blocks
 
 # Each step of a proposal cures one thing: columns, clock, missing numbers, the test.
-MOST_STEPS_OF_A_PROPOSAL = 8
+MAX_STEPS_OF_A_PROPOSAL = 8
 # A test below another is chosen behind the group of the file, if it has any.
 _TEST = re.compile(r"(?:(?P<group>.+), )?test (?P<test>\d{1,6})")
 # Suffixes that need no part outside the core.
@@ -149,7 +149,7 @@ def proposed_mapping(path: str | Path, mapping: ImportMapping, problem: Recordin
     -------
     What was given and what has to be added, read to the last row; None if that is not known.
     """
-    for _ in range(MOST_STEPS_OF_A_PROPOSAL):
+    for _ in range(MAX_STEPS_OF_A_PROPOSAL):
         if not isinstance(problem, CurableError) or problem.cure is None or problem.cure == ImportMapping():
             return None
         mapping = mapping.joined(problem.cure)

@@ -16,7 +16,7 @@ _BRANCHES = (
     ("heating", re.compile(r"heating|heat-?up|warming|aufheizen|erwärmen|(?<![^\W_])heat(?![^\W_])", re.IGNORECASE)),
     ("cooling", re.compile(r"cooling|cool-?down|abkühlen|(?<![^\W_])cool(?![^\W_])", re.IGNORECASE)),
 )
-# Each branch has its own columns of what drives it and what follows; a printed loop has only one of strain.
+# Each branch has its own columns of the heating and what follows; a printed loop has only one of strain.
 _MIN_COLUMNS = 2
 # What rises in heating and falls in cooling, the surest first.
 _DRIVING = ("wire_temperature_k", "wire_current_a", "drive_voltage_v", "wire_voltage_v")
@@ -25,19 +25,19 @@ _DRIVING = ("wire_temperature_k", "wire_current_a", "drive_voltage_v", "wire_vol
 def stacked_branches(table: SourceTable) -> SourceTable:
     """Return a table with the rows of heating first and those of cooling after them, if its columns are such branches.
 
-    Each branch must have what drives it, a temperature, a current or a voltage, which orders its rows: rising in
-    heating, falling in cooling. Any other table is returned as it is.
+    Each branch must have a column of its heating, a temperature, a current or a voltage, which orders its rows: rising
+    in heating, falling in cooling. Any other table is returned as it is.
     """
     branches = [_columns_of(pattern, table.columns) for _, pattern in _BRANCHES]
     names = [name for name in branches[0] if name in branches[1]]
-    drives = [name for driving in _DRIVING for name in names if _means(name, driving)]
-    if len(names) < _MIN_COLUMNS or not drives or len(branches[0]) != len(branches[1]):
+    driving_names = [name for driving in _DRIVING for name in names if _means(name, driving)]
+    if len(names) < _MIN_COLUMNS or not driving_names or len(branches[0]) != len(branches[1]):
         return table
     indices = [branch[name] for branch in branches for name in names]
     values = _all_numbers(table, indices)
     if values is None:
         return table
-    return _stacked(table, names, drives[0], [values[: len(names)], values[len(names) :]], branches[0])
+    return _stacked(table, names, driving_names[0], [values[: len(names)], values[len(names) :]], branches[0])
 
 
 def _columns_of(pattern: re.Pattern[str], columns: Sequence[SourceColumn]) -> dict[str, int]:

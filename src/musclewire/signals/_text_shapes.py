@@ -1,4 +1,4 @@
-"""Text that is a table in disguise: what instruments put beside and above their numbers, and what sketches print.
+"""Text that is a table in disguise: what instruments put around their numbers, and what sketches print.
 
 Each function of ``SHAPES`` looks at the first lines and returns what turns the lines of such a file into those of a
 plain table, or None. The rules for tables in text read what comes out, so that there is one parser.
@@ -45,7 +45,7 @@ def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in line.split(",")]
 
 
-def _preamble_beside(head: Sequence[Line], path: str) -> Shape | None:
+def _preamble_to_the_left(head: Sequence[Line], path: str) -> Shape | None:
     """Tektronix TDS: three columns of settings, then time and voltage; only the first rows have the settings."""
     del path
     if not head or not head[0][1].startswith("Record Length,") or len(_cells(head[0][1])) < 5:
@@ -61,7 +61,7 @@ def _preamble_beside(head: Sequence[Line], path: str) -> Shape | None:
         for number, text in lines:
             yield number, ",".join(_cells(text)[3:5])
 
-    return Shape("an oscilloscope's settings beside its numbers", rows)
+    return Shape("an oscilloscope's settings to the left of its numbers", rows)
 
 
 def _counted_rows(head: Sequence[Line], path: str) -> Shape | None:
@@ -211,4 +211,4 @@ def _lines_of_pairs(head: Sequence[Line], path: str) -> Shape | None:
     return Shape("names with values in each line", lambda lines: _as_table(names, units, rows(lines), path))
 
 
-SHAPES = (_preamble_beside, _counted_rows, _units_above, _blocks_of_pairs, _lines_of_pairs)
+SHAPES = (_preamble_to_the_left, _counted_rows, _units_above, _blocks_of_pairs, _lines_of_pairs)

@@ -30,7 +30,7 @@ _COMMENT = re.compile(r"\s*(?:#|%|//|!)+\s?(.*)")
 _MAY_BE_NO_ROW = frozenset("#%/! \t\f\v\xa0")
 _ONLY_SEPARATORS = " \t;,|"
 _SEPARATOR_LINE = re.compile(r"\s*\"?sep=.\"?\s*", re.IGNORECASE)
-# The header of a column that holds the units of the one before, "#5" where there is none.
+# The header of a column that holds the units of the one before, "#5" without a header.
 _OF_UNITS = re.compile(r"units?|einheit(?:en)?|#\d+", re.IGNORECASE)
 _MAX_TITLE_LENGTH = 200
 # The layout follows from the first lines, of which there are few if they are long.
@@ -38,6 +38,8 @@ _HEAD_LINES = 2000
 _HEAD_LENGTH = 1 << 22
 # Rows of wide tables are handed over in smaller blocks.
 _BLOCK_LENGTH = 1 << 22
+# From so many bytes on compiled code is worth its loading.
+_LARGE = 1 << 24
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,8 @@ class TextTable:
     """A table in lines of text, of which only the first have been read. ``lines`` begins with the first of them again.
 
     ``row_word`` is what messages call a line, ``parts`` which of the cells of a line each column is, ``cell_units`` the
-    unit that stands in the cells of a column themselves.
+    unit in the cells of a column themselves. ``plain_path`` is a large file whose lines are those of the table, so
+    that its bytes may be read.
     """
 
     path: str
@@ -59,10 +62,23 @@ class TextTable:
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
     sample_period_s: float | None = None
     notes: tuple[str, ...] = ()
+    plain_path: Path | None = None
 
     def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, block after block; each call begins again."""
         first_line = self.text_layout.first_line
+        if self.plain_path is not None and indices and all(map(self._is_plain, indices)):
+            # Here, because compiled code takes half a second to load, which a small file is not worth.
+            from musclewire.signals._plain_rows import PlainRows
+
+            style, width = self.text_layout.style, len(self.text_layout.headers)
+            rows = PlainRows(self.plain_path, first_line, self.text_layout.separator, width, style.decimal)
+            for table in rows:
+                plain = tuple(table[:, self.parts[index][0]] for index in indices)
+                yield RowBlock(plain, self._place(range(first_line, first_line + len(table))), len(table))
+                first_line += len(table)
+            if rows.finished:
+                return
         below = itertools.dropwhile(lambda line: line[0] < first_line, self.lines())
         first = next(below, (0, ""))
         count = max(1, min(BLOCK_ROWS, _BLOCK_LENGTH // (len(first[1]) + 1)))
@@ -142,7 +158,7 @@ class TextTable:
         return values
 
     def _without_unit(self, cell: str, beside: str | None, index: int, number: int) -> str:
-        """Return the number of "0.33 V", or of a cell beside its unit. RecordingError if the unit is another one."""
+        """Return the number of "0.33 V", or of a cell next to its unit. RecordingError if the unit is another one."""
         found, unit = number_and_unit(cell) or (cell.strip(), self.cell_units[index])
         if beside is not None:
             found, unit = cell.strip(), beside.strip() or unit
@@ -170,7 +186,10 @@ def read_text_table(path: Path) -> TextTable:
     plain = partial(_without_comments, path)
     shape = shape_of(list(itertools.islice(plain(), _HEAD_LINES)), str(path))
     if shape is None:
-        return table_of_lines(str(path), plain, "text", separator, "line", comments)
+        table = table_of_lines(str(path), plain, "text", separator, "line", comments)
+        layout = table.text_layout
+        is_large = path.stat().st_size >= _LARGE and layout.separator != " " and not layout.style.thousands
+        return replace(table, plain_path=path) if is_large else table
     return table_of_lines(str(path), lambda: shape.lines(plain()), shape.words, None, "line", comments)
 
 
