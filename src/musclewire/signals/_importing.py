@@ -242,7 +242,9 @@ class _BlockReader:
         same[0] &= self._before is not None
         self._before = table[-1].tolist()
         if self._polled is None:
-            self._polled = is_polled(table[:, measured])
+            # A recording of ours has every row that was measured, repeated or not.
+            own = self._plan.match.taken[columns.index("time_s")].how == "own name"
+            self._polled = not own and is_polled(table[:, measured])
         repeated: np.ndarray[tuple[int], np.dtype[np.bool_]] = (
             same[:, measured].all(axis=1) if self._polled else same.all(axis=1)
         )

@@ -72,12 +72,12 @@ class TextTable:
             from musclewire.signals._plain_rows import PlainRows
 
             style, width = self.text_layout.style, len(self.text_layout.headers)
-            rows = PlainRows(self.plain_path, first_line, self.text_layout.separator, width, style.decimal)
-            for table in rows:
+            plain_rows = PlainRows(self.plain_path, first_line, self.text_layout.separator, width, style.decimal)
+            for table in plain_rows:
                 plain = tuple(table[:, self.parts[index][0]] for index in indices)
                 yield RowBlock(plain, self._place(range(first_line, first_line + len(table))), len(table))
                 first_line += len(table)
-            if rows.finished:
+            if plain_rows.finished:
                 return
         below = itertools.dropwhile(lambda line: line[0] < first_line, self.lines())
         first = next(below, (0, ""))
