@@ -1,10 +1,13 @@
 """A large CSV file is converted in bounded memory: largest resident memory of `musclewire import`, time, and rows kept.
 
-    python benchmarks/import_large_file.py [--quick] [--folder FOLDER]
+    python benchmarks/import_large_file.py [--quick] [--folder FOLDER] [--pandas]
 
 The file is 2 GiB (64 MiB with --quick) of five columns with units, in two dialects: as programs write numbers, and with
 semicolons, decimal commas and dates as text. The memory is the child process's as the kernel counts it (ru_maxrss).
 Ends with exit code 1 above 500 MiB, or if a row is missing.
+
+With --pandas a file of 300 MB is checked by `musclewire import` without -o, and read by `pandas.read_csv`, both in
+processes of their own in the same run: exit code 1 above 3 times the time or 1 time the memory of pandas.
 """
 
 from __future__ import annotations
@@ -22,6 +25,10 @@ import h5py
 
 MOST_MEMORY_MIB = 500.0
 SIZES_MIB = {False: 2048, True: 64}
+# What a check of a file may take of what pandas needs to read it.
+PANDAS_MIB = 287  # 300 MB
+MAX_TIME_RATIO, MAX_MEMORY_RATIO = 3.0, 1.0
+READ_BY_PANDAS = "import sys, pandas; pandas.read_csv(sys.argv[1])"
 HEADERS = {
     "plain": "Time [s],V_SMA [V],V_R [V],LVDT [mm],T [degC]\n",
     "dates": "Zeitstempel;V_SMA [mV];V_R [mV];Weg [mm];T [°C]\n",
@@ -56,13 +63,18 @@ def write_table(path: Path, dialect: str, size_mib: int) -> int:
 
 def converted(path: Path, output: Path) -> tuple[float, float]:
     """Convert a file in a process of its own; return its largest resident memory [MiB] and its time [s]."""
+    return taken_by(["-m", "musclewire", "import", str(path), "-o", str(output), "--overwrite", "--json"])
+
+
+def taken_by(arguments: list[str]) -> tuple[float, float]:
+    """Run Python in a process of its own; return its largest resident memory [MiB] and its time [s]."""
     began = perf_counter()
-    command = [sys.executable, "-m", "musclewire", "import", str(path), "-o", str(output), "--overwrite", "--json"]
+    command = [sys.executable, *arguments]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL) as child:
         _, status, usage = os.wait4(child.pid, 0)
         child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode:
-        sys.exit(f"import ended with exit code {child.returncode}")
+        sys.exit(f"{' '.join(arguments[:3])} ended with exit code {child.returncode}")
     return usage.ru_maxrss / 1024.0, perf_counter() - began
 
 
@@ -87,12 +99,37 @@ def measured(dialect: str, folder: Path, size_mib: int) -> dict[str, object]:
     }
 
 
+def compared(folder: Path, size_mib: int) -> dict[str, object]:
+    """Return what checking a plain file takes, as a ratio to what pandas takes to read it."""
+    path = folder / "plain.csv"
+    rows = write_table(path, "plain", size_mib)
+    memory_mib, time_s = taken_by(["-m", "musclewire", "import", str(path), "--json"])
+    pandas_mib, pandas_s = taken_by(["-c", READ_BY_PANDAS, str(path)])
+    return {
+        "size_mib": size_mib,
+        "rows": rows,
+        "memory_mib": round(memory_mib, 1),
+        "time_s": round(time_s, 1),
+        "pandas_memory_mib": round(pandas_mib, 1),
+        "pandas_time_s": round(pandas_s, 1),
+        "memory_ratio": round(memory_mib / pandas_mib, 2),
+        "time_ratio": round(time_s / pandas_s, 2),
+        "within": memory_mib <= MAX_MEMORY_RATIO * pandas_mib and time_s <= MAX_TIME_RATIO * pandas_s,
+    }
+
+
 def main() -> int:
     """Measure both dialects and print what was found."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="64 MiB instead of 2 GiB")
     parser.add_argument("--folder", type=Path, help="where the large files are written and removed again")
+    parser.add_argument("--pandas", action="store_true", help="compare checking 300 MB with pandas instead")
     options = parser.parse_args()
+    if options.pandas:
+        with tempfile.TemporaryDirectory(dir=options.folder) as folder:
+            ratio = compared(Path(folder), SIZES_MIB[True] if options.quick else PANDAS_MIB)
+        print(json.dumps(ratio, indent=2))
+        return 0 if ratio["within"] else 1
     with tempfile.TemporaryDirectory(dir=options.folder) as folder:
         found = [measured(dialect, Path(folder), SIZES_MIB[options.quick]) for dialect in HEADERS]
     print(json.dumps({"most_memory_mib": MOST_MEMORY_MIB, "files": found}, indent=2))

@@ -293,6 +293,9 @@ class JoinedFiles(AnswerModel):
     columns: Words
     rows: int
     notes: Words
+    rate: float = 1.0
+    rate_std: float = 0.0
+    how: str = ""
 
 
 class ImportAnswer(AnswerModel):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import shlex
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,6 +13,7 @@ import typer
 from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_free
 from musclewire.app._options import (
+    DELAY,
     DROP_MISSING,
     IGNORE,
     JOIN,
@@ -58,6 +60,7 @@ def import_recordings(
     table: TableOptions,
     figure: FigureOptions,
     join: Annotated[str | None, JOIN] = None,
+    delay: Annotated[str | None, DELAY] = None,
     output: Annotated[
         Path | None, output_option("Recording to write (.h5, .csv, .parquet, .mat, .xlsx); one FILE only.")
     ] = None,
@@ -67,18 +70,21 @@ def import_recordings(
     """Read recordings of other programs and show how they were interpreted; with -o convert one, or join two."""
     from musclewire.signals import mappings_of_files
 
-    require_possible(files, join, output, save_mapping, overwrite)
-    joining = join is not None or (output is not None and len(files) > 1)
+    require_possible(files, join if delay is None else delay, output, save_mapping, overwrite)
+    joining = join is not None or delay is not None or (output is not None and len(files) > 1)
     require_one_figure(figure, files, joining)
     mappings = mappings_of_files(files, table.added_to(reading.import_mapping()))
     single, version = None if joining else output, table.matlab_version
-    understood = [imported(path, mapping, single, version) for path, mapping in zip(files, mappings, strict=True)]
+    understood = [
+        imported(path, mapping, single, version, reading.mapping) for path, mapping in zip(files, mappings, strict=True)
+    ]
     problem = next((item.problem for item in understood if item.problem), "")
-    understanding = "\n".join(str(item) for item in understood)
+    proposals = [line for item in understood for line in proposal_lines(item.path, item.proposal, reading.mapping)]
+    understanding = "\n".join([*map(str, understood), *proposals])
     if problem:
         show(understanding)
         raise RecordingError(problem)
-    joined = joined_files(files, mappings, join) if joining else None
+    joined = joined_files(files, mappings, join, in_si("--delay", delay)) if joining else None
     if joined is not None and output is not None:
         joined.recording.save(output, version)
     if save_mapping is not None:
@@ -121,22 +127,68 @@ def drawn(path: Path, mapping: ImportMapping, joined: JoinedRecordings | None, *
     return recording.plot(style=style)
 
 
-def imported(path: Path, mapping: ImportMapping, output: Path | None, matlab_version: str | None) -> FileInterpretation:
-    """Return how a file was understood; if it can be used and there is an output, it has been converted."""
-    from musclewire.signals import import_recording
+def imported(
+    path: Path,
+    mapping: ImportMapping,
+    output: Path | None,
+    matlab_version: str | None,
+    mapping_file: Path | None = None,
+) -> FileInterpretation:
+    """Return how a file was understood; if it can be used and there is an output, it has been converted.
 
-    return import_recording(path, output, mapping=mapping, matlab_version=matlab_version)
+    Before a refusal the command that reads the file is shown, if one is known.
+    """
+    from musclewire.signals import import_recording, proposed_mapping
+
+    try:
+        return import_recording(path, output, mapping=mapping, matlab_version=matlab_version)
+    except RecordingError as problem:
+        for line in proposal_lines(str(path), proposed_mapping(path, mapping, problem), mapping_file):
+            show(line)
+        raise
 
 
-def joined_files(files: list[Path], mappings: list[ImportMapping], join: str | None) -> JoinedRecordings:
+def proposal_lines(path: str, proposal: ImportMapping | None, mapping_file: Path | None) -> list[str]:
+    """Return the command that reads a file, which has been tried; nothing without a proposal."""
+    if proposal is None:
+        return []
+    from musclewire.signals import EXAMPLE_PERIOD_S, load_mapping
+
+    remembered = [] if mapping_file is None else as_options(load_mapping(mapping_file))
+    added = [option for option in as_options(proposal) if option not in remembered]
+    named = [] if mapping_file is None else [("--mapping", str(mapping_file))]
+    words = ["musclewire", "import", path, *(word for option in (*named, *added) for word in option)]
+    is_example = proposal.sample_period_s == EXAMPLE_PERIOD_S
+    note = [f"  ({EXAMPLE_PERIOD_S:g} s is an example: give the time between two of your rows)"] if is_example else []
+    return [f"  try: {shlex.join(words)}", *note]
+
+
+def as_options(mapping: ImportMapping) -> list[tuple[str, ...]]:
+    """Return a mapping as the options of the command line that give it."""
+    options: list[tuple[str, ...]] = [("-c", f"{name}={wanted}") for name, wanted in mapping.columns.items()]
+    options += [("--ignore", header) for header in mapping.ignore]
+    if mapping.sample_period_s is not None:
+        options.append(("--sample-period", f"{mapping.sample_period_s:g} s"))
+    if mapping.group is not None:
+        options.append(("--group", mapping.group))
+    options += [
+        (f"--{name.replace('_', '-')}",) for name in ("drop_missing", "zero", "invert") if getattr(mapping, name)
+    ]
+    known = {"shunt_resistance_ohm": ("--shunt", "ohm"), "leg_length_m": ("--leg-length", "m")}
+    options += [(known[key][0], f"{value} {known[key][1]}") for key, value in mapping.metadata.items() if key in known]
+    return options
+
+
+def joined_files(
+    files: list[Path], mappings: list[ImportMapping], join: str | None, delay_s: float | None = None
+) -> JoinedRecordings:
     """Return two files as one recording on the first one's clock."""
     from musclewire.signals import join_recordings, read_recording
 
     first, second = (read_recording(path, mapping=mapping) for path, mapping in zip(files, mappings, strict=True))
     one, equals, other = (join or "").partition("=")
-    return join_recordings(
-        first, second, None if join is None else (one.strip(), other.strip() if equals else one.strip())
-    )
+    pair = None if join is None else (one.strip(), other.strip() if equals else one.strip())
+    return join_recordings(first, second, pair, delay_s)
 
 
 def remember(understood: FileInterpretation, path: Path) -> None:
@@ -156,8 +208,12 @@ def import_answer(understood: list[FileInterpretation], joined: JoinedRecordings
 
 def joined_lines(joined: JoinedRecordings, second: str) -> list[str]:
     """Return in words how a second file was joined to the first."""
+    how = joined.how
+    if joined.columns:
+        how = f"by the correlation {joined.correlation:.3f} of {' and '.join(dict.fromkeys(joined.columns))}"
+    rate = f", and runs {joined.rate:.6g} times as fast (+- {joined.rate_std:.2g})" if joined.rate != 1.0 else ""
+    delay = f"{joined.delay_s:.6g} s, standard deviation {joined.delay_std_s:.2g} s"
     return [
-        f"{second}: its clock is ahead by {joined.delay_s:.6g} s, standard deviation {joined.delay_std_s:.2g} s, by "
-        f"the correlation {joined.correlation:.3f} of {' and '.join(dict.fromkeys(joined.columns))}",
+        f"{second}: its clock is ahead by {delay}{rate}, {how}",
         *(f"  {note}" for note in joined.notes),
     ]

@@ -26,6 +26,7 @@ IN_OPTIONS = {
     "add real_time=True": "add --real-time",
     "leave out cpu": "leave out --cpu",
     "choose one of these for cpu": "choose one of these for --cpu",
+    "or state the delay (delay_s)": "or state the delay (--delay)",
     "that follow each other (on)": "that follow each other (--join)",
     "give leg_length_m in its metadata": "give --leg-length, or leg_length_m in the file",
     "or leg_length_m in its metadata and": "or --leg-length and",

@@ -211,6 +211,13 @@ JOIN = option(
     "By default by the only column that both have.",
     metavar="COLUMN",
 )
+DELAY = quantity(
+    "--delay",
+    "s",
+    "Join two files, of which the second one's clock is ahead by this: what nothing in the files shows.",
+    -1e9,
+    1e9,
+)
 ZERO = option("--zero", help="Count displacement, strain and force from the first row.")
 INVERT = option("--invert", help="The sensor reads backwards: negate displacement and strain.")
 ORDER = option("--order", help="Order of the polynomials, or 'auto' (cross-validation).")
@@ -273,6 +280,9 @@ def mapping(pairs: list[str] | None, option: str = "--column") -> dict[str, str]
         name, separator, value = pair.partition("=")
         if not (separator and name.strip() and value.strip()):
             raise CallerError(f"{option} {pair}: write {EXAMPLES[option]}")
+        if found.get(name.strip(), value.strip()) != value.strip():
+            both = f"'{found[name.strip()]}' and '{value.strip()}'"
+            raise CallerError(f"{option} gives {name.strip()} twice, {both}: choose one")
         found[name.strip()] = value.strip()
     return found
 

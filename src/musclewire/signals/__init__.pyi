@@ -30,9 +30,11 @@ from ._headers import IgnoredHeader as IgnoredHeader
 from ._headers import MatchedHeader as MatchedHeader
 from ._headers import UndecidedHeader as UndecidedHeader
 from ._headers import split_header as split_header
+from ._import_mapping import CurableError as CurableError
 from ._import_mapping import ImportMapping as ImportMapping
 from ._import_mapping import load_mapping as load_mapping
 from ._import_mapping import save_mapping as save_mapping
+from ._importing import EXAMPLE_PERIOD_S as EXAMPLE_PERIOD_S
 from ._joining import JoinedRecordings as JoinedRecordings
 from ._joining import join_recordings as join_recordings
 from ._journal import JOURNAL_SUFFIX as JOURNAL_SUFFIX
@@ -50,6 +52,7 @@ from ._plots import usual_plot as usual_plot
 from ._reading import has_headers as has_headers
 from ._reading import import_recording as import_recording
 from ._reading import mappings_of_files as mappings_of_files
+from ._reading import proposed_mapping as proposed_mapping
 from ._reading import read_hdf5 as read_hdf5
 from ._reading import read_recording as read_recording
 from ._reading import understand as understand

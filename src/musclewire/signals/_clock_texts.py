@@ -34,6 +34,28 @@ _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct",
 _PLAIN_ISO = re.compile(r"\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}:\d{2}(?:\.\d{1,6})?")
 
 
+# How a time of two numbers may be written: minutes and seconds, or hours and minutes.
+WRITTEN_CLOCKS = ("mm:ss", "hh:mm")
+_FORMS = {
+    **dict.fromkeys(("mm:ss", "m:ss", "min:s", "min:sec"), WRITTEN_CLOCKS[0]),
+    **dict.fromkeys(("hh:mm", "h:mm", "h:min"), WRITTEN_CLOCKS[1]),
+}
+_TWO_NUMBERS = re.compile(r"(\d{1,3}):\d{2}")
+
+
+def written_clock(unit: str | None, cells: Sequence[str] = ()) -> str | None:
+    """Return how times are written by the unit in their header or by themselves; None if two numbers may be either.
+
+    "" for times that state their seconds.
+    """
+    if unit is not None and unit.lower() in _FORMS:
+        return _FORMS[unit.lower()]
+    found = [_TWO_NUMBERS.fullmatch(cell.strip()) for cell in cells]
+    if not found or None in found:
+        return ""
+    return WRITTEN_CLOCKS[0] if any(match is not None and int(match[1]) > 23 for match in found) else None
+
+
 class _PointInTime(NamedTuple):
     """A time in microseconds, since the year 1 or since midnight."""
 
@@ -70,9 +92,10 @@ class ClockTexts:
     of February or second of January) does not matter; with one it is that in which the clock of the first rows rises.
     """
 
-    def __init__(self, where: str) -> None:
-        """Remember how messages begin."""
+    def __init__(self, where: str, form: str = "") -> None:
+        """Remember how messages begin, and how a time of two numbers is written: one of WRITTEN_CLOCKS, or ""."""
         self._where = where
+        self._in_minutes = form == WRITTEN_CLOCKS[0]
         self._origin_us: int | None = None
         self._last_us = 0
         self._midnights_us = 0
@@ -116,7 +139,7 @@ class ClockTexts:
         return seconds
 
     def _microseconds(self, cell: str, place: Callable[[int], str], row: int) -> int:
-        moment = _moment(cell, bool(self._day_first))
+        moment = _moment(f"0:{cell.strip()}" if self._in_minutes else cell, bool(self._day_first))
         if moment is None:
             what = f"'{cell.strip()[:40]}' is not a time" if cell.strip() else "the cell is blank"
             raise RecordingError(f"{self._where.format(place=place(row))}: {what}; correct it or remove the row")

@@ -80,6 +80,8 @@ _ALL = (
         "a late correction, of versions before 0.2: 0 none due, 1 applied, 2 late, 3 failed",
         "control",
     ),
+    Column("pulse_duration_s", "s", "length of the pulse that a row is of", "table"),
+    Column("cold_resistance_ohm", "ohm", "resistance before the pulse that a row is of", "table"),
     Column("cycle", "", "number of the cycle this row belongs to", "control"),
     Column("resistance_ohm", "ohm", "resistance at which both branches are given", "table"),
     Column("strain_heating", "", "strain on the heating branch at this resistance", "table"),
@@ -128,15 +130,16 @@ class _Columns(dict[str, Column]):
 
 COLUMNS: Mapping[str, Column] = MappingProxyType(_Columns({column.name: column for column in _ALL}))
 
-# Two kinds of table have no clock, and these columns stand in for one: a printed loop, and what a test machine writes
-# while it heats and cools a wire under constant stress, where only the order of the rows counts.
+# Three kinds of table have no clock, and these columns stand in for one: a printed loop; what a test machine writes
+# while it heats and cools a wire under constant stress, where only the order of the rows counts; pulses, a row each.
 BRANCH_TABLE = ("resistance_ohm", "strain_heating", "strain_cooling")
 ISOBAR_TABLE = ("wire_temperature_k", "reference_strain", "stress_pa")
+PULSE_TABLE = ("pulse_duration_s", "wire_current_a", "wire_resistance_ohm")
 
 
 def needs_no_clock(names: Collection[str]) -> bool:
     """Return whether columns of these names make a table without ``time_s``."""
-    return any(set(table) <= set(names) for table in (BRANCH_TABLE, ISOBAR_TABLE))
+    return any(set(table) <= set(names) for table in (BRANCH_TABLE, ISOBAR_TABLE, PULSE_TABLE))
 
 
 def known_column(name: str) -> Column:

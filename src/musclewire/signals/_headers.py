@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from musclewire.errors import RecordingError, nearest_hint
+from musclewire.signals._clock_texts import written_clock
 from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, Column, columns_called, key_of_header, known_column
 from musclewire.signals._source_table import SourceColumn
-from musclewire.signals._units import UnitConversion, conversion_to_si, measures
+from musclewire.signals._units import UnitConversion, conversion_to_si, measures, scale_to_si
 
 How = Literal["own name", "synonym", "mapped", "values", "unit"]
 
@@ -73,6 +74,8 @@ _BEFORE_UNIT = re.compile(r"\s+in\s+|\s*[,;:]\s*|[ _.\-]+|(?=[%°])")
 
 
 _NUMBER = re.compile(r"\s*#(?P<number>\d+)\s*(?::(?P<unit>.*))?")
+# A mapping that says how a clock is written, which holds a colon itself.
+_WRITTEN_CLOCK = re.compile(r"(?P<header>.+):(?P<form>mm:ss|hh:mm)")
 
 
 def numbered_headers(count: int) -> tuple[str, ...]:
@@ -125,8 +128,9 @@ def match_columns(
         )
     found = _with_one_clock([by_index[index] for index in range(len(columns))])
     taken = _as_branch_table([item for item in found if isinstance(item, MatchedHeader)])
+    taken, anybodys = _voltage_of_the_wire(taken, path)
     taken, twice = _taken_once(taken, path)
-    undecided = tuple(item for item in found if isinstance(item, UndecidedHeader))
+    undecided = (*anybodys, *(item for item in found if isinstance(item, UndecidedHeader)))
     ignored = tuple(item for item in found if isinstance(item, IgnoredHeader))
     return HeaderMatch(tuple(taken), ignored, undecided + twice)
 
@@ -186,12 +190,13 @@ def _left_out(
 
 def _indices_called(wanted: str, columns: Sequence[SourceColumn]) -> list[int]:
     """Return the columns that a text names: exactly, else by letters and digits, without a unit, or by number."""
+    counted = _NUMBER.fullmatch(wanted)
+    # "#2" is the second column, and never the one that is headed "2".
     spellings: tuple[Callable[[str], str], ...] = (str.strip, key_of_header, _key_of_name)
-    for spelling in spellings:
+    for spelling in spellings[:1] if counted else spellings:
         indices = [i for i, column in enumerate(columns) if spelling(wanted) == spelling(column.header) != ""]
         if indices:
             return indices
-    counted = _NUMBER.fullmatch(wanted)
     in_range = counted is not None and 0 < int(counted["number"]) <= len(columns)
     return [int(counted["number"]) - 1] if counted and in_range else []
 
@@ -203,7 +208,10 @@ def _mapped(name: str, wanted: str, columns: Sequence[SourceColumn], path: str) 
     if column.is_text:
         if ours.name != "time_s":
             raise RecordingError(f"{path}: column '{column.header}' holds text, not numbers; map another to {name}")
-        return _clock(column, index, "mapped")
+        return _clock(column, index, "mapped", unit)
+    scale = None if unit is None else scale_to_si(unit, name, _own_unit(column), f"{path}: column '{column.header}'")
+    if unit is not None and scale is not None:
+        return MatchedHeader(column.header, index, name, unit, True, scale.factor, scale.offset, "mapped")
     if unit is None:
         unit = _own_unit(column)
     if unit is None and ours.unit:
@@ -213,23 +221,32 @@ def _mapped(name: str, wanted: str, columns: Sequence[SourceColumn], path: str) 
     return _taken(column.header, index, ours, unit, "mapped", path)
 
 
+def _stated_unit(column: SourceColumn) -> str | None:
+    """Return the unit next to a header, or in it."""
+    return split_header(column.header)[1] if column.unit is None else column.unit
+
+
 def _own_unit(column: SourceColumn) -> str | None:
     """Return the unit that a column states by itself: next to its header, in it, or by one of our names."""
-    if column.unit is not None:
-        return column.unit
-    own = _own_column(split_header(column.header)[0])
-    return split_header(column.header)[1] if own is None else own.unit
+    own = None if column.unit is not None else _own_column(split_header(column.header)[0])
+    return _stated_unit(column) if own is None else own.unit
 
 
-def _clock(column: SourceColumn, index: int, how: How) -> MatchedHeader:
-    return MatchedHeader(column.header, index, "time_s", "s", True, 1.0, 0.0, how, is_text=True)
+def _clock(column: SourceColumn, index: int, how: How, form: str | None = None) -> MatchedHeader:
+    stated = written_clock(form) or written_clock(_stated_unit(column))
+    unit = stated or "s"
+    return MatchedHeader(column.header, index, "time_s", unit, True, 1.0, 0.0, how, is_text=True)
 
 
 def _find(name: str, wanted: str, headers: Sequence[str], path: str) -> tuple[int, str | None]:
     """Return the index of the header that ``wanted`` names, and the unit it adds."""
     header, colon, unit = wanted.rpartition(":")
+    if clock := _WRITTEN_CLOCK.fullmatch(wanted):
+        header, unit = clock["header"], clock["form"]
     exactly: tuple[Callable[[str], str], ...] = (str, str.strip)
-    loosely = (key_of_header, _key_of_name)
+    counted = _NUMBER.fullmatch(wanted)
+    # "#2" is the second column, and never the one that is headed "2".
+    loosely = () if counted else (key_of_header, _key_of_name)
     # A header may hold a colon itself, so the whole text comes first; loosely it comes last, because without
     # its punctuation "strain:%" is "strain" and would lose the unit.
     tries = [(wanted, None, exactly), (header, unit.strip(), exactly + loosely), (wanted, None, loosely)]
@@ -241,7 +258,6 @@ def _find(name: str, wanted: str, headers: Sequence[str], path: str) -> tuple[in
             if indices and spelling(text):
                 same = ", ".join(f"'{headers[i]}'" for i in indices)
                 raise RecordingError(f"{path}: {name}={wanted} fits {same}; write the whole header, with its unit")
-    counted = _NUMBER.fullmatch(wanted)
     if counted and 0 < int(counted["number"]) <= len(headers):
         return int(counted["number"]) - 1, counted["unit"].strip() if counted["unit"] else None
     hint = nearest_hint(header if colon else wanted, headers)
@@ -354,6 +370,38 @@ def _as_branch_table(taken: list[MatchedHeader]) -> list[MatchedHeader]:
     if not is_table:
         return taken
     return [replace(item, column=BRANCH_TABLE[0]) if item.column == "wire_resistance_ohm" else item for item in taken]
+
+
+# Names that a sensor's converter gives its own output as well.
+_ANY_VOLTAGE = frozenset({"voltage", "volts", "v", "u", "spannung", "measuredvoltage"})
+_OF_A_WIRE = frozenset({
+    "wire_current_a", "shunt_voltage_v", "drive_voltage_v", "wire_resistance_ohm", "wire_temperature_k",
+})  # fmt: skip
+
+
+def _voltage_of_the_wire(
+    taken: list[MatchedHeader], path: str
+) -> tuple[list[MatchedHeader], tuple[UndecidedHeader, ...]]:
+    """A voltage that only says so may be a sensor's, unless something else of the wire is next to it."""
+    voltages = [item for item in taken if item.column == "wire_voltage_v"]
+    alone = len(voltages) == 1 and not {item.column for item in taken} & _OF_A_WIRE
+    asked = [
+        item
+        for item in voltages
+        if alone and item.how == "synonym"
+        if key_of_header(_with_unit_as_last_words(split_header(item.header)[0])[0]) in _ANY_VOLTAGE
+    ]
+    undecided = tuple(
+        UndecidedHeader(
+            item.header,
+            item.index,
+            item.column,
+            f"{path}: column '{item.header}' may be the wire's voltage or a sensor's; nothing else here is of a wire: "
+            f"map it, wire_voltage_v={item.header}:{item.unit}, or ignore it",
+        )
+        for item in asked
+    )
+    return [item for item in taken if item not in asked], undecided
 
 
 def _name_of(item: MatchedHeader, other: MatchedHeader) -> str:

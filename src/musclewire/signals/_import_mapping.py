@@ -25,7 +25,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from musclewire.errors import CallerError, nearest_hint, toml_problem
+from musclewire.errors import CallerError, RecordingError, nearest_hint, toml_problem
 from musclewire.signals._columns import known_column
 from musclewire.signals._metadata import MetadataValue, checked_metadata
 from musclewire.signals._units import parse_quantity
@@ -35,6 +35,23 @@ from musclewire.toml_text import toml_value
 _FORMAT = "musclewire-mapping"
 _SWITCHES = ("drop_missing", "zero", "invert")
 _KEYS = ("format", "version", "sample_period", "ignore", "group", *_SWITCHES, "columns", "metadata")
+
+
+class CurableError(RecordingError):
+    """A file cannot be read as it is, and ``cure`` is what would read it, or the next step to it; None if unknown.
+
+    Parameters
+    ----------
+    message
+        What is wrong.
+    cure
+        What to add to the mapping.
+    """
+
+    def __init__(self, message: str, cure: ImportMapping | None = None) -> None:
+        """Keep the cure."""
+        super().__init__(message)
+        self.cure = cure
 
 
 @dataclass(frozen=True)

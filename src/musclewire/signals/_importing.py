@@ -5,28 +5,33 @@ Reading, previewing and converting a file go through the same blocks, so that a 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.signals._absolute_clocks import ABSOLUTE_FROM_S, absolute_clock
-from musclewire.signals._clock_texts import ClockTexts
-from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, needs_no_clock
+from musclewire.signals._clock_texts import WRITTEN_CLOCKS, ClockTexts, written_clock
+from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, PULSE_TABLE, needs_no_clock
 from musclewire.signals._headers import (
     HeaderMatch,
     IgnoredHeader,
     MatchedHeader,
+    UndecidedHeader,
     match_columns,
     missing_from,
     numbered_headers,
 )
-from musclewire.signals._import_mapping import ImportMapping
+from musclewire.signals._import_mapping import CurableError, ImportMapping
+from musclewire.signals._long_tables import spread_series
 from musclewire.signals._metadata import MetadataValue
+from musclewire.signals._proposing import columns_offered, mapped_with_unit, repeated_stamps
 from musclewire.signals._side_by_side import stacked_branches
-from musclewire.signals._source_table import Cells, RowBlock, SourceTable, head_of
+from musclewire.signals._source_table import Cells, RowBlock, SourceTable, head_of, rows_in
 from musclewire.signals._units import beyond, conversion_to_si, largest_in
 from musclewire.signals._unusable_readings import LEFT_OUT, ReadingsOfBlocks, is_overload
 
@@ -40,12 +45,29 @@ _ZEROED = (*_INVERTED, "force_n")
 _TEMPERATURES = frozenset({"wire_temperature_k", "ambient_temperature_k"})
 # Columns that say when and in which cycle, but nothing about a wire.
 _COUNTERS = frozenset({"time_s", "cycle"})
+# What moved, and what was measured of the wire: with both, the order of rows is a loop without a clock.
+_MOVED = frozenset({"displacement_m", "reference_strain", "force_n"})
+_OF_THE_WIRE = frozenset({"wire_resistance_ohm", "wire_voltage_v", "wire_current_a", "wire_temperature_k"})
+_ELECTRICAL = _OF_THE_WIRE - {"wire_temperature_k"}
+_MAX_STEPS = 1000
+# An example of the time between rows, which only a person can know if the file does not state it.
+EXAMPLE_PERIOD_S = 1.0
+# Rows are repeated by polling if so many of them are, never for long, between steps of so many of the smallest.
+_MIN_ROWS_OF_POLLING = 20
+_MIN_REPEATS, _MAX_REPEATS = 0.05, 0.95
+_STEPS_OF_A_MEASUREMENT = 20.0
+_MAX_RUN_OF_REPEATS = 5
 _DROP_CURE = "or leave such rows out (drop_missing=True)"
 
 
 @dataclass(frozen=True)
 class ImportPlan:
-    """A table and what each of its columns becomes; ``problem`` is the first reason why it cannot be read, or ""."""
+    """A table and what each of its columns becomes; ``problem`` is the first reason why it cannot be read, or "".
+
+    ``cure`` is what to add to the mapping against it; None if that is not known. ``row_clock`` says that the rows are
+    numbered for want of a clock, ``test`` which of several tests below each other is read, from 1; None for the only
+    one.
+    """
 
     table: SourceTable
     match: HeaderMatch
@@ -53,6 +75,9 @@ class ImportPlan:
     sample_period_s: float | None = None
     notes: tuple[str, ...] = ()
     problem: str = ""
+    cure: ImportMapping | None = None
+    row_clock: bool = False
+    test: int | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -61,9 +86,21 @@ class ImportPlan:
         return taken if self.sample_period_s is None else ("time_s", *taken)
 
     @property
+    def offered(self) -> ImportMapping | None:
+        """What headers with unknown names may be, if something of the wire is among it; else None."""
+        found = columns_offered(self.table, self.match)
+        return found if _ELECTRICAL & found.columns.keys() else None
+
+    @property
+    def is_electrical(self) -> bool:
+        """Whether anything was measured of the wire's electricity, or nothing needs to be, as in isobars."""
+        return bool(_ELECTRICAL & set(self.names)) or needs_no_clock(self.names)
+
+    @property
     def metadata(self) -> dict[str, MetadataValue]:
         """The metadata of file and mapping."""
-        return {**self.table.metadata, **self.mapping.metadata}
+        numbered: dict[str, MetadataValue] = {"clock": "row numbers"} if self.row_clock else {}
+        return {**self.table.metadata, **numbered, **self.mapping.metadata}
 
 
 @dataclass
@@ -72,10 +109,18 @@ class CheckedBlocks:
 
     row_count: int = 0
     dropped: int = 0
+    repeated: int = 0
     start_time: str | None = None
     overloads: dict[str, int] = field(default_factory=dict)
     readings: ReadingsOfBlocks = field(default_factory=ReadingsOfBlocks)
+    clock_start_s: float | None = None
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    @property
+    def started(self) -> dict[str, MetadataValue]:
+        """When the recording began: a date, or what a clock that counts from long ago showed at the first row [s]."""
+        known = {"start_time": self.start_time, "clock_start_s": self.clock_start_s}
+        return {name: value for name, value in known.items() if value is not None}
 
     def add(self, columns: Mapping[str, FloatArray]) -> None:
         """Count a block of the recording's rows."""
@@ -94,28 +139,33 @@ class CheckedBlocks:
         return {LEFT_OUT: f"left out: {', '.join(counted)}"} if counted else {}
 
 
-def plan_import(table: SourceTable, mapping: ImportMapping) -> ImportPlan:
-    """Return what each column of a table becomes.
+def plan_import(table: SourceTable, mapping: ImportMapping, test: int | None = None) -> ImportPlan:
+    """Return what each column of a table becomes; ``test`` is which of the tests below each other is read.
 
     Raises RecordingError and CallerError for what is wrong with the mapping itself; what is wrong with the file is in
     the plan's ``problem``.
     """
     found = missing_from(table.columns, mapping.columns, ())[0] != frozenset(mapping.columns)
-    table = table if found else stacked_branches(table)
+    given, table = table, table if found else stacked_branches(spread_series(table))
     path, headers = table.path, tuple(column.header for column in table.columns)
     match = match_columns(table.columns, mapping.columns, path, mapping.ignore, mapping.only_mapped)
-    match = _with_absolute_clock(match, table)
+    match = _with_written_clock(_with_absolute_clock(match, table), table)
     period_s = _counted_period_s(match, table, mapping)
     if mapping.sample_period_s is not None:
         match = _without_undecided_clock(match)
-    plan = ImportPlan(table, match, mapping, period_s, _notes(table, mapping, period_s))
+    stacked = table is not given and "time_s" not in {item.column for item in match.taken}
+    row_clock = period_s is None and _has_row_clock(match, table, stacked)
+    period_s = 1.0 if row_clock else period_s
+    notes = _notes(table, mapping, period_s, row_clock)
+    plan = ImportPlan(table, match, mapping, period_s, notes, row_clock=row_clock, test=test)
     if not mapping.columns and headers == numbered_headers(len(headers)):
         problem = (
             f"{path}: has no headers; name the columns in the first line, such as 'time [s],wire_voltage_v', "
             "or map them by number: time_s=#1:s"
         )
         return replace(plan, problem=problem)
-    return replace(plan, problem=_problem(plan, headers))
+    problem = _problem(plan, headers)
+    return replace(plan, problem=problem, cure=_cure(plan) if problem else None)
 
 
 def checked_blocks(plan: ImportPlan, tally: CheckedBlocks) -> Iterator[dict[str, FloatArray]]:
@@ -124,7 +174,7 @@ def checked_blocks(plan: ImportPlan, tally: CheckedBlocks) -> Iterator[dict[str,
     Raises RecordingError with file, line or row, and column for the first number that cannot be used.
     """
     if plan.problem:
-        raise RecordingError(plan.problem)
+        raise CurableError(plan.problem, plan.cure)
     reader = _BlockReader(plan, tally)
     for block in plan.table.blocks([item.index for item in plan.match.taken]):
         columns = reader.columns_of(block)
@@ -144,15 +194,18 @@ class _BlockReader:
         self._last_time_s = -np.inf
         self._first: dict[str, float] = {}
         self._origin: float | None = None
+        self._before: list[float] | None = None
+        self._polled: bool | None = None
+        self._test = 1
         clock = next((item for item in plan.match.taken if item.is_text), None)
         header = "" if clock is None else clock.header.replace("{", "{{").replace("}", "}}")
-        self._clock = ClockTexts(f"{self._path}: {{place}}, column '{header}'")
+        self._clock = ClockTexts(f"{self._path}: {{place}}, column '{header}'", "" if clock is None else clock.unit)
 
     def columns_of(self, block: RowBlock) -> dict[str, FloatArray]:
         """Return a block's rows as columns of a recording."""
         taken = self._plan.match.taken
         numbered = [self._numbers(item, cells, block) for item, cells in zip(taken, block.values, strict=True)]
-        keep = self._kept(numbered, block)
+        keep = self._kept(numbered, block) & self._not_repeated(numbered)
         rows = np.flatnonzero(keep)
         columns = {
             item.column: self._checked(item, values[keep], block, rows)
@@ -162,6 +215,8 @@ class _BlockReader:
             counted: FloatArray = (self._rows + rows).astype(np.float64) * self._plan.sample_period_s
             columns = {"time_s": counted, **columns}
         self._rows += keep.size
+        if "time_s" in columns and self._plan.test is not None:
+            columns, rows = self._of_the_test(columns, rows)
         if "time_s" in columns:
             self._check_clock_rises(columns["time_s"], block, rows)
         return self._mounted(columns)
@@ -182,12 +237,52 @@ class _BlockReader:
                 if item.column not in _MAY_BE_NAN:
                     keep &= ~np.isnan(values)
             self._tally.dropped += int(size - keep.sum())
-        for item, values in zip(self._plan.match.taken, numbered, strict=True):
+        # A recording of musclewire's own keeps its rows; what uses it judges them.
+        foreign = [pair for pair in zip(self._plan.match.taken, numbered, strict=True) if pair[0].how != "own name"]
+        for item, values in foreign:
             if (marked := keep & np.isfinite(values) & is_overload(values)).any():
                 counts = self._tally.overloads
                 counts[item.column] = counts.get(item.column, 0) + int(marked.sum())
                 keep &= ~marked
         return keep
+
+    def _not_repeated(self, numbered: Sequence[FloatArray]) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Return which rows are not the row before once more, as programs write them that poll too fast."""
+        columns = [item.column for item in self._plan.match.taken]
+        size = numbered[0].size if numbered else 0
+        measured = [number for number, column in enumerate(columns) if column not in _COUNTERS]
+        if "time_s" not in columns or not measured or not size:
+            return np.ones(size, dtype=bool)
+        table = np.column_stack(numbered)
+        first = table[0] if self._before is None else np.array(self._before)
+        same = table == np.vstack([first, table[:-1]])
+        same[0] &= self._before is not None
+        self._before = table[-1].tolist()
+        if self._polled is None:
+            # A recording of ours has every row that was measured, repeated or not.
+            own = self._plan.match.taken[columns.index("time_s")].how == "own name"
+            self._polled = not own and is_polled(table[:, measured])
+        repeated: np.ndarray[tuple[int], np.dtype[np.bool_]] = (
+            same[:, measured].all(axis=1) if self._polled else same.all(axis=1)
+        )
+        self._tally.repeated += int(repeated.sum())
+        return ~repeated
+
+    def _of_the_test(
+        self, columns: dict[str, FloatArray], rows: np.ndarray[tuple[int], np.dtype[np.intp]]
+    ) -> tuple[dict[str, FloatArray], np.ndarray[tuple[int], np.dtype[np.intp]]]:
+        """Return the rows of the test that was chosen; with each that begins, the clock begins again."""
+        time_s = columns["time_s"]
+        before = np.concatenate(([self._last_time_s], time_s[:-1]))
+        numbers = self._test + np.cumsum(begins_again(before, time_s))
+        if time_s.size:
+            self._test, last_s = int(numbers[-1]), float(time_s[-1])
+            keep = numbers == self._plan.test
+            self._last_time_s = (
+                last_s if not keep.any() else -np.inf if numbers[0] != self._plan.test else self._last_time_s
+            )
+            columns, rows = {name: values[keep] for name, values in columns.items()}, rows[keep]
+        return columns, rows
 
     def _checked(
         self, item: MatchedHeader, written: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
@@ -198,7 +293,12 @@ class _BlockReader:
             missing = np.isnan(written[row])
             what = "the cell is blank or NaN" if missing else f"{written[row]:g} is not a finite number"
             cure = f"correct it, {_DROP_CURE}" if missing else "correct it or remove the row"
-            raise RecordingError(f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}': {what}; {cure}")
+            mostly_blank = missing and item.column != "time_s" and float(np.isnan(written).mean()) > 0.5
+            if mostly_blank:
+                cure = "as in most rows: correct it, or leave the column out"
+            message = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}': {what}; {cure}"
+            added = ImportMapping(ignore=(item.header,)) if mostly_blank else ImportMapping(drop_missing=True)
+            raise CurableError(message, added if missing else None)
         self._check_strain_is_a_fraction(item, written, block, rows)
         if item.column == "time_s" and item.how != "own name":
             written = self._since_the_first(written, item.factor)
@@ -221,6 +321,7 @@ class _BlockReader:
         """Return a clock that counts from long ago, in its own unit, as time since the first row."""
         if self._origin is None and written.size:
             self._origin = float(written[0]) if factor * written[0] >= ABSOLUTE_FROM_S else 0.0
+            self._tally.clock_start_s = factor * self._origin or None
         return written - self._origin if self._origin else written
 
     def _check_strain_is_a_fraction(
@@ -242,13 +343,37 @@ class _BlockReader:
         stuck = time_s <= before
         if stuck.any():
             row = int(np.argmax(stuck))
-            raise RecordingError(
-                f"{self._path}: {block.place(int(rows[row]))}, column time_s: the clock does not rise, "
-                f"{float(before[row])!r} s is followed by {float(time_s[row])!r} s; "
-                "remove the repeated rows or cut the file there"
-            )
+            where = f"{self._path}: {block.place(int(rows[row]))}, column time_s: the clock does not rise, "
+            where += f"{float(before[row])!r} s is followed by {float(time_s[row])!r} s"
+            self._refuse_batches(where, time_s[: 100 + row])
+            self._refuse_several_tests(where, bool(begins_again(before, time_s)[row]))
+            raise RecordingError(f"{where}; correct the clock there or cut the file")
         if time_s.size:
             self._last_time_s = float(time_s[-1])
+
+    def _refuse_batches(self, where: str, time_s: FloatArray) -> None:
+        """Raise CurableError if each time stamp stands for a batch of rows."""
+        clock = next((item for item in self._plan.match.taken if item.column == "time_s"), None)
+        found = repeated_stamps(time_s.tolist())
+        if clock is None or found is None:
+            return
+        count, period_s = found
+        message = (
+            f"{where}: one time stamp for each {count} rows: read them as a row every {period_s:g} s and ignore "
+            f"'{clock.header}'"
+        )
+        raise CurableError(message, ImportMapping(ignore=(clock.header,), sample_period_s=float(f"{period_s:.6g}")))
+
+    def _refuse_several_tests(self, where: str, begins: bool) -> None:
+        """Raise CurableError with a list if several tests are below each other."""
+        if not begins or self._plan.test is not None:
+            return
+        tests = tests_below_each_other(self._plan)
+        listed = "; ".join(f"'test {n}' ({t.rows} rows, {t.first:g} to {t.last:g})" for n, t in enumerate(tests[:8], 1))
+        more = f"; and {len(tests) - 8} more" if len(tests) > 8 else ""
+        group = self._plan.mapping.group
+        message = f"{where}: {len(tests)} tests are below each other: choose one with group='NAME': {listed}{more}"
+        raise CurableError(message, ImportMapping(group="test 1" if group is None else f"{group}, test 1"))
 
     def _mounted(self, columns: dict[str, FloatArray]) -> dict[str, FloatArray]:
         """Return columns with those of sensors turned around and counted from the first row, if asked for."""
@@ -259,6 +384,82 @@ class _BlockReader:
                 if name in columns and columns[name].size:
                     columns[name] = columns[name] - self._first.setdefault(name, float(columns[name][0]))
         return columns
+
+
+class TestBelow(NamedTuple):
+    """One of several tests below each other: how many rows it has, and its clock at the first and the last."""
+
+    rows: int
+    first: float
+    last: float
+
+
+def tests_below_each_other(plan: ImportPlan) -> list[TestBelow]:
+    """Return the tests in a table, of which each begins where the clock begins again."""
+    clock = next(item for item in plan.match.taken if item.column == "time_s")
+    cells = [block.values[0] for block in plan.table.blocks([clock.index])]
+    if any(isinstance(one, list) for one in cells):
+        return []
+    written = np.concatenate([np.asarray(one, dtype=np.float64) for one in cells])
+    times = written[np.isfinite(written)]
+    starts = [0, *np.flatnonzero(begins_again(times[:-1], times[1:]) > 0) + 1, times.size]
+    return [TestBelow(int(b - a), float(times[a]), float(times[b - 1])) for a, b in itertools.pairwise(starts)]
+
+
+def begins_again(before: FloatArray, times: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Return where a clock falls and goes on from there; a single time that is too small is damage."""
+    after = np.concatenate((times[1:], times[-1:]))
+    return (times < before) & (after < before)
+
+
+def is_polled(measured: FloatArray) -> bool:
+    """Return whether rows are repeated because they were read more often than measured.
+
+    ``measured`` are the numbers of all measured columns, (n_rows, n_columns). A slow signal stands still where it
+    hardly moves; one that moves by many of its smallest steps before and after stands still for no other reason.
+    """
+    if measured.shape[0] < _MIN_ROWS_OF_POLLING or not measured.shape[1] or not np.isfinite(measured).all():
+        return False
+    steps = np.abs(np.diff(measured, axis=0))
+    repeated = ~steps.any(axis=1)
+    ends = np.flatnonzero(np.concatenate(([True], ~repeated, [True])))
+    if not _MIN_REPEATS < repeated.mean() < _MAX_REPEATS or int(np.diff(ends).max()) - 1 > _MAX_RUN_OF_REPEATS:
+        return False
+    beside = ~repeated & (np.roll(repeated, 1) | np.roll(repeated, -1))
+    smallest = np.min(np.where(steps > 0.0, steps, np.inf), axis=0)
+    return bool(np.any(np.median(steps[beside], axis=0) >= _STEPS_OF_A_MEASUREMENT * smallest))
+
+
+def _has_row_clock(match: HeaderMatch, table: SourceTable, stacked: bool) -> bool:
+    """Return whether rows may be numbered for want of a clock: nothing in the table depends on how fast it went."""
+    found = {item.column for item in match.taken}
+    clocks = [item for item in match.undecided if item.column == "time_s"]
+    if "time_s" in found or clocks or needs_no_clock(found) or not found & _MOVED or not found & _OF_THE_WIRE:
+        return False
+    # Steps of current and what they did, one row each; a meter's record without its clock is longer, and has a voltage.
+    in_steps = "wire_resistance_ohm" in found and not found & {"wire_voltage_v", "drive_voltage_v"}
+    return stacked or (in_steps and rows_in(table) <= _MAX_STEPS)
+
+
+def _cure(plan: ImportPlan) -> ImportMapping | None:
+    """Return what to add to the mapping against the plan's problem, None if nothing is known."""
+    match, table = plan.match, plan.table
+    offered = columns_offered(table, match)
+    for item in match.undecided:
+        twice = next((one for one in match.taken if one.column == item.column), None)
+        if twice is not None:
+            return ImportMapping({item.column: mapped_with_unit(table, twice.header, twice.index, twice.column)})
+        if "or ignore it" in item.message:
+            return None
+        wanted = f"{item.header}:{WRITTEN_CLOCKS[0]}"
+        if not table.columns[item.index].is_text:
+            wanted = mapped_with_unit(table, item.header, item.index, item.column)
+        return offered.joined(ImportMapping({item.column: wanted}))
+    found = set(plan.names) | set(offered.columns)
+    if not found - _COUNTERS:
+        return None
+    has_clock = "time_s" in found or needs_no_clock(found)
+    return offered if has_clock else offered.joined(ImportMapping(sample_period_s=EXAMPLE_PERIOD_S))
 
 
 def _with_absolute_clock(match: HeaderMatch, table: SourceTable) -> HeaderMatch:
@@ -276,6 +477,25 @@ def _with_absolute_clock(match: HeaderMatch, table: SourceTable) -> HeaderMatch:
     )
     taken = sorted((*match.taken, clock), key=lambda item: item.index)
     return HeaderMatch(tuple(taken), match.ignored, tuple(item for item in match.undecided if item is not clocks[0]))
+
+
+def _with_written_clock(match: HeaderMatch, table: SourceTable) -> HeaderMatch:
+    """Return a match in which times of two numbers are minutes and seconds by their numbers, or undecided."""
+    clock = next((item for item in match.taken if item.is_text), None)
+    if clock is None or clock.unit in WRITTEN_CLOCKS:
+        return match
+    form = written_clock(None, [str(cell) for cell in head_of(table, clock.index)])
+    if form == "":
+        return match
+    others = tuple(item for item in match.taken if item is not clock)
+    if form is not None:
+        return HeaderMatch((replace(clock, unit=form), *others), match.ignored, match.undecided)
+    message = (
+        f"{table.path}: column '{clock.header}' may be minutes and seconds or hours and minutes; "
+        f"map it as it is meant: time_s={clock.header}:{WRITTEN_CLOCKS[0]}"
+    )
+    undecided = UndecidedHeader(clock.header, clock.index, "time_s", message)
+    return HeaderMatch(others, match.ignored, (*match.undecided, undecided))
 
 
 def _without_undecided_clock(match: HeaderMatch) -> HeaderMatch:
@@ -301,9 +521,11 @@ def _counted_period_s(match: HeaderMatch, table: SourceTable, mapping: ImportMap
     return table.sample_period_s if clock is None and not undecided and not needs_no_clock(found) else None
 
 
-def _notes(table: SourceTable, mapping: ImportMapping, period_s: float | None) -> tuple[str, ...]:
+def _notes(table: SourceTable, mapping: ImportMapping, period_s: float | None, row_clock: bool) -> tuple[str, ...]:
     if period_s is None:
         return table.notes
+    if row_clock:
+        return (*table.notes, "no clock, and none is needed: time_s numbers the rows, clock = row numbers")
     source = "as given" if mapping.sample_period_s is not None else "as the file states"
     return (*table.notes, f"time_s is counted: a row every {period_s:g} s, {source}")
 
@@ -329,5 +551,5 @@ def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
     return (
         f"{path}: no column is the time (there are {listed}): name one 'time [s]' or map it: time_s=HEADER:s, or give "
         f"the sample period, as '10 ms'; without a clock a printed loop needs {', '.join(BRANCH_TABLE)}, "
-        f"isobars need {', '.join(ISOBAR_TABLE)}"
+        f"isobars need {', '.join(ISOBAR_TABLE)}, pulses {', '.join(PULSE_TABLE)}"
     )

@@ -6,10 +6,11 @@ Both recorded something in common: a command, a step, or two columns that follow
 from __future__ import annotations
 
 import itertools
+from datetime import datetime
 from typing import NamedTuple
 
 import numpy as np
-from scipy import signal
+from scipy import optimize, signal
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
@@ -29,6 +30,10 @@ MAX_POINTS = 1 << 21
 PARTS = 4
 # A gap of so many sample periods is no place for a straight line.
 MAX_GAP_PERIODS = 3.0
+# Clocks of instruments that differ by more have another cause. At so many points a rate between two of these moves no
+# event by more than a point or two.
+RATES = np.linspace(0.97, 1.03, 121)
+COARSE_POINTS = 1 << 13
 
 
 class JoinedRecordings(NamedTuple):
@@ -48,13 +53,31 @@ class JoinedRecordings(NamedTuple):
         The shared column of the first recording and that of the second.
     notes
         How it was done, a sentence each.
+    rate
+        Seconds of the second clock in one of the first; 1 by default, for clocks that do not drift apart. What happens
+        at t on the first is at rate t + delay on the second.
+    rate_std
+        Its standard deviation; 0 by default, for a rate of 1.
+    how
+        In words, where no column was compared; "" by default.
     """
 
     recording: Recording
     delay_s: float
     delay_std_s: float
     correlation: float
-    columns: tuple[str, str]
+    columns: tuple[str, ...]
+    notes: tuple[str, ...]
+    rate: float = 1.0
+    rate_std: float = 0.0
+    how: str = ""
+
+
+class _Delay(NamedTuple):
+    """The peak of the correlation, its delay's standard deviation [s], and notes on the parts."""
+
+    peak: _CorrelationPeak
+    std_s: float
     notes: tuple[str, ...]
 
 
@@ -67,11 +90,23 @@ class _CorrelationPeak(NamedTuple):
     next_delay_s: float
 
 
-def join_recordings(first: Recording, second: Recording, on: str | tuple[str, str] | None = None) -> JoinedRecordings:
-    """Join two recordings of one experiment that were made by loggers with different clocks.
+class _DelayOfPart(NamedTuple):
+    """The middle of a part on the first clock, its delay, and the standard deviation of that [s]."""
 
-    The delay is that at which the coefficient of correlation of what both recorded is largest; its standard deviation
-    is the largest of three: that of the fit, that over parts of the recordings, and that of the sample periods.
+    middle_s: float
+    delay_s: float
+    std_s: float
+
+
+def join_recordings(
+    first: Recording, second: Recording, on: str | tuple[str, str] | None = None, delay_s: float | None = None
+) -> JoinedRecordings:
+    """Join two recordings of one experiment: by one clock, by a delay that is given, or by a column of both.
+
+    Recordings of one clock, ``on="time_s"``, have no delay but that of their beginnings, as ``start_time`` or
+    ``clock_start_s`` in their metadata state them. Otherwise the delay is that at which the coefficient of correlation
+    of what both recorded is largest; its standard deviation is the largest of three: that of the fit, that over parts
+    of the recordings, and that of the sample periods. Clocks that drift apart, by up to 3 %, are joined by their rate.
     Columns of the second recording come to the times of the first by means over the first's sample period where the
     second was sampled faster, and by straight lines where it was slower.
 
@@ -82,8 +117,11 @@ def join_recordings(first: Recording, second: Recording, on: str | tuple[str, st
     second
         The other one; columns that the first has, too, are left out.
     on
-        The shared column, or the first's and the second's, such as ``("drive_voltage_v", "wire_voltage_v")``. None, the
-        default, takes the only column that both have.
+        The shared column, or the first's and the second's, such as ``("drive_voltage_v", "wire_voltage_v")``, or
+        "time_s" for one clock. None, the default, takes the only column that both have, or else clocks that count from
+        one moment.
+    delay_s
+        The delay [s] where nothing in the recordings shows it; None by default.
 
     Returns
     -------
@@ -96,21 +134,96 @@ def join_recordings(first: Recording, second: Recording, on: str | tuple[str, st
     RecordingError
         If the correlation does not determine the delay, or the clocks drift apart.
     """
+    if delay_s is not None:
+        return _by_delay(first, second, delay_s, "as given")
+    if on in {"time_s", ("time_s", "time_s")}:
+        return _by_delay(first, second, _clock_delay_s(first, second) or 0.0, "by one clock")
+    both = [name for name in first.names if name in second and name != "time_s"]
+    if on is None and len(both) != 1 and (clock_s := _clock_delay_s(first, second)) is not None:
+        return _by_delay(first, second, clock_s, "by their clocks, which count from one moment")
     pair = _shared(first, second, on)
     step_s = max(_period_s(first), _period_s(second), (first.duration_s + second.duration_s) / MAX_POINTS) / 2.0
+    rate, rate_std = 1.0, 0.0
+    try:
+        found = _delay_of(first, second, pair, step_s)
+    except RecordingError as problem:
+        rates = _rate_of(first, second, pair, step_s)
+        if rates is None:
+            raise problem from None
+        rate, rate_std = rates
+        second = second.with_columns(time_s=second["time_s"] / rate)
+        found = _delay_of(first, second, pair, step_s)
+    delay_s, std_s = rate * found.peak.delay_s, rate * found.std_s
+    recording, notes = _resampled(first, second, found.peak.delay_s)
+    metadata: dict[str, MetadataValue] = {
+        "join_delay_s": delay_s,
+        "join_delay_std_s": std_s,
+        "join_correlation": found.peak.correlation,
+        "join_columns": f"{pair[0]}, {pair[1]}",
+        **({"join_rate": rate, "join_rate_std": rate_std} if rate != 1.0 else {}),
+    }
+    joined, all_notes = recording.with_metadata(metadata), (*notes, *found.notes)
+    return JoinedRecordings(joined, delay_s, std_s, found.peak.correlation, pair, all_notes, rate, rate_std)
+
+
+def _by_delay(first: Recording, second: Recording, delay_s: float, how: str) -> JoinedRecordings:
+    """Return recordings joined by a delay that is known and not found."""
+    recording, notes = _resampled(first, second, delay_s)
+    metadata: dict[str, MetadataValue] = {"join_delay_s": delay_s, "join_how": how}
+    return JoinedRecordings(recording.with_metadata(metadata), delay_s, 0.0, 1.0, (), notes, how=how)
+
+
+def _clock_delay_s(first: Recording, second: Recording) -> float | None:
+    """Return the delay [s] of recordings whose clocks count from one moment; None if their metadata do not say so."""
+    one, other = (recording.metadata.get("clock_start_s") for recording in (first, second))
+    if isinstance(one, float) and isinstance(other, float):
+        return one - other
+    dates = [recording.metadata.get("start_time") for recording in (first, second)]
+    try:
+        began = [datetime.fromisoformat(str(date)) for date in dates]
+        return (began[0] - began[1]).total_seconds()
+    except (ValueError, TypeError):
+        return None
+
+
+def _delay_of(first: Recording, second: Recording, pair: tuple[str, str], step_s: float) -> _Delay:
+    """Return the delay by correlation. Raises RecordingError if it is not determined, or the clocks drift apart."""
     peak = _peak(first, second, pair, step_s)
     _require_determined(peak, pair)
-    std_s, drift = _uncertainty_s(first, second, pair, peak, step_s)
-    recording, notes = _resampled(first, second, peak.delay_s)
-    metadata: dict[str, MetadataValue] = {
-        "join_delay_s": peak.delay_s,
-        "join_delay_std_s": std_s,
-        "join_correlation": peak.correlation,
-        "join_columns": f"{pair[0]}, {pair[1]}",
-    }
-    return JoinedRecordings(
-        recording.with_metadata(metadata), peak.delay_s, std_s, peak.correlation, pair, (*notes, *drift)
+    return _Delay(peak, *_uncertainty_s(first, second, pair, peak, step_s))
+
+
+def _rate_of(first: Recording, second: Recording, pair: tuple[str, str], step_s: float) -> tuple[float, float] | None:
+    """Return the rate of the second clock and its standard deviation, None if the parts do not show one."""
+
+    def at_rate(rate: float) -> Recording:
+        return second.with_columns(time_s=second["time_s"] / rate)
+
+    coarse_s = max(step_s, (first.duration_s + second.duration_s) / COARSE_POINTS)
+    tried = [_peak(first, at_rate(rate), pair, coarse_s) for rate in RATES]
+    best = int(np.argmax([peak.correlation for peak in tried]))
+    if tried[best].correlation < MIN_CORRELATION:
+        return None
+    rate = float(RATES[best])
+    delay_s = rate * _peak(first, at_rate(rate), pair, step_s).delay_s
+    time_s, one = first["time_s"], first[pair[0]]
+
+    def apart(line: FloatArray) -> FloatArray:
+        """Return what is left of the first column after the second one, whose clock is such a line, scaled to it."""
+        other = np.interp(line[0] * time_s + line[1], second["time_s"], second[pair[1]])
+        inside = (line[0] * time_s + line[1] >= second["time_s"][0]) & (
+            line[0] * time_s + line[1] <= second["time_s"][-1]
+        )
+        gain, offset = np.polyfit(other[inside], one[inside], 1)
+        return np.where(inside, one - gain * other - offset, 0.0)
+
+    duration_s = min(first.duration_s, second.duration_s)
+    found = optimize.least_squares(
+        apart, (rate, delay_s), x_scale=(coarse_s / duration_s, coarse_s), diff_step=(1e-5, 1e-5)
     )
+    # An event is somewhere between two samples of each recording, at both ends.
+    resolution_s = float(np.hypot(_period_s(first), _period_s(second)) / np.sqrt(3.0))
+    return float(found.x[0]), resolution_s / duration_s
 
 
 def _shared(first: Recording, second: Recording, on: str | tuple[str, str] | None) -> tuple[str, str]:
@@ -217,7 +330,7 @@ def _require_determined(peak: _CorrelationPeak, pair: tuple[str, str]) -> None:
         raise RecordingError(
             f"the recordings cannot be joined by {names}: they correlate by {peak.correlation:.2f} at a delay of "
             f"{peak.delay_s:.6g} s and by {peak.next_correlation:.2f} at {peak.next_delay_s:.6g} s; record a single "
-            "step or pulse that both loggers see"
+            "step or pulse that both loggers see, or state the delay (delay_s)"
         )
 
 
@@ -231,8 +344,8 @@ def _uncertainty_s(
     parts = _delays_of_parts_s(first, second, pair, peak, step_s)
     if len(parts) < 2:
         return std_s, ("the recordings have one event in common: whether the clocks drift is not known",)
-    delays_s = [delay_s for delay_s, _ in parts]
-    drift_s, drift_std_s = delays_s[-1] - delays_s[0], float(np.hypot(parts[0][1], parts[-1][1]))
+    delays_s = [part.delay_s for part in parts]
+    drift_s, drift_std_s = delays_s[-1] - delays_s[0], float(np.hypot(parts[0].std_s, parts[-1].std_s))
     if abs(drift_s) > 4.0 * drift_std_s + 2.0 * resolution_s:
         raise RecordingError(
             f"the clocks drift apart: the delay is {delays_s[0]:.6g} s at the beginning and {delays_s[-1]:.6g} s at "
@@ -262,13 +375,13 @@ def _fit_std_s(
 
 def _delays_of_parts_s(
     first: Recording, second: Recording, pair: tuple[str, str], peak: _CorrelationPeak, step_s: float
-) -> list[tuple[float, float]]:
+) -> list[_DelayOfPart]:
     """Return delay and standard deviation [s] of each part of the recordings that determines a delay by itself."""
     time_s = first["time_s"]
     begin = max(time_s[0], second["time_s"][0] - peak.delay_s)
     end = min(time_s[-1], second["time_s"][-1] - peak.delay_s)
     edges = np.linspace(begin, end, PARTS + 1)
-    found: list[tuple[float, float]] = []
+    found: list[_DelayOfPart] = []
     for low, high in itertools.pairwise(edges):
         margin = 0.5 * (high - low)
         one = _cut(first, low, high)
@@ -277,7 +390,8 @@ def _delays_of_parts_s(
             continue
         part = _peak(one, other, pair, step_s)
         if part.correlation >= MIN_CORRELATION and part.next_correlation <= part.correlation - MIN_MARGIN:
-            found.append((part.delay_s, _fit_std_s(one, other, pair, part, step_s)))
+            std_s = _fit_std_s(one, other, pair, part, step_s)
+            found.append(_DelayOfPart(0.5 * (low + high), part.delay_s, std_s))
     return found
 
 

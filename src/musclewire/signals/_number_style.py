@@ -27,6 +27,15 @@ def is_missing(cell: str) -> bool:
     return cell.strip().lower() in _MISSING
 
 
+_QUANTITY = re.compile(rf"({_NUMERIC.pattern})\s*([^\W\d_][^\s\d]{{0,9}}|[%°Ω][^\s\d]{{0,4}})", re.IGNORECASE)
+
+
+def number_and_unit(cell: str) -> tuple[str, str] | None:
+    """Return the two parts of a cell like "0.33 V"; whether the second one is a unit, others know."""
+    match = _QUANTITY.fullmatch(cell.strip())
+    return None if match is None or looks_numeric(cell) else (match[1], match[2])
+
+
 def looks_numeric(cell: str) -> bool:
     """Return whether a cell may be a number in some style."""
     return _NUMERIC.fullmatch(cell.strip()) is not None

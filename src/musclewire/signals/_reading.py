@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.manifest import absent_part, loaded, manifests
 from musclewire.signals._headers import missing_from, numbered_headers
-from musclewire.signals._import_mapping import ImportMapping, load_mapping
+from musclewire.signals._import_mapping import CurableError, ImportMapping, load_mapping
 from musclewire.signals._importing import CheckedBlocks, ImportPlan, checked_blocks, plan_import
 from musclewire.signals._journal import is_journal, unfinished
 from musclewire.signals._metadata import MetadataValue, checked_metadata
@@ -23,6 +24,10 @@ from musclewire.signals._writing import require_streamable, write_blocks
 
 # Blocks of rows that are read before a file is written.
 BUFFERED_BLOCKS = 8
+# Each step of a proposal cures one thing: columns, clock, missing numbers, the test.
+MAX_STEPS_OF_A_PROPOSAL = 8
+# A test below another is chosen behind the group of the file, if it has any.
+_TEST = re.compile(r"(?:(?P<group>.+), )?test (?P<test>\d{1,6})")
 # Suffixes that need no part outside the core.
 OWN_SUFFIXES = (".h5", ".hdf5", ".csv", ".tsv", ".txt", ".dat", ".asc")
 
@@ -68,12 +73,11 @@ def read_recording(
         For .parquet without pyarrow, for .tdms and .xlsx without the extra ``labfiles``.
     """
     wanted = _mapping(mapping, columns, metadata, group)
-    plan, tally = plan_import(_table(Path(path), wanted.group), wanted), CheckedBlocks()
+    plan, tally = _plan(Path(path), wanted), CheckedBlocks()
     blocks = list(checked_blocks(plan, tally))
     values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
-    started = {} if tally.start_time is None else {"start_time": tally.start_time}
-    found = {**started, **plan.table.metadata, **tally.left_out}
-    return _recording(values, found, Path(path)).with_metadata(wanted.metadata)
+    found = {**tally.started, **plan.metadata, **tally.left_out}
+    return _recording(values, found, Path(path))
 
 
 def import_recording(
@@ -121,13 +125,46 @@ def import_recording(
         For .parquet without pyarrow, for .tdms and .xlsx without the extra ``labfiles``.
     """
     wanted = _mapping(mapping, columns, metadata, group)
-    plan, tally = plan_import(_table(Path(path), wanted.group), wanted), CheckedBlocks()
-    problem = ""
-    if output is None:
-        problem = _first_problem(plan, tally)
-    else:
+    plan, tally = _plan(Path(path), wanted), CheckedBlocks()
+    if output is not None:
         _write(plan, tally, Path(output), matlab_version)
-    return understanding_of(plan, tally, problem)
+        problem = None
+    else:
+        problem = _first_problem(plan, tally)
+    # A file may be readable, and what was measured of the wire may have names that are not known.
+    cause = problem or (None if plan.is_electrical else CurableError("", plan.offered))
+    proposal = None if cause is None else proposed_mapping(path, wanted, cause)
+    return understanding_of(plan, tally, "" if problem is None else str(problem), proposal)
+
+
+def proposed_mapping(path: str | Path, mapping: ImportMapping, problem: RecordingError) -> ImportMapping | None:
+    """Return a mapping by which a file that was refused can be read.
+
+    Parameters
+    ----------
+    path
+        The file.
+    mapping
+        How it was to be read.
+    problem
+        Why it was refused.
+
+    Returns
+    -------
+    What was given and what has to be added, read to the last row; None if that is not known.
+    """
+    for _ in range(MAX_STEPS_OF_A_PROPOSAL):
+        if not isinstance(problem, CurableError) or problem.cure is None or problem.cure == ImportMapping():
+            return None
+        mapping = mapping.joined(problem.cure)
+        try:
+            found = _first_problem(_plan(Path(path), mapping), CheckedBlocks())
+        except RecordingError as next_problem:
+            found = next_problem
+        if found is None:
+            return mapping
+        problem = found
+    return None
 
 
 def mappings_of_files(paths: Sequence[str | Path], mapping: ImportMapping) -> list[ImportMapping]:
@@ -211,15 +248,27 @@ def _mapping(
     return given.joined(ImportMapping(columns or {}, metadata=checked_metadata(metadata or {}), group=group))
 
 
-def _first_problem(plan: ImportPlan, tally: CheckedBlocks) -> str:
-    """Read a table to its end and return why it cannot be used, or ""."""
+def _plan(path: Path, mapping: ImportMapping) -> ImportPlan:
+    """Return what becomes of a file's columns, in the part and the test below each other that the group names."""
+    chosen = None if mapping.group is None else _TEST.fullmatch(mapping.group)
+    if chosen is None:
+        return plan_import(_table(path, mapping.group), mapping)
+    try:
+        # A group of the file may have such a name itself.
+        return plan_import(_table(path, mapping.group), mapping)
+    except RecordingError:
+        return plan_import(_table(path, chosen["group"]), mapping, int(chosen["test"]))
+
+
+def _first_problem(plan: ImportPlan, tally: CheckedBlocks) -> RecordingError | None:
+    """Read a table to its end and return why it cannot be used, or None."""
     try:
         for _ in checked_blocks(plan, tally):
             pass
         _refuse_contradictions(plan, tally)
     except RecordingError as problem:
-        return str(problem)
-    return ""
+        return problem
+    return None
 
 
 def _refuse_contradictions(plan: ImportPlan, tally: CheckedBlocks) -> None:
@@ -230,16 +279,15 @@ def _refuse_contradictions(plan: ImportPlan, tally: CheckedBlocks) -> None:
 
 def _write(plan: ImportPlan, tally: CheckedBlocks, output: Path, matlab_version: str | None) -> None:
     if plan.problem:
-        raise RecordingError(plan.problem)
+        raise CurableError(plan.problem, plan.cure)
     require_streamable(output, matlab_version)
     blocks = checked_blocks(plan, tally)
     # When a file with dates begins, and which readings are no measurements, belongs to the metadata, which come first.
     buffered = list(itertools.islice(blocks, BUFFERED_BLOCKS))
     judged = tally.readings.judged(plan.metadata) if len(buffered) < BUFFERED_BLOCKS else None
-    started = {} if tally.start_time is None else {"start_time": tally.start_time}
     found = "; ".join(judged.findings) if judged is not None else ""
     noted = {**tally.left_out, **({"unusable_readings": found} if found else {})}
-    metadata = checked_metadata({**started, **plan.metadata, **noted})
+    metadata = checked_metadata({**tally.started, **plan.metadata, **noted})
 
     def rows() -> Iterator[tuple[FloatArray, ...]]:
         for block in itertools.chain(buffered, blocks):

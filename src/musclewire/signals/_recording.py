@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, MissingExtraError, RecordingError
 from musclewire.pages import notebook_table
-from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, known_column, needs_no_clock
+from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, PULSE_TABLE, known_column, needs_no_clock
 from musclewire.signals._metadata import MetadataValue, checked_metadata, fact_in_words
 from musclewire.signals._plots import PLOTS, usual_plot
 from musclewire.signals._run_facts import RunFacts
@@ -50,8 +50,11 @@ READ_FIRST = (
 class Recording:
     """Columns of equal length in SI units, with metadata. It never changes; ``with_...`` makes another.
 
-    A recording has a clock, ``time_s``, with two exceptions: a printed loop (``is_branch_table``), whose rows are
-    resistances, and isobars (``is_isobar_table``), whose rows are in the order in which the temperatures were reached.
+    A recording has a clock, ``time_s``, with three exceptions: a printed loop (``is_branch_table``), whose rows are
+    resistances, isobars (``is_isobar_table``), whose rows are in the order in which the temperatures were reached, and
+    pulses (``is_pulse_table``), a row each: current, length, resistance at its end, largest stroke. Where only the
+    order of rows counts and no clock is known, ``time_s`` may be row numbers; the metadata say so,
+    ``clock = "row numbers"``.
 
     Parameters
     ----------
@@ -152,6 +155,11 @@ class Recording:
     def is_isobar_table(self) -> bool:
         """True for strain against temperature under stress, row after row, and no clock."""
         return "time_s" not in self and all(name in self for name in ISOBAR_TABLE)
+
+    @property
+    def is_pulse_table(self) -> bool:
+        """Whether its rows are pulses."""
+        return "time_s" not in self and all(name in self for name in PULSE_TABLE)
 
     def with_columns(self, columns: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> Recording:
         """Return a recording in which columns are added or replaced.
@@ -311,7 +319,9 @@ class Recording:
         if "time_s" in self:
             parts.append(f"{self.duration_s:.6g} s")
         else:
-            parts.append("branch table" if self.is_branch_table else "isobar table")
+            parts.append(
+                "branch table" if self.is_branch_table else "isobar table" if self.is_isobar_table else "pulses"
+            )
         if "ended" in self.metadata:
             parts.append(f"ended '{self.metadata['ended']}'")
         return ", ".join(parts)
@@ -354,7 +364,8 @@ def _check_equal_lengths(columns: Mapping[str, FloatArray]) -> None:
 def _check_rows_are_ordered(columns: Mapping[str, FloatArray]) -> None:
     if "time_s" not in columns and not needs_no_clock(columns):
         needs = (
-            f"needs time_s, or {', '.join(BRANCH_TABLE)} for a printed loop, or {', '.join(ISOBAR_TABLE)} for isobars"
+            f"needs time_s, or {', '.join(BRANCH_TABLE)} for a printed loop, or {', '.join(ISOBAR_TABLE)} for isobars, "
+            f"or {', '.join(PULSE_TABLE)} for pulses"
         )
         raise RecordingError(f"a recording {needs}; got {', '.join(columns) or 'no columns'}")
 

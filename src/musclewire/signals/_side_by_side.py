@@ -13,42 +13,45 @@ from musclewire.signals._headers import split_header
 from musclewire.signals._source_table import SourceColumn, SourceTable, TableInMemory
 
 _BRANCHES = (
-    ("heating", re.compile(r"(?:heating|heat-up|warming|aufheizen|erwärmen)", re.IGNORECASE)),
-    ("cooling", re.compile(r"(?:cooling|cool-down|abkühlen)", re.IGNORECASE)),
+    ("heating", re.compile(r"heating|heat-?up|warming|aufheizen|erwärmen|(?<![^\W_])heat(?![^\W_])", re.IGNORECASE)),
+    ("cooling", re.compile(r"cooling|cool-?down|abkühlen|(?<![^\W_])cool(?![^\W_])", re.IGNORECASE)),
 )
-# Each branch has its own columns of temperature and strain at least; a printed loop has only one of strain.
+# Each branch has its own columns of the heating and what follows; a printed loop has only one of strain.
 _MIN_COLUMNS = 2
+# What rises in heating and falls in cooling, the surest first.
+_DRIVING = ("wire_temperature_k", "wire_current_a", "drive_voltage_v", "wire_voltage_v")
 
 
 def stacked_branches(table: SourceTable) -> SourceTable:
     """Return a table with the rows of heating first and those of cooling after them, if its columns are such branches.
 
-    Each branch must have a temperature, which orders its rows: rising in heating, falling in cooling. Any other table
-    is returned as it is.
+    Each branch must have a column of its heating, a temperature, a current or a voltage, which orders its rows: rising
+    in heating, falling in cooling. Any other table is returned as it is.
     """
     branches = [_columns_of(pattern, table.columns) for _, pattern in _BRANCHES]
     names = [name for name in branches[0] if name in branches[1]]
-    clock = next((name for name in names if _is_temperature(name)), None)
-    if len(names) < _MIN_COLUMNS or clock is None or len(branches[0]) != len(branches[1]):
+    driving_names = [name for driving in _DRIVING for name in names if _means(name, driving)]
+    if len(names) < _MIN_COLUMNS or not driving_names or len(branches[0]) != len(branches[1]):
         return table
     indices = [branch[name] for branch in branches for name in names]
     values = _all_numbers(table, indices)
     if values is None:
         return table
-    return _stacked(table, names, clock, [values[: len(names)], values[len(names) :]], branches[0])
+    return _stacked(table, names, driving_names[0], [values[: len(names)], values[len(names) :]], branches[0])
 
 
 def _columns_of(pattern: re.Pattern[str], columns: Sequence[SourceColumn]) -> dict[str, int]:
-    """Return the columns of a branch by their header without the branch's name."""
-    return {
-        " ".join(pattern.sub(" ", column.header).replace("_", " ").split()).lower(): index
-        for index, column in enumerate(columns)
-        if pattern.search(column.header) and not column.is_text
-    }
+    """Return the columns of a branch by their header without the branch's name; of a unit the letters' case counts."""
+    found: dict[str, int] = {}
+    for index, column in enumerate(columns):
+        if pattern.search(column.header) and not column.is_text:
+            name, unit = split_header(" ".join(pattern.sub(" ", column.header).replace("_", " ").split()))
+            found[f"{name.lower()} [{unit}]" if unit else name.lower()] = index
+    return found
 
 
-def _is_temperature(header: str) -> bool:
-    return any(column.name == "wire_temperature_k" for column in columns_called(split_header(header)[0]))
+def _means(header: str, driving: str) -> bool:
+    return any(column.name == driving for column in columns_called(split_header(header)[0]))
 
 
 def _all_numbers(table: SourceTable, indices: Sequence[int]) -> list[FloatArray] | None:
@@ -62,7 +65,7 @@ def _all_numbers(table: SourceTable, indices: Sequence[int]) -> list[FloatArray]
 def _stacked(
     table: SourceTable,
     names: Sequence[str],
-    clock: str,
+    drive: str,
     branches: Sequence[Sequence[FloatArray]],
     where: dict[str, int],
 ) -> TableInMemory:
@@ -71,10 +74,10 @@ def _stacked(
     for (word, _), branch, direction in zip(_BRANCHES, branches, (1.0, -1.0), strict=True):
         filled = ~np.all(np.isnan(branch), axis=0)
         rows = [values[filled] for values in branch]
-        temperature = rows[names.index(clock)]
-        turned = temperature.size > 1 and direction * (temperature[-1] - temperature[0]) < 0.0
+        driven = rows[names.index(drive)]
+        turned = driven.size > 1 and direction * (driven[-1] - driven[0]) < 0.0
         ordered.append([values[::-1] for values in rows] if turned else rows)
-        notes.append(f"{temperature.size} rows of {word}{', from the last to the first' if turned else ''}")
+        notes.append(f"{driven.size} rows of {word}{', from the last to the first' if turned else ''}")
     columns = tuple(SourceColumn(name, table.columns[where[name]].unit) for name in names)
     values = tuple(np.concatenate(parts) for parts in zip(*ordered, strict=True))
     layout = f"{table.layout}, heating and cooling next to each other"

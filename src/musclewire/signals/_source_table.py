@@ -17,8 +17,8 @@ from musclewire.signals._metadata import MetadataValue
 BLOCK_ROWS = 65_536
 
 # Under which keys programs state the time between rows, or how many there are in a second.
-_PERIOD = re.compile(r"((?:sampl\w*_)?(?:interval|period|time|time_step)|dt|ts|delta_[tx])(_s)?")
-_RATE = re.compile(r"((?:sampl\w*_)?(?:rate|frequency|freq)|samplerate|fs)(_hz)?")
+_PERIOD = re.compile(r"((?:sampl\w*_)?(?:interval|period|time|time_step)|dt|ts|delta_[tx]|abtastintervall)(_s)?")
+_RATE = re.compile(r"((?:sampl\w*_)?(?:rate|frequency|freq)|samplerate|fs|abtastrate|abtastfrequenz|messrate)(_hz)?")
 
 # The cells of one column: numbers (NaN in an empty cell), or text as it is written.
 Cells = FloatArray | list[str]
@@ -33,10 +33,13 @@ class RowBlock(NamedTuple):
         The cells of each column that was asked for, in this order, all of the same length.
     place
         Where a row is in the file, in words ("line 12"), by its number in this block from 0.
+    row_count
+        How many rows the block has, for who asks for no column; 0 by default, of a reader that does not say.
     """
 
     values: tuple[Cells, ...]
     place: Callable[[int], str]
+    row_count: int = 0
 
 
 @dataclass(frozen=True)
@@ -157,8 +160,15 @@ class TableInMemory:
         The only block.
         """
         yield RowBlock(
-            tuple(self.values[index] for index in indices), lambda row: f"{self.row_word} {self.first_row + row}"
+            tuple(self.values[index] for index in indices),
+            lambda row: f"{self.row_word} {self.first_row + row}",
+            len(self.values[0]) if self.values else 0,
         )
+
+
+def rows_in(table: SourceTable) -> int:
+    """Return how many rows a file has, whatever is in them."""
+    return sum(block.row_count for block in table.blocks([]))
 
 
 def head_of(table: SourceTable, index: int) -> Cells:

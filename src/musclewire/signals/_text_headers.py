@@ -6,9 +6,11 @@ import re
 from collections.abc import Callable, Sequence
 
 from musclewire.errors import RecordingError
+from musclewire.signals._number_style import looks_numeric
 
 _SPACED_HEADER = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
 _BRACKETED = re.compile(r"\s*[\[(<{](.*)[\])>}]\s*")
+_LABEL = re.compile(r"(?:data)?\s*(?:units?|einheit(?:en)?)\s*:?", re.IGNORECASE)
 # Words of two groups of columns next to each other.
 _BRANCHES = re.compile(r"heat|cool|aufheiz|abkühl|erwärm|load|forward|reverse|up\b|down\b", re.IGNORECASE)
 
@@ -72,6 +74,8 @@ def _fits(row: Sequence[str], width: int) -> bool:
 
 def _is_units(row: Sequence[str], is_unit: Callable[[str], bool]) -> bool:
     filled = [cell for cell in row if cell]
+    # A row of units may say so itself, in a column that holds no numbers.
+    filled = filled[1:] if filled and _LABEL.fullmatch(filled[0]) else filled
     return bool(filled) and all(_BRACKETED.fullmatch(cell) or is_unit(cell) for cell in filled)
 
 
@@ -83,6 +87,8 @@ def _bare_unit(cell: str) -> str:
 def _are_groups(upper: Sequence[str], lower: Sequence[str]) -> bool:
     """Return whether a row names groups of the columns below: each begins a group, and names below are repeated."""
     filled = [index for index, cell in enumerate(upper) if cell]
+    if any(looks_numeric(upper[index]) for index in filled):
+        return False
     repeated = len(set(filter(None, lower))) < sum(map(bool, lower))
     named = sum(_BRANCHES.search(upper[index]) is not None for index in filled) > 1
     return len(filled) > 1 and (repeated or named) and len(filled) <= len(lower)

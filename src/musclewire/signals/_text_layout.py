@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import functools
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -11,7 +12,7 @@ from typing import Any
 
 from musclewire.errors import RecordingError
 from musclewire.signals._clock_texts import is_clock_text
-from musclewire.signals._number_style import NumberStyle, is_missing, looks_numeric, style_of
+from musclewire.signals._number_style import NumberStyle, is_missing, looks_numeric, number_and_unit, style_of
 from musclewire.signals._text_headers import header_rows, joined_headers, spaced_headers
 from musclewire.signals._text_lines import Line
 from musclewire.signals._units import is_unit
@@ -22,6 +23,9 @@ _SEPARATORS = ("\t", ";", "|", ",", " ")
 # Lines from which separator and width follow: the last of the first piece, where titles are over.
 _SAMPLE_LINES = 60
 _MAX_COLUMNS = 4096
+_MIN_SCORE_OF_TABS = 0.3
+# Kinds of columns that a table of numbers is made of.
+_COUNTED = frozenset({"numbers", "quantities", "times"})
 _RULE = re.compile(r"[-=_+|,;\t ]*[-=_]{2,}[-=_+|,;\t ]*")
 
 
@@ -30,8 +34,9 @@ class TextLayout:
     """The layout of a table in text.
 
     ``headers`` and ``units`` (None for a column whose unit is not given in a row of units) are of equal length;
-    ``kinds`` says what the cells of a column are: "numbers", "times", "text" or "blank". ``first_line`` is the number
-    of the first line of the table's rows, ``titles`` are the lines before the headers.
+    ``kinds`` says what the cells of a column are: "numbers", "quantities" (numbers with their unit), "times", "text" or
+    "blank". ``first_line`` is the number of the first line of the table's rows, ``titles`` are the lines before the
+    headers, ``header_lines`` those of the headers themselves.
     """
 
     separator: str
@@ -41,6 +46,7 @@ class TextLayout:
     style: NumberStyle
     first_line: int
     titles: tuple[str, ...]
+    header_lines: frozenset[str] = frozenset()
 
     def __str__(self) -> str:
         """Return the layout in words."""
@@ -86,15 +92,21 @@ def layout_of(lines: Sequence[Line], comments: Sequence[str], separator: str | N
     if len(headers) > _MAX_COLUMNS:
         raise RecordingError(f"{path}: has {len(headers):,} columns; export only those that are needed")
     body = rows[start:]
-    cells = [cell for row in body for index, cell in enumerate(row) if index in numeric]
+    cells = [
+        (number_and_unit(cell) or (cell,))[0] for row in body for index, cell in enumerate(row) if index in numeric
+    ]
     kinds = tuple(_kind([row[index] for row in body if index < len(row)]) for index in range(len(headers)))
     titles = tuple(texts[: len(texts) - used])
-    return TextLayout(separator, headers, units, kinds, style_of(cells), lines[start][0], titles)
+    header_lines = frozenset(texts[len(titles) :])
+    return TextLayout(separator, headers, units, kinds, style_of(cells), lines[start][0], titles, header_lines)
 
 
 def _separator(sample: Sequence[str]) -> str:
     """Return the separator by which most cells are numbers and times."""
     scores = {separator: _score(sample, separator) for separator in _SEPARATORS}
+    # A tab separates cells and nothing else, whatever spaces are in them.
+    if scores["\t"][0] and scores["\t"][1] >= _MIN_SCORE_OF_TABS:
+        return "\t"
     best = max(_SEPARATORS, key=lambda separator: scores[separator])
     if scores[best][0]:
         return best
@@ -111,7 +123,14 @@ def _score(sample: Sequence[str], separator: str) -> tuple[bool, float]:
 
 
 def _count(row: Sequence[str]) -> int:
-    return sum(looks_numeric(cell) or is_clock_text(cell) for cell in row)
+    return sum(looks_numeric(cell) or is_clock_text(cell) or _is_quantity(cell) for cell in row)
+
+
+@functools.lru_cache(maxsize=4096)
+def _is_quantity(cell: str) -> bool:
+    """Return whether a cell is a number with its unit."""
+    found = number_and_unit(cell)
+    return found is not None and is_unit(found[1])
 
 
 def _stripped(row: Sequence[str]) -> Sequence[str]:
@@ -130,7 +149,7 @@ def _numeric_columns(rows: Sequence[Sequence[str]]) -> tuple[int, frozenset[int]
     width = max(counted, key=lambda width: (counted[width], width))
     like = [row for row in like if len(row) == width]
     columns = zip(*like, strict=True)
-    return width, frozenset(index for index, cells in enumerate(columns) if _kind(cells) in {"numbers", "times"})
+    return width, frozenset(index for index, cells in enumerate(columns) if _kind(cells) in _COUNTED)
 
 
 def _kind(cells: Sequence[str]) -> str:
@@ -141,6 +160,8 @@ def _kind(cells: Sequence[str]) -> str:
     numbers = sum(map(looks_numeric, filled))
     if 2 * numbers >= len(filled):
         return "numbers"
+    if 2 * sum(map(_is_quantity, filled)) >= len(filled):
+        return "quantities"
     return "times" if 2 * sum(map(is_clock_text, filled)) >= len(filled) else "text"
 
 
@@ -149,7 +170,7 @@ def _is_row(row: Sequence[str], width: int, numeric: frozenset[int]) -> bool:
     if len(_stripped(row)) < max(1, min(numeric) + 1) or len(_stripped(row)) < width // 2:
         return False
     good = [_count([row[index]]) or is_missing(row[index]) for index in sorted(numeric) if index < len(row)]
-    return bool(_count([row[min(numeric)]])) and 2 * sum(map(bool, good)) >= len(good)
+    return bool(_count([row[min(numeric)]])) and 2 * sum(map(bool, good)) >= len(numeric)
 
 
 def _too_wide(path: str, line: Line, separator: str, headers: int) -> str:

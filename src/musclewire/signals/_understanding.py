@@ -10,13 +10,9 @@ from musclewire.signals._headers import IgnoredHeader, MatchedHeader, UndecidedH
 from musclewire.signals._import_mapping import ImportMapping
 from musclewire.signals._importing import CheckedBlocks, ImportPlan
 from musclewire.signals._metadata import MetadataValue
+from musclewire.signals._proposing import OFFERED
+from musclewire.signals._source_table import rows_in
 from musclewire.signals._units import measures
-
-# What a column with an unknown name is offered as, by its unit; the likeliest first.
-_OFFERED = (
-    *("time_s", "wire_voltage_v", "shunt_voltage_v", "drive_voltage_v", "wire_current_a", "wire_resistance_ohm"),
-    *("displacement_m", "force_n", "wire_temperature_k", "stress_pa"),
-)
 
 
 @dataclass(frozen=True)
@@ -30,7 +26,7 @@ class FileInterpretation:
     layout
         How the file is built, in words: "text, separated by semicolons".
     row_count
-        Number of rows, n_times; of a file with a problem, of those before it.
+        Number of rows, n_times; of a file with a problem, all that it holds.
     taken
         The headers that became columns, with unit and factor.
     ignored
@@ -47,6 +43,8 @@ class FileInterpretation:
         Why the file cannot be read as a recording, in one line; "" if it can.
     mapping
         The mapping that says all this explicitly, for the next file of this kind.
+    proposal
+        The mapping that reads a file with a problem, or more of one without, tried; None if none is known or needed.
     """
 
     path: str
@@ -60,6 +58,7 @@ class FileInterpretation:
     notes: tuple[str, ...]
     problem: str
     mapping: ImportMapping
+    proposal: ImportMapping | None = None
 
     def as_dict(self) -> dict[str, object]:
         """Return plain values for JSON."""
@@ -96,21 +95,24 @@ class FileInterpretation:
         """Return what a header with an unknown name could be mapped to, by its unit."""
         unit = split_header(item.header)[1]
         known = {one.column for one in self.taken} | {one.column for one in self.undecided}
-        fitting = [name for name in _OFFERED if name not in known and unit and measures(unit, name)]
+        fitting = [name for name in OFFERED if name not in known and unit and measures(unit, name)]
         return f"; perhaps -c {fitting[0]}='{item.header}'" if fitting and item.reason == "name not known" else ""
 
 
-def understanding_of(plan: ImportPlan, tally: CheckedBlocks, problem: str) -> FileInterpretation:
+def understanding_of(
+    plan: ImportPlan, tally: CheckedBlocks, problem: str, proposal: ImportMapping | None = None
+) -> FileInterpretation:
     """Return the report of a plan whose blocks have been read, to the end or to a problem."""
     table, match = plan.table, plan.match
-    dropped = (f"{tally.dropped} rows without a number left out",) if tally.dropped else ()
+    dropped = [f"{tally.dropped} rows without a number left out"] if tally.dropped else []
+    dropped += [f"{tally.repeated} rows left out, each the row before once more"] if tally.repeated else []
+    metadata = {**tally.started, **plan.metadata}
     judged = tally.readings.judged({**plan.metadata, **tally.left_out})
     unusable = judged.findings if judged is not None else tuple(str(text) for text in tally.left_out.values())
-    metadata = plan.metadata if tally.start_time is None else {"start_time": tally.start_time, **plan.metadata}
     return FileInterpretation(
         table.path,
         table.layout,
-        tally.row_count,
+        rows_in(table) or tally.row_count if problem else tally.row_count,
         match.taken,
         match.ignored,
         match.undecided,
@@ -119,6 +121,7 @@ def understanding_of(plan: ImportPlan, tally: CheckedBlocks, problem: str) -> Fi
         (*plan.notes, *dropped, *unusable),
         problem,
         _explicit(plan),
+        proposal,
     )
 
 
@@ -143,7 +146,8 @@ def _explicit(plan: ImportPlan) -> ImportMapping:
 def _wanted(item: MatchedHeader, headers: Sequence[str]) -> str:
     """Return a header with its unit as a mapping names it: by its number if others have the same name."""
     header = item.header if headers.count(item.header) == 1 else f"#{item.index + 1}"
-    return header if item.is_text or not item.unit else f"{header}:{item.unit}"
+    stated = item.unit and not (item.is_text and item.unit == "s")
+    return f"{header}:{item.unit}" if stated else header
 
 
 def _why(item: MatchedHeader) -> str:

@@ -53,6 +53,35 @@ def conversion_to_si(unit_text: str, column: str, where: str) -> UnitConversion:
         raise RecordingError(f"{where}: {problem.args[0]}{needs}") from None
 
 
+# The sensitivity of a sensor, or its scale: "2 V/mm", "0.5 mm/V"; "0.05 mm" for each count.
+_SCALE = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\s\d/][^\s/]*)\s*(?:/\s*(\S+))?")
+
+
+def scale_to_si(text: str, column: str, own_unit: str | None, where: str) -> UnitConversion | None:
+    """Return the conversion by a sensor's sensitivity ("2 V/mm") or scale ("0.5 mm/V", "0.05 mm").
+
+    None for another text. ``own_unit`` is that of the numbers, None if it is not stated and the text's own holds.
+    Raises RecordingError, which begins with ``where``, if the text fits neither ``column`` nor the numbers.
+    """
+    match = _SCALE.fullmatch(text.strip())
+    if match is None:
+        return None
+    number, above, below = float(match[1]), match[2], match[3]
+    is_sensitivity = below is not None and measures(below, column)
+    if not number or not (is_sensitivity or measures(above, column)):
+        unit_si = COLUMNS[column].unit
+        raise RecordingError(
+            f"{where}: '{text}' is no scale for {column}; write {unit_si} per unit of the sensor, or its inverse"
+        )
+    ours, theirs = (below, above) if is_sensitivity else (above, below)
+    try:
+        to_theirs = _conversion(own_unit, _spelling(theirs, "")).factor if own_unit and theirs else 1.0
+        factor = _conversion(ours, COLUMNS[column].unit).factor * to_theirs
+    except _UnitError as problem:
+        raise RecordingError(f"{where}: '{text}' does not fit its numbers in {own_unit}: {problem.args[0]}") from None
+    return UnitConversion(factor / number if is_sensitivity else factor * number)
+
+
 def measures(unit_text: str, column: str) -> bool:
     """Return whether ``unit_text`` is a unit in which ``column`` can be given."""
     try:
@@ -163,9 +192,9 @@ _COMMON = (
 # Symbol: its name in words, compared without regard to case, with or without a plural s. Symbols themselves are
 # never compared so: mV and MV differ by a thousand million. (An mPa of stress is always an MPa.)
 _SPELLINGS = {
-    "V": "volt",
+    "V": "volt voltdc vdc",
     "mV": "millivolt",
-    "A": "ampere amp",
+    "A": "ampere amp ampdc adc",
     "mA": "milliampere milliamp",
     "mohm": "milliohm",
     "kohm": "kiloohm",
@@ -175,7 +204,7 @@ _SPELLINGS = {
     "min": "minute min",
     "h": "hour",
     "m": "meter metre",
-    "mm": "millimeter millimetre",
+    "mm": "millimeter millimetre mm",
     "um": "micrometer micrometre micron",
     "N": "newton",
     "mN": "millinewton",

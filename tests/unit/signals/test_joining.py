@@ -85,13 +85,40 @@ def test_two_columns_that_follow_each_other_will_do_even_with_opposite_signs() -
         (*two_loggers(sine, 5.0), "record a single step or pulse"),
         (*two_loggers(np.zeros_like, 5.0), "does not change"),
         (two_loggers(steps, 5.0)[0], two_loggers(np.random.default_rng(1).permutation, 5.0)[1], "cannot be joined"),
-        (*two_loggers(chirp, 0.0, stretch=1.02), "the clocks drift apart"),
     ],
-    ids=["periodic", "constant", "unrelated", "drifting"],
+    ids=["periodic", "constant", "unrelated"],
 )
 def test_what_does_not_determine_a_delay_is_refused(first: Recording, second: Recording, words: str) -> None:
     with pytest.raises(RecordingError, match=words):
         join_recordings(first, second)
+
+
+@pytest.mark.parametrize("stretch", [0.985, 1.02])
+def test_clocks_that_drift_apart_are_joined_by_their_rate(stretch: float) -> None:
+    joined = join_recordings(*two_loggers(chirp, 3.0, stretch=stretch))
+    assert abs(joined.rate - stretch) < 3.0 * joined.rate_std
+    assert joined.rate_std < 2e-3
+    late_s = joined.recording["force_n"] - joined.recording["time_s"]
+    assert np.abs(late_s).max() < 3.0 * (joined.delay_std_s + 30.0 * joined.rate_std)
+    assert joined.recording.metadata["join_rate"] == joined.rate
+
+
+def test_a_delay_that_is_given_and_a_clock_that_is_shared_need_no_correlation() -> None:
+    first, second = two_loggers(sine, 5.0)
+    for joined in (join_recordings(first, second, delay_s=5.0), join_recordings(*two_loggers(sine, 0.0), "time_s")):
+        assert joined.columns == ()
+        assert joined.recording["force_n"] == pytest.approx(joined.recording["time_s"], abs=1e-9)
+
+
+def test_clocks_that_count_from_one_moment_need_no_column_in_common() -> None:
+    time_s = np.arange(0.0, 10.0, 0.1)
+    for facts in ({"clock_start_s": 1.7e9}, {"start_time": "2026-02-17T12:21:00"}):
+        later = {"clock_start_s": 1.7e9 + 2.0} if "clock_start_s" in facts else {"start_time": "2026-02-17T12:21:02"}
+        first = Recording({"time_s": time_s, "wire_current_a": time_s}, facts)
+        second = Recording({"time_s": time_s, "force_n": time_s + 2.0}, later)
+        joined = join_recordings(first, second)
+        assert joined.delay_s == pytest.approx(-2.0)
+        assert joined.recording["force_n"] == pytest.approx(joined.recording["wire_current_a"])
 
 
 def test_what_is_shared_is_asked_for_if_it_is_not_the_only_column() -> None:

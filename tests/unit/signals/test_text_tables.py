@@ -94,3 +94,16 @@ def test_no_text_at_all_ends_in_anything_but_a_recording_or_one_line(text, suffi
             except RecordingError as problem:
                 message = str(problem)
             assert "\n" not in message
+
+
+def test_a_large_file_is_read_as_a_small_one_wherever_it_stops_being_plain(file, monkeypatch):
+    rows = [f"{number * 0.1:.1f},{number % 7 * 0.5}" for number in range(400)]
+    rows[250] = '"25.0",2.5'
+    text = "time_s,force_n\n" + "\n".join(rows)
+    small = read_recording(file(text, "small.csv"))
+    monkeypatch.setattr("musclewire.signals._text_tables._LARGE", 1)
+    monkeypatch.setattr("musclewire.signals._plain_rows._PIECE", 500)
+    assert read_recording(file(text, "large.csv")) == small
+    assert "line 302, column 'force_n': 'x' is not a number" in refusal(
+        file(text.replace("30.0,3.0", "30.0,x"), "bad.csv")
+    )

@@ -22,8 +22,17 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, MissingExtraError, RecordingError, nearest_hint
-from musclewire.extras.lab_files._file_table import check_limits, damage_reported, one_line
-from musclewire.signals import Line, MetadataValue, TextTable, entry_from_text, table_of_lines, value_to_text
+from musclewire.extras.lab_files._file_table import MAX_NAMED, check_limits, damage_reported, one_line
+from musclewire.signals import (
+    CurableError,
+    ImportMapping,
+    Line,
+    MetadataValue,
+    TextTable,
+    entry_from_text,
+    table_of_lines,
+    value_to_text,
+)
 
 MAX_ROWS = 1_048_576
 MAX_COLUMNS = 16_384
@@ -119,14 +128,23 @@ def _chosen(sheets: Sequence[Any], wanted: str | None, path: Path) -> Any:
         which = "no sheet holds a" if wanted is None else f"sheet '{one_line(wanted)}' holds no"
         cure = "names in one row and numbers below (formulas need values: open it in Excel or LibreOffice and save it)"
         raise RecordingError(f"{path}: {which} table of numbers; it needs {cure}")
-    names = "; ".join(f"'{one_line(sheet.title)}'" for sheet in found[:20])
-    raise RecordingError(f"{path}: holds {len(found)} sheets with tables: choose one with group='NAME': {names}")
+    names = "; ".join(f"'{one_line(sheet.title)}' ({_headers_of(sheet, path)})" for sheet in found[:20])
+    message = f"{path}: holds {len(found)} sheets with tables: choose one with group='NAME': {names}"
+    raise CurableError(message, ImportMapping(group=found[0].title))
+
+
+def _headers_of(sheet: Any, path: Path) -> str:
+    headers = [f"'{one_line(column.header)}'" for column in _table(sheet, _head(sheet, path), path).columns]
+    return ", ".join(headers[:MAX_NAMED]) + (", ..." if len(headers) > MAX_NAMED else "")
+
+
+def _head(sheet: Any, path: Path) -> list[Line]:
+    return list(itertools.islice(_lines(sheet, path), _HEAD_ROWS))
 
 
 def _holds_numbers(sheet: Any, path: Path) -> bool:
-    head = list(itertools.islice(_lines(sheet, path), _HEAD_ROWS))
     try:
-        _table(sheet, head, path)
+        _table(sheet, _head(sheet, path), path)
     except RecordingError:
         return False
     return True

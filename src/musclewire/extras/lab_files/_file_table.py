@@ -14,6 +14,8 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError, RecordingError, nearest_hint
 from musclewire.signals import (
     BLOCK_ROWS,
+    CurableError,
+    ImportMapping,
     MetadataValue,
     RowBlock,
     SourceColumn,
@@ -87,7 +89,7 @@ class FileTable:
         for start in range(0, self.row_count, BLOCK_ROWS):
             stop = min(start + BLOCK_ROWS, self.row_count)
             values = tuple(self._rows(self.file_columns[index], start, stop) for index in indices)
-            yield RowBlock(values, lambda row, first=start + 1: f"row {first + row}")  # type: ignore[misc]
+            yield RowBlock(values, lambda row, first=start + 1: f"row {first + row}", stop - start)  # type: ignore[misc]
 
     def _rows(self, column: FileColumn, start: int, stop: int) -> FloatArray:
         with damage_reported(self.path, self.layout):
@@ -152,7 +154,10 @@ def chosen_part(parts: Sequence[FilePart], wanted: str | None, path: str | Path,
         raise RecordingError(f"{path}: holds no table of two rows or more of numbers; check that it was saved whole")
     listed = "; ".join(describe(part) for part in full[:MAX_NAMED])
     more = f"; and {len(full) - MAX_NAMED} more" if len(full) > MAX_NAMED else ""
-    raise RecordingError(f"{path}: holds {len(full)} tables: choose one with --{option} NAME: {listed}{more}")
+    # The largest one is the example.
+    largest = max(full, key=lambda part: part.row_count).name
+    message = f"{path}: holds {len(full)} tables: choose one with --{option} NAME: {listed}{more}"
+    raise CurableError(message, ImportMapping(group=largest))
 
 
 def file_table(path: Path, layout: str, part: FilePart) -> FileTable:

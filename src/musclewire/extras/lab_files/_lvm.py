@@ -14,7 +14,7 @@ from pathlib import Path
 
 from musclewire.errors import RecordingError, nearest_hint
 from musclewire.extras.lab_files._file_table import MAX_NAMED, damage_reported, is_clock, metadata_of, one_line
-from musclewire.signals import Line, TextTable, lines_of, table_of_lines
+from musclewire.signals import CurableError, ImportMapping, Line, TextTable, lines_of, table_of_lines
 
 _TITLE = "LabVIEW Measurement"
 _END = "***End_of_Header***"
@@ -191,6 +191,11 @@ def _packets(path: Path, style: _LvmStyle) -> Iterator[_LvmPacket]:
 def _chosen(first: _LvmPacket, group: str | None) -> list[int]:
     """Return the columns of the channels that are one table: those whose X columns are the same, or one by its name."""
     channels = first.channels
+    steps = {cell: channel for channel in channels if (cell := first.cell("Delta_X", channel))}
+    if not first.style.paired and len(steps) > 1:
+        stated = ", ".join(f"'{one_line(first.names[channel])}' every {step}" for step, channel in steps.items())
+        cure = "save it with one X column for each channel"
+        raise RecordingError(f"{first.path}: states channels of different rates, {stated}, in one table: {cure}")
     same = not first.style.paired or all(
         len({row[channel - 1] for channel in channels if channel <= len(row)}) < 2
         for packet in _packets(first.path, first.style)
@@ -206,7 +211,8 @@ def _chosen(first: _LvmPacket, group: str | None) -> list[int]:
         hint = one_line(nearest_hint(group, known))
         raise RecordingError(f"{first.path}: has no group '{one_line(group)}'{hint}")
     listed = ", ".join(f"'{one_line(name)}'" for name in known[:MAX_NAMED])
-    raise RecordingError(f"{first.path}: holds {len(known)} tables: choose one with group='NAME': {listed}")
+    message = f"{first.path}: holds {len(known)} tables: choose one with group='NAME': {listed}"
+    raise CurableError(message, ImportMapping(group=known[0]))
 
 
 def _lines(path: Path, style: _LvmStyle, channels: Sequence[int]) -> Iterator[Line]:

@@ -40,7 +40,7 @@ class ParquetTable:
         for batch in _batches(Path(self.path), [self.sources[index] for index in indices]):
             with damage_reported(self.path, "Parquet"):
                 values = tuple(self._cells(batch.column(place), index) for place, index in enumerate(indices))
-            yield RowBlock(values, lambda number, first=row: f"row {first + number}")  # type: ignore[misc]
+            yield RowBlock(values, lambda number, first=row: f"row {first + number}", batch.num_rows)  # type: ignore[misc]
             row += batch.num_rows
 
     def _cells(self, column: Any, index: int) -> Cells:

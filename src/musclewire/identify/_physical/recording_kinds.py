@@ -134,7 +134,9 @@ def isobar_text(isobars: list[IsobaricLoop]) -> str:
 
 
 def refuse_tables(recording: Recording) -> None:
-    """Raise RecordingError for a table of branches, which has no clock."""
+    """Raise RecordingError for a table of branches, pulses or numbered rows, which have no clock."""
+    if recording.is_pulse_table or recording.metadata.get("clock") == "row numbers":
+        raise RecordingError("has no clock, and heat cannot be followed without one: calibrate from samples over time")
     if recording.is_branch_table:
         raise RecordingError(
             "strain against resistance without drive and clock holds no information on heat, stress and temperature: "
