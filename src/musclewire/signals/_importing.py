@@ -238,8 +238,8 @@ class _BlockReader:
                     keep &= ~np.isnan(values)
             self._tally.dropped += int(size - keep.sum())
         # A recording of musclewire's own keeps its rows; what uses it judges them.
-        foreign = [pair for pair in zip(self._plan.match.taken, numbered, strict=True) if pair[0].how != "own name"]
-        for item, values in foreign:
+        of_others = [pair for pair in zip(self._plan.match.taken, numbered, strict=True) if pair[0].how != "own name"]
+        for item, values in of_others:
             if (marked := keep & np.isfinite(values) & is_overload(values)).any():
                 counts = self._tally.overloads
                 counts[item.column] = counts.get(item.column, 0) + int(marked.sum())
@@ -259,7 +259,7 @@ class _BlockReader:
         same[0] &= self._before is not None
         self._before = table[-1].tolist()
         if self._polled is None:
-            # A recording of ours has every row that was measured, repeated or not.
+            # A recording of musclewire's own has every row that was measured, repeated or not.
             own = self._plan.match.taken[columns.index("time_s")].how == "own name"
             self._polled = not own and is_polled(table[:, measured])
         repeated: np.ndarray[tuple[int], np.dtype[np.bool_]] = (
