@@ -212,7 +212,8 @@ def plateaus(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
         size = _sizes(columns[name])
         at_top = size == size.max()
         runs = [run for run in _runs(at_top) if run[1] - run[0] >= PLATEAU_ROWS]
-        if not runs or size.max() == 0.0:
+        # A column that never moves was held, as by a source of current: of an end of range only the metadata know.
+        if not runs or at_top.all() or size.max() == 0.0:
             continue
         step = _step_of(size)
         ends = _ends_resistance if name == "wire_resistance_ohm" else _ends_drive

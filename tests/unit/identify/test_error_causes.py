@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from musclewire.arrays import FloatArray
-from musclewire.identify._error_causes import ErrorCause, JudgedEstimate, error_groups, fractions_not_counted, lines_of
+from musclewire.identify._error_causes import (
+    UNUSABLE,
+    ErrorCause,
+    JudgedEstimate,
+    error_groups,
+    fractions_not_counted,
+    lines_of,
+)
 from musclewire.identify._sensing_model import EstimateReport, estimate
 from musclewire.sensing import SensingModel, evaluate
 from musclewire.signals import Reason, Recording
@@ -86,9 +93,10 @@ def test_a_turn_between_b_and_c_is_a_minor_loop() -> None:
 
 
 def test_samples_that_do_not_count_are_told_by_their_reason() -> None:
-    reasons = [Reason.OK, Reason.COLD, Reason.COLD, Reason.NO_CURRENT]
-    fractions = fractions_not_counted(reasons, np.array([True, False, False, False]))
-    assert list(fractions.items()) == [("colder than B", 0.5), ("without current", 0.25)]
+    reasons = [Reason.OK, Reason.COLD, Reason.COLD, Reason.NO_CURRENT, Reason.OK]
+    usable = np.array([True, True, True, True, False])
+    fractions = fractions_not_counted(reasons, np.array([True, False, False, False, False]), usable)
+    assert list(fractions.items()) == [("colder than B", 0.4), ("without current", 0.2), (UNUSABLE, 0.2)]
 
 
 def report_of(columns: dict[str, FloatArray]) -> EstimateReport:
