@@ -59,9 +59,8 @@ def missing(site: Path) -> Iterator[str]:
     pages = {path: Page(path.read_text("utf-8")) for path in sorted(site.rglob("*.html"))}
     yield from names_without_page(pages, site)
     reference = {path.name: page.code for path, page in pages.items() if path.parent == site / "reference"}
-    files = reference["files.html"]
-    yield from (f"column not in reference/files: {name}" for name in set(COLUMNS) - files)
-    keys = files | reference["rig_files.html"] | reference["toml_files.html"]
+    yield from (f"column not in reference/columns: {name}" for name in set(COLUMNS) - reference["columns.html"])
+    keys = reference["files.html"] | reference["rig_files.html"] | reference["toml_files.html"]
     yield from (f"key not in reference/files, rig_files or toml_files: {key}" for key in toml_keys() - keys)
     yield from broken_links(pages, site)
 
