@@ -74,7 +74,7 @@ CALLS = {
         *("--beams", "2", "--half-length", "6 mm", "--pitch", "3 mm", "--thickness", "0.8 mm", "--process", "mill"),
         *("--travel", "0.2 mm", "--finger-stiffness", "20000 N/m"),
     ],
-    "design finger": ["--finger", "lan-fan-2010", "--compare", "--foam", "50 N/m", "--wire", "paper-100um"],
+    "design finger": ["--finger", "lan-fan-2010", "--compare", "--object-stiffness", "50 N/m", "--wire", "paper-100um"],
     "import": ["loop.h5"],
     "sweep": ["study.toml"],
     "calibrate": ["short.h5", "--effort", "quick", "-o", "wire.toml"],
@@ -113,7 +113,7 @@ def test_the_json_is_as_its_schema_says(name: str, folder: Path) -> None:
 @pytest.mark.parametrize(
     ("code", "arguments"),
     [
-        (1, ["train", "simulated", "--most-cycles", "2"]),
+        (1, ["train", "simulated", "--max-cycles", "2"]),
         (2, ["fit", "no-such-file.h5"]),
         (2, ["fit", "loop.h5", "--no-such-option"]),
         (2, ["no-such-command"]),
