@@ -391,8 +391,10 @@ def a_column_mapped_twice(loop: Loop) -> Written:
 
 def branches_side_by_side(loop: Loop) -> Written:
     peak = int(np.argmax(loop[AMP]))
-    rising = np.unique(np.linspace(0, peak, 40).round().astype(int))
-    falling = np.unique(np.linspace(peak, loop[AMP].size - 1, 40).round().astype(int))
+    # Side by side both branches have as many rows: those that the shorter one has, of a sparse loop.
+    count = min(40, peak + 1, loop[AMP].size - peak)
+    rising = np.linspace(0, peak, count).round().astype(int)
+    falling = np.linspace(peak, loop[AMP].size - 1, count).round().astype(int)
     cells = numbers(*(scale * loop[name][rows] for rows in (rising, falling)
                       for name, scale in ((AMP, 1.0), (R, 1.0), (STROKE, 1e3))))  # fmt: skip
     names = ["Current heating [A]", "Resistance heating [Ohm]", "Stroke heating [mm]",
@@ -404,8 +406,10 @@ def branches_side_by_side(loop: Loop) -> Written:
 def cooling_from_the_cold(loop: Loop) -> Written:
     """The branches side by side, both in rows of rising current: cooling has to be turned around."""
     peak = int(np.argmax(loop[AMP]))
-    rising = np.unique(np.linspace(0, peak, 40).round().astype(int))
-    falling = np.unique(np.linspace(peak, loop[AMP].size - 1, 40).round().astype(int))
+    # Side by side both branches have as many rows: those that the shorter one has, of a sparse loop.
+    count = min(40, peak + 1, loop[AMP].size - peak)
+    rising = np.linspace(0, peak, count).round().astype(int)
+    falling = np.linspace(peak, loop[AMP].size - 1, count).round().astype(int)
     cells = numbers(*(scale * loop[name][rows] for rows in (rising, falling[::-1])
                       for name, scale in ((AMP, 1e3), (R, 1.0), (STROKE, 1e3))))  # fmt: skip
     names = ["I_heat (mA)", "R_heat (ohm)", "pos_heat (mm)", "I_cool (mA)", "R_cool (ohm)", "pos_cool (mm)"]
@@ -483,7 +487,10 @@ def two_files_of_one_host(loop: Loop) -> Written:
         return lines([("host_timestamp_s", header), *rows])
 
     meter, laser = file("R (Ohm)", loop[TIME], loop[R]), file("laser_mm", fine_s, fine_mm)
-    return Written({"meter.csv": meter, "laser.csv": laser}, chosen(loop, TIME, R, STROKE))
+    # A faster instrument is averaged over the sample period of the slower one.
+    around = [np.abs(fine_s - time_s) <= 0.5 * period_of(loop) for time_s in loop[TIME]]
+    means_m = np.array([1e-3 * fine_mm[rows].mean() for rows in around])
+    return Written({"meter.csv": meter, "laser.csv": laser}, {**chosen(loop, TIME, R), STROKE: means_m})
 
 
 def two_clocks_of_two_rates(loop: Loop) -> Written:

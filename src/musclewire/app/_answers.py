@@ -288,8 +288,8 @@ class JoinedFiles(AnswerModel):
     """How two files were joined on the first one's clock."""
 
     delay_s: float
-    delay_std_s: float
-    correlation: float
+    delay_std_s: float | None
+    correlation: float | None
     columns: Words
     rows: int
     notes: Words

@@ -24,7 +24,7 @@ from musclewire.app._options import (
     in_si,
     output_option,
 )
-from musclewire.app._output import Result, show
+from musclewire.app._output import Result, say, show
 from musclewire.app._recording_options import ReadingOptions
 from musclewire.errors import CallerError, RecordingError
 
@@ -136,7 +136,7 @@ def imported(
 ) -> FileInterpretation:
     """Return how a file was understood; if it can be used and there is an output, it has been converted.
 
-    Before a refusal the command that reads the file is shown, if one is known.
+    Before a refusal the command that reads the file is said, if one is known: on stderr, like the refusal.
     """
     from musclewire.signals import import_recording, proposed_mapping
 
@@ -144,7 +144,7 @@ def imported(
         return import_recording(path, output, mapping=mapping, matlab_version=matlab_version)
     except RecordingError as problem:
         for line in proposal_lines(str(path), proposed_mapping(path, mapping, problem), mapping_file):
-            show(line)
+            say(line)
         raise
 
 
@@ -212,7 +212,8 @@ def joined_lines(joined: JoinedRecordings, second: str) -> list[str]:
     if joined.columns:
         how = f"by the correlation {joined.correlation:.3f} of {' and '.join(dict.fromkeys(joined.columns))}"
     rate = f", and runs {joined.rate:.6g} times as fast (+- {joined.rate_std:.2g})" if joined.rate != 1.0 else ""
-    delay = f"{joined.delay_s:.6g} s, standard deviation {joined.delay_std_s:.2g} s"
+    scatter = "" if joined.delay_std_s is None else f", standard deviation {joined.delay_std_s:.2g} s"
+    delay = f"{joined.delay_s:.6g} s{scatter}"
     return [
         f"{second}: its clock is ahead by {delay}{rate}, {how}",
         *(f"  {note}" for note in joined.notes),

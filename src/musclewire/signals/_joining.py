@@ -46,9 +46,9 @@ class JoinedRecordings(NamedTuple):
     delay_s
         Time by which the second clock is ahead [s]: what happens at t on the first is at t + delay on the second.
     delay_std_s
-        Its standard deviation [s].
+        Its standard deviation [s]; None for a delay that was given or is that of the clocks.
     correlation
-        Coefficient of correlation of the shared columns at this delay.
+        Coefficient of correlation of the shared columns at this delay; None where no column was compared.
     columns
         The shared column of the first recording and that of the second.
     notes
@@ -64,8 +64,8 @@ class JoinedRecordings(NamedTuple):
 
     recording: Recording
     delay_s: float
-    delay_std_s: float
-    correlation: float
+    delay_std_s: float | None
+    correlation: float | None
     columns: tuple[str, ...]
     notes: tuple[str, ...]
     rate: float = 1.0
@@ -170,7 +170,7 @@ def _by_delay(first: Recording, second: Recording, delay_s: float, how: str) -> 
     """Return recordings joined by a delay that is known and not found."""
     recording, notes = _resampled(first, second, delay_s)
     metadata: dict[str, MetadataValue] = {"join_delay_s": delay_s, "join_how": how}
-    return JoinedRecordings(recording.with_metadata(metadata), delay_s, 0.0, 1.0, (), notes, how=how)
+    return JoinedRecordings(recording.with_metadata(metadata), delay_s, None, None, (), notes, how=how)
 
 
 def _clock_delay_s(first: Recording, second: Recording) -> float | None:

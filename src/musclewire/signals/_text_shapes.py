@@ -203,10 +203,14 @@ def _lines_of_pairs(head: Sequence[Line], path: str) -> Shape | None:
     units = {name: _unit_of(next(pairs[name][1] for pairs in lines_with if name in pairs)) for name in names}
 
     def rows(lines: Iterator[Line]) -> Iterator[tuple[int, dict[str, tuple[str, str]]]]:
+        began = False
         for number, text in lines:
             pairs = pairs_in(text)
-            if pairs is not None:
-                yield number, {name: pair for name, pair in pairs.items() if name in units and not is_missing(pair[0])}
+            began = began or pairs is not None
+            # A line in between that is none of these is a row without its numbers: it is asked about, not passed over.
+            if began and (pairs is not None or any(map(str.isalnum, text))):
+                found = pairs or {}
+                yield number, {name: pair for name, pair in found.items() if name in units and not is_missing(pair[0])}
 
     return Shape("names with values in each line", lambda lines: _as_table(names, units, rows(lines), path))
 

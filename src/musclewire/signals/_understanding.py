@@ -118,7 +118,7 @@ def understanding_of(
         match.undecided,
         metadata,
         tally.ranges,
-        (*plan.notes, *dropped, *unusable),
+        (*plan.notes, *dropped, *unusable, *tally.readings.notes),
         problem,
         _explicit(plan),
         proposal,

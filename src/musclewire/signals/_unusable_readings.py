@@ -21,6 +21,8 @@ Rows = NDArray[np.bool_]
 Columns = Mapping[str, FloatArray]
 Metadata = Mapping[str, MetadataValue]
 
+# What an import says of a file with too many rows for it.
+TOO_MANY = "more than {rows} rows: whether readings are measurements is judged by what uses the recording"
 # The metadata in which an import says which rows it left out.
 LEFT_OUT = "rows_left_out"
 # What is judged. The drive is a command, which may stand still; instruments of motion meet stops that are real.
@@ -445,6 +447,11 @@ class ReadingsOfBlocks:
             self._blocks.append({name: columns[name] for name in KEPT if name in columns})
         else:
             self._blocks.clear()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """That nothing was judged here, if there are too many rows."""
+        return (TOO_MANY.format(rows=MAX_ROWS),) if self._rows > MAX_ROWS else ()
 
     def judged(self, metadata: Metadata) -> JudgedReadings | None:
         """Return which rows are measurements; None if there are none to judge, or too many."""
