@@ -48,7 +48,7 @@ class JoinedRecordings(NamedTuple):
     delay_std_s
         Its standard deviation [s]; None for a delay that was given or is that of the clocks.
     correlation
-        Coefficient of correlation of the shared columns at this delay; None where no column was compared.
+        Coefficient of correlation of the shared columns at this delay; None if no column was compared.
     columns
         The shared column of the first recording and that of the second.
     notes

@@ -22,7 +22,7 @@ Columns = Mapping[str, FloatArray]
 Metadata = Mapping[str, MetadataValue]
 
 # What an import says of a file with too many rows for it.
-TOO_MANY = "more than {rows} rows: whether readings are measurements is judged by what uses the recording"
+TOO_MANY = "more than {rows} rows: the command that uses the recording judges whether its readings are measurements"
 # The metadata in which an import says which rows it left out.
 LEFT_OUT = "rows_left_out"
 # What is judged. The drive is a command, which may stand still; instruments of motion meet stops that are real.

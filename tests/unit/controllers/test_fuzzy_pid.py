@@ -14,7 +14,7 @@ from musclewire.controllers._drive_limits import DriveLimits
 from musclewire.controllers._fuzzy import infer_ratios
 from musclewire.controllers._fuzzy_pid import FuzzyPidController, FuzzyPidSettings
 from musclewire.controllers._kernels import PidState
-from musclewire.controllers._rules import load_rule_base, parse_rule_base
+from musclewire.controllers._rules import load_rule_base, parse_rule_base, rule_base_names
 from musclewire.errors import CallerError, NumericsError
 from musclewire.signals import ControlStep, QuantityEstimate, Reason
 
@@ -122,6 +122,22 @@ def test_absurd_but_finite_measurements_are_survived_or_refused_but_never_leave_
         assert all(math.isfinite(number) for number in state)
 
 
+@pytest.mark.parametrize("rule_base", rule_base_names())
+@pytest.mark.parametrize(("sign", "limit"), [(1.0, 3.2), (-1.0, 0.4)])
+def test_after_a_minute_in_saturation_the_drive_leaves_the_limit_in_the_tick_the_error_changes_sign(
+    rule_base: str, sign: float, limit: float
+) -> None:
+    pid = controller(rule_base)
+    once = state = after(pid.start(limit), 0.02, 0.02 - sign * 0.01, pid=pid).state
+    for _ in range(1200):
+        state = after(state, 0.02, 0.02 - sign * 0.01, pid=pid).state
+    assert state == once  # no memory but the clamped drive
+    assert PidState(*state).drive_voltage_v == limit
+    for target, measured in ((0.02, 0.02 + sign * 0.0001), (0.02 - sign * 0.0101, 0.02 - sign * 0.01)):
+        left_v = PidState(*after(state, target, measured, pid=pid).state).drive_voltage_v
+        assert sign * (limit - left_v) > 0.01
+
+
 def test_without_current_the_drive_stays_the_rates_are_forgotten_and_the_proportional_part_catches_up() -> None:
     pid = controller("fixed")
     moved = PidState(*after(at_rest(1.0, 0.014, 0.018), 0.018, 0.015, pid=pid).state)
@@ -133,6 +149,13 @@ def test_without_current_the_drive_stays_the_rates_are_forgotten_and_the_proport
     change_v = 20.0 * (0.06 * -0.1 + 0.04 * DT_S * 0.2)
     assert result.drive_voltage_v == pytest.approx(held.drive_voltage_v + change_v, rel=1e-12)
     assert (result.measured_rate, result.rates_known) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("place", ["target", "measured"])
+def test_an_input_that_is_not_finite_is_refused(bad: float, place: str) -> None:
+    with pytest.raises(NumericsError, match="finite"):
+        after(at_rest(1.0, 0.015, 0.018), **{"target": 0.018, "measured": 0.015, place: bad})
 
 
 def test_the_error_unit_makes_metres_control_like_strain() -> None:
@@ -164,8 +187,17 @@ def test_integers_are_numbers_too_and_compile_nothing() -> None:
     ],
 )
 def test_wrong_settings_are_refused_with_the_key(settings: dict[str, Any], message: str) -> None:
-    with pytest.raises(CallerError, match=message):
+    with pytest.raises(CallerError, match=message) as raised:
         FuzzyPidSettings(**settings)
+    assert "\n" not in str(raised.value)
+
+
+def test_settings_default_to_the_paper() -> None:
+    settings = FuzzyPidSettings()
+    assert settings.kp_range == (0.01, 0.11)
+    assert settings.ki_range == (0.02, 0.06)
+    assert settings.kd_range == (0.0005, 0.001)
+    assert settings.rule_base == "zhao-1993"
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,12 @@ def test_the_default_is_the_papers_staircase_to_the_digit() -> None:
     assert stairs.duration_s == 66.0
 
 
+def test_the_top_belongs_to_the_rise_as_in_table_2() -> None:
+    directions = [(step.target, step.direction) for step in staircase().steps]
+    assert directions[:6] == [(level, "rise") for level in PAPER_LEVELS[:6]]
+    assert directions[6:] == [(level, "return") for level in PAPER_LEVELS[6:]]
+
+
 def test_steps_follow_each_other_without_a_gap() -> None:
     steps = staircase().steps
     assert [step.index for step in steps] == list(range(11))
@@ -45,8 +51,12 @@ def test_one_way_stairs_stop_at_the_top() -> None:
     ("time_s", "target"),
     [
         (-1.0, 0.015),
+        (0.0, 0.015),
+        (5.95, 0.015),
         (6.0, 0.018),
+        (30.0, 0.03),
         (36.0, 0.027),
+        (66.0, 0.015),
         (1e9, 0.015),
     ],
 )
@@ -116,9 +126,11 @@ def test_a_sampled_reference_does_not_change_with_the_callers_array() -> None:
             {"increment": 0.004, "shown_as": (100.0, "%")},
             "from 1.5 % to 3 %: increments of 0.4 % miss the stop; try 0.375 %",
         ),
+        ({"increment": 1.0}, "miss the stop"),
         ({"start": 0.03, "stop": 0.015}, "stop must be above start"),
         ({"start": math.nan}, "finite"),
         ({"hold_s": 0.0}, "hold_s"),
+        ({"hold_s": math.inf}, "hold_s"),
     ],
 )
 def test_stairs_that_make_no_sense_are_refused(arguments: dict[str, Any], message: str) -> None:

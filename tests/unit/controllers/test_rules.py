@@ -59,13 +59,21 @@ def test_the_default_comes_first_and_every_listed_rule_base_loads_with_a_source(
     ("table", "error", "change", "published"),
     [
         ("kp", "NB", "ZO", "B"),
+        ("kp", "NM", "NB", "S"),
+        ("kp", "NS", "NM", "S"),
         ("kp", "ZO", "ZO", "B"),
         ("kp", "ZO", "PS", "S"),
+        ("kp", "PM", "PB", "S"),
         ("kd", "NB", "ZO", "S"),
         ("kd", "NM", "NM", "B"),
+        ("kd", "NM", "NS", "S"),
+        ("kd", "ZO", "PB", "B"),
         ("kd", "PS", "ZO", "S"),
         ("alpha", "NB", "PB", 2.0),
+        ("alpha", "NM", "NM", 3.0),
+        ("alpha", "NS", "NB", 4.0),
         ("alpha", "ZO", "NB", 5.0),
+        ("alpha", "ZO", "ZO", 3.0),
         ("alpha", "PS", "PB", 4.0),
     ],
 )
@@ -89,13 +97,22 @@ def test_zhao_counts_equal_the_published_and_every_table_is_symmetric() -> None:
     ("table", "error", "change", "published"),
     [
         ("kp", "NB", "NB", "PB"),
+        ("kp", "NB", "PB", "ZO"),
+        ("kp", "NM", "PS", "PS"),
         ("kp", "ZO", "ZO", "ZO"),
+        ("kp", "PM", "NB", "PS"),
+        ("kp", "PB", "PS", "NM"),
         ("kp", "PB", "PB", "NB"),
         ("ki", "NB", "NB", "NB"),
+        ("ki", "NS", "NM", "NM"),
         ("ki", "ZO", "PM", "PM"),
+        ("ki", "PS", "PB", "PB"),
         ("ki", "PB", "NB", "ZO"),
+        ("kd", "NB", "NB", "PS"),
         ("kd", "NB", "ZO", "NB"),
+        ("kd", "NM", "PB", "ZO"),
         ("kd", "PS", "NS", "ZO"),
+        ("kd", "PM", "NM", "PS"),
         ("kd", "PB", "NM", "PM"),
     ],
 )
@@ -127,6 +144,7 @@ def test_liu_kp_and_ki_are_antisymmetric_in_all_but_a_few_cells_and_never_far_fr
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
+        ("licence =", "license =", "unknown key 'license'; did you mean 'licence'"),
         ("ki =", "kii =", "rules.*unknown key 'kii'; did you mean 'ki'"),
         ("kp = 0.0", "kp = 1.5", "rules.*kp.*less than or equal to 1"),
         ("[rules]", "[rules", "not valid TOML"),
@@ -137,6 +155,7 @@ def test_a_wrong_file_is_refused_in_one_line_that_names_the_place(old: str, new:
     with pytest.raises(CallerError, match=message) as raised:
         parse_rule_base(CONSTANT.replace(old, new), where="mine.toml")
     assert str(raised.value).startswith("mine.toml: ")
+    assert "\n" not in str(raised.value)
 
 
 def test_a_rule_base_that_is_not_there_is_named() -> None:

@@ -194,6 +194,12 @@ def test_a_model_of_another_wire_length_or_finger_is_refused_before_anything_mov
     assert rig.samples == 0
 
 
+def test_the_drive_never_falls_below_the_sense_voltage_while_sensing() -> None:
+    run = control(FakeRig(), straight_model())
+    assert run["drive_voltage_v"].min() >= 0.3
+    assert run["drive_voltage_v"].max() <= 3.6
+
+
 def test_the_loop_reads_no_reference_instrument() -> None:
     class Liar(FakeRig):
         def exchange(self, command):

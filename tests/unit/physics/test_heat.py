@@ -27,8 +27,16 @@ AIR = [(300.0, 184.6, 26.3, 0.707), (350.0, 208.2, 30.0, 0.700), (400.0, 230.1, 
 # their rounded millimetres (0.10 mm); they are drawn to inches (0.1016 mm), and only with those do both agree.
 HOT_WIRES = [
     (1.0, 496, 434),
+    (1.5, 345, 310),
+    (2.0, 268, 245),
+    (3.0, 190, 175),
     (4.0, 149, 138),
+    (5.0, 125, 115),
+    (6.0, 108, 102),
+    (8.0, 86, 87),
     (10.0, 73, 77),
+    (12.0, 64, 69),
+    (15.0, 54, 61),
     (20.0, 44, 52),
 ]
 WALL_K, AIR_K = 363.15, 295.15
@@ -60,6 +68,11 @@ def test_both_correlations_give_the_tabled_coefficients(
 def test_churchill_and_chu_give_the_number_of_another_library() -> None:
     """The example in ht's documentation, Nu_horizontal_cylinder_Churchill_Chu(Pr=0.69, Gr=2.63e9); Ra = Gr Pr."""
     assert nusselt_churchill_chu(2.63e9 * 0.69, 0.69) == pytest.approx(139.13493970073597, rel=1e-9)
+
+
+def test_churchill_and_chu_come_within_the_rounding_of_a_textbook_example() -> None:
+    """Incropera and DeWitt, Example 9.4, print 23.3 from rounded intermediate results; the formula gives 23.0."""
+    assert nusselt_churchill_chu(5.003e6, 0.703) == pytest.approx(23.3, rel=0.02)
 
 
 def test_without_buoyancy_churchill_chu_leaves_conduction() -> None:

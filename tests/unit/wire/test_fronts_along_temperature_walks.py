@@ -1,17 +1,20 @@
-"""The fronts at constant stress: what every walk must keep. `benchmarks/kernel_walks.py` has them beside grains."""
+"""The fronts at constant stress: against brute force, and what every walk must keep."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from hard_switches import HardSwitches
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from wire_makers import (
     ALL_AUSTENITE,
     ALLOYS,
     Fronts,
+    alloy,
     constants,
     fractions,
+    fronts_along,
     fronts_at,
     walk,
 )
@@ -23,6 +26,27 @@ KINDS = st.sampled_from(sorted(ALLOYS))
 STRESSES_PA = st.floats(20e6, 250e6)
 EIGHTHS_OF_A_KELVIN = st.integers(295 * 8, 410 * 8)
 HOT_K, COLD_K = 430.0, 290.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("kind", "stress_pa"), [("round", 50e6), ("round", 120e6), ("early", 50e6), ("narrow", 120e6), ("broad", 50e6)]
+)
+def test_the_fractions_agree_with_twenty_thousand_hard_switches(kind: str, stress_pa: float) -> None:
+    wire = WIRES[kind]
+    temperatures = np.concatenate(
+        [
+            np.arange(430.0, 290.0, -0.5),  # the major loop down, a minor loop inside it, and up
+            np.arange(290.0, 356.0, 0.5),
+            np.arange(356.0, 325.0, -0.5),
+            np.arange(325.0, 430.0, 0.5),
+        ]
+    )
+    brute = HardSwitches(alloy(kind).values(), stress_pa).along(temperatures)
+    ours = fronts_along(wire, temperatures, stress_pa)[2:].T
+    assert brute[:, 1].max() > 0.2, "without R-phase this compares only half of the rules"
+    # One switch is 1/20000 of the wire; the kernel's table interpolates the distribution to better than that.
+    assert np.abs(ours - brute).max() < 1.0 / 20_000
 
 
 def assert_shares(fronts: Fronts, wire: WireConstants) -> None:
@@ -74,6 +98,32 @@ def test_all_is_martensite_far_below_and_austenite_far_above(kind: str, stress_p
     cold = fronts_at(wire, -500.0, stress_pa)
     assert fractions(wire, cold) == (1.0, 0.0)
     assert fractions(wire, fronts_at(wire, 1500.0, stress_pa, cold)) == (0.0, 0.0)
+
+
+def nested_loop(wire: WireConstants, stress_pa: float, outer: float, inner: float, innermost: float) -> None:
+    """Heat to ``outer``, cool to ``inner``, heat to ``innermost``; close both loops: both points again, to the bit."""
+    passed = walk(
+        wire, ALL_AUSTENITE, stress_pa, HOT_K, COLD_K, outer, inner, innermost, inner, outer
+    )  # places 2 and 6 are the outer turning point, 3 and 5 the inner one
+    assert passed[5] == passed[3]
+    assert passed[6] == passed[2]
+
+
+@pytest.mark.parametrize(
+    ("kind", "stress_pa", "outer", "inner", "innermost"),
+    [
+        # Found by search: a grain reached austenite past a still stable R-phase on the first pass and kept
+        # the R-phase on the second.
+        ("round", 149.4e6, 329.0, 309.375, 312.625),
+        ("narrow", 180.8e6, 349.5, 346.375, 348.5),
+        ("late", 181.1e6, 349.0, 328.0, 332.375),
+        ("late", 177.5e6, 354.0, 339.375, 352.5),
+    ],
+)
+def test_loops_where_r_phase_and_martensite_compete_return_to_their_points(
+    kind: str, stress_pa: float, outer: float, inner: float, innermost: float
+) -> None:
+    nested_loop(WIRES[kind], stress_pa, outer, inner, innermost)
 
 
 @settings(derandomize=True, deadline=None, max_examples=30)

@@ -1,8 +1,9 @@
 """The memory of the fronts, as the Preisach literature defines it: wiping-out and congruency.
 
-Mayergoyz 1986, doi 10.1103/PhysRevLett.56.1518: an operator is a Preisach operator if and only if it has both. Here
-whole histories of turning points, at constant stress and at constant temperature.
-`python benchmarks/hysteresis_memory.py` prints the largest departures over thousands of histories.
+Mayergoyz 1986, doi 10.1103/PhysRevLett.56.1518: an operator is a Preisach operator if and only if it has both. Closed
+nested loops and an excursion from cold are in test_fronts_along_temperature_walks.py; here whole histories of turning
+points, at constant stress and at constant temperature. `python benchmarks/hysteresis_memory.py` prints the largest
+departures over thousands of histories.
 """
 
 from __future__ import annotations

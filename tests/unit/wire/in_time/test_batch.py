@@ -87,6 +87,17 @@ def test_some_wires_begin_again_and_the_others_go_on() -> None:
     assert np.array_equal(after.wire_voltage_v[again], first.wire_voltage_v[again])
 
 
+def test_energy_is_kept_to_rounding_in_every_wire() -> None:
+    many, drive = wires(40), drives(40)
+    batch = WireBatch(many, stepping=TEN_MS)
+    start = batch.states
+    batch.drive(drive, SAMPLE_S, ())
+    end = batch.states
+    gained = end["enthalpy_j"] + end["carried_heat_j"] - start["enthalpy_j"]
+    assert np.abs(gained - (end["heat_in_j"] - end["heat_out_j"])).max() < 1e-12
+    assert not end["unsolved_steps"].any()
+
+
 def test_wrong_requests_are_the_callers_errors() -> None:
     many = wires(2)
     with pytest.raises(CallerError, match="no column 'force'"):

@@ -97,3 +97,22 @@ def test_electrical_energy_less_convection_is_the_heat_that_temperature_and_phas
     assert np.abs(missing_j).max() < 3e-5 * joule_j[-1]
     assert np.abs(missing_j).max() < 0.01 * np.ptp(latent) * MASS_KG, "a lost hundredth of the latent heat would show"
     assert end.heat_in_j == pytest.approx(joule_j[-1], rel=1e-7)
+
+
+def test_a_recording_of_20_hz_shows_the_same_energy() -> None:
+    """Means of voltages over 50 ms, temperature at the end of each: what a rig and a thermometer would give.
+
+    The product of two means is not the mean of the product, and the loss is taken at the ends of the samples; with a
+    time constant of half a second both are worth less than a percent.
+    """
+    wire = constants()
+    start = resting_state(wire)
+    path, end = driven(wire, SWINGS_V[::50], DT_S, 50)
+    joule_j = float(np.sum(path.wire_voltage_v * path.shunt_voltage_v)) * 0.05 / wire.shunt_resistance_ohm
+    ends_k = np.concatenate(([start.temperature_k], path.temperature_k))
+    air_k = wire.ambient_temperature_k
+    loss_w = [
+        0.9 * convection_coefficient_w_per_m2_k(t, air_k, 100e-6) * SURFACE_M2 * (t - air_k) for t in ends_k.tolist()
+    ]
+    lost_j = float(np.trapezoid(loss_w, dx=0.05))
+    assert joule_j - lost_j == pytest.approx(held_j(end, wire) - held_j(start, wire), abs=0.01 * joule_j)

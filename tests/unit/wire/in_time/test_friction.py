@@ -1,4 +1,4 @@
-"""Friction of the guide: where the load cannot pull the wire back, friction holds.
+"""Friction of the guide: a loop shows what was asked for, and where the load cannot pull the wire back, friction holds.
 
 `python benchmarks/kernel_accuracy.py --only friction` goes through all combinations of friction, presliding and step.
 """
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from kernel_friction import Case, case_of
+from kernel_friction import Case, case_of, shown
 from wire_makers import constants
 
 from musclewire.wire._building import resting_state
@@ -17,6 +17,18 @@ from musclewire.wire._loads import spring_load, with_table
 from musclewire.wire._state import WireState
 from musclewire.wire._stepping import fixed_steps
 from musclewire.wire._wires import advance
+
+
+@pytest.mark.parametrize("step_s", [1e-3, 20e-3])
+@pytest.mark.parametrize("presliding_m", [1e-6, 100e-6])
+@pytest.mark.parametrize("friction_n", [0.01, 0.4, 1.0, 5.0])
+def test_a_loop_shows_the_friction_that_was_asked_for(friction_n: float, presliding_m: float, step_s: float) -> None:
+    found = shown(case_of(friction_n, presliding_m), step_s)
+    assert found.stroke_m > 1e-3, "the wire must move to show anything"
+    assert found.samples > 100
+    assert found.pulling == pytest.approx(1.0, rel=0.02)
+    assert found.easing == pytest.approx(1.0, rel=0.02)
+    assert found.worst < 0.02
 
 
 def cycle(case: Case, step_s: float, turns: int) -> list[WireState]:
