@@ -143,6 +143,7 @@ def test_a_program_keeps_control_inside_its_block_and_leaves_it_at_its_end(serve
         assert server.http.get(BENCH.replace("/simulated", "")).json()["benches"][0]["holder"] is None
         with pytest.raises(RigError, match="take control first"):
             program.command("switch_on")
+        assert [what for what, _ in server.bench.told].count("command") == 1
         assert program.stop() == "stopped"
 
 

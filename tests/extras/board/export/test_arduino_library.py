@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import zipfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -76,4 +77,16 @@ def test_keywords_are_names_of_the_header_with_a_tab(archive: zipfile.ZipFile) -
 def test_another_ending_is_refused_before_anything_is_written(tmp_path: Path, musclewire: Callable[..., Any]) -> None:
     asked = ("export", "c", "model.json", "-o", tmp_path / "library", "--arduino-zip", tmp_path / "a.tar")
     assert ".zip" in musclewire(*asked).refusal
+    assert not (tmp_path / "library").exists()
+
+
+def test_gains_that_no_controller_can_have_are_refused_before_anything_is_written(
+    tmp_path: Path, musclewire: Callable[..., Any]
+) -> None:
+    """C does not use them, but whoever edited them has to hear of it."""
+    impossible = {"controller": "feedforward", "settings": {"closed_loop_time_s": -1.0}}
+    save_model(replace(usual_model(), gains=impossible), tmp_path / "model.json")
+    refusal = musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library").refusal
+    assert "gains" in refusal
+    assert "closed_loop_time_s" in refusal
     assert not (tmp_path / "library").exists()
