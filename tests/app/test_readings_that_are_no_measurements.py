@@ -81,3 +81,15 @@ def test_pulses_that_are_off_are_named_and_the_pulses_are_fitted(
     assert fitted.code == 0, fitted.err
     assert any("2160 of 3600 rows are no measurements: the drive is off" in text for text in fitted.json["warnings"])
     assert 15.0 < fitted.json["resistance_min_ohm"] < fitted.json["resistance_max_ohm"] < 18.0
+
+
+@pytest.mark.parametrize(("current", "refused"), [("I_avg [mA]", True), ("I_rms [mA]", False)])
+def test_an_rms_voltage_over_a_mean_current_is_no_resistance(
+    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: Callable[..., Any], current: str, refused: bool
+) -> None:
+    columns = {"time [ms]": loop["millis"], "V_rms [V]": loop["bus_V"], current: loop["current_mA"]}
+    file = written(tmp_path / "pulses.csv", columns)
+    given = ("-c", "wire_voltage_v=V_rms [V]", "-c", f"wire_current_a={current}")
+    answer = musclewire("import", file, *given)
+    assert answer.code == (2 if refused else 0)
+    assert ("root of the duty cycle" in answer.err) == refused

@@ -6,6 +6,7 @@ Reading, previewing and converting a file go through the same blocks, so that a 
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -57,6 +58,7 @@ _MIN_ROWS_OF_POLLING = 20
 _MIN_REPEATS, _MAX_REPEATS = 0.05, 0.95
 _STEPS_OF_A_MEASUREMENT = 20.0
 _MAX_RUN_OF_REPEATS = 5
+_RMS, _MEAN = {"rms"}, {"avg", "average", "mean"}
 _DROP_CURE = "or leave such rows out (drop_missing=True)"
 
 
@@ -546,10 +548,28 @@ def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
             f"{path}: the voltage of a shunt of {shunt_ohm:g} ohm is no current: state its resistance "
             "(shunt_resistance_ohm), or leave its column out"
         )
+    if mixed := _rms_and_mean(plan.match):
+        return f"{path}: {mixed}"
     if "time_s" in found or needs_no_clock(found):
         return ""
     return (
         f"{path}: no column is the time (there are {listed}): name one 'time [s]' or map it: time_s=HEADER:s, or give "
         f"the sample period, as '10 ms'; without a clock a printed loop needs {', '.join(BRANCH_TABLE)}, "
         f"isobars need {', '.join(ISOBAR_TABLE)}, pulses {', '.join(PULSE_TABLE)}"
+    )
+
+
+def _rms_and_mean(match: HeaderMatch) -> str:
+    """Return what is wrong with the rms of a voltage beside the mean of a current, or the other way round, or ""."""
+    kinds: dict[str, str] = {}
+    for item in match.taken:
+        words = set(re.split(r"[^a-z]+", item.header.lower()))
+        if item.column in ("wire_voltage_v", "wire_current_a", "shunt_voltage_v") and words & (_RMS | _MEAN):
+            kinds.setdefault("rms" if words & _RMS else "mean", item.header)
+    if len(kinds) < 2:
+        return ""
+    return (
+        f"'{kinds['rms']}' is an rms and '{kinds['mean']}' a mean: in pulses the one over the other is no resistance, "
+        "it is wrong by the root of the duty cycle; map two rms values or two means, or give columns of a constant "
+        "current names without the two words"
     )
