@@ -253,7 +253,8 @@ def learn_noise(dt_s: float, state: Row, read: float, per_volt: float) -> None:
     if state.learnt_s < 0.0 or dt_s <= 0.0:
         state.learnt_s = 0.0
         return
-    state.learnt_s = min(state.learnt_s + dt_s, GATES.noise_s)
+    # At least the period: a sample that weighed more than all before it would leave a negative variance.
+    state.learnt_s = min(state.learnt_s + dt_s, max(GATES.noise_s, dt_s))
     noise_v2 = min(bend_v * bend_v / 6.0, GATES.max_noise_v2)
     state.noise_v2 += (noise_v2 - state.noise_v2) * (dt_s / state.learnt_s)
 

@@ -60,6 +60,18 @@ def test_the_value_never_leaves_the_branches_of_the_range(readings: list[tuple[f
         assert 0.0 < one.std <= SPAN
 
 
+@given(
+    st.floats(0.001, 120.0),
+    st.lists(st.tuples(st.floats(13.6, 17.4), st.floats(0.01, 1.0)), min_size=2, max_size=60),
+)
+def test_a_valid_sample_has_a_standard_deviation_at_any_sample_period(
+    period_s: float, readings: list[tuple[float, float]]
+) -> None:
+    for one in followed(readings, period_s):
+        assert 0.0 < one.std <= SPAN
+        assert np.isfinite(one.value)
+
+
 def test_the_same_course_gives_the_same_strain_at_any_sample_period() -> None:
     ends = []
     for period_s in (0.002, 0.01, 0.05):

@@ -23,7 +23,8 @@ def test_gated_branches_in_c_are_those_of_python(tmp_path: Path, double: bool) -
     numbers = (usual_model(), FuzzyPidSettings(), drive_limits(LIMITS), LIMITS)
     library = write_library(*numbers, tmp_path / "c", double=double, estimator="gated")
     loaded = HostLibrary(built(tmp_path / "c", tmp_path, double=double), double=double)
-    for ticks in (golden_ticks(library.reference), exercise(library.reference, 11, 2_000)):
+    slow = exercise(library.reference, 12, 500, tick_s=60.0, fault_probability=0.0)
+    for ticks in (golden_ticks(library.reference), exercise(library.reference, 11, 2_000), slow):
         found = largest_differences(loaded, library.reference, ticks, relative=double)
         assert max(found.values()) <= MAX_DIFFERENCE[double], found
 

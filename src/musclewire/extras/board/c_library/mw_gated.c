@@ -75,7 +75,7 @@ static void learn_noise(mw_gates *gates, mw_real read, mw_real per_volt, mw_real
     }
     gates->learnt_s += dt_s;
     if (gates->learnt_s > MW_NOISE_S)
-        gates->learnt_s = MW_NOISE_S;
+        gates->learnt_s = dt_s > MW_NOISE_S ? dt_s : MW_NOISE_S;
     if (!(noise_v2 <= MW_MAX_NOISE_V2))
         noise_v2 = MW_MAX_NOISE_V2;
     gates->noise_v2 += (noise_v2 - gates->noise_v2) * (dt_s / gates->learnt_s);
