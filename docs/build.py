@@ -29,12 +29,12 @@ def main() -> int:
     from completeness import missing
     from layout import lay_out
     from sphinx.cmd.build import build_main
-    from written_pages import PAGES
+    from written_pages import all_written
 
     sources = output.with_name(output.name + "-sources")
     for folder in (sources, output):
         shutil.rmtree(folder, ignore_errors=True)
-    lay_out(ROOT, sources, {name: page() for name, page in PAGES.items()})
+    lay_out(ROOT, sources, all_written())
     write_api_pages(sources / "reference")
     words = ["-W", "--keep-going", "-q", "-j", "auto", "-c", str(ROOT / "docs" / "site")]
     code = build_main([*words, "-d", str(sources / "_build"), str(sources), str(output)])

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "images"))
@@ -50,12 +51,23 @@ PAGES: dict[str, Callable[[], str]] = {
 }
 
 
+def written(name: str) -> str:
+    """Return a page by its name."""
+    return PAGES[name]()
+
+
+def all_written() -> dict[str, str]:
+    """Return every page by its name; they are written side by side, since some simulate wires."""
+    with ProcessPoolExecutor() as pool:
+        return dict(zip(PAGES, pool.map(written, PAGES), strict=True))
+
+
 def main() -> int:
     """Print a page, or the names of all; return 2 for a name that is none."""
     if len(sys.argv) != 2 or sys.argv[1] not in PAGES:
         print(*PAGES, sep="\n")
         return 0 if len(sys.argv) == 1 else 2
-    print(PAGES[sys.argv[1]](), end="")
+    print(written(sys.argv[1]), end="")
     return 0
 
 

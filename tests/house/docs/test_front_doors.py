@@ -30,19 +30,8 @@ def test_the_door_leads_to_its_end(door: str, tmp_path: Path) -> None:
     ("wire", "period", "reference"),
     [
         pytest.param("flexinol-0.15-lt", "20 s", "1.2 % to 1.8 % by 0.6 %", marks=pytest.mark.emulated),
-        pytest.param(
-            "flexinol-0.25-lt",
-            "90 s",
-            "1.2 % to 2.4 % by 0.6 % for 20 s",
-            marks=[
-                pytest.mark.full,
-                pytest.mark.xfail(
-                    strict=True,
-                    reason="it cools too slowly for steps of 6 s: 15 % and 39 % of the target on the way back, and "
-                    "0.22 % of strain off the target at the end, where 0.1 % is asked for",
-                ),
-            ],
-        ),
+        # It cools too slowly for steps of 6 s: it is 39 % of the last target away when they end.
+        pytest.param("flexinol-0.25-lt", "90 s", "1.2 % to 2.4 % by 0.6 % for 20 s", marks=pytest.mark.full),
     ],
 )
 def test_another_wire_comes_from_the_table_to_a_closed_loop(
