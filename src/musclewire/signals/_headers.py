@@ -226,6 +226,22 @@ def _stated_unit(column: SourceColumn) -> str | None:
     return split_header(column.header)[1] if column.unit is None else column.unit
 
 
+def overruled_units(match: HeaderMatch, columns: Sequence[SourceColumn], path: str) -> tuple[str, ...]:
+    """Return where a mapping gives another unit than the file states, a sentence each: the mapping's holds."""
+    said = []
+    for item in match.taken:
+        stated = _stated_unit(columns[item.index])
+        if item.how != "mapped" or item.is_text or not stated or not measures(stated, item.column):
+            continue
+        by_header = conversion_to_si(stated, item.column, path)
+        if measures(item.unit, item.column) and (by_header.factor, by_header.offset) != (item.factor, item.offset):
+            said.append(
+                f"'{item.header}' is in {stated} by its own words and was taken as {item.unit or 'a plain number'}, "
+                "as the mapping says: leave the unit out of the mapping if the file is right"
+            )
+    return tuple(said)
+
+
 def _own_unit(column: SourceColumn) -> str | None:
     """Return the unit that a column states by itself: next to its header, in it, or by one of our names."""
     own = None if column.unit is not None else _own_column(split_header(column.header)[0])

@@ -26,6 +26,7 @@ from musclewire.signals._headers import (
     match_columns,
     missing_from,
     numbered_headers,
+    overruled_units,
 )
 from musclewire.signals._import_mapping import CurableError, ImportMapping
 from musclewire.signals._long_tables import spread_series
@@ -34,7 +35,7 @@ from musclewire.signals._proposing import columns_offered, mapped_with_unit, rep
 from musclewire.signals._side_by_side import stacked_branches
 from musclewire.signals._source_table import Cells, RowBlock, SourceTable, head_of, rows_in
 from musclewire.signals._units import beyond, conversion_to_si, largest_in
-from musclewire.signals._unusable_readings import LEFT_OUT, ReadingsOfBlocks, is_overload
+from musclewire.signals._unusable_readings import LEFT_OUT, UNITS_OVERRULED, ReadingsOfBlocks, is_overload
 
 # Our own runs hold NaN in samples without an estimate; in any other column NaN is a gap in the data.
 _MAY_BE_NAN = frozenset(name for name in COLUMNS if name.startswith("estimated_"))
@@ -102,7 +103,9 @@ class ImportPlan:
     def metadata(self) -> dict[str, MetadataValue]:
         """The metadata of file and mapping."""
         numbered: dict[str, MetadataValue] = {"clock": "row numbers"} if self.row_clock else {}
-        return {**self.table.metadata, **numbered, **self.mapping.metadata}
+        overruled = overruled_units(self.match, self.table.columns, str(self.table.path))
+        units: dict[str, MetadataValue] = {UNITS_OVERRULED: "; ".join(overruled)} if overruled else {}
+        return {**self.table.metadata, **numbered, **units, **self.mapping.metadata}
 
 
 @dataclass

@@ -1,7 +1,7 @@
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals._headers import match_columns, split_header
+from musclewire.signals._headers import match_columns, overruled_units, split_header
 from musclewire.signals._source_table import SourceColumn
 
 
@@ -100,6 +100,13 @@ def test_a_mapped_header_may_carry_its_unit_and_the_mapping_overrules_it():
     assert taken_as(headers, {"displacement_m": "pos"})["displacement_m"][1] == 0.001
     assert taken_as(headers, {"displacement_m": "pos [mm]"})["displacement_m"][1] == 0.001
     assert taken_as(headers, {"displacement_m": "pos [mm]:um"})["displacement_m"][1] == pytest.approx(1e-6)
+
+
+@pytest.mark.parametrize(("wanted", "said"), [("U [mV]:V", 1), ("U [mV]:mV", 0), ("U [mV]", 0), ("U [mV]:2 mV/V", 0)])
+def test_where_a_mapping_overrules_the_unit_of_the_file_it_is_said(wanted, said):
+    columns = [SourceColumn("time_s"), SourceColumn("U [mV]")]
+    match = match_columns(columns, {"wire_voltage_v": wanted}, "loop.csv")
+    assert len(overruled_units(match, columns, "loop.csv")) == said
 
 
 def test_a_mapping_may_take_one_of_our_own_names_for_something_else():
