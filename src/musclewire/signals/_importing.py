@@ -563,7 +563,7 @@ def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
 
 
 def _rms_and_mean(match: HeaderMatch) -> str:
-    """Return what is wrong with the rms of a voltage beside the mean of a current, or the other way round, or ""."""
+    """Return what is wrong with the rms of a voltage with the mean of a current, or the other way round, or ""."""
     kinds: dict[str, str] = {}
     for item in match.taken:
         words = set(re.split(r"[^a-z]+", item.header.lower()))
