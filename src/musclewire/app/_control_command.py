@@ -84,7 +84,7 @@ def control(
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
     """Closed loop: move the wire by its own resistance; MAE of each step, with --runs for many seeds."""
-    from musclewire.identify import other_load
+    from musclewire.identify import load_facts
     from musclewire.rigs import open_rig
     from musclewire.sensing import load_model
 
@@ -112,7 +112,8 @@ def control(
             target = staircase_for(loaded, load, opened.leg_length_m)
         settled = choice.settled(loaded, opened.sample_period_s)
         limits = said_of_speed(opened, loaded, target, settled, load)
-        said = [*refused, *warn(filter(None, [other_load(loaded, opened.metadata())]))]
+        other_load = load_facts(loaded, opened.metadata()).get("other_load")
+        said = [*refused, *warn([str(other_load)] if other_load else [])]
         with progress_bar("Closed loop", settled.approach_s + target.duration_s, opened) as on_sample:
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
         if homing.home == "idle":

@@ -9,7 +9,7 @@ are recorded as well and compared afterwards; nothing here reads them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, NamedTuple, Unpack
@@ -27,7 +27,14 @@ from musclewire.errors import RigError
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
 from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
-from musclewire.identify import COLUMN_SUFFIX, check_made_for, error_unit_for, gains_of, other_load, users_wire
+from musclewire.identify import (
+    COLUMN_SUFFIX,
+    check_made_for,
+    error_unit_for,
+    gains_of,
+    load_facts,
+    users_wire,
+)
 from musclewire.rigs import Rig, refuse_no_rig
 from musclewire.sensing import (
     DEFAULT_ESTIMATOR,
@@ -345,15 +352,9 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
             "experiment": "closed loop",
             "quantity": model.quantity,
             **choice.metadata(settled),
-            **load_metadata(model, facts),
+            **load_facts(model, facts),
         },
     )
-
-
-def load_metadata(model: SensingModel, known: Mapping[str, MetadataValue]) -> dict[str, MetadataValue]:
-    """Return what a closed loop's recording says where its rig states another load than the model's."""
-    differs = other_load(model, known)
-    return {"other_load": differs} if differs else {}
 
 
 def name_of(kind: str | EstimatorFactory | ControllerFactory) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
+from musclewire.experiment._first_heating import seen_at_b
 from musclewire.experiment._metrics import since_first_sensed
 from musclewire.identify import COLUMN_SUFFIX, reference_quantity
 from musclewire.sensing import CAUSE_TEXT, Cause
@@ -24,6 +25,7 @@ NAMES = {
     Cause.BEYOND_C: "beyond C",
     Cause.LATE: "late",
     Cause.CONTRADICTED: "contradicted",
+    Cause.OTHER_HEIGHT_OF_B: "changed load or resistance",
 }
 # The drive is at a limit within this fraction of it; a target is missed by more than this part of the range of targets.
 AT_LIMIT, NOT_REACHED = 0.01, 0.05
@@ -41,6 +43,7 @@ GRAVE = (
     Cause.OSCILLATION,
     Cause.BEYOND_C,
     Cause.CONTRADICTED,
+    Cause.OTHER_HEIGHT_OF_B,
 )
 # 95 % of normally distributed errors lie within so many standard deviations. An instrument contradicts an estimate if
 # more than this part of the valid samples do not: errors last for a step, and of the paper's eleven steps two are
@@ -81,6 +84,7 @@ def findings(recording: Recording) -> tuple[TimedFinding, ...]:
     marked = {Cause.SATURATION: saturated(recording, suffix), Cause.STALLED: stalled(recording, suffix)}
     marked[Cause.SATURATION] &= ~marked[Cause.STALLED]
     marked[Cause.CONTRADICTED] = contradicted(recording, suffix)
+    marked[Cause.OTHER_HEIGHT_OF_B] = at_another_height(recording)
     if "health" in recording:
         for cause in (Cause.CHANGED_LOAD, Cause.CHANGED_AIR, Cause.OTHER_WIRE):
             marked[cause] = recording["health"] == float(cause)
@@ -115,6 +119,8 @@ def numbers_of(cause: Cause, recording: Recording, row: int) -> str:
         return f"by up to {recording['lag_s'].max():.2f} s"
     if cause is Cause.CONTRADICTED:
         return contradiction_in_words(recording, sensed_suffix(recording))
+    if cause is Cause.OTHER_HEIGHT_OF_B:
+        return str(seen_at_b(recording))
     if cause is not Cause.OSCILLATION:
         return ""
     period_s = period_of(recording)
@@ -195,6 +201,13 @@ def contradiction_in_words(recording: Recording, suffix: str) -> str:
         return said
     rms_pct = 100.0 * float(np.sqrt(np.mean(error[beyond] ** 2))) / stroke
     return f"{said}, by {rms_pct:.1f} % rms of the stroke"
+
+
+def at_another_height(recording: Recording) -> npt.NDArray[np.bool_]:
+    """Return the samples from B of the first heating on if it is not at the model's height; else none."""
+    seen = seen_at_b(recording)
+    away = seen is not None and seen.is_away
+    return np.asarray(away & (np.arange(len(recording)) >= (0 if seen is None else seen.row)))
 
 
 def saturated(recording: Recording, suffix: str) -> npt.NDArray[np.bool_]:

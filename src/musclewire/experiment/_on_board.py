@@ -11,11 +11,11 @@ from typing import Unpack
 
 from musclewire.controllers import FuzzyPidSettings, Reference
 from musclewire.errors import CallerError
-from musclewire.experiment._closed_loop import APPROACH_S, load_metadata
+from musclewire.experiment._closed_loop import APPROACH_S
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
 from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
-from musclewire.identify import COLUMN_SUFFIX, check_made_for, settings_for
+from musclewire.identify import COLUMN_SUFFIX, check_made_for, load_facts, settings_for
 from musclewire.rigs import HasOnBoardLoop, Rig, ability
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
 from musclewire.signals import Command, RawSample, Target
@@ -131,7 +131,7 @@ def control_on_board(
         metadata={
             "experiment": "closed loop on the board",
             "quantity": model.quantity,
-            **load_metadata(model, rig.metadata()),
+            **load_facts(model, rig.metadata()),
             "approach_s": approach_s,
             **speed_metadata(rig, model, chosen, None),
         },

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from musclewire.experiment._first_heating import not_compared
 from musclewire.experiment._health import health_warnings
 from musclewire.identify import extrapolation_warnings
 from musclewire.sensing import noise_level
@@ -13,6 +14,8 @@ from musclewire.signals import Recording
 HELD_FRACTION = 1e-4
 # A step's error counts from here on: twenty times the tolerance of chosen steps. From 2 K on the rig itself refuses.
 STEP_ERROR_K = 0.1
+# What a recording may say of itself.
+STATED = ("other_load", "pwm_problem", "without_gains", "b_not_compared")
 
 
 def run_warnings(recording: Recording) -> tuple[str, ...]:
@@ -22,9 +25,9 @@ def run_warnings(recording: Recording) -> tuple[str, ...]:
 
 
 def stated_warnings(recording: Recording) -> tuple[str, ...]:
-    """Return what a recording says of itself: another load, pulses read at a wrong time, a model without gains."""
-    said = (recording.facts.text_or_none(name) for name in ("other_load", "pwm_problem", "without_gains"))
-    return tuple(one for one in said if one is not None)
+    """Return what a recording says of itself: another load, pulses read at a wrong time, what a model lacks."""
+    said = (recording.facts.text_or_none(name) for name in STATED)
+    return tuple(one for one in (*said, not_compared(recording)) if one)
 
 
 def instrument_warnings(recording: Recording) -> tuple[str, ...]:

@@ -61,6 +61,6 @@ from ._tuning import gains_of as gains_of
 from ._tuning import tune as tune
 from ._use_of_model import check_made_for as check_made_for
 from ._use_of_model import error_unit_for as error_unit_for
-from ._use_of_model import other_load as other_load
+from ._use_of_model import load_facts as load_facts
 from ._use_of_model import settings_for as settings_for
 from ._use_of_model import users_wire as users_wire

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import hypot
 from pathlib import Path
 
+import numpy as np
+
 from musclewire.controllers import PERCENT_STRAIN, FuzzyPidSettings, with_error_unit
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, RecordingError
 from musclewire.parameters import bench_known_with, is_wire_file, load_alloy, load_bench, load_wire
-from musclewire.sensing import KnownSpring, SensingModel
+from musclewire.sensing import KnownSpring, SensingModel, find_resistance_extremes
 from musclewire.signals import MetadataValue, RunFacts
 from musclewire.wire import WireConstants, constants_of, measured_grains
 
@@ -18,6 +21,15 @@ SAME_LENGTH_FRACTION = 0.005
 SAME_LOAD_FRACTION = 0.02
 # What of a load a model and a rig may both state, in words and with its unit.
 STATED_LOAD = {"pretension_n": ("a pretension", "N"), "spring_stiffness_n_per_m": ("a spring", "N/m")}
+# Why a run's first heating is not compared with that of the model.
+NO_LOOP = (
+    "this model does not state its slow loop, so that a load or a resistance that has changed since is not noticed at "
+    "the start: fit a recording with voltages again"
+)
+NO_MAXIMUM = (
+    "resistance has no maximum in this model's slow loop, so that a load or a resistance that has changed since is not "
+    "noticed at the start"
+)
 # What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
 RANGE_AS_PERCENT_STRAIN = 3.0
 # Where friction reverses, force changes steeply with strain: this multiple of the friction counts as range, or the loop
@@ -88,6 +100,46 @@ def other_load(model: SensingModel, known: Mapping[str, MetadataValue]) -> str:
                 "wrong with this load; characterize and fit with it, or put the other one back"
             )
     return ""
+
+
+def load_facts(model: SensingModel, known: Mapping[str, MetadataValue]) -> dict[str, MetadataValue]:
+    """Return what a run's recording says of its load: another than the model's if its rig states one, and B to compare.
+
+    Parameters
+    ----------
+    model
+        The model of the wire.
+    known
+        Metadata of the rig.
+
+    Returns
+    -------
+    ``other_load`` in words, if there is another; B, C and the rise to B of the slow loop [ohm], with the standard
+    deviation [ohm] with which B repeats, or ``b_not_compared``, why there is no B.
+    """
+    differs = other_load(model, known)
+    return {**({"other_load": differs} if differs else {}), **height_of_b(model)}
+
+
+def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
+    """Return the height of B in a model's slow loop, which a run's first heating is compared with, or why it is not.
+
+    B, C and the rise from the cold wire to B [ohm], and the standard deviation [ohm] with which B repeats: by the drift
+    that a trained wire has, and the noise of a reading.
+    """
+    resistance_ohm = np.array([row[2] for row in model.slow_loop])
+    try:
+        seen = find_resistance_extremes(resistance_ohm)
+    except RecordingError:
+        return {"b_not_compared": NO_LOOP}
+    if not seen.saw_b:
+        return {"b_not_compared": NO_MAXIMUM}
+    return {
+        "model_b_ohm": model.resistance_max_ohm,
+        "model_c_ohm": model.resistance_min_ohm,
+        "model_rise_ohm": seen.resistance_max_ohm - float(resistance_ohm[: seen.index_b + 1].min()),
+        "model_b_std_ohm": hypot(model.drift_resistance_ohm, model.resistance_noise_ohm),
+    }
 
 
 # Numbers of the bench that a rig or a recording may state; they count before those of the wire file.

@@ -44,6 +44,7 @@ from ._polynomial_estimator import PolynomialEstimator as PolynomialEstimator
 from ._polynomial_estimator import PolynomialState as PolynomialState
 from ._resistance_extremes import ResistanceExtremes as ResistanceExtremes
 from ._resistance_extremes import find_resistance_extremes as find_resistance_extremes
+from ._resistance_maximum import first_maximum as first_maximum
 from ._resistance_maximum import parabola_maximum as parabola_maximum
 from ._segment_tracking import AMBIGUOUS_ABOVE as AMBIGUOUS_ABOVE
 from ._segment_tracking import segment_course as segment_course

@@ -27,6 +27,8 @@ class Cause(IntEnum):
     """The wire follows later than the controller's gains expect."""
     CONTRADICTED = 9
     """The reference instrument is too often beyond the interval that the estimate states."""
+    OTHER_HEIGHT_OF_B = 10
+    """The first heating turned at another resistance than the model's slow loop: load or resistance have changed."""
 
 
 CAUSE_TEXT = {
@@ -45,4 +47,7 @@ CAUSE_TEXT = {
     "as much longer",
     Cause.CONTRADICTED: "the reference instrument is too often beyond the 95 % interval of the estimate: load, "
     "resistance or air are not those of the characterization, or the instrument counts from another zero",
+    Cause.OTHER_HEIGHT_OF_B: "the first heating turned at another resistance than the model's slow loop: the load or "
+    "the resistance (contact, lead, age) has changed since the model was made, or the air, if this wire turns below "
+    "about 50 C: put it back, or characterize again; for resistance alone musclewire home",
 }

@@ -28,6 +28,9 @@ MIN_NOISES = 3.0
 # nor one in which the test would have fewer degrees of freedom left to part noise from bends.
 MIN_SPARE = 6
 MIN_SAMPLES = CUBIC + MORE + 1 + MIN_SPARE
+# A first heating has passed B once the resistance is this part of the fall from B to C below its highest, and as many
+# times the noise as a bump.
+PASSED_FRACTION = 0.08
 # Moves of a window around the maximum of the cubic through it: where the first one lies is still up to the noise.
 MOVES = 2
 
@@ -83,6 +86,31 @@ def resistance_maximum(
         middle = fits.maximum(CUBIC)
         window = narrower(window, near if middle is None else round(middle.place))
     return parabola_maximum(smoothed_ohm, near)
+
+
+def first_maximum(resistance_ohm: FloatArray, fall_ohm: float, noise_ohm: float) -> ResistanceMaximum | None:
+    """Return the maximum that a wire passes in its first heating: B, read from the samples around it.
+
+    Parameters
+    ----------
+    resistance_ohm
+        Resistance from the start of a run on, (n_times,) [ohm].
+    fall_ohm
+        Fall of resistance from B to C [ohm].
+    noise_ohm
+        Standard deviation of one resistance [ohm].
+
+    Returns
+    -------
+    The maximum; None if the resistance has not fallen from one. A fast heating has a few samples around it, and their
+    parabola reads it; a slow one is read as a slow loop is.
+    """
+    fallen = np.maximum.accumulate(resistance_ohm) - resistance_ohm
+    passed = np.flatnonzero(fallen > max(PASSED_FRACTION * fall_ohm, BUMP_NOISES * noise_ohm))
+    if not passed.size:
+        return None
+    until = resistance_ohm[: passed[0] + 1]
+    return resistance_maximum(until, until, int(np.argmax(until)), fall_ohm, noise_ohm)
 
 
 def parabola_maximum(resistance_ohm: FloatArray, peak: int) -> ResistanceMaximum:

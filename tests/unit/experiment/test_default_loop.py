@@ -13,7 +13,7 @@ import musclewire as mw
 from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, PidSettings, staircase
 from musclewire.errors import CallerError
 from musclewire.experiment import LoopChoice, control, run_warnings
-from musclewire.experiment._health import findings
+from musclewire.experiment._health import findings, result_holds
 from musclewire.experiment._metrics import control_metrics
 from musclewire.identify import gains_of
 from musclewire.sensing import Cause, KnownSpring, SensingModel
@@ -48,6 +48,19 @@ def test_nobody_has_to_choose_and_the_wire_follows_from_cold(model: SensingModel
     # What was not sensed yet, below B, counts neither against the run nor as a finding.
     assert run.metrics.valid_share == 1.0
     assert "health" not in run.metadata
+    assert not [said for said in run_warnings(run) if " B " in said]
+
+
+def test_a_resistance_that_has_changed_by_a_hundredth_is_named_as_soon_as_b_is_passed(model: SensingModel) -> None:
+    other = replace(
+        model, resistance_min_ohm=model.resistance_min_ohm / 1.01, resistance_max_ohm=model.resistance_max_ohm / 1.01
+    )
+    with mw.open_rig("simulated", seed=4) as rig:
+        run = control(rig, other, staircase(0.015, 0.018, 0.003, 2.0))
+    (found,) = [one for one in findings(run) if one.cause is Cause.OTHER_HEIGHT_OF_B]
+    assert found.from_s < 1.0
+    assert not result_holds(run)
+    assert "changed load or resistance" in str(run.metadata["health"])
     assert "without_gains" not in run.metadata
 
 

@@ -5,7 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.sensing._resistance_maximum import ResistanceMaximum, parabola_maximum, resistance_maximum
+from musclewire.sensing._resistance_maximum import (
+    ResistanceMaximum,
+    first_maximum,
+    parabola_maximum,
+    resistance_maximum,
+)
 from musclewire.sensing._smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
 FALL_OHM, TOP_OHM = 2.34, 17.5
@@ -100,3 +105,22 @@ def test_the_parabola_is_exact_on_a_parabola(shift: float, bend: float) -> None:
     found = parabola_maximum(values, 3)
     assert found.place == pytest.approx(3 + shift, abs=1e-9)
     assert found.resistance_ohm == pytest.approx(17.0, abs=1e-9)
+
+
+def test_a_first_heating_has_passed_b_once_it_has_fallen_from_it_and_not_before() -> None:
+    fast = np.array([16.0, 16.4, 16.9, 17.0, 16.9, 16.7, 15.0, 17.5])
+    found = first_maximum(fast, 2.5, 0.0)
+    assert found == ResistanceMaximum(3.0, 17.0)  # neither C nor what comes after the fall
+    assert first_maximum(fast[:5], 2.5, 0.0) is None
+    assert first_maximum(fast[:6], 2.5, 0.1) is None  # as much noise makes
+    assert first_maximum(np.empty(0), 2.5, 0.0) is None
+
+
+def test_a_slow_first_heating_is_read_through_its_noise() -> None:
+    place = np.arange(600) / 200.0
+    clean = TOP_OHM - 0.2 * (place - 1.0) ** 2
+    draw = np.random.default_rng(5)
+    found = [first_maximum(clean + 0.01 * draw.standard_normal(600), FALL_OHM, 0.01) for _ in range(30)]
+    heights = [one.resistance_ohm for one in found if one is not None]
+    assert len(heights) == 30
+    assert np.mean(heights) == pytest.approx(TOP_OHM, abs=0.004)
