@@ -309,8 +309,10 @@ class EstimateErrors(AnswerModel):
     """Errors of an estimate; null without an estimate, or without a reference."""
 
     valid_share: float | None = None
+    estimator: str | None = None
     rms_pct: float | None = None
     max_pct: float | None = None
+    wrong_pct: float | None = None
     no_reference: str | None = None
     not_counted: dict[str, float] = Field(default_factory=dict)
     error_groups: tuple[Annotated[ErrorGroup, AnswerRecord()], ...] = ()
@@ -342,6 +344,8 @@ class FitReport(AnswerModel):
     samples: int
     controller: str | None
     no_gains: str | None
+    holds: bool
+    does_not_hold: str | None
     warnings: Words
 
 

@@ -84,7 +84,7 @@ def control(
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
     """Closed loop: move the wire by its own resistance; MAE of each step, with --runs for many seeds."""
-    from musclewire.identify import load_facts
+    from musclewire.identify import known_against
     from musclewire.rigs import open_rig
     from musclewire.sensing import load_model
 
@@ -96,6 +96,7 @@ def control(
     refuse_single_run_options(many, single_run_options(loop, timing, figure, output, overwrite) | homing.given())
     if many.runs is not None:
         with open_rig(rig, seed=seed) as opened:
+            warn(known_against(loaded, opened.metadata()).values())
             follows = target or staircase_for(loaded, load, opened.leg_length_m)
             settled = choice.settled(loaded, opened.sample_period_s)
             said_of_speed(opened, loaded, follows, settled, load)
@@ -104,7 +105,7 @@ def control(
     follow = loop_of(choice, loop, loaded)
     homed: Homing | None = None
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
-        refused = timing.apply(opened)
+        said = [*timing.apply(opened), *warn(known_against(loaded, opened.metadata()).values())]
         if homing.home == "start":
             homed = homing.homed(opened, loaded)
             loaded = homed.model
@@ -112,8 +113,6 @@ def control(
             target = staircase_for(loaded, load, opened.leg_length_m)
         settled = choice.settled(loaded, opened.sample_period_s)
         limits = said_of_speed(opened, loaded, target, settled, load)
-        other_load = load_facts(loaded, opened.metadata()).get("other_load")
-        said = [*refused, *warn([str(other_load)] if other_load else [])]
         with progress_bar("Closed loop", settled.approach_s + target.duration_s, opened) as on_sample:
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
         if homing.home == "idle":
@@ -403,7 +402,7 @@ def run_many_loops(
         steps=found.steps,
         runs=[LoopRunAnswer.read_from(one, one.metrics, **step_errors(one.metrics)) for one in found.outcomes],
     )
-    return Result(answer, str(found), holds=not (found.failed or unsensed))
+    return Result(answer, str(found), holds=model.holds and not (found.failed or unsensed))
 
 
 def step_errors(metrics: ControlMetrics | None) -> dict[str, list[float | None]]:

@@ -35,7 +35,7 @@ from musclewire.app._options import (
 )
 from musclewire.app._output import Result, table, warn
 from musclewire.app._recording_options import ReadingOptions
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import CallerError, MusclewireError, nearest_hint
 
 if TYPE_CHECKING:
     from musclewire.identify import Marks, ResistanceFit
@@ -136,12 +136,13 @@ def fit(
     written = None if output is None else str(output)
     answer = FitAnswer.read_from(on_recording, alone, **model.report(), stroke_std_pct=off_pct, model=written)
     lines = [model.summary(), *([] if alone is None else [str(alone)])]
-    if on_recording is not None:
-        lines.append(f"estimate of this recording: {on_recording.summary()}")
     lines.append(
         "the model is in no file yet: -o model.json keeps it" if output is None else f"model written to {output}"
     )
-    return Result(answer, "\n".join(lines))
+    if on_recording is not None:
+        lines.append(f"estimate of this recording: {on_recording.summary()}")
+    failed = None if model.holds else MusclewireError(f"this model does not hold: {model.does_not_hold}")
+    return Result(answer, "\n".join(lines), error=failed)
 
 
 def estimate(

@@ -30,6 +30,7 @@ from musclewire.experiment._speed_limits import check_targets, speed_metadata, s
 from musclewire.identify import (
     COLUMN_SUFFIX,
     check_made_for,
+    default_estimator,
     error_unit_for,
     gains_of,
     load_facts,
@@ -37,7 +38,6 @@ from musclewire.identify import (
 )
 from musclewire.rigs import Rig, refuse_no_rig
 from musclewire.sensing import (
-    DEFAULT_ESTIMATOR,
     ESTIMATORS,
     Estimator,
     EstimatorFactory,
@@ -54,8 +54,6 @@ from musclewire.signals import Command, Drive, MetadataValue, RawSample, wire_sa
 APPROACH_S = 12.0
 # What drives a wire whose model has no gains.
 PAPER_CONTROLLER = "fuzzy-pid"
-# What a loop takes if it has the wire's own file.
-DEFAULT_WITH_WIRE_FILE = "particle-filter"
 
 
 def approach_of(controller: str | ControllerFactory, given_s: float | None = None) -> float:
@@ -304,11 +302,6 @@ def without_gains(model: SensingModel) -> str:
         "the first target; 'musclewire tune MODEL LOOP -o MODEL' finds them in the wire's slow loop, for a loop that "
         "is quick from cold"
     )
-
-
-def default_estimator(wire_file: str | Path | None) -> str:
-    """Return the name of the estimator that a loop takes if none is named."""
-    return DEFAULT_ESTIMATOR if wire_file is None else DEFAULT_WITH_WIRE_FILE
 
 
 class PreparedLoop(NamedTuple):

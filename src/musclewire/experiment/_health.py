@@ -154,8 +154,8 @@ def in_brackets(numbers: str) -> str:
 
 
 def result_holds(recording: Recording) -> bool:
-    """Return whether a closed loop's result holds: at the load of the model, no grave cause, seldom at a limit."""
-    if recording.facts.text_or_none("other_load"):
+    """Return whether a closed loop's result holds: by a sound model of its load, no grave cause, few limits met."""
+    if any(recording.facts.text_or_none(name) for name in ("model_does_not_hold", "other_load")):
         return False
     length_s = len(recording) * period_of(recording)
     return not any(

@@ -36,6 +36,7 @@ NOT_COUNTED = {
     Reason.UNCERTAIN: "with several explanations",
 }
 UNUSABLE = "that are no measurements"
+UNNOTICED = "colder than the model begins, which the estimator did not notice"
 # The mean error over so many samples is what noise of single readings leaves.
 MEAN_SAMPLES = 33
 # A cause explains an error if without it at most this fraction of the error remains.
@@ -45,14 +46,11 @@ TURN_FRACTION = 0.05
 TURN_NOISES = 8.0
 # A wire that turns further than this fraction of the stroke from both ends is in a minor loop.
 MINOR_FRACTION = 0.1
-# Readings of a cold wire that scatter by more than this fraction of the span are described with their scatter.
-NOISY_FRACTION = 0.01
 
 
 class ErrorCause(StrEnum):
     """What causes the error of a sample."""
 
-    COLD = "colder than B"
     HOT = "beyond the model"
     NOISE = "noise"
     GAP = "gap of the branches"
@@ -116,7 +114,7 @@ class JudgedEstimate:
     estimated, measured
         Strain as a fraction, displacement [m] or force [N].
     valid
-        Which samples count.
+        Which samples count; at none of them the wire is colder than the model begins.
     """
 
     model: SensingModel
@@ -127,21 +125,25 @@ class JudgedEstimate:
     valid: Mask
 
     @property
-    def stroke(self) -> float:
+    def range(self) -> float:
         """The range that the model senses."""
         return self.model.quantity_max - self.model.quantity_min
 
     @property
     def error_pct(self) -> FloatArray:
         """Estimated less measured [%] of the stroke."""
-        return (self.estimated - self.measured) / self.stroke * 100.0
+        return (self.estimated - self.measured) / self.model.stroke * 100.0
 
 
-def fractions_not_counted(reasons: Sequence[int], valid: Mask, usable: Mask) -> Mapping[str, float]:
+def fractions_not_counted(reasons: Sequence[int], valid: Mask, counts: Mask, usable: Mask) -> Mapping[str, float]:
     """Return which fraction of all samples was not counted for which reason, the largest first."""
-    rows = zip(reasons, valid.tolist(), usable.tolist(), strict=True)
-    counts = Counter(NOT_COUNTED[Reason(why)] if there else UNUSABLE for why, counted, there in rows if not counted)
-    return {why: count / len(reasons) for why, count in counts.most_common()}
+    rows = zip(reasons, (valid & ~counts).tolist(), counts.tolist(), usable.tolist(), strict=True)
+    found = Counter(
+        UNNOTICED if unnoticed else NOT_COUNTED[Reason(why)] if there else UNUSABLE
+        for why, unnoticed, counted, there in rows
+        if not counted
+    )
+    return {why: count / len(reasons) for why, count in found.most_common()}
 
 
 def error_groups(judged: JudgedEstimate) -> tuple[ErrorGroup, ...]:
@@ -184,10 +186,8 @@ def caused_by(judged: JudgedEstimate, heating: Mask, minor: Mask) -> dict[ErrorC
     inside = np.clip(normalised, model.normalised_min, model.normalised_max)
     branches = (model.heating_coefficients, model.cooling_coefficients)
     branch = np.where(heating, *(evaluate(one, inside) for one in branches))
-    cold, hot = ends_of(model)
     tests = {
-        ErrorCause.COLD: measured < cold,
-        ErrorCause.HOT: measured > hot,
+        ErrorCause.HOT: measured > ends_of(model)[1],
         ErrorCause.GAP: np.abs(branch - measured) <= left,
         ErrorCause.NOISE: np.abs(slow) <= left,
         ErrorCause.MINOR_LOOP: minor,
@@ -213,10 +213,10 @@ def ends_of(model: SensingModel) -> tuple[float, float]:
 def half_cycles_of(judged: JudgedEstimate) -> tuple[Mask, Mask]:
     """Return in which samples the reference rises, and in which the wire turned inside the range before, (n_times,)."""
     measured, model = judged.measured, judged.model
-    swing = max(TURN_FRACTION * judged.stroke, TURN_NOISES * noise_level(measured))
+    swing = max(TURN_FRACTION * judged.range, TURN_NOISES * noise_level(measured))
     turns, _ = turning_points(measured, swing)
     heating, minor = np.ones(measured.shape, dtype=np.bool_), np.zeros(measured.shape, dtype=np.bool_)
-    low, high = (model.quantity_min + part * judged.stroke for part in (MINOR_FRACTION, 1.0 - MINOR_FRACTION))
+    low, high = (model.quantity_min + part * judged.range for part in (MINOR_FRACTION, 1.0 - MINOR_FRACTION))
     for place, turn in enumerate(turns):
         following = turns[place + 1] if place + 1 < len(turns) else turns[place - 1]
         rises = bool(measured[following] > measured[turn])
@@ -234,9 +234,6 @@ def in_words(cause: ErrorCause, judged: JudgedEstimate, members: Mask, worst: in
     scatter_ohm = noise_level(judged.resistance_ohm[members]) if members.sum() > MEAN_SAMPLES else 0.0
     span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
     scatter = f"one reading scatters by {scatter_ohm:.2g} ohm, {100 * scatter_ohm / span_ohm:.1f} % of the model's span"
-    if cause is ErrorCause.COLD:
-        where = f"the wire was colder than B, below the {low} at which the model begins"
-        return f"{where}, and {scatter}" if scatter_ohm > NOISY_FRACTION * span_ohm else where
     if cause is ErrorCause.HOT:
         return f"the wire went beyond the {high} at which the model ends"
     if cause is ErrorCause.NOISE:

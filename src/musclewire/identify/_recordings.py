@@ -62,6 +62,11 @@ def resistance_reading(recording: Recording) -> ArrayReading:
     return reading
 
 
+def has_current(recording: Recording) -> bool:
+    """Return whether a recording has the current with the resistance, as an estimator in a loop requires."""
+    return require_electrical(recording) is not ElectricalSource.RESISTANCE or "wire_current_a" in recording
+
+
 class CircuitReadings(NamedTuple):
     """What a board would have read in a recording: voltages [V], each (n_times,), and the shunt's resistance [ohm]."""
 
@@ -95,7 +100,7 @@ def circuit_readings(recording: Recording) -> CircuitReadings:
     if source is ElectricalSource.SHUNT:
         wire_v, shunt_v = recording["wire_voltage_v"], recording["shunt_voltage_v"]
         shunt_ohm = recording.facts.shunt_resistance_ohm
-    elif "wire_current_a" in recording:
+    elif has_current(recording):
         shunt_v, shunt_ohm = recording["wire_current_a"], VIRTUAL_SHUNT_OHM
         by_resistance = source is ElectricalSource.RESISTANCE
         wire_v = recording["wire_resistance_ohm"] * shunt_v if by_resistance else recording["wire_voltage_v"]

@@ -19,6 +19,7 @@ from musclewire.identify._loop_gaps import guide_friction_n
 from musclewire.identify._recordings import (
     COLUMN_SUFFIX,
     circuit_readings,
+    has_current,
     reference_quantity,
     required_quantity,
     resistance_reading,
@@ -26,11 +27,12 @@ from musclewire.identify._recordings import (
     without_loop,
 )
 from musclewire.identify._tuning import with_gains
-from musclewire.identify._use_of_model import users_wire
+from musclewire.identify._use_of_model import default_estimator, users_wire
 from musclewire.physics import ArrayReading
 from musclewire.sensing import (
     AMBIGUOUS_ABOVE,
     ESTIMATORS,
+    PAPER_ESTIMATOR,
     Estimator,
     EstimatorFactory,
     EstimatorSetup,
@@ -92,10 +94,9 @@ def dated_back(
 
 
 PAPER_ORDER = 6
-# The estimator that can process a recording as a whole.
-WHOLE_RECORDING = "polynomial"
-# What takes its place where there is a wire file.
-ON_PHYSICS = "particle-filter"
+# A sample is wrong whose error is beyond this part of the stroke; more than so many of them are a model that does not
+# hold.
+WRONG_FRACTION, MAX_WRONG = 0.05, 0.005
 WIRE_NOTES = (
     "wire",
     "wire_diameter_m",
@@ -107,6 +108,7 @@ WIRE_NOTES = (
 )
 # Rows of the loop that a model keeps for its home moves.
 LOOP_ROWS = 300
+ALWAYS_COLD = "the wire was never warmer than where the model begins"
 # A recording is warned of from this fraction of readings outside the range on: fewer are noise at its ends.
 MIN_OUTSIDE = 0.01
 
@@ -122,6 +124,9 @@ def fit(
     """Fit the self-sensing model (Eqs. 3 to 5) to a slow loop, a recording or arrays, or to a printed table.
 
     Where the loop shows the plant, the model keeps the gains for it, as ``tune`` finds them; ``control`` takes them.
+    Where the recording has the current, it goes through the estimator of a closed loop with this model, as by
+    :func:`estimate`; if more than 0.5 % of the samples that count are more than 5 % of the stroke wrong, the model says
+    that it does not hold.
 
     Parameters
     ----------
@@ -142,7 +147,8 @@ def fit(
 
     Returns
     -------
-    The model, with residuals and warnings, and with the gains of its loop, or why it has none (``no_gains``).
+    The model, with residuals and warnings, with the gains of its loop, or why it has none (``no_gains``), and with why
+    it does not hold (``does_not_hold``).
 
     Raises
     ------
@@ -191,7 +197,17 @@ def fit(
         raise (RecordingError(f"{why} ({cut_short})") if cut_short else why) from None
     model = with_gains(replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity)), recording)
     found = (*usable_readings(recording).findings, *([cut_short] if cut_short else []))
-    return replace(model, warnings=(*model.warnings, *found)) if found else model
+    return replace(model, warnings=(*model.warnings, *found), does_not_hold=against_a_loop(model, recording))
+
+
+def against_a_loop(model: SensingModel, recording: Recording) -> str:
+    """Return why a loop by a model is wrong, as the recording that it was fitted to shows; "" if nothing does."""
+    if not has_current(recording):
+        return ""
+    try:
+        return estimate(model, recording).does_not_hold
+    except RecordingError as error:  # nothing of its own loop can be estimated
+        return str(error)
 
 
 def fit_arrays(
@@ -319,7 +335,11 @@ def air_temperature_k(recording: Recording) -> float | None:
 
 @dataclass(frozen=True)
 class EstimateReport:
-    """An estimate over a recording, and its errors in percent of stroke if the recording has a reference.
+    """An estimate over a recording, and its errors if the recording has a reference.
+
+    Errors are in percent of the stroke that was measured in the model's loop (of the model's range for a model without
+    a measured motion). They count the samples that the estimator says are valid, but for those at which the wire is
+    colder than the model begins: no loop can be asked to go there.
 
     Parameters
     ----------
@@ -327,32 +347,41 @@ class EstimateReport:
         The recording with the estimate's columns added; its metadata ``unusable_readings`` says which rows are no
         measurements, if there are any.
     valid_share
-        Fraction of valid samples, which count.
+        Fraction of the samples that count.
     rms_pct
         Root mean square error [%] of the stroke; None without a reference.
     max_pct
         Largest error [%] of the stroke; None without a reference.
+    wrong_pct
+        How many of the samples that count are more than 5 % of the stroke wrong [%]; None without a reference.
+    estimator
+        Name of the estimator.
     no_reference
         Why there is no reference to compare with, and what would give one; "" with a reference.
     warnings
         That rows are no measurements, and that readings lie outside the model's range, with their number.
     not_counted
-        Why samples are not valid: the fraction of all samples for each reason, the largest first.
+        Why samples do not count: the fraction of all samples for each reason, the largest first.
     error_groups
-        The valid samples by the cause of their error, with the largest error of each; none without a reference.
+        The samples that count by the cause of their error, with the largest error of each; none without a reference.
     quantity
         What was estimated: "strain", "displacement" or "force".
+    of_stroke
+        What errors are a percentage of, in words.
     """
 
     recording: Recording
     valid_share: float
     rms_pct: float | None
     max_pct: float | None
+    wrong_pct: float | None
+    estimator: str
     no_reference: str = ""
     warnings: tuple[str, ...] = ()
     not_counted: Mapping[str, float] = field(default_factory=dict)
     error_groups: tuple[ErrorGroup, ...] = ()
     quantity: str = "strain"
+    of_stroke: str = "the measured stroke"
 
     @property
     def columns(self) -> Mapping[str, FloatArray]:
@@ -382,20 +411,31 @@ class EstimateReport:
         """
         return self.recording.plot(kind or "estimate", style=style)
 
+    @property
+    def does_not_hold(self) -> str:
+        """Why a closed loop by this model and estimator is wrong; "" if the recording shows nothing of the kind."""
+        if self.wrong_pct is None or self.wrong_pct <= 100.0 * MAX_WRONG:
+            return ""
+        return (
+            f"by the estimator {self.estimator}, {self.wrong_pct:.2f} % of the valid samples of its own loop are more "
+            f"than {100 * WRONG_FRACTION:g} % of {self.of_stroke} wrong ({100 * MAX_WRONG:g} % are allowed)"
+        )
+
     def summary(self) -> str:
-        """Return how many samples count and why others do not, the errors, where they are and why."""
+        """Return how many samples count and why others do not, where errors are and why, and last the errors."""
         errors = (
             f"nothing to compare with: {self.no_reference}"
             if self.rms_pct is None
-            else f"error {self.rms_pct:.3f} % rms, {self.max_pct:.3f} % largest, of stroke"
+            else f"error {self.rms_pct:.3f} % rms, {self.max_pct:.3f} % largest, of {self.of_stroke}; "
+            f"{self.wrong_pct:.2f} % of the samples that count are more than {100 * WRONG_FRACTION:g} % wrong"
         )
         counted = f"{100 * self.valid_share:.1f} % in range and between B and C"
         if self.not_counted:
             counted += (
                 f" (not: {', '.join(f'{100 * fraction:.1f} % {why}' for why, fraction in self.not_counted.items())})"
             )
-        first = f"{len(self.recording)} samples, {counted}; {errors}"
-        return "\n".join([first, *lines_of(self.quantity, self.error_groups)])
+        first = f"{len(self.recording)} samples, {counted}"
+        return "\n".join([first, *lines_of(self.quantity, self.error_groups), f"estimator {self.estimator}: {errors}"])
 
 
 def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
@@ -431,9 +471,8 @@ def estimate(
 ) -> EstimateReport:
     """Estimate strain (or the model's quantity) from a recording's resistance, sample by sample.
 
-    Errors count the valid samples only: those with current, a resistance in the model's range, and the wire
-    between B and C, which shows in how power and resistance move together. Errors are in percent of the stroke: the
-    range that the model senses.
+    Valid are samples with current, a resistance in the model's range, and the wire between B and C, which shows in how
+    power and resistance move together.
 
     Parameters
     ----------
@@ -442,9 +481,9 @@ def estimate(
     recording
         Resistance, or both voltages and the shunt; drive and both voltages for another estimator than the default.
     estimator
-        Name or factory of an estimator. The default, the paper's, processes the whole recording at once and can lose
-        and find the wire's segment again; any other runs sample by sample, as in a closed loop. With a ``wire_file``
-        the default is the particle filter.
+        Name or factory of an estimator. The default is that of a closed loop with this model, sample by sample; of a
+        recording without current, which it needs, the paper's. The paper's, "polynomial", processes the whole recording
+        at once, and knows from what follows where the wire passed B.
     wire_file
         The wire's own file, as ``calibrate`` writes it, for an estimator on physics; None without one.
 
@@ -468,10 +507,11 @@ def estimate(
     >>> report.recording["estimated_strain"].shape == loop["time_s"].shape
     True
     """
-    estimator = estimator or (WHOLE_RECORDING if wire_file is None else ON_PHYSICS)
     if not isinstance(recording, Recording):
         raise CallerError(f"estimate takes a model and a recording, in this order, not {an_object(recording)} second")
-    whole = estimator == WHOLE_RECORDING
+    if estimator is None:
+        estimator = default_estimator(wire_file) if has_current(recording) else PAPER_ESTIMATOR
+    whole = estimator == PAPER_ESTIMATOR
     wire = None if wire_file is None else users_wire(wire_file, recording.metadata)
     columns, reasons = at_once(model, recording) if whole else one_by_one(estimator, model, recording, wire)
     suffix = COLUMN_SUFFIX[model.quantity]
@@ -480,25 +520,28 @@ def estimate(
         raise outside_range(model, resistance_reading(recording))
     reading = resistance_reading(recording)
     measured = reference_quantity(recording, model.quantity)
-    stroke = model.quantity_max - model.quantity_min
+    counts = valid if measured is None else valid & (measured >= model.quantity_min)
     errors: FloatArray | None = None
     groups: tuple[ErrorGroup, ...] = ()
-    if measured is not None:
-        errors = (value - measured)[valid] / stroke * 100.0
-        groups = error_groups(JudgedEstimate(model, recording, reading.resistance_ohm, value, measured, valid))
+    if measured is not None and counts.any():
+        errors = (value - measured)[counts] / model.stroke * 100.0
+        groups = error_groups(JudgedEstimate(model, recording, reading.resistance_ohm, value, measured, counts))
     judged = usable_readings(recording)
     found = judged.findings
     kept = recording.with_metadata(unusable_readings="; ".join(found)) if found else recording
     return EstimateReport(
         recording=kept.with_columns(columns),
-        valid_share=float(valid.mean()),
+        valid_share=float(counts.mean()),
         rms_pct=None if errors is None else float(np.sqrt(np.mean(errors**2))),
         max_pct=None if errors is None else float(np.abs(errors).max()),
-        no_reference=why_no_reference(recording, model.quantity),
+        wrong_pct=None if errors is None else float(100.0 * np.mean(np.abs(errors) > 100.0 * WRONG_FRACTION)),
+        estimator=estimator if isinstance(estimator, str) else getattr(estimator, "__name__", type(estimator).__name__),
+        no_reference=why_no_reference(recording, model.quantity) if counts.any() else ALWAYS_COLD,
         warnings=(*found, *range_warnings(model, reading)),
-        not_counted=fractions_not_counted(reasons, valid, judged.usable),
+        not_counted=fractions_not_counted(reasons, valid, counts, judged.usable),
         error_groups=groups,
         quantity=model.quantity,
+        of_stroke="the measured stroke" if model.measured_stroke else "the model's range",
     )
 
 

@@ -11,10 +11,12 @@ import numpy as np
 from musclewire.controllers import PERCENT_STRAIN, FuzzyPidSettings, with_error_unit
 from musclewire.errors import CallerError, RecordingError
 from musclewire.parameters import bench_known_with, is_wire_file, load_alloy, load_bench, load_wire
-from musclewire.sensing import KnownSpring, SensingModel, find_resistance_extremes
+from musclewire.sensing import DEFAULT_ESTIMATOR, KnownSpring, SensingModel, find_resistance_extremes
 from musclewire.signals import MetadataValue, RunFacts
 from musclewire.wire import WireConstants, constants_of, measured_grains
 
+# What takes the place of the default estimator where there is a wire file.
+DEFAULT_WITH_WIRE_FILE = "particle-filter"
 # Lengths that differ by less are one length, measured twice.
 SAME_LENGTH_FRACTION = 0.005
 # Loads and springs that differ by less are one, measured twice.
@@ -35,6 +37,11 @@ RANGE_AS_PERCENT_STRAIN = 3.0
 # Where friction reverses, force changes steeply with strain: this multiple of the friction counts as range, or the loop
 # chatters.
 FRICTION_AS_RANGE = 8.0
+
+
+def default_estimator(wire_file: str | Path | None) -> str:
+    """Return the name of the estimator that a loop takes if none is named."""
+    return DEFAULT_ESTIMATOR if wire_file is None else DEFAULT_WITH_WIRE_FILE
 
 
 def error_unit_for(model: SensingModel, load: KnownSpring | None = None) -> float:
@@ -102,8 +109,27 @@ def other_load(model: SensingModel, known: Mapping[str, MetadataValue]) -> str:
     return ""
 
 
+def known_against(model: SensingModel, known: Mapping[str, MetadataValue]) -> dict[str, str]:
+    """Return what is known against a closed loop before it begins, by its name in the recording.
+
+    Parameters
+    ----------
+    model
+        The model of the loop.
+    known
+        Metadata of the rig.
+
+    Returns
+    -------
+    ``other_load``, if the rig states another load than the model's, and ``model_does_not_hold``, if the fit said so.
+    """
+    bad_fit = "" if model.holds else f"the model does not hold: {model.does_not_hold}"
+    reasons = {"other_load": other_load(model, known), "model_does_not_hold": bad_fit}
+    return {name: reason for name, reason in reasons.items() if reason}
+
+
 def load_facts(model: SensingModel, known: Mapping[str, MetadataValue]) -> dict[str, MetadataValue]:
-    """Return what a run's recording says of its load: another than the model's if its rig states one, and B to compare.
+    """Return what a run's recording says of its model and load: what is known against them, and B to compare.
 
     Parameters
     ----------
@@ -114,11 +140,10 @@ def load_facts(model: SensingModel, known: Mapping[str, MetadataValue]) -> dict[
 
     Returns
     -------
-    ``other_load`` in words, if there is another; B, C and the rise to B of the slow loop [ohm], with the standard
-    deviation [ohm] with which B repeats, or ``b_not_compared``, why there is no B.
+    As :func:`known_against`; B, C and the rise to B of the slow loop [ohm], with the standard deviation [ohm] with
+    which B repeats, or ``b_not_compared``, why there is no B.
     """
-    differs = other_load(model, known)
-    return {**({"other_load": differs} if differs else {}), **height_of_b(model)}
+    return {**known_against(model, known), **height_of_b(model)}
 
 
 def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:

@@ -45,6 +45,10 @@ class FittedCurve(ResistanceCurve):
         empty if none were found. Here they are only kept: ``musclewire.controllers.Gains`` reads them.
     no_gains
         Why the fit found no gains; "" if it found them, or did not look.
+    measured_stroke
+        Largest less cold quantity of the loop, in its unit, as it was measured; 0 if no motion was.
+    does_not_hold
+        Why a closed loop by this model is wrong, as the fit's own recording shows; "" if it shows nothing of the kind.
 
     Raises
     ------
@@ -67,16 +71,28 @@ class FittedCurve(ResistanceCurve):
     home: HomeMove | None = None
     gains: Mapping[str, GainValue] = field(default_factory=dict, hash=False, repr=False)
     no_gains: str = ""
+    measured_stroke: float = 0.0
+    does_not_hold: str = ""
 
     def __post_init__(self) -> None:
         """Check the curve and the report."""
         super().__post_init__()
-        require_in_range((self.hysteresis_gap, self.rmse_average, self.samples))
+        require_in_range((self.hysteresis_gap, self.rmse_average, self.samples, self.measured_stroke))
 
     @property
     def strain_gap(self) -> float:
         """The hysteresis gap of Eq. 2 (or Eq. 9 for displacement), a fraction."""
         return self.hysteresis_gap
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing is known against a closed loop by this model."""
+        return not self.does_not_hold
+
+    @property
+    def stroke(self) -> float:
+        """What errors are a percentage of: the measured stroke or, where no motion was measured, the model's range."""
+        return self.measured_stroke or self.quantity_max - self.quantity_min
 
     @property
     def drift_resistance_ohm(self) -> float:

@@ -167,7 +167,12 @@ def fit_segments(
         source=source,
     )
     warnings = (*model.warnings, *_loop_warnings(segments, quantity, hot_end))
-    return replace(model, warnings=warnings, resistance_noise_ohm=segments.resistance_noise_ohm)
+    return replace(
+        model,
+        warnings=warnings,
+        resistance_noise_ohm=segments.resistance_noise_ohm,
+        measured_stroke=segments.strain_max - segments.strain_cold,
+    )
 
 
 def fit_branches(

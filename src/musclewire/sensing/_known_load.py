@@ -83,6 +83,7 @@ def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: flo
         rmse_cooling=per_unit_n * model.rmse_cooling,
         rmse_average=per_unit_n * model.rmse_average,
         offset_std=per_unit_n * model.offset_std,
+        measured_stroke=per_unit_n * model.measured_stroke,
         wire={**model.wire, "spring_stiffness_n_per_m": stiffness_n_per_m},
         gains={},
         no_gains="those of the model that it was made from are for another quantity",

@@ -96,6 +96,10 @@ class ModelFile(BaseModel):
         name, as in a gains file; empty if there are none.
     no_gains
         Why the fit found none, as that the recording does not state the wire's heat balance.
+    measured_stroke
+        Largest less cold quantity of the loop, of which errors are a percentage; 0 if no motion was measured.
+    holds, does_not_hold
+        Whether a closed loop by this model is right as far as the fit's own recording shows, and why not.
     checksum
         Of all that is computed with: a file whose numbers were altered is refused; ``warnings``, ``source`` and the
         like may be added to.
@@ -136,16 +140,20 @@ class ModelFile(BaseModel):
     home: HomeMove | None = None
     gains: dict[str, str | Finite | Levels] = {}
     no_gains: str = ""
+    measured_stroke: NotNegative = 0.0
+    holds: bool = True
+    does_not_hold: str = ""
     checksum: str = ""
 
     def checksum_of_numbers(self) -> str:
         """Return the checksum of all that is computed with: every key but texts for the file's reader."""
-        numbers = self.model_dump(mode="json", exclude=FOR_READERS)
+        # Keys that an older file does not have are not in its checksum, either.
+        numbers = self.model_dump(mode="json", exclude=FOR_READERS, exclude_unset=True)
         return hashlib.sha256(json.dumps(numbers, sort_keys=True).encode()).hexdigest()[:16]
 
 
 # Written for the file's reader; computed, not passed in, when a model is made.
-DERIVED = {"format", "version", "order", "unit", "quantity_min", "quantity_max", "checksum"}
+DERIVED = {"format", "version", "order", "unit", "quantity_min", "quantity_max", "holds", "checksum"}
 
 
 def save_model(model: FittedCurve, path: str | PathLike[str]) -> None:
@@ -246,6 +254,8 @@ def _check_derived(model: FittedCurve, contents: ModelFile) -> None:
             f"order {contents.order} and unit {contents.unit!r} disagree with {model.order + 1} coefficients "
             f"of {model.quantity} in {model.unit!r}: the file was altered, use another copy"
         )
+    if contents.holds != model.holds:
+        raise CallerError("holds contradicts does_not_hold: the file was altered, use another copy or fit again")
     allowed = RANGE_AGREEMENT * (model.quantity_max - model.quantity_min)
     for name in ("quantity_min", "quantity_max"):
         written, computed = getattr(contents, name), getattr(model, name)

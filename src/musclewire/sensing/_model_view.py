@@ -34,6 +34,8 @@ def report(model: FittedCurve) -> dict[str, Any]:
         "samples": model.samples,
         "controller": gains_controller(model),
         "no_gains": model.no_gains or None,
+        "holds": model.holds,
+        "does_not_hold": model.does_not_hold or None,
         "warnings": list(model.warnings),
     }
 
@@ -47,7 +49,7 @@ def rows(model: FittedCurve) -> list[tuple[str, str]]:
     """Return the main figures of a model, as pairs of name and text."""
     factor, unit = SHOWN_AS[model.quantity]
     low, high = model.valid_resistance_ohm
-    errors = (model.rmse_heating, model.rmse_cooling, model.rmse_average)
+    errors = {"heating": model.rmse_heating, "cooling": model.rmse_cooling, "average": model.rmse_average}
     return [
         ("quantity", f"{model.quantity} in {unit}"),
         ("resistance at C and B", f"{model.resistance_min_ohm:.4f} and {model.resistance_max_ohm:.4f} ohm"),
@@ -59,14 +61,15 @@ def rows(model: FittedCurve) -> list[tuple[str, str]]:
         ("gap of the branches", f"{100 * model.hysteresis_gap:.3f} %"),
         ("polynomial order", str(model.order)),
         (
-            "rmse heating, cooling, average",
-            ", ".join(f"{factor * error:.4f}" for error in errors) + f" {unit}",
+            "curve's misfit, rms",
+            ", ".join(f"{name} {factor * error:.4f}" for name, error in errors.items()) + f" {unit}",
         ),
         ("samples", str(model.samples)),
         ("gains", gains_controller(model) or f"none: {model.no_gains or 'not looked for'}"),
         *[fact_in_words(name, value) for name, value in model.wire.items()],
         ("created by", model.created_by),
         *[("source", model.source)][: bool(model.source)],
+        *[("does not hold", model.does_not_hold)][: not model.holds],
         *[("warning", warning) for warning in model.warnings],
     ]
 

@@ -7,6 +7,7 @@ import pytest
 
 from musclewire.arrays import FloatArray
 from musclewire.identify._error_causes import (
+    UNNOTICED,
     UNUSABLE,
     ErrorCause,
     JudgedEstimate,
@@ -55,20 +56,31 @@ def test_a_wire_on_its_branches_is_off_by_half_their_gap() -> None:
     assert "differ by 0.4 %" in group.why
 
 
-def test_a_wire_colder_than_b_is_named_with_time_branch_and_voltage() -> None:
+def test_the_largest_error_is_named_with_time_branch_and_voltage() -> None:
     measured = on_branches()
-    measured[:100] = 0.0  # the branches begin at 0.2 and 0.6 %
+    measured[300:400] = 0.05  # the branches end at 3.8 and 4.2 %
     groups = error_groups(judged(measured))
-    assert [group.cause for group in groups] == [ErrorCause.COLD, ErrorCause.GAP]
-    cold = groups[0]
-    assert cold.fraction == pytest.approx(0.125)
-    assert cold.time_s == pytest.approx(99 * 0.05)
-    assert cold.branch == "heating"
-    assert cold.voltage_v == pytest.approx(1.0 + 2.0 * 99 / 799)
-    assert cold.rms_without_pct == pytest.approx(100 * 0.002 / 0.036)
+    assert [group.cause for group in groups] == [ErrorCause.HOT, ErrorCause.GAP]
+    hot = groups[0]
+    assert hot.fraction == pytest.approx(0.125)
+    assert hot.time_s == pytest.approx(300 * 0.05)
+    assert hot.branch == "heating"
+    assert hot.voltage_v == pytest.approx(1.0 + 2.0 * 300 / 799)
+    assert hot.rms_without_pct == pytest.approx(100 * 0.002 / 0.036)
     (line,) = lines_of("strain", groups)
-    assert "below the 0.2 % at which the model begins (12.5 % of the counted samples; without them 5.556 % rms)" in line
-    assert "largest at 5.0 s, heating, 1.25 V:" in line
+    assert "beyond the 4.2 % at which the model ends (12.5 % of the counted samples; without them 5.556 % rms)" in line
+    assert "largest at 15.0 s, heating, 1.75 V:" in line
+
+
+def test_a_wire_colder_than_the_model_begins_does_not_count_and_is_told() -> None:
+    measured = on_branches()
+    measured[:100] = 0.0  # the mean begins at 0.4 %
+    report = report_of({"reference_strain": measured})
+    told = {why: fraction for why, fraction in report.not_counted.items() if why == UNNOTICED}
+    there = (report.columns["valid"] > 0.0) & (measured < MODEL.quantity_min)
+    assert told == {UNNOTICED: pytest.approx(there.mean())}
+    assert there.sum() > 20
+    assert report.max_pct == pytest.approx(100 * 0.002 / 0.036, rel=1e-3)
 
 
 def test_noise_of_single_readings_is_told_from_an_offset() -> None:
@@ -95,7 +107,8 @@ def test_a_turn_between_b_and_c_is_a_minor_loop() -> None:
 def test_samples_that_do_not_count_are_told_by_their_reason() -> None:
     reasons = [Reason.OK, Reason.COLD, Reason.COLD, Reason.NO_CURRENT, Reason.OK]
     usable = np.array([True, True, True, True, False])
-    fractions = fractions_not_counted(reasons, np.array([True, False, False, False, False]), usable)
+    valid = np.array([True, False, False, False, False])
+    fractions = fractions_not_counted(reasons, valid, valid, usable)
     assert list(fractions.items()) == [("colder than B", 0.4), ("without current", 0.2), (UNUSABLE, 0.2)]
 
 

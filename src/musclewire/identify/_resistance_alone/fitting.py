@@ -297,7 +297,7 @@ def result_of(
     stroke_std = float(np.hypot(scale_std * model.quantity_max, offset_std))
     warnings = (*model.warnings, *notes, *doubts(assumed, found.wires, stroke_std / model.quantity_max))
     return ResistanceFit(
-        replace(model, scale_std=scale_std, offset_std=offset_std, warnings=warnings),
+        replace(model, scale_std=scale_std, offset_std=offset_std, warnings=warnings, measured_stroke=0.0),
         model.quantity_max,
         stroke_std,
         found.wires.misfit,
