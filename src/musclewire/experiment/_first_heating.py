@@ -17,7 +17,7 @@ from musclewire.signals import Recording
 LIMIT_STDS = 4.0
 # A wire was cold if its resistance rises to B by at least this part of what the slow loop's did: a warm one is on its
 # way, and may turn anywhere. A cold reading at the sense voltage has much noise, so the part is no larger.
-COLD_RISE = 0.4
+COLD_RISE = 0.5
 # One that still holds austenite begins lower than a cold one by more than this part of the span; a cold one whose
 # resistance fell by 2 % does not.
 HOT_FRACTION = 0.15

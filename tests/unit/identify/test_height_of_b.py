@@ -18,15 +18,20 @@ def model_with(resistance_ohm: np.ndarray) -> SensingModel:
     return SensingModel(17.0, 20.0, (0.03, -0.03), (0.03, -0.03), 0.0, 1.0, resistance_noise_ohm=0.004, slow_loop=rows)
 
 
-HEATING = np.concatenate([np.linspace(19.8, 20.0, 40), np.linspace(20.0, 17.0, 60)[1:]])
+HEATING = np.concatenate([np.full(60, 19.8), np.linspace(19.8, 20.0, 40), np.linspace(20.0, 17.0, 60)[1:]])
 
 
 def test_a_slow_loop_states_b_its_rise_and_how_far_it_repeats() -> None:
     stated = height_of_b(model_with(np.concatenate([HEATING, HEATING[::-1]])))
     assert stated["model_b_ohm"] == 20.0
     assert stated["model_c_ohm"] == 17.0
-    assert stated["model_rise_ohm"] == pytest.approx(0.2, abs=0.02)
+    assert stated["model_rise_ohm"] == pytest.approx(0.2, abs=1e-9)
     assert stated["model_b_std_ohm"] == pytest.approx(hypot(0.003 * 3.0, 0.004))
+
+
+def test_the_rise_is_that_of_the_cold_wire_and_not_of_its_noise() -> None:
+    noisy = HEATING + np.where(np.arange(HEATING.size) < 60, 0.03 * np.random.default_rng(2).standard_normal(159), 0.0)
+    assert height_of_b(model_with(noisy))["model_rise_ohm"] == pytest.approx(0.2, abs=0.02)
 
 
 @pytest.mark.parametrize(
