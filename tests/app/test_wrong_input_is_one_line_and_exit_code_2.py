@@ -17,8 +17,9 @@ def loop_rows(points: int = 400, *, transforms: bool = True, current: float = 0.
     phase = np.linspace(0.0, 2.0 * np.pi, points)
     heat = 0.5 * (1.0 - np.cos(phase))
     moved = 1.0 / (1.0 + np.exp(-12.0 * (heat - 0.55))) if transforms else 0.0 * heat
-    resistance = 17.0 + 0.8 * heat - 3.0 * moved
-    columns = (90.0 * phase / (2.0 * np.pi), current * resistance, current + 0.0 * phase, 2.4 * moved)
+    resistance = 17.0 + 0.5 * heat - 3.0 * moved
+    current_a = current * (0.2 + heat)  # by its power an estimator knows heating from cooling
+    columns = (90.0 * phase / (2.0 * np.pi), current_a * resistance, current_a, 2.4 * moved)
     return np.column_stack(columns).tolist()
 
 
