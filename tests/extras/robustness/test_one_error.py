@@ -19,7 +19,9 @@ def apart(loop: Recording, columns, model) -> str:
     strain = loop["displacement_m"] / 0.07
     counted = (columns["valid"] > 0.0) & (strain >= model.quantity_min)
     off_pct = 100.0 * (columns["estimated_strain"] - strain)[counted] / model.measured_stroke
-    assert model.measured_stroke == pytest.approx(np.ptp(strain), rel=0.01)
+    # The fitted loop is the last: an aged wire does not come all the way back from its first one.
+    last = loop["cycle"] == loop["cycle"].max()
+    assert model.measured_stroke == pytest.approx(np.ptp(strain[last]), rel=0.01)
     return (
         f"estimator gated: error {np.sqrt(np.mean(off_pct**2)):.3f} % rms, {np.abs(off_pct).max():.3f} % largest, of "
         f"the measured stroke; {100 * np.mean(np.abs(off_pct) > 5.0):.2f} % of the samples that count are more than "
