@@ -12,8 +12,7 @@ import numpy as np
 from musclewire.sensing import first_maximum
 from musclewire.signals import Recording
 
-# B counts as moved beyond so many of the standard deviations with which the model says that it repeats. That is 1.3 to
-# 1.7 % of the span from B to C on our benches, or 0.2 to 0.3 % of the resistance.
+# B counts as moved beyond so many of the standard deviations with which the model says that it repeats.
 LIMIT_STDS = 4.0
 # A wire was cold if its resistance rises to B by at least this part of what the slow loop's did: a warm one is on its
 # way, and may turn anywhere. A cold reading at the sense voltage has much noise, so the part is no larger.

@@ -417,8 +417,8 @@ class EstimateReport:
         if self.wrong_pct is None or self.wrong_pct <= 100.0 * MAX_WRONG:
             return ""
         return (
-            f"by the estimator {self.estimator}, {self.wrong_pct:.2f} % of the valid samples of its own loop are more "
-            f"than {100 * WRONG_FRACTION:g} % of {self.of_stroke} wrong ({100 * MAX_WRONG:g} % are allowed)"
+            f"by the estimator {self.estimator}, {self.wrong_pct:.2f} % of the samples that count in its own loop are "
+            f"more than {100 * WRONG_FRACTION:g} % of {self.of_stroke} wrong ({100 * MAX_WRONG:g} % are allowed)"
         )
 
     def summary(self) -> str:
