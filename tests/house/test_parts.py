@@ -22,7 +22,17 @@ def names_by_kind(one: Manifest) -> dict[str, list[str]]:
     }
 
 
-@pytest.mark.parametrize("one", [each for each in manifests() if each.name in parts()], ids=lambda one: one.name)
+def listed_parts() -> list[pytest.ParameterSet]:
+    """One case per part that is there; one installed apart comes with what developers have, as `slow` tests do."""
+    apart = {name for name, offer in parts().items() if "install" in offer}
+    return [
+        pytest.param(one, id=one.name, marks=[pytest.mark.slow] if one.name in apart else [])
+        for one in manifests()
+        if one.name in parts()
+    ]
+
+
+@pytest.mark.parametrize("one", listed_parts())
 def test_the_list_of_absent_parts_says_what_the_manifest_offers(one: Manifest) -> None:
     listed = parts()[one.name]
     kinds = names_by_kind(one)
