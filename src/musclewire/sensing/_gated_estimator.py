@@ -39,12 +39,18 @@ class GateNumbers(NamedTuple):
     # Direction: time constant of the mean power, and by how much power must differ from it.
     mean_power_s: float = 3.0
     turning_fraction: float = 0.1
+    # And of a drive too slow for that: by how much the mean power must have come back from its extreme since the turn,
+    # as a fraction of it and in deviations of power from its mean.
+    slow_turning_fraction: float = 0.02
+    slow_turning_deviations: float = 1.0
     # Filter: variance that a still wire gains per second, one whose power differs from the mean by all of the mean, and
     # the part of an unexpected change; time over which noise is learnt.
     still_per_s: float = 2.5e-7
     driven_per_s: float = 0.16
     surprise_per_s: float = 0.15
     noise_s: float = 10.0
+    # Of sparse samples at least so many; before as many are known, no motion shows that the wire has passed B.
+    noise_samples: float = 5.0
     # Motion: resistance moves if it differs from its value a time constant ago by more than noise and a least change.
     lagging_s: float = 0.25
     motion_deviations: float = 1.7
@@ -101,6 +107,9 @@ class GatedState(NamedTuple):
         one reading is.
     mean_power_w
         Slow mean of the electrical power [W].
+    extreme_power_w, power_variance_w2
+        Largest of these means since the wire turned to heating, or smallest since it turned to cooling [W]; and the
+        variance of power about its mean [W2].
     heating
         1 if the wire was last heating, 0 if it was cooling.
     sensing
@@ -123,6 +132,8 @@ class GatedState(NamedTuple):
     noise_v2: float = 0.0
     learnt_s: float = 0.0
     mean_power_w: float = 0.0
+    extreme_power_w: float = 0.0
+    power_variance_w2: float = 0.0
     heating: float = 0.0
     sensing: float = 0.0
     spring_known: float = 0.0
@@ -174,7 +185,8 @@ def begin(
     state.quantity = (hot + cold) / 2.0
     state.resistance = state.lagging = state.before = state.before_last = read
     state.variance, state.noise_v2, state.learnt_s = numbers.first_variance, 0.0, -1.0
-    state.mean_power_w, state.heating = power_w, 1.0
+    state.mean_power_w = state.extreme_power_w = power_w
+    state.power_variance_w2, state.heating = 0.0, 1.0
     state.sensing = 0.0 if read >= GATES.ambiguous_above else 1.0
     half_gap, away = (hot - cold) / 2.0, slope / 2.0 * (read - inside)
     return half_gap * half_gap + away * away + numbers.min_variance, is_on_curve(numbers, read, 0.0)
@@ -201,9 +213,12 @@ def follow(
     learn_noise(numbers.dt_s, state, read, per_volt)
     # By how much power is beyond its mean in the direction of the wire.
     support = ratio if state.heating != 0.0 else -ratio
-    if support < -GATES.turning_fraction:  # motion counts from the turn
+    slow_turn = has_come_back(numbers.dt_s, state, power_w - state.mean_power_w)
+    if support < -GATES.turning_fraction or slow_turn:
         support = -support
+        # Motion counts from the turn, and so do extremes of power.
         state.heating, state.lagging = 1.0 - state.heating, state.resistance
+        state.extreme_power_w = state.mean_power_w
     moved = state.resistance - state.lagging
     if not moved * moved > GATES.motion_deviations * state.variance + GATES.min_motion_variance:
         moved = 0.0
@@ -221,6 +236,20 @@ def follow(
 def gain(dt_s: float, time_constant_s: float) -> float:
     """Return the part of a difference that is gone after a time."""
     return dt_s / (dt_s + time_constant_s)
+
+
+@compiled_inner
+def has_come_back(dt_s: float, state: Row, away_w: float) -> bool:
+    """Return whether the mean power has left its extreme of this direction for good, however slowly."""
+    state.power_variance_w2 += (away_w * away_w - state.power_variance_w2) * gain(dt_s, GATES.noise_s)
+    if state.heating != 0.0:
+        state.extreme_power_w = max(state.extreme_power_w, state.mean_power_w)
+    else:
+        state.extreme_power_w = min(state.extreme_power_w, state.mean_power_w)
+    back_w = abs(state.mean_power_w - state.extreme_power_w)
+    min_back_w = GATES.slow_turning_fraction * state.extreme_power_w
+    deviations_w2 = GATES.slow_turning_deviations * state.power_variance_w2
+    return bool(back_w > min_back_w and back_w * back_w > deviations_w2)
 
 
 @compiled_inner
@@ -253,8 +282,7 @@ def learn_noise(dt_s: float, state: Row, read: float, per_volt: float) -> None:
     if state.learnt_s < 0.0 or dt_s <= 0.0:
         state.learnt_s = 0.0
         return
-    # At least the period: a sample that weighed more than all before it would leave a negative variance.
-    state.learnt_s = min(state.learnt_s + dt_s, max(GATES.noise_s, dt_s))
+    state.learnt_s = min(state.learnt_s + dt_s, max(GATES.noise_s, GATES.noise_samples * dt_s))
     noise_v2 = min(bend_v * bend_v / 6.0, GATES.max_noise_v2)
     state.noise_v2 += (noise_v2 - state.noise_v2) * (dt_s / state.learnt_s)
 
@@ -266,9 +294,12 @@ def locate(numbers: Row, state: Row, moved: float) -> None:
     From A to B resistance rises while the wire heats, from B to C it falls.
     """
     below = GATES.ambiguous_above - state.resistance
+    known = state.learnt_s >= GATES.noise_samples * numbers.dt_s
     if state.resistance > numbers.normalised_max:
         state.sensing = 0.0
-    elif (state.heating != 0.0 and moved < 0.0) or (below > 0.0 and below * below > 9.0 * state.variance):
+        return
+    falls = state.heating != 0.0 and moved < 0.0 and moved * moved > 9.0 * state.variance and known
+    if falls or (below > 0.0 and below * below > 9.0 * state.variance):
         state.sensing = 1.0
 
 

@@ -112,3 +112,27 @@ def test_noise_widens_the_interval() -> None:
         readings = [(15.5 + noise_ohm * float(random.standard_normal()), 0.3) for _ in range(200)]
         stds.append(followed(readings)[-1].std)
     assert stds[1] > stds[0]
+
+
+@pytest.mark.parametrize("loop_s", [14.0, 90.0, 1_000.0, 3_500.0, 4_200.0])
+@pytest.mark.parametrize("points", [71, 1_420])
+def test_a_loop_is_on_the_branch_of_its_direction_at_any_speed(loop_s: float, points: int) -> None:
+    phase = np.linspace(0.0, 2.0 * np.pi, points)
+    ohm, power_w = 15.5 + np.cos(phase), 0.3 - 0.25 * np.cos(phase)
+    found = np.array([one.value for one in followed(list(zip(ohm, power_w, strict=True)), loop_s / points)])
+    at = np.round(points * np.array([0.35, 0.85])).astype(int)
+    expected = [MODEL.strain_heating(float(ohm[at[0]])), MODEL.strain_cooling(float(ohm[at[1]]))]
+    assert found[at] == pytest.approx(expected, abs=0.3 * GAP)
+
+
+def test_noise_of_the_power_at_a_hold_is_no_turn() -> None:
+    random = np.random.default_rng(4)
+    noisy = [(14.5, 0.5 * (1.0 + 0.02 * float(random.standard_normal()))) for _ in range(4_000)]
+    held = followed(HELD + ramp(16.5, 14.5, 60, 0.5) + noisy)
+    assert min(one.value for one in held[80:]) > MODEL.strain(14.5)
+
+
+def test_readings_of_a_cold_wire_that_scatter_are_not_taken_for_motion() -> None:
+    random = np.random.default_rng(5)
+    cold = [(17.2 + 0.05 * float(random.standard_normal()), 0.01) for _ in range(2_000)]
+    assert np.mean([one.valid for one in followed(cold)]) < 0.01

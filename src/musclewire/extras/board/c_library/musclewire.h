@@ -37,6 +37,7 @@ mw_estimation mw_estimate(mw_real resistance_ohm);
 /* What the estimate remembers of a wire; cleared to zero before its first sample. */
 typedef struct {
     mw_real value, resistance, lagging, variance, before, before_last, noise_v2, learnt_s, mean_power_w;
+    mw_real extreme_power_w, power_variance_w2;
     uint8_t followed, heating, sensing;
 } mw_gates;
 

@@ -44,7 +44,8 @@ static void begin(mw_gates *gates, mw_real read, mw_real power_w)
     gates->variance = MW_FIRST_VARIANCE;
     gates->noise_v2 = 0;
     gates->learnt_s = -1;
-    gates->mean_power_w = power_w;
+    gates->mean_power_w = gates->extreme_power_w = power_w;
+    gates->power_variance_w2 = 0;
     gates->heating = 1;
     gates->sensing = read < MW_AMBIGUOUS_ABOVE;
     gates->followed = 1;
@@ -66,6 +67,7 @@ static void filter(mw_gates *gates, mw_real read, mw_real noise, mw_real ratio, 
 static void learn_noise(mw_gates *gates, mw_real read, mw_real per_volt, mw_real dt_s)
 {
     const mw_real bend_v = ((read - gates->before) - (gates->before - gates->before_last)) / per_volt;
+    const mw_real longest_s = MW_NOISE_SAMPLES * dt_s > MW_NOISE_S ? MW_NOISE_SAMPLES * dt_s : MW_NOISE_S;
     mw_real noise_v2 = bend_v * bend_v / 6;
     gates->before_last = gates->before;
     gates->before = read;
@@ -74,8 +76,8 @@ static void learn_noise(mw_gates *gates, mw_real read, mw_real per_volt, mw_real
         return;
     }
     gates->learnt_s += dt_s;
-    if (gates->learnt_s > MW_NOISE_S)
-        gates->learnt_s = dt_s > MW_NOISE_S ? dt_s : MW_NOISE_S;
+    if (gates->learnt_s > longest_s)
+        gates->learnt_s = longest_s;
     if (!(noise_v2 <= MW_MAX_NOISE_V2))
         noise_v2 = MW_MAX_NOISE_V2;
     gates->noise_v2 += (noise_v2 - gates->noise_v2) * (dt_s / gates->learnt_s);
@@ -100,12 +102,29 @@ static void move(mw_gates *gates, mw_real moved, mw_real support, mw_real dt_s)
     gates->value = within(value, low - MW_BEYOND, high + MW_BEYOND);
 }
 
-static void locate(mw_gates *gates, mw_real moved)
+/* Whether the mean power has left its extreme of this direction for good, however slowly. */
+static uint8_t has_come_back(mw_gates *gates, mw_real away_w, mw_real dt_s)
+{
+    mw_real back_w;
+    gates->power_variance_w2 += (away_w * away_w - gates->power_variance_w2) * gain(dt_s, MW_NOISE_S);
+    if (gates->heating ? gates->mean_power_w > gates->extreme_power_w : gates->mean_power_w < gates->extreme_power_w)
+        gates->extreme_power_w = gates->mean_power_w;
+    back_w = gates->mean_power_w - gates->extreme_power_w;
+    if (back_w < 0)
+        back_w = -back_w;
+    return back_w > MW_SLOW_TURNING_FRACTION * gates->extreme_power_w &&
+           back_w * back_w > MW_SLOW_TURNING_DEVIATIONS * gates->power_variance_w2;
+}
+
+static void locate(mw_gates *gates, mw_real moved, mw_real dt_s)
 {
     const mw_real below = MW_AMBIGUOUS_ABOVE - gates->resistance;
     if (gates->resistance > MW_NORMALISED_MAX)
         gates->sensing = 0;
-    else if ((gates->heating && moved < 0) || (below > 0 && below * below > 9 * gates->variance))
+    else if (below > 0 && below * below > 9 * gates->variance)
+        gates->sensing = 1;
+    else if (gates->heating && moved < 0 && moved * moved > 9 * gates->variance &&
+             gates->learnt_s >= MW_NOISE_SAMPLES * dt_s)
         gates->sensing = 1;
 }
 
@@ -124,6 +143,7 @@ mw_estimation mw_follow(mw_gates *gates, mw_real resistance_ohm, mw_real wire_vo
     const mw_real read = (resistance_ohm - MW_RESISTANCE_MIN_OHM) * MW_SHARE_PER_OHM;
     const mw_real per_volt = resistance_ohm * MW_SHARE_PER_OHM / shunt_voltage_v;
     mw_real noise, power_w = wire_voltage_v * wire_voltage_v / resistance_ohm, ratio, support, moved;
+    uint8_t slow_turn;
     mw_estimation result = {gates->value, 0};
     /* A wire that this model never has: the estimate stays. Written so that a NaN counts as one. */
     if (!(resistance_ohm >= MW_OWN_LOW_OHM && resistance_ohm <= MW_OWN_HIGH_OHM && dt_s > 0 && dt_s <= MW_LARGEST))
@@ -145,15 +165,17 @@ mw_estimation mw_follow(mw_gates *gates, mw_real resistance_ohm, mw_real wire_vo
     filter(gates, read, noise, ratio, dt_s);
     learn_noise(gates, read, per_volt, dt_s);
     support = gates->heating ? ratio : -ratio;
-    if (support < -MW_TURNING_FRACTION) { /* motion counts from the turn */
+    slow_turn = has_come_back(gates, power_w - gates->mean_power_w, dt_s);
+    if (support < -MW_TURNING_FRACTION || slow_turn) { /* motion counts from the turn, and so do extremes of power */
         support = -support;
+        gates->extreme_power_w = gates->mean_power_w;
         gates->heating = !gates->heating;
         gates->lagging = gates->resistance;
     }
     moved = gates->resistance - gates->lagging;
     if (!(moved * moved > MW_MOTION_DEVIATIONS * gates->variance + MW_MIN_MOTION_VARIANCE))
         moved = 0;
-    locate(gates, moved);
+    locate(gates, moved, dt_s);
     move(gates, moved, support, dt_s);
     result.value = gates->value;
     result.valid = result.valid && gates->sensing;
