@@ -1,7 +1,8 @@
 """Readings that are no measurements: overload marks, ends of a range, pulses that are off, sources that contradict.
 
-They are judged before the wire is, and by this table only: whatever computes a resistance from a recording, and the
-import of a file, asks ``judge_readings``. What stays at the end of a range looks like a wire that has stopped moving.
+They are judged before the wire is, and by this table only: whatever computes a resistance from a recording, the import
+of a file and the doctor ask ``judge_readings``. What stays at the end of a range looks like a wire that
+has stopped moving.
 """
 
 from __future__ import annotations
@@ -264,8 +265,7 @@ class _Plateau(NamedTuple):
 def _ends_drive(plateau: _Plateau, columns: Columns, partners: tuple[str, ...]) -> bool:
     """Return whether a voltage or current is at the end of its range: the others go on, with the drive or its noise."""
     others = [columns[name] for name in ("drive_voltage_v", *partners) if name in columns]
-    inside = slice(plateau.first, plateau.last)
-    if any(_sizes(values[inside]).max() > PASSED * _sizes(values[inside]).min() for values in others):
+    if any(_outgrows(plateau, values) for values in others):
         return True
     if plateau.cut_rows:
         found = [goes_on for values in others for goes_on in _goes_on(plateau, values)]
@@ -274,14 +274,27 @@ def _ends_drive(plateau: _Plateau, columns: Columns, partners: tuple[str, ...]) 
     return plateau.is_in_noise and any(_stays_noisy(plateau, values) for values in others)
 
 
+def _outgrows(plateau: _Plateau, values: FloatArray) -> bool:
+    """Return whether another column changes so much that this one would have changed too, by more than its step."""
+    inside = _sizes(values[plateau.first : plateau.last])
+    low, high = float(inside.min()), float(inside.max())
+    # In proportion to it the equal rows would have begun lower, by this part of their value.
+    missing = (high - low) / high if high - low > _min_change(values) else 0.0
+    return missing > 1.0 - 1.0 / PASSED and missing * float(plateau.size[plateau.first]) > plateau.step
+
+
+def _min_change(values: FloatArray) -> float:
+    """Return how much a column has to change to show it, for its steps and noise."""
+    return MIN_STEPS * max(_step_of(np.abs(values)), _scatter(values))
+
+
 def _goes_on(plateau: _Plateau, values: FloatArray) -> list[bool]:
     """Return whether another column continues where the plateau begins and ends; all stop if the drive is held.
 
     Nothing is returned for a side where it moved too little before, for its steps and noise, to show it.
     """
     rows = min(plateau.cut_rows, max((plateau.last - plateau.first) // HOLD_ROWS, 1))
-    least = MIN_STEPS * max(_step_of(np.abs(values)), _scatter(values))
-    found = []
+    least, found = _min_change(values), []
     for edge, inwards in ((plateau.first, 1), (plateau.last - 1, -1)):
         outside, then = edge - inwards * rows, edge + inwards * (rows // 2 + 1)
         if 0 <= outside < values.size:

@@ -67,6 +67,10 @@ def long_leads(sample: RawSample, _: int) -> RawSample:
     return scaled(fraction, fraction)(sample, 0)
 
 
+def ends_at_3_mv(sample: RawSample, _: int) -> RawSample:
+    return sample._replace(shunt_voltage_v=min(sample.shunt_voltage_v, 3e-3))
+
+
 def losing_samples(sample: RawSample, index: int) -> RawSample:
     return sample._replace(time_s=sample.time_s + 0.05 * (index // 25))
 
@@ -85,6 +89,7 @@ FAULTS: dict[str, tuple[Altered, str, str]] = {
     "noise in strain": (noisy(0.0, 3e-4), "resistance_noise_strain", "Too much"),
     "coarse converter": (coarse, "resolution_bits", "smaller input range"),
     "saturated wire channel": (scaled(wire=0.0, wire_v=10.0), "rig_kept_going", "end of its range"),
+    "shunt channel with a range of 3 mV": (ends_at_3_mv, "readings_are_measurements", "the end of a range"),
     "amplifier's gain 1.5": (scaled(1.5, 1.5), "output_gain", "too many"),
     "samples lost": (losing_samples, "sample_period_s", "lost"),
 }
@@ -106,8 +111,25 @@ def test_each_fault_is_found_by_its_check_with_advice_and_nothing_is_heated(faul
     assert words in check.advice
     assert max(put_out) <= 0.3 + 2e-4
     assert found.highest_v <= 0.3
-    if name in {"wire_polarity", "output_gain"}:
+    if name in {"wire_polarity", "output_gain", "readings_are_measurements"}:
         assert max(put_out) < 0.15
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("step_v", [5e-4, 1e-3, 5e-3])
+@pytest.mark.parametrize("is_open", [False, True])
+def test_coarse_steps_are_not_taken_for_the_end_of_a_range(seed: int, step_v: float, *, is_open: bool) -> None:
+    random = np.random.default_rng(seed)
+
+    def coarsely(sample: RawSample, _: int) -> RawSample:
+        wire_v = sample.drive_voltage_v if is_open else sample.wire_voltage_v
+        shunt_v = 0.0 if is_open else sample.shunt_voltage_v
+        wire_v, shunt_v = np.array([wire_v, shunt_v]) + 1e-4 * random.standard_normal(2)
+        return sample._replace(
+            wire_voltage_v=step_v * round(wire_v / step_v), shunt_voltage_v=step_v * round(shunt_v / step_v)
+        )
+
+    assert "readings_are_measurements" not in examined(coarsely, seed=seed).findings.failed
 
 
 def test_hum_is_found_where_the_samples_come_fast_enough() -> None:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.controllers import ProtectionLimits
 from musclewire.experiment._doctor.evidence import (
     Evidence,
     Findings,
@@ -16,6 +17,7 @@ from musclewire.experiment._doctor.evidence import (
     VoltageLevel,
     noise_v,
 )
+from musclewire.signals import judge_readings
 
 # An offset may be this fraction of the reading at the sense voltage: it shifts resistance by the same fraction there.
 OFFSET_FRACTION = 0.01
@@ -50,6 +52,22 @@ def finite_check(levels: tuple[VoltageLevel, ...]) -> RigCheck:
         "samples",
         "every sample is a number" if not lost else "samples without a number: check the device, its driver and cable",
     )
+
+
+def measurements_check(levels: list[VoltageLevel], limits: ProtectionLimits) -> RigCheck:
+    """Check that no reading is an overload mark or at an end of a range, by the table that recordings are judged by."""
+    names = ("drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
+    columns = {name: np.concatenate([getattr(level, name) for level in levels] or [np.zeros(1)]) for name in names}
+    stated = {
+        "shunt_resistance_ohm": limits.shunt_resistance_ohm,
+        "wire_voltage_range_v": limits.wire_range_v,
+        "shunt_voltage_range_v": limits.shunt_range_v,
+    }
+    # Without a drive the numbers are right: only no resistance follows from them.
+    found = [item for item in judge_readings(columns, stated).found if not item.is_real]
+    count = float(np.any([item.rows for item in found], axis=0).sum()) if found else 0.0
+    advice = "; ".join(item.why for item in found) or "no reading is an overload mark or stays at an end of a range"
+    return RigCheck("readings_are_measurements", not found, count, "samples", advice)
 
 
 def offset_checks(evidence: Evidence) -> Findings:

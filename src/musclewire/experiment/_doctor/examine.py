@@ -11,6 +11,7 @@ from musclewire.errors import CallerError, RigError
 from musclewire.experiment._doctor.channel_checks import (
     finite_check,
     hum_check,
+    measurements_check,
     moving_checks,
     offset_checks,
     quiet_checks,
@@ -39,6 +40,7 @@ ZERO_S, LOW_S, SENSE_S = 2.0, 1.0, 5.0
 STOPPING = frozenset(
     {
         "readings_are_numbers",
+        "readings_are_measurements",
         "readings_in_range",
         "output_at_zero_v",
         "output_gain",
@@ -133,8 +135,10 @@ def probed(
     """
     rig, at_sense = subject.rig, None
     evidence, findings = low_findings(look_low(probe, rig), subject)
-    if evidence is not None and probe.trouble is None and not STOPPING & (before + findings).failed:
+    below = Findings((measurements_check(probe.levels, subject.limits),))
+    if evidence is not None and probe.trouble is None and not STOPPING & (before + findings + below).failed:
         at_sense = probe.hold(rig.sense_voltage_v, hold_s)
+    findings += Findings((measurements_check(probe.levels, subject.limits),))
     if evidence is not None:
         findings += sense_findings(evidence, at_sense, subject)
     findings += trip_findings(probe.trouble)
