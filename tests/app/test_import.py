@@ -67,6 +67,13 @@ def test_nothing_is_written_of_a_file_that_cannot_be_used(
     assert not (tmp_path / "mine.h5").exists()
 
 
+def test_of_a_file_with_a_problem_json_is_one_document_that_says_it(file: Path, musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("import", file, "--json")
+    assert answer.code == 2
+    assert answer.json["files"][0]["problem"] in answer.err
+    assert answer.json["files"][0]["undecided"][0]["header"] == "Zeit"
+
+
 def test_two_loggers_are_joined_and_the_delay_is_reported(tmp_path: Path, musclewire: Callable[..., Any]) -> None:
     time_s = np.arange(0.0, 20.0, 0.02)
     for name, delay_s, header in (("a.csv", 0.0, "Current [A]"), ("b.csv", 2.5, "Force [N]")):

@@ -24,7 +24,7 @@ from musclewire.app._options import (
     in_si,
     output_option,
 )
-from musclewire.app._output import Result, say, show
+from musclewire.app._output import Result, say
 from musclewire.app._recording_options import ReadingOptions
 from musclewire.errors import CallerError, RecordingError
 
@@ -80,10 +80,10 @@ def import_recordings(
     ]
     problem = next((item.problem for item in understood if item.problem), "")
     proposals = [line for item in understood for line in proposal_lines(item.path, item.proposal, reading.mapping)]
-    understanding = "\n".join([*map(str, understood), *proposals])
     if problem:
-        show(understanding)
-        raise RecordingError(problem)
+        for line in proposals:
+            say(line)
+        return Result(import_answer(understood, None), "\n".join(map(str, understood)), error=RecordingError(problem))
     joined = joined_files(files, mappings, join, in_si("--delay", delay)) if joining else None
     if joined is not None and output is not None:
         joined.recording.save(output, version)
@@ -91,7 +91,12 @@ def import_recordings(
         remember(understood[0], save_mapping)
     figure.draw(partial(drawn, files[0], mappings[0], joined))
     written = [f"written to {path}" for path in (output, save_mapping) if path is not None]
-    lines = [understanding, *([] if joined is None else joined_lines(joined, understood[1].path)), *written]
+    lines = [
+        *map(str, understood),
+        *proposals,
+        *([] if joined is None else joined_lines(joined, understood[1].path)),
+        *written,
+    ]
     return Result(import_answer(understood, joined), "\n".join(lines))
 
 
