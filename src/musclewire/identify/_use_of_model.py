@@ -162,8 +162,7 @@ def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
     return {
         "model_b_ohm": model.resistance_max_ohm,
         "model_c_ohm": model.resistance_min_ohm,
-        # Half of the rows before B are those of the cold wire; the least of them would be that of the noise.
-        "model_rise_ohm": model.resistance_max_ohm - float(np.median(resistance_ohm[: seen.index_b // 2 + 1])),
+        "model_rise_ohm": model.resistance_max_ohm - model.cold_resistance_ohm,
         "model_b_std_ohm": hypot(model.drift_resistance_ohm, model.resistance_noise_ohm),
     }
 

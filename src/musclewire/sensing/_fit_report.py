@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from math import hypot
+from statistics import median
 
 from musclewire.sensing._curve import Pairs, ResistanceCurve, require_in_range
 from musclewire.sensing._home_move import DRIFT_FRACTION, HomeMove
@@ -100,6 +101,27 @@ class FittedCurve(ResistanceCurve):
         if self.home is not None:
             return self.home.drift_resistance_ohm
         return DRIFT_FRACTION * (self.resistance_max_ohm - self.resistance_min_ohm)
+
+    @property
+    def cold_resistance_ohm(self) -> float:
+        """Resistance [ohm] of the cold wire at the beginning of the slow loop; that of B without a loop."""
+        heating_ohm = [row[2] for row in self.slow_loop[: self._hottest_row + 1]]
+        if not heating_ohm:
+            return self.resistance_max_ohm
+        # Half of the rows before B are those of the cold wire; the smallest of them would be that of the noise.
+        return median(heating_ohm[: heating_ohm.index(max(heating_ohm)) // 2 + 1])
+
+    @property
+    def cold_power_w(self) -> float:
+        """Power [W] at which the slow loop had cooled to the cold resistance; 0 without a loop, or if it ends before."""
+        cold_ohm = self.cold_resistance_ohm
+        cooling = self.slow_loop[self._hottest_row :]
+        return next((power_w for _, power_w, resistance_ohm in cooling if resistance_ohm >= cold_ohm), 0.0)
+
+    @property
+    def _hottest_row(self) -> int:
+        """Row of the slow loop with the smallest resistance."""
+        return min(range(len(self.slow_loop)), key=lambda row: self.slow_loop[row][2], default=0)
 
     def curve(self) -> ResistanceCurve:
         """Return the curve alone: the few numbers that an estimator uses."""

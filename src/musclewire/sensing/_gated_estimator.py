@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import callback, compiled, compiled_inner, row_in
-from musclewire.sensing._curve import ResistanceCurve, Row, branches, row_type
+from musclewire.sensing._curve import Row, branches, row_type
 from musclewire.sensing._curve_estimator import (
     ESTIMATOR_NUMBERS,
     N_ARRAYS,
@@ -24,6 +24,7 @@ from musclewire.sensing._curve_estimator import (
     resistance_of,
 )
 from musclewire.sensing._estimator import EstimatorSetup
+from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._known_load import KnownSpring
 from musclewire.sensing._polynomial_estimator import polynomial_tick
 from musclewire.sensing._segment_tracking import AMBIGUOUS_ABOVE
@@ -68,6 +69,11 @@ class GateNumbers(NamedTuple):
     range_variance: float = 1.0e-5
     # Nearer to R_min than this a wire cannot be before B, as for the paper's estimator.
     ambiguous_above: float = AMBIGUOUS_ABOVE
+    # A wire is cold whose mean power is below this part of what it had cooled with, in the slow loop, when it came to its
+    # cold resistance (half, for air that takes half as much heat), and whose resistance is not farther below that one
+    # than a cold room makes it.
+    cold_power_fraction: float = 0.5
+    cold_margin: float = 0.05
     # Readings have at least the noise of a good converter, so that a gain never divides by nothing.
     min_noise: float = 1e-10
     # A power [W] beyond it is none of a wire; it keeps the mean finite whatever the channels say. The same for others.
@@ -78,7 +84,7 @@ class GateNumbers(NamedTuple):
 
 GATES = GateNumbers()
 # What follows for a curve and a sample period, by name: see ``gated_numbers``.
-GATED_NUMBERS = (*ESTIMATOR_NUMBERS, "dt_s", "beyond", "min_variance", "first_variance")
+GATED_NUMBERS = (*ESTIMATOR_NUMBERS, "dt_s", "beyond", "min_variance", "first_variance", "cold_power_w", "cold_above")
 OK, COLD = float(Reason.OK), float(Reason.COLD)
 OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
 
@@ -295,7 +301,8 @@ def locate(numbers: Row, state: Row, moved: float) -> None:
     """
     below = GATES.ambiguous_above - state.resistance
     known = state.learnt_s >= GATES.noise_samples * numbers.dt_s
-    if state.resistance > numbers.normalised_max:
+    powerless = state.mean_power_w < numbers.cold_power_w and state.resistance > numbers.cold_above
+    if powerless or state.resistance > numbers.normalised_max:
         state.sensing = 0.0
         return
     falls = state.heating != 0.0 and moved < 0.0 and moved * moved > 9.0 * state.variance and known
@@ -327,8 +334,9 @@ class GatedEstimator(CurveEstimator):
 
     Parameters
     ----------
-    curve
-        The wire's resistance curve. One whose two branches are equal gives a filtered polynomial.
+    model
+        The wire's resistance curve, with the slow loop that it was fitted to. One whose two branches are equal gives a
+        filtered polynomial.
     shunt_resistance_ohm
         R [ohm] of Eq. 1.
     sample_period_s
@@ -339,13 +347,14 @@ class GatedEstimator(CurveEstimator):
 
     def __init__(
         self,
-        curve: ResistanceCurve,
+        model: FittedCurve,
         shunt_resistance_ohm: float,
         sample_period_s: float,
         load: KnownSpring | None = None,
     ) -> None:
         """Take the numbers; the state of a run is not kept here."""
-        numbers = estimator_numbers(curve, shunt_resistance_ohm, load) | gated_numbers(curve)
+        curve = model.curve()
+        numbers = estimator_numbers(curve, shunt_resistance_ohm, load) | gated_numbers(model)
         numbers["dt_s"] = sample_period_s
         first_state = GatedState(curve.quantity_min, numbers["load_friction_n"])
         super().__init__(curve, gated_tick, [numbers[name] for name in GATED_NUMBERS], first_state)
@@ -355,25 +364,30 @@ class GatedEstimator(CurveEstimator):
         return self._tick
 
 
-def gated_numbers(curve: ResistanceCurve) -> dict[str, float]:
-    """Return the numbers of the gated branches that follow from a curve, by name.
+def gated_numbers(model: FittedCurve) -> dict[str, float]:
+    """Return the numbers of the gated branches that follow from a model, by name.
 
     Parameters
     ----------
-    curve
-        The wire's resistance curve.
+    model
+        The wire's resistance curve, with the slow loop that it was fitted to.
 
     Returns
     -------
     In the curve's quantity or its variance: how far beyond the branches the quantity may be, and the least variance of
-    an estimate; and the variance of the first resistance, normalised.
+    an estimate; the variance of the first resistance, normalised; and the power [W] below which, and the normalised
+    resistance above which, the wire is cold.
     """
+    curve = model.curve()
+    per_ohm = curve.numbers["per_ohm"]
     span = curve.quantity_max - curve.quantity_min
-    noise = curve.resistance_noise_ohm * curve.numbers["per_ohm"]
+    noise = curve.resistance_noise_ohm * per_ohm
     return {
         "beyond": GATES.beyond * span,
         "min_variance": curve.numbers["residual_variance"] + GATES.range_variance * span * span,
         "first_variance": noise * noise,
+        "cold_power_w": GATES.cold_power_fraction * model.cold_power_w,
+        "cold_above": (model.cold_resistance_ohm - curve.resistance_min_ohm) * per_ohm - GATES.cold_margin,
     }
 
 
@@ -389,7 +403,7 @@ def gated_estimator(setup: EstimatorSetup) -> GatedEstimator:
     -------
     The estimator.
     """
-    return GatedEstimator(setup.model.curve(), setup.shunt_resistance_ohm, setup.sample_period_s, setup.load)
+    return GatedEstimator(setup.model, setup.shunt_resistance_ohm, setup.sample_period_s, setup.load)
 
 
 def compile_estimators() -> None:

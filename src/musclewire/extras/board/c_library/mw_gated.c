@@ -119,7 +119,8 @@ static uint8_t has_come_back(mw_gates *gates, mw_real away_w, mw_real dt_s)
 static void locate(mw_gates *gates, mw_real moved, mw_real dt_s)
 {
     const mw_real below = MW_AMBIGUOUS_ABOVE - gates->resistance;
-    if (gates->resistance > MW_NORMALISED_MAX)
+    if (gates->resistance > MW_NORMALISED_MAX ||
+        (gates->mean_power_w < MW_COLD_POWER_W && gates->resistance > MW_COLD_ABOVE))
         gates->sensing = 0;
     else if (below > 0 && below * below > 9 * gates->variance)
         gates->sensing = 1;
