@@ -113,7 +113,7 @@ class FittedCurve(ResistanceCurve):
 
     @property
     def cold_power_w(self) -> float:
-        """Power [W] at which the slow loop had cooled to the cold resistance; 0 without a loop, or if it ends before."""
+        """Power [W] at which the slow loop cooled to the cold resistance; 0 without a loop, or if it ends before."""
         cold_ohm = self.cold_resistance_ohm
         cooling = self.slow_loop[self._hottest_row :]
         return next((power_w for _, power_w, resistance_ohm in cooling if resistance_ohm >= cold_ohm), 0.0)

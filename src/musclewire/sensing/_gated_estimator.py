@@ -69,9 +69,8 @@ class GateNumbers(NamedTuple):
     range_variance: float = 1.0e-5
     # Nearer to R_min than this a wire cannot be before B, as for the paper's estimator.
     ambiguous_above: float = AMBIGUOUS_ABOVE
-    # A wire is cold whose mean power is below this part of what it had cooled with, in the slow loop, when it came to its
-    # cold resistance (half, for air that takes half as much heat), and whose resistance is not farther below that one
-    # than a cold room makes it.
+    # A wire is cold whose mean power is below this part of that with which the slow loop cooled to its cold resistance
+    # (half, for air that takes half as much heat), and whose resistance is no farther below it than a cold room's.
     cold_power_fraction: float = 0.5
     cold_margin: float = 0.05
     # Readings have at least the noise of a good converter, so that a gain never divides by nothing.

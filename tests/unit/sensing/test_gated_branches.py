@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -19,13 +21,15 @@ SPAN = MODEL.quantity_max - MODEL.quantity_min
 BEYOND = GATES.beyond * SPAN
 
 
-def followed(readings: list[tuple[float, float]], period_s: float = 0.05) -> list[QuantityEstimate]:
+def followed(
+    readings: list[tuple[float, float]], period_s: float = 0.05, model: SensingModel = MODEL
+) -> list[QuantityEstimate]:
     """Return the estimates of resistances [ohm] at electrical powers [W]."""
     samples = []
     for tick, (ohm, power_w) in enumerate(readings):
         current_a = float(np.sqrt(power_w / ohm))
         samples.append(WireSample(period_s * tick, 2.0, current_a * ohm, current_a))
-    made = gated_estimator(EstimatorSetup(MODEL, 1.0, period_s))
+    made = gated_estimator(EstimatorSetup(model, 1.0, period_s))
     return [estimate for estimate, _ in estimates(made, samples)]
 
 
@@ -136,3 +140,33 @@ def test_readings_of_a_cold_wire_that_scatter_are_not_taken_for_motion() -> None
     random = np.random.default_rng(5)
     cold = [(17.2 + 0.05 * float(random.standard_normal()), 0.01) for _ in range(2_000)]
     assert np.mean([one.valid for one in followed(cold)]) < 0.01
+
+
+# A slow loop through B at 0.3 W that had cooled to the cold 17.2 ohm when its power was 0.1 W.
+SLOW_LOOP = (
+    *((10.0 * row, 0.01 + 0.1 * row, ohm) for row, ohm in enumerate((17.2, 17.2, 17.4, 17.5, 15.5, 13.5))),
+    *((60.0 + 10.0 * row, power_w, ohm) for row, (power_w, ohm) in enumerate(((0.3, 15.5), (0.1, 17.2), (0.01, 17.2)))),
+)
+
+
+def valid_after_a_rest(model: SensingModel, power_w: float) -> float:
+    """Return the share of valid samples in the last of two minutes in which a wire that was hot stands at 17.2 ohm."""
+    readings = ramp(14.5, 17.2, 400, 0.05) + [(17.2, power_w)] * 2_400
+    return float(
+        np.mean([one.valid for one in followed(HELD + ramp(16.5, 14.5, 60, 0.5) + readings, model=model)[-1_200:]])
+    )
+
+
+def test_a_wire_that_rests_cold_is_not_valid() -> None:
+    model = replace(MODEL, slow_loop=SLOW_LOOP)
+    assert model.cold_resistance_ohm == pytest.approx(17.2)
+    assert model.cold_power_w == pytest.approx(0.1)
+    assert valid_after_a_rest(model, 0.01) == 0.0
+
+
+def test_a_wire_that_is_held_near_its_cold_end_is_valid_in_air_that_takes_a_little_more_than_half_the_heat() -> None:
+    assert valid_after_a_rest(replace(MODEL, slow_loop=SLOW_LOOP), 0.06) == 1.0
+
+
+def test_a_model_that_states_no_slow_loop_says_nothing_of_cold_power() -> None:
+    assert MODEL.cold_power_w == 0.0
