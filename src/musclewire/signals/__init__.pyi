@@ -66,7 +66,7 @@ from ._source_table import RowBlock as RowBlock
 from ._source_table import SourceColumn as SourceColumn
 from ._source_table import SourceTable as SourceTable
 from ._source_table import TableInMemory as TableInMemory
-from ._source_table import stated_period_s as stated_period_s
+from ._source_table import stated_periods_s as stated_periods_s
 from ._text_lines import Line as Line
 from ._text_lines import lines_of as lines_of
 from ._text_tables import TextTable as TextTable

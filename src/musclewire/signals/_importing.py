@@ -33,9 +33,23 @@ from musclewire.signals._long_tables import spread_series
 from musclewire.signals._metadata import MetadataValue
 from musclewire.signals._proposing import columns_offered, mapped_with_unit, repeated_stamps
 from musclewire.signals._side_by_side import stacked_branches
-from musclewire.signals._source_table import Cells, RowBlock, SourceTable, head_of, rows_in
+from musclewire.signals._source_table import (
+    Cells,
+    RowBlock,
+    SourceTable,
+    differing_periods,
+    doubted_clock,
+    head_of,
+    rows_in,
+)
 from musclewire.signals._units import beyond, conversion_to_si, largest_in
-from musclewire.signals._unusable_readings import LEFT_OUT, UNITS_OVERRULED, ReadingsOfBlocks, is_overload
+from musclewire.signals._unusable_readings import (
+    CLOCK_DOUBTED,
+    LEFT_OUT,
+    UNITS_OVERRULED,
+    ReadingsOfBlocks,
+    is_overload,
+)
 
 # Our own runs hold NaN in samples without an estimate; in any other column NaN is a gap in the data.
 _MAY_BE_NAN = frozenset(name for name in COLUMNS if name.startswith("estimated_"))
@@ -119,6 +133,7 @@ class CheckedBlocks:
     overloads: dict[str, int] = field(default_factory=dict)
     readings: ReadingsOfBlocks = field(default_factory=ReadingsOfBlocks)
     clock_start_s: float | None = None
+    clock_doubt: str | None = None
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
@@ -138,10 +153,11 @@ class CheckedBlocks:
                 self.ranges[name] = (min(low, float(finite.min())), max(high, float(finite.max())))
 
     @property
-    def left_out(self) -> dict[str, MetadataValue]:
-        """The rows that an instrument marked as an overload, in words, as metadata; none if there are none."""
+    def noted(self) -> dict[str, MetadataValue]:
+        """What reading found in words, as metadata: rows with an overload mark, times that are not as stated."""
         counted = [f"{count} rows with an overload mark in {name}" for name, count in self.overloads.items()]
-        return {LEFT_OUT: f"left out: {', '.join(counted)}"} if counted else {}
+        found: dict[str, MetadataValue] = {LEFT_OUT: f"left out: {', '.join(counted)}"} if counted else {}
+        return found | ({CLOCK_DOUBTED: self.clock_doubt} if self.clock_doubt else {})
 
 
 def plan_import(table: SourceTable, mapping: ImportMapping, test: int | None = None) -> ImportPlan:
@@ -224,6 +240,11 @@ class _BlockReader:
             columns, rows = self._of_the_test(columns, rows)
         if "time_s" in columns:
             self._check_clock_rises(columns["time_s"], block, rows)
+        if "time_s" in columns and self._tally.clock_doubt is None:
+            own = any(item.column == "time_s" and item.how == "own name" for item in taken)
+            needless = own or self._plan.sample_period_s is not None
+            stated = {} if needless else self._plan.table.stated_periods_s
+            self._tally.clock_doubt = doubted_clock(stated, columns["time_s"])
         return self._mounted(columns)
 
     def _numbers(self, item: MatchedHeader, cells: Cells, block: RowBlock) -> FloatArray:
@@ -523,7 +544,8 @@ def _counted_period_s(match: HeaderMatch, table: SourceTable, mapping: ImportMap
         return mapping.sample_period_s
     undecided = any(item.column == "time_s" for item in match.undecided)
     found = {item.column for item in match.taken}
-    return table.sample_period_s if clock is None and not undecided and not needs_no_clock(found) else None
+    stated = next(iter(table.stated_periods_s.values()), None)
+    return stated if clock is None and not undecided and not needs_no_clock(found) else None
 
 
 def _notes(table: SourceTable, mapping: ImportMapping, period_s: float | None, row_clock: bool) -> tuple[str, ...]:
@@ -551,6 +573,9 @@ def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
             f"{path}: the voltage of a shunt of {shunt_ohm:g} ohm is no current: state its resistance "
             "(shunt_resistance_ohm), or leave its column out"
         )
+    differing = differing_periods(plan.table.stated_periods_s)
+    if differing and plan.sample_period_s is not None and plan.mapping.sample_period_s is None:
+        return f"{path}: its rows have no times, and it states {differing}: give the sample period that holds"
     if mixed := _rms_and_mean(plan.match):
         return f"{path}: {mixed}"
     if "time_s" in found or needs_no_clock(found):

@@ -79,7 +79,7 @@ def _spread(
     kept = tuple(np.asarray(one)[inside] for one in cells)
     layout = f"{table.layout}, a row for each number"
     return TableInMemory(
-        table.path, layout, tuple(columns), kept, table.metadata, None, tuple(notes), "row of '" + slowest + "'"
+        table.path, layout, tuple(columns), kept, table.metadata, {}, tuple(notes), "row of '" + slowest + "'"
     )
 
 

@@ -76,7 +76,7 @@ def read_recording(
     plan, tally = _plan(Path(path), wanted), CheckedBlocks()
     blocks = list(checked_blocks(plan, tally))
     values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
-    found = {**tally.started, **plan.metadata, **tally.left_out}
+    found = {**tally.started, **plan.metadata, **tally.noted}
     return _recording(values, found, Path(path))
 
 
@@ -286,7 +286,7 @@ def _write(plan: ImportPlan, tally: CheckedBlocks, output: Path, matlab_version:
     buffered = list(itertools.islice(blocks, BUFFERED_BLOCKS))
     judged = tally.readings.judged(plan.metadata) if len(buffered) < BUFFERED_BLOCKS else None
     found = "; ".join(judged.findings) if judged is not None else ""
-    noted = {**tally.left_out, **({"unusable_readings": found} if found else {})}
+    noted = {**tally.noted, **({"unusable_readings": found} if found else {})}
     metadata = checked_metadata({**tally.started, **plan.metadata, **noted})
 
     def rows() -> Iterator[tuple[FloatArray, ...]]:

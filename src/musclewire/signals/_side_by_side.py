@@ -81,4 +81,4 @@ def _stacked(
     columns = tuple(SourceColumn(name, table.columns[where[name]].unit) for name in names)
     values = tuple(np.concatenate(parts) for parts in zip(*ordered, strict=True))
     layout = f"{table.layout}, heating and cooling next to each other"
-    return TableInMemory(table.path, layout, columns, values, table.metadata, None, tuple(notes), "stacked row")
+    return TableInMemory(table.path, layout, columns, values, table.metadata, {}, tuple(notes), "stacked row")

@@ -10,15 +10,25 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
+import numpy as np
+
 from musclewire.arrays import FloatArray
 from musclewire.signals._metadata import MetadataValue
 
 # Rows that are handed over together: enough to be fast, and few enough to take little memory.
 BLOCK_ROWS = 65_536
 
-# Under which keys programs state the time between rows, or how many there are in a second.
-_PERIOD = re.compile(r"((?:sampl\w*_)?(?:interval|period|time|time_step)|dt|ts|delta_[tx]|abtastintervall)(_s)?")
-_RATE = re.compile(r"((?:sampl\w*_)?(?:rate|frequency|freq)|samplerate|fs|abtastrate|abtastfrequenz|messrate)(_hz)?")
+# Under which keys programs state the time between rows, or how many there are in a second, of a channel or of all.
+_PERIODS = r"sampl\w*_(?:interval|period|time|time_step)|time_step|dt|ts|delta_[tx]|abtastintervall"
+_RATES = r"sampl\w*_(?:rate|frequency|freq)|samplerate|fs|abtastrate|abtastfrequenz|messrate"
+_CHANNEL = r"(?:second|(?:ch|chan|channel|kanal)_?[a-z0-9]{1,3})"
+_OF_SAMPLES = re.compile(rf"(?:{_CHANNEL}_)?(?:({_PERIODS})|({_RATES}))(?:_{_CHANNEL})?(_s|_hz)?")
+# These may as well be those of the drive: they count where nothing else is stated.
+_OF_ANYTHING = re.compile(r"(?:(interval|period|time)|(rate|frequency|freq))(_s|_hz)?")
+# Stated times between rows that differ by more are different ones.
+_SAME_PERIOD = 1e-3
+# Rows are as far apart as stated within this part: clocks drift.
+_AS_STATED = 0.05
 
 # The cells of one column: numbers (NaN in an empty cell), or text as it is written.
 Cells = FloatArray | list[str]
@@ -85,8 +95,8 @@ class SourceTable(Protocol):
         """The metadata in the file."""
 
     @property
-    def sample_period_s(self) -> float | None:
-        """Time between two rows [s] if the file states it, as files do that have no column of time; else None."""
+    def stated_periods_s(self) -> Mapping[str, float]:
+        """Times between two rows [s] that the file states apart from any column, by where it does."""
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -127,8 +137,8 @@ class TableInMemory:
         Their cells, all of the same length: arrays of float64 with NaN for an empty cell, or lists of text.
     metadata
         The metadata in the file; empty by default, for a file without any.
-    sample_period_s
-        Time between two rows [s], if the file states it apart from any column; None by default.
+    stated_periods_s
+        Times between two rows [s] that the file states apart from any column, by where it does; none by default.
     notes
         What reading left out or changed; nothing by default.
     row_word
@@ -142,7 +152,7 @@ class TableInMemory:
     columns: tuple[SourceColumn, ...]
     values: tuple[Cells, ...]
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
-    sample_period_s: float | None = None
+    stated_periods_s: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     row_word: str = "row"
     first_row: int = 1
@@ -177,8 +187,8 @@ def head_of(table: SourceTable, index: int) -> Cells:
     return [] if first is None else first.values[0]
 
 
-def stated_period_s(metadata: Mapping[str, MetadataValue], unit_stated: bool) -> float | None:
-    """Return the time between two rows [s] that the metadata of a file state, or None.
+def stated_periods_s(metadata: Mapping[str, MetadataValue], unit_stated: bool) -> dict[str, float]:
+    """Return the times between two rows [s] that the metadata of a file state, of all channels or of each, by key.
 
     Parameters
     ----------
@@ -189,14 +199,43 @@ def stated_period_s(metadata: Mapping[str, MetadataValue], unit_stated: bool) ->
 
     Returns
     -------
-    The period [s].
+    The periods [s].
     """
-    for key, value in metadata.items():
-        if isinstance(value, bool) or not isinstance(value, float | int) or not 0.0 < value < float("inf"):
-            continue
-        period, rate = _PERIOD.fullmatch(key), _RATE.fullmatch(key)
-        if period is not None and (period[2] or not unit_stated):
-            return float(value)
-        if rate is not None and (rate[2] or not unit_stated) and 1.0 / value < float("inf"):
-            return 1.0 / float(value)
-    return None
+    found: dict[str, float] = {}
+    for sign in (_OF_SAMPLES, _OF_ANYTHING):
+        for key, value in metadata.items():
+            match = sign.fullmatch(key)
+            if match is None or isinstance(value, bool) or not isinstance(value, float | int):
+                continue
+            is_period, unit = match[1] is not None, match[3]
+            fits = unit == ("_s" if is_period else "_hz") or (unit is None and not unit_stated)
+            if fits and 0.0 < value < float("inf") and 1.0 / value < float("inf"):
+                found[key] = float(value) if is_period else 1.0 / float(value)
+        if found:
+            return found
+    return found
+
+
+def differing_periods(periods_s: Mapping[str, float]) -> str:
+    """Return in words which times between rows a file states if they differ, else ""."""
+    if not periods_s or max(periods_s.values()) <= (1.0 + _SAME_PERIOD) * min(periods_s.values()):
+        return ""
+    return ", ".join(f"{key} a row every {period_s:g} s" for key, period_s in periods_s.items())
+
+
+def doubted_clock(periods_s: Mapping[str, float], time_s: FloatArray) -> str:
+    """Return in words that rows are not as far apart as the file states of its samples, "" if they are.
+
+    ``time_s`` is a clock of the file's own. Where its times are rounded, or have gaps, their mean or their median may
+    be as stated.
+    """
+    steps_s = np.diff(time_s)
+    for key, period_s in periods_s.items():
+        if steps_s.size and _OF_SAMPLES.fullmatch(key):
+            usual = (float(np.median(steps_s)), float(steps_s.mean()))
+            if all(abs(step_s / period_s - 1.0) > _AS_STATED for step_s in usual):
+                return (
+                    f"{key} states a row every {period_s:g} s, by the column of times there is one every {usual[0]:g} "
+                    "s: check the unit of the times"
+                )
+    return ""

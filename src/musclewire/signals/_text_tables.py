@@ -19,7 +19,7 @@ from musclewire.errors import RecordingError
 from musclewire.signals._clock_texts import is_date, is_time_of_day
 from musclewire.signals._metadata import MetadataValue, entry_from_text, value_to_text
 from musclewire.signals._number_style import is_missing, number_and_unit
-from musclewire.signals._source_table import BLOCK_ROWS, Cells, RowBlock, SourceColumn, stated_period_s
+from musclewire.signals._source_table import BLOCK_ROWS, Cells, RowBlock, SourceColumn, stated_periods_s
 from musclewire.signals._text_layout import TextLayout, layout_of, split_lines, too_wide
 from musclewire.signals._text_lines import Line, lines_of
 from musclewire.signals._text_shapes import shape_of
@@ -60,7 +60,7 @@ class TextTable:
     parts: tuple[tuple[int, ...], ...]
     cell_units: tuple[str | None, ...]
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
-    sample_period_s: float | None = None
+    stated_periods_s: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     plain_path: Path | None = None
 
@@ -243,8 +243,8 @@ def table_of_lines(
     columns, parts, cell_units = _source_columns(layout, head)
     titles = len(layout.titles)
     notes = (f"{titles} {row_word}{'s' if titles > 1 else ''} above the headers skipped",) if titles else ()
-    period_s = stated_period_s(metadata, unit_stated=True)
-    return TextTable(path, lines, layout, words, row_word, columns, parts, cell_units, metadata, period_s, notes)
+    periods_s = stated_periods_s(metadata, unit_stated=True)
+    return TextTable(path, lines, layout, words, row_word, columns, parts, cell_units, metadata, periods_s, notes)
 
 
 def fill_csv(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
@@ -327,7 +327,10 @@ def _metadata(texts: Sequence[str], separator: str) -> dict[str, MetadataValue]:
         pair = _pair(text, separator)
         entry = entry_from_text(*pair) if pair and len(text) <= _MAX_TITLE_LENGTH else None
         if entry is not None:
-            found[entry[0]] = entry[1]
+            key, value = entry
+            # Of two channels that state their rates one below the other, both are kept.
+            others = found.get(key, value) != value and stated_periods_s({key: value}, unit_stated=True)
+            found[f"second_{key}" if others else key] = value
     return found
 
 

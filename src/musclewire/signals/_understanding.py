@@ -107,8 +107,8 @@ def understanding_of(
     dropped = [f"{tally.dropped} rows without a number left out"] if tally.dropped else []
     dropped += [f"{tally.repeated} rows left out, each the row before once more"] if tally.repeated else []
     metadata = {**tally.started, **plan.metadata}
-    judged = tally.readings.judged({**plan.metadata, **tally.left_out})
-    unusable = judged.findings if judged is not None else tuple(str(text) for text in tally.left_out.values())
+    judged = tally.readings.judged({**plan.metadata, **tally.noted})
+    unusable = judged.findings if judged is not None else tuple(str(text) for text in tally.noted.values())
     return FileInterpretation(
         table.path,
         table.layout,

@@ -28,6 +28,8 @@ TOO_MANY = "more than {rows} rows: the command that uses the recording judges wh
 LEFT_OUT = "rows_left_out"
 # And where its mapping gave another unit than the file.
 UNITS_OVERRULED = "units_overruled"
+# And where its times are not as far apart as the file states.
+CLOCK_DOUBTED = "clock_doubted"
 # What is judged. The drive is a command, which may stand still; instruments of motion meet stops that are real.
 MEASURED = ("wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
 # Instruments print a number for "overload" that no bench has: 9.9E37 and 9.91E37 (SCPI), 1e38, a float's largest.
@@ -157,7 +159,7 @@ def judge_readings(columns: Columns, metadata: Metadata, used: tuple[str, ...] =
     bad = np.any(list(named.values()), axis=0)
     good = {name: values[~bad] for name, values in columns.items()}
     contradiction = "" if bad.all() else next(contradictions(good, metadata), "")
-    notes = [str(metadata[said]) for said in (LEFT_OUT, UNITS_OVERRULED) if said in metadata]
+    notes = [str(metadata[said]) for said in (LEFT_OUT, UNITS_OVERRULED, CLOCK_DOUBTED) if said in metadata]
     notes += [] if bad.all() else drive_doubts(good)
     return JudgedReadings(~bad, tuple(found), contradiction, tuple(notes))
 

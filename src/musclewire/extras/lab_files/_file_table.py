@@ -25,7 +25,7 @@ from musclewire.signals import (
     key_of_header,
     measures,
     split_header,
-    stated_period_s,
+    stated_periods_s,
 )
 
 # A name or text longer than this was not written by a person, and would fill the screen.
@@ -77,7 +77,7 @@ class FileTable:
     row_count: int
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
-    sample_period_s: float | None = None
+    stated_periods_s: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def columns(self) -> tuple[SourceColumn, ...]:
@@ -162,11 +162,8 @@ def chosen_part(parts: Sequence[FilePart], wanted: str | None, path: str | Path,
 
 def file_table(path: Path, layout: str, part: FilePart) -> FileTable:
     """Return the table of a part of a file."""
-    period_s = None if has_clock(part.columns) else stated_period_s(part.metadata, unit_stated=False)
-    notes = part.notes
-    if period_s is not None:
-        notes = (*notes, f"no column is the time: rows are {period_s:g} s apart, as the file states")
-    return FileTable(str(path), layout, part.columns, part.row_count, part.metadata, notes, period_s)
+    periods_s = stated_periods_s(part.metadata, unit_stated=False)
+    return FileTable(str(path), layout, part.columns, part.row_count, part.metadata, part.notes, periods_s)
 
 
 def describe(part: FilePart) -> str:

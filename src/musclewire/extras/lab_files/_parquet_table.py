@@ -32,7 +32,7 @@ class ParquetTable:
     metadata: Mapping[str, MetadataValue]
     notes: tuple[str, ...] = ()
     layout: str = "Parquet"
-    sample_period_s: float | None = field(default=None, init=False)
+    stated_periods_s: Mapping[str, float] = field(default_factory=dict, init=False)
 
     def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, batch after batch; each call begins again."""
