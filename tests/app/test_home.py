@@ -41,7 +41,13 @@ def test_an_aged_wire_is_corrected_and_a_changed_load_refused(
     assert answer.json["cycles"] == 300.0
     refused = musclewire("home", "simulated", model, "-o", tmp_path / "no.json", "--load", "2.5 N")
     assert (refused.code, "the load is 2.5 N" in refused.err) == (2, True)
+    # The wire transforms 8 K warmer, which voltages alone do not tell from a load.
+    rig.write_text("[settings]\ntemperature_shift_k = 13.0\n", "utf-8")
+    refused = musclewire("home", rig, model, "-o", tmp_path / "no.json")
+    assert (refused.code, "say so (--load" in refused.err) == (1, True)
     assert not (tmp_path / "no.json").exists()
+    answer = musclewire("home", rig, model, "-o", tmp_path / "kept.json", "--load", "1.9 N", "--json")
+    assert (answer.code, answer.json["corrected"]) == (0, False)
 
 
 def test_control_makes_one_before_or_after_the_run(musclewire: Callable[..., Any], model: Path, tmp_path: Path) -> None:

@@ -42,8 +42,8 @@ WHEN = ("start", "idle", "never")
 class HomeOptions:
     """When a closed loop makes a home move, with which thermometer, and where its model is written.
 
-    Never, unless asked: a home move heats the wire for half a minute and is right at the load of the characterization
-    only, which no program can see.
+    Never, unless asked: a home move heats the wire for half a minute, and is refused under another load than that of
+    the characterization.
     """
 
     home: Annotated[str, HOME] = "never"
@@ -93,7 +93,7 @@ def home(
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
-    """Sweep the wire once at its known load and write a model that holds for the wire of today."""
+    """Sweep the wire once and write a model that holds for the wire of today; a changed load is refused."""
     from musclewire.app._answers import HomeAnswer
     from musclewire.experiment import home as run_home
     from musclewire.experiment import home_duration_s

@@ -239,7 +239,12 @@ WIRE = option(
     autocompletion=complete_wires,
 )
 WIRE_LENGTH = quantity("--wire-length", "m", "Length of the wire between its terminals, both legs of a V together.")
-LOAD = quantity("--load", "N", "Weight, or pretension of the spring, as '1.4 N'.")
+LOAD = quantity(
+    "--load",
+    "N",
+    "Your word that the load is that of the characterization: its weight, or the spring's pretension, as '1.4 N'. "
+    "Without it, a change is refused that B and C do not separate from another load.",
+)
 AMBIENT = quantity("--ambient", "K", "Temperature of the air around the wire, as '22 degC'.")
 PRIORS = option("--priors", help="Priors of the parameters, by name or TOML file.")
 SET = option("--set", help="A number of the bench that no recording states. Repeatable.", metavar="NAME=VALUE")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Unpack
 
-from musclewire.errors import CallerError, RecordingError
+from musclewire.errors import CallerError, FitRejectedError, RecordingError
 from musclewire.experiment._home_sweep import HomeSweep, SweepPlan
 from musclewire.experiment._run import RunOptions, run_on_rig
-from musclewire.identify import Homing, check_made_for, homed_model, loop_of, require_load, seen_points
+from musclewire.identify import Homing, check_made_for, homed_model, loop_of, require_load
 from musclewire.rigs import Rig, refuse_no_rig
 from musclewire.sensing import SensingModel
 from musclewire.signals import MetadataValue
@@ -25,11 +25,12 @@ def home(
     cycles: float | None = None,
     **run: Unpack[RunOptions],
 ) -> Homing:
-    """Heat the wire once just beyond its transformation, at a known load, and bring its model up to date.
+    """Heat the wire once just beyond its transformation, and bring its model up to date.
 
     A sweep of about 20 s finds by how much the wire's resistance has been scaled or offset and its transformation
-    temperatures have shifted since the model was made, each as far as that sweep shows it. Where the evidence does not
-    support a correction the model keeps its curve, and where a changed load explains it as well, the move is refused.
+    temperatures have shifted since the model was made. The model is corrected where B and C show that it is the
+    resistance that has changed: C then moves nearly as much as B, and under another load less than half as much.
+    Where B has not moved, the model keeps its curve; all else is refused, unless the load is known.
 
     Parameters
     ----------
@@ -38,7 +39,8 @@ def home(
     model
         The model, fitted to a recording with voltages.
     load_n
-        Force of the cold wire now [N]; that which the rig states, or that of the characterization, if None.
+        Force of the cold wire now [N]: your word, or that of a stage that sets it, that the load is that of the
+        characterization. What a rig file states is no such word: a load changes without it.
     ambient_k
         Measured temperature of the air [K]; that of the rig's own thermometer, if it has one, if None. With it the
         shift of the transformation is known to 3 K instead of 9 K, and a changed load is noticed more surely.
@@ -56,9 +58,9 @@ def home(
     ------
     CallerError
         For a model of another wire or load, or one without the power of its loop.
-    RecordingError
-        If the sweep is incomplete, began warm, or shows what a changed load explains as well as a changed wire; the
-        model is as it was.
+    FitRejectedError
+        If the sweep is incomplete, began warm, or shows what a changed load explains as well as a changed wire, or what
+        no wire does; the model is as it was.
     RigError
         If the rig failed or was tripped; it carries the partial recording as ``.recording``.
 
@@ -84,17 +86,17 @@ def home(
         metadata["measured_ambient_k"] = ambient_k
     recording = run_on_rig(rig, sweep, plan.duration_s, metadata=metadata, **run)
     try:
-        return homed_model(model, recording, load_n=assumed_n, ambient_k=ambient_k, cycles=cycles)
-    except RecordingError as error:
+        return homed_model(model, recording, load_n=load_n, ambient_k=ambient_k, cycles=cycles)
+    except (RecordingError, FitRejectedError) as error:
         limit = f" ({sweep.stopped_by})" if sweep.stopped_by else ""
-        raise RecordingError(f"no home move, the model is as it was: {error}{limit}") from None
+        raise FitRejectedError(f"no home move, the model is as it was: {error}{limit}") from None
 
 
 def plan_for(rig: Rig, model: SensingModel) -> SweepPlan:
     """Return the plan of a model's home move on a rig. Raises CallerError for a model without its loop's power."""
     loop = loop_of(model)
     span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
-    return SweepPlan.for_rig(rig, float(loop.power_w.max()), span_ohm, seen_points(loop).c_ohm is not None)
+    return SweepPlan.for_rig(rig, float(loop.power_w.max()), span_ohm)
 
 
 def home_duration_s(rig: Rig, model: SensingModel) -> float:

@@ -27,9 +27,7 @@ MIN_LAG_S = 0.8
 OVERDRIVE = 1.6
 # Below the protection's limit by so much [K], by its own estimate.
 BELOW_LIMIT_K, ZERO_CELSIUS_K = 10.0, 273.15
-# The resistance has fallen as far as in the loop at this fraction of the loop's fall, a lag being on its way.
-DEEP_ENOUGH = 0.975
-# Where the loop showed C, or where nothing is known of the wire, the fall must level off; at least so far down.
+# The fall must level off, at least this fraction of the loop's fall down: only C itself is a mark.
 MIN_DEPTH = 0.85
 # Stricter than for a slow loop: in a ramp the temperature lags behind the power.
 LEVEL_FRACTION = 0.06
@@ -55,8 +53,6 @@ class SweepPlan(NamedTuple):
         Power that is never exceeded [W]: by the loop's own and by the protection's limit of temperature.
     fall_ohm
         Fall of resistance from B to C in the loop [ohm].
-    until_level
-        Whether the ramp goes on until the fall levels off, and not merely as far down as the loop.
     limited_by
         Which limit the highest power is, in words.
     """
@@ -67,13 +63,10 @@ class SweepPlan(NamedTuple):
     loop_power_w: float
     highest_power_w: float
     fall_ohm: float
-    until_level: bool
     limited_by: str
 
     @classmethod
-    def for_rig(
-        cls, rig: Rig, loop_power_w: float, fall_ohm: float, until_level: bool, highest_k: float = inf
-    ) -> SweepPlan:
+    def for_rig(cls, rig: Rig, loop_power_w: float, fall_ohm: float, highest_k: float = inf) -> SweepPlan:
         """Return the plan for a wire on a rig, which by its power stays below a temperature [K], too."""
         limits = rig.protection_limits
         highest_w, because = OVERDRIVE * loop_power_w, f"the power was at {OVERDRIVE:g} times the usual one"
@@ -88,7 +81,7 @@ class SweepPlan(NamedTuple):
                 f"by its power the wire was at {allowed_k - ZERO_CELSIUS_K:.0f} C, {why}",
             )
         times_s = (REST_LAGS * lag_s, UP_LAGS * lag_s, DOWN_LAGS * lag_s)
-        return cls(*times_s, loop_power_w, highest_w, fall_ohm, until_level, because)
+        return cls(*times_s, loop_power_w, highest_w, fall_ohm, because)
 
     @property
     def duration_s(self) -> float:
@@ -97,7 +90,7 @@ class SweepPlan(NamedTuple):
 
 
 class HomeSweep:
-    """Heats by rising power until the resistance has fallen as far as it should, and cools by falling power."""
+    """Heats by rising power until the resistance falls no further, and cools by falling power."""
 
     columns: tuple[str, ...] = ()
 
@@ -166,6 +159,4 @@ class HomeSweep:
             return False
         power_w, resistance_ohm = np.array(self._means).T
         fallen = float(resistance_ohm.max() - resistance_ohm[-1]) / self._plan.fall_ohm
-        if not self._plan.until_level and fallen >= DEEP_ENOUGH:
-            return True
         return fallen >= MIN_DEPTH and has_levelled(power_w, resistance_ohm, LEVEL_FRACTION)

@@ -76,7 +76,7 @@ def levelling_amplitude(rig: Rig, on_sample: OnSample | None = None) -> Levellin
     own_w = nominal_ohm * (rig.drive_amplitude_v / (nominal_ohm + limits.shunt_resistance_ohm)) ** 2
     covered_k = ValidityLimits.stated_in(rig.metadata()).covered_temperature_high_k
     highest_k = inf if covered_k is None else covered_k - BELOW_COVERED_K
-    plan = SweepPlan.for_rig(rig, own_w, MIN_FALL_FRACTION * nominal_ohm, until_level=True, highest_k=highest_k)
+    plan = SweepPlan.for_rig(rig, own_w, MIN_FALL_FRACTION * nominal_ohm, highest_k=highest_k)
     sweep = HomeSweep(rig, plan)
     recording = run_on_rig(
         rig, sweep, plan.duration_s, metadata={"experiment": "levelling amplitude"}, on_sample=on_sample

@@ -11,7 +11,6 @@ from ._home.homing import homing_figure as homing_figure
 from ._home.homing import loop_of as loop_of
 from ._home.homing import require_load as require_load
 from ._home.warming import has_levelled as has_levelled
-from ._home.warming import seen_points as seen_points
 from ._home.warming import shows_c as shows_c
 from ._isobaric_loops import IsobaricLoop as IsobaricLoop
 from ._isobaric_loops import IsobarSummary as IsobarSummary

@@ -16,12 +16,12 @@ from musclewire import (
     FloatArray,
     NumericsError,
     RawSample,
-    RecordingError,
     RigError,
     SensingModel,
     home,
     required_true_state,
 )
+from musclewire.errors import FitRejectedError
 from musclewire.rigs import Rig
 from musclewire_robustness.characterizing import UsersKnowledge
 from musclewire_robustness.plant import AS_CHARACTERIZED, DisturbedPlant, open_plant
@@ -78,8 +78,10 @@ def homed(plant: DisturbedPlant, condition: Condition, model: SensingModel) -> H
         noise_k = THERMOMETER_STD_K * float(np.random.default_rng([STREAM, plant.seed]).standard_normal())
         ambient_k = plant.disturbance.ambient_k(0.0) + noise_k
     try:
-        found = home(plant.rig, model, ambient_k=ambient_k)
-    except (CallerError, RecordingError) as error:
+        # The user has not touched the load, and says so.
+        load_n = float(model.wire["pretension_n"])
+        found = home(plant.rig, model, load_n=load_n, ambient_k=ambient_k)
+    except (CallerError, FitRejectedError) as error:
         return HomedModel(model, f"refused: {' '.join(str(error).split())}")
     return HomedModel(found.model, "corrected" if found.home.corrected else "not corrected")
 

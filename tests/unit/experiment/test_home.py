@@ -6,9 +6,11 @@ from collections.abc import Mapping
 
 import pytest
 
-from musclewire.errors import CallerError, RecordingError
-from musclewire.experiment._home import home, home_duration_s
+from musclewire.errors import CallerError, FitRejectedError
+from musclewire.experiment._home import home, home_duration_s, plan_for
+from musclewire.experiment._home_sweep import HomeSweep
 from musclewire.experiment._open_loop import characterize
+from musclewire.experiment._run import run_on_rig
 from musclewire.identify import fit
 from musclewire.rigs import open_rig
 from musclewire.sensing import SensingModel
@@ -36,20 +38,33 @@ def test_it_takes_about_twenty_seconds_and_ends_at_the_sense_voltage(model: Sens
 def test_it_turns_where_the_wire_has_transformed_however_it_cools(
     model: SensingModel, convection_factor: float, resistivity_factor: float
 ) -> None:
-    rows: list[Mapping[str, float]] = []
     settings = {"convection_factor": convection_factor, "resistivity_factor": resistivity_factor}
     with open_rig("simulated", seed=2, **settings) as rig:
-        found = home(rig, model, on_sample=rows.append)
-    resistances = [row["wire_voltage_v"] / row["shunt_voltage_v"] for row in rows if row["drive_voltage_v"] > 1.0]
-    fell = (found.model.resistance_max_ohm - min(resistances)) / (model.resistance_max_ohm - model.resistance_min_ohm)
-    assert 0.95 < fell < 1.15
-    assert found.home.corrected is (resistivity_factor != 1.0)
+        plan = plan_for(rig, model)
+        sweep = run_on_rig(rig, HomeSweep(rig, plan), plan.duration_s)
+        shunt_ohm = rig.shunt_resistance_ohm
+    driven = sweep["drive_voltage_v"] > 1.0
+    lowest_ohm = shunt_ohm * float((sweep["wire_voltage_v"] / sweep["shunt_voltage_v"])[driven].min())
+    fell = (resistivity_factor * model.resistance_max_ohm - lowest_ohm) / (
+        model.resistance_max_ohm - model.resistance_min_ohm
+    )
+    assert 0.95 < fell < 1.2
+
+
+def test_an_aged_wire_in_slower_air_is_corrected_and_air_that_hardly_cools_refused(model: SensingModel) -> None:
+    with open_rig("simulated", seed=2, convection_factor=0.817678, resistivity_factor=1.01) as rig:
+        assert home(rig, model).home.corrected
+    with (
+        open_rig("simulated", seed=2, convection_factor=0.45) as rig,
+        pytest.raises(FitRejectedError, match=r"^no home move, .*: by its power the wire transforms -\d+ K away"),
+    ):
+        home(rig, model)
 
 
 def test_a_wire_that_the_drive_cannot_heat_is_named_with_the_limit(model: SensingModel) -> None:
     with (
         open_rig("simulated", seed=2, convection_factor=2.4) as rig,
-        pytest.raises(RecordingError, match=r"^no home move, the model is as it was: .*limit of 3.6 V\)$"),
+        pytest.raises(FitRejectedError, match=r"^no home move, the model is as it was: .*limit of 3.6 V\)$"),
     ):
         home(rig, model)
 

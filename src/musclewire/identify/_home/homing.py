@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import exp, hypot
+from math import hypot
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from musclewire.errors import CallerError, RecordingError
-from musclewire.identify._home.registration import MARTENSITE_PER_K, AnchorPoint, Registration, register
-from musclewire.identify._home.warming import HeatCourse, SeenPoints, WireHeat, course_of, seen_points, wire_heat_of
+from musclewire.errors import CallerError, FitRejectedError, RecordingError
+from musclewire.identify._home.overlay import Overlay, overlay_of
+from musclewire.identify._home.warming import HeatCourse, SeenPoints, course_of, seen_points, wire_heat_of
 from musclewire.identify._use_of_model import SAME_LOAD_FRACTION
 from musclewire.sensing import DRIFT_FRACTION, SHOWN_AS, HomeMove, SensingModel
 from musclewire.signals import Recording
@@ -20,27 +20,29 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Error of the resistance found at B, as a fraction of it: 0.025 % on the same air, 0.01 % more for each kelvin that the
+# Error of the resistance found at B, as a fraction of it: 0.032 % on the same air, 0.01 % more for each kelvin that the
 # air has changed (a wire is not quite the same martensite in warmer air), which without a thermometer may be 8 K.
-SAME_AIR_FRACTION, AIR_FRACTION_PER_K = 2.5e-4, 1e-4
+SAME_AIR_FRACTION, AIR_FRACTION_PER_K = 3.2e-4, 1e-4
 # A change is corrected from so many of its standard deviations on.
 CERTAIN_STDS = 2.0
-# The change of martensite's resistance by a shift of the transformation is known to this fraction.
-SHIFT_FRACTION = 0.5
-# A trained wire's transformation moves by less than this; half of a usual load moves it by 9 K.
-MAX_SHIFT_K = 7.5
-# A changed load moves the resistance at B in the direction of the warming, and by less than this multiple of what the
-# warming of martensite does.
-MAX_RATIO = 2.0
+# A wire whose B has not moved keeps its C, too, within so many standard deviations.
+KEPT_STDS = 4.0
+# Resistivity of martensite rises by this fraction per kelvin (Churchill and Shaw, SMASIS2009-48968), and the change of
+# its resistance by a shift of the transformation is known to a fraction.
+MARTENSITE_PER_K, SHIFT_FRACTION = 0.5e-3, 0.5
+# A factor of the resistance moves C by the ratio of the resistances at C and B of what it moves B, and an offset by as
+# much; a load moves it by 0.2 to 0.6 of it, or back. Ageing is what is this near, known to this standard deviation.
+RATIO_TOLERANCE, RATIO_STD = 0.17, 0.25
 # Resistance of one wire changes by less than this in its life, joints and leads included (0.5 ohm of 17); more is
 # another wire.
 MAX_CHANGE = 0.06
-# The sweep must show this fraction of the loop's fall; less was not heated far enough.
-MIN_FALL = 0.85
+# No wire's transformation moves further [K], with air, load and alloy together; more is another flow of air, or another
+# length or shunt than was stated.
+MAX_WARMER_K = 25.0
+# The sweep must show this fraction of the loop's fall, and of its points; less was not heated far enough.
+MIN_FALL, MIN_COVERED = 0.85, 0.93
 # A curve that fits worse than this fraction of its span has another shape.
 MAX_MISFIT = 0.04
-# Errors of points that both courses show, as fractions of the resistance.
-B_FRACTION, COOLING_B_FRACTION, C_FRACTION = 2e-4, 1e-3, 1e-3
 # Air further from that of the characterization is a wrong unit.
 MAX_AIR_CHANGE_K, ZERO_CELSIUS_K = 60.0, 273.15
 # How well the air's change, and the loss to it, are known beforehand: 8 K, 0.5 K with a thermometer, and 3 %.
@@ -101,7 +103,8 @@ def homed_model(
     recording
         The sweep, from cold to beyond the transformation and back, with voltages and the rig's heat capacity and loss.
     load_n
-        Force of the cold wire during the sweep [N]; the load of the characterization if None. Another one is refused.
+        Force of the cold wire during the sweep [N], if it is known to be that of the characterization; another one is
+        refused. If None, what has changed must show in B and C.
     ambient_k
         Measured temperature of the air [K]; None for the mean of the recording's own thermometer, if it has one.
         It is compared with that of the characterization, as the model states it.
@@ -117,28 +120,31 @@ def homed_model(
     CallerError
         For a model without the power of its loop, another load than the model's, or air of an impossible temperature.
     RecordingError
-        For a sweep that is incomplete, began warm, is of another shape or another wire, or that a changed load explains
-        as well as a changed wire.
+        For a sweep that is incomplete or began warm.
+    FitRejectedError
+        For a sweep that a changed load explains as well as a changed wire, and for one of another shape, another wire,
+        or numbers that no wire has.
     """
     assumed_n = require_load(model, load_n)
     before = loop_of(model)
     sweep, heat = course_of(recording), wire_heat_of(recording)
     seen = seen_points(sweep)
-    require_complete(model, seen)
+    b_ohm = require_complete(model, seen)
     air = SweepAirTemperature.from_recording(model, recording, ambient_k)
-    ends_ohm = (model.resistance_min_ohm, model.resistance_max_ohm)
-    found = register(before, sweep, heat, ends_ohm, anchors_of(model, before, seen), air.change_k)
-    moved = WireChange.from_registration(found, before, heat, air, model.resistance_max_ohm)
-    require_explained(model, found, moved, air)
+    span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
+    found = overlay_of(before, sweep, heat, span_ohm, (model.resistance_max_ohm, b_ohm))
+    require_one_wire(model, found)
+    moved = WireChange.from_overlay(model, found, b_ohm, air)
+    moved.require_explained(load_is_known=load_n is not None)
     home = home_move(model, recording, found, moved)
     home = replace(home, load_n=assumed_n, ambient_k=air.measured_k, cycles=cycles)
     return Homing(
-        model=corrected_model(model, found, home) if moved.corrects else replace(model, home=home),
+        model=corrected_model(model, moved, home) if moved.corrects else replace(model, home=home),
         home=home,
-        resistance_max_moved_ohm=found.moved_ohm[1],
+        resistance_max_moved_ohm=moved.at_b_ohm,
         resistance_max_moved_std_ohm=moved.std_at_b_ohm,
-        resistance_min_moved_ohm=found.moved_ohm[0],
-        resistance_min_moved_std_ohm=hypot(found.moved_stds_ohm[0], moved.std_at_b_ohm),
+        resistance_min_moved_ohm=moved.at_c_ohm,
+        resistance_min_moved_std_ohm=moved.std_at_c_ohm,
         warming_moved_k=moved.warming_k,
         misfit_ohm=found.misfit_ohm,
         seen=seen,
@@ -176,51 +182,97 @@ class SweepAirTemperature(NamedTuple):
 
 
 class WireChange(NamedTuple):
-    """What a registration says about the wire as a whole.
+    """What a sweep says about the wire as a whole.
 
     By how much warmer it transforms [K], a known change of the air taken off, with its standard deviation [K]; the
-    change at B [ohm] with its own [ohm], and the change that so much warmer martensite makes [ohm]; whether the change
-    is certain, and whether a shift of the transformation is all there is to it.
+    changes at B and at C [ohm] with their own [ohm], that at C over that at B, and the change at B that so much warmer
+    martensite makes [ohm]; the ratio that a factor of the resistance would have.
     """
 
     warming_k: float
     warming_std_k: float
     at_b_ohm: float
     std_at_b_ohm: float
+    at_c_ohm: float
+    std_at_c_ohm: float
     by_shift_ohm: float
-    certain: bool
-    shifted: bool
+    ratio_of_a_factor: float
+    largest_ohm: float
 
     @classmethod
-    def from_registration(
-        cls, found: Registration, before: HeatCourse, heat: WireHeat, air: SweepAirTemperature, at_b_ohm: float
-    ) -> WireChange:
-        """Return it from a registration; the power that the middle of the fall takes shows the warming."""
-        middle_k = 0.5 * (power_at(before, 0.25) + power_at(before, 0.75)) / heat.loss_w_per_k
-        unknowns = found.values
-        ratio = exp(unknowns.log_ratio)
-        moved_k = (ratio - 1.0) * middle_k + (unknowns.shift_k - ratio * unknowns.air_k) + (air.change_k or 0.0)
-        std_k = hypot(SHAPE_STD_K, LOSS_FRACTION * middle_k, air.std_k)
+    def from_overlay(cls, model: SensingModel, found: Overlay, b_ohm: float, air: SweepAirTemperature) -> WireChange:
+        """Return it from how the loop's fall lies over that of the sweep, which begins at ``b_ohm``."""
+        low_ohm, high_ohm = model.resistance_min_ohm, model.resistance_max_ohm
+        span_ohm = high_ohm - low_ohm
+        warming_k = found.warmer_k + (air.change_k or 0.0)
         air_k = AIR_STD_K if air.change_k is None else abs(air.change_k)
-        std_ohm = hypot(found.moved_stds_ohm[1], SAME_AIR_FRACTION * at_b_ohm, AIR_FRACTION_PER_K * air_k * at_b_ohm)
-        certain = abs(found.moved_ohm[1]) > CERTAIN_STDS * std_ohm
-        by_shift_ohm = MARTENSITE_PER_K * at_b_ohm * moved_k
-        shifted = abs(found.moved_ohm[1] - by_shift_ohm) < hypot(std_ohm, SHIFT_FRACTION * by_shift_ohm)
-        return cls(moved_k, std_k, found.moved_ohm[1], std_ohm, by_shift_ohm, certain, certain and shifted)
+        std_at_b_ohm = hypot(SAME_AIR_FRACTION, AIR_FRACTION_PER_K * air_k) * high_ohm
+        return cls(
+            warming_k=warming_k,
+            warming_std_k=hypot(SHAPE_STD_K, LOSS_FRACTION * found.middle_k, air.std_k),
+            at_b_ohm=b_ohm - high_ohm,
+            std_at_b_ohm=std_at_b_ohm,
+            at_c_ohm=b_ohm - high_ohm - (found.scale - 1.0) * span_ohm,
+            std_at_c_ohm=found.scale_std * span_ohm,
+            by_shift_ohm=MARTENSITE_PER_K * high_ohm * warming_k,
+            ratio_of_a_factor=low_ohm / high_ohm,
+            largest_ohm=MAX_CHANGE * high_ohm,
+        )
+
+    @property
+    def certain(self) -> bool:
+        """Whether B has moved."""
+        return abs(self.at_b_ohm) > CERTAIN_STDS * self.std_at_b_ohm
+
+    @property
+    def shifted(self) -> bool:
+        """Whether a shift of the transformation is all there is to it, under which the curve holds."""
+        left_ohm = abs(self.at_b_ohm - self.by_shift_ohm)
+        return self.certain and left_ohm < hypot(self.std_at_b_ohm, SHIFT_FRACTION * self.by_shift_ohm)
+
+    @property
+    def of_resistance(self) -> bool:
+        """Whether C has moved as it does with a factor or an offset of the resistance, and with no load."""
+        ratio = self.at_c_ohm / self.at_b_ohm
+        away = max(self.ratio_of_a_factor - ratio, ratio - 1.0)
+        return away < RATIO_TOLERANCE and self.std_at_c_ohm < RATIO_STD * abs(self.at_b_ohm)
 
     @property
     def corrects(self) -> bool:
-        """Whether the curve is to be moved: for a certain change that is more than a shift of the transformation."""
-        return self.certain and not self.shifted
+        """Whether the curve is to be moved."""
+        return self.certain and (self.of_resistance or not self.shifted)
 
-
-def power_at(course: HeatCourse, fallen: float) -> float:
-    """Return the power [W] at which a heating wire's resistance has fallen by a fraction of its way from B to C."""
-    up = slice(0, int(np.argmax(course.power_w)) + 1)
-    resistance, power = course.resistance_ohm[up], course.power_w[up]
-    b = int(np.argmax(resistance))
-    level = resistance[b] - fallen * (resistance[b] - resistance[b:].min())
-    return float(power[b + int(np.argmax(resistance[b:] <= level))])
+    def require_explained(self, *, load_is_known: bool) -> None:
+        """Raise FitRejectedError for what a wire's own drift does not explain: another wire, or another load."""
+        if abs(self.warming_k) > MAX_WARMER_K:
+            raise FitRejectedError(
+                f"by its power the wire transforms {self.warming_k:+.0f} K away, and no wire's transformation moves by "
+                f"more than {MAX_WARMER_K:g} K: the air around it moves more or less than at the characterization, or "
+                "length, diameter or shunt are stated wrongly"
+            )
+        if abs(self.at_b_ohm) > self.largest_ohm:
+            raise FitRejectedError(
+                f"the resistance at B moved by {self.at_b_ohm:+.3g} ohm, more than {100 * MAX_CHANGE:g} %: this is "
+                "another wire, or a bad contact"
+            )
+        moved = (
+            f"the resistance moved by {self.at_b_ohm:+.3g} +- {self.std_at_b_ohm:.2g} ohm at B and by "
+            f"{self.at_c_ohm:+.3g} +- {self.std_at_c_ohm:.2g} ohm at C"
+        )
+        if not self.certain and abs(self.at_c_ohm) > KEPT_STDS * self.std_at_c_ohm:
+            raise FitRejectedError(f"{moved}, which no ageing and no load does: characterize again")
+        if not self.certain or self.of_resistance or (load_is_known and self.shifted):
+            return
+        if load_is_known:
+            raise FitRejectedError(
+                f"{moved}, which is not what age, leads or a shift of the transformation do: set the load of the "
+                "characterization, or characterize again"
+            )
+        raise FitRejectedError(
+            f"{moved}; where the resistance has changed C moves by {self.ratio_of_a_factor:.2g} to 1 times as much as "
+            "B, so that this is another load, or a shifted transformation: if the load is that of the characterization "
+            "say so (--load, load_n), or set it, or characterize again"
+        )
 
 
 def loop_of(model: SensingModel) -> HeatCourse:
@@ -247,8 +299,8 @@ def require_load(model: SensingModel, load_n: float | None) -> float | None:
     return float(before)
 
 
-def require_complete(model: SensingModel, seen: SeenPoints) -> None:
-    """Raise RecordingError for a sweep that began warm or did not reach as far as the loop."""
+def require_complete(model: SensingModel, seen: SeenPoints) -> float:
+    """Return the resistance at B [ohm]. Raises RecordingError for a sweep that began warm or was not heated enough."""
     if seen.heating_b_ohm is None:
         raise RecordingError(
             "the sweep began above point B (no rise of the resistance before its fall): let the wire cool first"
@@ -256,56 +308,36 @@ def require_complete(model: SensingModel, seen: SeenPoints) -> None:
     span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
     fell = (seen.heating_b_ohm - seen.lowest_ohm) / span_ohm
     if fell < MIN_FALL:
-        raise RecordingError(
-            f"the sweep is not complete: the resistance fell by {100 * fell:.0f} % of the loop's {span_ohm:.3g} ohm, "
-            f"{100 * MIN_FALL:.0f} % are needed; a draught, colder air, a larger load or the drive's limit keep a wire "
-            "from transforming"
-        )
+        raise not_complete(f"the resistance fell by {100 * fell:.0f} % of the loop's {span_ohm:.3g} ohm", MIN_FALL)
+    return seen.heating_b_ohm
 
 
-def anchors_of(model: SensingModel, before: HeatCourse, seen: SeenPoints) -> tuple[AnchorPoint, ...]:
-    """Return the points that loop and sweep both show: B on the way up, B on the way down, and C where it is real."""
-    was = seen_points(before)
-    pairs = (
-        (model.resistance_max_ohm, seen.heating_b_ohm, B_FRACTION),
-        (was.cooling_b_ohm, seen.cooling_b_ohm, COOLING_B_FRACTION),
-        (was.c_ohm, seen.c_ohm, C_FRACTION),
+def not_complete(shown: str, needed: float) -> RecordingError:
+    """Return the error of a sweep that ended before the loop's hottest point."""
+    return RecordingError(
+        f"the sweep is not complete: {shown}, {100 * needed:.0f} % are needed; a draught, colder air, a larger load or "
+        "the drive's limit keep a wire from transforming"
     )
-    return tuple(AnchorPoint(one, two, error * one) for one, two, error in pairs if one is not None and two is not None)
 
 
-def require_explained(model: SensingModel, found: Registration, moved: WireChange, air: SweepAirTemperature) -> None:
-    """Raise RecordingError for what a wire's own drift does not explain: another shape, another wire, another load."""
+def require_one_wire(model: SensingModel, found: Overlay) -> None:
+    """Raise RecordingError for a sweep that ends before the loop, and FitRejectedError for one of another shape."""
+    if found.covered < MIN_COVERED:
+        raise not_complete(f"it passed {100 * found.covered:.0f} % of what the loop shows", MIN_COVERED)
     span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
-    if not moved.certain:
-        return
     if found.misfit_ohm > MAX_MISFIT * span_ohm:
-        raise RecordingError(
+        raise FitRejectedError(
             f"the sweep has another shape than the loop, by {100 * found.misfit_ohm / span_ohm:.1f} % of its fall "
             f"({100 * MAX_MISFIT:g} % are allowed): another load or another wire; characterize again"
         )
-    if abs(moved.at_b_ohm) > MAX_CHANGE * model.resistance_max_ohm:
-        raise RecordingError(
-            f"the resistance at B moved by {moved.at_b_ohm:+.3g} ohm, more than {100 * MAX_CHANGE:g} %: this is "
-            "another wire, or a bad contact"
-        )
-    like_a_load = 0.0 < moved.at_b_ohm / moved.by_shift_ohm < MAX_RATIO
-    if abs(moved.warming_k) > MAX_SHIFT_K and like_a_load:
-        thermometer = (
-            "" if air.change_k is not None else ", or the air is at another temperature: measure it (ambient_k)"
-        )
-        raise RecordingError(
-            f"the wire transforms {moved.warming_k:+.0f} K away and reads {moved.at_b_ohm:+.3g} ohm at B, which a "
-            f"changed load explains as well as a changed wire: set the load of the characterization{thermometer}"
-        )
 
 
-def home_move(model: SensingModel, recording: Recording, found: Registration, moved: WireChange) -> HomeMove:
+def home_move(model: SensingModel, recording: Recording, found: Overlay, moved: WireChange) -> HomeMove:
     """Return what the model's file keeps, counted from the characterization."""
     low_ohm, high_ohm = model.resistance_min_ohm, model.resistance_max_ohm
     span_ohm = high_ohm - low_ohm
-    scale, offset_ohm = moved_line(model, found) if moved.corrects else (1.0, 0.0)
-    scale_std = hypot(found.moved_stds_ohm[0], moved.std_at_b_ohm) / span_ohm
+    scale, offset_ohm = moved_line(model, moved) if moved.corrects else (1.0, 0.0)
+    scale_std = hypot(moved.std_at_c_ohm, moved.std_at_b_ohm) / span_ohm
     before = model.home
     was = (1.0, 0.0) if before is None else (before.resistance_scale, before.resistance_offset_ohm)
     return HomeMove(
@@ -321,22 +353,22 @@ def home_move(model: SensingModel, recording: Recording, found: Registration, mo
         resistance_offset_std_ohm=hypot(moved.std_at_b_ohm, high_ohm * scale_std),
         transformation_shift_k=moved.warming_k,
         transformation_shift_std_k=moved.warming_std_k,
-        convection_ratio=exp(found.values.log_ratio),
-        convection_ratio_std=exp(found.values.log_ratio) * found.stds.log_ratio,
+        convection_ratio=found.stretch,
+        convection_ratio_std=hypot(found.stretch_std, LOSS_FRACTION),
         drift_resistance_ohm=hypot(DRIFT_FRACTION * span_ohm, moved.std_at_b_ohm),
     )
 
 
-def moved_line(model: SensingModel, found: Registration) -> tuple[float, float]:
+def moved_line(model: SensingModel, moved: WireChange) -> tuple[float, float]:
     """Return scale and offset [ohm] of today's resistance over the model's."""
     low_ohm, high_ohm = model.resistance_min_ohm, model.resistance_max_ohm
-    scale = 1.0 + (found.moved_ohm[1] - found.moved_ohm[0]) / (high_ohm - low_ohm)
-    return scale, found.moved_ohm[0] - (scale - 1.0) * low_ohm
+    scale = 1.0 + (moved.at_b_ohm - moved.at_c_ohm) / (high_ohm - low_ohm)
+    return scale, moved.at_c_ohm - (scale - 1.0) * low_ohm
 
 
-def corrected_model(model: SensingModel, found: Registration, home: HomeMove) -> SensingModel:
+def corrected_model(model: SensingModel, change: WireChange, home: HomeMove) -> SensingModel:
     """Return the model with every resistance in it moved to today's."""
-    scale, offset_ohm = moved_line(model, found)
+    scale, offset_ohm = moved_line(model, change)
 
     def moved(resistance_ohm: float) -> float:
         return scale * resistance_ohm + offset_ohm
@@ -364,7 +396,7 @@ def notes_on(seen: SeenPoints, moved: WireChange, air: SweepAirTemperature) -> t
             "without the air's temperature then and now, a shift of the transformation and warmer air look alike "
             f"(+-{moved.warming_std_k:.0f} K)"
         )
-    if moved.shifted:
+    if moved.shifted and not moved.corrects:
         notes.append(
             f"the change at B of {moved.at_b_ohm:+.3f} ohm is that of a transformation shifted by "
             f"{moved.warming_k:+.1f} K, under which the curve holds: it stays as it was"

@@ -70,41 +70,12 @@ class HeatCourse(NamedTuple):
             grid, np.interp(grid, self.time_s, self.power_w), np.interp(grid, self.time_s, self.resistance_ohm)
         )
 
-    def warming_k(self, heat: WireHeat, lag_s: float, latent_k_per_ohm: float, ratio: float = 1.0) -> FloatArray:
-        """Return the wire's temperature above the air [K], (n_times,), of a course on an even grid.
-
-        ``ratio`` is the loss to the air over that of ``heat``; it shortens the lag, too.
-        """
+    def warming_k(self, heat: WireHeat, latent_k_per_ohm: float) -> FloatArray:
+        """Return the wire's temperature above the air [K], (n_times,), of a course on an even grid, by nominal loss."""
         step_s = float(self.time_s[1] - self.time_s[0])
-        gain = 1.0 - float(np.exp(-step_s * ratio / lag_s))
-        steady_k = lagged(self.power_w, gain) / (heat.loss_w_per_k * ratio)
+        gain = 1.0 - float(np.exp(-step_s / heat.lag_s))
+        steady_k = lagged(self.power_w, gain) / heat.loss_w_per_k
         return steady_k + latent_k_per_ohm * (self.resistance_ohm - lagged(self.resistance_ohm, gain))
-
-
-class WarmingBranches(NamedTuple):
-    """Resistance over warming on the way up and on the way down, each (n,) with rising warming [K]."""
-
-    heating_k: FloatArray
-    heating_ohm: FloatArray
-    cooling_k: FloatArray
-    cooling_ohm: FloatArray
-
-    def along_course(self, warming_k: FloatArray, turn: int) -> tuple[FloatArray, FloatArray]:
-        """Return resistance [ohm] of a course that turns at a sample, and where the branches reach, both (n_times,)."""
-        up, down = warming_k[:turn], warming_k[turn:]
-        found = np.concatenate(
-            [
-                np.interp(up, self.heating_k, self.heating_ohm),
-                np.interp(down, self.cooling_k, self.cooling_ohm),
-            ]
-        )
-        inside = np.concatenate(
-            [
-                (up >= self.heating_k[0]) & (up <= self.heating_k[-1]),
-                (down >= self.cooling_k[0]) & (down <= self.cooling_k[-1]),
-            ]
-        )
-        return found, inside
 
 
 def lagged(values: FloatArray, gain: float) -> FloatArray:
@@ -114,12 +85,11 @@ def lagged(values: FloatArray, gain: float) -> FloatArray:
     return np.asarray(lfilter([gain], [1.0, gain - 1.0], values, zi=[(1.0 - gain) * values[0]])[0])
 
 
-def branches_of(course: HeatCourse, warming_k: FloatArray) -> WarmingBranches:
-    """Return both branches of a course on an even grid, averaged over equal steps of warming."""
+def heating_branch(course: HeatCourse, warming_k: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return warming [K] and resistance [ohm] of a course's way up, averaged over equal steps of warming."""
     turn = int(np.argmax(warming_k))
-    up = averaged(warming_k[: turn + 1], course.resistance_ohm[: turn + 1])
-    down = averaged(warming_k[turn:], course.resistance_ohm[turn:])
-    return WarmingBranches(*up, *down)
+    coldest = int(np.argmin(warming_k[: turn + 1]))  # a loop's first samples may belong to the cooling before it
+    return averaged(warming_k[coldest : turn + 1], course.resistance_ohm[coldest : turn + 1])
 
 
 def averaged(warming_k: FloatArray, resistance_ohm: FloatArray) -> tuple[FloatArray, FloatArray]:
