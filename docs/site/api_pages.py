@@ -34,23 +34,22 @@ def write_api_pages(reference: Path) -> None:
     names = public_names()
     for full, item in names.items():
         write_name(folder, full, item)
-    write_package(folder, names)
+    write_package(folder)
     python = reference / "python.md"
     pages = {full.rpartition(".")[2]: full for full in names}
     text = ROW.sub(lambda row: f"| [{row[1]}](api/{pages[row[2]]}.rst) |", python.read_text("utf-8"))
     python.write_text(f"{text}\n{toctree([f'api/{PACKAGE}'], '')}", encoding="utf-8")
 
 
-def write_package(folder: Path, names: dict[str, Any]) -> None:
-    """Write the page of the package: its names in the sections of the page on Python, and their pages under it."""
+def write_package(folder: Path) -> None:
+    """Write the page of the package: its names in the sections of the page on Python, each leading to its page."""
     lines = [PACKAGE, "=" * len(PACKAGE), "", "All names that are promised; nothing is loaded until one is used.", ""]
     for heading, items in python_page.sections().items():
         title = heading.replace("`", "")
         lines += [title, "-" * len(title), "", *rows_of({f"{PACKAGE}.{name}": item for name, item in items.items()})]
     title = "Compiled"
     lines += [title, "-" * len(title), "", *rows_of(python_page.decorator())]
-    tree = [".. toctree::", "   :hidden:", "", *(f"   {full}" for full in names), ""]
-    (folder / f"{PACKAGE}.rst").write_text("\n".join([*lines, *tree]), encoding="utf-8")
+    (folder / f"{PACKAGE}.rst").write_text("\n".join(lines), encoding="utf-8")
 
 
 def rows_of(items: dict[str, Any]) -> list[str]:
@@ -63,14 +62,14 @@ def rows_of(items: dict[str, Any]) -> list[str]:
 
 
 def write_name(folder: Path, full: str, item: Any) -> None:
-    """Write the page of a name."""
+    """Write the page of a name; in the navigation, which every page repeats, the package stands for all names."""
     name = full.rpartition(".")[2]
     body = [f".. py:data:: {full}", "", f"   {summary_of(name, item)}", ""]
     if inspect.isclass(item):
         body = [f".. autoclass:: {full}", "   :members:", f"   :exclude-members: {NO_MEMBERS}", ""]
     elif inspect.isfunction(inspect.unwrap(item)):
         body = [f".. autofunction:: {full}", ""]
-    (folder / f"{full}.rst").write_text("\n".join([name, "=" * len(name), "", *body]), encoding="utf-8")
+    (folder / f"{full}.rst").write_text("\n".join([":orphan:", "", name, "=" * len(name), "", *body]), encoding="utf-8")
 
 
 def summary_of(name: str, item: Any) -> str:

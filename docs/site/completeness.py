@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
@@ -88,6 +89,7 @@ def toml_keys() -> set[str]:
 
 def broken_links(pages: dict[Path, Page], site: Path) -> Iterator[str]:
     """Yield every local link, anchor, picture or script that leads nowhere, and what a network would be needed for."""
+    files: dict[str, Path] = {}  # the navigation asks for the same ones on every page
     for path, page in pages.items():
         for tag, target in dict.fromkeys(page.asked):
             where = f"{path.relative_to(site)}: {target}"
@@ -96,9 +98,12 @@ def broken_links(pages: dict[Path, Page], site: Path) -> Iterator[str]:
                 if tag not in LINKS_ONLY and parts.scheme != "data":
                     yield f"fetched from a network by {where}"
                 continue
-            file = (path.parent / unquote(parts.path)).resolve() if parts.path else path
-            file = file / "index.html" if file.is_dir() else file
-            if not file.exists():
-                yield f"leads nowhere: {where}"
-            elif parts.fragment and file in pages and unquote(parts.fragment) not in pages[file].anchors:
+            asked = os.path.normpath(f"{path.parent}/{unquote(parts.path)}") if parts.path else str(path)
+            if asked not in files:
+                file = Path(asked)
+                files[asked] = file / "index.html" if file.is_dir() else file
+                if not files[asked].exists():
+                    yield f"leads nowhere: {where}"
+            file = files[asked]
+            if parts.fragment and file in pages and unquote(parts.fragment) not in pages[file].anchors:
                 yield f"anchor that is not there: {where}"

@@ -138,7 +138,15 @@ def cache_folder(part: str | None = None) -> str | None:
 
 
 class InnerFunction(CPUDispatcher):
-    """A compiled function without entries of its own for Python and C, which take a third of the time to compile."""
+    """A compiled function without entries of its own for Python and C, which take a third of the time to compile.
+
+    Nor is it compiled again for each whole number that its callers name as a constant, as Numba's own would be.
+    """
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return what Numba takes a call's type from: that of any whole number, for a constant too."""
+        plain: Any = numba.types.unliteral
+        return super().get_call_template(tuple(map(plain, args)), {name: plain(kind) for name, kind in kws.items()})
 
     def __call__(self, *arguments: Any) -> Any:
         """Call it from Python all the same, through a compiled function that is made for this: for tests and plots."""

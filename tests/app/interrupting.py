@@ -9,10 +9,15 @@ import sys
 
 import pytest
 
-__all__ = ["PATIENCE_S", "SIGNALS", "start"]
+__all__ = ["ONE_IN_CI", "PATIENCE_S", "SIGNALS", "start"]
 
 PATIENCE_S = 120.0  # a cold machine compiles first
-SIGNALS = [(signal.SIGINT, 130), pytest.param(signal.SIGTERM, 143, marks=pytest.mark.slow)]
+SIGNALS = [(signal.SIGINT, 130), (signal.SIGTERM, 143)]
+# What one handler makes of both: one of them in CI.
+ONE_IN_CI = [
+    pytest.param(signal.SIGINT, 130, marks=pytest.mark.slow),
+    pytest.param(signal.SIGTERM, 143, marks=pytest.mark.full),
+]
 
 
 def start(*arguments: object) -> subprocess.Popen[str]:

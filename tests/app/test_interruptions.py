@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
-from tests.app.interrupting import PATIENCE_S, SIGNALS, start
+from tests.app.interrupting import ONE_IN_CI, PATIENCE_S, SIGNALS, start
 
 from musclewire.app import is_compiling
 from musclewire.errors import RecordingError
@@ -66,8 +66,7 @@ def test_an_impatient_second_ctrl_c_changes_nothing(tmp_path: Path) -> None:
     assert read_recording(path).metadata["ended"] == "interrupted"
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("number", "code"), SIGNALS)
+@pytest.mark.parametrize(("number", "code"), ONE_IN_CI)
 def test_a_demo_stopped_by_a_signal_keeps_what_it_recorded(number: signal.Signals, code: int, tmp_path: Path) -> None:
     process = start("demo", "--json", "--output", tmp_path / "demo")
     wait_for_rows(process, tmp_path / "demo" / "loop-3.2V.h5", 200)
@@ -121,8 +120,7 @@ maximum_voltage = "3.6 V"
 """
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("number", "code"), SIGNALS)
+@pytest.mark.parametrize(("number", "code"), ONE_IN_CI)
 def test_an_opening_of_25_s_hears_the_first_signal_and_takes_no_sample(
     number: signal.Signals, code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -16,6 +16,7 @@ from musclewire.compiled import (
     cache_folder,
     compiled,
     compiled_inline,
+    compiled_inner,
     kernel_source_hash,
     part_of,
     part_source_hash,
@@ -50,6 +51,24 @@ def test_a_process_says_once_that_it_compiles_and_counts_for_how_long(caplog: py
 
 def doubled_plus_one(x: float) -> float:
     return 2.0 * x + 1.0
+
+
+def plus(x: float, whole: int) -> float:
+    return x + whole
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason="without compilation there is nothing to count")
+def test_an_inner_function_is_compiled_once_whatever_constants_its_callers_name(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(module, "cache_root", lambda: tmp_path)
+    inner = compiled_inner(plus)
+
+    def calls_it(x: float) -> float:
+        return inner(inner(x, 1), 2)
+
+    assert compiled(calls_it)(3.0) == 6.0
+    assert len(inner.signatures) == 1  # type: ignore[attr-defined]
 
 
 def test_the_folder_is_named_by_the_hash_of_the_sources(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -16,10 +16,9 @@ from benchmarks.live_server import RunningServer, running_server
 
 from musclewire.extras.live._client import LiveClient
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(sys.platform != "linux", reason="limits another process's open files, uses all of 127.0.0.0/8"),
-]
+pytestmark = pytest.mark.skipif(
+    sys.platform != "linux", reason="limits another process's open files, uses all of 127.0.0.0/8"
+)
 
 TOKEN = "a-token-of-the-tests-0123456789"
 MAX_STOP_S, MAX_LOG_BYTES = 1.0, 100_000
@@ -61,8 +60,15 @@ def stop_s(url: str) -> float:
     return time.perf_counter() - began_s
 
 
-@pytest.mark.parametrize("addresses", [1, 200])
-@pytest.mark.parametrize(("files", "count"), [(1024, 2000), (256, 300)])
+@pytest.mark.parametrize(
+    ("files", "count", "addresses"),
+    [
+        pytest.param(1024, 2000, 200, marks=pytest.mark.slow),
+        pytest.param(256, 300, 1, marks=pytest.mark.slow),
+        pytest.param(1024, 2000, 1, marks=pytest.mark.full),
+        pytest.param(256, 300, 200, marks=pytest.mark.full),
+    ],
+)
 def test_no_number_of_idle_connections_keeps_a_stop_with_the_token_out(
     files: int, count: int, addresses: int, tmp_path: Path
 ) -> None:

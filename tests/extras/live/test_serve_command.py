@@ -63,8 +63,13 @@ def test_the_token_is_printed_once_and_not_at_all_if_its_file_was_named(
     assert ("the token of my-token" in printed.err) is named
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(
+    ("number", "code"),
+    [
+        pytest.param(signal.SIGINT, 130, marks=pytest.mark.full),
+        pytest.param(signal.SIGTERM, 143, marks=pytest.mark.slow),
+    ],
+)
 def test_a_signal_switches_off_and_ends_with_its_code_and_a_taken_port_is_said(
     number: int, code: int, tmp_path: Path
 ) -> None:
@@ -119,7 +124,7 @@ def test_two_rigs_are_served_next_to_each_other(tmp_path: Path) -> None:
             LiveClient(server.link)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_stops_over_http_and_websocket_end_in_a_state_that_says_so(tmp_path: Path) -> None:
     # Each stop is awaited; the benchmark holds the bar of 20 ms.
     assert live_stop.run(tmp_path, 6, 1)["stops"] == 6

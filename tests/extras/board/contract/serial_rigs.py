@@ -12,8 +12,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import pytest
 from emulation.board import EmulatedBoard, firmware_for
-from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_test
+from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject
 from tests.tools import require_tool
 
 from musclewire.extras.board._serial.device import SerialConfiguration
@@ -52,6 +53,19 @@ def mounted(port: str, **changed: Any) -> SerialConfiguration:
 
 def on_board(**changed: Any) -> GuardedRig:
     """Return a rig on a board of its own that has just been switched on, its wire cold; the board ends with it."""
+    return rig_and_board(**changed)[0]
+
+
+def for_a_test(request: pytest.FixtureRequest, _folder: Path) -> GuardedRig:
+    """Return such a rig, whose board ends with the test: an emulated processor that waits is busy all the same."""
+    rig, board = rig_and_board()
+    request.addfinalizer(board.close)
+    request.addfinalizer(rig.close)
+    return rig
+
+
+def rig_and_board(**changed: Any) -> tuple[GuardedRig, EmulatedBoard]:
+    """Return a rig and its board, which ends with the rig at the latest."""
     require_board()
     board = EmulatedBoard(pace="lockstep", elf=built_firmware())
     try:
@@ -61,7 +75,7 @@ def on_board(**changed: Any) -> GuardedRig:
         raise
     weakref.finalize(rig, board.close)
     unwatched(rig)
-    return rig
+    return rig, board
 
 
 def unwatched(rig: GuardedRig) -> None:
@@ -72,6 +86,5 @@ def unwatched(rig: GuardedRig) -> None:
 
 SERIAL_RIGS: dict[str, Callable[[], GuardedRig]] = {"serial, emulated Cortex-M4F": on_board}
 SUBJECTS = tuple(
-    RigSubject(name, without_a_test(make), PAPERS_WIRE_OHM, emulated=True, by_the_clock=False)
-    for name, make in SERIAL_RIGS.items()
+    RigSubject(name, for_a_test, PAPERS_WIRE_OHM, emulated=True, by_the_clock=False) for name in SERIAL_RIGS
 )

@@ -51,11 +51,13 @@ def group_of(row: FaultRow) -> Sequence[pytest.MarkDecorator]:
 
 @pytest.fixture(scope="module")
 def boards() -> Iterator[Boards]:
-    """Boards that are used again: a new one for a pace after a fault from which it does not recover."""
+    """Boards that are used again, one at a time: an emulated processor that waits is busy all the same."""
     require_board()
     made: dict[str, EmulatedBoard] = {}
 
     def board(pace: str) -> EmulatedBoard:
+        for other in set(made) - {pace}:
+            made.pop(other).close()
         if pace not in made:
             made[pace] = EmulatedBoard(pace=pace, elf=built_firmware(fault_injection=True))  # type: ignore[arg-type]
         return made[pace]

@@ -8,11 +8,10 @@ import time
 from pathlib import Path
 
 import pytest
-from tests.app.interrupting import PATIENCE_S, SIGNALS, start
+from tests.app.interrupting import ONE_IN_CI, PATIENCE_S, start
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("number", "code"), SIGNALS)
+@pytest.mark.parametrize(("number", "code"), ONE_IN_CI)
 def test_verdicts_over_seeds_stopped_by_a_signal_leave_no_process_and_no_page(
     number: signal.Signals, code: int, tmp_path: Path
 ) -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.app.interrupting import PATIENCE_S, start
+from tests.app.interrupting import ONE_IN_CI, PATIENCE_S, start
 
 STUDY = """
 format = "musclewire-study"
@@ -117,8 +117,7 @@ def test_without_the_extra_python_runs_studies_all_the_same(study: Path) -> None
     assert done.stdout.split() == ["128", "0"], done.stderr
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "code"), ONE_IN_CI)
 def test_a_stopped_study_says_how_to_continue(number: signal.Signals, code: int, study: Path) -> None:
     study.write_text(STUDY.replace("samples = 64", "samples = 8192").replace('"3 s"', '"60 s"'), "utf-8")
     folder = study.parent / "out"
