@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -85,6 +87,20 @@ def test_a_row_that_is_reported_neither_holds_nor_fails(ours: float) -> None:
     assert (found.ours, found.verdict, found.ok, found.is_judged) == (ours, "reported", True, False)
     assert row(2.0).is_judged
     assert counts_by_origin([found]) == []
+
+
+def test_a_row_that_cannot_fail_is_judged_and_not_counted() -> None:
+    assert row(2.0).is_counted
+    for origin in ("input", "definition", "satisfied"):
+        assert not replace(row(2.0), origin=origin).is_counted
+
+
+def test_a_row_of_one_side_that_holds_by_its_tolerance_is_worse() -> None:
+    assert not row(1.9, compare="at most").is_worse
+    assert row(2.3, compare="at most").is_worse
+    assert row(1.8, compare="at least").is_worse
+    assert not row(9.0, compare="at most").is_worse
+    assert not row(2.3).is_worse
 
 
 def test_a_row_that_cannot_be_reported_fails() -> None:

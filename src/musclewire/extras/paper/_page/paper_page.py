@@ -120,14 +120,17 @@ def write_paper_page(
 
 def counts(result: Reproduction) -> list[NumberCard]:
     """Return how many rows hold, fail or were repaired."""
-    holding = len(result.judged_rows) - len(result.failing)
+    apart = len(result.judged_rows) - len(result.counted_rows)
     reported = len(result.rows) - len(result.judged_rows)
     known = len(result.failing) - len(result.new_failures)
     at_the_bar = sum(row.verdict == "at the bar" for row in result.rows)
     return [
         NumberCard(
-            "Rows that hold", f"{holding} of {len(result.judged_rows)}", f"{at_the_bar} at the bar count as failing"
+            "Rows that hold",
+            f"{result.holding} of {len(result.counted_rows)}",
+            f"{at_the_bar} at the bar count as failing",
         ),
+        *([NumberCard("Cannot fail", str(apart), "stand apart, not counted")] if apart else []),
         NumberCard("Failing, known", str(known), "on the committed list"),
         NumberCard("Failing, new", str(len(result.new_failures)), "not on the list"),
         NumberCard("Repaired", str(len(result.repaired)), "on the list, and hold"),
@@ -150,8 +153,8 @@ def section(subject: str, rows: Sequence[ReproductionRow], figure: str) -> dict[
         "subject": subject,
         "short_title": short_title(subject),
         "figure": figure,
-        "judged": sum(row.is_judged for row in rows),
-        "holding": sum(row.ok for row in rows if row.is_judged),
+        "counted": sum(row.is_counted for row in rows),
+        "holding": sum(row.ok for row in rows if row.is_counted),
         "rows": grouped([row_view(row) for row in rows]),
         "failing_rows": grouped([row_view(row) for row in rows if not row.ok]),
         "marks": [row.verdict for row in rows],

@@ -66,7 +66,8 @@ def verdict_text(row: ReproductionRow) -> str:
     if not row.is_judged:
         return "reported, not judged"
     if row.ok:
-        return "holds, listed as failing" if row.known_failure else "holds"
+        worse = ", worse than the paper's" if row.is_worse else ""
+        return f"holds{worse}, listed as failing" if row.known_failure else f"holds{worse}"
     return f"{row.verdict}, {'known' if row.known_failure else 'new'}"
 
 

@@ -15,16 +15,17 @@ from musclewire.parameters import read_published, read_toml
 
 FILE = "rows_of_targets"
 # A row that a target and a choice both name is fitted.
-TABLES: tuple[Origin, ...] = ("fitted", "chosen")
+TABLES: tuple[Origin, ...] = ("fitted", "chosen", "interpolated")
 
 
 def with_origins(checks: Sequence[PaperCheck]) -> list[PaperCheck]:
-    """Return the checks, those that compare the wire's behaviour with their origin from the table."""
+    """Return the checks with the origins of the table: of what cannot fail, and of what the wire does."""
     names = [check.name for check in checks if check.origin == PREDICTED_OR_LISTED]
     table = read_published(FILE)
     origins: dict[str, Origin] = {}
     for origin in reversed(TABLES):
         origins |= dict.fromkeys(rows_named(table[origin], names), origin)
+    origins |= dict.fromkeys(rows_named(table["satisfied"], [check.name for check in checks]), "satisfied")
     return [replace(check, origin=origins.get(check.name, check.origin)) for check in checks]
 
 

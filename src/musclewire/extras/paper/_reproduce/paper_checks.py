@@ -18,8 +18,9 @@ Kind = Literal["printed", "words", "equation", "input", "literature"]
 Compare = Literal["within", "at most", "at least", "reported"]
 # What our number owes to the paper's. input: the number the run was made with; definition: follows from how numbers are
 # computed, whatever the wire does; designed: a part or a rule was made to have it; fitted: a target of the search for
-# the parameters; chosen: a spool or a setting was picked with this number in view; predicted: nothing was set by it.
-Origin = Literal["input", "definition", "designed", "fitted", "chosen", "predicted"]
+# the parameters; chosen: a spool or a setting was picked with this number in view; satisfied: a bar that any such wire
+# or part keeps to; interpolated: between two numbers that were fitted; predicted: nothing was set by it.
+Origin = Literal["input", "definition", "satisfied", "designed", "fitted", "chosen", "interpolated", "predicted"]
 # What a row declares that compares the wire's behaviour with the paper: predicted, unless the list of the search's
 # targets and of the choices names it (rows_of_targets.toml).
 PREDICTED_OR_LISTED: Final[Origin] = "predicted"

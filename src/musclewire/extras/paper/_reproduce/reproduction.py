@@ -156,6 +156,16 @@ class Reproduction:
         return [row for row in self.rows if row.is_judged]
 
     @property
+    def counted_rows(self) -> list[ReproductionRow]:
+        """Rows that are judged and can fail."""
+        return [row for row in self.rows if row.is_counted]
+
+    @property
+    def holding(self) -> int:
+        """Number of counted rows that hold."""
+        return sum(row.ok for row in self.counted_rows)
+
+    @property
     def failing(self) -> list[ReproductionRow]:
         """Rows that do not hold: outside their tolerance, or at the bar."""
         return [row for row in self.rows if not row.ok]

@@ -11,6 +11,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from musclewire.extras.paper._reproduce.paper_checks import (
+    ROUNDING,
     Compare,
     Kind,
     Origin,
@@ -24,7 +25,11 @@ from musclewire.extras.paper._reproduce.paper_checks import (
 Verdict = Literal["holds", "at the bar", "fails", "reported"]
 JUDGED: tuple[Verdict, ...] = ("holds", "at the bar", "fails")
 # In the order of what a row that holds says of the simulator, most first.
-ORIGINS: tuple[Origin, ...] = ("predicted", "fitted", "chosen", "designed", "definition", "input")
+ORIGINS: tuple[Origin, ...] = (
+    "predicted", "interpolated", "fitted", "chosen", "designed", "satisfied", "definition", "input",
+)  # fmt: skip
+# Rows of these cannot fail unless the code is wrong: they stand apart, and are not among those that hold.
+APART: tuple[Origin, ...] = ("satisfied", "definition", "input")
 # Probability that the median of a row over all seeds is outside the interval about that over ours.
 OUTSIDE = 0.05
 # A row fails, whatever its median, if this part of the seeds or more gives no number.
@@ -69,6 +74,19 @@ class ReproductionRow:
     def is_judged(self) -> bool:
         """Whether the row counts as holding or failing: all do but those that are reported only."""
         return self.verdict != "reported"
+
+    @property
+    def is_counted(self) -> bool:
+        """Whether the row is among those that are counted: it is judged, and can fail."""
+        return self.is_judged and self.origin not in APART
+
+    @property
+    def is_worse(self) -> bool:
+        """Whether a one-sided row holds only by its tolerance: ours is worse than the paper's number."""
+        if self.compare not in {"at most", "at least"} or not self.ok or self.ours is None:
+            return False
+        worse = self.ours - self.paper if self.compare == "at most" else self.paper - self.ours
+        return worse > ROUNDING * max(1.0, abs(self.paper))
 
     @property
     def subject(self) -> str:
