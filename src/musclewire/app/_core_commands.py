@@ -53,7 +53,7 @@ COMMANDS = (
     Command(
         "home",
         "musclewire.app._home_command:home",
-        "Sweep the wire once at its known load and write a model that holds for the wire of today.",
+        "Sweep the wire once and write a model that holds for the wire of today; a changed load is refused.",
         panel=LOOP,
         answer="musclewire.app._answers:HomeAnswer",
     ),

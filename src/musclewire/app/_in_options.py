@@ -13,7 +13,7 @@ IN_OPTIONS = {
     "overwrite=True": "--overwrite",
     "in_python=True": "--in-python",
     "double=True": "--double",
-    "measure it (ambient_k)": "measure it (--ambient)",
+    "say so (load_n)": "say so (--load)",
     "wire_file=... names it": "--wire-file names it",
     "choose estimator='gated'": "choose --estimator gated",
     "choose one with group='NAME'": "choose one with --group NAME",

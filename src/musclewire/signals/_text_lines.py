@@ -63,8 +63,8 @@ def _whole_rows(lines: Iterator[Line], path: Path) -> Iterator[Line]:
         if len(line) == _MAX_LINE_LENGTH or "\0" in line:
             raise _no_row(number, line, path)
         text = line.rstrip("\n\x1a")
-        # A quote inside of a cell is an inch; only one that begins a cell has to end.
-        if '"' not in text or _OPEN_QUOTE.search(text) is None:
+        # A quote inside of a cell is an inch; only one that begins a cell has to end, and a comment has no cells.
+        if '"' not in text or text.startswith("#") or _OPEN_QUOTE.search(text) is None:
             yield number, text
             continue
         cell = [(number, text)]

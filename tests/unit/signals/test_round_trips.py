@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from tests.subjects import subjects_of
 
@@ -49,6 +49,7 @@ def recordings(draw):
 @pytest.mark.parametrize("suffix", subjects_of("unit/signals", "*_formats.py", "SAVED"))
 @settings(max_examples=60, deadline=None)
 @given(recording=recordings())
+@example(recording=Recording({"time_s": np.array([0.0, 1.0])}, {"wire": " |"}))  # a quote after a separator
 def test_a_saved_recording_reads_back_the_same(suffix, recording):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"run{suffix}"

@@ -271,7 +271,7 @@ class WireChange(NamedTuple):
         raise FitRejectedError(
             f"{moved}; where the resistance has changed C moves by {self.ratio_of_a_factor:.2g} to 1 times as much as "
             "B, so that this is another load, or a shifted transformation: if the load is that of the characterization "
-            "say so (--load, load_n), or set it, or characterize again"
+            "say so (load_n), or set it, or characterize again"
         )
 
 
