@@ -126,7 +126,7 @@ def under_another_load(swept: Swept) -> Recording:
 
 def test_another_load_is_refused_whoever_says_what(swept: Swept) -> None:
     loaded = under_another_load(swept)
-    with pytest.raises(FitRejectedError, match=r"at B and by \+0\.0.* at C; .*another load.*say so \(--load, load_n\)"):
+    with pytest.raises(FitRejectedError, match=r"at B and by \+0\.0.* at C; .*another load.*say so \(load_n\)"):
         homed_model(swept.model, loaded, ambient_k=AIR_K)
     with pytest.raises(FitRejectedError, match=r"which is not what age, leads or a shift of the transformation do"):
         homed_model(swept.model, in_warmer_air(loaded, 9.0), load_n=1.9, ambient_k=AIR_K)
