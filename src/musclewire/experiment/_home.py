@@ -27,7 +27,7 @@ def home(
 ) -> Homing:
     """Heat the wire once just beyond its transformation, and bring its model up to date.
 
-    A sweep of about 20 s finds by how much the wire's resistance has been scaled or offset and its transformation
+    A sweep of 20 to 40 s finds by how much the wire's resistance has been scaled or offset and its transformation
     temperatures have shifted since the model was made. The model is corrected where B and C show that it is the
     resistance that has changed: C then moves nearly as much as B, and under another load less than half as much.
     Where B has not moved, the model keeps its curve; all else is refused, unless the load is known.

@@ -32,7 +32,7 @@ from musclewire.signals import CompiledTick, Reason
 
 
 class GateNumbers(NamedTuple):
-    """Numbers of the method, chosen on the tuning seeds 1 to 10 of a population of wires.
+    """Numbers of the method, chosen on the tuning seeds 1 to 10 of a population of wires, but for those of a cold rest.
 
     Resistance counts in units of R_max - R_min, the quantity in units of the model's range, times in seconds.
     """

@@ -1,8 +1,8 @@
 """Readings that are no measurements: overload marks, ends of a range, pulses that are off, sources that contradict.
 
 They are judged before the wire is, and by this table only: whatever computes a resistance from a recording, the import
-of a file and the doctor ask ``judge_readings``. What stays at the end of a range looks like a wire that
-has stopped moving.
+of a file and the doctor ask ``judge_readings``. What stays at the end of a range looks like a wire that has stopped
+moving.
 """
 
 from __future__ import annotations

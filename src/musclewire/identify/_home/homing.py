@@ -186,7 +186,7 @@ class WireChange(NamedTuple):
 
     By how much warmer it transforms [K], a known change of the air taken off, with its standard deviation [K]; the
     changes at B and at C [ohm] with their own [ohm], that at C over that at B, and the change at B that so much warmer
-    martensite makes [ohm]; the ratio that a factor of the resistance would have.
+    martensite makes [ohm]; the ratio that a factor of the resistance would have; the largest change of one wire [ohm].
     """
 
     warming_k: float

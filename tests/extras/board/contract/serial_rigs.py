@@ -57,7 +57,7 @@ def on_board(**changed: Any) -> GuardedRig:
 
 
 def for_a_test(request: pytest.FixtureRequest, _folder: Path) -> GuardedRig:
-    """Return such a rig, whose board ends with the test: an emulated processor that waits is busy all the same."""
+    """Return such a rig, whose board ends with the test and not with its last reference."""
     rig, board = rig_and_board()
     request.addfinalizer(board.close)
     request.addfinalizer(rig.close)

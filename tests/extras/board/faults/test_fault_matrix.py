@@ -51,7 +51,7 @@ def group_of(row: FaultRow) -> Sequence[pytest.MarkDecorator]:
 
 @pytest.fixture(scope="module")
 def boards() -> Iterator[Boards]:
-    """Boards that are used again, one at a time: an emulated processor that waits is busy all the same."""
+    """Boards that are used again, one at a time."""
     require_board()
     made: dict[str, EmulatedBoard] = {}
 
