@@ -21,7 +21,7 @@ from musclewire import (
     drive_voltage_of,
 )
 
-SAMPLE_PERIOD_S = 0.01
+STATED_PERIODS_S = {"the format": 0.01}
 
 
 def ohms(file: Path, shunt_ohm: float = 1.0) -> None:
@@ -45,7 +45,7 @@ def read_wirelog(path: Path, _group: str | None) -> TableInMemory:
     if rows.shape[1] != 2:
         raise RecordingError(f"{path}: has {rows.shape[1]} columns; a .wirelog has two, wire and shunt voltage")
     columns = (SourceColumn("wire voltage", "V"), SourceColumn("shunt voltage", "V"))
-    return TableInMemory(str(path), "wire log", columns, (rows[:, 0], rows[:, 1]), sample_period_s=SAMPLE_PERIOD_S)
+    return TableInMemory(str(path), "wire log", columns, (rows[:, 0], rows[:, 1]), stated_periods_s=STATED_PERIODS_S)
 
 
 class ResistorConfiguration(MountedWire, DeviceConfiguration):
