@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.signal import lfilter
 
 from musclewire.arrays import FloatArray
 from musclewire.parameters import ReachedConditions, ValidityLimits, beyond_validity, exceeds, section_m2
@@ -84,6 +83,8 @@ def temperature_k(recording: Recording) -> float | None:
         return None
     power = np.nan_to_num(recording["wire_voltage_v"] * recording["shunt_voltage_v"] / shunt)
     rate = period * loss / capacity
+
+    from scipy.signal import lfilter
 
     def above_k(power_w: FloatArray) -> FloatArray:
         """Return how far a constant loss lets a power heat the wire above the air [K], (n_times,)."""

@@ -10,7 +10,6 @@ from datetime import datetime
 from typing import NamedTuple
 
 import numpy as np
-from scipy import optimize, signal
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
@@ -195,6 +194,7 @@ def _delay_of(first: Recording, second: Recording, pair: tuple[str, str], step_s
 
 def _rate_of(first: Recording, second: Recording, pair: tuple[str, str], step_s: float) -> tuple[float, float] | None:
     """Return the rate of the second clock and its standard deviation, None if the parts do not show one."""
+    from scipy.optimize import least_squares
 
     def at_rate(rate: float) -> Recording:
         return second.with_columns(time_s=second["time_s"] / rate)
@@ -218,9 +218,7 @@ def _rate_of(first: Recording, second: Recording, pair: tuple[str, str], step_s:
         return np.where(inside, one - gain * other - offset, 0.0)
 
     duration_s = min(first.duration_s, second.duration_s)
-    found = optimize.least_squares(
-        apart, (rate, delay_s), x_scale=(coarse_s / duration_s, coarse_s), diff_step=(1e-5, 1e-5)
-    )
+    found = least_squares(apart, (rate, delay_s), x_scale=(coarse_s / duration_s, coarse_s), diff_step=(1e-5, 1e-5))
     # An event is somewhere between two samples of each recording, at both ends.
     resolution_s = float(np.hypot(_period_s(first), _period_s(second)) / np.sqrt(3.0))
     return float(found.x[0]), resolution_s / duration_s
@@ -279,6 +277,8 @@ def _peak(first: Recording, second: Recording, pair: tuple[str, str], step_s: fl
 
 def _correlations(one: FloatArray, other: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return Pearson's coefficient over the common part for each lag of the other series behind the first."""
+    from scipy import signal
+
     one, other = one - one.mean(), other - other.mean()
     ones, others = np.ones_like(one), np.ones_like(other)
     lags = signal.correlation_lags(other.size, one.size, mode="full").astype(np.float64)
