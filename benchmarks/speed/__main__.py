@@ -2,8 +2,20 @@
 
     python -m benchmarks.speed [--only NAME] [--quick] [--json]
 
-Ours and theirs run in one process, in turns, so that whatever else the machine does falls on both. A minute, or with
---quick a quarter of it, on a machine with little else to do. docs/explanation/speed.md says what each row compares.
+Ours and theirs run in one process, in turns, and who is first changes from turn to turn: whatever else the machine does
+falls on both. Rows of one thread are timed by the thread's processor time, the others by the wall clock. After one run
+of each that is not counted, shown are the medians of the times and of the turns' ratios, with the smallest and largest
+ratio: where these are far apart, the machine was busy. A minute, or with --quick a quarter of it, on a machine with
+little else to do. Only first_step starts processes.
+
+The work is the same for both as far as another program can do it, and the row says where it cannot: the wire that is
+written with SciPy (easier_wire.py) has two phases and one barrier, so no minor loops, no R-phase and no friction. SciPy's
+LSODA is the strongest opponent at a long stretch: it takes long steps while nothing happens.
+
+The last line but one gives measured peaks of one thread: multiplications and additions of doubles in vector registers,
+the same where each waits for the result of the one before, and the bytes that a sum of two long arrays moves (STREAM's
+triad). A step of one wire is mostly a chain; many wires side by side can use the vectors. Comparisons whose program is
+not installed are named in left_out, with the extra that they need.
 """
 
 from __future__ import annotations

@@ -32,7 +32,6 @@ FOR_READING = {
     "export_a_controller_or_a_wire.md",
     "run_a_study_of_many_wires.md",
     "run_in_real_time.md",
-    "speed.md",
     "wire_the_circuit.md",
 }
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.M | re.S)
