@@ -48,3 +48,17 @@ def test_a_loop_that_fails_is_named_and_the_exit_code_is_1(
     answer = musclewire("control", rig, model, *STEPS, "--runs", 2)
     assert answer.code == 1
     assert "seed 1: RigError: resistance" in answer.out
+
+
+def test_loops_under_another_load_do_not_hold_and_say_why(
+    musclewire: Callable[..., Any], model: Path, tmp_path: Path
+) -> None:
+    rig = tmp_path / "half.toml"
+    rig.write_text('pretension = "0.95 N"\n', "utf-8")
+    many = musclewire("control", rig, model, *STEPS, "--runs", 2)
+    assert many.code == 1
+    assert many.out.splitlines()[-1].startswith("seed 2 does not hold: the rig states a pretension of 0.95 N")
+    alone = musclewire("control", rig, model, *STEPS, "--seed", 2, "--json")
+    answer = musclewire("control", rig, model, *STEPS, "--runs", 2, "--json").json
+    assert alone.code == 1
+    assert all(run["does_not_hold"].startswith("the rig states a pretension") for run in answer["runs"])

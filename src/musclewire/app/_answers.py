@@ -187,6 +187,7 @@ class LoopRunAnswer(AnswerModel):
     rms_pct: float | None = None
     valid_share: float | None = None
     warnings: Words
+    does_not_hold: str
 
 
 class ManyLoopsAnswer(AnswerModel):

@@ -175,12 +175,12 @@ def said_of_speed(
 
 def why_not(run: ControlRun) -> MusclewireError | None:
     """Return why the result of a run does not hold, None if it does."""
-    from musclewire.experiment import result_holds
+    from musclewire.experiment import does_not_hold
 
     if run.metrics.valid_share < MIN_VALID_FRACTION:
         sensed_pct = 100 * run.metrics.valid_share
         return MusclewireError(f"only {sensed_pct:.0f} % of the samples could be sensed; this does not hold")
-    return None if result_holds(run) else MusclewireError("this does not hold: see the warnings above")
+    return MusclewireError("this does not hold: see the warnings above") if does_not_hold(run) else None
 
 
 def single_run_options(
@@ -364,7 +364,7 @@ def run_many_loops(
     target: Reference,
     duration_s: float,
 ) -> Result:
-    """Run the loops, of so many seconds each, and return their errors, which do not hold if an error ended one."""
+    """Run the loops, of so many seconds each, and return their errors, which hold if every single loop's do."""
     from musclewire.app._answers import LoopRunAnswer, ManyLoopsAnswer
     from musclewire.experiment import control_many
 
@@ -402,7 +402,7 @@ def run_many_loops(
         steps=found.steps,
         runs=[LoopRunAnswer.read_from(one, one.metrics, **step_errors(one.metrics)) for one in found.outcomes],
     )
-    return Result(answer, str(found), holds=model.holds and not (found.failed or unsensed))
+    return Result(answer, str(found), holds=not (found.failed or found.doubtful or unsensed))
 
 
 def step_errors(metrics: ControlMetrics | None) -> dict[str, list[float | None]]:

@@ -23,7 +23,7 @@ from ._drive import PulseTrain as PulseTrain
 from ._drive import WithTruth as WithTruth
 from ._drive import drive_wire as drive_wire
 from ._drive import pulses_of as pulses_of
-from ._health import result_holds as result_holds
+from ._health import does_not_hold as does_not_hold
 from ._home import home as home
 from ._home import home_duration_s as home_duration_s
 from ._home import plan_for as plan_for

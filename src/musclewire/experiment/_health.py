@@ -153,15 +153,16 @@ def in_brackets(numbers: str) -> str:
     return f" ({numbers})" if numbers else ""
 
 
-def result_holds(recording: Recording) -> bool:
-    """Return whether a closed loop's result holds: by a sound model of its load, no grave cause, few limits met."""
-    if any(recording.facts.text_or_none(name) for name in ("model_does_not_hold", "other_load")):
-        return False
+def does_not_hold(recording: Recording) -> str:
+    """Return why a closed loop's result does not hold: model, load, grave causes, long at a limit; "" if it does."""
+    stated = (recording.facts.text_or_none(name) for name in ("model_does_not_hold", "other_load"))
     length_s = len(recording) * period_of(recording)
-    return not any(
-        one.cause in GRAVE or (one.cause is Cause.SATURATION and one.lasted_s > MAX_SATURATED * length_s)
+    grave = (
+        NAMES[one.cause]
         for one in findings(recording)
+        if one.cause in GRAVE or (one.cause is Cause.SATURATION and one.lasted_s > MAX_SATURATED * length_s)
     )
+    return "; ".join(one for one in (*stated, *grave) if one)
 
 
 def sensed_suffix(recording: Recording) -> str:

@@ -34,6 +34,8 @@ class LoopOutcome(NamedTuple):
         Its recording, up to the error if there was one; None unless recordings are kept.
     warnings
         Warnings of the run: a wire that pulled harder than allowed, friction that held it.
+    does_not_hold
+        Why its result does not hold, though it reached its end; "" if it does.
     """
 
     seed: int
@@ -42,6 +44,7 @@ class LoopOutcome(NamedTuple):
     metrics: ControlMetrics | None
     run: Recording | None
     warnings: tuple[str, ...] = ()
+    does_not_hold: str = ""
 
 
 class StepSpread(NamedTuple):
@@ -98,6 +101,11 @@ class ManyControlRuns:
     def failed(self) -> tuple[LoopOutcome, ...]:
         """The loops that an error ended."""
         return tuple(outcome for outcome in self.outcomes if outcome.metrics is None)
+
+    @property
+    def doubtful(self) -> tuple[LoopOutcome, ...]:
+        """The loops that reached their end, but whose results do not hold."""
+        return tuple(outcome for outcome in self.outcomes if outcome.does_not_hold)
 
     @property
     def in_python(self) -> int:
@@ -166,6 +174,7 @@ class ManyControlRuns:
         elif self.metrics:
             lines.append(f"rms error in % of the largest target: {in_words(self.rms_pct)}")
         lines += [f"seed {outcome.seed}: {outcome.ended}" for outcome in self.failed]
+        lines += [f"seed {outcome.seed} does not hold: {outcome.does_not_hold}" for outcome in self.doubtful]
         return "\n".join(lines)
 
     def step_table(self) -> list[str]:

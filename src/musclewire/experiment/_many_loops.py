@@ -21,7 +21,7 @@ from musclewire.controllers import ControllerFactory, Reference
 from musclewire.errors import CallerError, NumericsError, RigError
 from musclewire.experiment._closed_loop import LoopChoice, PreparedLoop, control, prepared_loop
 from musclewire.experiment._endings import cause_of, software_version
-from musclewire.experiment._health import health_metadata
+from musclewire.experiment._health import does_not_hold, health_metadata
 from musclewire.experiment._loop_outcomes import LoopOutcome, ManyControlRuns
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import what_protects
@@ -299,7 +299,7 @@ def outcome_on(rig: GuardedRig, loop: CompiledLoop, seed: int) -> LoopOutcome:
     run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
     if run.ended is CompiledLoopEnd.DONE:
         whole = control_run(rig, loop, run)
-        return LoopOutcome(seed, "done", True, whole.metrics, whole, run_warnings(whole))
+        return LoopOutcome(seed, "done", True, whole.metrics, whole, run_warnings(whole), does_not_hold(whole))
     return outcome_in_python(rig, loop.model, loop.prepared.reference, loop.choice, seed)
 
 
@@ -337,4 +337,4 @@ def outcome_in_python(
         run = control(rig, model, reference, **choice.options)
     except (RigError, NumericsError) as error:
         return LoopOutcome(seed, cause_of(error), False, None, getattr(error, "recording", None))
-    return LoopOutcome(seed, "done", False, run.metrics, run, run_warnings(run))
+    return LoopOutcome(seed, "done", False, run.metrics, run, run_warnings(run), does_not_hold(run))

@@ -13,7 +13,7 @@ import musclewire as mw
 from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, PidSettings, staircase
 from musclewire.errors import CallerError
 from musclewire.experiment import LoopChoice, control, run_warnings
-from musclewire.experiment._health import findings, result_holds
+from musclewire.experiment._health import does_not_hold, findings
 from musclewire.experiment._metrics import control_metrics
 from musclewire.identify import gains_of
 from musclewire.sensing import Cause, KnownSpring, SensingModel
@@ -59,7 +59,7 @@ def test_a_resistance_that_has_changed_by_a_hundredth_is_named_as_soon_as_b_is_p
         run = control(rig, other, staircase(0.015, 0.018, 0.003, 2.0))
     (found,) = [one for one in findings(run) if one.cause is Cause.OTHER_HEIGHT_OF_B]
     assert found.from_s < 1.0
-    assert not result_holds(run)
+    assert does_not_hold(run)
     assert "changed load or resistance" in str(run.metadata["health"])
     assert "without_gains" not in run.metadata
 

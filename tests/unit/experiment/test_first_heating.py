@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from musclewire.experiment._first_heating import seen_at_b
-from musclewire.experiment._health import findings, health_metadata, result_holds
+from musclewire.experiment._health import does_not_hold, findings, health_metadata
 from musclewire.experiment._run_warnings import run_warnings
 from musclewire.sensing import Cause
 from musclewire.signals import Recording
@@ -55,7 +55,7 @@ def test_a_b_at_another_height_is_named_with_its_number_and_does_not_hold(scale:
     (found,) = findings(run)
     assert found.cause is Cause.OTHER_HEIGHT_OF_B
     assert found.from_s == pytest.approx(0.4, abs=0.1)
-    assert not result_holds(run)
+    assert does_not_hold(run)
     side = "above" if scale > 1.0 else "below"
     assert health_metadata(run)["health"].startswith("changed load or resistance at 0.4")
     assert f"% of the span from B to C {side} the model's, and repeats within 1.6 %" in run_warnings(run)[0]
@@ -65,7 +65,7 @@ def test_what_the_bench_repeats_to_is_no_finding() -> None:
     run = heated(1.002)
     assert findings(run) == ()
     assert run_warnings(run) == ()
-    assert result_holds(run)
+    assert not does_not_hold(run)
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_a_run_that_did_not_pass_b_from_cold_says_that_it_is_not_compared(run: R
     assert seen_at_b(run) is None, why
     assert findings(run) == ()
     assert "the wire did not pass B from cold" in run_warnings(run)[0]
-    assert result_holds(run)
+    assert not does_not_hold(run)
 
 
 def test_a_rise_without_heat_is_a_cooling_wire_and_no_b() -> None:

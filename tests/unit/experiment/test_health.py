@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from musclewire.experiment._health import findings, health_metadata, health_warnings, result_holds
+from musclewire.experiment._health import does_not_hold, findings, health_metadata, health_warnings
 from musclewire.sensing import Cause
 from musclewire.signals import Recording
 
@@ -34,7 +34,7 @@ def between(first_s: float, last_s: float) -> np.ndarray:
 def test_a_loop_that_follows_its_target_has_no_finding() -> None:
     assert findings(loop()) == ()
     assert health_metadata(loop()) == {}
-    assert result_holds(loop())
+    assert not does_not_hold(loop())
 
 
 def test_a_drive_at_its_upper_limit_below_the_target_is_saturated_after_a_second() -> None:
@@ -46,7 +46,7 @@ def test_a_drive_at_its_upper_limit_below_the_target_is_saturated_after_a_second
     (found,) = findings(run)
     assert found.cause is Cause.SATURATION
     assert 26.0 <= found.from_s <= 26.2
-    assert not result_holds(run)
+    assert does_not_hold(run)
     assert health_metadata(run)["health"].startswith("saturation at 26.")
     assert "a slower reference" in health_warnings(run)[0]
 
@@ -64,7 +64,7 @@ def test_a_wire_that_heats_at_the_limit_while_its_resistance_stands_still_is_sta
         wire_resistance_ohm=np.where(stuck, 15.0, 15.2),
     )
     assert Cause.STALLED in {one.cause for one in findings(run)}
-    assert not result_holds(run)
+    assert does_not_hold(run)
 
 
 def test_what_the_estimator_has_found_counts() -> None:
@@ -73,8 +73,8 @@ def test_what_the_estimator_has_found_counts() -> None:
         (Cause.CHANGED_AIR, 10, 2),
         (Cause.CHANGED_LOAD, 30, 10),
     ]
-    assert not result_holds(run)
-    assert result_holds(loop(health=np.where(between(10.0, 12.0), 3.0, 0.0)))
+    assert does_not_hold(run)
+    assert not does_not_hold(loop(health=np.where(between(10.0, 12.0), 3.0, 0.0)))
 
 
 def test_an_oscillation_is_named_with_its_swing_and_period_and_does_not_hold() -> None:
@@ -88,19 +88,19 @@ def test_an_oscillation_is_named_with_its_swing_and_period_and_does_not_hold() -
     assert found.cause is Cause.OSCILLATION
     assert found.numbers == "2.0 V peak to peak, period 1.0 s"
     assert "oscillation at 24.05 s" in health_metadata(run)["health"]
-    assert not result_holds(run)
+    assert does_not_hold(run)
 
 
 def test_a_wire_beyond_c_is_named() -> None:
     run = loop(beyond_c=between(30.0, 32.0).astype(float))
     assert [one.cause for one in findings(run)] == [Cause.BEYOND_C]
-    assert not result_holds(run)
+    assert does_not_hold(run)
 
 
 def test_a_late_wire_is_named_with_its_lateness_and_holds() -> None:
     run = loop(lag_s=np.where(between(10.0, 40.0), 0.21, 0.05))
     assert "late from 10.1 s on, 30.0 s in total (by up to 0.21 s)" in health_warnings(run)[0]
-    assert result_holds(run)
+    assert not does_not_hold(run)
 
 
 def judged(error: np.ndarray) -> Recording:
@@ -115,7 +115,7 @@ def test_an_instrument_beyond_the_interval_in_more_than_a_quarter_of_the_samples
     (found,) = findings(judged(np.where(between(20.0, 32.0), 1e-3, 0.0)))
     assert (found.cause, round(found.from_s), round(found.lasted_s)) == (Cause.CONTRADICTED, 20, 12)
     assert "30 % of the samples" in found.numbers
-    assert not result_holds(judged(np.full(800, 1e-3)))
+    assert does_not_hold(judged(np.full(800, 1e-3)))
 
 
 def test_a_step_beyond_the_interval_or_a_wide_one_that_holds_is_no_contradiction() -> None:
@@ -125,4 +125,4 @@ def test_a_step_beyond_the_interval_or_a_wide_one_that_holds_is_no_contradiction
 
 def test_a_rig_that_states_another_load_than_the_models_does_not_hold() -> None:
     stated = Recording(dict(loop().columns), {**FACTS, "other_load": "the rig states a pretension of 0.95 N"})
-    assert not result_holds(stated)
+    assert does_not_hold(stated)
