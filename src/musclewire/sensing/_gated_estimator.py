@@ -52,8 +52,10 @@ class GateNumbers(NamedTuple):
     noise_s: float = 10.0
     # Of sparse samples at least so many; before as many are known, no motion shows that the wire has passed B.
     noise_samples: float = 5.0
-    # Motion: resistance moves if it differs from its value a time constant ago by more than noise and a least change.
+    # Motion: resistance moves if it differs from its value a time constant ago by more than noise and a least change;
+    # of sparse samples from its value at the last ones, each of which counts for no more than this part.
     lagging_s: float = 0.25
+    most_lagging: float = 0.5
     motion_deviations: float = 1.7
     min_motion_variance: float = 1e-4
     # Without motion: approach of the branch while power is beyond its mean in that direction by a fraction (below 0: a
@@ -66,7 +68,7 @@ class GateNumbers(NamedTuple):
     beyond: float = 0.015
     # Standard deviation: part of the distance of the branches, and of the range (squared).
     gap_fraction: float = 0.2
-    range_variance: float = 1.0e-5
+    range_variance: float = 3.0e-5
     # Nearer to R_min than this a wire cannot be before B, as for the paper's estimator.
     ambiguous_above: float = AMBIGUOUS_ABOVE
     # A wire is cold whose mean power is below this part of that with which the slow loop cooled to its cold resistance
@@ -275,7 +277,7 @@ def filter_resistance(dt_s: float, state: Row, read: float, noise: float, ratio:
     weight = variance / (variance + noise)
     state.resistance += weight * away
     state.variance = variance - weight * variance
-    state.lagging += (state.resistance - state.lagging) * gain(dt_s, GATES.lagging_s)
+    state.lagging += (state.resistance - state.lagging) * min(gain(dt_s, GATES.lagging_s), GATES.most_lagging)
 
 
 @compiled_inner
@@ -301,7 +303,9 @@ def locate(numbers: Row, state: Row, moved: float) -> None:
     below = GATES.ambiguous_above - state.resistance
     known = state.learnt_s >= GATES.noise_samples * numbers.dt_s
     powerless = state.mean_power_w < numbers.cold_power_w and state.resistance > numbers.cold_above
-    if powerless or state.resistance > numbers.normalised_max:
+    # Seldom read, a wire is not seen beyond B: it is lost where its resistance is known no better than that.
+    until_b = numbers.normalised_max - state.resistance
+    if powerless or until_b < 0.0 or until_b * until_b < state.variance:
         state.sensing = 0.0
         return
     falls = state.heating != 0.0 and moved < 0.0 and moved * moved > 9.0 * state.variance and known

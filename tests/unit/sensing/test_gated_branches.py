@@ -85,6 +85,21 @@ def test_the_same_course_gives_the_same_strain_at_any_sample_period() -> None:
     assert np.ptp(np.array(ends), axis=0) == pytest.approx([0.0, 0.0], abs=0.02 * SPAN)
 
 
+def test_a_wire_that_is_seldom_read_is_on_its_branch_all_the_same() -> None:
+    heated = followed(HELD + ramp(16.5, 14.5, 12, 0.5), 14.0)
+    assert heated[-1].value == pytest.approx(MODEL.strain_heating(14.5), abs=2e-5)
+    cooled = followed(HELD + ramp(16.5, 14.5, 12, 0.5) + ramp(14.5, 16.0, 12, 0.1), 14.0)
+    assert cooled[-1].value == pytest.approx(MODEL.strain_cooling(16.0), abs=2e-5)
+
+
+def test_a_wire_whose_resistance_is_near_b_within_its_noise_is_cold() -> None:
+    course = HELD + ramp(16.5, 15.0, 12, 0.5) + ramp(15.0, 17.2, 12, 0.1)
+    near_b = [(17.25 + (0.03 if k % 2 else -0.03), 0.1) for k in range(8)]
+    found = followed(course + near_b, 14.0)
+    assert found[20].reason is Reason.OK
+    assert found[-1].reason is Reason.COLD
+
+
 def test_equal_branches_give_the_polynomial() -> None:
     model = SensingModel(13.5, 17.5, (0.04, -0.04), (0.04, -0.04), 0.05, 0.95)
     made = gated_estimator(EstimatorSetup(model, 1.0, 0.05))

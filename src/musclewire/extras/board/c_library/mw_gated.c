@@ -61,7 +61,8 @@ static void filter(mw_gates *gates, mw_real read, mw_real noise, mw_real ratio, 
     weight = variance / (variance + noise);
     gates->resistance += weight * away;
     gates->variance = variance - weight * variance;
-    gates->lagging += (gates->resistance - gates->lagging) * gain(dt_s, MW_LAGGING_S);
+    weight = gain(dt_s, MW_LAGGING_S);
+    gates->lagging += (gates->resistance - gates->lagging) * (weight < MW_MOST_LAGGING ? weight : MW_MOST_LAGGING);
 }
 
 static void learn_noise(mw_gates *gates, mw_real read, mw_real per_volt, mw_real dt_s)
@@ -119,7 +120,8 @@ static uint8_t has_come_back(mw_gates *gates, mw_real away_w, mw_real dt_s)
 static void locate(mw_gates *gates, mw_real moved, mw_real dt_s)
 {
     const mw_real below = MW_AMBIGUOUS_ABOVE - gates->resistance;
-    if (gates->resistance > MW_NORMALISED_MAX ||
+    const mw_real until_b = MW_NORMALISED_MAX - gates->resistance;
+    if (until_b < 0 || until_b * until_b < gates->variance ||
         (gates->mean_power_w < MW_COLD_POWER_W && gates->resistance > MW_COLD_ABOVE))
         gates->sensing = 0;
     else if (below > 0 && below * below > 9 * gates->variance)
