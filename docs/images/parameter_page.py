@@ -58,7 +58,7 @@ def page() -> str:
     parts = [
         HEAD,
         f"## Alloy `{ALLOY}`\n\n{alloy.description}.\n\n{alloy_table(alloy)}",
-        f"## Outside what is published\n\n{outside_text(alloy, wires, bench)}",
+        f"## Outside what is published\n\n{outside_text(alloy, wires, bench)}\n\n{former_text(alloy)}",
         f"## What follows from them\n\n{paragraphs(DERIVED_TEXT)}\n\n{derived_table(alloy)}",
         f"## Wires\n\n{paragraphs(WIRES_TEXT)}\n\n{wires_table(wires)}",
         f"## Bench `{BENCH}`\n\n{bench.description}.\n\n{bench_table(bench)}",
@@ -180,6 +180,50 @@ def outside_text(alloy: Alloy, wires: list[Wire], bench: Bench) -> str:
         for group, name, value, found, note in rows
     ]
     return f"{count}\n\n{table(['file', 'parameter', 'value', 'published', 'what is said of it'], cells)}"
+
+
+FORMER_TEXT = """Some ranges were widened, with the sources below, after one fit and before that which ships.
+By the former ranges **{}** of the alloy's parameters are outside, and **{}** more miss the only figure there was; of
+what follows from several parameters **{}** are outside, and **{}** by the new ranges."""
+
+
+def former_rows(alloy: Alloy) -> list[tuple[str, str, PublishedRange, float]]:
+    """Return kind, name, range and our value of what has a range and is outside, now or before it was widened."""
+    published = published_ranges()
+    values = [("parameter", name, published.parameters.get(name), item.value) for name, item in alloy.items()]
+    values += [("follows", name, published.derived.get(name), value) for name, _, value, _, _ in derived(alloy)]
+    return [
+        (kind, name, found, value)
+        for kind, name, found, value in values
+        if found is not None and (found.former or not found.is_one_figure)
+        if found.beyond(value) != 0.0 or found.before.beyond(value) != 0.0
+    ]
+
+
+def former_counts(alloy: Alloy) -> tuple[int, int, int, int]:
+    """Return how many parameters former ranges leave outside, and one figure; how many that follow, former and new."""
+    rows = former_rows(alloy)
+    one = sum(found.before.is_one_figure for _, _, found, _ in rows)
+    parameters = sum(kind == "parameter" for kind, _, _, _ in rows)
+    now = sum(kind == "follows" and found.beyond(value) != 0.0 for kind, _, found, value in rows)
+    return parameters - one, one, len(rows) - parameters, now
+
+
+def former_text(alloy: Alloy) -> str:
+    """Return how many values are outside by the ranges before they were widened, and each by both."""
+    rows = [
+        [
+            f"`{name}`",
+            shown(value, name, found.unit),
+            shown_range(found.before, name),
+            verdict(value, name, found.before),
+            shown_range(found, name) if found.former else "the same",
+            verdict(value, name, found),
+        ]
+        for _, name, found, value in former_rows(alloy)
+    ]
+    header = ["quantity", "value", "published, former", "inside", "published, now", "inside"]
+    return f"{paragraphs(FORMER_TEXT.format(*former_counts(alloy)))}\n\n{table(header, rows)}"
 
 
 def spool_shown(value: float, found: PublishedRange) -> str:

@@ -19,7 +19,8 @@ ROUNDING = 1e-6
 class PublishedRange(BaseModel):
     """The range over all sources found, in SI; low and high are equal if there is only one figure.
 
-    ``standing`` says how reliable it is: figures read in a source, derived from such, or from recollection.
+    ``standing`` says how reliable it is: figures read in a source, derived from such, or from recollection. ``former``
+    are its ends before it was widened, after one fit and before that which ships.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -29,12 +30,19 @@ class PublishedRange(BaseModel):
     unit: str
     standing: Literal["looked up", "derived", "recollection"]
     source: str = Field(min_length=3)
+    former: tuple[float, float] | None = None
 
     @model_validator(mode="after")
     def _low_is_not_above_high(self) -> PublishedRange:
         if self.low > self.high:
             raise ValueError(f"low {self.low:g} is above high {self.high:g}: exchange them")
         return self
+
+    @property
+    def before(self) -> PublishedRange:
+        """The range before it was widened after a fit; itself if it was not."""
+        low, high = self.former or (self.low, self.high)
+        return self.model_copy(update={"low": low, "high": high})
 
     @property
     def is_one_figure(self) -> bool:

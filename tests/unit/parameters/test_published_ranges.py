@@ -16,7 +16,7 @@ from musclewire.parameters._validation import validated
 
 sys.path.insert(0, str(CHECKOUT / "docs/images"))
 
-from parameter_page import outside, outside_as_a_spool, spool_ranges, spool_values
+from parameter_page import former_counts, former_rows, outside, outside_as_a_spool, spool_ranges, spool_values
 
 BRANCHES = ("heating", "cooling")
 DENSITY = {"low": 6450.0, "high": 6500.0, "unit": "kg/m^3", "standing": "looked up", "source": "two data sheets"}
@@ -33,6 +33,12 @@ def test_beyond_is_the_signed_distance_from_the_nearer_edge_and_rounding_lies_on
     value: float, beyond: float
 ) -> None:
     assert PublishedRange.model_validate(DENSITY).beyond(value) == pytest.approx(beyond, abs=0.0)
+
+
+def test_a_widened_range_is_asked_for_what_it_was() -> None:
+    found = PublishedRange.model_validate(DENSITY | {"former": (6460.0, 6470.0)})
+    assert (found.beyond(6455.0), found.before.beyond(6455.0)) == (0.0, -5.0)
+    assert PublishedRange.model_validate(DENSITY).before.beyond(6455.0) == 0.0
 
 
 @pytest.mark.parametrize(
@@ -82,6 +88,21 @@ def test_the_ranges_that_ship_are_those_of_actuator_wire() -> None:
 def test_what_lies_outside_says_why_in_its_note() -> None:
     alloy = load_alloy("flexinol")
     assert [name for name, item in outside(alloy).items() if not item.note] == []
+
+
+def test_no_range_was_narrowed_and_each_that_was_widened_counts_both_ways() -> None:
+    ranges = published_ranges()
+    for found in (ranges.parameters | ranges.derived).values():
+        assert found.low <= found.before.low <= found.before.high <= found.high
+
+
+def test_a_value_between_the_former_and_the_new_end_is_outside_by_the_former_alone() -> None:
+    alloy = load_alloy("flexinol")
+    inside = alloy.with_values(martensite_barrier_k=10.0, r_phase_temperature_k=300.0)
+    between = inside.with_values(martensite_barrier_k=9.6)
+    assert [former_counts(one)[0] for one in (inside, between)] == [0, 1]
+    assert "martensite_barrier_k" in [name for _, name, _, _ in former_rows(between)]
+    assert "martensite_barrier_k" not in outside(between)
 
 
 def test_one_figure_is_no_range_to_lie_in() -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from musclewire.errors import CallerError
 from musclewire.extras.design._serpentine.analysis import PretensionerDesign, PretensionerDuty, analyse
+from musclewire.extras.design._serpentine.closed_form import stiffness_n_per_m
 from musclewire.extras.design._serpentine.geometry import AvailableRoom, SerpentineGeometry
 from musclewire.extras.design._serpentine.sizing import PretensionerRequest, design_pretensioner
 from musclewire.parameters import load_material
@@ -48,6 +49,13 @@ def test_it_gives_the_pretension_and_the_stroke_below_the_allowed_stress() -> No
     assert found.stress_pa is not None
     assert found.stress_pa < found.material.allowable_stress_pa.value
     assert found.curve.force_at(found.curve.safe_travel_m - STROKE) > PRETENSION
+
+
+def test_a_thinner_strip_is_as_much_softer_as_the_closed_form_says() -> None:
+    found = papers()
+    thinner, modulus = found.geometry.with_(thickness_m=0.8 * found.geometry.thickness_m), 2.6e9
+    ratio = stiffness_n_per_m(thinner, modulus) / stiffness_n_per_m(found.geometry, modulus)
+    assert found.stiffness_at(thinner.thickness_m) == pytest.approx(ratio * found.stiffness_n_per_m, rel=0.03)
 
 
 @pytest.mark.slow

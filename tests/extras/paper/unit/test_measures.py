@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,10 +15,14 @@ from musclewire.errors import RecordingError
 from musclewire.extras.paper._reproduce.measures import (
     largest_distance,
     lowest_place,
+    off_line_pct,
+    off_place_pct,
     one_sided_fraction,
     outside_band,
     rank_correlation,
 )
+from musclewire.extras.paper._reproduce.section3 import distance_of_models_pct
+from musclewire.extras.paper._reproduce.staircases import last_less_others_pct
 from musclewire.sensing import Branch
 
 RISING = np.linspace(0.0, 10.0, 101)
@@ -64,3 +71,39 @@ def test_branches_that_cross_share_less_than_those_apart() -> None:
     assert one_sided_fraction(Branch(RISING, base + 0.02 * (RISING - 5.0)), level) == pytest.approx(0.0, abs=0.02)
     # Three quarters above, a quarter below: (9 - 1) / (9 + 1).
     assert one_sided_fraction(Branch(RISING, base + 0.02 * (RISING - 2.5)), level) == pytest.approx(0.8, abs=0.02)
+
+
+UP_AND_DOWN = np.concatenate([RISING, RISING[-2::-1]])
+
+
+def test_a_temperature_that_follows_the_voltage_leaves_strain_where_it_was() -> None:
+    """However it follows it, as long as heating and cooling have the same."""
+    strain = 0.01 * np.sqrt(UP_AND_DOWN)
+    assert off_place_pct(UP_AND_DOWN, strain, 20.0 + UP_AND_DOWN**2) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_temperature_that_lags_moves_the_strain_along_the_voltage() -> None:
+    """One volt late on both ways, the strain a straight line over temperature: by that one volt."""
+    lag = np.concatenate([np.full(RISING.size, -1.0), np.full(RISING.size - 1, 1.0)])
+    temperature = UP_AND_DOWN + lag
+    strain = 0.001 * (temperature + 1.0)
+    assert off_place_pct(UP_AND_DOWN, strain, temperature) == pytest.approx(100.0 * 0.001 / strain.max(), rel=0.1)
+
+
+def test_a_straight_line_is_on_its_line_and_a_parabola_a_sixth_of_its_height_off() -> None:
+    assert off_line_pct(Branch(RISING, 3.0 - 0.1 * RISING)) == pytest.approx(0.0, abs=1e-9)
+    # x^2 from 0 to 1 is fitted by x - 1/6: 1/6 apart at both ends.
+    assert off_line_pct(Branch(RISING, (RISING / 10.0) ** 2)) == pytest.approx(100.0 / 6.0, rel=0.01)
+
+
+@pytest.mark.parametrize(("errors", "above"), [([1.0, 0.5, 2.6], 1.6), ([1.0, 3.0, 2.6], -0.4)])
+def test_the_last_step_has_the_largest_error_or_by_how_much_it_has_not(errors: list[float], above: float) -> None:
+    steps = [SimpleNamespace(mae_approached_pct=error) for error in errors]
+    runs: Any = SimpleNamespace(control_run=SimpleNamespace(metrics=SimpleNamespace(steps=steps)))
+    assert last_less_others_pct(runs, staircase="spring") == pytest.approx(above)
+
+
+def test_two_models_are_as_far_apart_as_their_strains_on_average() -> None:
+    model, steeper = (cast(Any, SimpleNamespace(strain=lambda ohm, slope=slope: slope * ohm)) for slope in (1.0, 1.5))
+    assert distance_of_models_pct(model, (0.0, 2.0), steeper, (0.0, 2.0)) == pytest.approx(100.0 / 6.0)
+    assert distance_of_models_pct(model, (0.0, 3.0), steeper, (0.0, 2.0)) == pytest.approx(0.0, abs=1e-9)

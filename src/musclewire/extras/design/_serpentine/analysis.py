@@ -129,6 +129,20 @@ class PretensionerDesign:
         """Stiffness along the wire for small travel [N/m], of the finest mesh."""
         return self.linear[-1].stiffness_n_per_m
 
+    def stiffness_at(self, thickness_m: float) -> float:
+        """Return the stiffness [N/m] of the same serpentine with another thickness in its plane.
+
+        Parameters
+        ----------
+        thickness_m
+            Thickness of the strip [m].
+
+        Returns
+        -------
+        The stiffness along the wire for small travel, of the finest mesh.
+        """
+        return linear_answer(self.geometry.with_(thickness_m=thickness_m), self.material).stiffness_n_per_m
+
     @property
     def holds(self) -> bool:
         """Whether every check does."""

@@ -68,9 +68,11 @@ def designed_pretensioner() -> SizedPretensioner:
 
 
 @cache
-def schemes_of_fig13() -> FingerSchemes:
-    """Return the schemes of Fig. 13(a) on the shipped finger, to the material's allowable stress."""
+def schemes_of_fig13(*, straight: bool = False) -> FingerSchemes:
+    """Return the schemes of Fig. 13(a) to the material's allowable stress, on the shipped finger or one not curved."""
     geometry = finger_geometry(load_finger("lan-fan-2010"))
+    if straight:
+        geometry = geometry.with_(inward_angle_rad=0.0)
     longest = 2.0 * load_finger("lan-fan-2010").curve.tendon_travel_m[-1]
     allowed = load_material(MATERIAL).yield_stress_pa.value
     return FingerSchemes(tuple(compare_schemes(geometry, longest, allowed)))

@@ -14,16 +14,18 @@ from musclewire.signals import Recording
 
 CYCLES = 2
 # Recorded with the voltages, and taken out of the recording: what is to be found must not be in it.
-TRUE_RESISTANCE = "wire_resistance_ohm"
+TRUE_RESISTANCE, TRUE_TEMPERATURE = "wire_resistance_ohm", "wire_temperature_k"
+TRUE_STATE = {TRUE_RESISTANCE: "resistance_ohm", TRUE_TEMPERATURE: "temperature_k"}
 
 
 @dataclass(frozen=True, eq=False)
 class SlowSineLoop:
-    """A slow sine with its gaps, and the simulated wire's own resistance at the end of each sample, (n_times,)."""
+    """A slow sine with its gaps; the wire's own resistance and temperature at each sample's end, (n_times,)."""
 
     recording: Recording
     gaps: LoopGaps
     true_resistance_ohm: FloatArray
+    true_temperature_k: FloatArray
 
     @cached_property
     def resistance_ohm(self) -> FloatArray:
@@ -72,10 +74,10 @@ class SlowSineLoop:
 
 
 def loop_on(rig: Rig, amplitude_v: float | None = None) -> SlowSineLoop:
-    """Return the slow sine of an open rig, with the true resistance of the simulated wire."""
+    """Return the slow sine of an open rig, with the true resistance and temperature of the simulated wire."""
     sine = slow_sine_run(rig, amplitude_v, cycles=CYCLES)
-    policy = WithTruth(sine.policy, required_true_state(rig), {TRUE_RESISTANCE: "resistance_ohm"})
+    policy = WithTruth(sine.policy, required_true_state(rig), TRUE_STATE)
     whole = run_on_rig(rig, policy, sine.duration_s, metadata=sine.metadata)
-    columns = {name: column for name, column in whole.columns.items() if name != TRUE_RESISTANCE}
+    columns = {name: column for name, column in whole.columns.items() if name not in TRUE_STATE}
     recording = Recording(columns, whole.metadata)
-    return SlowSineLoop(recording, loop_gaps(recording), whole[TRUE_RESISTANCE])
+    return SlowSineLoop(recording, loop_gaps(recording), whole[TRUE_RESISTANCE], whole[TRUE_TEMPERATURE])

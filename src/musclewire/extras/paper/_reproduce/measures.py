@@ -29,6 +29,39 @@ def drive_branches(loop: SlowSineLoop) -> tuple[Branch, Branch]:
     return Branch(drive[: top + 1], strain[: top + 1]), Branch(drive[top:][::-1], strain[top:][::-1])
 
 
+def off_temperature_pct(loop: SlowSineLoop) -> float:
+    """Return the mean distance of strain over voltage from strain over temperature [% of the largest strain].
+
+    A temperature has the place of the voltage at which heating and cooling have it on average.
+    """
+    part = last_cycle(loop)
+    drive, strain, temperature = loop.recording["drive_voltage_v"], loop.quantity("strain"), loop.true_temperature_k
+    return off_place_pct(drive[part], strain[part], temperature[part])
+
+
+def off_place_pct(drive: FloatArray, strain: FloatArray, temperature: FloatArray) -> float:
+    """Return the same of one cycle whose drive rises and falls, each (n,)."""
+    top = int(np.argmax(drive))
+    paths = (slice(None, top + 1), slice(None, top - 1 if top else None, -1))
+    volts = np.linspace(max(drive[0], drive[-1]), drive[top], POINTS)
+    degrees = np.mean([np.interp(volts, drive[path], temperature[path]) for path in paths], axis=0)
+    distances = []
+    for path in paths:
+        order = np.argsort(temperature[path], kind="stable")
+        by_temperature = np.interp(degrees, temperature[path][order], strain[path][order])
+        distances.append(np.abs(np.interp(volts, drive[path], strain[path]) - by_temperature))
+    return float(100.0 * np.mean(distances) / strain.max())
+
+
+def off_line_pct(branch: Branch) -> float:
+    """Return the largest distance of a curve from the straight line fitted to it [% of its largest value]."""
+    ohm, values = branch
+    places = np.linspace(ohm[0], ohm[-1], POINTS)
+    curve = np.interp(places, ohm, values)
+    line = np.polyval(np.polyfit(places, curve, 1), places)
+    return float(100.0 * np.abs(curve - line).max() / np.max(values))
+
+
 def drive_gap_pct(loop: SlowSineLoop) -> float:
     """Return Eq. 2 over equal drive voltage in place of equal resistance, over the whole cycle [%]."""
     heating, cooling = drive_branches(loop)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from musclewire.extras.paper._reproduce.loops import SlowSineLoop
@@ -11,6 +13,8 @@ from musclewire.extras.paper._reproduce.measures import (
     force_ratio_of,
     largest_distance,
     lowest_place,
+    off_line_pct,
+    off_temperature_pct,
     outside_loop_pct,
     rank_correlation,
 )
@@ -81,6 +85,35 @@ def stroke_ratio(runs: RunCache, *, small: float, large: float) -> float:
 def outside_pct(runs: RunCache, *, small: float, large: float) -> float:
     """Return the largest excursion of the loop of one amplitude out of that of a larger one [% strain]."""
     return outside_loop_pct(loop_of_amplitude(runs, small), loop_of_amplitude(runs, large))
+
+
+def temperature_distance_pct(runs: RunCache) -> float:
+    """Return how far strain over voltage is from strain over temperature [% of S_max]."""
+    return off_temperature_pct(runs.main_loop())
+
+
+def unreturned_pct(runs: RunCache) -> float:
+    """Return the strain of the last second less that of the first, before any heating, as a size [% strain]."""
+    loop = runs.main_loop()
+    time_s, strain = loop.recording["time_s"], loop.quantity("strain")
+    return float(100.0 * abs(strain[time_s > time_s[-1] - 1.0].mean() - strain[time_s < time_s[0] + 1.0].mean()))
+
+
+def segment_correlation(runs: RunCache, *, segment: Literal["A-B", "B-C"]) -> float:
+    """Return the correlation of strain and resistance in a segment, of heating or cooling: the nearer to 0."""
+    loop = runs.main_loop()
+    found, strain = loop.gaps.segments, loop.quantity("strain")
+    ends = {
+        "A-B": ((found.heating_a, found.heating_b), (found.cooling_b, found.cooling_a)),
+        "B-C": ((found.heating_b, found.heating_c), (found.cooling_c, found.cooling_b)),
+    }[segment]
+    parts = [slice(first, last + 1) for first, last in ends]
+    return float(min((np.corrcoef(loop.resistance_ohm[part], strain[part])[0, 1] for part in parts), key=abs))
+
+
+def bent_pct(runs: RunCache) -> float:
+    """Return how far segment B-C is from a straight line, heating or cooling [% of S_max]."""
+    return max(off_line_pct(branch) for branch in runs.main_loop().sensing_branches("strain"))
 
 
 def segment_ab_pct(runs: RunCache) -> float:

@@ -7,8 +7,9 @@ import numpy as np
 from musclewire.experiment import elapsed
 from musclewire.extras.paper._reproduce.measures import outside_band, plain_gap_pct
 from musclewire.extras.paper._reproduce.runs import RunCache
-from musclewire.identify import required_quantity
+from musclewire.identify import fit, required_quantity
 from musclewire.parameters import read_published
+from musclewire.sensing import SensingModel
 
 
 def resistance_ohm(runs: RunCache, *, end: str) -> float:
@@ -34,6 +35,31 @@ def strain_gap_plainly_pct(runs: RunCache) -> float:
 def fit_rms_pct(runs: RunCache, *, branch: str) -> float:
     """Return the rms of a branch's samples about its polynomial [% strain]."""
     return float(100.0 * getattr(runs.model, f"rmse_{branch}"))
+
+
+def other_model_error_pct(runs: RunCache, *, wire: str, force_n: float) -> float:
+    """Return how far our model is from that of another wire or pretension at equal resistance [% of S_max]."""
+    other = fit(runs.loop(wire, force_n).recording)
+    low = max(runs.model.resistance_min_ohm, other.resistance_min_ohm)
+    high = min(runs.model.resistance_max_ohm, other.resistance_max_ohm)
+    return distance_of_models_pct(runs.model, (low, high), other, (low, high))
+
+
+def other_polynomials_error_pct(runs: RunCache, *, wire: str, force_n: float) -> float:
+    """Return the same at equal lambda, each of its own R_min and R_max [% of S_max]."""
+    models = runs.model, fit(runs.loop(wire, force_n).recording)
+    ours, other = ((model, (model.resistance_min_ohm, model.resistance_max_ohm)) for model in models)
+    return distance_of_models_pct(*ours, *other)
+
+
+def distance_of_models_pct(
+    ours: SensingModel, ours_ohm: tuple[float, float], other: SensingModel, other_ohm: tuple[float, float]
+) -> float:
+    """Return the mean distance of two averages, each over its span of resistances [% of the other's largest strain]."""
+    strain, true = (
+        np.asarray(model.strain(np.linspace(*ends, 400))) for model, ends in ((ours, ours_ohm), (other, other_ohm))
+    )
+    return float(100.0 * np.abs(strain - true).mean() / true.max())
 
 
 def required_ohm(runs: RunCache, *, target_pct: float) -> float:

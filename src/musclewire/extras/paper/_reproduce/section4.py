@@ -6,13 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from musclewire.extras.paper._reproduce.designed_parts import designed_pretensioner, schemes_of_fig13
+from musclewire.extras.paper._reproduce.designed_parts import (
+    designed_pretensioner,
+    paper_pretensioner,
+    schemes_of_fig13,
+)
 from musclewire.extras.paper._reproduce.finger_runs import pretension_n
 from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.rigs import simulated_configuration
 
 # Eq. 8 is evaluated between the ends of the connector's motion: at the ends friction has yet to reverse.
 EQUATION_8_SPAN = (0.05, 0.95)
+# Thickness at which a stiffness is compared with the designed one's, over the designed one.
+THICKER = 1.1
 SIDES = ("across", "along", "out of plane")
 
 
@@ -52,6 +58,33 @@ def softness(runs: RunCache) -> float:
     return pretensioner_stiffness_n_per_m(runs) / finger_stiffness_n_per_m(runs)
 
 
+def force_to_finger(runs: RunCache) -> float:
+    """Return the finger's part of the contraction force at the largest contraction, by the load cell."""
+    recording = runs.finger.loop(pretension_n()).recording
+    far = int(np.argmax(recording["displacement_m"]))
+    contraction_n = recording["force_n"][far] - pretension_n()
+    return float(1.0 - pretensioner_of_rig_n_per_m() * recording["displacement_m"][far] / contraction_n)
+
+
+def pretensioner_of_rig_n_per_m() -> float:
+    """Return the stiffness of the load without the finger's own curve: the pretensioner."""
+    configuration, _ = simulated_configuration("finger")
+    return sum(part.stiffness_n_per_m for part in configuration.load)
+
+
+def thickness_exponent(_runs: RunCache) -> float:
+    """Return the power of its in-plane thickness with which the designed pretensioner's stiffness grows."""
+    made = paper_pretensioner()
+    thicker = made.stiffness_at(THICKER * made.geometry.thickness_m)
+    return float(np.log(thicker / made.stiffness_n_per_m) / np.log(THICKER))
+
+
+def inward_gain_deg(_runs: RunCache) -> float:
+    """Return the angle of the finger's end less that of the same finger with straight segments [degrees]."""
+    curved, straight = (schemes_of_fig13(straight=without).schemes[0].angles_rad[-1] for without in (False, True))
+    return float(np.degrees(curved - straight))
+
+
 def designed_size_mm(_runs: RunCache, *, side: str) -> float:
     """Return a size of the designed pretensioner [mm]."""
     return 1e3 * designed_pretensioner().size_m[SIDES.index(side)]
@@ -89,9 +122,7 @@ def eq8_error_n(runs: RunCache) -> float:
     Lan and Fan 2010, Eq. 8.
     """
     loop = runs.finger.loop(pretension_n())
-    configuration, _ = simulated_configuration("finger")
-    curve = shipped_finger().curve
-    stiffness = sum(part.stiffness_n_per_m for part in configuration.load)
+    curve, stiffness = shipped_finger().curve, pretensioner_of_rig_n_per_m()
     x = np.linspace(*EQUATION_8_SPAN, 200) * loop.recording["displacement_m"].max()
     measured = np.zeros_like(x)
     for half in loop.halves():

@@ -85,6 +85,12 @@ def largest_but_last_pct(runs: RunCache, *, staircase: Which) -> float:
     return largest_pct(steps_of(runs, staircase)[:-1])
 
 
+def last_less_others_pct(runs: RunCache, *, staircase: Which) -> float:
+    """Return by how much the MAE of the last step, the lowest on the way back, is above all others' [% of target]."""
+    steps = steps_of(runs, staircase)
+    return largest_pct(steps[-1:]) - largest_pct(steps[:-1])
+
+
 def largest_beyond_pct(runs: RunCache, *, staircase: Which, beyond: float) -> float:
     """Return the largest MAE after the approach of steps to levels beyond one, in the paper's unit [% of target]."""
     scale = QUANTITIES[staircase].per_si
