@@ -40,7 +40,7 @@ LONGEST_S = 3.0
 COLUMNS = (
     *("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "displacement_m", "force_n", "cycle"),
     *("target_strain", "estimated_strain", "valid", "proportional_gain", "integral_gain", "derivative_gain"),
-    *("estimated_strain_std", "health"),
+    *("estimate_std", "health"),
 )
 # Full disks: rows of a run that needs about 180 kB for its journal and as much for its HDF5 file.
 ROWS_TO_DISK = 1500

@@ -580,6 +580,5 @@ def one_by_one(
 def estimate_columns(
     quantity: str, value: FloatArray, std: FloatArray, valid: NDArray[np.bool_]
 ) -> dict[str, FloatArray]:
-    """Return an estimate as the columns of a recording; the standard deviation has one for strain only."""
-    columns = {f"estimated_{COLUMN_SUFFIX[quantity]}": value, "valid": valid.astype(np.float64)}
-    return columns | ({"estimated_strain_std": std} if quantity == "strain" else {})
+    """Return an estimate, its standard deviation in the same unit and whether it is valid, as a recording's columns."""
+    return {f"estimated_{COLUMN_SUFFIX[quantity]}": value, "estimate_std": std, "valid": valid.astype(np.float64)}

@@ -263,8 +263,8 @@ def draw_estimate_over_time(
     if not counted.all():
         held = np.where(counted, np.nan, estimated)
         axes.plot(time_s, held, color=TARGET, linewidth=0.8, label="estimate, not valid")
-    if "estimated_strain_std" in recording:
-        std = np.where(counted, factor * recording["estimated_strain_std"], np.nan)
+    if "estimate_std" in recording:
+        std = np.where(counted, factor * recording["estimate_std"], np.nan)
         band = (estimated - std, estimated + std)
         axes.fill_between(time_s, *band, color=HEATING, alpha=0.25, linewidth=0, label="± standard deviation")
     axes.plot(time_s, np.where(counted, estimated, np.nan), color=HEATING, linestyle="--", label="estimate", zorder=3)

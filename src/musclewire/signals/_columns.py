@@ -50,7 +50,6 @@ _ALL = (
     Column("estimated_strain", "", "strain estimated from resistance", "control"),
     Column("estimated_displacement_m", "m", "displacement estimated from resistance", "control"),
     Column("estimated_force_n", "N", "force estimated from resistance", "control"),
-    Column("estimated_strain_std", "", "standard deviation of the estimated strain", "control"),
     Column("estimate_std", "", "standard deviation of the estimate, in the unit of its quantity", "control"),
     Column("resistance_misfit_ohm", "ohm", "resistance that hypotheses expect less the measured one", "control"),
     Column("estimated_temperature_k", "K", "temperature of the wire, estimated by its heat balance", "control"),

@@ -19,7 +19,7 @@ ROW = {"time_s": 1.0, "drive_voltage_v": 1.5, "wire_voltage_v": 1.4, "shunt_volt
     ("columns", "said"),
     [
         (
-            {"target_strain": 0.025, "estimated_strain": 0.0248, "estimated_strain_std": 1e-4, "valid": 1.0},
+            {"target_strain": 0.025, "estimated_strain": 0.0248, "estimate_std": 1e-4, "valid": 1.0},
             "target 2.50 %   estimate 2.48 %   resistance 14.000 ohm   drive 1.500 V   about 77 C",
         ),
         (

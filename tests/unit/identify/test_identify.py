@@ -24,6 +24,15 @@ def test_strain_is_displacement_over_one_leg(loop: Recording) -> None:
     assert np.allclose(strain, loop["displacement_m"] / 0.07)
 
 
+@pytest.mark.parametrize("quantity", ["strain", "displacement", "force"])
+def test_a_valid_estimate_has_a_deviation_in_the_unit_of_its_quantity(loop: Recording, quantity: str) -> None:
+    model = fit(loop, quantity=quantity)
+    found = estimate(model, loop).recording
+    std = found["estimate_std"][found["valid"] > 0.0]
+    assert np.isfinite(std).all()
+    assert np.all((std > 0.001 * model.stroke) & (std < model.stroke))
+
+
 def test_contraction_force_is_total_force_less_pretension(loop: Recording) -> None:
     force = reference_quantity(loop, "force")
     assert force is not None
