@@ -9,7 +9,7 @@ ratio: where these are far apart, the machine was busy. A minute, or with --quic
 little else to do. Only first_step starts processes.
 
 The work is the same for both as far as another program can do it, and the row says where it cannot: the wire that is
-written with SciPy (easier_wire.py) has two phases and one barrier, so no minor loops, no R-phase and no friction. SciPy's
+written with SciPy (easier_wire.py) has two phases and one barrier, so no minor loops, no R-phase, no friction. SciPy's
 LSODA is the strongest opponent at a long stretch: it takes long steps while nothing happens.
 
 The last line but one gives measured peaks of one thread: multiplications and additions of doubles in vector registers,
