@@ -305,7 +305,7 @@ def locate(numbers: Row, state: Row, moved: float) -> None:
     powerless = state.mean_power_w < numbers.cold_power_w and state.resistance > numbers.cold_above
     # Seldom read, a wire is not seen beyond B: it is lost where its resistance is known no better than that.
     until_b = numbers.normalised_max - state.resistance
-    if powerless or until_b < 0.0 or until_b * until_b < state.variance:
+    if powerless or until_b < 0.0 or until_b * until_b < 4.0 * state.variance:
         state.sensing = 0.0
         return
     falls = state.heating != 0.0 and moved < 0.0 and moved * moved > 9.0 * state.variance and known

@@ -121,7 +121,7 @@ static void locate(mw_gates *gates, mw_real moved, mw_real dt_s)
 {
     const mw_real below = MW_AMBIGUOUS_ABOVE - gates->resistance;
     const mw_real until_b = MW_NORMALISED_MAX - gates->resistance;
-    if (until_b < 0 || until_b * until_b < gates->variance ||
+    if (until_b < 0 || until_b * until_b < 4 * gates->variance ||
         (gates->mean_power_w < MW_COLD_POWER_W && gates->resistance > MW_COLD_ABOVE))
         gates->sensing = 0;
     else if (below > 0 && below * below > 9 * gates->variance)
