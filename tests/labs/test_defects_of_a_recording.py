@@ -103,7 +103,12 @@ def test_a_sound_loop_is_not_warned_of(count: int) -> None:
 # A pretension in proportion to the section: what the maker's door has for 0.10 mm, on both legs of the bench's V.
 @pytest.mark.parametrize(
     ("wire", "pretension"),
-    [("", ""), ("flexinol-0.10-lt", "1.3"), ("flexinol-0.15-lt", "2.9"), ("flexinol-0.25-lt", "8.1")],
+    [
+        pytest.param("", "", marks=pytest.mark.slow),
+        ("flexinol-0.10-lt", "1.3"),
+        ("flexinol-0.15-lt", "2.9"),
+        ("flexinol-0.25-lt", "8.1"),
+    ],
 )
 def test_a_loop_of_a_simulated_rig_is_not_warned_of(wire: str, pretension: str, tmp_path: Path) -> None:
     file = tmp_path / "rig.toml"
