@@ -12,10 +12,11 @@ import numpy.typing as npt
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, RecordingError, an_object
+from musclewire.errors import CallerError, FitRejectedError, RecordingError, an_object
 from musclewire.identify._error_causes import ErrorGroup, JudgedEstimate, error_groups, fractions_not_counted, lines_of
 from musclewire.identify._extrapolation import hot_end
 from musclewire.identify._loop_gaps import guide_friction_n
+from musclewire.identify._recording_defects import CYCLE_PART, recording_defects
 from musclewire.identify._recordings import (
     COLUMN_SUFFIX,
     circuit_readings,
@@ -179,7 +180,7 @@ def fit(
         return fit_table(recording, order)
     reading, measured = reading_and_quantity(recording, quantity)
     notes, source = loop_notes(recording), recording.facts.text_or_none("source") or ""
-    cut_short = not_done(recording)
+    against = (*recording_defects(recording, quantity), *filter(None, [not_done(recording)]))
     try:
         model = fit_loop(
             reading.resistance_ohm,
@@ -192,12 +193,12 @@ def fit(
             source=source,
             hot_end=hot_end(recording),
         )
-    except RecordingError as error:
-        why = without_loop(error, recording)
-        raise (RecordingError(f"{why} ({cut_short})") if cut_short else why) from None
+    except (RecordingError, FitRejectedError) as error:
+        why = without_loop(error, recording) if isinstance(error, RecordingError) else error
+        raise (type(why)(f"{why} ({'; '.join(against)})") if against else why) from None
     model = with_gains(replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity)), recording)
-    found = (*usable_readings(recording).findings, *([cut_short] if cut_short else []))
-    return replace(model, warnings=(*model.warnings, *found), does_not_hold=against_a_loop(model, recording))
+    found = usable_readings(recording).findings
+    return replace(model, warnings=(*model.warnings, *found, *against), does_not_hold=against_a_loop(model, recording))
 
 
 def against_a_loop(model: SensingModel, recording: Recording) -> str:
@@ -359,7 +360,8 @@ class EstimateReport:
     no_reference
         Why there is no reference to compare with, and what would give one; "" with a reference.
     warnings
-        That rows are no measurements, and that readings lie outside the model's range, with their number.
+        That rows are no measurements, that readings lie outside the model's range, and what spoils the loop, each with
+        its number.
     not_counted
         Why samples do not count: the fraction of all samples for each reason, the largest first.
     error_groups
@@ -537,7 +539,11 @@ def estimate(
         wrong_pct=None if errors is None else float(100.0 * np.mean(np.abs(errors) > 100.0 * WRONG_FRACTION)),
         estimator=estimator if isinstance(estimator, str) else getattr(estimator, "__name__", type(estimator).__name__),
         no_reference=why_no_reference(recording, model.quantity) if counts.any() else ALWAYS_COLD,
-        warnings=(*found, *range_warnings(model, reading)),
+        warnings=(
+            *found,
+            *range_warnings(model, reading),
+            *recording_defects(recording, model.quantity, CYCLE_PART * model.stroke),
+        ),
         not_counted=fractions_not_counted(reasons, valid, counts, judged.usable),
         error_groups=groups,
         quantity=model.quantity,
