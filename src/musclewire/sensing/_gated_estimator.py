@@ -55,7 +55,7 @@ class GateNumbers(NamedTuple):
     # Motion: resistance moves if it differs from its value a time constant ago by more than noise and a least change;
     # of sparse samples from its value at the last ones, each of which counts for no more than this part.
     lagging_s: float = 0.25
-    most_lagging: float = 0.5
+    max_lagging: float = 0.5
     motion_deviations: float = 1.7
     min_motion_variance: float = 1e-4
     # Without motion: approach of the branch while power is beyond its mean in that direction by a fraction (below 0: a
@@ -277,7 +277,7 @@ def filter_resistance(dt_s: float, state: Row, read: float, noise: float, ratio:
     weight = variance / (variance + noise)
     state.resistance += weight * away
     state.variance = variance - weight * variance
-    state.lagging += (state.resistance - state.lagging) * min(gain(dt_s, GATES.lagging_s), GATES.most_lagging)
+    state.lagging += (state.resistance - state.lagging) * min(gain(dt_s, GATES.lagging_s), GATES.max_lagging)
 
 
 @compiled_inner

@@ -33,7 +33,7 @@ def seldom(recording: Recording) -> Recording:
 
 
 def errors(model: SensingModel, recording: Recording) -> tuple[float, float]:
-    """Return the mean square error of valid samples [% of the stroke, squared], and the share of intervals that hold."""
+    """Return the mean square error of valid samples [% of the stroke, squared], and the share of held intervals."""
     strain = reference_quantity(recording, "strain")
     found = estimate(model, recording).recording
     valid = found["valid"] > 0.0

@@ -62,7 +62,7 @@ static void filter(mw_gates *gates, mw_real read, mw_real noise, mw_real ratio, 
     gates->resistance += weight * away;
     gates->variance = variance - weight * variance;
     weight = gain(dt_s, MW_LAGGING_S);
-    gates->lagging += (gates->resistance - gates->lagging) * (weight < MW_MOST_LAGGING ? weight : MW_MOST_LAGGING);
+    gates->lagging += (gates->resistance - gates->lagging) * (weight < MW_MAX_LAGGING ? weight : MW_MAX_LAGGING);
 }
 
 static void learn_noise(mw_gates *gates, mw_real read, mw_real per_volt, mw_real dt_s)
