@@ -32,9 +32,10 @@ from musclewire.signals import CompiledTick, Reason
 
 
 class GateNumbers(NamedTuple):
-    """Numbers of the method, chosen on the tuning seeds 1 to 10 of a population of wires, but for those of a cold rest.
+    """Numbers of the method, chosen on the tuning seeds 1 to 10 of a population of wires.
 
-    Resistance counts in units of R_max - R_min, the quantity in units of the model's range, times in seconds.
+    The variance of the range was chosen on 1 to 4; those of a cold rest follow from what a room may be. Resistance
+    counts in units of R_max - R_min, the quantity in units of the model's range, times in seconds.
     """
 
     # Direction: time constant of the mean power, and by how much power must differ from it.
@@ -303,7 +304,7 @@ def locate(numbers: Row, state: Row, moved: float) -> None:
     below = GATES.ambiguous_above - state.resistance
     known = state.learnt_s >= GATES.noise_samples * numbers.dt_s
     powerless = state.mean_power_w < numbers.cold_power_w and state.resistance > numbers.cold_above
-    # Seldom read, a wire is not seen beyond B: it is lost where its resistance is known no better than that.
+    # Seldom read, a wire is not seen beyond B: it is lost within two deviations of it.
     until_b = numbers.normalised_max - state.resistance
     if powerless or until_b < 0.0 or until_b * until_b < 4.0 * state.variance:
         state.sensing = 0.0
