@@ -9,7 +9,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.parameters import ReachedConditions, ValidityLimits, beyond_validity, exceeds, section_m2
 from musclewire.physics import convection_coefficient_w_per_m2_k
-from musclewire.sensing import HotEnd, noise_level
+from musclewire.sensing import HotEnd, lagged, noise_level
 from musclewire.signals import Recording, RunFacts
 
 # Readings of a load cell are taken for as many standard deviations of its noise less extreme than they are.
@@ -77,19 +77,16 @@ def temperature_k(recording: Recording) -> float | None:
     names = ("limit_heat_capacity_j_per_k", "limit_heat_loss_w_per_k", "limit_ambient_temperature_k")
     capacity, loss, ambient = (facts.number_or_none(name) for name in names)
     shunt, period = facts.number_or_none("shunt_resistance_ohm"), facts.number_or_none("sample_period_s")
-    if capacity is None or loss is None or ambient is None or not shunt or period is None or not len(recording):
+    if capacity is None or not loss or ambient is None or not shunt or period is None or not len(recording):
         return None
     if "wire_voltage_v" not in recording or "shunt_voltage_v" not in recording:
         return None
     power = np.nan_to_num(recording["wire_voltage_v"] * recording["shunt_voltage_v"] / shunt)
     rate = period * loss / capacity
 
-    from scipy.signal import lfilter
-
     def above_k(power_w: FloatArray) -> FloatArray:
         """Return how far a constant loss lets a power heat the wire above the air [K], (n_times,)."""
-        rows: FloatArray = lfilter([period / capacity / (1.0 + rate)], [1.0, -1.0 / (1.0 + rate)], power_w)
-        return rows
+        return lagged(power_w / loss, rate / (1.0 + rate), 0.0)
 
     above = above_k(power)
     diameter = facts.positive_or_none("wire_diameter_m")

@@ -32,7 +32,7 @@ from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.identify._recordings import reference_quantity, resistance_reading
 from musclewire.identify._use_of_model import error_unit_for
 from musclewire.parameters import Alloy, load_alloy, load_wire, names
-from musclewire.sensing import SHOWN_AS, SensingModel, evaluate
+from musclewire.sensing import SHOWN_AS, SensingModel, evaluate, smooth, smooth_slope
 from musclewire.signals import Recording, RunFacts
 
 if TYPE_CHECKING:
@@ -458,15 +458,12 @@ def quantity_by_branches(
 
 def smoothed(values: FloatArray, period_s: float) -> tuple[FloatArray, FloatArray]:
     """Return values and their rate [1/s], smoothed over a second. Raises RecordingError for few samples."""
-    from scipy.signal import savgol_filter
-
     window = max(2 * round(0.5 * SMOOTHING_S / period_s) + 1, 5)
     if len(values) < 4 * window:
         raise RecordingError(
             f"the recording has {len(values)} samples: a slow loop is needed, from cold to hot and back"
         )
-    rate = savgol_filter(values, window, 2, deriv=1, delta=period_s)
-    return np.asarray(savgol_filter(values, window, 2)), np.asarray(rate)
+    return smooth(values, window), smooth_slope(values, window) / period_s
 
 
 def last_cycle(recording: Recording) -> slice:

@@ -1,4 +1,4 @@
-"""Noise of a sampled curve, and a smoother that leaves a curve without noise unchanged."""
+"""Noise of a sampled curve, smoothers that leave a curve without noise unchanged, and a first-order lag."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from math import sqrt
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled
 
 # Smoothing suffices when the remaining noise is this fraction of the span of the curve.
 NOISE_GOAL = 1e-3
@@ -105,3 +106,43 @@ def smooth(values: FloatArray, window: int) -> FloatArray:
     result[:half] = (project @ centred[:window])[:half]
     result[-half:] = (project @ centred[-window:])[-half:]
     return result + level
+
+
+def smooth_slope(values: FloatArray, window: int) -> FloatArray:
+    """Return by how much a local parabola rises from one sample to the next, at each sample.
+
+    ``values`` and the result have shape (n,). The first and last half window are taken from one parabola each.
+    """
+    half = window // 2
+    offset = np.arange(-half, half + 1, dtype=np.float64)
+    result = np.empty_like(values)
+    result[half:-half] = np.convolve(values, -offset / (offset @ offset), mode="valid")
+    basis = np.vander(offset, 3)
+    rises = np.column_stack([2.0 * offset, np.ones_like(offset)]) @ np.linalg.pinv(basis)[:2]
+    result[:half] = (rises @ values[:window])[:half]
+    result[-half:] = (rises @ values[-window:])[-half:]
+    return result
+
+
+@compiled
+def lagged(values: FloatArray, gain: float, before: float) -> FloatArray:
+    """Return values behind a first-order lag.
+
+    Parameters
+    ----------
+    values
+        Evenly sampled values, shape (n,).
+    gain
+        The fraction of what is left that the lag takes up in one sample, in (0, 1].
+    before
+        What the lag had reached one sample before the first.
+
+    Returns
+    -------
+    What it has reached at each sample, shape (n,).
+    """
+    result, reached = np.empty_like(values), before
+    for place, value in enumerate(values):
+        reached += gain * (value - reached)
+        result[place] = reached
+    return result

@@ -13,7 +13,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify._recordings import resistance_reading
-from musclewire.sensing import ResistanceExtremes, find_resistance_extremes
+from musclewire.sensing import ResistanceExtremes, find_resistance_extremes, lagged
 from musclewire.signals import Recording
 
 # Grid of a branch over its warming: finer than the error of the warming itself.
@@ -74,15 +74,9 @@ class HeatCourse(NamedTuple):
         """Return the wire's temperature above the air [K], (n_times,), of a course on an even grid, by nominal loss."""
         step_s = float(self.time_s[1] - self.time_s[0])
         gain = 1.0 - float(np.exp(-step_s / heat.lag_s))
-        steady_k = lagged(self.power_w, gain) / heat.loss_w_per_k
-        return steady_k + latent_k_per_ohm * (self.resistance_ohm - lagged(self.resistance_ohm, gain))
-
-
-def lagged(values: FloatArray, gain: float) -> FloatArray:
-    """Return values behind a first-order lag that is settled at the first one."""
-    from scipy.signal import lfilter
-
-    return np.asarray(lfilter([gain], [1.0, gain - 1.0], values, zi=[(1.0 - gain) * values[0]])[0])
+        steady_k = lagged(self.power_w, gain, self.power_w[0]) / heat.loss_w_per_k
+        behind_ohm = lagged(self.resistance_ohm, gain, self.resistance_ohm[0])
+        return steady_k + latent_k_per_ohm * (self.resistance_ohm - behind_ohm)
 
 
 def heating_branch(course: HeatCourse, warming_k: FloatArray) -> tuple[FloatArray, FloatArray]:

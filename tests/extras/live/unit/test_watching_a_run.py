@@ -26,8 +26,8 @@ SAMPLE_S, MAX_SILENCE_S = 0.05, 0.6
 class Watched:
     """A session that is watched for some seconds of a clock of the test's own; nobody gives a sign meanwhile."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch, *, heating: bool, ending: str = "") -> None:
-        self.heating, self.ending = heating, ending
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, *, heating: bool, ending: str = "", above: bool = True) -> None:
+        self.heating, self.ending, self.above_sense_voltage = heating, ending, above
         self.quitting, self.sample_s, self.max_silence_s = False, SAMPLE_S, MAX_SILENCE_S
         self.now_s, self.stopped_at_s, self.ended_at_s = 0.0, [], None
         clock = SimpleNamespace(sleep=self._sleep, monotonic=lambda: self.now_s)
@@ -70,6 +70,20 @@ def test_a_run_that_ends_has_its_last_samples_before_it_is_switched_off(monkeypa
     session = Watched(monkeypatch, heating=True, ending="as asked")
     session.watch(until_s=2.0 * SAMPLE_S)
     assert session.stopped_at_s == []
+
+
+def test_a_run_whose_drive_is_down_has_its_time_to_be_judged(monkeypatch: pytest.MonkeyPatch) -> None:
+    session = Watched(monkeypatch, heating=True, ending="as asked", above=False)
+    session.watch(until_s=3.0)
+    assert session.stopped_at_s == []
+
+
+@pytest.mark.parametrize(("voltage_v", "above"), [(0.3, False), (0.31, True)])
+def test_a_session_knows_whether_more_than_the_sense_voltage_is_out(voltage_v: float, above: bool) -> None:
+    nothing: Any = None
+    rig: Any = SimpleNamespace(drive_voltage_v=voltage_v, sense_voltage_v=0.3)
+    assert BenchSession("simulated", Path(), nothing, nothing, rig=rig).above_sense_voltage is above
+    assert not BenchSession("simulated", Path(), nothing, nothing).above_sense_voltage
 
 
 def test_a_run_that_was_ended_keeps_its_reason_when_nobody_is_there_any_more(monkeypatch: pytest.MonkeyPatch) -> None:

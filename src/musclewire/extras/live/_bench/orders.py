@@ -136,7 +136,8 @@ class OrderQueue:
             now_s = time.monotonic()
             if session.heating and not session.ending and now_s - self._alive_s > session.max_silence_s:
                 session.ending = NOBODY.format(session.max_silence_s)
-            if not (session.heating and session.ending):
+            # At its sense voltage the wire is safe, and what was recorded is being judged: that may take its time.
+            if not (session.heating and session.ending and session.above_sense_voltage):
                 self._ending_since_s = None
             elif self._ending_since_s is None:
                 self._ending_since_s = now_s

@@ -139,6 +139,11 @@ class BenchSession:
         files = sorted(self.folder.glob("*.h5"), key=lambda path: path.name)
         self.shown.change(recordings=[{"name": path.name, "bytes": path.stat().st_size} for path in files])
 
+    @property
+    def above_sense_voltage(self) -> bool:
+        """Whether more than the sense voltage is out."""
+        return self.rig is not None and self.rig.drive_voltage_v > self.rig.sense_voltage_v
+
     def set_clock_speed(self, factor: float) -> None:
         """Let a simulated rig run faster or slower than the clock from now on. Raises CallerError for a real one."""
         clock = None if self.rig is None else adjustable_clock_of(self.rig)
