@@ -56,6 +56,21 @@ def test_a_fit_whose_loop_is_wrong_says_so_and_keeps_it_in_its_file(name: str, t
     assert known_against(model, {}) == {"model_does_not_hold": f"the model does not hold: {model.does_not_hold}"}
 
 
+@pytest.mark.parametrize(("late", "holds"), [(0.0, True), (0.05, False)])
+def test_without_a_current_only_a_loop_with_a_small_gap_is_shown_to_hold(late: float, holds: bool) -> None:
+    columns = loop("grains")
+    resistance = SHUNT_OHM * columns["wire_voltage_v"] / columns["shunt_voltage_v"]
+    time_s, moved_m = columns["time_s"], columns["displacement_m"]
+    behind_m = np.interp(time_s - late * np.ptp(time_s), time_s, moved_m)
+    model = fit(
+        Recording({"time_s": time_s, "wire_resistance_ohm": resistance, "displacement_m": behind_m}),
+        quantity="displacement",
+    )
+    assert model.holds is holds
+    assert ("by the estimator polynomial" in model.does_not_hold) is not holds
+    assert ("only the average of both branches could be tried" in model.does_not_hold) is not holds
+
+
 def test_a_file_that_is_said_to_hold_against_its_reason_was_altered(tmp_path: Path) -> None:
     path = tmp_path / "model.json"
     fit(stepped(), quantity="displacement").save(path)

@@ -109,6 +109,11 @@ WIRE_NOTES = (
 )
 # Rows of the loop that a model keeps for its home moves.
 LOOP_ROWS = 300
+# What is said of a wrong average where no branch could be told from the other.
+UNTRIED = (
+    "the recording has no current, by whose change a loop's estimator tells heating from cooling, so that only the "
+    "average of both branches could be tried; record the wire's voltage or current with its resistance"
+)
 ALWAYS_COLD = "the wire was never warmer than where the model begins"
 # A recording is warned of from this fraction of readings outside the range on: fewer are noise at its ends.
 MIN_OUTSIDE = 0.01
@@ -202,13 +207,15 @@ def fit(
 
 
 def against_a_loop(model: SensingModel, recording: Recording) -> str:
-    """Return why a loop by a model is wrong, as the recording that it was fitted to shows; "" if nothing does."""
-    if not has_current(recording):
-        return ""
+    """Return why a loop by a model is wrong, as the recording that it was fitted to shows; "" if nothing does.
+
+    Without a current only the average of both branches can be tried, and the model then holds no more than that.
+    """
     try:
-        return estimate(model, recording).does_not_hold
+        wrong = estimate(model, recording).does_not_hold
     except RecordingError as error:  # nothing of its own loop can be estimated
         return str(error)
+    return f"{wrong}: {UNTRIED}" if wrong and not has_current(recording) else wrong
 
 
 def fit_arrays(
