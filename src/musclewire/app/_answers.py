@@ -326,8 +326,9 @@ class SampleCount(AnswerModel):
 
 
 class EstimateAnswer(EstimateErrors, SampleCount):
-    """Of ``estimate``."""
+    """Of ``estimate``; ``fell_back`` is empty if the estimate is by the estimator that was asked for."""
 
+    fell_back: str
     warnings: Words
 
 

@@ -177,9 +177,6 @@ def why_not(run: ControlRun) -> MusclewireError | None:
     """Return why the result of a run does not hold, None if it does."""
     from musclewire.experiment import does_not_hold
 
-    if run.metrics.valid_share < MIN_VALID_FRACTION:
-        sensed_pct = 100 * run.metrics.valid_share
-        return MusclewireError(f"only {sensed_pct:.0f} % of the samples could be sensed; this does not hold")
     return MusclewireError("this does not hold: see the warnings above") if does_not_hold(run) else None
 
 
@@ -328,10 +325,6 @@ def read_reference(reference: str, quantity: str, loaded: SensingModel) -> Refer
     return sampled_reference(table["time_s"] - table["time_s"][0], table[f"target_{COLUMN_SUFFIX[quantity]}"])
 
 
-# A closed loop with a smaller fraction of valid estimates was not closed.
-MIN_VALID_FRACTION = 0.8
-
-
 @dataclass(frozen=True)
 class ManyLoopsChoice:
     """How many loops run at once, and how."""
@@ -392,9 +385,6 @@ def run_many_loops(
             on_outcome=on_outcome,
         )
     warn(found.warnings)
-    unsensed = sum(metrics.valid_share < MIN_VALID_FRACTION for metrics in found.metrics)
-    if unsensed:
-        say(f"musclewire: {unsensed} loops could sense less than {100 * MIN_VALID_FRACTION:.0f} % of their samples")
     ended = next(iter(found.metrics), None)
     answer = ManyLoopsAnswer.read_from(
         approach_s=None if ended is None else ended.approach_s,
@@ -402,7 +392,7 @@ def run_many_loops(
         steps=found.steps,
         runs=[LoopRunAnswer.read_from(one, one.metrics, **step_errors(one.metrics)) for one in found.outcomes],
     )
-    return Result(answer, str(found), holds=not (found.failed or found.doubtful or unsensed))
+    return Result(answer, str(found), holds=not (found.failed or found.doubtful))
 
 
 def step_errors(metrics: ControlMetrics | None) -> dict[str, list[float | None]]:

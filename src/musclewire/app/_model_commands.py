@@ -169,7 +169,8 @@ def estimate(
         report.recording.save(output)
     figure.draw(report.plot)
     warn(report.warnings)
-    return Result(EstimateAnswer.read_from(report, samples=len(report.recording)), report.summary())
+    failed = MusclewireError("this is not the estimate that was asked for") if report.fell_back else None
+    return Result(EstimateAnswer.read_from(report, samples=len(report.recording)), report.summary(), error=failed)
 
 
 def rules(

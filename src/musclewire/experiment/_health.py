@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
 from musclewire.experiment._first_heating import seen_at_b
-from musclewire.experiment._metrics import since_first_sensed
+from musclewire.experiment._metrics import judged_for_sensing, since_first_sensed, valid_share
 from musclewire.identify import COLUMN_SUFFIX, reference_quantity
 from musclewire.sensing import CAUSE_TEXT, Cause
 from musclewire.signals import Recording
@@ -26,6 +26,7 @@ NAMES = {
     Cause.LATE: "late",
     Cause.CONTRADICTED: "contradicted",
     Cause.OTHER_HEIGHT_OF_B: "changed load or resistance",
+    Cause.HARDLY_SENSED: "hardly sensed",
 }
 # The drive is at a limit within this fraction of it; a target is missed by more than this part of the range of targets.
 AT_LIMIT, NOT_REACHED = 0.01, 0.05
@@ -44,11 +45,14 @@ GRAVE = (
     Cause.BEYOND_C,
     Cause.CONTRADICTED,
     Cause.OTHER_HEIGHT_OF_B,
+    Cause.HARDLY_SENSED,
 )
 # 95 % of normally distributed errors lie within so many standard deviations. An instrument contradicts an estimate if
 # more than this part of the valid samples do not: errors last for a step, and of the paper's eleven steps two are
 # beyond by chance in one run of ten, three in 1.5 %.
 WITHIN_STD, MAX_BEYOND = 1.96, 0.25
+# A closed loop with a smaller part of valid samples was not closed.
+MIN_VALID_FRACTION = 0.8
 # A wire is late that was seen to follow later than expected by more than this [s]; those of our own benches are 0.03 to
 # 0.15 s late, by samples and by the estimator's filter.
 LATE_S = 0.15
@@ -85,6 +89,7 @@ def findings(recording: Recording) -> tuple[TimedFinding, ...]:
     marked[Cause.SATURATION] &= ~marked[Cause.STALLED]
     marked[Cause.CONTRADICTED] = contradicted(recording, suffix)
     marked[Cause.OTHER_HEIGHT_OF_B] = at_another_height(recording)
+    marked[Cause.HARDLY_SENSED] = hardly_sensed(recording)
     if "health" in recording:
         for cause in (Cause.CHANGED_LOAD, Cause.CHANGED_AIR, Cause.OTHER_WIRE):
             marked[cause] = recording["health"] == float(cause)
@@ -121,6 +126,8 @@ def numbers_of(cause: Cause, recording: Recording, row: int) -> str:
         return contradiction_in_words(recording, sensed_suffix(recording))
     if cause is Cause.OTHER_HEIGHT_OF_B:
         return str(seen_at_b(recording))
+    if cause is Cause.HARDLY_SENSED:
+        return f"{100.0 * valid_share(recording):.0f} % of the samples could be sensed"
     if cause is not Cause.OSCILLATION:
         return ""
     period_s = period_of(recording)
@@ -209,6 +216,13 @@ def at_another_height(recording: Recording) -> npt.NDArray[np.bool_]:
     seen = seen_at_b(recording)
     away = seen is not None and seen.is_away
     return np.asarray(away & (np.arange(len(recording)) >= (0 if seen is None else seen.row)))
+
+
+def hardly_sensed(recording: Recording) -> npt.NDArray[np.bool_]:
+    """Return the samples that could not be sensed, if they are too many; else none."""
+    if "valid" not in recording or valid_share(recording) >= MIN_VALID_FRACTION:
+        return np.zeros(len(recording), dtype=np.bool_)
+    return judged_for_sensing(recording) & ~(recording["valid"] > 0.0)
 
 
 def saturated(recording: Recording, suffix: str) -> npt.NDArray[np.bool_]:

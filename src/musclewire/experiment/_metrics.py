@@ -317,7 +317,7 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
     rows = tuple(step_metrics(step, elapsed_s, estimated, measured, approach_s) for step in steps)
     largest, mean = largest_and_mean([row.mae_pct for row in rows])
     largest_approached, mean_approached = largest_and_mean([row.mae_approached_pct for row in rows])
-    judged = elapsed_s > (1e-9 if approach_s > 0.0 or elapsed_s[-1] <= SETTLE_S else SETTLE_S)
+    judged = after_approach(elapsed_s, approach_s)
     target = recording[f"target_{suffix}"][judged]
     per = float(np.abs(target).max()) or 1.0
     true = None if measured is None else measured[judged]
@@ -333,8 +333,23 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
         mae_mean_approached_pct=mean_approached,
         approach_s=approach_s,
         start=None if measured is None or not np.isfinite(measured[0]) else float(measured[0]),
-        valid_share=float(np.mean(recording["valid"][judged & since_first_sensed(recording)])),
+        valid_share=valid_share(recording),
     )
+
+
+def after_approach(elapsed_s: FloatArray, approach_s: float) -> npt.NDArray[np.bool_]:
+    """Return the samples after the approach, or after the first second if there was none, (n_times,)."""
+    return np.asarray(elapsed_s > (1e-9 if approach_s > 0.0 or elapsed_s[-1] <= SETTLE_S else SETTLE_S))
+
+
+def judged_for_sensing(recording: Recording) -> npt.NDArray[np.bool_]:
+    """Return the samples at which a loop should have been sensed, (n_times,)."""
+    return after_approach(elapsed(recording), recording.facts.approach_s) & since_first_sensed(recording)
+
+
+def valid_share(recording: Recording) -> float:
+    """Return the fraction of valid samples among those at which a loop should have been sensed."""
+    return float(np.mean(recording["valid"][judged_for_sensing(recording)]))
 
 
 def since_first_sensed(recording: Recording) -> npt.NDArray[np.bool_]:

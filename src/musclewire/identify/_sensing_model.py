@@ -16,6 +16,7 @@ from musclewire.errors import CallerError, FitRejectedError, RecordingError, an_
 from musclewire.identify._error_causes import ErrorGroup, JudgedEstimate, error_groups, fractions_not_counted, lines_of
 from musclewire.identify._extrapolation import hot_end
 from musclewire.identify._loop_gaps import guide_friction_n
+from musclewire.identify._open_loop_estimate import open_loop_estimate
 from musclewire.identify._recording_defects import CYCLE_PART, recording_defects
 from musclewire.identify._recordings import (
     COLUMN_SUFFIX,
@@ -28,7 +29,7 @@ from musclewire.identify._recordings import (
     without_loop,
 )
 from musclewire.identify._tuning import with_gains
-from musclewire.identify._use_of_model import default_estimator, users_wire
+from musclewire.identify._use_of_model import DEFAULT_WITH_WIRE_FILE, default_estimator, users_wire
 from musclewire.physics import ArrayReading
 from musclewire.sensing import (
     AMBIGUOUS_ABOVE,
@@ -117,6 +118,8 @@ UNTRIED = (
 ALWAYS_COLD = "the wire was never warmer than where the model begins"
 # A recording is warned of from this fraction of readings outside the range on: fewer are noise at its ends.
 MIN_OUTSIDE = 0.01
+# What gives an estimate where the particle filter has no valid sample.
+OPEN_LOOP = "open-loop simulation"
 
 
 def fit(
@@ -347,7 +350,7 @@ class EstimateReport:
 
     Errors are in percent of the stroke that was measured in the model's loop (of the model's range for a model without
     a measured motion). They count the samples that the estimator says are valid, but for those at which the wire is
-    colder than the model begins: no loop can be asked to go there.
+    colder than the model begins: no loop can be asked to go there. Those of a simulation count all samples.
 
     Parameters
     ----------
@@ -377,6 +380,9 @@ class EstimateReport:
         What was estimated: "strain", "displacement" or "force".
     of_stroke
         What errors are a percentage of, in words.
+    fell_back
+        Why the estimate is not by the estimator that was asked for, and what it is instead; "" if it is. The
+        recording's metadata have it, too.
     """
 
     recording: Recording
@@ -391,6 +397,7 @@ class EstimateReport:
     error_groups: tuple[ErrorGroup, ...] = ()
     quantity: str = "strain"
     of_stroke: str = "the measured stroke"
+    fell_back: str = ""
 
     @property
     def columns(self) -> Mapping[str, FloatArray]:
@@ -443,7 +450,7 @@ class EstimateReport:
             counted += (
                 f" (not: {', '.join(f'{100 * fraction:.1f} % {why}' for why, fraction in self.not_counted.items())})"
             )
-        first = f"{len(self.recording)} samples, {counted}"
+        first = self.fell_back or f"{len(self.recording)} samples, {counted}"
         return "\n".join([first, *lines_of(self.quantity, self.error_groups), f"estimator {self.estimator}: {errors}"])
 
 
@@ -494,7 +501,9 @@ def estimate(
         recording without current, which it needs, the paper's. The paper's, "polynomial", processes the whole recording
         at once, and knows from what follows where the wire passed B.
     wire_file
-        The wire's own file, as ``calibrate`` writes it, for an estimator on physics; None without one.
+        The wire's own file, as ``calibrate`` writes it, for an estimator on physics; None without one. Where the
+        particle filter has no valid sample, the estimate is the open-loop simulation of this wire by the recorded
+        current, and says so (``fell_back``).
 
     Returns
     -------
@@ -524,17 +533,23 @@ def estimate(
     wire = None if wire_file is None else users_wire(wire_file, recording.metadata)
     columns, reasons = at_once(model, recording) if whole else one_by_one(estimator, model, recording, wire)
     suffix = COLUMN_SUFFIX[model.quantity]
+    fell_back = ""
+    if wire is not None and estimator == DEFAULT_WITH_WIRE_FILE and not columns["valid"].any():
+        columns, reasons, fell_back = open_loop_instead(model, recording, wire, reasons)
+        estimator, recording = OPEN_LOOP, recording.with_metadata(estimate_fell_back=fell_back)
     valid, value = columns["valid"] > 0.0, columns[f"estimated_{suffix}"]
-    if not valid.any():
-        raise outside_range(model, resistance_reading(recording))
     reading = resistance_reading(recording)
+    if not valid.any():
+        raise outside_range(model, reading)
     measured = reference_quantity(recording, model.quantity)
-    counts = valid if measured is None else valid & (measured >= model.quantity_min)
+    # A simulation begins nowhere: it is judged from the cold wire on.
+    counts = valid if measured is None or fell_back else valid & (measured >= model.quantity_min)
     errors: FloatArray | None = None
     groups: tuple[ErrorGroup, ...] = ()
     if measured is not None and counts.any():
         errors = (value - measured)[counts] / model.stroke * 100.0
-        groups = error_groups(JudgedEstimate(model, recording, reading.resistance_ohm, value, measured, counts))
+        if not fell_back:  # what errors are put down to are properties of a curve
+            groups = error_groups(JudgedEstimate(model, recording, reading.resistance_ohm, value, measured, counts))
     judged = usable_readings(recording)
     found = judged.findings
     kept = recording.with_metadata(unusable_readings="; ".join(found)) if found else recording
@@ -555,7 +570,29 @@ def estimate(
         error_groups=groups,
         quantity=model.quantity,
         of_stroke="the measured stroke" if model.measured_stroke else "the model's range",
+        fell_back=fell_back,
     )
+
+
+def open_loop_instead(
+    model: SensingModel, recording: Recording, wire: WireConstants, reasons: list[int]
+) -> tuple[dict[str, FloatArray], list[int], str]:
+    """Return columns and reasons of the open-loop simulation, and in words why it takes the filter's place."""
+    every = np.ones(len(recording), dtype=np.bool_)
+    fractions = fractions_not_counted(reasons, ~every, ~every, usable_readings(recording).usable)
+    why = ", ".join(f"{100 * fraction:.1f} % {reason}" for reason, fraction in fractions.items())
+    try:
+        value, std = open_loop_estimate(model, recording, wire, air_temperature_k(recording))
+    except RecordingError as error:
+        never = outside_range(model, resistance_reading(recording))
+        raise RecordingError(f"{never}; nor by simulation: {error}") from None
+    mean_pct, max_pct = (100.0 * float(part) / model.stroke for part in (std.mean(), std.max()))
+    said = (
+        f"no sample of the particle filter is valid ({why}): the estimate is the open-loop simulation of the wire file "
+        "by the recorded current, from a cold wire, which reads no resistance; its standard deviation is "
+        f"{mean_pct:.2g} % of the stroke in the mean, {max_pct:.2g} % at most"
+    )
+    return estimate_columns(model.quantity, value, std, every), [Reason.OK] * len(recording), said
 
 
 def at_once(model: SensingModel, recording: Recording) -> tuple[dict[str, FloatArray], list[int]]:

@@ -29,6 +29,8 @@ class Cause(IntEnum):
     """The reference instrument is too often beyond the interval that the estimate states."""
     OTHER_HEIGHT_OF_B = 10
     """The first heating turned at another resistance than the model's slow loop: load or resistance have changed."""
+    HARDLY_SENSED = 11
+    """Too few samples were valid for the loop to have been closed."""
 
 
 CAUSE_TEXT = {
@@ -50,4 +52,6 @@ CAUSE_TEXT = {
     Cause.OTHER_HEIGHT_OF_B: "the first heating turned at another resistance than the model's slow loop: the load or "
     "the resistance (contact, lead, age) has changed since the model was made, or the air, if this wire turns below "
     "about 50 C: put it back, or characterize again; for resistance alone musclewire home",
+    Cause.HARDLY_SENSED: "the loop was closed for a part of the run only: the wire was cold of B, beyond C, or carried "
+    "no current; give targets further from both ends, or check the contacts",
 }

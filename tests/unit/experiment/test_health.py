@@ -126,3 +126,14 @@ def test_a_step_beyond_the_interval_or_a_wide_one_that_holds_is_no_contradiction
 def test_a_rig_that_states_another_load_than_the_models_does_not_hold() -> None:
     stated = Recording(dict(loop().columns), {**FACTS, "other_load": "the rig states a pretension of 0.95 N"})
     assert does_not_hold(stated)
+
+
+def test_a_loop_with_fewer_than_four_valid_samples_in_five_does_not_hold_and_says_which_could_not_be_sensed() -> None:
+    facts = {**FACTS, "sample_period_s": PERIOD_S}
+    cold = Recording({**loop().columns, "valid": np.where(between(20.0, 28.0), 0.0, 1.0)}, facts)
+    (found,) = findings(cold)
+    assert (found.cause, round(found.from_s), round(found.lasted_s)) == (Cause.HARDLY_SENSED, 20, 8)
+    assert does_not_hold(cold) == "hardly sensed"
+    assert "77 % of the samples could be sensed" in health_metadata(cold)["health"]
+    rarely = Recording({**loop().columns, "valid": np.where(between(20.0, 26.0), 0.0, 1.0)}, facts)
+    assert findings(rarely) == ()
