@@ -73,6 +73,12 @@ def short_of_the_start(found: Loop, _: Generator) -> Loop:
     return {**found, "displacement_m": stroke_m + back}
 
 
+def late_motion(found: Loop, random: Generator) -> Loop:
+    """Motion that is read up to 50 ms early or late: by another instrument, with a clock of its own."""
+    late_s = random.uniform(-0.05, 0.05)
+    return {**found, "displacement_m": np.interp(found["time_s"] - late_s, found["time_s"], found["displacement_m"])}
+
+
 def coil(found: Loop, _: Generator) -> Loop:
     """A coil of the wire: a stroke of 10 mm on 15."""
     return {**found, "displacement_m": found["displacement_m"] * (0.01 / found["displacement_m"].max())}

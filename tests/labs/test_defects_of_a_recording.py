@@ -19,6 +19,7 @@ from tests.labs.loops import (
     coarse,
     coil,
     dead_zone,
+    late_motion,
     loop,
     noise_of_the_current,
     short_of_the_start,
@@ -38,7 +39,11 @@ NAMED: dict[Defect, str] = {
     step_with_the_current: "the resistance jumps by",
     dead_zone: "the resistance hardly changes",
     short_of_the_start: "cooling ends",
+    late_motion: "two clocks were joined",
 }
+# Standard deviations [s] of the delay with which two instruments were joined: of two that 50 ms may lie between, with 0
+# for one that is not stated, and of sound ones.
+LATE_S, SOUND_S = (0.0, 0.025, 0.05), (1e-4, 1e-3)
 MOST = [10, pytest.param(200, marks=pytest.mark.slow)]
 
 
@@ -48,10 +53,22 @@ def drawn(number: int, defect: Defect | None) -> tuple[Recording, str, bool]:
     every, name = int(random.integers(1, 4)), str(random.choice(LOOPS))
     columns: Loop = {key: values[::every] for key, values in loop(name).items()}
     coiled = random.random() < 0.3
-    made = [one for one, there in ((defect, defect), (coil, coiled), (coarse, random.random() < 0.3)) if one and there]
+    # To a staircase of minutes 50 ms are nothing.
+    seldom = random.random() < 0.3 and defect is not late_motion
+    made = [one for one, there in ((defect, defect), (coil, coiled), (coarse, seldom)) if one and there]
     for one in made:
         columns = one(columns, random)
-    return recorded(columns, random), name, coiled
+    return joined(recorded(columns, random), number, defect), name, coiled
+
+
+def joined(recording: Recording, number: int, defect: Defect | None) -> Recording:
+    """Return a recording as if joined from two instruments: every late one, and every other of the others."""
+    if defect is not late_motion and number % 2:
+        return recording
+    random = np.random.default_rng([58, number])
+    std_s = float(random.choice(LATE_S) if defect is late_motion else random.uniform(*SOUND_S))
+    stated = {"join_delay_std_s": std_s} if std_s else {"join_how": "by their clocks, which count from one moment"}
+    return recording.with_metadata({"join_delay_s": 0.2, **stated})
 
 
 @cache

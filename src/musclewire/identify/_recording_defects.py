@@ -1,4 +1,4 @@
-"""What spoils a loop though each of its readings is one: noise, jumps, flat stretches and a cooling that ends short.
+"""What spoils a loop though each of its readings is one: noise, jumps, flat stretches, short cooling, joined clocks.
 
 Everything is judged from the recording alone, before a model and for a recording without a complete loop too.
 """
@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from musclewire.arrays import FloatArray
+from musclewire.errors import RecordingError
 from musclewire.identify._recordings import circuit_readings, has_current, reference_quantity, resistance_reading
-from musclewire.sensing import SHOWN_AS, noise_level, turning_points
+from musclewire.sensing import SHOWN_AS, hysteresis_gap, noise_level, turning_points
 from musclewire.signals import Recording
 
 Rows = NDArray[np.intp]
@@ -38,6 +39,9 @@ FLAT_CHANGE = 0.04
 MIN_FLAT, FLAT_PARTS = 0.3, 40
 # Cooling ends short from the error on at which a sample counts as wrong, with the current back within this factor.
 SHORT, BACK = 0.05, 1.2
+# Two clocks that were joined are known to so many standard deviations, and to this time [s] if it is not stated; it
+# counts from the part of the gap on that it changes.
+DELAY_STDS, UNSTATED_DELAY_S, GAP_CHANGE = 2.0, 0.05, 0.1
 # A cycle passes at least this part of the stroke.
 CYCLE_PART = 0.5
 
@@ -48,6 +52,8 @@ class MeasuredLoop:
 
     Parameters
     ----------
+    time_s
+        Time [s].
     resistance_ohm
         Resistance [ohm].
     moved
@@ -58,6 +64,7 @@ class MeasuredLoop:
         What moved.
     """
 
+    time_s: FloatArray
     resistance_ohm: FloatArray
     moved: FloatArray
     current_a: FloatArray | None
@@ -102,14 +109,16 @@ def recording_defects(recording: Recording, quantity: str, min_stroke: float = 0
     Returns
     -------
     Warnings: that noise at low current drowns the swing of the resistance, that the resistance jumps with the current,
-    that it hardly changes over a stretch of the stroke, that cooling ends short of where heating began.
+    that it hardly changes over a stretch of the stroke, that cooling ends short of where heating began, and of a
+    recording that was joined from two clocks, that the gap is no better known than their delay.
     """
     loop = measured_loop(recording, quantity)
     if loop is None or loop.stroke < min_stroke:
         return ()
     drowned = list(drowning_noise(loop))
     # What noise drowns shows neither jumps nor stretches.
-    return (*drowned, *([] if drowned else [*jump_with_current(loop), *flat_stretch(loop)]), *short_cooling(loop))
+    shown = [] if drowned else [*jump_with_current(loop), *flat_stretch(loop), *joined_clocks(loop, recording)]
+    return (*drowned, *shown, *short_cooling(loop))
 
 
 def measured_loop(recording: Recording, quantity: str) -> MeasuredLoop | None:
@@ -126,7 +135,7 @@ def measured_loop(recording: Recording, quantity: str) -> MeasuredLoop | None:
     if has_current(recording):
         read = circuit_readings(recording)
         current_a = np.abs(read.shunt_v[there] / read.shunt_ohm)
-    return MeasuredLoop(reading.resistance_ohm[there], moved[there], current_a, quantity)
+    return MeasuredLoop(recording["time_s"][there], reading.resistance_ohm[there], moved[there], current_a, quantity)
 
 
 def drowning_noise(loop: MeasuredLoop) -> Iterator[str]:
@@ -259,3 +268,37 @@ def short_cooling(loop: MeasuredLoop) -> Iterator[str]:
         f"cooling ends {factor * short:.3g} {unit}, {100 * short / loop.stroke:.0f} % of the stroke, short of where "
         "heating began: let it cool longer; if it rests there, train the wire or look for friction"
     )
+
+
+def joined_clocks(loop: MeasuredLoop, recording: Recording) -> Iterator[str]:
+    """Yield by how much the gap changes within what is known of the delay between two clocks that were joined."""
+    facts = recording.facts
+    if facts.number_or_none("join_delay_s") is None:
+        return
+    std_s = facts.number_or_none("join_delay_std_s")
+    off_s = UNSTATED_DELAY_S if std_s is None else DELAY_STDS * std_s
+    try:
+        gap, *others = (gap_with_delay(loop, delay_s) for delay_s in (0.0, -off_s, off_s))
+    except RecordingError:  # no two branches, and so no gap
+        return
+    change = max(abs(other - gap) for other in others) / gap
+    if change < GAP_CHANGE:
+        return
+    known = "of no stated deviation" if std_s is None else f"known to {1e3 * std_s:.3g} ms"
+    yield (
+        f"two clocks were joined by a delay {known}: {1e3 * off_s:.3g} ms change the gap between heating and cooling, "
+        f"{100 * gap:.2g} % of the stroke, by {100 * change:.0f} % of itself; sweep more slowly, or record both with "
+        "one instrument"
+    )
+
+
+def gap_with_delay(loop: MeasuredLoop, delay_s: float) -> float:
+    """Return the gap of the last cycle over the stroke as it were with the motion so much [s] later."""
+    start, peak, end = loop.cycle
+    moved = np.interp(loop.time_s - delay_s, loop.time_s, loop.moved)
+    # From B to C: before the maximum of the resistance one reading stands for two positions.
+    first = start + int(np.argmax(loop.resistance_ohm[start : peak + 1]))
+    last = peak + int(np.argmax(loop.resistance_ohm[peak : end + 1]))
+    warm, cool = slice(first, peak + 1), slice(peak, last + 1)
+    heating, cooling = ((loop.resistance_ohm[rows], moved[rows]) for rows in (warm, cool))
+    return hysteresis_gap(heating, cooling, maximum=loop.stroke)

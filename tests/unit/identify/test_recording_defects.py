@@ -60,7 +60,7 @@ def test_scatter_is_that_of_single_readings_and_not_of_a_curve() -> None:
 )
 def test_cooling_is_short_if_the_current_is_back_or_was_not_recorded(current_a: np.ndarray | None, named: bool) -> None:
     moved = np.where(np.arange(201) > 100, 0.2 + 0.8 * RISE, RISE) * 1e-3
-    loop = MeasuredLoop(10.0 - RISE, moved, current_a, "displacement")
+    loop = MeasuredLoop(0.1 * np.arange(201), 10.0 - RISE, moved, current_a, "displacement")
     said = list(short_cooling(loop))
     assert bool(said) is named
     assert all("cooling ends 0.2 mm, 20 % of the stroke, short" in text for text in said)
@@ -74,3 +74,26 @@ def test_a_recording_that_moves_less_than_asked_or_not_beyond_its_noise_is_not_j
     held = 1e-6 * np.random.default_rng(6).standard_normal(201)
     assert not recording_defects(recording(held, ohm, current_a), "displacement")
     assert not recording_defects(recording(short, ohm, current_a), "force")
+
+
+@pytest.mark.parametrize(
+    ("metadata", "said"),
+    [
+        ({}, ""),  # one instrument
+        ({"join_delay_s": 0.3}, "of no stated deviation: 50 ms change"),
+        ({"join_delay_s": 0.3, "join_delay_std_s": 0.025}, "known to 25 ms: 50 ms change"),
+        ({"join_delay_s": 0.3, "join_delay_std_s": 1e-4}, ""),
+    ],
+)
+def test_joined_clocks_are_warned_of_if_their_delay_is_known_no_better_than_the_gap(
+    metadata: dict[str, float], said: str
+) -> None:
+    # Straight branches 4 % of the stroke apart, over 10 s each: in 50 ms the wire moves by 0.5 % of the stroke, so the
+    # gap of 4 % changes by twice that, a quarter of itself.
+    rise = np.linspace(0.0, 1.0, 101)
+    moved = np.concatenate([rise, rise[-2::-1]]) * 1e-3
+    ohm = np.concatenate([10.0 - rise, 9.0 - 0.04 + rise[1:]])
+    loop = recording(moved, ohm, np.full(moved.size, 0.2)).with_metadata(metadata)
+    texts = [text for text in recording_defects(loop, "displacement") if "joined" in text]
+    assert len(texts) == bool(said)
+    assert all(said in text and "by 25 % of itself" in text for text in texts)
