@@ -281,14 +281,13 @@ def joined_clocks(loop: MeasuredLoop, recording: Recording) -> Iterator[str]:
         gap, *others = (gap_with_delay(loop, delay_s) for delay_s in (0.0, -off_s, off_s))
     except RecordingError:  # no two branches, and so no gap
         return
-    change = max(abs(other - gap) for other in others) / gap
-    if change < GAP_CHANGE:
+    if max(abs(other - gap) for other in others) <= GAP_CHANGE * gap:
         return
     known = "of no stated deviation" if std_s is None else f"known to {1e3 * std_s:.3g} ms"
     yield (
-        f"two clocks were joined by a delay {known}: {1e3 * off_s:.3g} ms change the gap between heating and cooling, "
-        f"{100 * gap:.2g} % of the stroke, by {100 * change:.0f} % of itself; sweep more slowly, or record both with "
-        "one instrument"
+        f"two clocks were joined by a delay {known}; with {1e3 * off_s:.3g} ms more or less the gap between heating and cooling "
+        f"is {100 * min(others):.2g} to {100 * max(others):.2g} % of the stroke; sweep more slowly, or record both with one "
+        "instrument"
     )
 
 
