@@ -285,9 +285,9 @@ def joined_clocks(loop: MeasuredLoop, recording: Recording) -> Iterator[str]:
         return
     known = "of no stated deviation" if std_s is None else f"known to {1e3 * std_s:.3g} ms"
     yield (
-        f"two clocks were joined by a delay {known}; with {1e3 * off_s:.3g} ms more or less the gap between heating and cooling "
-        f"is {100 * min(others):.2g} to {100 * max(others):.2g} % of the stroke; sweep more slowly, or record both with one "
-        "instrument"
+        f"two clocks were joined by a delay {known}; with {1e3 * off_s:.3g} ms more or less the gap between heating "
+        f"and cooling is {100 * min(others):.2g} to {100 * max(others):.2g} % of the stroke; sweep more slowly, or "
+        "record both with one instrument"
     )
 
 
