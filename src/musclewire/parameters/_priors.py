@@ -34,6 +34,9 @@ class Prior(BaseModel):
         Source of the numbers.
     measure
         The experiment that makes the parameter identifiable.
+    starts
+        Values from which a search begins, one after the other, where what it looks for has valleys apart; empty if the
+        mean and draws around it will do.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -46,11 +49,13 @@ class Prior(BaseModel):
     unit: str
     source: str = Field(min_length=3)
     measure: str
+    starts: tuple[float, ...] = ()
 
     @model_validator(mode="after")
-    def _mean_lies_between_the_bounds(self) -> Prior:
-        if not self.low < self.mean < self.high:
-            raise ValueError(f"mean {self.mean:g} must lie between low {self.low:g} and high {self.high:g}")
+    def _mean_and_starts_lie_between_the_bounds(self) -> Prior:
+        for name, value in (("mean", self.mean), *(("start", start) for start in self.starts)):
+            if not self.low < value < self.high:
+                raise ValueError(f"{name} {value:g} must lie between low {self.low:g} and high {self.high:g}")
         return self
 
 

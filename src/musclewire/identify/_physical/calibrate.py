@@ -22,6 +22,7 @@ from musclewire.identify._physical.posterior import (
     covariance,
     estimates,
     excess_variance,
+    widened,
 )
 from musclewire.identify._physical.recording_kinds import (
     StartingPoint,
@@ -130,7 +131,8 @@ def calibration_of(
     unknowns = len(problem.candidates)
     observed, derivative = result.residuals[:-unknowns], result.jacobian[:-unknowns]
     excess = excess_variance(observed, unknowns)
-    spread = covariance(derivative, excess)
+    stretches = [channel.measured.size for item in problem.observations for channel in item.channels]
+    spread = widened(covariance(derivative, excess), derivative, observed, result.coordinates, stretches)
     deviation = np.sqrt(np.diag(spread))
     items = tuple(estimates(problem.candidates, result.coordinates, deviation))
     source = f"fitted by musclewire calibrate to {', '.join(inputs.sources)}"

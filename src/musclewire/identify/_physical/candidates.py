@@ -64,6 +64,14 @@ class CandidateParameters:
             getattr(values, prior.group)[name] = float(number)
         return values
 
+    def start(self, number: int, drawn: FloatArray) -> FloatArray:
+        """Return the coordinates of a search's start by its number: drawn, but for what has starts of its own."""
+        found = drawn.copy()
+        for place, prior in enumerate(self.priors):
+            if prior.starts:
+                found[place] = (prior.starts[number % len(prior.starts)] - prior.mean) / prior.std
+        return found
+
     def draw(self, random: np.random.Generator) -> FloatArray:
         """Return coordinates drawn from the prior, truncated at the bounds, (n_parameters,)."""
         found = np.empty(len(self))

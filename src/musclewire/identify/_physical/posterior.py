@@ -9,7 +9,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.identify._physical.candidates import CandidateParameters
-from musclewire.identify._physical.observations import Observation, residuals_of
+from musclewire.identify._physical.observations import CURVE_STRETCHES, Observation, residuals_of
 
 
 class PosteriorProblem:
@@ -24,6 +24,10 @@ class PosteriorProblem:
     def refined(self) -> PosteriorProblem:
         """Return the same problem, simulated with the finest time step."""
         return PosteriorProblem(self.candidates, [item.refined() for item in self.observations])
+
+    def start(self, number: int, drawn: FloatArray) -> FloatArray:
+        """Return the coordinates of a search's start, as :meth:`CandidateParameters.start` does."""
+        return self.candidates.start(number, drawn)
 
     def residuals(self, coordinates: FloatArray) -> FloatArray:
         """Return residuals of the observations, then those of the prior: the coordinates themselves, (m + n,)."""
@@ -90,6 +94,49 @@ def covariance(jacobian: FloatArray, excess: float = 1.0) -> FloatArray:
     """
     information = jacobian.T @ jacobian / excess + np.eye(jacobian.shape[1])
     return np.asarray(np.linalg.inv(information))
+
+
+def widened(
+    spread: FloatArray, jacobian: FloatArray, residuals: FloatArray, coordinates: FloatArray, stretches: Sequence[int]
+) -> FloatArray:
+    """Return a covariance with what Laplace's approximation leaves out: residuals that go together, and no minimum.
+
+    A model that cannot follow the data errs alike at neighbouring points, which counts fewer of them than there are:
+    the scatter of the gradient is summed over neighbours, up to a tenth of a channel apart and weighted less the
+    farther (Newey and West 1987, doi 10.2307/1913610). And in a long valley a search ends before its minimum: the step
+    that is left belongs to the deviation. No direction becomes more certain than it was.
+
+    Parameters
+    ----------
+    spread
+        Covariance by Laplace's approximation, (n, n).
+    jacobian
+        Derivative of the residuals, (m, n), without the prior's.
+    residuals
+        Residuals of the observations, (m,), channel by channel.
+    coordinates
+        Where the search ended, (n,).
+    stretches
+        Number of residuals of each channel; their sum is m.
+
+    Returns
+    -------
+    The covariance, (n, n).
+    """
+    unknowns = coordinates.size
+    inverse = np.linalg.inv(jacobian.T @ jacobian + np.eye(unknowns))
+    undone = inverse @ (jacobian.T @ residuals + coordinates)
+    scatter = np.eye(unknowns)
+    for gradient in np.split(jacobian * residuals[:, None], np.cumsum(stretches)[:-1]):
+        reach = len(gradient) // CURVE_STRETCHES
+        for apart in range(min(reach + 1, len(gradient))):
+            together = (1.0 - apart / (reach + 1)) * gradient[apart:].T @ gradient[: len(gradient) - apart]
+            scatter += together if apart == 0 else together + together.T
+    root = np.linalg.cholesky(spread)
+    white = np.linalg.solve(root, np.linalg.solve(root, inverse @ scatter @ inverse).T)
+    variances, directions = np.linalg.eigh(0.5 * (white + white.T))
+    axes = root @ directions
+    return np.asarray((axes * np.maximum(variances, 1.0)) @ axes.T + np.outer(undone, undone))
 
 
 def estimates(

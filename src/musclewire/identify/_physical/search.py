@@ -2,9 +2,9 @@
 
 Global: least-squares descents from several starts. The uncertainty of the observations is large at first and
 decreases step by step (graduated least squares, a homotopy in the noise). At large uncertainty the valley is wide and
-smooth; it narrows around the current vector. Starts are the prior's mean, draws from the prior, then jumps from the
-best vector. Local: once more from the best, with the finest time step; the final derivative gives the uncertainty.
-Each descent is SciPy's trust-region reflective least squares with bounds (Branch, Coleman and Li 1999,
+smooth; it narrows around the current vector. Starts are the prior's mean and draws from the prior, with the starts
+that a prior states; then jumps from the best vector. Local: once more from the best, with the finest time step; the
+final derivative gives the uncertainty. Each descent is SciPy's trust-region reflective least squares with bounds (Branch, Coleman and Li 1999,
 doi 10.1137/S1064827595289108). Derivatives are simulated on threads: the simulator releases the interpreter's lock.
 """
 
@@ -112,6 +112,10 @@ class LeastSquaresProblem(Protocol):
 
     def residuals(self, coordinates: FloatArray) -> FloatArray:
         """Return the residuals of a vector, not finite if the simulation diverges. Raises NumericsError without one."""
+        ...
+
+    def start(self, number: int, drawn: FloatArray) -> FloatArray:
+        """Return the vector from which the start of this number begins; ``drawn`` is around the prior's mean."""
         ...
 
     def refined(self) -> LeastSquaresProblem:
@@ -350,7 +354,7 @@ def one_descent(
     """Descend from the prior's mean, from a draw, or from a jump off the best end."""
     jump = random.standard_normal(size)
     if number < settings.starts:
-        vector = START_SPREAD * jump if number else np.zeros(size)
+        vector = parallel.problem.start(number, START_SPREAD * jump if number else np.zeros(size))
         scales: tuple[float, ...] = START_SCALES
     else:
         vector, scales = min(ends, key=lambda end: end[0])[1] + JUMP_SPREAD * jump, JUMP_SCALES

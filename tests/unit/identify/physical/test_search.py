@@ -34,6 +34,9 @@ class Linear:
     def residuals(self, coordinates: Array) -> Array:
         return np.concatenate([self.matrix @ coordinates - self.measured, coordinates])
 
+    def start(self, number: int, drawn: Array) -> Array:  # noqa: ARG002
+        return drawn
+
     def refined(self) -> Linear:
         return self
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from made_wires import candidates
 
-from musclewire.identify._physical.posterior import covariance, estimates, excess_variance
+from musclewire.identify._physical.posterior import covariance, estimates, excess_variance, widened
 
 
 def test_the_covariance_is_that_of_bayes_rule_for_a_linear_problem() -> None:
@@ -44,6 +44,49 @@ def test_residuals_larger_than_stated_widen_and_smaller_ones_do_not_narrow() -> 
     assert excess_variance(0.3 * residuals, 10) == 1.0
     matrix = random.normal(size=(20, 2))
     assert np.all(np.diag(covariance(matrix, 9.0)) > np.diag(covariance(matrix)))
+
+
+def fitted(matrix: np.ndarray, measured: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return where the least squares of a linear problem with a unit prior are, and the residuals there."""
+    found = covariance(matrix) @ matrix.T @ measured
+    return found, matrix @ found - measured
+
+
+def test_intervals_are_wider_where_residuals_go_together() -> None:
+    """300 worlds whose model is off by a slow drift: Laplace's 95 % hold in half of the cases, the widened in 84 %.
+
+    That is a little too seldom, as it is known of Newey and West's sum over a short record.
+    """
+    random = np.random.default_rng(7)
+    places = np.linspace(0.0, 1.0, 400)
+    matrix = 0.5 * np.column_stack([np.cos(4.0 * np.pi * number * places) for number in range(1, 5)])
+    plain = covariance(matrix)
+    held = {"plain": 0, "widened": 0}
+    for _ in range(300):
+        truth = random.standard_normal(4)
+        drift = np.convolve(random.standard_normal(420), np.full(21, 21**-0.5), mode="valid")
+        found, residuals = fitted(matrix, matrix @ truth + drift)
+        for name, spread in (("plain", plain), ("widened", widened(plain, matrix, residuals, found, [400]))):
+            held[name] += int(np.sum(np.abs(found - truth) < 1.96 * np.sqrt(np.diag(spread))))
+    assert held["plain"] / 1200 < 0.6
+    assert held["widened"] / 1200 > 0.8
+
+
+def test_small_residuals_at_the_minimum_widen_nothing() -> None:
+    random = np.random.default_rng(8)
+    matrix = random.normal(size=(200, 3))
+    found, residuals = fitted(matrix, matrix @ np.ones(3) + 0.1 * random.standard_normal(200))
+    plain = covariance(matrix)
+    assert widened(plain, matrix, residuals, found, [120, 80]) == pytest.approx(plain, rel=1e-6, abs=1e-9)
+
+
+def test_the_step_that_is_left_to_the_minimum_belongs_to_the_deviation() -> None:
+    matrix = np.random.default_rng(9).normal(size=(50, 3))
+    found, _ = fitted(matrix, matrix @ np.ones(3))
+    short = found + np.array([0.0, 0.4, 0.0])
+    plain = covariance(matrix)
+    spread = widened(plain, matrix, 0.0 * matrix[:, 0] + matrix @ (short - np.ones(3)), short, [50])
+    assert np.diag(spread - plain)[1] >= 0.4**2 - 1e-9
 
 
 def test_a_parameter_is_identifiable_at_half_the_priors_width_and_at_a_bound_near_it() -> None:
