@@ -4,8 +4,9 @@ Global: least-squares descents from several starts. The uncertainty of the obser
 decreases step by step (graduated least squares, a homotopy in the noise). At large uncertainty the valley is wide and
 smooth; it narrows around the current vector. Starts are the prior's mean and draws from the prior, with the starts
 that a prior states; then jumps from the best vector. Local: once more from the best, with the finest time step; the
-final derivative gives the uncertainty. Each descent is SciPy's trust-region reflective least squares with bounds (Branch, Coleman and Li 1999,
-doi 10.1137/S1064827595289108). Derivatives are simulated on threads: the simulator releases the interpreter's lock.
+final derivative gives the uncertainty. Each descent is SciPy's trust-region reflective least squares with bounds
+(Branch, Coleman and Li 1999, doi 10.1137/S1064827595289108). Derivatives are simulated on threads: the simulator
+releases the interpreter's lock.
 """
 
 from __future__ import annotations
