@@ -30,6 +30,7 @@ from musclewire.app._options import (
     SEED,
     THREADS,
     WIRE_FILE,
+    ZERO_FROM,
     RigName,
     in_si,
     output_option,
@@ -68,6 +69,7 @@ class ControlledLoopOptions:
     rules: Annotated[str | None, RULES] = None
     gains: Annotated[Path | None, GAINS] = None
     approach: Annotated[str | None, APPROACH] = None
+    zero_from: Annotated[str, ZERO_FROM] = "kept"
     on_board: Annotated[bool, ON_BOARD] = False
 
 
@@ -190,6 +192,7 @@ def single_run_options(
         "--plot": figure.plot is not None,
         "--on-board": loop.on_board,
         "--wire-file": loop.wire_file is not None,
+        "--zero-from": loop.zero_from != "kept",
         "--real-time": timing.real_time,
         "--clock-speed": timing.clock_speed != 1.0,
         "--real-time-priority": timing.real_time_priority,
@@ -211,8 +214,8 @@ def loop_of(choice: LoopChoice, loop: ControlledLoopOptions, loaded: SensingMode
         raise CallerError(
             "--on-board runs the firmware's own estimator and controller: leave both names and --wire-file out"
         )
-    if choice.load is not None:
-        raise CallerError("--on-board runs by the firmware's own numbers: leave out --known-stiffness")
+    if choice.load is not None or choice.zero_from != "kept":
+        raise CallerError("--on-board runs by the firmware's own numbers: leave out --known-stiffness and --zero-from")
     from musclewire.controllers import FUZZY_PID_IN_C
     from musclewire.experiment import APPROACH_S, control_on_board
     from musclewire.sensing import PAPER_ESTIMATOR
@@ -239,7 +242,7 @@ def choice_of(loop: ControlledLoopOptions, load: KnownSpring | None) -> LoopChoi
         ESTIMATORS.find(loop.estimator)
     controller, settings = settings_of(loop)
     approach_s = in_si("--approach", loop.approach)
-    return LoopChoice(loop.estimator, controller, settings, load, approach_s, loop.wire_file)
+    return LoopChoice(loop.estimator, controller, settings, load, approach_s, loop.wire_file, loop.zero_from)
 
 
 def settings_of(loop: ControlledLoopOptions) -> tuple[str | None, Any]:

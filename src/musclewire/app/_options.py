@@ -165,6 +165,12 @@ CYCLES_MADE = option(
     max=100_000_000,
 )
 SWEEP_FILE = option("--sweep", help="Recording of the home move's sweep to write (.h5).")
+ZERO_FROM = option(
+    "--zero-from",
+    help="Where strain counts from: 'kept', the cold wire of the characterization, or 'today', this run's. From "
+    "today's, resistance is scaled if the first heating turns elsewhere than the model's, and the interval widened.",
+    metavar="today|kept",
+)
 ON_BOARD = option(
     "--on-board", help="The board's firmware closes the loop; the host sends the targets and records the samples."
 )

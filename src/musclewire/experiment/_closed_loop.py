@@ -23,9 +23,11 @@ from musclewire.controllers import (
     Reference,
     controller_of,
 )
-from musclewire.errors import RigError
+from musclewire.errors import CallerError, RigError, nearest_hint
+from musclewire.experiment._first_heating import KnownB
 from musclewire.experiment._metrics import ControlRun, control_metrics
-from musclewire.experiment._run import Decision, RunOptions, run_on_rig
+from musclewire.experiment._run import Decision, RunOptions, run_on_rig, what_protects
+from musclewire.experiment._scale_by_b import KEPT, TODAY, ZEROS, ScaleByB
 from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
 from musclewire.identify import (
     COLUMN_SUFFIX,
@@ -46,7 +48,7 @@ from musclewire.sensing import (
     SensingModel,
     force_model,
 )
-from musclewire.signals import Command, Drive, MetadataValue, RawSample, wire_sample
+from musclewire.signals import Command, Drive, MetadataValue, QuantityEstimate, RawSample, RunFacts, wire_sample
 
 # A wire at rest is cold, where resistance does not determine strain. A controller that does not say how long it needs
 # gets this long to come to the first target before the first step begins. Eq. 7 is given from the first target on, and
@@ -81,6 +83,8 @@ class SelfSensingPolicy:
         Time [s] the wire gets to reach the first target.
     first_drive_voltage_v
         The drive voltage [V] that the rig already applies.
+    scale
+        Scales the readings by the height of B; None to leave them as they are.
     """
 
     def __init__(
@@ -92,10 +96,11 @@ class SelfSensingPolicy:
         sample_period_s: float,
         approach_s: float,
         first_drive_voltage_v: float,
+        scale: ScaleByB | None = None,
     ) -> None:
         """Start estimator and controller from the present drive voltage."""
         self._estimator, self._controller, self._reference = estimator, controller, reference
-        self._sample_period_s, self._approach_s = sample_period_s, approach_s
+        self._sample_period_s, self._approach_s, self._scale = sample_period_s, approach_s, scale
         self._first = Drive(controller.limits.clamp(first_drive_voltage_v))
         self._estimator_state, self._controller_state = estimator.start(), controller.start(self._first.voltage_v)
         suffix = COLUMN_SUFFIX[estimator.quantity]
@@ -106,6 +111,7 @@ class SelfSensingPolicy:
             "estimate_std",
             "valid",
             *controller.columns,
+            *(() if scale is None else scale.columns),
         )
 
     @property
@@ -119,7 +125,7 @@ class SelfSensingPolicy:
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the controller's answer to one sample. Raises RigError if the estimator cannot continue."""
-        estimate, self._estimator_state, sensed = self._estimator.step(self._estimator_state, wire_sample(sample))
+        estimate, sensed, scaled_by = self._estimated(sample)
         if estimate.failure:
             raise RigError(estimate.failure)
         # The sample that has just ended is judged by the target that held while it was taken.
@@ -128,8 +134,20 @@ class SelfSensingPolicy:
         command, self._controller_state, controlled = self._controller.step(
             self._controller_state, target, estimate, self._sample_period_s
         )
-        values = (*sensed, judged, estimate.value, estimate.std, float(estimate.valid), *controlled)
+        values = (*sensed, judged, estimate.value, estimate.std, float(estimate.valid), *controlled, *scaled_by)
         return Decision(command, values)
+
+    def _estimated(self, sample: RawSample) -> tuple[QuantityEstimate, Sequence[float], tuple[float, ...]]:
+        """Return the estimate of a sample, the values of the estimator's columns, and the factor on its reading."""
+        scale, read = self._scale, wire_sample(sample)
+        given = read if scale is None else scale.scaled(read)
+        estimate, self._estimator_state, sensed = self._estimator.step(self._estimator_state, given)
+        if scale is None:
+            return estimate, sensed, ()
+        judged, factor = scale.judged(estimate), scale.factor
+        # Looked at last: the recording's own resistance is as it was read until B has been passed.
+        scale.watch(read)
+        return judged, sensed, (factor,)
 
 
 def control(
@@ -143,6 +161,7 @@ def control(
     load: KnownSpring | None = None,
     approach_s: float | None = None,
     wire_file: str | Path | None = None,
+    zero_from: str = KEPT,
     **run: Unpack[RunOptions],
 ) -> ControlRun:
     """Move the wire along a target in a closed loop that senses by the wire's resistance alone.
@@ -178,6 +197,10 @@ def control(
         both are the same.
     wire_file
         The wire's own file, as ``calibrate`` writes it, for an estimator on physics.
+    zero_from
+        Where strain counts from: "kept", the cold wire of the characterization, or "today", this run's. From today's, a
+        first heating that turns at another resistance than the model's slow loop scales the resistance for the rest of
+        the run and widens the interval; where it differs too much, no estimate is valid from there on.
     **run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
         may raise to stop the run, ``until`` asked after each whether the run is to end now.
@@ -206,7 +229,7 @@ def control(
     >>> [step.target for step in run.metrics.steps]
     [0.015, 0.018, 0.015]
     """
-    choice = LoopChoice(estimator, controller, settings, load, approach_s, wire_file)
+    choice = LoopChoice(estimator, controller, settings, load, approach_s, wire_file, zero_from)
     loop = prepared_loop(rig, model, reference, choice)
     policy = SelfSensingPolicy(
         loop.estimator,
@@ -215,6 +238,7 @@ def control(
         sample_period_s=rig.sample_period_s,
         approach_s=loop.approach_s,
         first_drive_voltage_v=rig.drive_voltage_v,
+        scale=loop.scale,
     )
     from_cold = loop.approach_s == 0.0
     beforehand = speed_metadata(rig, loop.model, loop.reference, loop.settings, from_cold=from_cold)
@@ -226,7 +250,7 @@ def control(
 
 @dataclass(frozen=True)
 class LoopChoice:
-    """Estimator and controller of a loop with their settings, a known spring, and the time of the approach.
+    """Estimator and controller of a loop with settings, known spring and approach, and where strain counts from.
 
     None is what the caller leaves open; ``settled`` fills it in.
     """
@@ -237,6 +261,7 @@ class LoopChoice:
     load: KnownSpring | None = None
     approach_s: float | None = None
     wire_file: str | Path | None = None
+    zero_from: str = KEPT
 
     def settled(self, model: SensingModel, sample_period_s: float) -> SettledChoice:
         """Return the choice with what it leaves open: from the model's gains, else as in the paper.
@@ -274,6 +299,7 @@ class LoopChoice:
             "approach_s": settled.approach_s,
             "estimator": name_of(settled.estimator),
             "controller": name_of(settled.controller),
+            "zero_from": self.zero_from,
         }
         if settled.without_gains:
             known["without_gains"] = settled.without_gains
@@ -315,11 +341,14 @@ class PreparedLoop(NamedTuple):
     approach_s: float
     duration_s: float
     metadata: dict[str, MetadataValue]
+    scale: ScaleByB | None
 
 
 def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, choice: LoopChoice) -> PreparedLoop:
     """Return the loop on a rig, checked. Raises CallerError for what does not fit together, as ``control`` does."""
     refuse_no_rig(rig)
+    if choice.zero_from not in ZEROS:
+        raise CallerError(f"there is no zero '{choice.zero_from}'{nearest_hint(choice.zero_from, ZEROS)}")
     load, settled = choice.load, choice.settled(model, rig.sample_period_s)
     if load is not None:
         model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
@@ -331,6 +360,13 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
     check_made_for(model, facts)
     wire = None if choice.wire_file is None else users_wire(choice.wire_file, facts)
     limits = DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v)
+    metadata = {
+        "experiment": "closed loop",
+        "quantity": model.quantity,
+        **choice.metadata(settled),
+        **load_facts(model, facts),
+    }
+    known_b = KnownB.stated_in(RunFacts({**what_protects(rig), **metadata}))
     return PreparedLoop(
         model,
         chosen,
@@ -341,12 +377,8 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         settled.settings,
         settled.approach_s,
         settled.approach_s + chosen.duration_s,
-        {
-            "experiment": "closed loop",
-            "quantity": model.quantity,
-            **choice.metadata(settled),
-            **load_facts(model, facts),
-        },
+        metadata,
+        ScaleByB(known_b, model.stroke, rig.shunt_resistance_ohm) if choice.zero_from == TODAY else None,
     )
 
 

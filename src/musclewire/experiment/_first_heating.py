@@ -9,14 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from musclewire.arrays import FloatArray
 from musclewire.sensing import first_maximum
-from musclewire.signals import Recording
+from musclewire.signals import Recording, RunFacts
 
 # B counts as moved beyond so many of the standard deviations with which the model says that it repeats.
 LIMIT_STDS = 4.0
 # A wire was cold if its resistance rises to B by at least this part of what the slow loop's did: a warm one is on its
-# way, and may turn anywhere. A cold reading at the sense voltage has much noise, so the part is no larger.
-COLD_RISE = 0.5
+# way, and may turn anywhere. Under half the load a cold wire's rises by half of it, and of a cold reading at the sense
+# voltage the noise is a sixth of it, so the part is no larger.
+COLD_RISE = 0.3
 # One that still holds austenite begins lower than a cold one by more than this part of the span; a cold one whose
 # resistance fell by 2 % does not.
 HOT_FRACTION = 0.15
@@ -45,29 +47,66 @@ class SeenAtB(NamedTuple):
         )
 
 
+class KnownB(NamedTuple):
+    """What a model's slow loop showed of B, and the largest drive [V] that does not heat.
+
+    Parameters
+    ----------
+    b_ohm, c_ohm
+        Resistance at B and at C [ohm].
+    rise_ohm
+        Rise from the cold wire to B [ohm].
+    std_ohm
+        Standard deviation with which B repeats [ohm].
+    unheated_v
+        The largest drive [V] that does not heat.
+    """
+
+    b_ohm: float
+    c_ohm: float
+    rise_ohm: float
+    std_ohm: float
+    unheated_v: float
+
+    @classmethod
+    def stated_in(cls, facts: RunFacts) -> KnownB | None:
+        """Return what a run states of it; None if its model states no B."""
+        names = ("model_b_ohm", "model_c_ohm", "model_rise_ohm", "model_b_std_ohm")
+        numbers = [facts.number_or_none(name) for name in names]
+        if None in numbers:
+            return None
+        b_ohm, c_ohm, rise_ohm, std_ohm = (float(number or 0.0) for number in numbers)
+        unheated_v = NOT_HEATED * (facts.number_or_none("limit_sense_voltage_v") or 0.0)
+        return cls(b_ohm, c_ohm, rise_ohm, std_ohm, unheated_v)
+
+    def is_passed(self, resistance_ohm: FloatArray) -> bool:
+        """Return whether a resistance from the start of a run on, (n_times,), has fallen from its first maximum."""
+        return first_maximum(resistance_ohm, self.b_ohm - self.c_ohm, self.std_ohm) is not None
+
+    def seen_in(self, resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> SeenAtB | None:
+        """Return B of a first heating from resistance and drive, (n_times,) each; None if it did not come from cold."""
+        found = first_maximum(resistance_ohm, self.b_ohm - self.c_ohm, self.std_ohm)
+        if found is None:
+            return None
+        at = round(found.place)
+        unheated = np.flatnonzero(drive_voltage_v[:at] <= self.unheated_v)
+        coldest = int(unheated[-1]) if unheated.size else 0
+        span_ohm = self.b_ohm - self.c_ohm
+        hot = resistance_ohm[0] < self.b_ohm - self.rise_ohm - HOT_FRACTION * span_ohm
+        if hot or found.resistance_ohm - resistance_ohm[coldest] < COLD_RISE * self.rise_ohm:
+            return None
+        percent = 100.0 / span_ohm
+        return SeenAtB(at, percent * (found.resistance_ohm - self.b_ohm), percent * LIMIT_STDS * self.std_ohm)
+
+
 def seen_at_b(recording: Recording) -> SeenAtB | None:
     """Return B of a run's first heating; None if its model states none, or the wire did not come from cold."""
-    facts = recording.facts
-    names = ("model_b_ohm", "model_c_ohm", "model_rise_ohm", "model_b_std_ohm")
-    numbers = [facts.number_or_none(name) for name in names]
-    if None in numbers or "wire_resistance_ohm" not in recording:
+    known = KnownB.stated_in(recording.facts)
+    if known is None or "wire_resistance_ohm" not in recording:
         return None
-    b_ohm, c_ohm, rise_ohm, std_ohm = (float(number or 0.0) for number in numbers)
     rows = np.flatnonzero(recording["wire_resistance_ohm"] > 0.0)
-    resistance_ohm = recording["wire_resistance_ohm"][rows]
-    found = first_maximum(resistance_ohm, b_ohm - c_ohm, std_ohm)
-    if found is None:
-        return None
-    at = round(found.place)
-    unheated_v = NOT_HEATED * (facts.number_or_none("limit_sense_voltage_v") or 0.0)
-    unheated = np.flatnonzero(recording["drive_voltage_v"][rows[:at]] <= unheated_v)
-    coldest = int(unheated[-1]) if unheated.size else 0
-    span_ohm = b_ohm - c_ohm
-    hot = resistance_ohm[0] < b_ohm - rise_ohm - HOT_FRACTION * span_ohm
-    if hot or found.resistance_ohm - resistance_ohm[coldest] < COLD_RISE * rise_ohm:
-        return None
-    percent = 100.0 / span_ohm
-    return SeenAtB(int(rows[at]), percent * (found.resistance_ohm - b_ohm), percent * LIMIT_STDS * std_ohm)
+    seen = known.seen_in(recording["wire_resistance_ohm"][rows], recording["drive_voltage_v"][rows])
+    return None if seen is None else seen._replace(row=int(rows[seen.row]))
 
 
 def not_compared(recording: Recording) -> str:

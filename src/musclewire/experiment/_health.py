@@ -11,6 +11,7 @@ import numpy.typing as npt
 from musclewire.arrays import FloatArray
 from musclewire.experiment._first_heating import seen_at_b
 from musclewire.experiment._metrics import judged_for_sensing, since_first_sensed, valid_share
+from musclewire.experiment._scale_by_b import TODAY, WITHIN_STD, what_followed
 from musclewire.identify import COLUMN_SUFFIX, reference_quantity
 from musclewire.sensing import CAUSE_TEXT, Cause
 from musclewire.signals import Recording
@@ -47,10 +48,9 @@ GRAVE = (
     Cause.OTHER_HEIGHT_OF_B,
     Cause.HARDLY_SENSED,
 )
-# 95 % of normally distributed errors lie within so many standard deviations. An instrument contradicts an estimate if
-# more than this part of the valid samples do not: errors last for a step, and of the paper's eleven steps two are
-# beyond by chance in one run of ten, three in 1.5 %.
-WITHIN_STD, MAX_BEYOND = 1.96, 0.25
+# An instrument contradicts an estimate if more than this part of the valid samples are beyond the interval: errors last
+# for a step, and of the paper's eleven steps two are beyond by chance in one run of ten, three in 1.5 %.
+MAX_BEYOND = 0.25
 # A closed loop with a smaller part of valid samples was not closed.
 MIN_VALID_FRACTION = 0.8
 # A wire is late that was seen to follow later than expected by more than this [s]; those of our own benches are 0.03 to
@@ -125,7 +125,7 @@ def numbers_of(cause: Cause, recording: Recording, row: int) -> str:
     if cause is Cause.CONTRADICTED:
         return contradiction_in_words(recording, sensed_suffix(recording))
     if cause is Cause.OTHER_HEIGHT_OF_B:
-        return str(seen_at_b(recording))
+        return in_words_at_b(recording)
     if cause is Cause.HARDLY_SENSED:
         return f"{100.0 * valid_share(recording):.0f} % of the samples could be sensed"
     if cause is not Cause.OSCILLATION:
@@ -216,6 +216,13 @@ def at_another_height(recording: Recording) -> npt.NDArray[np.bool_]:
     seen = seen_at_b(recording)
     away = seen is not None and seen.is_away
     return np.asarray(away & (np.arange(len(recording)) >= (0 if seen is None else seen.row)))
+
+
+def in_words_at_b(recording: Recording) -> str:
+    """Return in words where B of the first heating is, and what a run from today's zero has made of it."""
+    seen = seen_at_b(recording)
+    from_today = recording.facts.text_or_none("zero_from") == TODAY
+    return f"{seen}; {what_followed(seen)}" if from_today and seen is not None else str(seen)
 
 
 def hardly_sensed(recording: Recording) -> npt.NDArray[np.bool_]:

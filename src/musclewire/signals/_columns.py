@@ -73,6 +73,7 @@ _ALL = (
     Column("gain_factor", "", "part of its gain that the controller uses: below 1 after an oscillation", "control"),
     Column("beyond_c", "", "1 while the drive is lowered, since resistance rose with power", "control"),
     Column("lag_s", "s", "by how much later than its gains expect the wire was seen to follow", "control"),
+    Column("resistance_factor", "", "factor on the resistance that the estimator saw, by the height of B", "control"),
     Column(
         "slow_correction",
         "",

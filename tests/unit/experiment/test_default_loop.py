@@ -62,6 +62,34 @@ def test_a_resistance_that_has_changed_by_a_hundredth_is_named_as_soon_as_b_is_p
     assert does_not_hold(run)
     assert "changed load or resistance" in str(run.metadata["health"])
     assert "without_gains" not in run.metadata
+    assert run.metadata["zero_from"] == "kept"
+    assert "resistance_factor" not in run
+
+
+def test_from_todays_zero_a_resistance_that_has_changed_by_a_hundredth_is_scaled_and_the_run_says_so(
+    model: SensingModel,
+) -> None:
+    other = replace(
+        model, resistance_min_ohm=model.resistance_min_ohm / 1.01, resistance_max_ohm=model.resistance_max_ohm / 1.01
+    )
+    steps = staircase(0.015, 0.018, 0.003, 2.0)
+    errors_pct = {}
+    for zero_from in ("kept", "today"):
+        with mw.open_rig("simulated", seed=4) as rig:
+            run = control(rig, other, steps, zero_from=zero_from)
+        errors_pct[zero_from] = run.metrics.estimate_rms_pct
+    assert run.metadata["zero_from"] == "today"
+    assert run["resistance_factor"][0] == 1.0
+    assert run["resistance_factor"][-1] == pytest.approx(1.0 / 1.01, abs=5e-4)
+    assert "the resistance is scaled by it" in str(run.metadata["health"])
+    assert does_not_hold(run) == "changed load or resistance"
+    assert errors_pct["kept"] > 5.0
+    assert errors_pct["today"] < 1.5
+
+
+def test_a_zero_that_there_is_not_is_refused_with_the_nearest(model: SensingModel) -> None:
+    with mw.open_rig("simulated", seed=4) as rig, pytest.raises(CallerError, match="did you mean 'today'"):
+        control(rig, model, zero_from="to-day")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,102 @@
+"""Resistance scaled by the height of B: what a first heating shows of a changed load or resistance is taken away.
+
+A scale of the resistance moves B and every other point alike, and a load nearly so, as long as strain counts from where
+the wire is cold today. Where it counts from the zero of the characterization, a load has moved that zero as well, and a
+scale would do harm.
+"""
+
+from __future__ import annotations
+
+from array import array
+
+import numpy as np
+
+from musclewire.experiment._first_heating import KnownB, SeenAtB
+from musclewire.physics import wire_resistance
+from musclewire.signals import QuantityEstimate, Reason, WireSample
+
+# Where strain counts from: the cold wire of today, or that of the characterization.
+TODAY, KEPT = ZEROS = "today", "kept"
+# What scaling leaves of a load, in % of the stroke: so much, and so much for each % of the span by which B is away.
+LEFT_PCT, LEFT_PER_PCT = 3.0, 0.8
+# Beyond so many % of the span no scale serves.
+REFUSED_PCT = 9.0
+# 95 % of normally distributed errors lie within so many standard deviations.
+WITHIN_STD = 1.96
+
+
+class ScaleByB:
+    """Scales the readings of a run from the first heating through B on, if B is not at the model's height.
+
+    Parameters
+    ----------
+    known
+        What the model's slow loop showed of B; None if nothing, and then nothing is scaled.
+    stroke
+        The stroke, in the unit of the estimate.
+    shunt_resistance_ohm
+        R [ohm] of Eq. 1.
+    """
+
+    columns = ("resistance_factor",)
+
+    def __init__(self, known: KnownB | None, stroke: float, shunt_resistance_ohm: float) -> None:
+        """Begin before the first sample."""
+        self._known, self._stroke, self._shunt_resistance_ohm = known, stroke, shunt_resistance_ohm
+        self._resistance_ohm, self._drive_voltage_v = array("d"), array("d")
+        self._away: SeenAtB | None = None
+        self.factor = 1.0
+
+    def scaled(self, sample: WireSample) -> WireSample:
+        """Return a sample as an estimator is to see it: its resistance times the factor."""
+        return sample._replace(wire_voltage_v=self.factor * sample.wire_voltage_v)
+
+    def judged(self, estimate: QuantityEstimate) -> QuantityEstimate:
+        """Return an estimate with the interval that a scaled resistance leaves, or not valid if B is too far away."""
+        if self._away is None:
+            return estimate
+        if is_refused(self._away):
+            reason = Reason.UNEXPLAINED if estimate.valid else estimate.reason
+            return estimate._replace(valid=False, reason=reason)
+        least = 0.01 * left_pct(self._away) * self._stroke / WITHIN_STD
+        return estimate._replace(std=max(estimate.std, least))
+
+    def watch(self, sample: WireSample) -> None:
+        """Look at a sample as it was read, until B has been passed."""
+        if self._known is None:
+            return
+        reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
+        if not reading.valid:
+            return
+        self._resistance_ohm.append(reading.resistance_ohm)
+        self._drive_voltage_v.append(sample.drive_voltage_v)
+        seen_ohm = np.frombuffer(self._resistance_ohm)
+        if not self._known.is_passed(seen_ohm):
+            return
+        seen = self._known.seen_in(seen_ohm, np.frombuffer(self._drive_voltage_v))
+        if seen is not None and seen.is_away:
+            self._away = seen
+            self.factor = 1.0 if is_refused(seen) else factor_of(seen, self._known)
+        self._known = None
+
+
+def is_refused(seen: SeenAtB) -> bool:
+    """Return whether B is so far away that no scale serves."""
+    return abs(seen.away_pct) > REFUSED_PCT
+
+
+def left_pct(seen: SeenAtB) -> float:
+    """Return half the width of the interval that a scaled resistance leaves [% of the stroke]."""
+    return LEFT_PCT + LEFT_PER_PCT * abs(seen.away_pct)
+
+
+def factor_of(seen: SeenAtB, known: KnownB) -> float:
+    """Return the factor that brings B back to the model's height."""
+    return known.b_ohm / (known.b_ohm + 0.01 * seen.away_pct * (known.b_ohm - known.c_ohm))
+
+
+def what_followed(seen: SeenAtB) -> str:
+    """Return in words what a run from today's zero has made of another height of B."""
+    if is_refused(seen):
+        return f"beyond {REFUSED_PCT:g} % nothing is valid: characterize again"
+    return f"the resistance is scaled by it, and the interval is at least +-{left_pct(seen):.1f} % of the stroke"
