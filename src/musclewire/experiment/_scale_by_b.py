@@ -21,6 +21,9 @@ TODAY, KEPT = ZEROS = "today", "kept"
 LEFT_PCT, LEFT_PER_PCT = 3.0, 0.8
 # Beyond so many % of the span no scale serves.
 REFUSED_PCT = 9.0
+# A resistance that is nearer to its highest than this part of the span is not past B: nothing is searched in it, so that
+# a wire that is held cold for hours costs nothing.
+MIN_FALL = 0.04
 # 95 % of normally distributed errors lie within so many standard deviations.
 WITHIN_STD = 1.96
 
@@ -44,6 +47,7 @@ class ScaleByB:
         """Begin before the first sample."""
         self._known, self._stroke, self._shunt_resistance_ohm = known, stroke, shunt_resistance_ohm
         self._resistance_ohm, self._drive_voltage_v = array("d"), array("d")
+        self._highest_ohm = 0.0
         self._away: SeenAtB | None = None
         self.factor = 1.0
 
@@ -70,6 +74,9 @@ class ScaleByB:
             return
         self._resistance_ohm.append(reading.resistance_ohm)
         self._drive_voltage_v.append(sample.drive_voltage_v)
+        self._highest_ohm = max(self._highest_ohm, reading.resistance_ohm)
+        if self._highest_ohm - reading.resistance_ohm < MIN_FALL * (self._known.b_ohm - self._known.c_ohm):
+            return
         seen_ohm = np.frombuffer(self._resistance_ohm)
         if not self._known.is_passed(seen_ohm):
             return

@@ -110,9 +110,9 @@ WIRE_NOTES = (
 )
 # Rows of the loop that a model keeps for its home moves.
 LOOP_ROWS = 300
-# What is said of a wrong average where no branch could be told from the other.
+# What is said of a wrong average where it is not known which branch the wire is on.
 UNTRIED = (
-    "the recording has no current, by whose change a loop's estimator tells heating from cooling, so that only the "
+    "the recording has no current, by whose change a loop's estimator knows heating from cooling, so that only the "
     "average of both branches could be tried; record the wire's voltage or current with its resistance"
 )
 ALWAYS_COLD = "the wire was never warmer than where the model begins"
