@@ -21,8 +21,8 @@ TODAY, KEPT = ZEROS = "today", "kept"
 LEFT_PCT, LEFT_PER_PCT = 3.0, 0.8
 # Beyond so many % of the span no scale serves.
 REFUSED_PCT = 9.0
-# A resistance that is nearer to its highest than this part of the span is not past B: nothing is searched in it, so that
-# a wire that is held cold for hours costs nothing.
+# A resistance that is nearer to its highest than this part of the span is not past B: nothing is searched in it, so
+# that a wire that is held cold for hours costs nothing.
 MIN_FALL = 0.04
 # 95 % of normally distributed errors lie within so many standard deviations.
 WITHIN_STD = 1.96
