@@ -50,6 +50,17 @@ def test_an_aged_wire_is_corrected_and_a_changed_load_refused(
     assert (answer.code, answer.json["corrected"]) == (0, False)
 
 
+def test_control_takes_the_users_word_on_the_load(
+    musclewire: Callable[..., Any], model: Path, tmp_path: Path
+) -> None:
+    rig = tmp_path / "warmer.toml"
+    rig.write_text("[settings]\ntemperature_shift_k = 13.0\n", "utf-8")
+    command = ("control", rig, model, *STEPS, "--home", "start", "--json")
+    refused = musclewire(*command)
+    assert (refused.code, "say so (--load" in refused.err) == (1, True)
+    assert musclewire(*command, "--load", "1.9 N").json["home"]["load_n"] == pytest.approx(1.9)
+
+
 def test_control_makes_one_before_or_after_the_run(musclewire: Callable[..., Any], model: Path, tmp_path: Path) -> None:
     rig = tmp_path / "aged.toml"
     rig.write_text("[settings]\nresistivity_factor = 1.01\n", "utf-8")

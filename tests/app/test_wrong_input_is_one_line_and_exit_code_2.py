@@ -141,6 +141,7 @@ def test_wrong_usage_is_one_line_too(
     ("arguments", "words"),
     [
         ("--on-board --home start", "leave out --home"),
+        ("--load=1.9N", "--load belongs to a home move"),
         ("--runs 2 -o run.h5", "--output belongs to a single run"),
         ("--refrence x", "(Possible options: --reference)"),
         ("--quantity force", "--known-stiffness"),

@@ -40,13 +40,14 @@ WHEN = ("start", "idle", "never")
 
 @dataclass(frozen=True)
 class HomeOptions:
-    """When a closed loop makes a home move, with which thermometer, and where its model is written.
+    """When a closed loop makes a home move, what is known of load and air, and where its model is written.
 
     Never, unless asked: a home move heats the wire for half a minute, and is refused under another load than that of
     the characterization.
     """
 
     home: Annotated[str, HOME] = "never"
+    load: Annotated[str | None, LOAD] = None
     ambient: Annotated[str | None, AMBIENT] = None
     homed_model: Annotated[Path | None, HOMED_MODEL] = None
 
@@ -54,9 +55,12 @@ class HomeOptions:
         """Raise CallerError for an unknown time, and for options that would have no effect."""
         if self.home not in WHEN:
             raise CallerError(f"--home: there is no '{self.home}'{nearest_hint(self.home, WHEN)}")
-        if self.home == "never" and (self.ambient is not None or self.homed_model is not None):
-            name = "--ambient" if self.ambient is not None else "--homed-model"
-            raise CallerError(f"{name} belongs to a home move: give --home start or --home idle, or leave it out")
+        given = {"--load": self.load, "--ambient": self.ambient, "--homed-model": self.homed_model}
+        without_move = [name for name, value in given.items() if value is not None] if self.home == "never" else []
+        if without_move:
+            raise CallerError(
+                f"{without_move[0]} belongs to a home move: give --home start or --home idle, or leave it out"
+            )
         if self.home == "idle" and self.homed_model is None:
             raise CallerError("--home idle finds a model for the next run: name its file by --homed-model")
         if on_board and self.home != "never":
@@ -73,8 +77,9 @@ class HomeOptions:
         from musclewire.experiment import home as run_home
         from musclewire.experiment import home_duration_s
 
+        load_n, ambient_k = in_si("--load", self.load), in_si("--ambient", self.ambient)
         with progress_bar("Home move", home_duration_s(rig, model), rig) as on_sample:
-            found = run_home(rig, model, ambient_k=in_si("--ambient", self.ambient), on_sample=on_sample)
+            found = run_home(rig, model, load_n=load_n, ambient_k=ambient_k, on_sample=on_sample)
         if self.homed_model is not None:
             found.model.save(self.homed_model)
         return found
