@@ -72,6 +72,7 @@ NUMBERS_IN_CI = (
 NUMBERS = (
     "studies/calibrate_own_wire.py",
     "studies/calibrations_that_share.py",
+    "studies/zero_of_room.py",
     "studies/alternative_fits.py",
     "studies/fit_paper_wires.py",
     "studies/contact_detection.py",

@@ -50,9 +50,7 @@ def test_an_aged_wire_is_corrected_and_a_changed_load_refused(
     assert (answer.code, answer.json["corrected"]) == (0, False)
 
 
-def test_control_takes_the_users_word_on_the_load(
-    musclewire: Callable[..., Any], model: Path, tmp_path: Path
-) -> None:
+def test_control_takes_the_users_word_on_the_load(musclewire: Callable[..., Any], model: Path, tmp_path: Path) -> None:
     rig = tmp_path / "warmer.toml"
     rig.write_text("[settings]\ntemperature_shift_k = 13.0\n", "utf-8")
     command = ("control", rig, model, *STEPS, "--home", "start", "--json")

@@ -31,12 +31,14 @@ from musclewire.experiment._scale_by_b import KEPT, TODAY, ZEROS, ScaleByB
 from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
 from musclewire.identify import (
     COLUMN_SUFFIX,
+    ZeroOfRoom,
     check_made_for,
     default_estimator,
     error_unit_for,
     gains_of,
     load_facts,
     users_wire,
+    zero_of_room,
 )
 from musclewire.rigs import Rig, refuse_no_rig
 from musclewire.sensing import (
@@ -85,6 +87,8 @@ class SelfSensingPolicy:
         The drive voltage [V] that the rig already applies.
     scale
         Scales the readings by the height of B; None to leave them as they are.
+    zero
+        Where today's zero is, in a room that is not the characterization's; None for where the model's is.
     """
 
     def __init__(
@@ -97,10 +101,12 @@ class SelfSensingPolicy:
         approach_s: float,
         first_drive_voltage_v: float,
         scale: ScaleByB | None = None,
+        zero: ZeroOfRoom | None = None,
     ) -> None:
         """Start estimator and controller from the present drive voltage."""
         self._estimator, self._controller, self._reference = estimator, controller, reference
-        self._sample_period_s, self._approach_s, self._scale = sample_period_s, approach_s, scale
+        self._sample_period_s, self._approach_s = sample_period_s, approach_s
+        self._scale, self._zero = scale, zero
         self._first = Drive(controller.limits.clamp(first_drive_voltage_v))
         self._estimator_state, self._controller_state = estimator.start(), controller.start(self._first.voltage_v)
         suffix = COLUMN_SUFFIX[estimator.quantity]
@@ -128,6 +134,8 @@ class SelfSensingPolicy:
         estimate, sensed, scaled_by = self._estimated(sample)
         if estimate.failure:
             raise RigError(estimate.failure)
+        if self._zero is not None:
+            estimate = self._zero.applied_to(estimate)
         # The sample that has just ended is judged by the target that held while it was taken.
         judged = self._reference.target_at(max(elapsed_s - self._sample_period_s - self._approach_s, 0.0))
         target = self._reference.target_at(max(elapsed_s - self._approach_s, 0.0))
@@ -239,6 +247,7 @@ def control(
         approach_s=loop.approach_s,
         first_drive_voltage_v=rig.drive_voltage_v,
         scale=loop.scale,
+        zero=loop.zero,
     )
     from_cold = loop.approach_s == 0.0
     beforehand = speed_metadata(rig, loop.model, loop.reference, loop.settings, from_cold=from_cold)
@@ -342,6 +351,7 @@ class PreparedLoop(NamedTuple):
     duration_s: float
     metadata: dict[str, MetadataValue]
     scale: ScaleByB | None
+    zero: ZeroOfRoom | None
 
 
 def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, choice: LoopChoice) -> PreparedLoop:
@@ -366,7 +376,9 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         **choice.metadata(settled),
         **load_facts(model, facts),
     }
-    known_b = KnownB.stated_in(RunFacts({**what_protects(rig), **metadata}))
+    stated = {**what_protects(rig), **metadata}
+    known_b = KnownB.stated_in(RunFacts(stated))
+    zero = zero_of_room(model, stated) if choice.zero_from == TODAY else None
     return PreparedLoop(
         model,
         chosen,
@@ -377,8 +389,9 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         settled.settings,
         settled.approach_s,
         settled.approach_s + chosen.duration_s,
-        metadata,
+        metadata if zero is None else metadata | {"zero_of_room": zero.said},
         ScaleByB(known_b, model.stroke, rig.shunt_resistance_ohm) if choice.zero_from == TODAY else None,
+        zero,
     )
 
 

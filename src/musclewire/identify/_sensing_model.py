@@ -30,6 +30,7 @@ from musclewire.identify._recordings import (
 )
 from musclewire.identify._tuning import with_gains
 from musclewire.identify._use_of_model import DEFAULT_WITH_WIRE_FILE, default_estimator, users_wire
+from musclewire.identify._zero_of_room import NOTE, cold_contraction_per_k
 from musclewire.physics import ArrayReading
 from musclewire.sensing import (
     AMBIGUOUS_ABOVE,
@@ -187,7 +188,8 @@ def fit(
     if recording.is_branch_table:
         return fit_table(recording, order)
     reading, measured = reading_and_quantity(recording, quantity)
-    notes, source = loop_notes(recording), recording.facts.text_or_none("source") or ""
+    notes = loop_notes(recording, None if quantity == "force" else measured)
+    source = recording.facts.text_or_none("source") or ""
     against = (*recording_defects(recording, quantity), *filter(None, [not_done(recording)]))
     try:
         model = fit_loop(
@@ -329,11 +331,14 @@ def wire_notes(recording: Recording) -> dict[str, str | float]:
     return {name: value for name, value in found.items() if isinstance(value, (str, int, float))}
 
 
-def loop_notes(recording: Recording) -> dict[str, str | float]:
-    """Return the notes of a recorded loop, with the friction of the guide if the loop identifies it."""
-    friction_n, air_k = guide_friction_n(recording), air_temperature_k(recording)
-    measured = {"guide_friction_n": friction_n, "ambient_temperature_k": air_k}
-    return wire_notes(recording) | {name: value for name, value in measured.items() if value is not None}
+def loop_notes(recording: Recording, moved: FloatArray | None = None) -> dict[str, str | float]:
+    """Return the notes of a loop, with what it shows of guide, air and, if the motion was measured, its cold end."""
+    found = {
+        "guide_friction_n": guide_friction_n(recording),
+        "ambient_temperature_k": air_temperature_k(recording),
+        NOTE: None if moved is None else cold_contraction_per_k(recording, moved),
+    }
+    return wire_notes(recording) | {name: value for name, value in found.items() if value is not None}
 
 
 def air_temperature_k(recording: Recording) -> float | None:

@@ -1,0 +1,118 @@
+"""Where a wire's cold end moves with the room: in a warmer one it keeps part of its contraction.
+
+A wire that has cooled to a room 15 K warmer is 5 % of its stroke shorter, and an estimate is larger by most of that
+than strain that counts from there. Not by all of it on a spring that was set to its pretension again: at the same
+resistance it pulls with less force then, which lets the wire be shorter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import hypot
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import RecordingError
+from musclewire.identify._home.overlay import LATENT_K
+from musclewire.identify._home.warming import STEPS_PER_LAG, WireHeat, course_of
+from musclewire.sensing import SHOWN_AS, SensingModel
+from musclewire.signals import MetadataValue, QuantityEstimate, Recording, RunFacts
+
+# The note of a model: contraction that is left for each kelvin of warmer air, in the quantity's unit.
+NOTE = "cold_contraction_per_k"
+# The cold end of cooling [K above the air], and how near to the air it must have come.
+COLD_END_K, MIN_COLD_K = 8.0, 4.0
+MIN_POINTS = 8
+# The zero moves by this part of the contraction that is left, with this deviation: on the springs of our benches by 0.6
+# to 0.75 of it (studies/zero_of_room.py), under a weight by all of it.
+SPRINGS_SHARE, SHARE, SHARE_STD = 0.7, 0.85, 0.15
+# Rooms that differ by less are one, measured twice.
+SAME_ROOM_K = 1.0
+
+
+class ZeroOfRoom(NamedTuple):
+    """By how much strain from today's zero is less than the model's, with its deviation, and that in words."""
+
+    value: float
+    std: float
+    said: str
+
+    def applied_to(self, estimate: QuantityEstimate) -> QuantityEstimate:
+        """Return an estimate as it counts from today's zero."""
+        return estimate._replace(value=estimate.value - self.value, std=hypot(estimate.std, self.std))
+
+
+def cold_contraction_per_k(recording: Recording, moved: FloatArray) -> float | None:
+    """Return the contraction that cooling leaves for each kelvin by which it ends warmer.
+
+    Parameters
+    ----------
+    recording
+        A slow loop with voltages; its metadata state the wire's heat capacity and loss.
+    moved
+        Strain or displacement, (n_times,).
+
+    Returns
+    -------
+    The slope over the cold end of the last cooling, in the unit of ``moved`` per kelvin; None if the recording does not
+    state the heat balance, does not cool that far, or shows nothing that is left.
+    """
+    facts = recording.facts
+    capacity = facts.positive_or_none("limit_heat_capacity_j_per_k")
+    loss = facts.positive_or_none("limit_heat_loss_w_per_k")
+    finite = np.isfinite(moved)
+    if capacity is None or loss is None or not finite.any():
+        return None
+    try:
+        course = course_of(recording)
+    except RecordingError:
+        return None
+    heat = WireHeat(capacity, loss)
+    even = course.evenly(heat.lag_s / STEPS_PER_LAG)
+    warming_k = even.warming_k(heat, LATENT_K / float(np.ptp(even.resistance_ohm)))
+    at = np.interp(even.time_s, recording["time_s"][finite], moved[finite])
+    last_hot = int(np.flatnonzero(at >= 0.5 * at.max())[-1])
+    cold = last_hot + np.flatnonzero(warming_k[last_hot:] <= COLD_END_K)
+    if cold.size < MIN_POINTS or warming_k[cold].min() > MIN_COLD_K:
+        return None
+    slope = float(np.polyfit(warming_k[cold], at[cold], 1)[0])
+    return slope if slope > 0.0 else None
+
+
+def zero_of_room(model: SensingModel, known: Mapping[str, MetadataValue]) -> ZeroOfRoom | None:
+    """Return by how much strain from today's zero differs from the model's, since the room is another one.
+
+    Parameters
+    ----------
+    model
+        The model; its notes state the air of its slow loop.
+    known
+        Metadata of the rig, with the air of today.
+
+    Returns
+    -------
+    The shift; None in the same room, if one of both temperatures is not known, and for force.
+    """
+    fitted = RunFacts(model.wire, "this model")
+    then_k, slope = fitted.number_or_none("ambient_temperature_k"), fitted.number_or_none(NOTE)
+    today_k = RunFacts(known, "this rig").number_or_none("limit_ambient_temperature_k")
+    if then_k is None or today_k is None or model.quantity == "force":
+        return None
+    warmer_k = today_k - then_k
+    if abs(warmer_k) < SAME_ROOM_K:
+        return None
+    room = f"the room is {abs(warmer_k):.0f} K {'warmer' if warmer_k > 0.0 else 'colder'} than at the characterization"
+    if slope is None:
+        return ZeroOfRoom(0.0, 0.0, f"{room}, and the model does not state how far that moves the zero: fit again")
+    has_spring = (fitted.number_or_none("spring_stiffness_n_per_m") or 0.0) > 0.0
+    value = (SPRINGS_SHARE if has_spring else SHARE) * slope * warmer_k
+    std = SHARE_STD * slope * abs(warmer_k)
+    factor, unit = SHOWN_AS[model.quantity]
+    return ZeroOfRoom(
+        value,
+        std,
+        f"{room}, where the cold wire is {'shorter' if warmer_k > 0.0 else 'longer'}: from today's zero every estimate "
+        f"is {factor * abs(value):.2g} +- {factor * std:.1g} {unit} {'less' if warmer_k > 0.0 else 'more'}",
+    )
