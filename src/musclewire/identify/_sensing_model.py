@@ -111,8 +111,8 @@ WIRE_NOTES = (
     "spring_stiffness_n_per_m",
     DIVIDED_BY,
 )
-# Ranges of resistance that differ by more are of another scale and not of another wire.
-OTHER_SCALE = 3.0
+# Resistances over the cold one end between these.
+MIN_RATIO, MAX_RATIO = 0.8, 1.5
 # Rows of the loop that a model keeps for its home moves.
 LOOP_ROWS = 300
 # What is said of a wrong average where it is not known which branch the wire is on.
@@ -479,10 +479,10 @@ class EstimateReport:
 def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
     """Return the error that no resistance of a recording is one that the model senses at."""
     low, high = model.valid_resistance_ohm
-    scale = float(reading.resistance_ohm.max()) / high
     asked = "is it the same wire?"
-    if not 1.0 / OTHER_SCALE < scale < OTHER_SCALE:
-        asked = "if one of both is over the cold resistance, fit with relative_resistance=True"
+    ends_ohm = sorted((float(reading.resistance_ohm.max()), high))
+    if MIN_RATIO < ends_ohm[0] < MAX_RATIO < ends_ohm[1]:
+        asked += " Or one of both is over the cold resistance: fit with relative_resistance=True"
     return RecordingError(
         f"no sample lies in the model's range of {low:.3f} to {high:.3f} ohm: this recording goes from "
         f"{reading.resistance_ohm[reading.valid].min():.3f} to {reading.resistance_ohm.max():.3f} ohm; {asked}"

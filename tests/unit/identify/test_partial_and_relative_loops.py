@@ -97,7 +97,7 @@ def test_a_ratio_as_recorded_is_read_by_a_model_over_the_cold_resistance(loop: R
     report = estimate(fit(loop, relative_resistance=True), ratio)
     assert report.rms_pct is not None
     assert report.rms_pct < 1.5
-    with pytest.raises(RecordingError, match="over the cold resistance, fit with relative_resistance=True"):
+    with pytest.raises(RecordingError, match="over the cold resistance: fit with relative_resistance=True"):
         estimate(model, ratio)
 
 
