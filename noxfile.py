@@ -76,13 +76,14 @@ NUMBERS = (
     "studies/alternative_fits.py",
     "studies/fit_paper_wires.py",
     "studies/contact_detection.py",
+    "studies/real_recordings.py",
     "benchmarks/emulated_staircase.py",
     "benchmarks/exported_c.py",
     "benchmarks/fmu.py",
     "benchmarks/fuzz_firmware.py",
 )
 WITHOUT_QUICK_FORM = ("checks/step_cost.py", "benchmarks/wire_in_segments.py", "benchmarks/hysteresis_memory.py",
-                      "studies/isobar_branches.py")  # fmt: skip
+                      "studies/isobar_branches.py", "studies/real_recordings.py")  # fmt: skip
 nox.options.sessions = ["package"]
 
 

@@ -19,6 +19,7 @@ IN_OPTIONS = {
     "choose one with group='NAME'": "choose one with --group NAME",
     "leave group out": "leave --group out",
     "sources_only=True": "--sources-only",
+    "relative_resistance=True": "--relative-resistance",
     "drop_missing=True": "--drop-missing",
     "save_mapping writes one": "--save-mapping writes one",
     "leave out real_time": "leave out --real-time",

@@ -24,6 +24,7 @@ from musclewire.app._options import (
     ORDER,
     OVERWRITE,
     QUANTITY,
+    RELATIVE_RESISTANCE,
     RULES,
     SEED,
     SET,
@@ -113,6 +114,7 @@ def fit(
     order: Annotated[str, ORDER] = "6",
     quantity: Annotated[str, QUANTITY] = "strain",
     cycle: Annotated[str, CYCLE] = "last",
+    relative_resistance: Annotated[bool, RELATIVE_RESISTANCE] = False,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
     """Fit the self-sensing model to a slow loop; with --wire from its resistance alone."""
@@ -125,9 +127,12 @@ def fit(
         require_model_file(output)
         require_free(output, overwrite)
     known.require_wire()
+    if relative_resistance and known.wire is not None:
+        raise CallerError("--relative-resistance belongs to a fit with an instrument: a wire's name has its ohms")
     data, chosen = reading.read(recording), whole_number_or(order, "auto")
     alone = None if known.wire is None else known.fit(data, chosen, quantity)
-    model = alone.model if alone else run_fit(data, order=chosen, quantity=quantity, cycle=whole_number_or(cycle))
+    how = {"order": chosen, "quantity": quantity, "cycle": whole_number_or(cycle)}
+    model = alone.model if alone else run_fit(data, **how, relative_resistance=relative_resistance)
     on_recording = None if data.is_branch_table else run_estimate(model, data)
     if output is not None:
         model.save(output)

@@ -228,6 +228,10 @@ ZERO = option("--zero", help="Count displacement, strain and force from the firs
 INVERT = option("--invert", help="The sensor reads backwards: negate displacement and strain.")
 ORDER = option("--order", help="Order of the polynomials, or 'auto' (cross-validation).")
 CYCLE = option("--cycle", help="Cycle that is fitted: first, last, largest, or a number from 0.")
+RELATIVE_RESISTANCE = option(
+    "--relative-resistance",
+    help="Fit resistance over the cold wire's, with which recordings begin: for other wires of the kind, and no rig.",
+)
 
 # A fit without an instrument.
 MARK = option(

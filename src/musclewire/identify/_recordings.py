@@ -16,6 +16,10 @@ QUANTITIES = ("strain", "displacement", "force")
 COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
 # What a current that was not measured by a shunt is taken to flow through, so that its volts are its amperes.
 VIRTUAL_SHUNT_OHM = 1.0
+# The cold wire's resistance is the median of so many readings at the beginning of a recording.
+COLD_READINGS = 9
+# Where a recording and a model state by which cold resistance [ohm] all others were divided.
+DIVIDED_BY = "divided_by_ohm"
 
 
 def resistance_reading(recording: Recording) -> ArrayReading:
@@ -60,6 +64,21 @@ def resistance_reading(recording: Recording) -> ArrayReading:
             "check the columns and their units"
         )
     return reading
+
+
+def over_cold_resistance(recording: Recording) -> tuple[Recording, float]:
+    """Return a recording with resistance over the cold wire's, with which it begins, and that of the cold wire [ohm].
+
+    So a model of one wire or coil reads another of the kind. The wire's voltage is divided like its resistance, and
+    power with it; a drive that was recorded is left out, as it would contradict both.
+    """
+    reading = resistance_reading(recording)
+    cold_ohm = float(np.median(reading.resistance_ohm[reading.valid][:COLD_READINGS]))
+    columns = {name: values for name, values in recording.columns.items() if name != "drive_voltage_v"}
+    for name in ("wire_voltage_v", "wire_resistance_ohm"):
+        if name in columns:
+            columns[name] = columns[name] / cold_ohm
+    return Recording(columns, {**recording.metadata, DIVIDED_BY: cold_ohm}), cold_ohm
 
 
 def has_current(recording: Recording) -> bool:

@@ -20,8 +20,10 @@ from musclewire.identify._open_loop_estimate import open_loop_estimate
 from musclewire.identify._recording_defects import CYCLE_PART, recording_defects
 from musclewire.identify._recordings import (
     COLUMN_SUFFIX,
+    DIVIDED_BY,
     circuit_readings,
     has_current,
+    over_cold_resistance,
     reference_quantity,
     required_quantity,
     resistance_reading,
@@ -108,7 +110,10 @@ WIRE_NOTES = (
     "pretension_n",
     "finger",
     "spring_stiffness_n_per_m",
+    DIVIDED_BY,
 )
+# Resistances over the cold one end between these.
+MIN_RATIO, MAX_RATIO = 0.8, 1.5
 # Rows of the loop that a model keeps for its home moves.
 LOOP_ROWS = 300
 # What is said of a wrong average where it is not known which branch the wire is on.
@@ -119,6 +124,9 @@ UNTRIED = (
 ALWAYS_COLD = "the wire was never warmer than where the model begins"
 # A recording is warned of from this fraction of readings outside the range on: fewer are noise at its ends.
 MIN_OUTSIDE = 0.01
+# Why a model of resistance over the cold wire's has no gains, and how its numbers are to be read.
+NO_OHMS = "the model is of resistance over the cold wire's, and no rig takes it"
+OVER_COLD = "all resistances of this model, in ohm here, are parts of"
 # What gives an estimate where the particle filter has no valid sample.
 OPEN_LOOP = "open-loop simulation"
 
@@ -130,6 +138,7 @@ def fit(
     order: int | str = PAPER_ORDER,
     quantity: str = "strain",
     cycle: int | str = "last",
+    relative_resistance: bool = False,
 ) -> SensingModel:
     """Fit the self-sensing model (Eqs. 3 to 5) to a slow loop, a recording or arrays, or to a printed table.
 
@@ -154,6 +163,9 @@ def fit(
     cycle
         "last", "first" or "largest" complete cycle, or its number. By default the last, which is nearest to the loop
         that the wire repeats.
+    relative_resistance
+        Whether the model is of resistance over that of the cold wire, with which each recording must begin: then it
+        estimates recordings of other wires or coils of the kind, too. No rig takes it.
 
     Returns
     -------
@@ -181,12 +193,17 @@ def fit(
     >>> f"{1e2 * model.strain(16.0):.1f} % strain at 16 ohm"
     '2.5 % strain at 16 ohm'
     """
+    if relative_resistance and (not isinstance(recording, Recording) or recording.is_branch_table):
+        raise CallerError("relative_resistance=True is for a recording that begins with the cold wire: divide arrays")
     if not isinstance(recording, Recording):
         return fit_arrays(recording, measured, order, cycle, quantity)
     if measured is not None:
         raise CallerError("a recording holds what was measured: give fit the recording alone, or two arrays")
     if recording.is_branch_table:
         return fit_table(recording, order)
+    given, cold_ohm = recording, 1.0
+    if relative_resistance:
+        recording, cold_ohm = over_cold_resistance(given)
     reading, measured = reading_and_quantity(recording, quantity)
     notes = loop_notes(recording, None if quantity == "force" else measured)
     source = recording.facts.text_or_none("source") or ""
@@ -206,9 +223,14 @@ def fit(
     except (RecordingError, FitRejectedError) as error:
         why = without_loop(error, recording) if isinstance(error, RecordingError) else error
         raise (type(why)(f"{why} ({'; '.join(against)})") if against else why) from None
-    model = with_gains(replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity)), recording)
+    model = replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity))
+    if relative_resistance:
+        model = replace(model, no_gains=NO_OHMS)
+        against = (*against, f"{OVER_COLD} the {cold_ohm:.4g} ohm of the cold wire")
+    else:
+        model = with_gains(model, recording)
     found = usable_readings(recording).findings
-    return replace(model, warnings=(*model.warnings, *found, *against), does_not_hold=against_a_loop(model, recording))
+    return replace(model, warnings=(*model.warnings, *found, *against), does_not_hold=against_a_loop(model, given))
 
 
 def against_a_loop(model: SensingModel, recording: Recording) -> str:
@@ -462,10 +484,13 @@ class EstimateReport:
 def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
     """Return the error that no resistance of a recording is one that the model senses at."""
     low, high = model.valid_resistance_ohm
+    asked = "is it the same wire?"
+    ends_ohm = sorted((float(reading.resistance_ohm.max()), high))
+    if MIN_RATIO < ends_ohm[0] < MAX_RATIO < ends_ohm[1]:
+        asked += " Or one of both is over the cold resistance: fit with relative_resistance=True"
     return RecordingError(
         f"no sample lies in the model's range of {low:.3f} to {high:.3f} ohm: this recording goes from "
-        f"{reading.resistance_ohm[reading.valid].min():.3f} to {reading.resistance_ohm.max():.3f} ohm; is it the "
-        "same wire?"
+        f"{reading.resistance_ohm[reading.valid].min():.3f} to {reading.resistance_ohm.max():.3f} ohm; {asked}"
     )
 
 
@@ -532,6 +557,11 @@ def estimate(
     """
     if not isinstance(recording, Recording):
         raise CallerError(f"estimate takes a model and a recording, in this order, not {an_object(recording)} second")
+    given, cold_ohm = recording, None
+    if DIVIDED_BY in model.wire:
+        if wire_file is not None:
+            raise CallerError("a wire file has ohms, and this model resistance over the cold wire's: leave one out")
+        recording, cold_ohm = over_cold_resistance(given)
     if estimator is None:
         estimator = default_estimator(wire_file) if has_current(recording) else PAPER_ESTIMATOR
     whole = estimator == PAPER_ESTIMATOR
@@ -541,7 +571,7 @@ def estimate(
     fell_back = ""
     if wire is not None and estimator == DEFAULT_WITH_WIRE_FILE and not columns["valid"].any():
         columns, reasons, fell_back = open_loop_instead(model, recording, wire, reasons)
-        estimator, recording = OPEN_LOOP, recording.with_metadata(estimate_fell_back=fell_back)
+        estimator, given = OPEN_LOOP, given.with_metadata(estimate_fell_back=fell_back)
     valid, value = columns["valid"] > 0.0, columns[f"estimated_{suffix}"]
     reading = resistance_reading(recording)
     if not valid.any():
@@ -557,7 +587,10 @@ def estimate(
             groups = error_groups(JudgedEstimate(model, recording, reading.resistance_ohm, value, measured, counts))
     judged = usable_readings(recording)
     found = judged.findings
-    kept = recording.with_metadata(unusable_readings="; ".join(found)) if found else recording
+    kept = given.with_metadata(unusable_readings="; ".join(found)) if found else given
+    if cold_ohm is not None:
+        kept = kept.with_metadata(estimate_divided_by_ohm=cold_ohm)
+        columns["wire_resistance_ohm"] = cold_ohm * columns["wire_resistance_ohm"]
     return EstimateReport(
         recording=kept.with_columns(columns),
         valid_share=float(counts.mean()),

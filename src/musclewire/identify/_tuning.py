@@ -30,7 +30,7 @@ from musclewire.controllers import (
 )
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.identify._recordings import reference_quantity, resistance_reading
-from musclewire.identify._use_of_model import error_unit_for
+from musclewire.identify._use_of_model import error_unit_for, require_ohms
 from musclewire.parameters import Alloy, load_alloy, load_wire, names
 from musclewire.sensing import SHOWN_AS, SensingModel, evaluate, smooth, smooth_slope
 from musclewire.signals import Recording, RunFacts
@@ -263,6 +263,7 @@ def tune(
         )
     if closed_loop_time_s is not None and not closed_loop_time_s > 0.0:
         raise CallerError(f"closed_loop_time_s is {closed_loop_time_s:g}: give a time above 0 s")
+    require_ohms(model)
     plant = identified_plant(model, recording, closed_loop_time_s)
     settings = plant if controller == "feedforward" else fuzzy_settings(model, plant, rule_base)
     self_sensed = reference_quantity(recording, model.quantity) is None

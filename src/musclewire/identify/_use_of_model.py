@@ -10,6 +10,7 @@ import numpy as np
 
 from musclewire.controllers import PERCENT_STRAIN, FuzzyPidSettings, with_error_unit
 from musclewire.errors import CallerError, RecordingError
+from musclewire.identify._recordings import DIVIDED_BY
 from musclewire.parameters import bench_known_with, is_wire_file, load_alloy, load_bench, load_wire
 from musclewire.sensing import DEFAULT_ESTIMATOR, KnownSpring, SensingModel, find_resistance_extremes
 from musclewire.signals import MetadataValue, RunFacts
@@ -76,8 +77,10 @@ def check_made_for(
 ) -> None:
     """Raise CallerError if a model is not for the wire, length or finger that a rig's metadata name.
 
-    ``place`` is who names another one, and ``cure`` what the caller does about it, both for the message.
+    Nor is one of resistance over the cold wire's for any rig. ``place`` is who names another one, and ``cure`` what the
+    caller does about it, both for the message.
     """
+    require_ohms(model)
     fitted, mounted = model.wire.get("wire"), known.get("wire")
     if fitted and mounted and fitted != mounted:
         raise CallerError(f"this model was fitted to wire {fitted}, {place} has {mounted}: {cure} for this wire")
@@ -91,6 +94,15 @@ def check_made_for(
     moved, moves = model.wire.get("finger"), known.get("finger")
     if model.quantity == "displacement" and moved and moves and moved != moves:
         raise CallerError(f"this model was fitted to finger {moved}, {place} has {moves}: {cure} for this finger")
+
+
+def require_ohms(model: SensingModel) -> None:
+    """Raise CallerError for a model of resistance over the cold wire's, which only estimates of recordings take."""
+    if DIVIDED_BY in model.wire:
+        raise CallerError(
+            "this model is of resistance over the cold wire's, for estimates of recordings: fit one without "
+            "relative_resistance=True"
+        )
 
 
 def other_load(model: SensingModel, known: Mapping[str, MetadataValue]) -> str:
