@@ -27,7 +27,7 @@ COLD_END_K, MIN_COLD_K = 8.0, 4.0
 MIN_POINTS = 8
 # The zero moves by this part of the contraction that is left, with this deviation: on the springs of our benches by 0.6
 # to 0.75 of it (studies/zero_of_room.py), under a weight by all of it.
-SPRINGS_SHARE, SHARE, SHARE_STD = 0.7, 0.85, 0.15
+SPRINGS_FRACTION, FRACTION, FRACTION_STD = 0.7, 0.85, 0.15
 # Rooms that differ by less are one, measured twice.
 SAME_ROOM_K = 1.0
 
@@ -107,8 +107,8 @@ def zero_of_room(model: SensingModel, known: Mapping[str, MetadataValue]) -> Zer
     if slope is None:
         return ZeroOfRoom(0.0, 0.0, f"{room}, and the model does not state how far that moves the zero: fit again")
     has_spring = (fitted.number_or_none("spring_stiffness_n_per_m") or 0.0) > 0.0
-    value = (SPRINGS_SHARE if has_spring else SHARE) * slope * warmer_k
-    std = SHARE_STD * slope * abs(warmer_k)
+    value = (SPRINGS_FRACTION if has_spring else FRACTION) * slope * warmer_k
+    std = FRACTION_STD * slope * abs(warmer_k)
     factor, unit = SHOWN_AS[model.quantity]
     return ZeroOfRoom(
         value,
