@@ -77,10 +77,10 @@ class ScaleByB:
         self._highest_ohm = max(self._highest_ohm, reading.resistance_ohm)
         if self._highest_ohm - reading.resistance_ohm < MIN_FALL * (self._known.b_ohm - self._known.c_ohm):
             return
-        seen_ohm = np.frombuffer(self._resistance_ohm)
-        if not self._known.is_passed(seen_ohm):
+        until_now = np.frombuffer(self._resistance_ohm), np.frombuffer(self._drive_voltage_v)
+        if self._known.passed_in(*until_now) is None:
             return
-        seen = self._known.seen_in(seen_ohm, np.frombuffer(self._drive_voltage_v))
+        seen = self._known.seen_in(*until_now)
         if seen is not None and seen.is_away:
             self._away = seen
             self.factor = 1.0 if is_refused(seen) else factor_of(seen, self._known)
