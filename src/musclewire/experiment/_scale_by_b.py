@@ -12,8 +12,10 @@ from array import array
 import numpy as np
 
 from musclewire.experiment._first_heating import KnownB, SeenAtB
+from musclewire.identify import load_facts
 from musclewire.physics import wire_resistance
-from musclewire.signals import QuantityEstimate, Reason, WireSample
+from musclewire.sensing import SensingModel
+from musclewire.signals import QuantityEstimate, Reason, RunFacts, WireSample
 
 # Where strain counts from: the cold wire of today, or that of the characterization.
 TODAY, KEPT = ZEROS = "today", "kept"
@@ -50,6 +52,17 @@ class ScaleByB:
         self._highest_ohm = 0.0
         self._away: SeenAtB | None = None
         self.factor = 1.0
+
+    @classmethod
+    def of_model(cls, model: SensingModel, sense_voltage_v: float, shunt_resistance_ohm: float) -> ScaleByB:
+        """Return what scales the readings of a model's wire, on a rig of a sense voltage [V] and a shunt [ohm]."""
+        stated = RunFacts({**load_facts(model, {}), "limit_sense_voltage_v": sense_voltage_v})
+        return cls(KnownB.stated_in(stated), model.stroke, shunt_resistance_ohm)
+
+    @property
+    def has_moved(self) -> bool:
+        """Whether B has been passed and was not at the model's height."""
+        return self._away is not None
 
     def scaled(self, sample: WireSample) -> WireSample:
         """Return a sample as an estimator is to see it: its resistance times the factor."""
