@@ -23,7 +23,10 @@ from ._drive import PulseTrain as PulseTrain
 from ._drive import WithTruth as WithTruth
 from ._drive import drive_wire as drive_wire
 from ._drive import pulses_of as pulses_of
+from ._health import GRAVE as GRAVE
 from ._health import does_not_hold as does_not_hold
+from ._health import flagged as flagged
+from ._health import noted as noted
 from ._home import home as home
 from ._home import home_duration_s as home_duration_s
 from ._home import plan_for as plan_for
@@ -62,6 +65,7 @@ from ._run import what_protects as what_protects
 from ._run_warnings import friction_warnings as friction_warnings
 from ._run_warnings import run_warnings as run_warnings
 from ._run_warnings import step_warnings as step_warnings
+from ._scale_by_b import ScaleByB as ScaleByB
 from ._speed_limits import check_targets as check_targets
 from ._speed_limits import speed_limits as speed_limits
 from ._speed_limits import staircase_within as staircase_within

@@ -24,7 +24,6 @@ from musclewire.controllers import (
     controller_of,
 )
 from musclewire.errors import CallerError, RigError, nearest_hint
-from musclewire.experiment._first_heating import KnownB
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig, what_protects
 from musclewire.experiment._scale_by_b import KEPT, TODAY, ZEROS, ScaleByB
@@ -50,7 +49,7 @@ from musclewire.sensing import (
     SensingModel,
     force_model,
 )
-from musclewire.signals import Command, Drive, MetadataValue, QuantityEstimate, RawSample, RunFacts, wire_sample
+from musclewire.signals import Command, Drive, MetadataValue, QuantityEstimate, RawSample, wire_sample
 
 # A wire at rest is cold, where resistance does not determine strain. A controller that does not say how long it needs
 # gets this long to come to the first target before the first step begins. Eq. 7 is given from the first target on, and
@@ -376,9 +375,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         **choice.metadata(settled),
         **load_facts(model, facts),
     }
-    stated = {**what_protects(rig), **metadata}
-    known_b = KnownB.stated_in(RunFacts(stated))
-    zero = zero_of_room(model, stated) if choice.zero_from == TODAY else None
+    zero = zero_of_room(model, {**what_protects(rig), **metadata}) if choice.zero_from == TODAY else None
     return PreparedLoop(
         model,
         chosen,
@@ -390,7 +387,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         settled.approach_s,
         settled.approach_s + chosen.duration_s,
         metadata if zero is None else metadata | {"zero_of_room": zero.said},
-        ScaleByB(known_b, model.stroke, rig.shunt_resistance_ohm) if choice.zero_from == TODAY else None,
+        ScaleByB.of_model(model, rig.sense_voltage_v, rig.shunt_resistance_ohm) if choice.zero_from == TODAY else None,
         zero,
     )
 

@@ -22,8 +22,9 @@ COLD_RISE = 0.3
 # One that still holds austenite begins lower than a cold one by more than this part of the span; a cold one whose
 # resistance fell by 2 % does not.
 HOT_FRACTION = 0.15
-# A drive of up to this many times the sense voltage does not heat.
-NOT_HEATED = 1.5
+# A drive of up to this many times the sense voltage does not heat; a maximum at one of up to so many is noise, of a
+# resistance that is read with little current.
+NOT_HEATED, NOISY = 1.5, 2.0
 
 
 class SeenAtB(NamedTuple):
@@ -48,7 +49,7 @@ class SeenAtB(NamedTuple):
 
 
 class KnownB(NamedTuple):
-    """What a model's slow loop showed of B, and the largest drive [V] that does not heat.
+    """What a model's slow loop showed of B, and the drive at which a rig only senses.
 
     Parameters
     ----------
@@ -58,15 +59,15 @@ class KnownB(NamedTuple):
         Rise from the cold wire to B [ohm].
     std_ohm
         Standard deviation with which B repeats [ohm].
-    unheated_v
-        The largest drive [V] that does not heat.
+    sense_voltage_v
+        Drive that hardly heats [V].
     """
 
     b_ohm: float
     c_ohm: float
     rise_ohm: float
     std_ohm: float
-    unheated_v: float
+    sense_voltage_v: float
 
     @classmethod
     def stated_in(cls, facts: RunFacts) -> KnownB | None:
@@ -76,27 +77,35 @@ class KnownB(NamedTuple):
         if None in numbers:
             return None
         b_ohm, c_ohm, rise_ohm, std_ohm = (float(number or 0.0) for number in numbers)
-        unheated_v = NOT_HEATED * (facts.number_or_none("limit_sense_voltage_v") or 0.0)
-        return cls(b_ohm, c_ohm, rise_ohm, std_ohm, unheated_v)
+        return cls(b_ohm, c_ohm, rise_ohm, std_ohm, facts.number_or_none("limit_sense_voltage_v") or 0.0)
 
-    def is_passed(self, resistance_ohm: FloatArray) -> bool:
-        """Return whether a resistance from the start of a run on, (n_times,), has fallen from its first maximum."""
-        return first_maximum(resistance_ohm, self.b_ohm - self.c_ohm, self.std_ohm) is not None
+    def passed_in(self, resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> tuple[int, float] | None:
+        """Return row and height [ohm] of the first maximum that a run's resistance, (n_times,), has fallen from.
+
+        None without one. What was read with little current is passed over.
+        """
+        first = 0
+        while (found := first_maximum(resistance_ohm[first:], self.b_ohm - self.c_ohm, self.std_ohm)) is not None:
+            row = first + round(found.place)
+            if drive_voltage_v[row] > NOISY * self.sense_voltage_v:
+                return row, found.resistance_ohm
+            first = row + 1
+        return None
 
     def seen_in(self, resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> SeenAtB | None:
         """Return B of a first heating from resistance and drive, (n_times,) each; None if it did not come from cold."""
-        found = first_maximum(resistance_ohm, self.b_ohm - self.c_ohm, self.std_ohm)
-        if found is None:
+        passed = self.passed_in(resistance_ohm, drive_voltage_v)
+        if passed is None:
             return None
-        at = round(found.place)
-        unheated = np.flatnonzero(drive_voltage_v[:at] <= self.unheated_v)
+        at, seen_ohm = passed
+        unheated = np.flatnonzero(drive_voltage_v[:at] <= NOT_HEATED * self.sense_voltage_v)
         coldest = int(unheated[-1]) if unheated.size else 0
         span_ohm = self.b_ohm - self.c_ohm
         hot = resistance_ohm[0] < self.b_ohm - self.rise_ohm - HOT_FRACTION * span_ohm
-        if hot or found.resistance_ohm - resistance_ohm[coldest] < COLD_RISE * self.rise_ohm:
+        if hot or seen_ohm - resistance_ohm[coldest] < COLD_RISE * self.rise_ohm:
             return None
         percent = 100.0 / span_ohm
-        return SeenAtB(at, percent * (found.resistance_ohm - self.b_ohm), percent * LIMIT_STDS * self.std_ohm)
+        return SeenAtB(at, percent * (seen_ohm - self.b_ohm), percent * LIMIT_STDS * self.std_ohm)
 
 
 def seen_at_b(recording: Recording) -> SeenAtB | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -82,18 +82,6 @@ def findings(recording: Recording) -> tuple[TimedFinding, ...]:
     -------
     One finding for each cause.
     """
-    suffix = sensed_suffix(recording)
-    if not suffix or not len(recording) or f"estimated_{suffix}" not in recording:
-        return ()
-    marked = {Cause.SATURATION: saturated(recording, suffix), Cause.STALLED: stalled(recording, suffix)}
-    marked[Cause.SATURATION] &= ~marked[Cause.STALLED]
-    marked[Cause.CONTRADICTED] = contradicted(recording, suffix)
-    marked[Cause.OTHER_HEIGHT_OF_B] = at_another_height(recording)
-    marked[Cause.HARDLY_SENSED] = hardly_sensed(recording)
-    if "health" in recording:
-        for cause in (Cause.CHANGED_LOAD, Cause.CHANGED_AIR, Cause.OTHER_WIRE):
-            marked[cause] = recording["health"] == float(cause)
-    marked |= by_controller(recording)
     period_s = period_of(recording)
     found = [
         TimedFinding(
@@ -102,10 +90,42 @@ def findings(recording: Recording) -> tuple[TimedFinding, ...]:
             float(where.sum()) * period_s,
             numbers_of(cause, recording, int(np.argmax(where))),
         )
-        for cause, where in marked.items()
+        for cause, where in marks_of(recording).items()
         if where.any()
     ]
     return tuple(sorted(found, key=lambda finding: finding.from_s))
+
+
+def marks_of(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:
+    """Return the samples at which each cause was found, (n_times,) each; none for a recording without a target."""
+    suffix = sensed_suffix(recording)
+    if not suffix or not len(recording) or f"estimated_{suffix}" not in recording:
+        return {}
+    marked = {Cause.SATURATION: saturated(recording, suffix), Cause.STALLED: stalled(recording, suffix)}
+    marked[Cause.SATURATION] &= ~marked[Cause.STALLED]
+    marked[Cause.CONTRADICTED] = contradicted(recording, suffix)
+    marked[Cause.OTHER_HEIGHT_OF_B] = at_another_height(recording)
+    marked[Cause.HARDLY_SENSED] = hardly_sensed(recording)
+    if "health" in recording:
+        for cause in (Cause.CHANGED_LOAD, Cause.CHANGED_AIR, Cause.OTHER_WIRE):
+            marked[cause] = recording["health"] == float(cause)
+    return marked | by_controller(recording)
+
+
+def flagged(recording: Recording) -> npt.NDArray[np.bool_]:
+    """Return the samples at which a cause was found for which a run does not hold, (n_times,)."""
+    return any_of(recording, [cause for cause in Cause if cause in GRAVE])
+
+
+def noted(recording: Recording) -> npt.NDArray[np.bool_]:
+    """Return the samples at which only causes were found with which a run holds, (n_times,)."""
+    return any_of(recording, [cause for cause in Cause if cause not in GRAVE]) & ~flagged(recording)
+
+
+def any_of(recording: Recording, causes: Iterable[Cause]) -> npt.NDArray[np.bool_]:
+    """Return the samples at which one of some causes was found, (n_times,)."""
+    marks, none = marks_of(recording), np.zeros(len(recording), dtype=np.bool_)
+    return np.asarray(np.any([none, *(marks[cause] for cause in causes if cause in marks)], axis=0))
 
 
 def by_controller(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:

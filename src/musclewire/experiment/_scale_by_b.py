@@ -12,8 +12,10 @@ from array import array
 import numpy as np
 
 from musclewire.experiment._first_heating import KnownB, SeenAtB
+from musclewire.identify import load_facts
 from musclewire.physics import wire_resistance
-from musclewire.signals import QuantityEstimate, Reason, WireSample
+from musclewire.sensing import SensingModel
+from musclewire.signals import QuantityEstimate, Reason, RunFacts, WireSample
 
 # Where strain counts from: the cold wire of today, or that of the characterization.
 TODAY, KEPT = ZEROS = "today", "kept"
@@ -51,6 +53,17 @@ class ScaleByB:
         self._away: SeenAtB | None = None
         self.factor = 1.0
 
+    @classmethod
+    def of_model(cls, model: SensingModel, sense_voltage_v: float, shunt_resistance_ohm: float) -> ScaleByB:
+        """Return what scales the readings of a model's wire, on a rig of a sense voltage [V] and a shunt [ohm]."""
+        stated = RunFacts({**load_facts(model, {}), "limit_sense_voltage_v": sense_voltage_v})
+        return cls(KnownB.stated_in(stated), model.stroke, shunt_resistance_ohm)
+
+    @property
+    def has_moved(self) -> bool:
+        """Whether B has been passed and was not at the model's height."""
+        return self._away is not None
+
     def scaled(self, sample: WireSample) -> WireSample:
         """Return a sample as an estimator is to see it: its resistance times the factor."""
         return sample._replace(wire_voltage_v=self.factor * sample.wire_voltage_v)
@@ -77,10 +90,10 @@ class ScaleByB:
         self._highest_ohm = max(self._highest_ohm, reading.resistance_ohm)
         if self._highest_ohm - reading.resistance_ohm < MIN_FALL * (self._known.b_ohm - self._known.c_ohm):
             return
-        seen_ohm = np.frombuffer(self._resistance_ohm)
-        if not self._known.is_passed(seen_ohm):
+        until_now = np.frombuffer(self._resistance_ohm), np.frombuffer(self._drive_voltage_v)
+        if self._known.passed_in(*until_now) is None:
             return
-        seen = self._known.seen_in(seen_ohm, np.frombuffer(self._drive_voltage_v))
+        seen = self._known.seen_in(*until_now)
         if seen is not None and seen.is_away:
             self._away = seen
             self.factor = 1.0 if is_refused(seen) else factor_of(seen, self._known)

@@ -18,13 +18,14 @@ from musclewire import (
     control,
     required_true_state,
 )
-from musclewire.experiment import APPROACH_S, ControlRun, StepMetrics, staircase_within
+from musclewire.experiment import APPROACH_S, ControlRun, StepMetrics, flagged, noted, staircase_within
+from musclewire.rigs import Rig
 from musclewire.sensing import EstimatorFactory
 from musclewire.wire import WireConstants
 from musclewire_robustness.plant import DisturbedPlant, open_plant
 from musclewire_robustness.population import PopulationWire
 from musclewire_robustness.recording_runs import homed
-from musclewire_robustness.scoring import judged_from_s
+from musclewire_robustness.scoring import half_width_pct, judged_from_s
 from musclewire_robustness.settings import Condition, settings
 
 # Number of the run of a wire, for its noise: after those that are recorded for estimators.
@@ -46,6 +47,10 @@ class ScoredLoop(NamedTuple):
         Root mean square error of the estimate, in percent of the largest target.
     valid_share
         Fraction of valid samples.
+    half_width_pct
+        Median half-width of the 95 % interval over the valid samples, in percent of the measured stroke.
+    noted_share, flagged_share
+        Fractions of the samples at which only causes with which a run holds were named, and any with which it does not.
     ended
         Why the run ended early; "" if it did not.
     power_w, power_limit_w
@@ -59,6 +64,9 @@ class ScoredLoop(NamedTuple):
     mae_mean_pct: float | None
     estimate_rms_pct: float | None
     valid_share: float | None
+    half_width_pct: float | None
+    noted_share: float | None
+    flagged_share: float | None
     ended: str
     power_w: float
     power_limit_w: float
@@ -120,6 +128,10 @@ def run_loop(
             return not_begun(" ".join(str(error).split()))
         if outcome.startswith("refused"):
             return not_begun(outcome)
+        if condition.zeroed:
+            plant.take_zero(run.zeroing_s)
+        elif condition.rest_s:
+            heat_and_rest(rig, run.start_up_s, condition.rest_s)
         began_s = required_true_state(rig).wire_state.time_s
         plant.disturbance.change_at(began_s + APPROACH_S + run.change_at_s)
         watched = TrueExtremes(plant)
@@ -129,7 +141,16 @@ def run_loop(
         ended = ""
         try:
             reference = staircase_within(model)
-            found = control(rig, model, reference, estimator=made_by, controller=controller, on_sample=watched)
+            zero_from = "today" if condition.zeroed else "kept"
+            found = control(
+                rig,
+                model,
+                reference,
+                estimator=made_by,
+                controller=controller,
+                zero_from=zero_from,
+                on_sample=watched,
+            )
         except (RigError, NumericsError, CallerError) as error:
             ended = " ".join(str(error).split())
     first, others, mean = (None, None, None) if found is None else step_errors(found, judged_from_s(condition, run))
@@ -140,12 +161,23 @@ def run_loop(
         mean,
         None if metrics is None else metrics.estimate_rms_pct,
         None if metrics is None else metrics.valid_share,
+        None if found is None else half_width_pct(found["estimate_std"], found["valid"] > 0.0, model.stroke),
+        None if found is None else float(noted(found).mean()),
+        None if found is None else float(flagged(found).mean()),
         ended,
         watched.power_w,
         limit_w,
         watched.mean_k,
         watched.hottest_k,
     )
+
+
+def heat_and_rest(rig: Rig, heated_s: float, rest_s: float) -> None:
+    """Heat a wire by the rig's own amplitude for a time, and let it rest for another [s]."""
+    drives_v = {rig.drive_amplitude_v: heated_s, rig.sense_voltage_v: rest_s}
+    for drive_v, time_s in drives_v.items():
+        for _ in range(round(time_s / rig.sample_period_s)):
+            rig.exchange(drive_v)
 
 
 def factory_with(name: str, wire: WireConstants | None) -> EstimatorFactory:
@@ -159,7 +191,7 @@ def factory_with(name: str, wire: WireConstants | None) -> EstimatorFactory:
 
 def not_begun(why: str) -> ScoredLoop:
     """Return the outcome of a loop that did not begin, because its home move was refused or ended."""
-    return ScoredLoop(None, None, None, None, None, why, 0.0, 1.0, 0.0, 0.0)
+    return ScoredLoop(None, None, None, None, None, None, None, None, why, 0.0, 1.0, 0.0, 0.0)
 
 
 def step_errors(run: ControlRun, from_s: float) -> tuple[float | None, float | None, float | None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -20,6 +21,7 @@ from musclewire.app import (
     stop_if_asked,
     stops_between_samples,
 )
+from musclewire.errors import CallerError
 from musclewire.extras.studies import resumable
 
 if TYPE_CHECKING:
@@ -29,6 +31,9 @@ if TYPE_CHECKING:
     from musclewire_robustness.benchmark import Robustness, Selection
 
 TUNING = option("--tuning", help="The wires that are for tuning, and not those whose figures are reported.")
+# A seed, or two with all between them; none has more than six digits.
+RANGE = re.compile(r"\s*(\d{1,6})(?:-(\d{1,6}))?\s*")
+WIRES = option("--wires", help="Seeds of the wires, as '107-112' or '101, 107-109'.", metavar="SEEDS")
 CONDITION = option("--condition", help="A condition by name; --list shows them. Repeatable.", metavar="NAME")
 TRACK = option(
     "--track", help="A reference that the wire follows, by name; --list shows them. Repeatable.", metavar="NAME"
@@ -45,13 +50,16 @@ class WhatIsRun:
 
     quick: Annotated[bool, QUICK] = False
     tuning: Annotated[bool, TUNING] = False
+    wires: Annotated[str | None, WIRES] = None
     condition: Annotated[list[str] | None, CONDITION] = None
     track: Annotated[list[str] | None, TRACK] = None
     estimators: Annotated[list[str] | None, ESTIMATORS] = None
     controllers: Annotated[list[str] | None, CONTROLLERS] = None
 
     def selection(self) -> Selection:
-        """Return what is run."""
+        """Return what is run. Raises CallerError for wires that are no seeds, and for two choices of them."""
+        if self.tuning and self.wires is not None:
+            raise CallerError("--tuning chooses the wires: leave it or --wires out")
         from musclewire_robustness.benchmark import Selection
         from musclewire_robustness.population import tuning_seeds
 
@@ -59,13 +67,26 @@ class WhatIsRun:
             return None if names is None else tuple(names)
 
         return Selection(
-            seeds=tuning_seeds() if self.tuning else None,
+            seeds=tuning_seeds() if self.tuning else chosen_seeds(self.wires),
             conditions=chosen(self.condition),
             references=chosen(self.track),
             estimators=chosen(self.estimators),
             controllers=() if self.controllers == ["none"] else chosen(self.controllers),
             quick=self.quick,
         )
+
+
+def chosen_seeds(text: str | None) -> tuple[int, ...] | None:
+    """Return seeds in a text, as "101, 107-109"; None without one. Raises CallerError for what is none."""
+    if text is None:
+        return None
+    seeds: list[int] = []
+    for part in text.split(","):
+        seen = RANGE.fullmatch(part)
+        if seen is None:
+            raise CallerError(f"--wires {text}: give seeds such as '107-112' or '101, 107-109'")
+        seeds += range(int(seen[1]), int(seen[2] or seen[1]) + 1)
+    return tuple(dict.fromkeys(seeds))
 
 
 def robustness(

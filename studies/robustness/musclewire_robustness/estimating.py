@@ -10,19 +10,24 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire import ESTIMATORS, EstimatorSetup, FloatArray, SensingModel, WireSample
+from musclewire.experiment import ScaleByB
 from musclewire.sensing import EstimatorFactory, KnownSpring, estimates
 from musclewire.wire import WireConstants
 from musclewire_robustness.recorded_run import RecordedRun
 
 
 class EstimatedRun(NamedTuple):
-    """An estimator's answers over a run, each (n_samples,); ``columns`` are those that it records itself."""
+    """An estimator's answers over a run, each (n_samples,).
+
+    ``columns`` are those that it records itself, ``b_has_moved`` is where B was known to be at another height.
+    """
 
     value: FloatArray
     std: FloatArray
     valid: npt.NDArray[np.bool_]
     reason: npt.NDArray[np.int64]
     columns: dict[str, FloatArray]
+    b_has_moved: npt.NDArray[np.bool_]
     failure: str
 
 
@@ -45,8 +50,10 @@ def estimated(
     estimator: str | EstimatorFactory,
     wire: WireConstants | None = None,
     load: KnownSpring | None = None,
+    *,
+    zeroed: bool = False,
 ) -> EstimatedRun:
-    """Return what an estimator says over a recorded run.
+    """Return what an estimator says over a recorded run, as in a loop that watches the height of B.
 
     Parameters
     ----------
@@ -60,6 +67,8 @@ def estimated(
         Constants of the user's wire file on his load; None without one.
     load
         The spring that the wire pulls, for a model of force; None for other quantities.
+    zeroed
+        Whether strain counts from today's zero, so that the resistance may be scaled by B.
 
     Returns
     -------
@@ -67,7 +76,17 @@ def estimated(
     """
     factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
     made = factory(setup_of(run, model, wire, load))
-    found, recorded = zip(*estimates(made, samples_of(run)), strict=True)
+    scale = ScaleByB.of_model(model, run.facts["sense_voltage_v"], run.facts["shunt_resistance_ohm"])
+
+    def given() -> Iterator[WireSample]:
+        for sample in samples_of(run):
+            yield scale.scaled(sample) if zeroed else sample
+            scale.watch(sample)
+
+    answers = [
+        (scale.judged(one) if zeroed else one, recorded, scale.has_moved) for one, recorded in estimates(made, given())
+    ]
+    found, recorded, moved = zip(*answers, strict=True)
     failure = next((one.failure for one in found if one.failure), "")
     return EstimatedRun(
         np.array([one.value for one in found]),
@@ -75,6 +94,7 @@ def estimated(
         np.array([one.valid for one in found]),
         np.array([int(one.reason) for one in found]),
         dict(zip(made.columns, np.array(recorded, dtype=np.float64).T, strict=True)),
+        np.array(moved),
         failure,
     )
 

@@ -62,7 +62,7 @@ def force_score(
     friction_n = float(knowledge.model.wire.get("guide_friction_n", 0.0))
     try:
         model = force_model(knowledge.model, stiffness, leg_m)
-        found = estimated(run, model, estimator, wire, KnownSpring(stiffness, friction_n))
+        found = estimated(run, model, estimator, wire, KnownSpring(stiffness, friction_n), zeroed=condition.zeroed)
     except MusclewireError:
         return ErrorSums()
     judged = usable(run.strain, knowledge, times) & (run.time_s >= judged_from_s(condition, times))
@@ -218,7 +218,7 @@ def answer_of(job: RobustnessOptions, store: ResultStore) -> JobAnswer:
     force: dict[str, ErrorSums] = {}
     for name in job.all_estimators:
         try:
-            found = [estimated(run, users.model, name, own) for run, users in runs]
+            found = [estimated(run, users.model, name, own, zeroed=condition.zeroed) for run, users in runs]
         except MusclewireError as error:
             problems[name] = " ".join(str(error).split())
             continue

@@ -50,6 +50,8 @@ class Disturbance:
 
     def level(self, time_s: float) -> float:
         """Return how much of a change during the run is there at a time [s], from 0 to 1."""
+        if self._condition.zeroed:
+            return 1.0
         if self._change_at_s is None:
             return 0.0
         duration_s = self._run.drift_s if self._condition.drift else self._run.ramp_s
@@ -122,6 +124,12 @@ class DisturbedPlant:
         self.rig, self.disturbance = GuardedRig(device), disturbance
         self._device, self._lead_drifts, self.seed = device, lead_drifts, seed
         self._instruments, self._leads = device.instruments, 0
+
+    def take_zero(self, rest_s: float) -> None:
+        """Let the wire rest [s] under what is there, and take the zero of its displacement again."""
+        for _ in range(round(rest_s / self.rig.sample_period_s)):
+            self.rig.exchange(self.rig.sense_voltage_v)
+        self._device.zero_displacement()
 
     def before_sample(self) -> None:
         """Let the leads drift before the next sample: other instruments once a second, with noise of their own."""

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from musclewire import (
     CallerError,
@@ -123,6 +124,8 @@ def record_run(
             model, outcome = homed(plant, condition, knowledge.model)
         except RigError as error:
             raise NumericsError(f"wire {wire.name}, {condition.name}: the home move was ended: {error}") from None
+        if condition.zeroed:
+            plant.take_zero(settings().run.zeroing_s)
         run = followed(plant, wire, condition, reference, knowledge)
     return replace(run, home=outcome), model
 
@@ -152,7 +155,7 @@ def followed(
 ) -> RecordedRun:
     """Return what was recorded while a wire followed the start-up loop and a reference."""
     rig, run = plant.rig, settings().run
-    targets = run_targets(wire, reference, knowledge.stroke, run, rig.sample_period_s)
+    targets = run_targets(wire, condition, reference, knowledge.stroke, run, rig.sample_period_s)
     servo, rows = StrainServo(rig, knowledge), RunRows(plant)
     began_s = required_true_state(rig).wire_state.time_s + run.start_up_s
     plant.disturbance.change_at(began_s + run.change_at_s)
@@ -191,25 +194,34 @@ def facts_of(rig: Rig) -> dict[str, float]:
     return {
         "shunt_resistance_ohm": rig.shunt_resistance_ohm,
         "sample_period_s": rig.sample_period_s,
+        "sense_voltage_v": rig.sense_voltage_v,
         "leg_length_m": rig.leg_length_m,
         "maximum_voltage_v": rig.maximum_voltage_v,
     }
 
 
-def run_targets(wire: PopulationWire, reference: str, stroke: float, run: RunSettings, period_s: float) -> FloatArray:
-    """Return the targets of all samples of a run: the start-up loop, then the reference."""
+def run_targets(
+    wire: PopulationWire, condition: Condition, reference: str, stroke: float, run: RunSettings, period_s: float
+) -> FloatArray:
+    """Return the targets of all samples of a run: the start-up loop, then the reference, a rest in it at no strain."""
     before = round(run.start_up_s / period_s)
     after = np.asarray(np.arange(round(run.reference_s / period_s)) * period_s, dtype=np.float64)
     follows = reference_targets(reference, after, stroke, wire.seed)
+    follows[rests_at(after, condition, run)] = 0.0
     first = start_up(
         np.asarray(np.arange(before) * period_s, dtype=np.float64), stroke, float(follows[0]), run.start_up_s
     )
     return np.concatenate([first, follows])
 
 
+def rests_at(time_s: FloatArray, condition: Condition, run: RunSettings) -> npt.NDArray[np.bool_]:
+    """Return at which times from the reference's start on the wire rests without heat, (n_samples,)."""
+    return np.asarray((time_s >= run.change_at_s) & (time_s < run.change_at_s + condition.rest_s))
+
+
 def zero_shift(wire: PopulationWire, condition: Condition, leg_length_m: float) -> float:
     """Return the strain that the cold wire shows once a changed load is on: what taking zero again takes away."""
-    if not condition.moves_zero:
+    if condition.zeroed or not condition.moves_zero:
         return 0.0
     only = AS_CHARACTERIZED.model_copy(
         update={"load_fraction": condition.load_fraction, "pretension_fraction": condition.pretension_fraction}

@@ -137,6 +137,22 @@ class LoopRow:
         return max((one for one in found if one is not None), default=None)
 
     @property
+    def interval_half_width_pct(self) -> float | None:
+        """Median over wires of the half-width of the 95 % interval [% of the stroke]."""
+        found = [one.half_width_pct for one in self.outcomes if one.half_width_pct is not None]
+        return float(np.median(found)) if found else None
+
+    @property
+    def noted_share(self) -> float | None:
+        """Mean over wires of the fraction of samples at which only causes with which a run holds were named."""
+        return mean_of([one.noted_share for one in self.outcomes])
+
+    @property
+    def flagged_share(self) -> float | None:
+        """Mean over wires of the fraction of samples at which a cause was named with which a run does not hold."""
+        return mean_of([one.flagged_share for one in self.outcomes])
+
+    @property
     def ended(self) -> int:
         """Number of wires whose run has ended early; one that a refused home move kept from beginning is none."""
         return sum(bool(one.ended) and not one.ended.startswith("refused") for one in self.outcomes)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire import FloatArray
+from musclewire.experiment import GRAVE
 from musclewire_robustness.characterizing import UsersKnowledge
 from musclewire_robustness.estimating import EstimatedRun
 from musclewire_robustness.recorded_run import RecordedRun
@@ -34,6 +35,10 @@ class ErrorSums:
         Judged samples: in the usable range, from the time on from which the condition counts.
     squares, squares_new_zero
         Sums of squared errors in full strokes, with the instruments' zero kept and taken again.
+    noted, flagged
+        Judged samples at which only causes with which a run holds were named, and any with which it does not.
+    half_widths_pct
+        Median half-width of the 95 % interval over the valid samples of each run [% of the full stroke].
     valid
         Judged samples said to be valid.
     wrong
@@ -48,7 +53,7 @@ class ErrorSums:
         Runs in which a flag is asked for, and those in which it came in time.
     flag_times_s
         Sum of the times from the change to the first flag [s], over the runs that had one.
-    flagged
+    flagged_runs
         Runs with a flag after the change.
     false_flags
         Flags that began while nothing had changed.
@@ -68,9 +73,12 @@ class ErrorSums:
     flag_runs: int = 0
     flags_in_time: int = 0
     flag_times_s: float = 0.0
-    flagged: int = 0
+    flagged_runs: int = 0
     false_flags: int = 0
     quiet_s: float = 0.0
+    noted: int = 0
+    flagged: int = 0
+    half_widths_pct: tuple[float, ...] = ()
 
     def __add__(self, other: ErrorSums) -> ErrorSums:
         """Return the sums of both."""
@@ -102,6 +110,21 @@ class ErrorSums:
         return self.within / self.valid if self.valid else None
 
     @property
+    def noted_share(self) -> float | None:
+        """Fraction of the judged samples at which only causes with which a run holds were named."""
+        return self.noted / self.samples if self.samples else None
+
+    @property
+    def flagged_share(self) -> float | None:
+        """Fraction of the judged samples at which a cause was named with which a run does not hold."""
+        return self.flagged / self.samples if self.samples else None
+
+    @property
+    def interval_half_width_pct(self) -> float | None:
+        """Median over the runs of the half-width of the 95 % interval [% of the full stroke]."""
+        return float(np.median(self.half_widths_pct)) if self.half_widths_pct else None
+
+    @property
     def valid_cold_fraction(self) -> float | None:
         """Fraction of the samples before B that say valid."""
         return self.valid_cold / self.cold if self.cold else None
@@ -114,7 +137,7 @@ class ErrorSums:
     @property
     def flagged_s(self) -> float | None:
         """Mean time from the change to the first flag [s], of the runs that had one."""
-        return self.flag_times_s / self.flagged if self.flagged else None
+        return self.flag_times_s / self.flagged_runs if self.flagged_runs else None
 
     @property
     def false_flags_per_hour(self) -> float | None:
@@ -136,6 +159,8 @@ def judged_from_s(condition: Condition, run: RunSettings) -> float:
     After a slow drift once all of it is there, after another load ten seconds from the beginning of the change, in
     other air from the beginning of the change on; where nothing changes during the run, from the start.
     """
+    if condition.zeroed:
+        return 0.0
     if condition.drift:
         return run.change_at_s + run.drift_s
     if condition.changes_load:
@@ -177,7 +202,10 @@ def score_of(
     error = (found.value - run.strain)[judged] / stroke
     new_zero = error + run.zero_shift[judged] / stroke
     valid, std = found.valid[judged], found.std[judged] / stroke
-    cold = before_b(run)
+    cold = before_b(run) | cooled(run, condition, times)
+    health = found.columns.get(HEALTH_COLUMN, np.zeros(run.time_s.size))
+    flagged = (found.b_has_moved | np.isin(health, GRAVE))[judged]
+    half_pct = half_width_pct(found.std[judged], valid, stroke)
     return ErrorSums(
         samples=int(judged.sum()),
         squares=float(error @ error),
@@ -188,6 +216,9 @@ def score_of(
         cold=int(cold.sum()),
         valid_cold=int(found.valid[cold].sum()),
         failures=int(bool(found.failure)),
+        noted=int(np.sum((health != 0.0)[judged] & ~flagged)),
+        flagged=int(flagged.sum()),
+        half_widths_pct=() if half_pct is None else (half_pct,),
     ) + flags_of(run, found, condition, times)
 
 
@@ -203,21 +234,34 @@ def before_b(run: RecordedRun) -> npt.NDArray[np.bool_]:
     return found
 
 
+def cooled(run: RecordedRun, condition: Condition, times: RunSettings) -> npt.NDArray[np.bool_]:
+    """Return the samples of the second half of a rest, in which the wire is cold."""
+    since_s = run.time_s - times.change_at_s
+    return np.asarray((since_s >= 0.5 * condition.rest_s) & (since_s < condition.rest_s))
+
+
+def half_width_pct(std: FloatArray, valid: npt.NDArray[np.bool_], stroke: float) -> float | None:
+    """Return the median half-width of 95 % intervals over valid samples [% of a stroke]; None without any."""
+    return 100.0 * DEVIATIONS * float(np.median(std[valid])) / stroke if valid.any() else None
+
+
 def flags_of(run: RecordedRun, found: EstimatedRun, condition: Condition, times: RunSettings) -> ErrorSums:
     """Return what there is to say of flags, if the estimator or what watches it records its health."""
     health = found.columns.get(HEALTH_COLUMN)
     if health is None:
         return ErrorSums()
-    flagged = health != 0.0
-    begins = flagged & ~np.concatenate([[False], flagged[:-1]])
+    named = health != 0.0
+    begins = named & ~np.concatenate([[False], named[:-1]])
     if condition.undisturbed:
         quiet = run.time_s >= 0.0
         period_s = run.facts["sample_period_s"]
         return ErrorSums(false_flags=int(begins[quiet].sum()), quiet_s=float(quiet.sum()) * period_s)
     if condition.flag_s is None:
         return ErrorSums()
-    after = np.flatnonzero(flagged & (run.time_s >= times.change_at_s))
+    after = np.flatnonzero(named & (run.time_s >= times.change_at_s))
     if not after.size:
         return ErrorSums(flag_runs=1)
     needed_s = float(run.time_s[after[0]]) - times.change_at_s
-    return ErrorSums(flag_runs=1, flags_in_time=int(needed_s <= condition.flag_s), flag_times_s=needed_s, flagged=1)
+    return ErrorSums(
+        flag_runs=1, flags_in_time=int(needed_s <= condition.flag_s), flag_times_s=needed_s, flagged_runs=1
+    )

@@ -102,6 +102,7 @@ class RunSettings(StrictTable):
     ramp_s: float = Field(gt=0.0)
     drift_s: float = Field(gt=0.0)
     judged_after_s: float = Field(gt=0.0)
+    zeroing_s: float = Field(gt=0.0)
     usable_low: float = Field(gt=0.0, lt=1.0)
     usable_high: float = Field(gt=0.0, le=1.0)
 
@@ -170,6 +171,10 @@ class Condition(StrictTable):
         Whether what can drift is there from the beginning and a home move comes before everything else.
     thermometer
         Whether the home move knows the temperature of the air.
+    zeroed
+        Whether all of it is there from the beginning, and the zero of the displacement is taken again under it.
+    rest_s
+        For how long the wire rests without heat from the change on [s].
     flag_s
         Time [s] within which a flag has to come; None if none is asked for.
     """
@@ -196,6 +201,8 @@ class Condition(StrictTable):
     drift: bool = False
     home: bool = False
     thermometer: bool = False
+    zeroed: bool = False
+    rest_s: float = Field(default=0.0, ge=0.0)
     flag_s: float | None = Field(default=None, gt=0.0)
 
     @property

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from musclewire.app import AnswerModel
 from musclewire_robustness.benchmark import Robustness
 from musclewire_robustness.grips import GripRow
-from musclewire_robustness.rows import EstimatorRow, LoopRow
+from musclewire_robustness.rows import EstimatorRow, LoopRow, mean_of
 
 
 class RobustnessRow(AnswerModel):
@@ -32,6 +32,9 @@ class RobustnessRow(AnswerModel):
     worst_wire_seed: int | None = None
     worst_wire_rms_pct: float | None = None
     interval_coverage: float | None = None
+    interval_half_width_pct: float | None = None
+    noted_share: float | None = None
+    flagged_share: float | None = None
     valid_before_b_fraction: float | None = None
     flags_in_time_fraction: float | None = None
     false_flags_per_hour: float | None = None
@@ -72,14 +75,12 @@ def estimator_answer(row: EstimatorRow) -> RobustnessRow:
 
 def loop_answer(row: LoopRow) -> RobustnessRow:
     """Return a closed loop's row."""
-    rms = [one.estimate_rms_pct for one in row.outcomes if one.estimate_rms_pct is not None]
-    valid = [one.valid_share for one in row.outcomes if one.valid_share is not None]
     return RobustnessRow.read_from(
         row,
         disturbance=row.condition.disturbance,
         level=row.condition.level,
-        estimate_rms_pct=sum(rms) / len(rms) if rms else None,
-        valid_share=sum(valid) / len(valid) if valid else None,
+        estimate_rms_pct=mean_of([one.estimate_rms_pct for one in row.outcomes]),
+        valid_share=mean_of([one.valid_share for one in row.outcomes]),
         mae_first_pct=row.largest("mae_first_pct"),
         mae_other_max_pct=row.largest("mae_other_max_pct"),
         ended_early=row.ended,
@@ -110,7 +111,8 @@ def table_text(result: Robustness) -> str:
         "Error of the estimate, rms in percent of the full stroke, in the usable range; the instruments' zero kept.",
         *error_lines(result),
         "",
-        "The zero taken again, the fraction that is valid, of it beyond 5 %, 95 % intervals that hold, flags, force.",
+        "The zero taken again, the fraction that is valid, of it beyond 5 %, 95 % intervals that hold and their median "
+        "half-width, samples noted and flagged, flags, force.",
         *honest_lines(result.estimators),
     ]
     if result.loops:
@@ -180,6 +182,9 @@ def honest_lines(rows: Sequence[EstimatorRow]) -> list[str]:
             "valid",
             "beyond 5 %",
             "intervals",
+            "half %",
+            "noted",
+            "flagged",
             "flagged s",
             "in time",
             "force",
@@ -193,6 +198,9 @@ def honest_lines(rows: Sequence[EstimatorRow]) -> list[str]:
                 number(row.score.valid_share, 3),
                 number(row.score.beyond_5_share, 4),
                 number(row.score.coverage, 3),
+                number(row.score.interval_half_width_pct),
+                number(row.score.noted_share, 3),
+                number(row.score.flagged_share, 3),
                 number(row.score.flagged_s, 1),
                 number(row.score.flags_in_time_fraction),
                 number(row.force.rms_pct),
@@ -206,7 +214,18 @@ def honest_lines(rows: Sequence[EstimatorRow]) -> list[str]:
 def loop_lines(rows: Sequence[LoopRow]) -> list[str]:
     """Return the closed loops as a table."""
     return columns(
-        ["", "estimator", "controller", "first step", "largest other", "mean", "ended early"],
+        [
+            "",
+            "estimator",
+            "controller",
+            "first step",
+            "largest other",
+            "mean",
+            "half %",
+            "noted",
+            "flagged",
+            "ended early",
+        ],
         [
             [
                 row.condition.name,
@@ -215,6 +234,9 @@ def loop_lines(rows: Sequence[LoopRow]) -> list[str]:
                 number(row.largest("mae_first_pct")),
                 number(row.largest("mae_other_max_pct")),
                 number(row.mae_mean_pct),
+                number(row.interval_half_width_pct),
+                number(row.noted_share, 3),
+                number(row.flagged_share, 3),
                 str(row.ended),
             ]
             for row in rows

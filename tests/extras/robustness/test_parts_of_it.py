@@ -4,6 +4,7 @@
 import math
 from importlib.resources import files
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,19 +18,24 @@ pytestmark = pytest.mark.slow
 
 from musclewire_robustness.benchmark import Robustness, Selection, chosen_by
 from musclewire_robustness.closed_loops import ScoredLoop
+from musclewire_robustness.command import WhatIsRun, chosen_seeds
+from musclewire_robustness.estimating import EstimatedRun
 from musclewire_robustness.grips import changes
 from musclewire_robustness.kind import JobAnswer, RobustnessOptions, answer_of_text
-from musclewire_robustness.plant import Disturbance
+from musclewire_robustness.plant import Disturbance, open_plant
 from musclewire_robustness.population import drawn_wire, held_out_seeds, tuning_seeds
+from musclewire_robustness.recorded_run import RecordedRun
+from musclewire_robustness.recording_runs import run_targets, zero_shift
 from musclewire_robustness.references import REFERENCES, reference_targets, start_up
 from musclewire_robustness.rows import EstimatorRow, LoopRow, WireError, estimator_rows
-from musclewire_robustness.scoring import ErrorSums, pooled
+from musclewire_robustness.scoring import ErrorSums, cooled, judged_from_s, pooled, score_of
 from musclewire_robustness.settings import bars, known_misses, settings
 from musclewire_robustness.store import ROOMS
 from musclewire_robustness.table_text import bar_lines
 from musclewire_robustness.verdicts import verdicts_of
 
 from musclewire.errors import CallerError
+from musclewire.sensing import Cause
 
 
 def condition(name):
@@ -102,6 +108,72 @@ def test_a_drift_takes_its_time_and_is_there_at_once_before_a_home_move():
     assert Disturbance(wire, condition("R +1 %, home"), run)(0.0).resistance_factor == pytest.approx(1.01)
 
 
+def test_what_is_zeroed_again_is_there_at_once_and_counts_from_the_start():
+    wire, run = drawn_wire(102), settings().run
+    half = 0.5 * wire.bench.pretension_n.value
+    under = Disturbance(wire, condition("load -50 %, zeroed again"), run)
+    assert under(0.0).load_force_n == pytest.approx(-half)
+    assert judged_from_s(condition("load -50 %, zeroed again"), run) == 0.0
+    assert judged_from_s(condition("load -50 %"), run) == run.change_at_s + run.judged_after_s
+    assert zero_shift(wire, condition("load -50 %, zeroed again"), 0.07) == 0.0
+
+
+def test_a_zero_is_taken_where_the_cold_wire_is_under_its_load():
+    plant = open_plant(drawn_wire(102), condition("load +50 %, zeroed again"))
+    with plant.rig as rig:
+        before_m = rig.exchange(rig.sense_voltage_v).displacement_m
+        plant.take_zero(5.0)
+        after_m = rig.exchange(rig.sense_voltage_v).displacement_m
+    assert abs(before_m) > 1e-4
+    assert abs(after_m) < 2e-5
+
+
+def test_a_rest_is_at_no_target_and_its_second_half_counts_as_cold():
+    rest, run = condition("cold rest"), settings().run
+    targets = run_targets(drawn_wire(102), rest, "staircase", 0.04, run, 0.5)
+    time_s = 0.5 * np.arange(targets.size) - run.start_up_s
+    resting = (time_s >= run.change_at_s) & (time_s < run.change_at_s + rest.rest_s)
+    assert targets[resting].max() == 0.0
+    assert targets[(time_s >= 0.0) & ~resting].min() > 0.0
+    recorded = RecordedRun(102, "cold rest", "staircase", time_s, *[np.zeros(time_s.size)] * 10)
+    cold_s = time_s[cooled(recorded, rest, run)]
+    assert (cold_s.min(), cold_s.max()) == (run.change_at_s + 15.0, run.change_at_s + 29.5)
+    assert not cooled(recorded, condition("none"), run).any()
+
+
+def test_samples_at_which_b_has_moved_are_flagged_and_what_an_estimator_follows_is_noted():
+    time_s = np.arange(-50.0, 10.0)
+    recorded = RecordedRun(102, "none", "sines", *[time_s] * 2, *[np.ones(60)] * 9, facts={"sample_period_s": 1.0})
+    health = np.where(time_s < 4.0, float(Cause.CHANGED_AIR), np.where(time_s < 6.0, float(Cause.CHANGED_LOAD), 0.0))
+    found = EstimatedRun(
+        np.ones(60), np.full(60, 0.01), np.ones(60, bool), np.zeros(60, int), {"health": health}, time_s >= 8.0, ""
+    )
+    knowledge = SimpleNamespace(stroke=1.0, model=SimpleNamespace(quantity_min=0.0, quantity_max=2.0))
+    everywhere = settings().run.model_copy(update={"usable_high": 1.0})
+    score = score_of(recorded, found, condition("none"), knowledge, everywhere)
+    assert (score.samples, score.noted_share, score.flagged_share) == (10, 0.4, 0.4)
+    assert score.interval_half_width_pct == pytest.approx(1.96)
+
+
+def test_half_widths_of_rows_are_medians_over_runs():
+    score = pooled(ErrorSums(samples=1, half_widths_pct=(width,)) for width in (1.0, 2.0, 9.0))
+    assert score.interval_half_width_pct == 2.0
+    assert ErrorSums().interval_half_width_pct is None
+
+
+@pytest.mark.parametrize("text", ["107-", "a", "", "107..112"])
+def test_wires_that_are_no_seeds_are_refused(text):
+    with pytest.raises(CallerError, match="--wires"):
+        chosen_seeds(text)
+
+
+def test_wires_are_chosen_by_their_seeds():
+    assert chosen_seeds("101, 107-109,108") == (101, 107, 108, 109)
+    assert chosen_seeds(None) is None
+    with pytest.raises(CallerError, match="--tuning"):
+        WhatIsRun(tuning=True, wires="107").selection()
+
+
 def test_draughts_differ_along_a_wire_in_segments():
     wire = drawn_wire(101)
     disturbed = Disturbance(wire, condition("draughts 0.25"), settings().run)
@@ -129,7 +201,7 @@ def test_pooled_scores_are_the_score_of_all_samples(parts):
     assert total.rms_pct == pytest.approx(100.0 * math.sqrt(expected))
 
 
-LOOP = ScoredLoop(1.0, None, 2.0, 0.5, 1.0, "", 0.4, 0.9, 340.0, 350.0)
+LOOP = ScoredLoop(1.0, None, 2.0, 0.5, 1.0, 1.5, 0.0, 0.25, "", 0.4, 0.9, 340.0, 350.0)
 
 
 def answer(seed, error, gap_pct=1.0, name="none"):

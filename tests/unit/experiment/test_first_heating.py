@@ -49,6 +49,13 @@ def test_a_scale_of_the_resistance_is_read_off_b_however_fast_the_wire_is_heated
     assert same.away_pct == pytest.approx(0.0, abs=0.5)
 
 
+def test_a_reading_of_little_current_above_b_is_noise_and_not_b() -> None:
+    run = heated(resting=8)
+    ohm = run["wire_resistance_ohm"] + np.where(np.arange(400) == 5, 0.5, 0.0)
+    noisy = seen_at_b(Recording({**run.columns, "wire_resistance_ohm": ohm}, run.metadata))
+    assert noisy == seen_at_b(run)
+
+
 @pytest.mark.parametrize("scale", [0.99, 1.01])
 def test_a_b_at_another_height_is_named_with_its_number_and_does_not_hold(scale: float) -> None:
     run = heated(scale)
