@@ -207,7 +207,8 @@ def control(
     zero_from
         Where strain counts from: "kept", the cold wire of the characterization, or "today", this run's. From today's, a
         first heating that turns at another resistance than the model's slow loop scales the resistance for the rest of
-        the run and widens the interval; where it differs too much, no estimate is valid from there on.
+        the run and widens the interval; where it differs too much, no estimate is valid from there on. And in another
+        room, if rig and model both state their air, estimates count from where the wire is cold there.
     **run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
         may raise to stop the run, ``until`` asked after each whether the run is to end now.
