@@ -168,7 +168,7 @@ SWEEP_FILE = option("--sweep", help="Recording of the home move's sweep to write
 ZERO_FROM = option(
     "--zero-from",
     help="Where strain counts from: 'kept', the cold wire of the characterization, or 'today', this run's. From "
-    "today's, resistance is scaled if the first heating turns elsewhere than the model's, and another room's air counts.",
+    "today's, resistance is scaled if the first heating turns elsewhere than the model's, and the room's air counts.",
     metavar="today|kept",
 )
 ON_BOARD = option(
