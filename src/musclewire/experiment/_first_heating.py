@@ -99,10 +99,12 @@ class KnownB(NamedTuple):
             return None
         at, seen_ohm = passed
         unheated = np.flatnonzero(drive_voltage_v[:at] <= NOT_HEATED * self.sense_voltage_v)
-        coldest = int(unheated[-1]) if unheated.size else 0
+        last = int(unheated[-1]) if unheated.size else 0
+        # The reading that follows is of a current that heats, and so of less noise.
+        cold_ohm = resistance_ohm[last : last + 2].min()
         span_ohm = self.b_ohm - self.c_ohm
         hot = resistance_ohm[0] < self.b_ohm - self.rise_ohm - HOT_FRACTION * span_ohm
-        if hot or seen_ohm - resistance_ohm[coldest] < COLD_RISE * self.rise_ohm:
+        if hot or seen_ohm - cold_ohm < COLD_RISE * self.rise_ohm:
             return None
         percent = 100.0 / span_ohm
         return SeenAtB(at, percent * (seen_ohm - self.b_ohm), percent * LIMIT_STDS * self.std_ohm)
