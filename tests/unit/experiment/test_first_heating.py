@@ -49,6 +49,12 @@ def test_a_scale_of_the_resistance_is_read_off_b_however_fast_the_wire_is_heated
     assert same.away_pct == pytest.approx(0.0, abs=0.5)
 
 
+def test_a_cold_reading_that_noise_has_raised_does_not_make_a_cold_wire_warm() -> None:
+    run = heated()
+    ohm = run["wire_resistance_ohm"] + np.where(np.arange(400) == 2, 0.15, 0.0)
+    assert seen_at_b(Recording({**run.columns, "wire_resistance_ohm": ohm}, run.metadata)) == seen_at_b(run)
+
+
 def test_a_reading_of_little_current_above_b_is_noise_and_not_b() -> None:
     run = heated(resting=8)
     ohm = run["wire_resistance_ohm"] + np.where(np.arange(400) == 5, 0.5, 0.0)
