@@ -363,7 +363,6 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
     if load is not None:
         model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
     chosen = staircase_within(model) if reference is None else reference
-    check_targets(model, chosen, rig.sample_period_s)
     # Resistance is proportional to length: a model of another length would read a cold wire as a contracted one. And
     # the displacement of a finger's endpoint belongs to that finger.
     facts = rig.metadata()
@@ -376,7 +375,8 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         **choice.metadata(settled),
         **load_facts(model, facts),
     }
-    zero = zero_of_room(model, {**what_protects(rig), **metadata}) if choice.zero_from == TODAY else None
+    zero = zero_of_room(model, what_protects(rig)) if choice.zero_from == TODAY else None
+    check_targets(model, chosen, rig.sample_period_s, 0.0 if zero is None else zero.value)
     return PreparedLoop(
         model,
         chosen,

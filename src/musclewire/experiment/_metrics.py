@@ -344,7 +344,10 @@ def after_approach(elapsed_s: FloatArray, approach_s: float) -> npt.NDArray[np.b
 
 def judged_for_sensing(recording: Recording) -> npt.NDArray[np.bool_]:
     """Return the samples at which a loop should have been sensed, (n_times,)."""
-    return after_approach(elapsed(recording), recording.facts.approach_s) & since_first_sensed(recording)
+    # Of a recording of another program, too, which need not state them.
+    approach_s, period_s = (recording.facts.number_or_none(name) or 0.0 for name in ("approach_s", "sample_period_s"))
+    elapsed_s = recording["time_s"] - recording["time_s"][0] + period_s - approach_s
+    return after_approach(elapsed_s, approach_s) & since_first_sensed(recording)
 
 
 def valid_share(recording: Recording) -> float:

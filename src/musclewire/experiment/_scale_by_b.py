@@ -11,7 +11,7 @@ from array import array
 
 import numpy as np
 
-from musclewire.experiment._first_heating import KnownB, SeenAtB
+from musclewire.experiment._first_heating import NOISY, KnownB, SeenAtB
 from musclewire.identify import load_facts
 from musclewire.physics import wire_resistance
 from musclewire.sensing import SensingModel
@@ -23,9 +23,10 @@ TODAY, KEPT = ZEROS = "today", "kept"
 LEFT_PCT, LEFT_PER_PCT = 3.0, 0.8
 # Beyond so many % of the span no scale serves.
 REFUSED_PCT = 9.0
-# A resistance that is nearer to its highest than this part of the span is not past B: nothing is searched in it, so
-# that a wire that is held cold for hours costs nothing.
-MIN_FALL = 0.04
+# A resistance that is nearer to its highest than this part of the span is not past B, and one that is read with little
+# current is noise: nothing is searched in either, and of a wire that rests only so many readings are kept. So one that
+# is held for hours costs nothing.
+MIN_FALL, KEPT_AT_REST = 0.04, 40
 # 95 % of normally distributed errors lie within so many standard deviations.
 WITHIN_STD = 1.96
 
@@ -49,7 +50,7 @@ class ScaleByB:
         """Begin before the first sample."""
         self._known, self._stroke, self._shunt_resistance_ohm = known, stroke, shunt_resistance_ohm
         self._resistance_ohm, self._drive_voltage_v = array("d"), array("d")
-        self._highest_ohm = 0.0
+        self._highest_ohm, self._at_rest = 0.0, 0
         self._away: SeenAtB | None = None
         self.factor = 1.0
 
@@ -85,8 +86,15 @@ class ScaleByB:
         reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
         if not reading.valid:
             return
+        rests = sample.drive_voltage_v <= NOISY * self._known.sense_voltage_v
+        if rests and self._at_rest >= KEPT_AT_REST:
+            self._resistance_ohm.pop()
+            self._drive_voltage_v.pop()
         self._resistance_ohm.append(reading.resistance_ohm)
         self._drive_voltage_v.append(sample.drive_voltage_v)
+        self._at_rest = self._at_rest + 1 if rests else 0
+        if rests:
+            return
         self._highest_ohm = max(self._highest_ohm, reading.resistance_ohm)
         if self._highest_ohm - reading.resistance_ohm < MIN_FALL * (self._known.b_ohm - self._known.c_ohm):
             return

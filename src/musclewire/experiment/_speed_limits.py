@@ -39,8 +39,8 @@ def staircase_within(model: SensingModel) -> Staircase:
     return staircase(0.5 * top, top, 0.5 * top / STEPS)
 
 
-def check_targets(model: SensingModel, reference: Reference, sample_period_s: float) -> None:
-    """Raise CallerError if a reference leaves the range in which the model senses."""
+def check_targets(model: SensingModel, reference: Reference, sample_period_s: float, shift: float = 0.0) -> None:
+    """Raise CallerError if a reference leaves the range in which the model senses; it is lower by ``shift`` today."""
     if reference.duration_s < sample_period_s:
         raise CallerError(
             f"the reference lasts {reference.duration_s:g} s, less than one sample of {sample_period_s:g} s: "
@@ -48,12 +48,13 @@ def check_targets(model: SensingModel, reference: Reference, sample_period_s: fl
         )
     low, high = range_of(reference, sample_period_s)
     margin = 1e-3 * (model.quantity_max - model.quantity_min)
-    if low < model.quantity_min - margin or high > model.quantity_max + margin:
+    least, most = model.quantity_min - shift, model.quantity_max - shift
+    if low < least - margin or high > most + margin:
         factor, unit = SHOWN_AS[model.quantity]
         raise CallerError(
             f"the reference goes from {factor * low:.4g} to {factor * high:.4g} {unit}, but this model senses "
-            f"{model.quantity} only from {factor * model.quantity_min:.4g} to {factor * model.quantity_max:.4g} "
-            f"{unit}: choose targets inside"
+            f"{model.quantity} only from {factor * least:.4g} to {factor * most:.4g} {unit}"
+            f"{' from the zero of this room' if shift else ''}: choose targets inside"
         )
 
 

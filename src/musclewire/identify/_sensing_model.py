@@ -32,7 +32,7 @@ from musclewire.identify._recordings import (
 )
 from musclewire.identify._tuning import with_gains
 from musclewire.identify._use_of_model import DEFAULT_WITH_WIRE_FILE, default_estimator, users_wire
-from musclewire.identify._zero_of_room import NOTE, cold_contraction_per_k
+from musclewire.identify._zero_of_room import NOTE, ROOM, cold_contraction_per_k
 from musclewire.physics import ArrayReading
 from musclewire.sensing import (
     AMBIGUOUS_ABOVE,
@@ -204,10 +204,12 @@ def fit(
     given, cold_ohm = recording, 1.0
     if relative_resistance:
         recording, cold_ohm = over_cold_resistance(given)
-    reading, measured = reading_and_quantity(recording, quantity)
-    notes = loop_notes(recording, None if quantity == "force" else measured)
-    source = recording.facts.text_or_none("source") or ""
-    against = (*recording_defects(recording, quantity), *filter(None, [not_done(recording)]))
+    # What is said of readings, heat and limits is of those that were recorded; only the curve is of divided ones.
+    reading, measured = reading_and_quantity(given, quantity)
+    reading = reading._replace(resistance_ohm=reading.resistance_ohm / cold_ohm)
+    notes = loop_notes(given, None if quantity == "force" else measured) | wire_notes(recording)
+    source = given.facts.text_or_none("source") or ""
+    against = (*recording_defects(given, quantity), *filter(None, [not_done(given)]))
     try:
         model = fit_loop(
             reading.resistance_ohm,
@@ -218,7 +220,7 @@ def fit(
             quantity,
             wire=notes,
             source=source,
-            hot_end=hot_end(recording),
+            hot_end=hot_end(given),
         )
     except (RecordingError, FitRejectedError) as error:
         why = without_loop(error, recording) if isinstance(error, RecordingError) else error
@@ -229,7 +231,7 @@ def fit(
         against = (*against, f"{OVER_COLD} the {cold_ohm:.4g} ohm of the cold wire")
     else:
         model = with_gains(model, recording)
-    found = usable_readings(recording).findings
+    found = usable_readings(given).findings
     return replace(model, warnings=(*model.warnings, *found, *against), does_not_hold=against_a_loop(model, given))
 
 
@@ -358,6 +360,7 @@ def loop_notes(recording: Recording, moved: FloatArray | None = None) -> dict[st
     found = {
         "guide_friction_n": guide_friction_n(recording),
         "ambient_temperature_k": air_temperature_k(recording),
+        ROOM: recording.facts.number_or_none("limit_ambient_temperature_k"),
         NOTE: None if moved is None else cold_contraction_per_k(recording, moved),
     }
     return wire_notes(recording) | {name: value for name, value in found.items() if value is not None}
@@ -578,7 +581,8 @@ def estimate(
         raise outside_range(model, reading)
     measured = reference_quantity(recording, model.quantity)
     # A simulation begins nowhere: it is judged from the cold wire on.
-    counts = valid if measured is None or fell_back else valid & (measured >= model.quantity_min)
+    least = -np.inf if fell_back else model.quantity_min
+    counts = valid if measured is None else valid & (measured >= least)
     errors: FloatArray | None = None
     groups: tuple[ErrorGroup, ...] = ()
     if measured is not None and counts.any():

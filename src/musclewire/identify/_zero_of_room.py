@@ -22,6 +22,8 @@ from musclewire.signals import MetadataValue, QuantityEstimate, Recording, RunFa
 
 # The note of a model: contraction that is left for each kelvin of warmer air, in the quantity's unit.
 NOTE = "cold_contraction_per_k"
+# And the note of the air that its rig file stated: what a thermometer reads is not compared with what is stated.
+ROOM = "stated_ambient_k"
 # The cold end of cooling [K above the air], and how near to the air it must have come.
 COLD_END_K, MIN_COLD_K = 8.0, 4.0
 MIN_POINTS = 8
@@ -71,9 +73,12 @@ def cold_contraction_per_k(recording: Recording, moved: FloatArray) -> float | N
         return None
     heat = WireHeat(capacity, loss)
     even = course.evenly(heat.lag_s / STEPS_PER_LAG)
-    warming_k = even.warming_k(heat, LATENT_K / float(np.ptp(even.resistance_ohm)))
+    span_ohm = float(np.ptp(even.resistance_ohm))
     at = np.interp(even.time_s, recording["time_s"][finite], moved[finite])
-    last_hot = int(np.flatnonzero(at >= 0.5 * at.max())[-1])
+    if span_ohm == 0.0:
+        return None
+    warming_k = even.warming_k(heat, LATENT_K / span_ohm)
+    last_hot = int(np.flatnonzero(at >= 0.5 * (at.min() + at.max()))[-1])
     cold = last_hot + np.flatnonzero(warming_k[last_hot:] <= COLD_END_K)
     if cold.size < MIN_POINTS or warming_k[cold].min() > MIN_COLD_K:
         return None
@@ -87,7 +92,7 @@ def zero_of_room(model: SensingModel, known: Mapping[str, MetadataValue]) -> Zer
     Parameters
     ----------
     model
-        The model; its notes state the air of its slow loop.
+        The model; its notes state the air of its slow loop, as the rig file had it.
     known
         Metadata of the rig, with the air of today.
 
@@ -96,7 +101,7 @@ def zero_of_room(model: SensingModel, known: Mapping[str, MetadataValue]) -> Zer
     The shift; None in the same room, if one of both temperatures is not known, and for force.
     """
     fitted = RunFacts(model.wire, "this model")
-    then_k, slope = fitted.number_or_none("ambient_temperature_k"), fitted.number_or_none(NOTE)
+    then_k, slope = fitted.number_or_none(ROOM), fitted.number_or_none(NOTE)
     today_k = RunFacts(known, "this rig").number_or_none("limit_ambient_temperature_k")
     if then_k is None or today_k is None or model.quantity == "force":
         return None

@@ -205,6 +205,11 @@ class GuardedRig:
         return self.device.drive_voltage_v
 
     @property
+    def is_driven(self) -> bool:
+        """Whether more than the sense voltage was ordered last, answered or not."""
+        return self._ordered_v > self.sense_voltage_v
+
+    @property
     def off_confirmed(self) -> bool:
         """Whether the device has confirmed 0 V when it was switched off; true as long as it was not."""
         return self._off_confirmed

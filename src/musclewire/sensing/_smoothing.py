@@ -97,7 +97,9 @@ def smooth(values: FloatArray, window: int) -> FloatArray:
     offset = np.arange(-half, half + 1, dtype=np.float64)
     norm = (2 * half + 3) * (2 * half + 1) * (2 * half - 1)
     kernel = 3.0 * (3 * half * half + 3 * half - 1 - 5 * offset**2) / norm
-    level = float(values.mean())  # subtracted so that a small ripple on a large level keeps its digits
+    # Subtracted so that a small ripple on a large level keeps its digits; a reading that is none, or an overload mark,
+    # spoils its own window and not the level.
+    level = float(np.median(values[np.isfinite(values)])) if np.isfinite(values).any() else 0.0
     centred = values - level
     result = np.empty_like(values)
     result[half:-half] = np.convolve(centred, kernel, mode="valid")

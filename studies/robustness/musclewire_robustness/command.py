@@ -85,7 +85,10 @@ def chosen_seeds(text: str | None) -> tuple[int, ...] | None:
         seen = RANGE.fullmatch(part)
         if seen is None:
             raise CallerError(f"--wires {text}: give seeds such as '107-112' or '101, 107-109'")
-        seeds += range(int(seen[1]), int(seen[2] or seen[1]) + 1)
+        first, last = int(seen[1]), int(seen[2] or seen[1])
+        if last < first:
+            raise CallerError(f"--wires {text}: {last} is before {first}: write the smaller one first")
+        seeds += range(first, last + 1)
     return tuple(dict.fromkeys(seeds))
 
 

@@ -161,7 +161,7 @@ def test_half_widths_of_rows_are_medians_over_runs():
     assert ErrorSums().interval_half_width_pct is None
 
 
-@pytest.mark.parametrize("text", ["107-", "a", "", "107..112"])
+@pytest.mark.parametrize("text", ["107-", "a", "", "107..112", "112-107"])
 def test_wires_that_are_no_seeds_are_refused(text):
     with pytest.raises(CallerError, match="--wires"):
         chosen_seeds(text)

@@ -51,6 +51,16 @@ def test_a_drive_at_its_upper_limit_below_the_target_is_saturated_after_a_second
     assert "a slower reference" in health_warnings(run)[0]
 
 
+def test_a_recording_that_states_no_approach_is_judged_from_its_beginning() -> None:
+    run = loop(valid=np.where(between(0.0, 30.0), 0.0, 1.0))
+    facts = {name: value for name, value in FACTS.items() if name != "approach_s"} | {"sample_period_s": PERIOD_S}
+    stated_nothing = Recording(run.columns, facts)
+    assert [finding.cause for finding in findings(stated_nothing)] == []
+    half = loop(valid=np.where(np.arange(800) % 2, 0.0, 1.0))
+    stated_nothing = Recording(half.columns, facts)
+    assert [finding.cause for finding in findings(stated_nothing)] == [Cause.HARDLY_SENSED]
+
+
 def test_cooling_may_take_its_time() -> None:
     run = loop(drive_voltage_v=np.where(between(25.0, 28.0), 0.3, 2.0), estimated_strain=np.full(800, 0.0205))
     assert findings(run) == ()

@@ -67,6 +67,26 @@ def test_where_b_is_away_by_more_than_9_percent_of_the_span_nothing_is_valid_and
     assert scale.judged(cold) == cold
 
 
+def test_a_wire_that_is_held_cold_for_long_is_neither_kept_whole_nor_searched(monkeypatch: pytest.MonkeyPatch) -> None:
+    searched = []
+    monkeypatch.setattr(KnownB, "passed_in", lambda *_: searched.append(1))
+    scale, noise = ScaleByB(KNOWN, STROKE, SHUNT_OHM), np.random.default_rng(1)
+    for row in range(5000):  # noise of a tenth of the span, as at little current
+        ohm = 19.8 + 0.3 * noise.standard_normal()
+        scale.watch(WireSample(PERIOD_S * row, 0.3, 0.01 * ohm, 0.01 * SHUNT_OHM))
+    assert (len(scale._resistance_ohm) < 100, searched) == (True, [])
+
+
+def test_a_long_rest_before_it_changes_nothing() -> None:
+    scale, noise = ScaleByB(KNOWN, STROKE, SHUNT_OHM), np.random.default_rng(2)
+    for row in range(2000):
+        ohm = 1.01 * 19.8 + 0.01 * noise.standard_normal()
+        scale.watch(WireSample(PERIOD_S * row, 0.3, 0.01 * ohm, 0.01 * SHUNT_OHM))
+    for sample in heated(1.01):
+        scale.watch(sample)
+    assert scale.factor == pytest.approx(1.0 / 1.01, abs=2e-4)
+
+
 @pytest.mark.parametrize(
     "scale",
     [after(1.002), after(1.01, known=None), after(1.01, from_ohm=19.98)],

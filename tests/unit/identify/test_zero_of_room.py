@@ -10,13 +10,15 @@ import pytest
 
 import musclewire as mw
 from musclewire import RigConfiguration
+from musclewire.errors import CallerError
 from musclewire.experiment import run_warnings
 from musclewire.identify import zero_of_room
+from musclewire.identify._zero_of_room import cold_contraction_per_k
 from musclewire.sensing import SensingModel
-from musclewire.signals import QuantityEstimate, Reason
+from musclewire.signals import QuantityEstimate, Reason, Recording
 
 PER_K = 1e-4
-NOTES = {"ambient_temperature_k": 295.15, "cold_contraction_per_k": PER_K}
+NOTES = {"ambient_temperature_k": 303.15, "stated_ambient_k": 295.15, "cold_contraction_per_k": PER_K}
 
 
 def model(**notes: Any) -> SensingModel:
@@ -45,10 +47,32 @@ def test_the_same_room_and_one_that_is_not_known_move_nothing(known: dict[str, A
 
 
 def test_a_model_that_does_not_state_it_says_so() -> None:
-    without = replace(model(), wire={"ambient_temperature_k": 295.15})
+    without = replace(model(), wire={"stated_ambient_k": 295.15})
     found = zero_of_room(without, {"limit_ambient_temperature_k": 310.15})
     assert found is not None
     assert (found.value, found.std, "fit again" in found.said) == (0.0, 0.0, True)
+
+
+@pytest.mark.parametrize(("warmer_k", "target"), [(15.0, 0.0355), (-15.0, 0.007)])
+def test_a_target_beyond_what_this_room_lets_a_wire_show_is_refused(
+    ours: SensingModel, warmer_k: float, target: float
+) -> None:
+    reference = mw.staircase(target, target + 0.0001, 0.0001)
+    with mw.open_rig(room(warmer_k), seed=7) as rig:
+        with pytest.raises(CallerError, match="from the zero of this room"):
+            mw.control(rig, ours, reference, zero_from="today")
+        assert rig.drive_voltage_v <= rig.sense_voltage_v
+
+
+@pytest.mark.parametrize("moved", [lambda moved_m: moved_m - 0.01, lambda moved_m: -moved_m - 1e-4])
+def test_a_motion_that_is_negative_throughout_is_no_traceback(moved: Any) -> None:
+    with mw.open_rig(room(0.0), seed=3) as rig:
+        loop = mw.characterize(rig, cycles=1, period_s=30.0)
+    shown = {**loop.columns, "displacement_m": moved(loop["displacement_m"])}
+    found = cold_contraction_per_k(Recording(shown, loop.metadata), moved(loop["displacement_m"]))
+    assert found is None or found > 0.0
+    still = {**loop.columns, "wire_voltage_v": 16.0 * loop["shunt_voltage_v"]}
+    assert cold_contraction_per_k(Recording(still, loop.metadata), loop["displacement_m"]) is None
 
 
 def room(warmer_k: float) -> RigConfiguration:

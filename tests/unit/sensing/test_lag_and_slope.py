@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter, savgol_filter
@@ -22,6 +23,16 @@ def test_smoothing_and_slope_are_those_of_savitzky_and_golay(half: int, seed: in
     values, window = np.random.default_rng(seed).normal(size=120), 2 * half + 1
     np.testing.assert_allclose(smooth(values, window), savgol_filter(values, window, 2), atol=1e-11)
     np.testing.assert_allclose(smooth_slope(values, window), savgol_filter(values, window, 2, deriv=1), atol=1e-11)
+
+
+@pytest.mark.parametrize("mark", [np.nan, 9.9e37])
+def test_a_reading_that_is_none_spoils_its_own_window_alone(mark: float) -> None:
+    values = np.random.default_rng(3).normal(size=120)
+    marked = values.copy()
+    marked[60] = mark
+    away = np.abs(np.arange(120) - 60) > 4
+    for smoothing in (smooth, smooth_slope):
+        np.testing.assert_allclose(smoothing(marked, 7)[away], smoothing(values, 7)[away], atol=1e-11)
 
 
 def test_a_parabola_keeps_its_slope_to_the_ends() -> None:

@@ -78,11 +78,16 @@ def test_a_run_whose_drive_is_down_has_its_time_to_be_judged(monkeypatch: pytest
     assert session.stopped_at_s == []
 
 
-@pytest.mark.parametrize(("voltage_v", "above"), [(0.3, False), (0.31, True)])
-def test_a_session_knows_whether_more_than_the_sense_voltage_is_out(voltage_v: float, above: bool) -> None:
+def test_a_session_knows_whether_more_than_the_sense_voltage_was_ordered() -> None:
     nothing: Any = None
-    rig: Any = SimpleNamespace(drive_voltage_v=voltage_v, sense_voltage_v=0.3)
-    assert BenchSession("simulated", Path(), nothing, nothing, rig=rig).above_sense_voltage is above
+    with open_rig("simulated") as rig:
+        session = BenchSession("simulated", Path(), nothing, nothing, rig=rig)
+        seen = []
+        for voltage_v in (rig.sense_voltage_v, 1.0):
+            rig.exchange(voltage_v)
+            seen.append(session.above_sense_voltage)
+        rig.make_safe()
+        assert [*seen, session.above_sense_voltage] == [False, True, False]
     assert not BenchSession("simulated", Path(), nothing, nothing).above_sense_voltage
 
 

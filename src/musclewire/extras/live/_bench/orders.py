@@ -136,11 +136,11 @@ class OrderQueue:
             now_s = time.monotonic()
             if session.heating and not session.ending and now_s - self._alive_s > session.max_silence_s:
                 session.ending = NOBODY.format(session.max_silence_s)
-            # At its sense voltage the wire is safe, and what was recorded is being judged: that may take its time.
-            if not (session.heating and session.ending and session.above_sense_voltage):
+            if not (session.heating and session.ending):
                 self._ending_since_s = None
             elif self._ending_since_s is None:
                 self._ending_since_s = now_s
-            elif now_s - self._ending_since_s > MAX_ENDING_S + 2.0 * session.sample_s:
+            # At its sense voltage the wire is safe, and what was recorded is being judged: that may take its time.
+            elif now_s - self._ending_since_s > MAX_ENDING_S + 2.0 * session.sample_s and session.above_sense_voltage:
                 session.stop(f"the bench itself, since the run did not end ({session.ending})")
                 self._ending_since_s = None

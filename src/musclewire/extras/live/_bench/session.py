@@ -141,8 +141,8 @@ class BenchSession:
 
     @property
     def above_sense_voltage(self) -> bool:
-        """Whether more than the sense voltage is out."""
-        return self.rig is not None and self.rig.drive_voltage_v > self.rig.sense_voltage_v
+        """Whether more than the sense voltage was ordered last, or has been ordered and is not answered yet."""
+        return self.rig is not None and self.rig.is_driven
 
     def set_clock_speed(self, factor: float) -> None:
         """Let a simulated rig run faster or slower than the clock from now on. Raises CallerError for a real one."""
