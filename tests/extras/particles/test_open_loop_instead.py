@@ -92,6 +92,16 @@ def test_a_sample_now_and_then_is_simulated_on_a_finer_clock(model: SensingModel
     assert report.rms_pct < 1.0
 
 
+def test_an_instrument_that_was_silent_for_a_while_is_not_compared_with(model: SensingModel, wire_file: Path) -> None:
+    recording = swept(CONTACT_OHM, loops=1)
+    moved_m = recording["displacement_m"].copy()
+    moved_m[100:110] = np.nan
+    report = mw.estimate(model, recording.with_columns({"displacement_m": moved_m}), wire_file=wire_file)
+    assert report.fell_back
+    assert report.rms_pct is not None
+    assert report.rms_pct < 0.5
+
+
 def test_a_filter_with_valid_samples_and_an_estimator_without_a_wire_stay_what_they_are(
     model: SensingModel, wire_file: Path
 ) -> None:
