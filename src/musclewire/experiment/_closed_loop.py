@@ -208,7 +208,8 @@ def control(
         Where strain counts from: "kept", the cold wire of the characterization, or "today", this run's. From today's, a
         first heating that turns at another resistance than the model's slow loop scales the resistance for the rest of
         the run and widens the interval; where it differs too much, no estimate is valid from there on. And in another
-        room, if rig and model both state their air, estimates count from where the wire is cold there.
+        room, by the air that the rig's file states and stated then (22 C unless it does), estimates count from where
+        the wire is cold there.
     **run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
         may raise to stop the run, ``until`` asked after each whether the run is to end now.

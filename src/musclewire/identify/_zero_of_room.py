@@ -27,8 +27,8 @@ ROOM = "stated_ambient_k"
 # The cold end of cooling [K above the air], and how near to the air it must have come.
 COLD_END_K, MIN_COLD_K = 8.0, 4.0
 MIN_POINTS = 8
-# The zero moves by this part of the contraction that is left, with this deviation: on the springs of our benches by 0.6
-# to 0.75 of it (studies/zero_of_room.py), under a weight by all of it.
+# The zero moves by this part of the contraction that is left, with this deviation: on the springs of our benches by 0.7
+# of it (studies/zero_of_room.py prints both), under a weight by all of it; of a load that is not stated between both.
 SPRINGS_FRACTION, FRACTION, FRACTION_STD = 0.7, 0.85, 0.15
 # Rooms that differ by less are one, measured twice.
 SAME_ROOM_K = 1.0

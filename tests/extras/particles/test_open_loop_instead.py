@@ -11,7 +11,9 @@ import pytest
 
 import musclewire as mw
 from musclewire.errors import RecordingError
-from musclewire.parameters import load_alloy, load_bench, load_wire, wire_file_text
+from musclewire.extras.particles._settings import ParticleSettings
+from musclewire.identify._open_loop_estimate import AIR_LEFT_OPEN_K, LEFT_OPEN, STRUCTURAL
+from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.sensing import SensingModel
 from musclewire.signals import Recording
 from musclewire.wire import constants_from, drive_path
@@ -49,12 +51,11 @@ def model() -> SensingModel:
     return mw.fit(swept())
 
 
-@pytest.fixture(scope="module")
-def wire_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("wire") / "mine.toml"
-    text = wire_file_text("mine", "as shipped", load_wire("paper-100um"), load_alloy("flexinol"), {})
-    path.write_text(text, "utf-8")
-    return path
+def test_what_a_calibration_leaves_open_is_what_the_filter_takes_it_for() -> None:
+    filters = ParticleSettings()
+    convection, load, stiffness = LEFT_OPEN.values()
+    assert (convection, AIR_LEFT_OPEN_K, load, stiffness) == filters.spread_at_rest[:4]
+    assert filters.structural_strain == STRUCTURAL
 
 
 @pytest.mark.parametrize("air_k", [-2.0, 0.0, 2.0])
