@@ -11,8 +11,6 @@ import pytest
 
 import musclewire as mw
 from musclewire.errors import RecordingError
-from musclewire.extras.particles._settings import ParticleSettings
-from musclewire.identify._open_loop_estimate import AIR_LEFT_OPEN_K, LEFT_OPEN, STRUCTURAL
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.sensing import SensingModel
 from musclewire.signals import Recording
@@ -49,13 +47,6 @@ def swept(contact_ohm: float = 0.0, air_k: float = 0.0, loops: int = 2) -> Recor
 @pytest.fixture(scope="module")
 def model() -> SensingModel:
     return mw.fit(swept())
-
-
-def test_what_a_calibration_leaves_open_is_what_the_filter_takes_it_for() -> None:
-    filters = ParticleSettings()
-    convection, load, stiffness = LEFT_OPEN.values()
-    assert (convection, AIR_LEFT_OPEN_K, load, stiffness) == filters.spread_at_rest[:4]
-    assert filters.structural_strain == STRUCTURAL
 
 
 @pytest.mark.parametrize("air_k", [-2.0, 0.0, 2.0])
