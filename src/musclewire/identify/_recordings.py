@@ -18,6 +18,9 @@ COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": 
 VIRTUAL_SHUNT_OHM = 1.0
 # The cold wire's resistance is the median of so many readings at the beginning of a recording.
 COLD_READINGS = 9
+# It was colder later where power or contraction come down by more than this part of their range below its beginning;
+# the range is that without so many percent of the readings at either end.
+WARM_PART, OUTER_PERCENT = 0.05, 2.0
 # Where a recording and a model state by which cold resistance [ohm] all others were divided.
 DIVIDED_BY = "divided_by_ohm"
 
@@ -70,15 +73,41 @@ def over_cold_resistance(recording: Recording) -> tuple[Recording, float]:
     """Return a recording with resistance over the cold wire's, with which it begins, and that of the cold wire [ohm].
 
     So a model of one wire or coil reads another of the kind. The wire's voltage is divided like its resistance, and
-    power with it; a drive that was recorded is left out, as it would contradict both.
+    power with it; a drive that was recorded is left out, as it would contradict both. Raises RecordingError for one
+    that begins warm.
     """
     reading = resistance_reading(recording)
     cold_ohm = float(np.median(reading.resistance_ohm[reading.valid][:COLD_READINGS]))
+    if warm := begins_warm(recording, reading):
+        raise RecordingError(
+            f"{recording.facts.whose} does not begin with the cold wire, by whose resistance all others are divided: "
+            f"{warm}; let the wire rest before recording, or cut off what was recorded before it was cold"
+        )
     columns = {name: values for name, values in recording.columns.items() if name != "drive_voltage_v"}
     for name in ("wire_voltage_v", "wire_resistance_ohm"):
         if name in columns:
             columns[name] = columns[name] / cold_ohm
     return Recording(columns, {**recording.metadata, DIVIDED_BY: cold_ohm}), cold_ohm
+
+
+def begins_warm(recording: Recording, reading: ArrayReading) -> str:
+    """Return how a recording shows that the wire was colder later than at its beginning; "" if it does not."""
+    seen = {}
+    if has_current(recording):
+        read = circuit_readings(recording)
+        seen["its power"] = read.wire_v * read.shunt_v / read.shunt_ohm
+    for quantity in ("strain", "displacement"):
+        moved = reference_quantity(recording, quantity)
+        if moved is not None:
+            seen["its contraction"] = moved
+            break
+    for what, values in seen.items():
+        there = values[reading.valid & np.isfinite(values)]
+        low, high = np.percentile(there, [OUTER_PERCENT, 100.0 - OUTER_PERCENT])
+        above = (float(np.median(there[:COLD_READINGS])) - low) / max(float(high - low), 1e-300)
+        if above > WARM_PART:
+            return f"{what} there is {100 * above:.0f} % of its range above the least that comes later"
+    return ""
 
 
 def has_current(recording: Recording) -> bool:

@@ -15,6 +15,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, FitRejectedError, RecordingError, an_object
 from musclewire.identify._error_causes import ErrorGroup, JudgedEstimate, error_groups, fractions_not_counted, lines_of
 from musclewire.identify._extrapolation import hot_end
+from musclewire.identify._interpolated_rows import kept_rows, measured_rows, said_of_interpolation, spread_over
 from musclewire.identify._loop_gaps import guide_friction_n
 from musclewire.identify._open_loop_estimate import open_loop_estimate
 from musclewire.identify._recording_defects import CYCLE_PART, recording_defects
@@ -201,7 +202,10 @@ def fit(
         raise CallerError("a recording holds what was measured: give fit the recording alone, or two arrays")
     if recording.is_branch_table:
         return fit_table(recording, order)
-    given, cold_ohm = recording, 1.0
+    rows = measured_rows(recording)
+    interpolated = "" if rows is None else said_of_interpolation(recording, rows)
+    given, cold_ohm = recording if rows is None else kept_rows(recording, rows), 1.0
+    recording = given
     if relative_resistance:
         recording, cold_ohm = over_cold_resistance(given)
     # What is said of readings, heat and limits is of those that were recorded; only the curve is of divided ones.
@@ -209,7 +213,7 @@ def fit(
     reading = reading._replace(resistance_ohm=reading.resistance_ohm / cold_ohm)
     notes = loop_notes(given, None if quantity == "force" else measured) | wire_notes(recording)
     source = given.facts.text_or_none("source") or ""
-    against = (*recording_defects(given, quantity), *filter(None, [not_done(given)]))
+    against = (*recording_defects(given, quantity), *filter(None, [not_done(given), interpolated]))
     try:
         model = fit_loop(
             reading.resistance_ohm,
@@ -561,10 +565,13 @@ def estimate(
     if not isinstance(recording, Recording):
         raise CallerError(f"estimate takes a model and a recording, in this order, not {an_object(recording)} second")
     given, cold_ohm = recording, None
+    rows = measured_rows(recording)
+    if rows is not None:
+        recording = kept_rows(recording, rows)
     if DIVIDED_BY in model.wire:
         if wire_file is not None:
             raise CallerError("a wire file has ohms, and this model resistance over the cold wire's: leave one out")
-        recording, cold_ohm = over_cold_resistance(given)
+        recording, cold_ohm = over_cold_resistance(recording)
     if estimator is None:
         estimator = default_estimator(wire_file) if has_current(recording) else PAPER_ESTIMATOR
     whole = estimator == PAPER_ESTIMATOR
@@ -595,6 +602,8 @@ def estimate(
     if cold_ohm is not None:
         kept = kept.with_metadata(estimate_divided_by_ohm=cold_ohm)
         columns["wire_resistance_ohm"] = cold_ohm * columns["wire_resistance_ohm"]
+    if rows is not None:
+        columns = spread_over(given, rows, columns)
     return EstimateReport(
         recording=kept.with_columns(columns),
         valid_share=float(counts.mean()),
@@ -605,6 +614,7 @@ def estimate(
         no_reference=why_no_reference(recording, model.quantity) if counts.any() else ALWAYS_COLD,
         warnings=(
             *found,
+            *(() if rows is None else (said_of_interpolation(given, rows),)),
             *range_warnings(model, reading),
             *recording_defects(recording, model.quantity, CYCLE_PART * model.stroke),
         ),
@@ -655,7 +665,9 @@ def one_by_one(
 ) -> tuple[dict[str, FloatArray], list[int]]:
     """Return the columns of an estimator that runs sample by sample, and each sample's ``Reason``."""
     times = recording["time_s"]
-    period_s = float(np.median(np.diff(times))) if times.size > 1 else 0.0
+    if times.size < 2:
+        raise RecordingError(f"{recording.facts.whose} has one row: an estimator takes two, a sample period apart")
+    period_s = float(np.median(np.diff(times)))
     read = circuit_readings(recording)
     setup = EstimatorSetup(model, read.shunt_ohm, period_s, wire=wire)
     made: Estimator = ESTIMATORS.make(estimator, setup)

@@ -110,3 +110,30 @@ def test_no_rig_and_no_tuning_takes_a_model_over_the_cold_resistance(loop: Recor
         tune(relative, loop)
     with pytest.raises(CallerError, match="begins with the cold wire"):
         fit(np.ones(30), np.ones(30), relative_resistance=True)
+
+
+@pytest.mark.parametrize("known", ["power", "contraction"])
+@pytest.mark.parametrize("part", ["cooling", "from the middle of heating on"])
+def test_a_recording_that_begins_warm_gives_no_ratio(loop: Recording, known: str, part: str) -> None:
+    stroke = loop["displacement_m"][: len(loop) // 2]
+    middle = int(np.argmax(stroke > 0.5 * stroke.max()))
+    rows = slice(middle, None)
+    warm = Recording({name: values[rows] for name, values in loop.columns.items()}, loop.metadata)
+    if part != "from the middle of heating on":
+        warm = part_of(loop, part)
+    left_out = {"displacement_m", "force_n"} if known == "power" else {"wire_voltage_v", "drive_voltage_v"}
+    columns = {name: values for name, values in warm.columns.items() if name not in left_out}
+    if known == "contraction":
+        columns["wire_resistance_ohm"] = warm["wire_voltage_v"] / warm["shunt_voltage_v"]
+        del columns["shunt_voltage_v"]
+    relative = fit(loop, relative_resistance=True)
+    with pytest.raises(RecordingError, match=f"does not begin with the cold wire.*its {known}"):
+        estimate(relative, Recording(columns, loop.metadata))
+
+
+@pytest.mark.parametrize("estimator", ["gated", "particle-filter"])
+def test_a_recording_of_one_row_is_refused_in_one_line(loop: Recording, model: SensingModel, estimator: str) -> None:
+    one = Recording({name: values[300:301] for name, values in loop.columns.items()}, loop.metadata)
+    with pytest.raises(RecordingError, match="has one row: an estimator takes two") as refused:
+        estimate(model, one, estimator=estimator)
+    assert "\n" not in str(refused.value)
