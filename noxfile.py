@@ -73,6 +73,7 @@ NUMBERS = (
     "studies/calibrate_own_wire.py",
     "studies/calibrations_that_share.py",
     "studies/zero_of_room.py",
+    "studies/known_strain.py",
     "studies/alternative_fits.py",
     "studies/fit_paper_wires.py",
     "studies/contact_detection.py",

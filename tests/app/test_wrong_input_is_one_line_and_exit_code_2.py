@@ -146,6 +146,8 @@ def test_wrong_usage_is_one_line_too(
         ("--runs 2 --zero-from today", "--zero-from belongs to a single run"),
         ("--on-board --zero-from today", "leave out --known-stiffness and --zero-from"),
         ("--zero-from to-day", "did you mean 'today'"),
+        ("--known-strain=1.2%", "--known-strain: a value and a time are wanted, as '1.2 % at 12 s'"),
+        ("--runs 2 --known-strain=1", "--known-strain belongs to a single run"),
         ("--refrence x", "(Possible options: --reference)"),
         ("--quantity force", "--known-stiffness"),
     ],

@@ -21,6 +21,7 @@ from musclewire.app._options import (
     GAINS,
     IN_PYTHON,
     KNOWN_STIFFNESS,
+    KNOWN_STRAIN,
     ON_BOARD,
     OVERWRITE,
     QUANTITY,
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
 STEPS = re.compile(r"(.+?)\s+to\s+(.+?)\s+by\s+(.+?)(?:\s+for\s+(.+))?")
 # The paper's controller, whose rule base --rules names.
 FUZZY_PID = "fuzzy-pid"
+UNITS = {"strain": "", "displacement": "m", "force": "N"}
 NO_RULES = "--rules belong to the controller fuzzy-pid, not to {}: leave one of them out"
 
 
@@ -70,6 +72,7 @@ class ControlledLoopOptions:
     gains: Annotated[Path | None, GAINS] = None
     approach: Annotated[str | None, APPROACH] = None
     zero_from: Annotated[str, ZERO_FROM] = "kept"
+    known_strain: Annotated[str | None, KNOWN_STRAIN] = None
     on_board: Annotated[bool, ON_BOARD] = False
 
 
@@ -91,11 +94,11 @@ def control(
     from musclewire.sensing import load_model
 
     loaded = load_model(model)
+    refuse_single_run_options(many, single_run_options(loop, timing, figure, output, overwrite) | homing.given())
     load = known_spring(loaded, model, loop.quantity, in_si("--known-stiffness", loop.known_stiffness))
     target = read_reference(loop.reference, loop.quantity, loaded)
     choice = choice_of(loop, load)
     homing.check(on_board=loop.on_board)
-    refuse_single_run_options(many, single_run_options(loop, timing, figure, output, overwrite) | homing.given())
     if many.runs is not None:
         with open_rig(rig, seed=seed) as opened:
             warn(known_against(loaded, opened.metadata()).values())
@@ -193,6 +196,7 @@ def single_run_options(
         "--on-board": loop.on_board,
         "--wire-file": loop.wire_file is not None,
         "--zero-from": loop.zero_from != "kept",
+        "--known-strain": loop.known_strain is not None,
         "--real-time": timing.real_time,
         "--clock-speed": timing.clock_speed != 1.0,
         "--real-time-priority": timing.real_time_priority,
@@ -214,8 +218,11 @@ def loop_of(choice: LoopChoice, loop: ControlledLoopOptions, loaded: SensingMode
         raise CallerError(
             "--on-board runs the firmware's own estimator and controller: leave both names and --wire-file out"
         )
-    if choice.load is not None or choice.zero_from != "kept":
-        raise CallerError("--on-board runs by the firmware's own numbers: leave out --known-stiffness and --zero-from")
+    if choice.load is not None or choice.zero_from != "kept" or choice.known_strain is not None:
+        raise CallerError(
+            "--on-board runs by the firmware's own numbers: leave out --known-stiffness and --zero-from, and "
+            "--known-strain"
+        )
     from musclewire.controllers import FUZZY_PID_IN_C
     from musclewire.experiment import APPROACH_S, control_on_board
     from musclewire.sensing import PAPER_ESTIMATOR
@@ -242,7 +249,23 @@ def choice_of(loop: ControlledLoopOptions, load: KnownSpring | None) -> LoopChoi
         ESTIMATORS.find(loop.estimator)
     controller, settings = settings_of(loop)
     approach_s = in_si("--approach", loop.approach)
-    return LoopChoice(loop.estimator, controller, settings, load, approach_s, loop.wire_file, loop.zero_from)
+    known = known_strain_of(loop)
+    return LoopChoice(loop.estimator, controller, settings, load, approach_s, loop.wire_file, loop.zero_from, known)
+
+
+def known_strain_of(loop: ControlledLoopOptions) -> tuple[float, float] | None:
+    """Return a strain, displacement [m] or force [N] that is known, and when [s]; None if none was given."""
+    from musclewire.signals import parse_quantity
+
+    if loop.known_strain is None:
+        return None
+    value, at, time = loop.known_strain.partition(" at ")
+    try:
+        if not at:
+            raise CallerError("a value and a time are wanted, as '1.2 % at 12 s'")
+        return parse_quantity(value, UNITS[loop.quantity]), parse_quantity(time, "s")
+    except CallerError as error:
+        raise CallerError(f"--known-strain: {error}") from None
 
 
 def settings_of(loop: ControlledLoopOptions) -> tuple[str | None, Any]:
@@ -312,7 +335,7 @@ def read_reference(reference: str, quantity: str, loaded: SensingModel) -> Refer
     if reference == "staircase":
         return None
     if steps := STEPS.fullmatch(reference.strip()):
-        unit = {"strain": "", "displacement": "m", "force": "N"}[quantity]
+        unit = UNITS[quantity]
         start, stop, by = (parse_quantity(text, unit) for text in steps.groups()[:3])
         hold_s = staircase().hold_s if steps[4] is None else parse_quantity(steps[4], "s")
         # Whether the top is within the model's range matters more than whether the increments meet it.

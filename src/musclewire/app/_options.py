@@ -171,6 +171,12 @@ ZERO_FROM = option(
     "today's, resistance is scaled if the first heating turns elsewhere than the model's, and the room's air counts.",
     metavar="today|kept",
 )
+KNOWN_STRAIN = option(
+    "--known-strain",
+    help="A strain (displacement, force) that is known at one moment of the run, as at an end stop: what the estimate "
+    "misses it by scales the resistance for the rest, and beyond the interval is a finding.",
+    metavar="'1.2 % at 12 s'",
+)
 ON_BOARD = option(
     "--on-board", help="The board's firmware closes the loop; the host sends the targets and records the samples."
 )

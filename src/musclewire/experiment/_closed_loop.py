@@ -24,6 +24,7 @@ from musclewire.controllers import (
     controller_of,
 )
 from musclewire.errors import CallerError, RigError, nearest_hint
+from musclewire.experiment._known_strain import KnownStrain, ScaleByKnownStrain
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig, what_protects
 from musclewire.experiment._scale_by_b import KEPT, TODAY, ZEROS, ScaleByB
@@ -88,6 +89,8 @@ class SelfSensingPolicy:
         Scales the readings by the height of B; None to leave them as they are.
     zero
         Where today's zero is, in a room that is not the characterization's; None for where the model's is.
+    by_strain
+        Scales the readings from the moment on at which a strain is known; None if none is.
     """
 
     def __init__(
@@ -101,11 +104,12 @@ class SelfSensingPolicy:
         first_drive_voltage_v: float,
         scale: ScaleByB | None = None,
         zero: ZeroOfRoom | None = None,
+        by_strain: ScaleByKnownStrain | None = None,
     ) -> None:
         """Start estimator and controller from the present drive voltage."""
         self._estimator, self._controller, self._reference = estimator, controller, reference
         self._sample_period_s, self._approach_s = sample_period_s, approach_s
-        self._scale, self._zero = scale, zero
+        self._scale, self._zero, self._by_strain = scale, zero, by_strain
         self._first = Drive(controller.limits.clamp(first_drive_voltage_v))
         self._estimator_state, self._controller_state = estimator.start(), controller.start(self._first.voltage_v)
         suffix = COLUMN_SUFFIX[estimator.quantity]
@@ -116,7 +120,7 @@ class SelfSensingPolicy:
             "estimate_std",
             "valid",
             *controller.columns,
-            *(() if scale is None else scale.columns),
+            *(() if scale is None and by_strain is None else ("resistance_factor",)),
         )
 
     @property
@@ -130,13 +134,12 @@ class SelfSensingPolicy:
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
         """Return the controller's answer to one sample. Raises RigError if the estimator cannot continue."""
-        estimate, sensed, scaled_by = self._estimated(sample)
+        # The sample that has just ended is judged by the target that held while it was taken.
+        taken_s = elapsed_s - self._sample_period_s
+        estimate, sensed, scaled_by = self._estimated(sample, taken_s)
         if estimate.failure:
             raise RigError(estimate.failure)
-        if self._zero is not None:
-            estimate = self._zero.applied_to(estimate)
-        # The sample that has just ended is judged by the target that held while it was taken.
-        judged = self._reference.target_at(max(elapsed_s - self._sample_period_s - self._approach_s, 0.0))
+        judged = self._reference.target_at(max(taken_s - self._approach_s, 0.0))
         target = self._reference.target_at(max(elapsed_s - self._approach_s, 0.0))
         command, self._controller_state, controlled = self._controller.step(
             self._controller_state, target, estimate, self._sample_period_s
@@ -144,17 +147,27 @@ class SelfSensingPolicy:
         values = (*sensed, judged, estimate.value, estimate.std, float(estimate.valid), *controlled, *scaled_by)
         return Decision(command, values)
 
-    def _estimated(self, sample: RawSample) -> tuple[QuantityEstimate, Sequence[float], tuple[float, ...]]:
+    def _estimated(
+        self, sample: RawSample, taken_s: float
+    ) -> tuple[QuantityEstimate, Sequence[float], tuple[float, ...]]:
         """Return the estimate of a sample, the values of the estimator's columns, and the factor on its reading."""
-        scale, read = self._scale, wire_sample(sample)
-        given = read if scale is None else scale.scaled(read)
+        scale, by_strain, read = self._scale, self._by_strain, wire_sample(sample)
+        given, factor = read, 1.0
+        for one in (scale, by_strain):
+            if one is not None:
+                given, factor = one.scaled(given), factor * one.factor
         estimate, self._estimator_state, sensed = self._estimator.step(self._estimator_state, given)
-        if scale is None:
-            return estimate, sensed, ()
-        judged, factor = scale.judged(estimate), scale.factor
-        # Looked at last: the recording's own resistance is as it was read until B has been passed.
-        scale.watch(read)
-        return judged, sensed, (factor,)
+        if scale is not None:
+            estimate = scale.judged(estimate)
+        if self._zero is not None:
+            estimate = self._zero.applied_to(estimate)
+        if by_strain is not None:
+            estimate = by_strain.judged(estimate)
+            by_strain.watch(given, estimate, taken_s)
+        if scale is not None:
+            # Looked at last: the recording's own resistance is as it was read until B has been passed.
+            scale.watch(read)
+        return estimate, sensed, () if scale is None and by_strain is None else (factor,)
 
 
 def control(
@@ -169,6 +182,7 @@ def control(
     approach_s: float | None = None,
     wire_file: str | Path | None = None,
     zero_from: str = KEPT,
+    known_strain: tuple[float, float] | None = None,
     **run: Unpack[RunOptions],
 ) -> ControlRun:
     """Move the wire along a target in a closed loop that senses by the wire's resistance alone.
@@ -210,6 +224,10 @@ def control(
         the run and widens the interval; where it differs too much, no estimate is valid from there on. And in another
         room, by the air that the rig's file states and stated then (22 C unless it does), estimates count from where
         the wire is cold there.
+    known_strain
+        A strain (of another model displacement [m] or force [N]) that is known at one moment, as at an end stop, and
+        that time [s] of the run. What the estimate, over the last second, misses it by scales the resistance for the
+        rest of the run; beyond the interval, it is a finding, and the interval is widened.
     **run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
         may raise to stop the run, ``until`` asked after each whether the run is to end now.
@@ -238,7 +256,7 @@ def control(
     >>> [step.target for step in run.metrics.steps]
     [0.015, 0.018, 0.015]
     """
-    choice = LoopChoice(estimator, controller, settings, load, approach_s, wire_file, zero_from)
+    choice = LoopChoice(estimator, controller, settings, load, approach_s, wire_file, zero_from, known_strain)
     loop = prepared_loop(rig, model, reference, choice)
     policy = SelfSensingPolicy(
         loop.estimator,
@@ -249,6 +267,7 @@ def control(
         first_drive_voltage_v=rig.drive_voltage_v,
         scale=loop.scale,
         zero=loop.zero,
+        by_strain=loop.by_strain,
     )
     from_cold = loop.approach_s == 0.0
     beforehand = speed_metadata(rig, loop.model, loop.reference, loop.settings, from_cold=from_cold)
@@ -260,7 +279,7 @@ def control(
 
 @dataclass(frozen=True)
 class LoopChoice:
-    """Estimator and controller of a loop with settings, known spring and approach, and where strain counts from.
+    """Estimator and controller of a loop with settings, what is known, approach, and where strain counts from.
 
     None is what the caller leaves open; ``settled`` fills it in.
     """
@@ -272,6 +291,7 @@ class LoopChoice:
     approach_s: float | None = None
     wire_file: str | Path | None = None
     zero_from: str = KEPT
+    known_strain: tuple[float, float] | None = None
 
     def settled(self, model: SensingModel, sample_period_s: float) -> SettledChoice:
         """Return the choice with what it leaves open: from the model's gains, else as in the paper.
@@ -317,6 +337,8 @@ class LoopChoice:
             known["wire_file"] = Path(self.wire_file).name
         if self.load is not None:
             known |= {"known_stiffness_n_per_m": self.load.stiffness_n_per_m, "known_friction_n": self.load.friction_n}
+        if self.known_strain is not None:
+            known |= KnownStrain(*self.known_strain).metadata()
         return known
 
 
@@ -353,6 +375,7 @@ class PreparedLoop(NamedTuple):
     metadata: dict[str, MetadataValue]
     scale: ScaleByB | None
     zero: ZeroOfRoom | None
+    by_strain: ScaleByKnownStrain | None
 
 
 def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, choice: LoopChoice) -> PreparedLoop:
@@ -376,6 +399,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         **choice.metadata(settled),
         **load_facts(model, facts),
     }
+    known = choice.known_strain
     zero = zero_of_room(model, what_protects(rig)) if choice.zero_from == TODAY else None
     check_targets(model, chosen, rig.sample_period_s, 0.0 if zero is None else zero.value)
     return PreparedLoop(
@@ -391,6 +415,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         metadata if zero is None else metadata | {"zero_of_room": zero.said},
         ScaleByB.of_model(model, rig.sense_voltage_v, rig.shunt_resistance_ohm) if choice.zero_from == TODAY else None,
         zero,
+        None if known is None else ScaleByKnownStrain(KnownStrain(*known), model, rig.shunt_resistance_ohm),
     )
 
 

@@ -10,10 +10,11 @@ import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
 from musclewire.experiment._first_heating import seen_at_b
+from musclewire.experiment._known_strain import missed_known_strain
 from musclewire.experiment._metrics import judged_for_sensing, since_first_sensed, valid_share
 from musclewire.experiment._scale_by_b import TODAY, WITHIN_STD, what_followed
 from musclewire.identify import COLUMN_SUFFIX, reference_quantity
-from musclewire.sensing import CAUSE_TEXT, Cause
+from musclewire.sensing import CAUSE_TEXT, SHOWN_AS, Cause
 from musclewire.signals import Recording
 
 NAMES = {
@@ -28,6 +29,7 @@ NAMES = {
     Cause.CONTRADICTED: "contradicted",
     Cause.OTHER_HEIGHT_OF_B: "changed load or resistance",
     Cause.HARDLY_SENSED: "hardly sensed",
+    Cause.MISSED_KNOWN_STRAIN: "known strain missed",
 }
 # The drive is at a limit within this fraction of it; a target is missed by more than this part of the range of targets.
 AT_LIMIT, NOT_REACHED = 0.01, 0.05
@@ -47,6 +49,7 @@ GRAVE = (
     Cause.CONTRADICTED,
     Cause.OTHER_HEIGHT_OF_B,
     Cause.HARDLY_SENSED,
+    Cause.MISSED_KNOWN_STRAIN,
 )
 # An instrument contradicts an estimate if more than this part of the valid samples are beyond the interval: errors last
 # for a step, and of the paper's eleven steps two are beyond by chance in one run of ten, three in 1.5 %.
@@ -106,6 +109,7 @@ def marks_of(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:
     marked[Cause.CONTRADICTED] = contradicted(recording, suffix)
     marked[Cause.OTHER_HEIGHT_OF_B] = at_another_height(recording)
     marked[Cause.HARDLY_SENSED] = hardly_sensed(recording)
+    marked[Cause.MISSED_KNOWN_STRAIN] = after_a_miss(recording)
     if "health" in recording:
         for cause in (Cause.CHANGED_LOAD, Cause.CHANGED_AIR, Cause.OTHER_WIRE):
             marked[cause] = recording["health"] == float(cause)
@@ -146,6 +150,8 @@ def numbers_of(cause: Cause, recording: Recording, row: int) -> str:
         return contradiction_in_words(recording, sensed_suffix(recording))
     if cause is Cause.OTHER_HEIGHT_OF_B:
         return in_words_at_b(recording)
+    if cause is Cause.MISSED_KNOWN_STRAIN:
+        return miss_in_words(recording)
     if cause is Cause.HARDLY_SENSED:
         return f"{100.0 * valid_share(recording):.0f} % of the samples could be sensed"
     if cause is not Cause.OSCILLATION:
@@ -243,6 +249,27 @@ def in_words_at_b(recording: Recording) -> str:
     seen = seen_at_b(recording)
     from_today = recording.facts.text_or_none("zero_from") == TODAY
     return f"{seen}; {what_followed(seen)}" if from_today and seen is not None else str(seen)
+
+
+def after_a_miss(recording: Recording) -> npt.NDArray[np.bool_]:
+    """Return the samples from a known strain on if the estimate missed it; else none."""
+    missed = missed_known_strain(recording)
+    away = missed is not None and missed.is_away
+    return np.asarray(away & (np.arange(len(recording)) >= (0 if missed is None else missed.row)))
+
+
+def miss_in_words(recording: Recording) -> str:
+    """Return in words by how much the estimate missed a known strain, and what was done about it."""
+    missed = missed_known_strain(recording)
+    if missed is None:
+        return ""
+    quantity = next(name for name, one in COLUMN_SUFFIX.items() if one == sensed_suffix(recording))
+    factor, unit = SHOWN_AS[quantity]
+    side = "above" if missed.above > 0.0 else "below"
+    return (
+        f"by {factor * abs(missed.above):.2g} {unit} {side}, beyond +-{factor * WITHIN_STD * missed.std:.2g} {unit}; "
+        f"the resistance is scaled by {recording['resistance_factor'][-1]:.4f}"
+    )
 
 
 def hardly_sensed(recording: Recording) -> npt.NDArray[np.bool_]:

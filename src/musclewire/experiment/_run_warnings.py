@@ -6,6 +6,7 @@ import numpy as np
 
 from musclewire.experiment._first_heating import not_compared
 from musclewire.experiment._health import health_warnings
+from musclewire.experiment._known_strain import known_strain_unused
 from musclewire.identify import extrapolation_warnings
 from musclewire.sensing import noise_level
 from musclewire.signals import Recording
@@ -27,7 +28,7 @@ def run_warnings(recording: Recording) -> tuple[str, ...]:
 def stated_warnings(recording: Recording) -> tuple[str, ...]:
     """Return what a recording says of itself: another load, pulses read at a wrong time, what a model lacks."""
     said = (recording.facts.text_or_none(name) for name in STATED)
-    return tuple(one for one in (*said, not_compared(recording)) if one)
+    return tuple(one for one in (*said, not_compared(recording), known_strain_unused(recording)) if one)
 
 
 def instrument_warnings(recording: Recording) -> tuple[str, ...]:

@@ -44,8 +44,6 @@ class ScaleByB:
         R [ohm] of Eq. 1.
     """
 
-    columns = ("resistance_factor",)
-
     def __init__(self, known: KnownB | None, stroke: float, shunt_resistance_ohm: float) -> None:
         """Begin before the first sample."""
         self._known, self._stroke, self._shunt_resistance_ohm = known, stroke, shunt_resistance_ohm

@@ -31,6 +31,8 @@ class Cause(IntEnum):
     """The first heating turned at another resistance than the model's slow loop: load or resistance have changed."""
     HARDLY_SENSED = 11
     """Too few samples were valid for the loop to have been closed."""
+    MISSED_KNOWN_STRAIN = 12
+    """The estimate missed a strain that was known at one moment by more than its interval."""
 
 
 CAUSE_TEXT = {
@@ -54,4 +56,6 @@ CAUSE_TEXT = {
     "about 50 C: put it back, or characterize again; for resistance alone musclewire home",
     Cause.HARDLY_SENSED: "the loop was closed for a part of the run only: the wire was cold of B, beyond C, or carried "
     "no current; give targets further from both ends, or check the contacts",
+    Cause.MISSED_KNOWN_STRAIN: "the estimate missed the strain that is known: load, spring, resistance, air or zero "
+    "are not those of the characterization; what came before is wrong, and from there on the resistance is scaled",
 }

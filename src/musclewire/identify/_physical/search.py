@@ -199,14 +199,15 @@ def settings_of_effort(effort: str) -> SearchSettings:
 class SearchResult:
     """Result of a search: vector (n,), residuals (m,), their derivative (m, n), and the number of simulations.
 
-    ``costs`` are the sums of squares at which the descents ended, in their order: if several agree, no other minimum
-    was found.
+    ``costs`` are the sums of squares at which the descents ended, in their order, and ``ends`` their vectors,
+    (descents, n): if several agree, no other minimum was found.
     """
 
     coordinates: FloatArray
     residuals: FloatArray
     jacobian: FloatArray
     costs: tuple[float, ...]
+    ends: FloatArray
     simulations: int
 
     @property
@@ -315,7 +316,12 @@ def search(
         report("local search", 1, 1, float(residuals @ residuals))
         slope = jacobian(fine, best, residuals, FINAL_STEP, central=True)
     return SearchResult(
-        best, residuals, slope, tuple(cost for cost, _ in ends), parallel.simulations + fine.simulations
+        best,
+        residuals,
+        slope,
+        tuple(cost for cost, _ in ends),
+        np.array([vector for _, vector in ends]),
+        parallel.simulations + fine.simulations,
     )
 
 

@@ -1,0 +1,146 @@
+"""A strain that is known at one moment of a run, as of an end stop: how far the estimate is off scales the rest.
+
+Resistance alone does not show whether the wire has moved or its own resistance, load or spring has changed. One known
+strain gives the factor by which the resistance is to be read for the rest of the run.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.errors import CallerError
+from musclewire.experiment._scale_by_b import LEFT_PCT, LEFT_PER_PCT, WITHIN_STD
+from musclewire.physics import wire_resistance
+from musclewire.sensing import SHOWN_AS, SensingModel
+from musclewire.signals import MetadataValue, QuantityEstimate, Recording, RunFacts, WireSample
+
+# The estimate is compared as the mean of so long before the moment.
+COMPARED_S = 1.0
+
+
+class KnownStrain(NamedTuple):
+    """What the wire's strain (or displacement [m], force [N]) is at a time [s] of a run, whatever the estimate says."""
+
+    value: float
+    at_s: float
+
+    def metadata(self) -> dict[str, MetadataValue]:
+        """Return it as a recording states it."""
+        return {"known_strain": self.value, "known_strain_at_s": self.at_s}
+
+
+class MissedBy(NamedTuple):
+    """The row at which a known strain was compared, and by how much the estimate was above it, with its deviation."""
+
+    row: int
+    above: float
+    std: float
+
+    @property
+    def is_away(self) -> bool:
+        """Whether that is beyond the 95 % interval."""
+        return abs(self.above) > WITHIN_STD * self.std
+
+
+class ScaleByKnownStrain:
+    """Scales the readings of a run from the moment on at which a strain is known.
+
+    Parameters
+    ----------
+    known
+        The strain, in the model's quantity, and the time.
+    model
+        The model of the wire.
+    shunt_resistance_ohm
+        R [ohm] of Eq. 1.
+    """
+
+    def __init__(self, known: KnownStrain, model: SensingModel, shunt_resistance_ohm: float) -> None:
+        """Begin before the first sample. Raises CallerError for a strain that the model does not reach."""
+        if not model.quantity_min <= known.value <= model.quantity_max or not known.at_s >= 0.0:
+            factor, unit = SHOWN_AS[model.quantity]
+            raise CallerError(
+                f"the known {model.quantity} of {factor * known.value:g} {unit} at {known.at_s:g} s: this model senses "
+                f"{factor * model.quantity_min:.3g} to {factor * model.quantity_max:.3g} {unit}, after the start"
+            )
+        self._known, self._model, self._shunt_resistance_ohm = known, model, shunt_resistance_ohm
+        self._seen: deque[tuple[float, float, float]] = deque()
+        self._min_std, self._compared = 0.0, False
+        self.factor = 1.0
+
+    def scaled(self, sample: WireSample) -> WireSample:
+        """Return a sample as an estimator is to see it: its resistance times the factor."""
+        return sample._replace(wire_voltage_v=self.factor * sample.wire_voltage_v)
+
+    def judged(self, estimate: QuantityEstimate) -> QuantityEstimate:
+        """Return an estimate with the interval that a scaled resistance leaves."""
+        return estimate._replace(std=max(estimate.std, self._min_std))
+
+    def watch(self, sample: WireSample, estimate: QuantityEstimate, elapsed_s: float) -> None:
+        """Look at a sample as the estimator saw it, until the moment has passed."""
+        if self._compared:
+            return
+        if estimate.valid:
+            reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
+            self._seen.append((elapsed_s, reading.resistance_ohm, estimate.value))
+        while self._seen and self._seen[0][0] < elapsed_s - COMPARED_S:
+            self._seen.popleft()
+        if elapsed_s < self._known.at_s:
+            return
+        self._compared = True
+        if not estimate.valid:
+            return
+        _, here_ohm, value = np.mean(self._seen, axis=0)
+        model = self._model
+        inside = float(np.clip(value, model.quantity_min, model.quantity_max))
+        # Along the mean curve, whichever branch the wire is on: both have about the same slope.
+        off_ohm = float(model.resistance_ohm(self._known.value) - model.resistance_ohm(inside))
+        self.factor = float(here_ohm + off_ohm) / float(here_ohm)
+        missed = MissedBy(0, float(value) - self._known.value, estimate.std)
+        if missed.is_away:
+            # A load is not taken away at every strain with what takes it away at one.
+            left = 0.01 * LEFT_PCT * model.stroke + LEFT_PER_PCT * abs(missed.above)
+            self._min_std = left / WITHIN_STD
+
+
+def missed_known_strain(recording: Recording) -> MissedBy | None:
+    """Return by how much a run's estimate missed the strain that was known; None without one, or without an estimate.
+
+    Parameters
+    ----------
+    recording
+        A closed loop whose metadata state a known strain.
+
+    Returns
+    -------
+    Row, difference and standard deviation, in the quantity's unit.
+    """
+    known = stated_in(recording.facts)
+    suffix = next((name for name in recording.names if name.startswith("estimated_")), "")
+    if known is None or not suffix or not len(recording):
+        return None
+    elapsed_s = recording["time_s"] - recording["time_s"][0]
+    rows = np.flatnonzero(elapsed_s <= known.at_s)
+    row = int(rows[-1])
+    there = rows[(elapsed_s[rows] >= elapsed_s[row] - COMPARED_S) & (recording["valid"][rows] > 0.0)]
+    if row + 1 == len(recording) or not recording["valid"][row] > 0.0:
+        return None
+    return MissedBy(row, float(recording[suffix][there].mean()) - known.value, float(recording["estimate_std"][row]))
+
+
+def stated_in(facts: RunFacts) -> KnownStrain | None:
+    """Return the known strain that a run states; None if none."""
+    value, at_s = facts.number_or_none("known_strain"), facts.number_or_none("known_strain_at_s")
+    return None if value is None or at_s is None else KnownStrain(value, at_s)
+
+
+def known_strain_unused(recording: Recording) -> str:
+    """Return in words that a known strain was not compared; "" if it was, or there is none."""
+    known = stated_in(recording.facts)
+    if known is None or missed_known_strain(recording) is not None:
+        return ""
+    when = f"at {known.at_s:g} s"
+    return f"the strain that is known {when} was not compared: no estimate was valid then, or the run had ended"

@@ -1,0 +1,111 @@
+"""A strain that is known at one moment: what it corrects, when it is a finding, and when it cannot be compared."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import musclewire as mw
+from musclewire.controllers import staircase
+from musclewire.errors import CallerError
+from musclewire.experiment import control, does_not_hold, run_warnings
+from musclewire.experiment._known_strain import COMPARED_S, KnownStrain, ScaleByKnownStrain
+from musclewire.sensing import SensingModel
+from musclewire.signals import QuantityEstimate, Reason, WireSample
+
+# 4 % at 13.5 ohm, nothing at 17.5 ohm.
+STRAIGHT = SensingModel(13.5, 17.5, (0.04, -0.04), (0.04, -0.04), 0.05, 0.95)
+SHUNT_OHM, AT_S, CURRENT_A = 1.0, 2.0, 0.2
+STEPS = staircase(0.015, 0.021, 0.003, 4.0)
+
+
+@pytest.fixture(scope="module")
+def model() -> SensingModel:
+    """A model of the simulated wire with the gains that ``fit`` finds."""
+    with mw.open_rig("simulated", seed=3) as rig:
+        return mw.fit(mw.characterize(rig))
+
+
+def sample(time_s: float, ohm: float) -> WireSample:
+    return WireSample(time_s, 2.0, CURRENT_A * ohm, CURRENT_A)
+
+
+def followed(true_ohm: float, factor: float, known: float) -> tuple[ScaleByKnownStrain, QuantityEstimate]:
+    """Return a scale after a hold at a resistance that reads so many times too high, and the next estimate."""
+    scale = ScaleByKnownStrain(KnownStrain(known, AT_S), STRAIGHT, SHUNT_OHM)
+    estimate = QuantityEstimate(0.0, 1e-4, valid=True)
+    for row in range(60):
+        read = scale.scaled(sample(0.05 * row, factor * true_ohm))
+        ohm = read.wire_voltage_v / CURRENT_A
+        estimate = scale.judged(QuantityEstimate(STRAIGHT.strain(ohm), 1e-4, valid=True))
+        scale.watch(read, estimate, 0.05 * row)
+    return scale, estimate
+
+
+@given(st.floats(14.0, 17.0), st.floats(0.98, 1.02))
+def test_a_scale_of_the_resistance_is_taken_away(true_ohm: float, factor: float) -> None:
+    known = float(STRAIGHT.strain(true_ohm))
+    scale, estimate = followed(true_ohm, factor, known)
+    assert estimate.value == pytest.approx(known, abs=2e-5)
+    assert scale.factor == pytest.approx(1.0 / factor, abs=1e-4)
+
+
+def test_what_agrees_is_not_widened_and_what_does_not_is() -> None:
+    known = float(STRAIGHT.strain(15.5))
+    assert followed(15.5, 1.0, known)[1].std == 1e-4
+    assert followed(15.5, 1.01, known)[1].std > 10.0 * 1e-4
+
+
+def test_only_what_was_valid_at_the_moment_is_compared() -> None:
+    scale = ScaleByKnownStrain(KnownStrain(0.02, AT_S), STRAIGHT, SHUNT_OHM)
+    for row in range(60):
+        reason = Reason.COLD if 0.05 * row >= AT_S - COMPARED_S else Reason.OK
+        scale.watch(sample(0.05 * row, 15.0), QuantityEstimate(0.025, 1e-4, reason is Reason.OK, reason), 0.05 * row)
+    assert scale.factor == 1.0
+
+
+@pytest.mark.parametrize(("value", "at_s"), [(0.05, 2.0), (-0.01, 2.0), (0.02, -1.0), (float("nan"), 2.0)])
+def test_a_strain_that_the_model_does_not_reach_is_refused(value: float, at_s: float) -> None:
+    with pytest.raises(CallerError, match=r"this model senses 0\.\d+ to 3\.\d+ %, after the start"):
+        ScaleByKnownStrain(KnownStrain(value, at_s), STRAIGHT, SHUNT_OHM)
+
+
+def test_a_loop_whose_resistance_is_a_hundredth_off_is_right_after_one_known_strain(model: SensingModel) -> None:
+    other = replace(
+        model, resistance_min_ohm=model.resistance_min_ohm / 1.01, resistance_max_ohm=model.resistance_max_ohm / 1.01
+    )
+    # The same run up to there, for what its ruler reads at 3.5 s.
+    with mw.open_rig("simulated", seed=4) as rig:
+        before, leg_m = control(rig, other, STEPS), rig.leg_length_m
+    time_s = before["time_s"] - before["time_s"][0]
+    known = float(np.interp(3.5, time_s, before["displacement_m"])) / leg_m
+    with mw.open_rig("simulated", seed=4) as rig:
+        run = control(rig, other, STEPS, known_strain=(known, 3.5))
+    error_pct = 100.0 * (run["estimated_strain"] - run["displacement_m"] / leg_m) / model.stroke
+    late = (time_s > 4.5) & (run["valid"] > 0.0)
+    assert np.sqrt(np.mean(error_pct[(time_s > 1.0) & (time_s < 3.5)] ** 2)) > 4.0
+    assert np.sqrt(np.mean(error_pct[late] ** 2)) < 1.5
+    assert run["resistance_factor"][0] == 1.0
+    assert run["resistance_factor"][-1] == pytest.approx(1.0 / 1.01, abs=2e-3)
+    assert "known strain missed" in does_not_hold(run)
+    assert "the resistance is scaled by 0.9" in str(run.metadata["health"])
+
+
+def test_a_known_strain_that_agrees_is_no_finding(model: SensingModel) -> None:
+    with mw.open_rig("simulated", seed=4) as rig:
+        before, leg_m = control(rig, model, STEPS), rig.leg_length_m
+    known = float(np.interp(3.5, before["time_s"] - before["time_s"][0], before["displacement_m"])) / leg_m
+    with mw.open_rig("simulated", seed=4) as rig:
+        run = control(rig, model, STEPS, known_strain=(known, 3.5))
+    assert not does_not_hold(run)
+    assert run.metadata["known_strain_at_s"] == 3.5
+
+
+def test_a_moment_after_the_end_is_said_to_be_unused(model: SensingModel) -> None:
+    with mw.open_rig("simulated", seed=4) as rig:
+        run = control(rig, model, staircase(0.015, 0.018, 0.003, 1.0), known_strain=(0.02, 600.0))
+    assert any("known at 600 s was not compared" in said for said in run_warnings(run))
