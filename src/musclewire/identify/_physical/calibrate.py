@@ -132,7 +132,8 @@ def calibration_of(
     observed, derivative = result.residuals[:-unknowns], result.jacobian[:-unknowns]
     excess = excess_variance(observed, unknowns)
     stretches = [channel.measured.size for item in problem.observations for channel in item.channels]
-    spread = widened(covariance(derivative, excess), derivative, observed, result.coordinates, stretches)
+    laplace = covariance(derivative, excess)
+    spread = widened(laplace, derivative, observed, result.coordinates, stretches, result.best_ends)
     deviation = np.sqrt(np.diag(spread))
     items = tuple(estimates(problem.candidates, result.coordinates, deviation))
     source = f"fitted by musclewire calibrate to {', '.join(inputs.sources)}"

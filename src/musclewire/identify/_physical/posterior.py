@@ -97,14 +97,21 @@ def covariance(jacobian: FloatArray, excess: float = 1.0) -> FloatArray:
 
 
 def widened(
-    spread: FloatArray, jacobian: FloatArray, residuals: FloatArray, coordinates: FloatArray, stretches: Sequence[int]
+    spread: FloatArray,
+    jacobian: FloatArray,
+    residuals: FloatArray,
+    coordinates: FloatArray,
+    stretches: Sequence[int],
+    others: FloatArray,
 ) -> FloatArray:
     """Return a covariance with what Laplace's approximation leaves out: residuals that go together, and no minimum.
 
     A model that cannot follow the data errs alike at neighbouring points, which counts fewer of them than there are:
     the scatter of the gradient is summed over neighbours, up to a tenth of a channel apart and weighted less the
-    farther (Newey and West 1987, doi 10.2307/1913610). And in a long valley a search ends before its minimum: the step
-    that is left belongs to the deviation. No direction becomes more certain than it was.
+    farther (Newey and West 1987, doi 10.2307/1913610). Its channels then contradict each other, each of which counts
+    as one more scattered measurement (Liang and Zeger 1986, doi 10.1093/biomet/73.1.13). And in a long valley a search
+    ends before its minimum: the step that is left belongs to the deviation, as does how far apart its descents ended.
+    No direction becomes more certain than it was.
 
     Parameters
     ----------
@@ -118,6 +125,8 @@ def widened(
         Where the search ended, (n,).
     stretches
         Number of residuals of each channel; their sum is m.
+    others
+        Where the best other descents ended, (descents, n).
 
     Returns
     -------
@@ -126,8 +135,12 @@ def widened(
     unknowns = coordinates.size
     inverse = np.linalg.inv(jacobian.T @ jacobian + np.eye(unknowns))
     undone = inverse @ (jacobian.T @ residuals + coordinates)
+    gradients = np.split(jacobian * residuals[:, None], np.cumsum(stretches)[:-1])
     scatter = np.eye(unknowns)
-    for gradient in np.split(jacobian * residuals[:, None], np.cumsum(stretches)[:-1]):
+    if len(gradients) > 1:
+        by_channel = np.array([gradient.sum(axis=0) for gradient in gradients])
+        scatter += len(gradients) / (len(gradients) - 1) * by_channel.T @ by_channel
+    for gradient in gradients:
         reach = len(gradient) // CURVE_STRETCHES
         for apart in range(min(reach + 1, len(gradient))):
             together = (1.0 - apart / (reach + 1)) * gradient[apart:].T @ gradient[: len(gradient) - apart]
@@ -136,7 +149,9 @@ def widened(
     white = np.linalg.solve(root, np.linalg.solve(root, inverse @ scatter @ inverse).T)
     variances, directions = np.linalg.eigh(0.5 * (white + white.T))
     axes = root @ directions
-    return np.asarray((axes * np.maximum(variances, 1.0)) @ axes.T + np.outer(undone, undone))
+    apart_by = others - coordinates
+    ends = apart_by.T @ apart_by / max(len(apart_by), 1)
+    return np.asarray((axes * np.maximum(variances, 1.0)) @ axes.T + np.outer(undone, undone) + ends)
 
 
 def estimates(

@@ -211,6 +211,12 @@ class SearchResult:
     simulations: int
 
     @property
+    def best_ends(self) -> FloatArray:
+        """Where the best descents ended, as many as end a search if they agree, (descents, n)."""
+        best = np.argsort(self.costs, kind="stable")[:AGREEING]
+        return np.asarray(self.ends[best[np.isfinite(np.array(self.costs)[best])]])
+
+    @property
     def cost(self) -> float:
         """Sum of squares of the residuals."""
         return float(self.residuals @ self.residuals)

@@ -66,7 +66,10 @@ def test_intervals_are_wider_where_residuals_go_together() -> None:
         truth = random.standard_normal(4)
         drift = np.convolve(random.standard_normal(420), np.full(21, 21**-0.5), mode="valid")
         found, residuals = fitted(matrix, matrix @ truth + drift)
-        for name, spread in (("plain", plain), ("widened", widened(plain, matrix, residuals, found, [400]))):
+        for name, spread in (
+            ("plain", plain),
+            ("widened", widened(plain, matrix, residuals, found, [400], found[None, :])),
+        ):
             held[name] += int(np.sum(np.abs(found - truth) < 1.96 * np.sqrt(np.diag(spread))))
     assert held["plain"] / 1200 < 0.6
     assert held["widened"] / 1200 > 0.8
@@ -77,7 +80,35 @@ def test_small_residuals_at_the_minimum_widen_nothing() -> None:
     matrix = random.normal(size=(200, 3))
     found, residuals = fitted(matrix, matrix @ np.ones(3) + 0.1 * random.standard_normal(200))
     plain = covariance(matrix)
-    assert widened(plain, matrix, residuals, found, [120, 80]) == pytest.approx(plain, rel=1e-6, abs=1e-9)
+    assert widened(plain, matrix, residuals, found, [120, 80], found[None, :]) == pytest.approx(
+        plain, rel=1e-6, abs=1e-9
+    )
+
+
+def test_channels_that_contradict_each_other_widen_what_they_contradict_each_other_about() -> None:
+    """100 worlds in which each of two channels has its own idea of one parameter: both are inside, as is their mean."""
+    random = np.random.default_rng(10)
+    matrix = random.normal(size=(400, 3))
+    plain, held = covariance(matrix), {"plain": 0, "widened": 0}
+    for _ in range(100):
+        off = np.repeat(random.standard_normal(2), 200)
+        found, residuals = fitted(matrix, matrix[:, 1] * (1.0 + off))
+        for name, spread in (
+            ("plain", plain),
+            ("widened", widened(plain, matrix, residuals, found, [200, 200], found[None, :])),
+        ):
+            held[name] += int(abs(found[1] - 1.0) < 1.96 * np.sqrt(spread[1, 1]))
+    assert held["plain"] < 30
+    assert held["widened"] > 70
+
+
+def test_how_far_apart_the_descents_ended_belongs_to_the_deviation() -> None:
+    matrix = np.random.default_rng(11).normal(size=(50, 3))
+    found, residuals = fitted(matrix, matrix @ np.ones(3))
+    ends = found + np.array([[0.0, 0.3, 0.0], [0.0, -0.3, 0.0]])
+    spread = widened(covariance(matrix), matrix, residuals, found, [50], ends)
+    assert spread[1, 1] == pytest.approx(covariance(matrix)[1, 1] + 0.09)
+    assert spread[0, 0] == pytest.approx(covariance(matrix)[0, 0])
 
 
 def test_the_step_that_is_left_to_the_minimum_belongs_to_the_deviation() -> None:
@@ -85,7 +116,7 @@ def test_the_step_that_is_left_to_the_minimum_belongs_to_the_deviation() -> None
     found, _ = fitted(matrix, matrix @ np.ones(3))
     short = found + np.array([0.0, 0.4, 0.0])
     plain = covariance(matrix)
-    spread = widened(plain, matrix, 0.0 * matrix[:, 0] + matrix @ (short - np.ones(3)), short, [50])
+    spread = widened(plain, matrix, 0.0 * matrix[:, 0] + matrix @ (short - np.ones(3)), short, [50], short[None, :])
     assert np.diag(spread - plain)[1] >= 0.4**2 - 1e-9
 
 
