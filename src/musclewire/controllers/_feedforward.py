@@ -36,17 +36,19 @@ References: Skogestad 2003, doi 10.1016/S0959-1524(02)00062-8, for the rule of K
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled, compiled_inner, row_in
 from musclewire.controllers._controller import ControllerSetup, settings_of_kind, step_error
 from musclewire.controllers._schema import StrictModel
 from musclewire.errors import CallerError
-from musclewire.signals import CONTROLLER_ANSWERS, CompiledTick, ControlStep, Drive, QuantityEstimate
+from musclewire.signals import CONTROLLER_ANSWERS, CompiledTick, ControlStep, Drive, QuantityEstimate, Reason
 
 Positive = Annotated[float, Field(gt=0.0)]
 # Times of a loop: a day is longer than any; beyond, an integral would be none.
@@ -163,6 +165,362 @@ def smoothed_slope(power_w: tuple[float, ...], levels: FloatArray) -> FloatArray
     return np.asarray(np.clip(slope, FLATTEST * middle, STEEPEST * middle))
 
 
+# The numbers that the compiled tick reads, then its state, a record that it changes in place.
+SETTINGS = np.dtype(
+    [
+        (name, np.float64)
+        for name in (
+            "sense_voltage_v", "maximum_voltage_v", "shunt_resistance_ohm", "thermal_time_constant_s", "heat_per_unit",
+            "response_s", "dead_time_s", "integral_time_s", "pulse_time_s", "tolerance", "gap_fraction",
+            "maximum_steady_power_w", "lowest", "spacing",
+        )
+    ]
+)  # fmt: skip
+# What is due: the drive, its power, the steady power, that of the heat balance, the pulse of heat, and the part of it
+# down to which a wire from cold is only heated. Where the wire was when the target came, on which branch, and whether
+# it stands. What was learned: the part of the gap that a jump takes, how late the wire follows, the part of the gain
+# that is left, and the largest steady power. Then the watches: of a swinging drive, of a step on its way, and of a wire
+# beyond C.
+STATE = np.dtype(
+    [
+        (name, np.float64)
+        for name in (
+            "started", "drive_voltage_v", "power_w", "steady_w", "balance_w", "pulse_j", "cold_j",
+            "target", "start_value", "place", "anchor", "still_s", "jumped", "arrived", "since_s",
+            "known_gap", "lag_s", "gain_factor", "ceiling_w",
+            "swing", "extreme_v", "reversals", "calm_s",
+            "step", "expected_s", "lagged",
+            "highest", "doubts", "probing_s", "probe_w", "beyond_c",
+        )
+    ]
+)  # fmt: skip
+TABLES = ("heating_power_w", "cooling_power_w", "resistance_ohm", "heating_slope", "cooling_slope")
+N_TABLES = len(TABLES)
+HEATING, COOLING, RESISTANCE, HEATING_SLOPE, COOLING_SLOPE = range(N_TABLES)
+N_SETTINGS = len(SETTINGS.names or ())
+NO_CURRENT, COLD, NOT_READY = float(Reason.NO_CURRENT), float(Reason.COLD), float(Reason.NOT_READY)
+# A wire counts as still that has moved by less than half the tolerance for this long [s]: two samples of 50 ms, so
+# motion that has just turned does not count as standing.
+STILL_S = 0.09
+# Of an error e the part |e| / (|e| + DOUBT times the deviation of the estimate) counts for the integral. While one
+# target holds, and the error is within that deviation, the steady power changes by no more than this part of itself
+# per second: an estimator that takes its branch from the power would take more for a turn, and the loop would answer
+# its own doing.
+DOUBT, SETTLED_S, CREEP_PER_S = 2.0, 2.0, 0.005
+# From cold, errors count once this part of the heat is left.
+FROM_COLD = 0.35
+# Lateness is measured at steps above so many tolerances, up to the longest that a wire which need not cross the gap
+# has, and each counts for half; half of it goes into where the wire is expected.
+LARGE_STEP, LATEST_S, LEARNT, LAG_PART = 3.0, 0.4, 0.5, 0.5
+# Power above the slow loop's largest, and time constants of the air for which less is tried, to find a wire beyond C.
+HOTTER, PROBE_TIME_CONSTANTS = 1.05, 1.5
+# An oscillation: so many reversals of more than this swing [V], each within a time [s] of the one before, from a second
+# after the target on. Three come within 3 s at the periods of 0.4 to 2 s that dead times up to 0.3 s give.
+OSCILLATION_REVERSALS, SWING_V, SETTLING_S, MAX_HALF_PERIOD_S = 3.0, 0.5, 1.0, 1.5
+MIN_GAIN = 0.0625
+PowerLimits = tuple[float, float, float]
+# A record; mypy knows no fields of one.
+Row = Any
+
+
+class KnownWire(NamedTuple):
+    """What is known of a wire: a record of ``SETTINGS``, and the tables, a row each with a number for every level."""
+
+    settings: Row
+    tables: FloatArray
+
+
+@compiled_inner
+def table_value(wire: KnownWire, table: int, value: float) -> float:
+    """Return a table at a value of the quantity, linear between its levels and constant beyond them."""
+    levels = wire.tables[table]
+    last = levels.size - 1
+    place = min(max((value - wire.settings["lowest"]) / wire.settings["spacing"], 0.0), float(last))
+    left = min(int(place), last - 1)
+    return float(levels[left] + (place - left) * (levels[left + 1] - levels[left]))
+
+
+@compiled_inner
+def edge_w(wire: KnownWire, place: float, value: float) -> float:
+    """Return the power that holds a value at a place between the cooling branch (-1) and the heating branch (1)."""
+    heating, cooling = table_value(wire, HEATING, value), table_value(wire, COOLING, value)
+    return float(0.5 * ((1.0 + place) * heating + (1.0 - place) * cooling))
+
+
+@compiled_inner
+def power_w(wire: KnownWire, drive_voltage_v: float, value: float) -> float:
+    """Return the electrical power in the wire at a drive voltage."""
+    resistance = table_value(wire, RESISTANCE, value)
+    current = drive_voltage_v / (resistance + wire.settings["shunt_resistance_ohm"])
+    return float(current * current * resistance)
+
+
+@compiled_inner
+def power_limits_w(wire: KnownWire, value: float, ceiling_w: float) -> PowerLimits:
+    """Return the power of the lowest and of the highest drive, and the highest steady one: a limit's, or a ceiling."""
+    lowest_w = power_w(wire, wire.settings["sense_voltage_v"], value)
+    highest_w = power_w(wire, wire.settings["maximum_voltage_v"], value)
+    return lowest_w, highest_w, max(min(highest_w, ceiling_w), lowest_w)
+
+
+@compiled_inner
+def heat_per_value(wire: KnownWire, table: int, value: float) -> float:
+    """Return the heat that moves the quantity by one on a branch: to warm the wire and to transform it."""
+    return float(
+        wire.settings["thermal_time_constant_s"] * table_value(wire, table, value) + wire.settings["heat_per_unit"]
+    )
+
+
+@compiled
+def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray, answer: FloatArray) -> None:
+    """Control by feedforward of power and heat, and by a PI on what that leaves."""
+    state_row = row_in(state, STATE)
+    wire = KnownWire(row_in(constants, SETTINGS), constants[N_SETTINGS:].reshape(N_TABLES, -1))
+    target, value, std, valid, reason, dt_s = given
+    answer[0], answer[1] = state_row["drive_voltage_v"], 0.0
+    answer[2], answer[3] = state_row["steady_w"], state_row["pulse_j"]
+    answer[4], answer[5], answer[6] = state_row["gain_factor"], state_row["beyond_c"], state_row["lag_s"]
+    if reason == NO_CURRENT:
+        return
+    if not math.isfinite(target - value) or not dt_s > 0.0 or not math.isfinite(dt_s):
+        answer[1] = 1.0
+        return
+    if reason in (COLD, NOT_READY):
+        value = min(value, wire.settings["lowest"])
+    first = state_row["started"] == 0.0
+    if first:
+        take_over(wire, state_row, value)
+    limits_w = power_limits_w(wire, value, state_row["ceiling_w"])
+    if target != state_row["target"]:
+        new_target(wire, state_row, target, value, first and valid == 0.0, limits_w)
+    error = lagged(wire, state_row, expected(wire, state_row, target), value, valid, dt_s) - value
+    tolerance = max(wire.settings["tolerance"], std) if valid != 0.0 else math.inf
+    # Below B there is no estimate, and no error to act on as long as most of the heat from cold is still to come.
+    on_the_way = valid == 0.0 and state_row["pulse_j"] > state_row["cold_j"]
+    if on_the_way or probe_beyond_c(wire, state_row, value, error, dt_s):
+        error = 0.0
+    else:
+        cross_the_gap(wire, state_row, value, error, tolerance, dt_s, limits_w)
+    command(wire, state_row, value, error, std if valid != 0.0 else 0.0, dt_s, limits_w)
+    notice_oscillation(state_row, dt_s)
+    answer[0], answer[2], answer[3] = state_row["drive_voltage_v"], state_row["steady_w"], state_row["pulse_j"]
+    answer[4], answer[5], answer[6] = state_row["gain_factor"], state_row["beyond_c"], state_row["lag_s"]
+
+
+@compiled_inner
+def take_over(wire: KnownWire, state: Row, value: float) -> None:
+    """Start from the drive that is applied, as one that has been there for long."""
+    state["started"] = 1.0
+    state["power_w"] = power_w(wire, state["drive_voltage_v"], value)
+    state["steady_w"] = state["balance_w"] = state["power_w"]
+    state["target"] = state["start_value"] = state["anchor"] = value
+    state["lagged"], state["ceiling_w"] = value, wire.settings["maximum_steady_power_w"]
+    state["doubts"], state["cold_j"] = 1.0, math.inf
+    state["known_gap"], state["gain_factor"] = wire.settings["gap_fraction"], 1.0
+
+
+@compiled_inner
+def new_target(wire: KnownWire, state: Row, target: float, value: float, cold: bool, limits_w: PowerLimits) -> None:
+    """Add what a new target takes: steady power of its branch, and the heat for the way there."""
+    lowest_w, _, steady_limit_w = limits_w
+    side = 1.0 if target > state["target"] else -1.0
+    place = state["place"] if state["place"] != 0.0 else side
+    moves = target - state["target"]
+    if cold:  # no branch is known of a cold wire: all that the target takes, from A on, where the quantity is 0
+        change_w = edge_w(wire, 1.0, target) - state["steady_w"]
+        moves = target
+    else:
+        here_w = edge_w(wire, side, state["target"])
+        gap_w = here_w - edge_w(wire, place, state["target"])
+        change_w = edge_w(wire, side, target) - here_w + gap_w
+    steady_w = min(max(state["steady_w"] + change_w, lowest_w), steady_limit_w)
+    warming_j = wire.settings["thermal_time_constant_s"] * (steady_w - state["steady_w"])
+    state["pulse_j"] += warming_j + wire.settings["heat_per_unit"] * moves
+    if cold:
+        state["cold_j"] = FROM_COLD * state["pulse_j"]
+    state["steady_w"], state["start_value"], state["place"], state["target"] = steady_w, value, side, target
+    state["jumped"] = state["arrived"] = state["swing"] = state["reversals"] = 0.0
+    state["beyond_c"] = state["probing_s"] = 0.0  # what a probe would go back to is the last target's
+    state["since_s"], state["expected_s"], state["step"] = 0.0, -1.0, (target - value if place == side else 0.0)
+
+
+@compiled_inner
+def expected(wire: KnownWire, state: Row, target: float) -> float:
+    """Return where the wire should be by now: short of its target by the heat that is still to come."""
+    table = HEATING_SLOPE if state["place"] >= 0.0 else COOLING_SLOPE
+    short = target - state["pulse_j"] / heat_per_value(wire, table, target)
+    return float(min(max(short, min(state["start_value"], target)), max(state["start_value"], target)))
+
+
+@compiled_inner
+def lagged(wire: KnownWire, state: Row, ahead: float, value: float, valid: float, dt_s: float) -> float:
+    """Return where the wire should be by now if it follows as late as it has been seen to follow.
+
+    At every large step it is measured by how much later than expected the wire is half way.
+    """
+    step, half = state["step"], 0.5 * state["step"]
+    state["since_s"] += dt_s
+    large = abs(step) > LARGE_STEP * wire.settings["tolerance"]
+    if large and state["expected_s"] < 0.0 and (ahead - state["start_value"] - half) * step > 0.0:
+        state["expected_s"] = state["since_s"]
+    if large and valid != 0.0 and (value - state["start_value"] - half) * step > 0.0:
+        if state["expected_s"] >= 0.0:
+            late_s = state["since_s"] - state["expected_s"]
+            if late_s <= LATEST_S:
+                state["lag_s"] += LEARNT * (late_s - state["lag_s"])
+        state["step"] = 0.0
+    lag_s = LAG_PART * state["lag_s"]
+    state["lagged"] += (ahead - state["lagged"]) * dt_s / (dt_s + lag_s)
+    return float(state["lagged"])
+
+
+@compiled_inner
+def cross_the_gap(
+    wire: KnownWire, state: Row, value: float, error: float, tolerance: float, dt_s: float, limits_w: PowerLimits
+) -> None:
+    """Let a wire that stands on the wrong side of its target jump over a part of the gap between the branches.
+
+    Where a jump has taken the wire beyond its target, the gap is smaller than it was taken for: half of it from then
+    on.
+    """
+    lowest_w, _, steady_limit_w = limits_w
+    watch(wire, state, value, dt_s)
+    side = 1.0 if error > 0.0 else -1.0
+    table = HEATING_SLOPE if state["place"] >= 0.0 else COOLING_SLOPE
+    pulse_over = abs(state["pulse_j"]) < wire.settings["tolerance"] * heat_per_value(wire, table, state["target"])
+    if pulse_over:
+        state["arrived"] = 1.0
+    still = state["still_s"] >= STILL_S
+    far = abs(error) > tolerance
+    if pulse_over and still and far and state["place"] * side <= 0.0:
+        if state["jumped"] * side < 0.0:
+            state["known_gap"] *= 0.5
+        state["jumped"] = side
+        gap_w = state["known_gap"] * (edge_w(wire, side, value) - edge_w(wire, state["place"], value))
+        state["steady_w"] = min(max(state["balance_w"] + gap_w, lowest_w), steady_limit_w)
+        state["pulse_j"] += wire.settings["thermal_time_constant_s"] * gap_w
+        state["place"] = side
+
+
+@compiled_inner
+def probe_beyond_c(wire: KnownWire, state: Row, value: float, error: float, dt_s: float) -> bool:
+    """Return whether the drive is lowered to see on which side of C the wire is.
+
+    Beyond C resistance rises with temperature, which reads as a wire that falls back, and a loop would heat it all the
+    more. So where the power is above all that the slow loop took, and the estimate has fallen back meanwhile, less is
+    tried: the estimate of a wire between B and C falls then, and that of one beyond C does not. From then on the wire
+    gets no more than the slow loop's largest power.
+    """
+    top_w, little = wire.tables[HEATING][-1], 0.5 * wire.settings["tolerance"]
+    if state["probing_s"] == 0.0:
+        if not (state["steady_w"] > HOTTER * top_w and error > little):
+            state["highest"] = value
+            return False
+        state["highest"] = max(state["highest"], value)
+        if state["highest"] - value < little * state["doubts"]:
+            return False
+        state["probe_w"], state["highest"], state["pulse_j"] = state["steady_w"], value, 0.0
+        state["steady_w"] = edge_w(wire, 1.0, state["target"])
+    state["probing_s"] += dt_s
+    fallen = state["highest"] - value > little
+    if fallen:
+        state["steady_w"], state["probing_s"], state["highest"] = state["probe_w"], 0.0, value
+        state["doubts"] *= 2.0
+        return False
+    if state["probing_s"] > PROBE_TIME_CONSTANTS * wire.settings["thermal_time_constant_s"]:
+        state["beyond_c"], state["ceiling_w"], state["probing_s"] = 1.0, top_w, 0.0
+        return False
+    return True
+
+
+@compiled_inner
+def notice_oscillation(state: Row, dt_s: float) -> None:
+    """Halve the gain for the rest of the run where the drive swings to and fro while one target holds."""
+    drive_v = state["drive_voltage_v"]
+    state["calm_s"] += dt_s
+    if state["arrived"] == 0.0 or state["since_s"] < SETTLING_S or state["calm_s"] > MAX_HALF_PERIOD_S:
+        state["reversals"] = state["swing"] = state["calm_s"] = 0.0
+        state["extreme_v"] = drive_v
+        return
+    away_v = drive_v - state["extreme_v"]
+    if state["swing"] * away_v > 0.0:
+        state["extreme_v"] = drive_v
+    elif abs(away_v) > SWING_V:
+        state["reversals"] += abs(state["swing"])
+        state["swing"] = 1.0 if away_v > 0.0 else -1.0
+        state["extreme_v"], state["calm_s"] = drive_v, 0.0
+    if state["reversals"] >= OSCILLATION_REVERSALS:
+        state["reversals"] = 0.0
+        state["gain_factor"] = max(0.5 * state["gain_factor"], MIN_GAIN)
+        state["known_gap"] *= 0.5
+
+
+@compiled_inner
+def watch(wire: KnownWire, state: Row, value: float, dt_s: float) -> None:
+    """Measure for how long the wire has stood still."""
+    if abs(value - state["anchor"]) > 0.5 * wire.settings["tolerance"]:
+        state["anchor"], state["still_s"] = value, 0.0
+    else:
+        state["still_s"] += dt_s
+
+
+@compiled_inner
+def command(
+    wire: KnownWire, state: Row, value: float, error: float, std: float, dt_s: float, limits_w: PowerLimits
+) -> None:
+    """Set the drive voltage, then advance integral, pulse and heat balance with the power within the limits."""
+    lowest_w, highest_w, steady_limit_w = limits_w
+    tau_s = wire.settings["thermal_time_constant_s"]
+    # SIMC with the dead time that was seen: tau_c and theta both grow by how late the wire is.
+    late_s = max(state["lag_s"] - wire.settings["dead_time_s"], 0.0)
+    response_s = (wire.settings["response_s"] + 2.0 * late_s) / state["gain_factor"]
+    gain = heat_per_value(wire, HEATING_SLOPE if error > 0.0 else COOLING_SLOPE, value) / response_s
+    # With this power the heat balance is at the limit after this sample, not above it.
+    warmest_w = steady_limit_w + max(0.0, steady_limit_w - state["balance_w"]) * tau_s / dt_s
+    limit_w = max(min(highest_w, warmest_w), lowest_w)
+    without_pulse_w = state["steady_w"] + gain * error
+    if state["ceiling_w"] < wire.settings["maximum_steady_power_w"]:
+        without_pulse_w = min(without_pulse_w, state["ceiling_w"])
+    wanted_w = without_pulse_w + state["pulse_j"] / wire.settings["pulse_time_s"]
+    given_w = min(max(wanted_w, lowest_w), limit_w)
+    by_pulse_w = given_w - min(max(without_pulse_w, lowest_w), limit_w)
+    state["pulse_j"] -= dt_s * (by_pulse_w + state["pulse_j"] / tau_s)
+    integral_w = integrated_w(wire, state, gain, error, std, dt_s)
+    if not ((wanted_w > limit_w and integral_w > 0.0) or (wanted_w < lowest_w and integral_w < 0.0)):
+        state["steady_w"] = min(max(state["steady_w"] + integral_w, lowest_w), steady_limit_w)
+    state["balance_w"] += min(dt_s / tau_s, 1.0) * (given_w - state["balance_w"])
+    set_drive(wire, state, value, given_w, lowest_w, highest_w)
+
+
+@compiled_inner
+def integrated_w(wire: KnownWire, state: Row, gain: float, error: float, std: float, dt_s: float) -> float:
+    """Return by how much the steady power grows for an error: as far as the estimate is trusted."""
+    if error == 0.0:
+        return 0.0
+    trusted = error * abs(error) / (abs(error) + DOUBT * std)
+    integral_w = gain * trusted * dt_s / wire.settings["integral_time_s"] * state["gain_factor"]
+    if state["since_s"] > SETTLED_S and abs(error) < std:
+        limit_w = CREEP_PER_S * dt_s * state["steady_w"]
+        integral_w = min(max(integral_w, -limit_w), limit_w)
+    return float(integral_w)
+
+
+@compiled_inner
+def set_drive(wire: KnownWire, state: Row, value: float, given_w: float, lowest_w: float, highest_w: float) -> None:
+    """Set the drive voltage of a power; at a limit of the power exactly that of the drive."""
+    if given_w == lowest_w:
+        state["drive_voltage_v"] = wire.settings["sense_voltage_v"]
+    elif given_w == highest_w:
+        state["drive_voltage_v"] = wire.settings["maximum_voltage_v"]
+    elif given_w != state["power_w"]:
+        resistance = table_value(wire, RESISTANCE, value)
+        drive_v = math.sqrt(given_w / resistance) * (resistance + wire.settings["shunt_resistance_ohm"])
+        state["drive_voltage_v"] = min(
+            max(drive_v, wire.settings["sense_voltage_v"]), wire.settings["maximum_voltage_v"]
+        )
+    state["power_w"] = given_w
+
+
 class FeedforwardController:
     """Feedforward of steady power and heat, and a gain-scheduled PI; brings a cold wire to its first target at once.
 
@@ -183,8 +541,6 @@ class FeedforwardController:
 
     def __init__(self, setup: ControllerSetup) -> None:
         """Take limits and settings, and pack them for the tick."""
-        from musclewire.controllers import _feedforward_kernel as feedforward_kernel
-
         if setup.settings is None:
             raise CallerError(
                 "the controller feedforward needs the gains of its wire: fit keeps them in a new model, and for this "
@@ -192,13 +548,12 @@ class FeedforwardController:
             )
         self.settings: FeedforwardSettings = settings_of_kind(setup, FeedforwardSettings)
         self.limits = setup.limits
-        self._kernel: Any = feedforward_kernel
         self._constants = self._packed()
         self.step(self.start(self.limits.sense_voltage_v), 0.0, QuantityEstimate(0.0, 0.0, True), 1.0)
 
     def _packed(self) -> FloatArray:
         """Return limits, settings and tables as the array that the tick reads."""
-        settings, kernel = self.settings, self._kernel
+        settings = self.settings
         known = {
             **settings.model_dump(),
             "sense_voltage_v": self.limits.sense_voltage_v,
@@ -207,12 +562,12 @@ class FeedforwardController:
             "spacing": (settings.highest - settings.lowest) / (len(settings.heating_power_w) - 1),
         }
         known["heating_slope"], known["cooling_slope"] = settings.branch_slopes()
-        numbers = [known[name] for name in kernel.SETTINGS.names]
-        return np.concatenate([numbers, *(known[name] for name in kernel.TABLES)])
+        numbers = [known[name] for name in SETTINGS.names or ()]
+        return np.concatenate([numbers, *(known[name] for name in TABLES)])
 
     def start(self, drive_voltage_v: float) -> tuple[float, ...]:
         """Return the state before the first estimate: the applied drive [V], within the limits."""
-        state = np.zeros(1, self._kernel.STATE)
+        state = np.zeros(1, STATE)
         state["drive_voltage_v"] = self.limits.clamp(float(drive_voltage_v))
         return tuple(state.view(np.float64).tolist())
 
@@ -221,7 +576,7 @@ class FeedforwardController:
         numbers, answer = np.array(state), np.zeros(len(CONTROLLER_ANSWERS) + len(self.columns))
         value, std, valid, reason, _ = estimate
         given = np.array((float(target), float(value), float(std), float(valid), float(reason), float(dt_s)))
-        self._kernel.feedforward_tick(self._constants, numbers, given, answer)
+        feedforward_tick(self._constants, numbers, given, answer)
         drive_voltage_v, failed, *recorded = answer.tolist()
         if failed:
             raise step_error(target, value, dt_s)
@@ -229,4 +584,4 @@ class FeedforwardController:
 
     def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
         """Return ``step`` as a compiled function."""
-        return CompiledTick(self._kernel.feedforward_tick, self._constants, np.array(self.start(drive_voltage_v)))
+        return CompiledTick(feedforward_tick, self._constants, np.array(self.start(drive_voltage_v)))

@@ -14,8 +14,6 @@ from ._building import cooled_wire as cooled_wire
 from ._building import measured_grains as measured_grains
 from ._building import resting_state as resting_state
 from ._building import with_pretension as with_pretension
-from ._constants import StepConstants as StepConstants
-from ._constants import WireConstants as WireConstants
 from ._coupling import APART as APART
 from ._coupling import GrippedObject as GrippedObject
 from ._coupling import no_grip as no_grip
@@ -43,8 +41,10 @@ from ._row import CLASSES as CLASSES
 from ._row import Field as Field
 from ._row import Row as Row
 from ._row import Rows as Rows
+from ._row import StepConstants as StepConstants
+from ._row import WireConstants as WireConstants
+from ._row import WireState as WireState
 from ._row import field as field
-from ._state import WireState as WireState
 from ._step import NO_PUSH as NO_PUSH
 from ._step import Equilibrium as Equilibrium
 from ._step import RunningWire as RunningWire

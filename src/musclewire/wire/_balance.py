@@ -10,9 +10,8 @@ from typing import NamedTuple
 
 from musclewire.compiled import compiled_inline
 from musclewire.physics import ELASTIC_POISSON_RATIO, REFERENCE_TEMPERATURE_K
-from musclewire.wire._constants import StepConstants
 from musclewire.wire._fronts import PhaseFractions, ShakedownEffects
-from musclewire.wire._row import Rows
+from musclewire.wire._row import Rows, StepConstants
 
 # Beyond this exponent martensite is oriented to 13 digits.
 MAX_EXPONENT = 32.0

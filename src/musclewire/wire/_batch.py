@@ -21,12 +21,10 @@ from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.errors import CallerError
 from musclewire.wire._building import resting_state
-from musclewire.wire._constants import WireConstants, as_record
 from musclewire.wire._lane_views import constants_in, wire_in
 from musclewire.wire._lanes import LANES, advance_lanes, give_block, take_block, workspace
 from musclewire.wire._paths import DrivenPath
-from musclewire.wire._row import Rows
-from musclewire.wire._state import WireState
+from musclewire.wire._row import Rows, WireConstants, WireState, as_record
 from musclewire.wire._step import RunningWire
 from musclewire.wire._stepping import (
     CHOSEN,

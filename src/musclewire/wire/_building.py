@@ -12,7 +12,6 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.parameters import Alloy, Bench, Numbers, Wire
 from musclewire.physics import REFERENCE_TEMPERATURE_K, convection_coefficient_w_per_m2_k
-from musclewire.wire._constants import CONVECTION_POINTS, WireConstants
 from musclewire.wire._distribution import (
     ONE_CLASS,
     BarrierClass,
@@ -23,7 +22,7 @@ from musclewire.wire._distribution import (
 )
 from musclewire.wire._loads import ConnectorLoad, spring_load
 from musclewire.wire._prescribed import cool_from_hot
-from musclewire.wire._state import WireState
+from musclewire.wire._row import CONVECTION_POINTS, WireConstants, WireState
 
 # Stresses at which the spreads must be positive: none, and about the strength of the wire.
 STRESSES_PA = (0.0, 1e9)

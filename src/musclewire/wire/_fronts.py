@@ -15,8 +15,7 @@ import math
 from typing import NamedTuple
 
 from musclewire.compiled import compiled_inline
-from musclewire.wire._constants import StepConstants
-from musclewire.wire._row import Rows
+from musclewire.wire._row import Rows, StepConstants
 
 # A spread that stress made smaller than this is a switch rather than a ramp.
 MIN_SPREAD_K = 1e-6

@@ -17,7 +17,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled_inline, compiled_inner
 from musclewire.wire._balance import TrialPoint, balance_at, contraction_of, convection_w_per_m2_k, settled, strain_at
-from musclewire.wire._constants import StepConstants
 from musclewire.wire._fronts import (
     PhaseFractions,
     ShakedownEffects,
@@ -35,8 +34,7 @@ from musclewire.wire._lane_views import (
     take_wire,
     wire_in,
 )
-from musclewire.wire._row import CLASSES, Rows
-from musclewire.wire._state import WireState
+from musclewire.wire._row import CLASSES, Rows, StepConstants, WireState
 from musclewire.wire._step import (
     NO_HEAT_J,
     NO_PUSH,

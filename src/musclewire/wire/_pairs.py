@@ -14,7 +14,6 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.wire._balance import ConnectorForce, convection_w_per_m2_k, loss_w
-from musclewire.wire._constants import StepConstants, WireConstants
 from musclewire.wire._coupling import (
     APART,
     BalanceGuess,
@@ -25,8 +24,7 @@ from musclewire.wire._coupling import (
     hold_object,
 )
 from musclewire.wire._fronts import shakedown_of
-from musclewire.wire._row import Rows
-from musclewire.wire._state import WireState
+from musclewire.wire._row import Rows, StepConstants, WireConstants, WireState
 from musclewire.wire._step import Equilibrium, RunningWire, accept, guess_after, middle_of_step
 from musclewire.wire._stepping import (
     CHOSEN,

@@ -15,11 +15,9 @@ from musclewire.compiled import compiled
 from musclewire.errors import CallerError
 from musclewire.physics import REFERENCE_TEMPERATURE_K
 from musclewire.wire._building import cooled_wire, resting_state
-from musclewire.wire._constants import WireConstants
 from musclewire.wire._fronts import shakedown_of
 from musclewire.wire._prescribed import follow, resistance_of, total_strain
-from musclewire.wire._row import Rows
-from musclewire.wire._state import WireState
+from musclewire.wire._row import Rows, WireConstants, WireState
 from musclewire.wire._step import RunningWire
 from musclewire.wire._stepping import (
     CHOSEN,

@@ -6,9 +6,8 @@ import math
 
 from musclewire.compiled import compiled, compiled_inner
 from musclewire.wire._balance import resistance_at, strain_at
-from musclewire.wire._constants import StepConstants
 from musclewire.wire._fronts import ShakedownEffects, shakedown_of
-from musclewire.wire._row import Rows
+from musclewire.wire._row import Rows, StepConstants
 from musclewire.wire._step import RunningWire, phases_at
 
 

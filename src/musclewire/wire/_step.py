@@ -20,10 +20,8 @@ from musclewire.wire._balance import (
     settled,
     strain_at,
 )
-from musclewire.wire._constants import StepConstants
 from musclewire.wire._fronts import PhaseFractions, ShakedownEffects, cumulative_at, fronts_after, phases_of_class
-from musclewire.wire._row import Rows
-from musclewire.wire._state import WireState
+from musclewire.wire._row import Rows, StepConstants, WireState
 
 # Newton's last step may be this long: it is applied linearly, and the error that remains is of second order in it.
 SOLVED_K = 1e-3

@@ -12,10 +12,8 @@ from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline, compiled_inner
 from musclewire.errors import CallerError, NumericsError
 from musclewire.wire._balance import BalancedWire, convection_w_per_m2_k, loss_w
-from musclewire.wire._constants import StepConstants
 from musclewire.wire._fronts import shakedown_of
-from musclewire.wire._row import Rows
-from musclewire.wire._state import WireState
+from musclewire.wire._row import Rows, StepConstants, WireState
 from musclewire.wire._step import (
     NO_HEAT_J,
     NO_PUSH,

@@ -13,11 +13,9 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.wire._building import resting_state
-from musclewire.wire._constants import WireConstants
 from musclewire.wire._coupling import APART, GrippedObject
 from musclewire.wire._pairs import PairConnection, advance_pair
-from musclewire.wire._row import Rows
-from musclewire.wire._state import WireState
+from musclewire.wire._row import Rows, WireConstants, WireState
 from musclewire.wire._step import RunningWire
 from musclewire.wire._stepping import (
     CHOSEN,

@@ -8,9 +8,9 @@ from wire_makers import Array, alloy, bench, slow_sine_v, wire_100um
 
 from musclewire.wire._batch import drive_many
 from musclewire.wire._building import constants_of
-from musclewire.wire._constants import WireConstants
 from musclewire.wire._distribution import BarrierClass, tabulated_distribution
 from musclewire.wire._paths import drive_path, isobaric_path
+from musclewire.wire._row import WireConstants
 from musclewire.wire._stepping import fixed_steps
 
 DRIVE_V = np.array([slow_sine_v(time_s) for time_s in 0.05 * np.arange(1800)])

@@ -12,7 +12,7 @@ from wire_makers import constants, stepped
 
 from musclewire.errors import CallerError
 from musclewire.wire._building import resting_state
-from musclewire.wire._state import WireState
+from musclewire.wire._row import WireState
 
 WIRE = constants()
 

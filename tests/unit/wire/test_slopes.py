@@ -31,7 +31,6 @@ from musclewire.wire._balance import (
     strain_at,
 )
 from musclewire.wire._building import resting_state
-from musclewire.wire._constants import WireConstants
 from musclewire.wire._fronts import (
     PhaseFractions,
     ShakedownEffects,
@@ -42,6 +41,7 @@ from musclewire.wire._fronts import (
     thresholds_at,
 )
 from musclewire.wire._loads import ConnectorLoad
+from musclewire.wire._row import WireConstants
 from musclewire.wire._step import RunningWire, load_at, solve
 
 WIRES = {kind: constants(kind) for kind in ALLOYS}

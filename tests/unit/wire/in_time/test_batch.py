@@ -9,9 +9,9 @@ from wire_makers import Array, constants
 from musclewire.errors import CallerError, NumericsError
 from musclewire.wire._batch import COLUMNS, WireBatch, drive_many
 from musclewire.wire._building import resting_state
-from musclewire.wire._constants import WireConstants
 from musclewire.wire._loads import with_table
 from musclewire.wire._paths import drive_path
+from musclewire.wire._row import WireConstants
 from musclewire.wire._stepping import StepControl, fixed_steps
 from musclewire.wire._wires import advance
 

@@ -10,9 +10,8 @@ from wire_makers import ALLOYS, Array, alloy, bench, constants, driven, slow_sin
 
 from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.wire._building import resting_state
-from musclewire.wire._constants import WireConstants
 from musclewire.wire._paths import DrivenPath
-from musclewire.wire._state import WireState
+from musclewire.wire._row import WireConstants, WireState
 
 DT_S = 1e-3
 CYCLE_V = np.array([slow_sine_v(t) for t in np.arange(0.05, 90.0, 0.1)])

@@ -14,7 +14,7 @@ from wire_makers import constants
 
 from musclewire.wire._building import resting_state
 from musclewire.wire._loads import spring_load, with_table
-from musclewire.wire._state import WireState
+from musclewire.wire._row import WireState
 from musclewire.wire._stepping import fixed_steps
 from musclewire.wire._wires import advance
 

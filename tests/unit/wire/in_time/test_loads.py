@@ -23,9 +23,8 @@ from wire_makers import (
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy, load_bench, load_wire, published_ranges
 from musclewire.wire._building import constants_from, resting_state
-from musclewire.wire._constants import WireConstants
 from musclewire.wire._loads import ConnectorLoad, spring_load, with_table
-from musclewire.wire._state import WireState
+from musclewire.wire._row import WireConstants, WireState
 
 REACH_M = 7e-3
 SMOOTH = {"guide_friction_n": 0.0}

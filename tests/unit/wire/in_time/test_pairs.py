@@ -16,10 +16,9 @@ from grain_wire import drive_pair as grain_wire_pair
 from grain_wire import grain_wire
 from musclewire.wire import APART, OWN_SUPPLY, PARALLEL, SERIES, GrippedObject, PairConnection, no_grip
 from musclewire.wire._building import constants_from, resting_state, with_pretension
-from musclewire.wire._constants import WireConstants
 from musclewire.wire._loads import ConnectorLoad, spring_load, with_table
 from musclewire.wire._pairs import PairMeans, advance_pair
-from musclewire.wire._state import WireState
+from musclewire.wire._row import WireConstants, WireState
 from musclewire.wire._stepping import fixed_steps
 
 pytestmark = pytest.mark.slow

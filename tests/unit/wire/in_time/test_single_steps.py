@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from wire_makers import constants, stored_heat_j
 
 from musclewire.wire._batch import WireBatch
-from musclewire.wire._constants import WireConstants
 from musclewire.wire._paths import drive_path, heated_state
-from musclewire.wire._state import WireState
+from musclewire.wire._row import WireConstants, WireState
 from musclewire.wire._stepping import StepControl, fixed_steps
 from musclewire.wire._wires import WireMeans, advance
 

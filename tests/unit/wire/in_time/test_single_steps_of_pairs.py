@@ -31,7 +31,7 @@ from musclewire.wire import APART, OWN_SUPPLY, PARALLEL, SERIES, PairConnection,
 from musclewire.wire._building import resting_state
 from musclewire.wire._loads import spring_load
 from musclewire.wire._pairs import PairMeans, advance_pair
-from musclewire.wire._state import WireState
+from musclewire.wire._row import WireState
 from musclewire.wire._stepping import StepControl, fixed_steps
 from musclewire.wire._wires import advance
 

@@ -1,5 +1,5 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
-/* What a step reads, derived from a wire's constants, and the wire at rest: musclewire.wire._constants and .building. */
+/* What a step reads, derived from a wire's constants, and the wire at rest: musclewire.wire._row and ._building. */
 #include <string.h>
 
 #include "mw_wire.h"
