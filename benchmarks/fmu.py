@@ -97,7 +97,7 @@ def compared(rig: str, folder: Path, quick: bool) -> list[dict[str, object]]:
     """Return a row for each course and length of step."""
     configuration, where = rig_configuration(RIGS[rig])
     assert isinstance(configuration, RigConfiguration)
-    device = open_simulated(configuration, where, None, None, None, False, {})
+    device = open_simulated(configuration, where)
     wires = device.wires
     assert isinstance(wires, OneWire)
     constants = wires.constants

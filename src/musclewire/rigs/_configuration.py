@@ -1,24 +1,201 @@
-"""From the word ``simulated`` or a TOML file to an open rig."""
+"""From the word ``simulated``, a name or a TOML file to an open rig; what the file of a simulated rig may say.
+
+A simulated rig is the wire and the bench that its file names, with the numbers that file and caller change.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, Self, TypeVar, get_type_hints
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model, model_validator
 
 from musclewire.errors import CallerError, an_object, nearest_hint
 from musclewire.manifest import absent_part, folder_of, manifests, offered
-from musclewire.parameters import is_wire_file, read_toml, require_seed, validated
+from musclewire.parameters import (
+    Alloy,
+    Bench,
+    Parameter,
+    ParameterGroup,
+    Wire,
+    bench_known_with,
+    checked,
+    first_problem,
+    is_wire_file,
+    load_alloy,
+    load_bench,
+    load_wire,
+    read_toml,
+    require_seed,
+    validated,
+)
+from musclewire.rigs._air import Surroundings
+from musclewire.rigs._beyond_catalogue import StatedCircuit, confirmed_beyond, refuse_beyond_catalogue
 from musclewire.rigs._beyond_catalogue import beyond_catalogue as beyond
-from musclewire.rigs._beyond_catalogue import confirmed_beyond
+from musclewire.rigs._device import Metadata
 from musclewire.rigs._guarded import GuardedRig
-from musclewire.rigs._kinds import DEVICES, DeviceConfiguration
-from musclewire.rigs._mounted_wire import MountedWire
+from musclewire.rigs._kinds import DEVICES, DeviceConfiguration, DeviceKind
+from musclewire.rigs._load_kinds import Part, Parts
+from musclewire.rigs._load_part import Supply
+from musclewire.rigs._mounted_wire import (
+    NO_TRUTH,
+    SHARED_KEYS,
+    STATED,
+    LimitsTable,
+    MountedWire,
+    may_be_left_out,
+    si_name,
+)
 from musclewire.rigs._outside import imported_kind, is_outside, known_kind
-from musclewire.rigs._simulated_configuration import RigConfiguration
+from musclewire.rigs._own_voltages import PAPER_BENCH, OwnVoltages, hot_wire, own_voltages, with_own_voltages
+from musclewire.rigs._pulse_width import PulseWidth, sampling_problem
+from musclewire.rigs._simulated_faults import SimulatedFault
+from musclewire.signals import parse_quantity
+
+if TYPE_CHECKING:
+    from musclewire.rigs._simulated import SimulatedDevice, SimulatedSpool
+
+Group = TypeVar("Group", bound=ParameterGroup)
 
 SIMULATED = "simulated"
 # Rig files that ship with musclewire, each known by its name.
 FOLDER = Path(str(files("musclewire.parameters"))) / "data" / "rigs"
+# Each key of wire and circuit that is a number of wire or bench, by its name; ``settings`` also accept it by that name.
+SETTINGS = {
+    key: name
+    for key, field in SHARED_KEYS.items()
+    if (name := si_name(key, field)) in (*Wire.model_fields, *Bench.model_fields)
+}
+
+
+def keys_left_out() -> type[BaseModel]:
+    """Return a schema with the keys of wire and circuit, of which each may be left out."""
+    types = get_type_hints(MountedWire, include_extras=True)
+    fields = {key: (types[key] | None, may_be_left_out(types[key])) for key in SHARED_KEYS}
+    schema: type[BaseModel] = create_model(  # type: ignore[call-overload]  # fields by name
+        "KeysLeftOut", __config__=ConfigDict(extra="forbid", frozen=True), **fields
+    )
+    return schema
+
+
+if TYPE_CHECKING:
+    KeysLeftOut = BaseModel
+else:
+    KeysLeftOut = keys_left_out()
+
+
+class WireKeys(KeysLeftOut):
+    """The keys of wire and circuit in simulated rigs' files, each by default that of wire or bench.
+
+    Parameters
+    ----------
+    settings
+        Other numbers of wire and bench by name, in SI or as text with a unit.
+    """
+
+    settings: dict[str, Annotated[float | str, NO_TRUTH]] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _said_once(self) -> WireKeys:
+        for key, name in SETTINGS.items():
+            if getattr(self, key) is not None and name in self.settings:
+                raise ValueError(f"{key} and settings.{name} are the same number: give {key} only")
+        return self
+
+    def numbers_set(self) -> list[str]:
+        """Return the names of the numbers of wire and bench that the file sets, by ``settings`` and by keys."""
+        return [*self.settings, *(name for key, name in SETTINGS.items() if getattr(self, key) is not None)]
+
+    def number(self, name: str) -> float | str:
+        """Return a number that the file sets, in SI, or as text with a unit if ``settings`` have it so."""
+        key = next((key for key, own in SETTINGS.items() if own == name and getattr(self, key) is not None), None)
+        return self.settings[name] if key is None else float(getattr(self, key))
+
+    def stated(self) -> Metadata:
+        """Return what the keys in the file say to a recording but for numbers of wire and bench, which the wire has."""
+        said = {name: getattr(self, key) for key, name in STATED.items() if key not in SETTINGS}
+        return {name: value for name, value in said.items() if value is not None}
+
+
+class RigConfiguration(WireKeys, DeviceConfiguration):
+    """A rig file: a wire, by name or wire file, a bench by name, and changes to both.
+
+    The keys of wire and circuit are those of real hardware; ``settings`` change all other numbers of wire and bench.
+
+    Parameters
+    ----------
+    kind
+        "simulated".
+    wire
+        Name of a wire (``musclewire simulate --list``), or a wire file next to the rig file.
+    bench
+        Name of a bench. By default the paper's, with the numbers of the bench that the wire file contains.
+    new_wire
+        Whether the wire starts before its first cycles (shakedown).
+    seed
+        Seed of the instruments' noise.
+    load
+        Load of the wire, part by part; by default the bench's spring.
+    surroundings
+        How the air moves; by default it does not.
+    limits
+        Limits of the protection that replace those which follow from wire and circuit.
+    fault
+        Faults of wire, circuit, channels and clock, with their times.
+    pwm
+        Heating by pulse width instead of a steady voltage, and when the voltages are read within the pulses.
+    """
+
+    kind: Literal["simulated"] = "simulated"
+    wire: str = "paper-100um"
+    bench: str = "paper"
+    new_wire: bool = False
+    seed: int = Field(default=1, ge=0)
+    load: list[Part] = Field(default_factory=list)
+    surroundings: Surroundings = Surroundings()
+    limits: LimitsTable = LimitsTable()
+    fault: list[SimulatedFault] = Field(default_factory=list)
+    pwm: PulseWidth | None = None
+
+    @model_validator(mode="after")
+    def _pulses_heat_one_sound_wire(self) -> RigConfiguration:
+        if self.pwm is not None and self.fault:
+            raise ValueError("[pwm] and [[fault]] do not go together: faults are of a steady drive; leave one out")
+        if self.pwm is not None and any(part.second_wire is not None for part in self.load):
+            raise ValueError("[pwm] heats one wire: leave out the second one, or [pwm]")
+        return self
+
+    @model_validator(mode="after")
+    def _parts_fit_together(self) -> RigConfiguration:
+        if "load" in self.model_fields_set and not self.load:
+            raise ValueError("load is empty: give a [[load]] part, or leave load out for the bench's spring")
+        Parts(load=self.load)
+        return self
+
+    def with_files_in(self, folder: Path) -> Self:
+        """Return a rig file's content with the files it names found next to it, wherever the command was started.
+
+        Parameters
+        ----------
+        folder
+            Folder of the rig file.
+
+        Returns
+        -------
+        A configuration whose paths are valid from anywhere.
+        """
+
+        def found(name: str | None) -> str | None:
+            return str(folder / name) if name is not None and is_wire_file(name) else name
+
+        def placed(part: Part) -> Part:
+            known = {key: value for key, value in dict(part).items() if key in ("wire", "finger", "file")}
+            return part.model_copy(update={key: found(value) for key, value in known.items()})
+
+        return self.model_copy(update={"wire": found(self.wire), "load": [placed(part) for part in self.load]})
 
 
 def shipped_rig_files() -> dict[str, Path]:
@@ -102,6 +279,218 @@ def require_rig(rig: str) -> None:
     rig_configuration(rig)
 
 
+def with_settings(wire: Wire, bench: Bench, settings: Mapping[str, float | str], where: str) -> tuple[Wire, Bench]:
+    """Return wire and bench with some numbers set by the user, in SI or as text with a unit ("1.7 N").
+
+    Raises CallerError for a name that neither has, suggesting the nearest.
+    """
+    return with_numbers(wire, bench, settings, settings.__getitem__, where)
+
+
+def with_numbers(
+    wire: Wire, bench: Bench, names: Iterable[str], number: Callable[[str], float | str], where: str
+) -> tuple[Wire, Bench]:
+    """Return wire and bench with these numbers set by the user; ``number`` gives each by its name."""
+    known = {**dict(bench.items()), **dict(wire.items())}
+    changed: dict[str, Parameter] = {}
+    for name in names:
+        if name not in known:
+            raise CallerError(f"{where}: unknown setting '{name}'{nearest_hint(name, known)}")
+        given = number(name)
+        if isinstance(given, bool):
+            raise CallerError(f"{where}: {name} is {str(given).lower()}, which is no number: give one with its unit")
+        value = parse_quantity(given, known[name].unit) if isinstance(given, str) else float(given)
+        changed[name] = known[name].model_copy(
+            update={"value": value, "kind": "assumed", "source": where, "note": "set by the user"}
+        )
+    return changed_group(wire, changed, where), changed_group(bench, changed, where)
+
+
+def changed_group(group: Group, changed: Mapping[str, Parameter], where: str) -> Group:
+    """Return a group with those of the changed parameters that it has, checked like a file."""
+    own: dict[str, Parameter] = {}
+    for name, item in changed.items():
+        if name not in type(group).model_fields:
+            continue
+        try:
+            own[name] = Parameter(**dict(item))
+            checked(name, own[name], type(group).model_fields[name])
+        except ValidationError as error:
+            raise CallerError(f"{where}: {name}.{first_problem(error, Parameter)}") from None
+        except ValueError as problem:
+            raise CallerError(f"{where}: {problem}") from None
+    return group.model_copy(update=own)
+
+
+def wire_on_bench(
+    wire: str, bench: str | None, names: Iterable[str], number: Callable[[str], float | str], where: str
+) -> tuple[Wire, Bench]:
+    """Return a wire and a bench, by their names, with the numbers that are set; ``number`` gives each by its name.
+
+    Without a bench it is the paper's, with those numbers of a bench that the wire's file contains. Raises CallerError
+    for unknown names and wrong numbers.
+    """
+    named, around = load_wire(wire), load_bench(bench or PAPER_BENCH)
+    if bench is None:
+        around = changed_group(around, bench_known_with(wire), f"wire file {wire}")
+    return with_numbers(named, around, names, number, where)
+
+
+def parameters_of(
+    configuration: RigConfiguration,
+    where: str,
+    *,
+    wire: str | None = None,
+    bench: str | None = None,
+    settings: Mapping[str, float | str] | None = None,
+) -> tuple[Alloy, Wire, Bench]:
+    """Return alloy, wire and bench of a rig file, changed as ``open_rig`` says. Raises CallerError for wrong ones."""
+    name, changed = wire or configuration.wire, settings or {}
+    names = dict.fromkeys([*configuration.numbers_set(), *changed])
+
+    def given(name: str) -> float | str:
+        return changed[name] if name in changed else configuration.number(name)
+
+    stated = configuration.bench if "bench" in configuration.model_fields_set else None
+    chosen, around = wire_on_bench(name, bench or stated, names, given, where)
+    alloy = load_alloy(chosen.alloy)
+    return alloy, driven_wire(configuration, (alloy, chosen, around), own_voltages(name), names, where), around
+
+
+def driven_wire(
+    configuration: RigConfiguration,
+    parameters: tuple[Alloy, Wire, Bench],
+    own: OwnVoltages,
+    given: Collection[str],
+    where: str,
+) -> Wire:
+    """Return a rig's wire with the voltages that its numbers ask for, where neither they nor the file state them.
+
+    Parameters
+    ----------
+    configuration
+        The rig file.
+    parameters
+        Alloy, wire and bench with all their numbers.
+    own
+        Voltages of the wire as it is named, and what they are for.
+    given
+        The numbers that are set and not the wire's own, by name.
+    where
+        The rig file's name in messages.
+
+    Returns
+    -------
+    The wire with its own amplitude and maximum.
+
+    Raises
+    ------
+    CallerError
+        For a number that is set and that no wire of the catalogue has or survives, unless the file confirms it.
+    """
+    alloy, wire, bench = parameters
+    if not configuration.beyond_catalogue:
+        refuse_beyond(wire, bench, given, configuration.limits.changed(), where)
+    in_series, in_parallel = on_the_drive(configuration)
+    hot = hot_wire(
+        wire,
+        alloy,
+        wire_length_m=bench["wire_length_m"],
+        series_ohm=bench["shunt_resistance_ohm"] + bench["lead_resistance_ohm"],
+        ambient_temperature_k=bench["ambient_temperature_k"],
+        in_series=in_series,
+        in_parallel=in_parallel,
+    )
+    return with_own_voltages(wire, hot, own, given, bench["acquisition_range_v"])
+
+
+def refuse_beyond(wire: Wire, bench: Bench, given: Collection[str], limits: Mapping[str, float], where: str) -> None:
+    """Raise CallerError for a number that is set and that no wire of the catalogue has or survives."""
+    numbers: dict[str, tuple[str, ParameterGroup]] = {
+        "wire_length": ("wire_length_m", bench),
+        "diameter_m": ("diameter_m", wire),
+        "maximum_voltage": ("maximum_voltage_v", wire),
+        "drive_amplitude": ("drive_amplitude_v", wire),
+    }
+    stated = {key: group[name] for key, (name, group) in numbers.items() if name in given}
+    circuit = StatedCircuit(bench["wire_length_m"], bench["shunt_resistance_ohm"], stated)
+    refuse_beyond_catalogue(circuit, limits, where)
+
+
+def on_the_drive(configuration: RigConfiguration) -> tuple[int, int]:
+    """Return how many wires the drive sees in series and in parallel."""
+    supplies = [part.second_wire.supply for part in configuration.load if part.second_wire is not None]
+    return 1 + (Supply.SERIES in supplies), 1 + (Supply.PARALLEL in supplies)
+
+
+def device_of(
+    configuration: RigConfiguration,
+    where: str,
+    spool: SimulatedSpool,
+    *,
+    seed: int,
+    real_time: bool,
+    settings: Mapping[str, float | str],
+) -> SimulatedDevice:
+    """Return the simulated device of a rig file with the numbers of a spool, with a steady drive or heated by pulses.
+
+    ``settings`` are those that the numbers already have; they are only checked. Raises CallerError for one that the
+    rig's load leaves without effect, and for pulses whose readings are useless.
+    """
+    from musclewire.rigs._simulated import SimulatedDevice
+    from musclewire.rigs._simulated_pwm import PulsedDevice
+
+    given = {*configuration.numbers_set(), *settings}
+    if configuration.load and "spring_stiffness_n_per_m" in given:
+        raise CallerError(
+            f"{where}: the setting 'spring_stiffness_n_per_m' belongs to the bench's spring, and [[load]] replaces it: "
+            "give a part 'spring' with a stiffness"
+        )
+    pwm = configuration.pwm
+    problem = None if pwm is None else sampling_problem(pwm, spool.bench.sense_voltage_v.value)
+    if problem is not None and problem.useless:
+        raise CallerError(f"[pwm] {problem.text}")
+    device = (SimulatedDevice if pwm is None else partial(PulsedDevice, pwm))(
+        spool,
+        parts=configuration.load,
+        surroundings=configuration.surroundings,
+        seed=seed,
+        real_time=real_time,
+        limits=configuration.limits.changed(),
+        faults=configuration.fault,
+        stated=configuration.stated(),
+    )
+    if "pretension_n" in given and not device.has_stage:
+        raise CallerError(
+            f"{where}: the setting 'pretension_n' needs a stage, and this rig has none: the part 'weight' is the "
+            "pretension"
+        )
+    return device
+
+
+def open_simulated(
+    configuration: RigConfiguration,
+    where: str = "rig",
+    *,
+    wire: str | None = None,
+    bench: str | None = None,
+    seed: int | None = None,
+    real_time: bool = False,
+    settings: Mapping[str, float | str] | None = None,
+) -> SimulatedDevice:
+    """Return the open simulated rig of a rig file, changed as ``open_rig`` says."""
+    drawn_from = require_seed(configuration.seed if seed is None else seed, f"{where}: seed")
+    # The simulator is loaded when a rig is opened: to check a file, or to open hardware, nobody waits for it.
+    from musclewire.rigs._simulated import SimulatedSpool
+
+    alloy, chosen, around = parameters_of(configuration, where, wire=wire, bench=bench, settings=settings)
+    spool = SimulatedSpool(chosen, alloy, around, configuration.new_wire)
+    return device_of(configuration, where, spool, seed=drawn_from, real_time=real_time, settings=settings or {})
+
+
+SIMULATED_KIND = DeviceKind(RigConfiguration, open_simulated)
+
+
 def open_rig(
     rig: str | Path | DeviceConfiguration = "simulated",
     *,
@@ -167,9 +556,9 @@ def open_rig(
         configuration, where = rig_configuration(rig, may_import=True)
     refuse_useless_speed(clock_speed, real_time, isinstance(configuration, RigConfiguration), where)
     if isinstance(configuration, RigConfiguration):
-        from musclewire.rigs._simulated_configuration import open_simulated
-
-        simulated = open_simulated(configuration, where, wire, bench, seed, real_time, settings)
+        simulated = open_simulated(
+            configuration, where, wire=wire, bench=bench, seed=seed, real_time=real_time, settings=settings
+        )
         if simulated.adjustable_clock is not None:
             simulated.adjustable_clock.set_speed(clock_speed)
         return GuardedRig(simulated)

@@ -104,7 +104,7 @@ DEVICES: Registry[DeviceKind[Any]] = Registry(
     "kind of rig",
     "devices",
     {
-        "simulated": "musclewire.rigs._simulated_configuration:SIMULATED",
+        "simulated": "musclewire.rigs._configuration:SIMULATED_KIND",
         "replay": "musclewire.rigs._replay:REPLAY",
     },
 )

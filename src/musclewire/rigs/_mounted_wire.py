@@ -1,16 +1,15 @@
-"""The keys of a rig file that describe the mounted wire and its circuit, each written once; tables of other keys."""
+"""The keys of a rig file that describe the mounted wire and its circuit, each written once, and of its protection."""
 
 from __future__ import annotations
 
-from collections.abc import Container
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
+from typing import Annotated, Any, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
 from musclewire.controllers import ProtectionLimits
-from musclewire.parameters import Bench, Wire, load_alloy, load_wire, validity_of
+from musclewire.parameters import Wire, load_alloy, load_wire, validity_of
 from musclewire.rigs._beyond_catalogue import StatedCircuit, confirmed_beyond, refuse_beyond_catalogue
 from musclewire.rigs._device import Metadata
 from musclewire.rigs._own_voltages import GivenVoltages, voltages_of_circuit
@@ -264,7 +263,7 @@ class MountedWire(BaseModel):
             "leg_length_m": self.leg_length_m,
             "maximum_force_n": wire.maximum_force_n.value,
             **validity_of(load_alloy(wire.alloy)).facts(),
-            **stated_by(self),
+            **{name: getattr(self, key) for key, name in STATED.items()},
         }
 
 
@@ -272,72 +271,6 @@ class MountedWire(BaseModel):
 # limits of the protection, as amplitude, as length of a leg.
 OWN_TO_A_KIND = ("wire", "limits", "beyond_catalogue")
 IN_OTHER_WORDS = ("legs", "sense_voltage", "maximum_voltage", "drive_amplitude", "ambient_temperature")
-
-
-def shared_keys(mounted: type[BaseModel]) -> dict[str, FieldInfo]:
-    """Return the keys of wire and circuit that rig files of every kind have."""
-    return {key: field for key, field in mounted.model_fields.items() if key not in OWN_TO_A_KIND}
-
-
-def stated_by(table: BaseModel, but_for: Container[str] = ()) -> Metadata:
-    """Return what the keys of wire and circuit but for some say to a recording, by the names of the numbers."""
-    kept = {key: field for key, field in shared_keys(MountedWire).items() if key not in but_for}
-    said = {si_name(key, field): getattr(table, key) for key, field in kept.items()}
-    return {name: value for name, value in said.items() if name not in IN_OTHER_NAMES}
-
-
-def keys_left_out(mounted: type[BaseModel]) -> type[BaseModel]:
-    """Return a schema with the keys of wire and circuit, of which each may be left out."""
-    types = get_type_hints(mounted, include_extras=True)
-    fields = {key: (types[key] | None, may_be_left_out(types[key])) for key in shared_keys(mounted)}
-    schema: type[BaseModel] = create_model(  # type: ignore[call-overload]  # fields by name
-        "KeysLeftOut", __config__=ConfigDict(extra="forbid", frozen=True), **fields
-    )
-    return schema
-
-
-IN_OTHER_NAMES = {si_name(key, MountedWire.model_fields[key]) for key in IN_OTHER_WORDS}
-# Each key of wire and circuit that is a number of wire or bench, by its name; ``settings`` also accept it by that name.
-SETTINGS = {
-    key: name
-    for key, field in shared_keys(MountedWire).items()
-    if (name := si_name(key, field)) in (*Wire.model_fields, *Bench.model_fields)
-}
-
-
-if TYPE_CHECKING:
-    KeysLeftOut = BaseModel
-else:
-    KeysLeftOut = keys_left_out(MountedWire)
-
-
-class WireKeys(KeysLeftOut):
-    """The keys of wire and circuit in simulated rigs' files, each by default that of wire or bench.
-
-    Parameters
-    ----------
-    settings
-        Other numbers of wire and bench by name, in SI or as text with a unit.
-    """
-
-    settings: dict[str, Annotated[float | str, NO_TRUTH]] = Field(default_factory=dict)
-
-    @model_validator(mode="after")
-    def _said_once(self) -> WireKeys:
-        for key, name in SETTINGS.items():
-            if getattr(self, key) is not None and name in self.settings:
-                raise ValueError(f"{key} and settings.{name} are the same number: give {key} only")
-        return self
-
-    def numbers_set(self) -> list[str]:
-        """Return the names of the numbers of wire and bench that the file sets, by ``settings`` and by keys."""
-        return [*self.settings, *(name for key, name in SETTINGS.items() if getattr(self, key) is not None)]
-
-    def number(self, name: str) -> float | str:
-        """Return a number that the file sets, in SI, or as text with a unit if ``settings`` have it so."""
-        key = next((key for key, own in SETTINGS.items() if own == name and getattr(self, key) is not None), None)
-        return self.settings[name] if key is None else float(getattr(self, key))
-
-    def stated(self) -> Metadata:
-        """Return what the keys in the file say to a recording but for numbers of wire and bench, which the wire has."""
-        return {name: value for name, value in stated_by(self, SETTINGS).items() if value is not None}
+# The keys of wire and circuit that rig files of every kind have, and the numbers that a recording states by them.
+SHARED_KEYS = {key: field for key, field in MountedWire.model_fields.items() if key not in OWN_TO_A_KIND}
+STATED = {key: si_name(key, field) for key, field in SHARED_KEYS.items() if key not in IN_OTHER_WORDS}

@@ -14,7 +14,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from musclewire.errors import CallerError
-from musclewire.parameters import Alloy, Bench, Parameter, Wire, bench_known_with, load_alloy, load_bench, load_wire
+from musclewire.parameters import Alloy, Parameter, Wire, bench_known_with, load_alloy, load_bench, load_wire
 from musclewire.physics import REFERENCE_TEMPERATURE_K, convection_coefficient_w_per_m2_k
 
 # Flexinol's isobars (maestrolab/calibrating) end there: nothing is gained beyond, and 60 K remain to the protection's
@@ -78,15 +78,24 @@ def own_voltages(name: str) -> OwnVoltages:
     )
 
 
-def hot_wire(wire: Wire, alloy: Alloy, bench: Bench, in_series: int = 1, in_parallel: int = 1) -> HotWire:
-    """Return what the heat balance of a wire on a bench needs."""
+def hot_wire(
+    wire: Wire,
+    alloy: Alloy,
+    *,
+    wire_length_m: float,
+    series_ohm: float,
+    ambient_temperature_k: float,
+    in_series: int = 1,
+    in_parallel: int = 1,
+) -> HotWire:
+    """Return what the heat balance of a wire behind its shunt and leads, ``series_ohm`` together, needs."""
     return HotWire(
         diameter_m=wire["diameter_m"],
-        wire_length_m=bench["wire_length_m"],
-        series_ohm=bench["shunt_resistance_ohm"] + bench["lead_resistance_ohm"],
+        wire_length_m=wire_length_m,
+        series_ohm=series_ohm,
         in_series=in_series,
         in_parallel=in_parallel,
-        ambient_temperature_k=bench["ambient_temperature_k"],
+        ambient_temperature_k=ambient_temperature_k,
         convection_factor=wire["convection_factor"],
         austenite_resistivity_ohm_m=alloy["austenite_resistivity_ohm_m"] * wire["resistivity_factor"],
         austenite_resistivity_per_k=alloy["austenite_resistivity_per_k"],
@@ -178,12 +187,13 @@ def completed(given: GivenVoltages, own: OwnVoltages, hot: HotWire) -> tuple[flo
 
 
 def with_own_voltages(
-    wire: Wire, alloy: Alloy, bench: Bench, own: OwnVoltages, given: Collection[str], wires: tuple[int, int] = (1, 1)
+    wire: Wire, hot: HotWire, own: OwnVoltages, given: Collection[str], channel_range_v: float
 ) -> Wire:
     """Return a simulated wire with the voltages of its length and circuit, but for those that its rig file states.
 
-    ``given`` names the numbers that the file or the caller sets; ``wires`` counts those on the drive in series and in
-    parallel. A wire whose diameter is set has the resistance per metre of its section, unless that is set, too.
+    ``hot`` is its heat balance in this circuit, whose channels read up to ``channel_range_v``; ``given`` names the
+    numbers that the file or the caller sets. A wire whose diameter is set has the resistance per metre of its section,
+    unless that is set, too.
     """
     changed = {}
     if "resistance_per_metre_ohm_per_m" not in given:
@@ -192,9 +202,9 @@ def with_own_voltages(
     stated = GivenVoltages(
         *(wire[name] if name in given else None for name in ("drive_amplitude_v", "maximum_voltage_v"))
     )
-    amplitude_v, maximum_v = completed(stated, own, hot_wire(wire, alloy, bench, *wires))
+    amplitude_v, maximum_v = completed(stated, own, hot)
     # A long wire needs more than the channels of its bench read.
-    readable_v = max(READABLE_FRACTION * bench["acquisition_range_v"], own.maximum_v)
+    readable_v = max(READABLE_FRACTION * channel_range_v, own.maximum_v)
     for name, value in (("drive_amplitude_v", amplitude_v), ("maximum_voltage_v", maximum_v)):
         if name not in given:
             changed[name] = min(value, readable_v)
@@ -227,13 +237,13 @@ def voltages_of_circuit(
 def hot_wire_on(wire: str, wire_length_m: float, shunt_ohm: float, ambient_temperature_k: float) -> HotWire:
     """Return the heat balance of a wire, by name or wire file, behind a shunt. Raises CallerError as load_wire."""
     known = load_wire(wire)
-    bench = load_bench(PAPER_BENCH).with_values(
+    return hot_wire(
+        known,
+        load_alloy(known.alloy),
         wire_length_m=wire_length_m,
-        shunt_resistance_ohm=shunt_ohm,
-        lead_resistance_ohm=0.0,
+        series_ohm=shunt_ohm,
         ambient_temperature_k=ambient_temperature_k,
     )
-    return hot_wire(known, load_alloy(known.alloy), bench)
 
 
 class OwnCircuit(NamedTuple):

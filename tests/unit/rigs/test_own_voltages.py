@@ -23,6 +23,7 @@ from musclewire.rigs._own_voltages import (
     HOTTEST_K,
     OVERHEATED_K,
     SHUNT_RANGE_V,
+    HotWire,
     austenite_ohm,
     held_temperature_k,
     holding_voltage_v,
@@ -62,21 +63,29 @@ def test_at_equal_warmth_the_voltage_is_in_proportion_to_the_resistance_of_the_w
         assert maximum_v / 3.6 == pytest.approx(amplitude_v / 3.2, rel=1e-3)
 
 
+def on_the_papers_bench(name: str, **settings: float) -> HotWire:
+    wire, bench = load_wire(name), load_bench("paper").with_values(**settings)
+    return hot_wire(
+        wire,
+        load_alloy(wire.alloy),
+        wire_length_m=bench["wire_length_m"],
+        series_ohm=bench["shunt_resistance_ohm"] + bench["lead_resistance_ohm"],
+        ambient_temperature_k=bench["ambient_temperature_k"],
+    )
+
+
 @pytest.mark.parametrize("name", ["paper-100um", *catalogue_names()])
 def test_whatever_length_and_air_the_amplitude_holds_no_wire_above_140_c(name: str) -> None:
-    wire, bench = load_wire(name), load_bench("paper")
-    alloy = load_alloy(wire.alloy)
     for length_m, ambient_k in itertools.product((0.04, 0.14, 0.5), (290.0, 313.15)):
         settings = {"wire_length_m": length_m, "ambient_temperature_k": ambient_k}
-        _, driven, _ = parameters_of(RigConfiguration(wire=name), "rig", None, None, settings)
-        hot = hot_wire(wire, alloy, bench.with_values(**settings))
+        _, driven, _ = parameters_of(RigConfiguration(wire=name), "rig", settings=settings)
+        hot = on_the_papers_bench(name, **settings)
         assert held_temperature_k(hot, driven["drive_amplitude_v"]) <= HOTTEST_K + 0.01
         assert driven["drive_amplitude_v"] <= driven["maximum_voltage_v"]
 
 
 def test_temperature_and_voltage_are_each_others_inverse() -> None:
-    wire, bench = load_wire("flexinol-0.25-ht"), load_bench("paper")
-    hot = hot_wire(wire, load_alloy(wire.alloy), bench)
+    hot = on_the_papers_bench("flexinol-0.25-ht")
     for kelvins in (310.0, 373.15, 413.15, 600.0):
         assert held_temperature_k(hot, holding_voltage_v(hot, kelvins)) == pytest.approx(kelvins, abs=1e-3)
 

@@ -13,10 +13,10 @@ from musclewire.errors import CallerError
 from musclewire.experiment import run_warnings
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.rigs._abilities import ability
+from musclewire.rigs._configuration import RigConfiguration
 from musclewire.rigs._device import HasTrueState
 from musclewire.rigs._pulse_width import PulseWidth, duty_of, pulse_width_problems, unsettled_error
 from musclewire.rigs._simulated import SimulatedSpool
-from musclewire.rigs._simulated_configuration import RigConfiguration
 from musclewire.rigs._simulated_pwm import PulsedDevice
 from musclewire.signals import Drive, RawSample, Recording
 

@@ -12,9 +12,8 @@ import pytest
 from tests.places import CHECKOUT
 
 from musclewire.errors import CallerError
-from musclewire.rigs._configuration import open_rig, read_rig_file
-from musclewire.rigs._mounted_wire import SETTINGS, MountedWire
-from musclewire.rigs._simulated_configuration import RigConfiguration
+from musclewire.rigs._configuration import SETTINGS, RigConfiguration, open_rig, read_rig_file
+from musclewire.rigs._mounted_wire import MountedWire
 
 BY_KEYS = """
 wire_length = "120 mm"

@@ -65,7 +65,7 @@ def simulated_wire(rig: str | Path | RigConfiguration = "simulated", **settings:
         For a rig that is not simulated or has two wires.
     """
     configuration, where = simulated_configuration(rig)
-    device = open_simulated(configuration, where, None, None, None, False, settings)
+    device = open_simulated(configuration, where, settings=settings)
     if not isinstance(device.wires, OneWire):
         raise CallerError(f"{where} has two wires: this needs a rig with one")
     quiet = configuration.surroundings.still and not configuration.fault and configuration.pwm is None

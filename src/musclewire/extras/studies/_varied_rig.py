@@ -215,7 +215,7 @@ class VariedRig:
     def _read(self, changed: Mapping[tuple[str | int, ...], Value]) -> BaseRig:
         """Return a rig file with some keys changed."""
         configuration = changed_file(self.configuration, changed, self.where)
-        alloy, wire, bench = parameters_of(configuration, self.where, None, None, {})
+        alloy, wire, bench = parameters_of(configuration, self.where)
         shape = [name for name, key in self.keys.items() if key.place[0] in SHAPE]
         if alloy.grain_quantiles is not None and shape:
             raise CallerError(

@@ -78,7 +78,7 @@ def wires(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Wire]:
             require_tool("gcc", "gcc libc6-dev")
             configuration, where = rig_configuration(RIGS[name])
             assert isinstance(configuration, RigConfiguration)
-            device = open_simulated(configuration, where, None, None, None, False, {})
+            device = open_simulated(configuration, where)
             wires = device.wires
             assert isinstance(wires, OneWire)
             known[name] = Wire(export_fmu(RIGS[name], tmp_path_factory.mktemp("fmu")), device, wires.constants)

@@ -31,7 +31,7 @@ def model() -> SensingModel:
 
 def python_loop(model: SensingModel) -> list[tuple[float, float, float]]:
     """Return drive, temperature and displacement after each sample, by Python's wire and Python's tick."""
-    wires = open_simulated(RigConfiguration(), "rig", None, None, None, False, {}).wires
+    wires = open_simulated(RigConfiguration()).wires
     assert isinstance(wires, OneWire)
     constants = wires.constants
     limits = limits_of_rig("simulated")[0]

@@ -277,7 +277,7 @@ PARAMETERS_START = (
 
 def wire_contents(configuration: RigConfiguration, where: str) -> FmuContents:
     """Return what is in the FMU of a simulated rig's wire. Raises CallerError for a rig with two wires."""
-    device = open_simulated(configuration, where, None, None, None, False, {})
+    device = open_simulated(configuration, where)
     if not isinstance(device.wires, OneWire):
         raise CallerError(f"{where} has two wires, and an FMU is of one: export a rig without the second")
     constants, tendon = device.wires.constants, device.mechanism.tendon

@@ -17,7 +17,7 @@ from musclewire.extras.studies._segmented.structure import (
     mixture_distribution,
 )
 from musclewire.extras.studies._segmented.wire import DEFAULT_STEP_S
-from musclewire.parameters import bench_known_with, load_alloy, load_bench, load_wire
+from musclewire.parameters import load_alloy
 from musclewire.rigs import (
     AirKelvins,
     DeviceConfiguration,
@@ -25,9 +25,8 @@ from musclewire.rigs import (
     LimitsTable,
     SiName,
     WireKeys,
-    changed_group,
     numbers_given,
-    with_numbers,
+    wire_on_bench,
 )
 from musclewire.signals import measured_in
 from musclewire.wire import ONE_CLASS, BarrierClass
@@ -303,12 +302,9 @@ class SegmentedConfiguration(WireKeys, DeviceConfiguration):
 
 def opened(configuration: SegmentedConfiguration) -> SegmentedDevice:
     """Return the device of a rig file, cold and at 0 V. Raises CallerError for numbers that cannot be."""
-    around = load_bench(configuration.bench)
-    if "bench" not in configuration.model_fields_set:
-        around = changed_group(around, bench_known_with(configuration.wire), f"wire file {configuration.wire}")
-    wire, bench = with_numbers(
-        load_wire(configuration.wire), around, configuration.numbers_set(), configuration.number, "rig file"
-    )
+    stated = configuration.bench if "bench" in configuration.model_fields_set else None
+    names = configuration.numbers_set()
+    wire, bench = wire_on_bench(configuration.wire, stated, names, configuration.number, "rig file")
     structure = configuration.structure()
     return SegmentedDevice(
         SegmentedSpool(wire, load_alloy(wire.alloy), bench, structure, configuration.time_step),
