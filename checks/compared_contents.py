@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 
 NOT_COMPARED = re.compile(
-    r"wall_s|drift_us|scheduling|(compute|jitter|latency)(_\w+)?_us|software_version|created_by|engine|fingerprint"
+    r"wall_s|drift_us|scheduling|(compute|jitter|latency)(_\w+)?_us|software_version|created_by|engine|fingerprint|checksum"
 )
 MASKS = (
     (re.compile(r"musclewire v?\d+(\.\d+)+[\w.+-]*"), "musclewire VERSION"),

@@ -19,6 +19,7 @@ Not compared, because it may differ between two runs of the same sources:
   and ``compute``, ``jitter`` and ``latency`` with any ending that ends in ``_us``;
 - what names the program, under the keys ``software_version``, ``created_by``, ``engine`` and ``fingerprint``, and in
   texts the number of a version after "musclewire " and after "version=";
+- a model's ``checksum``, over all that the file says, which is compared itself: a home move writes its date;
 - dates with a time of day, GUIDs (a hash over an FMU's texts, which are compared themselves) and absolute paths, in
   texts; within a recording or a result nothing else names a machine;
 - the compiled binary of an FMU, made by this machine's compiler from the C sources next to it, and the times of the
