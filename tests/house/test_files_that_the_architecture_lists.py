@@ -9,7 +9,7 @@ import sys
 import pytest
 from tests.places import CHECKOUT
 
-MAX_FILES = 17
+MAX_FILES, MAX_FILES_OF_A_KEY = 17, 8
 MAX_LINES = 700
 CONTAINERS = ["RigConfiguration.pretension", "Parameter.value", "WireConstants.pretension_n"]
 
@@ -48,5 +48,6 @@ def test_a_key_passes_through_the_files_and_containers_that_the_architecture_lis
     files = listed_files(text)
     assert re.findall(r"^file (\S+)$", printed, flags=re.MULTILINE) == files
     assert re.findall(r"^container (\S+)$", printed, flags=re.MULTILINE) == CONTAINERS
+    assert len(files) <= MAX_FILES_OF_A_KEY
     assert f"{len(files)} files" in " ".join(text.split())
     assert all(f"`{container}`" in text for container in CONTAINERS)

@@ -151,7 +151,7 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
 
     kind: Literal["simulated"] = "simulated"
     wire: str = "paper-100um"
-    bench: str = "paper"
+    bench: str = PAPER_BENCH
     new_wire: bool = False
     seed: int = Field(default=1, ge=0)
     load: list[Part] = Field(default_factory=list)

@@ -1,4 +1,4 @@
-"""The keys of a rig file that describe the mounted wire and its circuit, each written once, and of its protection."""
+"""The keys of a rig file for the mounted wire, its circuit and its protection, each written once."""
 
 from __future__ import annotations
 

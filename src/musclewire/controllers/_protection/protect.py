@@ -2,9 +2,10 @@
 
 All that a protection knows is one row, :class:`ProtectionState`; all that it goes by, limits and table, is another,
 :func:`rules_of`. Which state follows which is in the table (``data/protection.toml``) and nowhere else: ``follow`` is
-the only function that changes the state. A rig, loops in compiled code, environments and the reference of the exported
-library judge by these functions. None has a clock: the time that a reading covers is an argument. The owner of the
-output asks for the allowed drive before every change. All voltages in volts, times in seconds.
+the only function that changes the state. What a reading shows (``conditions_in``) is one question, what follows from it
+another. A rig, loops in compiled code, environments and the reference of the exported library judge by these functions.
+None has a clock: the time that a reading covers is an argument. The owner of the output asks for the allowed drive
+before every change. All voltages in volts, times in seconds.
 """
 
 from __future__ import annotations
