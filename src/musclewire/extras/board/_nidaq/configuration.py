@@ -23,30 +23,12 @@ from typing import Annotated, Literal, NamedTuple
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import CallerError
+from musclewire.extras.board._nidaq.scale import LinearScale
 from musclewire.rigs import DeviceConfiguration, LivePeriod, MountedWire
 from musclewire.signals import measured_in
 
 # The first reading after the output's clock edge is taken while the output still settles.
 SETTLING_READINGS = 1
-
-
-class LinearScale(NamedTuple):
-    """``quantity = per_volt * voltage + offset``; both as a calibration found them."""
-
-    per_volt: float
-    offset: float
-
-    def quantity(self, voltage_v: float) -> float:
-        """Return the quantity [SI] for a voltage at the terminal."""
-        return self.per_volt * voltage_v + self.offset
-
-    def voltage_v(self, quantity: float) -> float:
-        """Return the voltage at the terminal for a quantity [SI]."""
-        return (quantity - self.offset) / self.per_volt
-
-    def largest(self, range_v: float) -> float:
-        """Return the largest quantity that fits into a terminal's range to both sides."""
-        return min(abs(self.quantity(range_v)), abs(self.quantity(-range_v)))
 
 
 class ReadingSpan(NamedTuple):

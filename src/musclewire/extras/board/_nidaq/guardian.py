@@ -22,8 +22,8 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from musclewire.errors import MusclewireError, RigError
-from musclewire.extras.board._nidaq.configuration import LinearScale
 from musclewire.extras.board._nidaq.driver import DaqFaultError, OutputLine, OutputSettings
+from musclewire.extras.board._nidaq.scale import LinearScale
 
 # Host to guardian: a command, and a drive voltage [V].
 COMMAND = struct.Struct("<cd")

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.extras.board._nidaq.configuration import SETTLING_READINGS, LinearScale, layout_of
+from musclewire.extras.board._nidaq.configuration import SETTLING_READINGS, layout_of
+from musclewire.extras.board._nidaq.scale import LinearScale
 
 NUMBERS = st.floats(-1e3, 1e3).filter(lambda value: abs(value) > 1e-3)
 
