@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -43,13 +44,15 @@ NEEDED: dict[str, Any] = {
         maximum_steady_power_w=0.98,
     )
 }
-MADE: dict[str, Controller] = {
-    name: CONTROLLERS.find(name)(ControllerSetup(LIMITS, settings=NEEDED.get(name))) for name in CONTROLLERS.names()
-}
-
 every_controller = pytest.mark.parametrize("name", CONTROLLERS.names())
 strains = st.floats(-0.01, 0.06)
 readings = st.lists(st.one_of(strains, st.none()), min_size=1, max_size=30)
+
+
+@cache
+def made(name: str) -> Controller:
+    """Make a controller when a test first asks for it: some compile, which no other test should wait for."""
+    return CONTROLLERS.find(name)(ControllerSetup(LIMITS, settings=NEEDED.get(name)))
 
 
 def estimate(value: float | None) -> QuantityEstimate:
@@ -72,7 +75,7 @@ def drives(controller: Controller, first_v: float, target: float, measured: list
 def test_every_command_is_a_drive_within_the_limits(
     name: str, first_v: float, target: float, measured: list[float | None]
 ) -> None:
-    found = drives(MADE[name], first_v, target, measured)
+    found = drives(made(name), first_v, target, measured)
     assert all(LIMITS.sense_voltage_v <= drive <= LIMITS.maximum_voltage_v for drive in found)
 
 
@@ -81,7 +84,7 @@ def test_every_command_is_a_drive_within_the_limits(
 def test_the_same_arguments_give_the_same_answer_and_the_state_is_left_alone(
     name: str, target: float, measured: list[float | None]
 ) -> None:
-    controller = MADE[name]
+    controller = made(name)
     state = controller.start(1.0)
     for value in measured:
         before = copy.deepcopy(state)
@@ -93,13 +96,13 @@ def test_the_same_arguments_give_the_same_answer_and_the_state_is_left_alone(
 
 @every_controller
 def test_at_rest_on_target_it_takes_over_without_a_jump(name: str) -> None:
-    assert drives(MADE[name], 1.7, 0.02, [0.02] * 5) == [1.7] * 5
+    assert drives(made(name), 1.7, 0.02, [0.02] * 5) == [1.7] * 5
 
 
 @every_controller
 def test_a_drive_outside_of_the_limits_is_taken_over_at_the_nearest_one(name: str) -> None:
-    assert drives(MADE[name], 9.0, 0.02, [None]) == [LIMITS.maximum_voltage_v]
-    assert drives(MADE[name], 0.0, 0.02, [None]) == [LIMITS.sense_voltage_v]
+    assert drives(made(name), 9.0, 0.02, [None]) == [LIMITS.maximum_voltage_v]
+    assert drives(made(name), 0.0, 0.02, [None]) == [LIMITS.sense_voltage_v]
 
 
 @every_controller
@@ -107,27 +110,27 @@ def test_a_drive_outside_of_the_limits_is_taken_over_at_the_nearest_one(name: st
 def test_it_saturates_without_windup(name: str, target: float, limit: float) -> None:
     """However long it has been at a limit, it leaves it in the tick in which the error has changed its sign."""
     for ticks in (200, 2000):
-        found = drives(MADE[name], 1.5, target, [0.02] * ticks + [target + math.copysign(0.01, target)])
+        found = drives(made(name), 1.5, target, [0.02] * ticks + [target + math.copysign(0.01, target)])
         assert found[-2] == limit
         assert found[-1] != limit
 
 
 @every_controller
 def test_samples_without_current_are_bridged_by_the_last_command(name: str) -> None:
-    found = drives(MADE[name], 1.5, 0.0202, [0.02, 0.0201, None, None, None, 0.0203])
+    found = drives(made(name), 1.5, 0.0202, [0.02, 0.0201, None, None, None, 0.0203])
     assert found[1] == found[2] == found[3] == found[4] != found[5]
-    assert drives(MADE[name], 1.5, 0.03, [None, None]) == [1.5, 1.5]
+    assert drives(made(name), 1.5, 0.03, [None, None]) == [1.5, 1.5]
 
 
 @every_controller
 def test_a_hotter_target_raises_the_drive_and_a_colder_one_lowers_it(name: str) -> None:
-    assert drives(MADE[name], 1.5, 0.03, [0.02] * 20)[-1] > 1.5
-    assert drives(MADE[name], 1.5, 0.01, [0.02] * 20)[-1] < 1.5
+    assert drives(made(name), 1.5, 0.03, [0.02] * 20)[-1] > 1.5
+    assert drives(made(name), 1.5, 0.01, [0.02] * 20)[-1] < 1.5
 
 
 @every_controller
 def test_numbers_that_cannot_be_are_refused(name: str) -> None:
-    controller = MADE[name]
+    controller = made(name)
     for target, value in ((math.nan, 0.02), (0.02, math.nan), (math.inf, 0.02)):
         with pytest.raises(NumericsError):
             controller.step(controller.start(1.0), target, estimate(value), DT_S)
@@ -138,7 +141,7 @@ def test_numbers_that_cannot_be_are_refused(name: str) -> None:
 
 @every_controller
 def test_its_columns_are_known_and_differ(name: str) -> None:
-    columns = MADE[name].columns
+    columns = made(name).columns
     assert len(set(columns)) == len(columns)
     assert set(columns) <= set(COLUMNS)
 
@@ -149,19 +152,17 @@ def test_settings_of_another_controller_are_refused(name: str) -> None:
         CONTROLLERS.find(name)(ControllerSetup(LIMITS, settings=object()))
 
 
-COMPILED = [name for name in CONTROLLERS.names() if declared_tick(MADE[name], 1.0) is not None]
+@every_controller
+def test_our_own_controllers_have_a_compiled_tick(name: str) -> None:
+    assert declared_tick(made(name), 1.0) is not None
 
 
-def test_our_own_controllers_have_a_compiled_tick() -> None:
-    assert list(CONTROLLERS.names()) == COMPILED
-
-
-@pytest.mark.parametrize("name", COMPILED)
+@every_controller
 @given(st.floats(0.0, 5.0), st.lists(st.tuples(strains, st.one_of(strains, st.none())), min_size=1, max_size=30))
 def test_a_compiled_tick_is_the_step_to_the_bit(
     name: str, first_v: float, given: list[tuple[float, float | None]]
 ) -> None:
-    controller = MADE[name]
+    controller = made(name)
     tick = declared_tick(controller, first_v)
     assert tick is not None
     state, numbers = controller.start(first_v), tick.state.copy()
@@ -175,13 +176,13 @@ def test_a_compiled_tick_is_the_step_to_the_bit(
         assert answer.tolist() == [command.voltage_v, 0.0, *recorded]
 
 
-@pytest.mark.parametrize("name", COMPILED)
+@every_controller
 @pytest.mark.parametrize(
     ("target", "value", "dt_s"),
     [(math.nan, 0.01, 0.05), (0.01, math.inf, 0.05), (1e308, -1e308, 1e-9), (0.01, 0.02, 0.0)],
 )
 def test_a_compiled_tick_fails_where_the_step_raises(name: str, target: float, value: float, dt_s: float) -> None:
-    controller = MADE[name]
+    controller = made(name)
     tick = declared_tick(controller, 1.0)
     assert tick is not None
     state, numbers = controller.start(1.0), tick.state.copy()
