@@ -158,13 +158,17 @@ WRONG = {
         "0.095 s is stated, beside the note that it is not known whether they drift",
     )
 }
-HUNDREDS = [0, *(pytest.param(n, marks=[pytest.mark.full, *filter(None, [WRONG.get(n)])]) for n in range(1, 20))]
+QUARTER = range(25)
+HUNDREDS = [
+    pytest.param(range(100 * n, 100 * n + 100), marks=[pytest.mark.full, *filter(None, [WRONG.get(n)])])
+    for n in range(20)
+]
 
 
-@pytest.mark.parametrize("hundred", HUNDREDS)
+@pytest.mark.parametrize("numbers", [QUARTER, *HUNDREDS], ids=lambda numbers: f"{numbers.start}-{numbers.stop}")
 def test_a_drawn_recording_is_read_or_refused_in_one_line_and_each_line_that_is_named_works(
-    hundred: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, musclewire: Command
+    numbers: range, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, musclewire: Command
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    for number in range(100 * hundred, 100 * hundred + 100):
+    for number in numbers:
         draw(number, tmp_path, musclewire)

@@ -72,8 +72,15 @@ def outcome(
     return ("wrong by the line", wrong + "\n" + said) if wrong else ("line", said)
 
 
-@pytest.mark.parametrize("name", LAYOUTS)
-@pytest.mark.parametrize("wire", LOOPS)
+# Each layout with one wire, each wire with every third layout; all with all in the group full.
+PAIRS = [
+    pytest.param(name, wire, marks=() if number % len(LOOPS) == index else pytest.mark.full)
+    for number, name in enumerate(LAYOUTS)
+    for index, wire in enumerate(LOOPS)
+]
+
+
+@pytest.mark.parametrize(("name", "wire"), PAIRS)
 def test_a_file_as_a_lab_makes_it_is_read_or_the_line_that_reads_it_is_named(
     name: str, wire: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, musclewire: Command
 ) -> None:
