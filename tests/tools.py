@@ -1,7 +1,8 @@
 """What some tests need beside README's second command: compilers, emulators and browsers, and the extra ``oracles``.
 
 Without one a test is reported as not run, with the line that installs it; where ``MUSCLEWIRE_REQUIRE_TOOLS=1`` is
-set, as in CI, it fails instead, so that nothing is left out there unnoticed.
+set, as in CI, it fails instead, so that nothing is left out there unnoticed. And what takes long to make is made once
+for all processes of a run.
 """
 
 from __future__ import annotations
@@ -9,11 +10,13 @@ from __future__ import annotations
 import importlib
 import os
 import shutil
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NoReturn
 
 import pytest
 
-__all__ = ["require_oracle", "require_package", "require_tool"]
+__all__ = ["made_once", "require_oracle", "require_package", "require_tool"]
 
 
 def require_tool(program: str, packages: str) -> str:
@@ -38,6 +41,23 @@ def require_package(module: str, install: str) -> Any:
         return importlib.import_module(module)
     except ImportError:
         not_run(f"{module} is missing: {install}")
+
+
+def made_once(folders: pytest.TempPathFactory, name: str, make: Callable[[Path], None]) -> Path:
+    """Return a folder that ``make`` has filled, once for all processes of this run: whoever comes second waits."""
+    import fcntl
+
+    own = folders.getbasetemp()
+    shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+    folder, whole = shared / f"{name}-made-once", shared / f"{name}-is-whole"
+    with (shared / f"{name}-lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not whole.exists():
+            shutil.rmtree(folder, ignore_errors=True)  # of a process whose ``make`` has failed
+            folder.mkdir()
+            make(folder)
+            whole.touch()
+    return folder
 
 
 def not_run(reason: str) -> NoReturn:

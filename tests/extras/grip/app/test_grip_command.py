@@ -8,18 +8,13 @@ from typing import Any
 
 import pytest
 
+from musclewire.extras.grip._gripper_training import GripperKnowledge
 from musclewire.signals import read_recording
 
 
-@pytest.fixture(scope="module")
-def learned(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("gripper") / "learned.json"
-
-
 @pytest.mark.slow
-def test_a_grip_is_found_printed_recorded_and_drawn(
-    musclewire: Callable[..., Any], learned: Path, tmp_path: Path
-) -> None:
+def test_a_grip_is_found_printed_recorded_and_drawn(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    learned = tmp_path / "learned.json"  # not there yet: the command trains the gripper
     answer = musclewire(
         "grip", "--known-stiffness", "200 N/m", "--learned", learned, "--plot", tmp_path / "grip.png",
         "-o", tmp_path / "grip.h5", "--json",
@@ -51,12 +46,11 @@ def test_with_the_object_away_nothing_is_found_and_the_exit_code_says_so(
     reason="fitted holding power dips by some 4 %, from 0.338 W at normalised 0.8 to 0.324 W at 0.5, before it rises: "
     "the early grains take power where the closing has hardly begun, and closings of seconds leave it to a cubic",
 )
-def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name() -> None:
-    from musclewire.extras.grip import grip, train_gripper
+def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name(knowledge: GripperKnowledge) -> None:
+    from musclewire.extras.grip import grip
     from musclewire.extras.grip._grip_figure import plot_grip
     from musclewire.rigs import open_rig
 
-    knowledge = train_gripper("gripper", seed=1000)
     with open_rig("gripper", seed=1) as rig:
         by_time = plot_grip(grip(rig, knowledge, stiffness_n_per_m=200.0), knowledge)
     by_place = by_time.figure.axes[0]

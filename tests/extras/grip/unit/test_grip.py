@@ -30,11 +30,6 @@ from musclewire.signals import Recording
 from musclewire.wire import ElasticObject
 
 
-@pytest.fixture(scope="module")
-def knowledge() -> GripperKnowledge:
-    return train_gripper("gripper", seed=1000)
-
-
 def gripped(
     knowledge: GripperKnowledge,
     block: ElasticObject | None,
