@@ -190,7 +190,7 @@ STATE = np.dtype(
             "known_gap", "lag_s", "gain_factor", "ceiling_w",
             "swing", "extreme_v", "reversals", "calm_s",
             "step", "expected_s", "lagged",
-            "highest", "doubts", "probing_s", "probe_w", "beyond_c",
+            "highest", "doubts", "probing_s", "probe_w", "beyond_c", "limited_s", "limited",
         )
     ]
 )  # fmt: skip
@@ -214,6 +214,10 @@ FROM_COLD = 0.35
 LARGE_STEP, LATEST_S, LEARNT, LAG_PART = 3.0, 0.4, 0.5, 0.5
 # Power above the slow loop's largest, and time constants of the air for which less is tried, to find a wire beyond C.
 HOTTER, PROBE_TIME_CONSTANTS = 1.05, 1.5
+# Where the largest steady power leaves a wire short of its target for so many time constants of the air, less is tried,
+# too: of one that falls back then the air takes more than it did, and it may have so many times the power, at most so
+# many times that at the highest permitted temperature in still air.
+LIMITED_TIME_CONSTANTS, MORE_POWER, MOST_POWER = 0.5, 1.5, 3.0
 # An oscillation: so many reversals of more than this swing [V], each within a time [s] of the one before, from a second
 # after the target on. Three come within 3 s at the periods of 0.4 to 2 s that dead times up to 0.3 s give.
 OSCILLATION_REVERSALS, SWING_V, SETTLING_S, MAX_HALF_PERIOD_S = 3.0, 0.5, 1.0, 1.5
@@ -285,7 +289,8 @@ def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray
     if not math.isfinite(target - value) or not dt_s > 0.0 or not math.isfinite(dt_s):
         answer[1] = 1.0
         return
-    if reason in (COLD, NOT_READY):
+    cold = reason in (COLD, NOT_READY)
+    if cold:
         value = min(value, wire.settings["lowest"])
     first = state_row["started"] == 0.0
     if first:
@@ -297,7 +302,7 @@ def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray
     tolerance = max(wire.settings["tolerance"], std) if valid != 0.0 else math.inf
     # Below B there is no estimate, and no error to act on as long as most of the heat from cold is still to come.
     on_the_way = valid == 0.0 and state_row["pulse_j"] > state_row["cold_j"]
-    if on_the_way or probe_beyond_c(wire, state_row, value, error, dt_s):
+    if on_the_way or probe_beyond_c(wire, state_row, value, error, cold, dt_s):
         error = 0.0
     else:
         cross_the_gap(wire, state_row, value, error, tolerance, dt_s, limits_w)
@@ -403,29 +408,36 @@ def cross_the_gap(
 
 
 @compiled_inner
-def probe_beyond_c(wire: KnownWire, state: Row, value: float, error: float, dt_s: float) -> bool:
+def probe_beyond_c(wire: KnownWire, state: Row, value: float, error: float, cold: bool, dt_s: float) -> bool:
     """Return whether the drive is lowered to see on which side of C the wire is.
 
     Beyond C resistance rises with temperature, which reads as a wire that falls back, and a loop would heat it all the
     more. So where the power is above all that the slow loop took, and the estimate has fallen back meanwhile, less is
     tried: the estimate of a wire between B and C falls then, and that of one beyond C does not. From then on the wire
-    gets no more than the slow loop's largest power.
+    gets no more than the slow loop's largest power. A wire between B and C that stays short of its target at the
+    largest steady power stands in air that takes more heat than at its characterization, and may have more. One that
+    is cold of B is not beyond C.
     """
     top_w, little = wire.tables[HEATING][-1], 0.5 * wire.settings["tolerance"]
     if state["probing_s"] == 0.0:
-        if not (state["steady_w"] > HOTTER * top_w and error > little):
+        if cold or not (state["steady_w"] > HOTTER * top_w and error > little):
             state["highest"] = value
             return False
         state["highest"] = max(state["highest"], value)
-        if state["highest"] - value < little * state["doubts"]:
+        limited = state["limited_s"] > LIMITED_TIME_CONSTANTS * wire.settings["thermal_time_constant_s"]
+        if not limited and state["highest"] - value < little * state["doubts"]:
             return False
+        state["limited"], state["limited_s"] = (1.0 if limited else 0.0), 0.0
         state["probe_w"], state["highest"], state["pulse_j"] = state["steady_w"], value, 0.0
         state["steady_w"] = edge_w(wire, 1.0, state["target"])
     state["probing_s"] += dt_s
-    fallen = state["highest"] - value > little
+    fallen = cold or state["highest"] - value > little
     if fallen:
         state["steady_w"], state["probing_s"], state["highest"] = state["probe_w"], 0.0, value
         state["doubts"] *= 2.0
+        if state["limited"] != 0.0:
+            most_w = MOST_POWER * wire.settings["maximum_steady_power_w"]
+            state["ceiling_w"] = min(MORE_POWER * state["ceiling_w"], most_w)
         return False
     if state["probing_s"] > PROBE_TIME_CONSTANTS * wire.settings["thermal_time_constant_s"]:
         state["beyond_c"], state["ceiling_w"], state["probing_s"] = 1.0, top_w, 0.0
@@ -438,7 +450,8 @@ def notice_oscillation(state: Row, dt_s: float) -> None:
     """Halve the gain for the rest of the run where the drive swings to and fro while one target holds."""
     drive_v = state["drive_voltage_v"]
     state["calm_s"] += dt_s
-    if state["arrived"] == 0.0 or state["since_s"] < SETTLING_S or state["calm_s"] > MAX_HALF_PERIOD_S:
+    begins = state["arrived"] == 0.0 or state["since_s"] < SETTLING_S or state["probing_s"] > 0.0
+    if begins or state["calm_s"] > MAX_HALF_PERIOD_S:
         state["reversals"] = state["swing"] = state["calm_s"] = 0.0
         state["extreme_v"] = drive_v
         return
@@ -479,10 +492,13 @@ def command(
     warmest_w = steady_limit_w + max(0.0, steady_limit_w - state["balance_w"]) * tau_s / dt_s
     limit_w = max(min(highest_w, warmest_w), lowest_w)
     without_pulse_w = state["steady_w"] + gain * error
-    if state["ceiling_w"] < wire.settings["maximum_steady_power_w"]:
+    lowered = state["ceiling_w"] < wire.settings["maximum_steady_power_w"]
+    if lowered:
         without_pulse_w = min(without_pulse_w, state["ceiling_w"])
     wanted_w = without_pulse_w + state["pulse_j"] / wire.settings["pulse_time_s"]
     given_w = min(max(wanted_w, lowest_w), limit_w)
+    at_ceiling = wanted_w > limit_w and warmest_w < highest_w and error > wire.settings["tolerance"] and not lowered
+    state["limited_s"] = state["limited_s"] + dt_s if at_ceiling else 0.0
     by_pulse_w = given_w - min(max(without_pulse_w, lowest_w), limit_w)
     state["pulse_j"] -= dt_s * (by_pulse_w + state["pulse_j"] / tau_s)
     integral_w = integrated_w(wire, state, gain, error, std, dt_s)
