@@ -13,8 +13,10 @@ Ctrl-C. In tests:
 from __future__ import annotations
 
 import argparse
+import atexit
 import json
 import re
+import select
 import subprocess
 import sys
 import tempfile
@@ -22,6 +24,7 @@ import threading
 import time
 import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self
@@ -55,6 +58,42 @@ def firmware_for(board: str, folder: Path, options: Sequence[str] = ()) -> Path:
 
 # An emulator starts in a tenth of a second, but in many seconds on a machine that is busy with other programs.
 START_S = 60.0
+END_S = 5.0
+# Processes of benches whose boards have ended. To start one takes a second, most of it for imports: the next board of
+# this program takes one of these, with an emulator and a wire of its own.
+IDLE: list[subprocess.Popen[str]] = []
+
+
+def started_bench() -> subprocess.Popen[str]:
+    """Return the process of a bench that waits for its settings."""
+    while IDLE:
+        bench = IDLE.pop()
+        if bench.poll() is None:
+            return bench
+        ended(bench)
+    command = [sys.executable, "-m", "emulation.plant"]
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT)
+
+
+def ended(bench: subprocess.Popen[str]) -> None:
+    """End the process of a bench."""
+    assert bench.stdin is not None
+    assert bench.stdout is not None
+    with suppress(BrokenPipeError):
+        bench.stdin.close()
+    try:
+        bench.wait(timeout=END_S)
+    except subprocess.TimeoutExpired:
+        bench.kill()
+        bench.wait()
+    bench.stdout.close()
+
+
+@atexit.register
+def end_idle_benches() -> None:
+    """Leave no process behind."""
+    while IDLE:
+        ended(IDLE.pop())
 
 
 class EmulatedBoard:
@@ -123,13 +162,8 @@ class EmulatedBoard:
     def _start(self, begin: Mapping[str, Any]) -> None:
         """Start the bench, which starts the emulator, and wait until the board has started."""
         self._lock = threading.Lock()
-        self._plant = subprocess.Popen(
-            [sys.executable, "-m", "emulation.plant"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-            cwd=ROOT,
-        )
+        self._closed = False
+        self._plant = started_bench()
         try:
             self.port = int(self._say(begin)["port"])
             self._wait_for_start(1)
@@ -142,12 +176,9 @@ class EmulatedBoard:
         """What a rig file's ``port`` says: pyserial opens it like a serial port."""
         return f"socket://127.0.0.1:{self.port}"
 
-    @property
-    def process_id(self) -> int:
-        """The bench's process."""
-        return self._plant.pid
-
     def _say(self, what: Mapping[str, Any]) -> dict[str, Any]:
+        if self._closed:
+            raise RigError("the emulated board has been closed")
         with self._lock:
             assert self._plant.stdin is not None
             assert self._plant.stdout is not None
@@ -250,17 +281,26 @@ class EmulatedBoard:
             time.sleep(0.001)
 
     def close(self) -> None:
-        """End bench and emulator."""
-        if self._plant.stdin is not None:
-            self._plant.stdin.close()
-        try:
-            self._plant.wait(timeout=5.0)
-        except subprocess.TimeoutExpired:
-            self._plant.kill()
-            self._plant.wait()
-        if self._plant.stdout is not None:
-            self._plant.stdout.close()
+        """End emulator and board; may be done twice."""
+        if self._closed:
+            return
+        self._closed = True
+        if self._ends_when_told():
+            IDLE.append(self._plant)
+        else:
+            ended(self._plant)
         self._folder.cleanup()
+
+    def _ends_when_told(self) -> bool:
+        """Return whether the bench has ended its emulator and waits for another board."""
+        assert self._plant.stdin is not None
+        assert self._plant.stdout is not None
+        with self._lock, suppress(OSError, ValueError):
+            self._plant.stdin.write(json.dumps({"do": "end"}) + "\n")
+            self._plant.stdin.flush()
+            in_time = select.select([self._plant.stdout], [], [], END_S)[0]
+            return bool(in_time and json.loads(self._plant.stdout.readline()) == {"ok": True})
+        return False
 
     def __enter__(self) -> Self:
         """Return the board itself."""

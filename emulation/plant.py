@@ -2,7 +2,8 @@
 
 It starts the emulator, stands on the other side of the board's converter and output stage, passes the host's line on,
 and writes down what truly happened. Orders come as JSON lines on standard input; when that ends, so does the bench.
-`emulation.board.EmulatedBoard` starts and orders it.
+The order "end" ends the board alone: the settings of another one may follow, whose wire is cold and knows nothing of
+the first. `emulation.board.EmulatedBoard` starts and orders it.
 
 Two paces. "clock": one tick per tick period by the clock, as on a real bench. "lockstep": time stands still until the
 board has acknowledged a DRIVE or TARGET, then one sample period passes as fast as it goes; the same again for the same
@@ -83,7 +84,7 @@ class Plant:
         self.log = Path(settings["log"]).open("wb")  # noqa: SIM115 - open as long as the process
         self.machine = self._start_machine()
         self.orders = bytearray()
-        self.done = False
+        self.done = self.ended_by_order = False
 
     def _start_machine(self) -> Any:
         ports = (self.host_listener.getsockname()[1], self.wire_listener.getsockname()[1])
@@ -91,14 +92,19 @@ class Plant:
         return start_machine(machine, elf, *ports, messages, lockstep=self.lockstep)
 
     def run(self) -> None:
-        """Work until the orders end."""
+        """Work until the orders end, or the order to end comes."""
         try:
             while not self.done:
                 self._turn()
         finally:
             self.machine.kill()
             self.machine.wait()
+            if self.machine.stdin is not None:
+                self.machine.stdin.close()
             self.log.close()
+            for each in (self.user_listener, self.host_listener, self.wire_listener, self.user, self.host, self.pins):
+                if each is not None:
+                    each.close()
 
     def _turn(self) -> None:
         """Wait for whatever comes first, take it, and let a tick pass where one is due."""
@@ -315,7 +321,11 @@ class Plant:
         while b"\n" in self.orders:
             line, _, rest = bytes(self.orders).partition(b"\n")
             self.orders[:] = rest
-            say(self._obey(json.loads(line)))
+            order = json.loads(line)
+            if order["do"] == "end":
+                self.done = self.ended_by_order = True
+                return
+            say(self._obey(order))
 
     def _obey(self, order: dict[str, Any]) -> dict[str, Any]:
         orders: dict[str, Callable[..., dict[str, Any] | None]] = {
@@ -416,11 +426,15 @@ def go_first() -> None:
 
 
 def main() -> None:
-    """Read the settings, print the port, run the bench."""
+    """Read the settings, print the port, run the bench; and again for the next board."""
     go_first()
-    plant = Plant(json.loads(sys.stdin.readline()))
-    say({"ok": True, "port": plant.user_listener.getsockname()[1]})
-    plant.run()
+    while settings := sys.stdin.readline():
+        plant = Plant(json.loads(settings))
+        say({"ok": True, "port": plant.user_listener.getsockname()[1]})
+        plant.run()
+        if not plant.ended_by_order:
+            break
+        say({"ok": True})
 
 
 if __name__ == "__main__":
