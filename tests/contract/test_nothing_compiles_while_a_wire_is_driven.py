@@ -18,13 +18,11 @@ QUICKLY = (("simulated", "drive"), ("simulated", "characterize"))
 CASES = [pytest.param(*case, marks=pytest.mark.slow if case in QUICKLY else pytest.mark.full) for case in EVERY]
 
 
-def output_of(cache: Path, *arguments: str) -> str:
-    """Run the program with a kernel cache of its own and return what it prints."""
-    environment = {
-        **os.environ,
-        "NUMBA_CACHE_DIR": str(cache),
-        "PYTHONPATH": os.pathsep.join([str(CHECKOUT), *sys.path]),
-    }
+def output_of(*arguments: str, cache: Path | None = None) -> str:
+    """Run the program, with a kernel cache of its own if one is named, and return what it prints."""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(CHECKOUT), *sys.path])}
+    if cache is not None:
+        environment["NUMBA_CACHE_DIR"] = str(cache)
     done = subprocess.run(
         [sys.executable, str(PROGRAM), *arguments], env=environment, capture_output=True, text=True, check=False
     )
@@ -34,12 +32,12 @@ def output_of(cache: Path, *arguments: str) -> str:
 
 @pytest.fixture(scope="module")
 def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with an empty kernel cache, and with a loop and a model that were made with another."""
+    """A folder without a kernel cache, and with a loop and a model that were made with the cache of all tests."""
     folder = tmp_path_factory.mktemp("compiled")
-    output_of(folder / "another cache", "model", str(folder))
+    output_of("model", str(folder))
     return folder
 
 
 @pytest.mark.parametrize(("rig", "job"), CASES)
 def test_nothing_compiles_once_the_drive_has_left_0_v(rig: str, job: str, prepared: Path) -> None:
-    assert json.loads(output_of(prepared / "cache", rig, job, str(prepared))) == []
+    assert json.loads(output_of(rig, job, str(prepared), cache=prepared / "cache")) == []
