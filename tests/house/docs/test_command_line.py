@@ -1,51 +1,61 @@
-"""What commands answer with ``--json`` is as the schemas say, and they end with the codes of the page about them."""
+"""What commands answer with ``--json`` is as the schemas say, and they end with the codes of the page about them.
+
+In the process of the tests, for a process of its own takes a second or two to import what it needs: one answer and one
+exit code are those of a process, as a shell starts it.
+"""
 
 from __future__ import annotations
 
-import json
-import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from jsonschema import Draft202012Validator
+from tests.command_line import Answer
 from tests.house.docs.doc_pages import tables_of
 from tests.places import CHECKOUT
+from tests.tools import made_once
 
+import musclewire as mw
 from musclewire.app import json_schema
 
 PAGE = (CHECKOUT / "docs/reference/command_line.md").read_text("utf-8")
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a loop and its model, as the commands make them."""
-    return prepared(tmp_path_factory.mktemp("commands"))
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a loop and its model."""
+    return made_once(tmp_path_factory, "commands", prepare)
 
 
-def prepared(path: Path) -> Path:
-    run(path, "characterize", "simulated", "-o", "loop.h5")
-    run(path, "fit", "loop.h5", "-o", "model.json")
-    run(path, "characterize", "simulated", "-o", "short.h5", "--cycles", "1", "--period", "12 s")
+@pytest.fixture
+def folder(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of that folder, in which the test runs."""
+    shutil.copytree(made, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    return tmp_path
+
+
+def prepare(path: Path) -> None:
+    with mw.open_rig("simulated") as rig:
+        loop = mw.characterize(rig, path=path / "loop.h5")
+    mw.fit(loop).save(path / "model.json")
+    with mw.open_rig("simulated") as rig:
+        mw.characterize(rig, cycles=1, period_s=12.0, path=path / "short.h5")
     (path / "study.toml").write_text(STUDY, "utf-8")
     shutil.copy(CHECKOUT / "tests/unit/signals/old_recordings/journal-1-cut-off.h5.journal", path / "cut.h5.journal")
-    return path
 
 
-def run(folder: Path, *arguments: str, expect: int = 0, may_not_hold: bool = False) -> str:
-    done = subprocess.run(
-        [sys.executable, "-m", "musclewire", *arguments],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        env={**os.environ, "MPLBACKEND": "Agg"},
-        check=False,
-    )
-    assert done.returncode == expect or (may_not_hold and done.returncode == 1), done.stderr
-    return done.stdout if expect == 0 else done.stderr
+def as_a_process(*arguments: str) -> Answer:
+    """Return what a command answers that a shell has started."""
+    command = [sys.executable, "-m", "musclewire", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return Answer(done.returncode, done.stdout, done.stderr)
 
 
 STUDY = """
@@ -58,7 +68,7 @@ parameters.pretension.values = ["1.5 N", "1.9 N"]
 
 CALLS = {
     "demo": ["--output", "demo"],
-    "reproduce": ["--only", "eq5", "--output", "reproduced"],
+    "reproduce": ["--only", "eq1", "--workers", "1", "--output", "reproduced"],
     "doctor": ["simulated"],
     "flash": ["nano", "--wire", "paper-100um", "--dry-run"],
     "characterize": ["simulated", "-o", "again.h5", "--cycles", "1"],
@@ -104,9 +114,12 @@ def test_every_command_but_serve_answers_with_json(commands: dict[str, Any]) -> 
 
 @pytest.mark.documented
 @pytest.mark.parametrize("name", CALLS)
-def test_the_json_is_as_its_schema_says(name: str, folder: Path) -> None:
-    document = json.loads(run(folder, *name.split(), *CALLS[name], "--json", may_not_hold=name in MAY_NOT_HOLD))
-    Draft202012Validator(json_schema(f"output-{name.replace(' ', '-')}")).validate(document)
+@pytest.mark.usefixtures("folder")
+def test_the_json_is_as_its_schema_says(name: str, musclewire: Callable[..., Answer]) -> None:
+    command = as_a_process if name == "control" else musclewire
+    answer = command(*name.split(), *CALLS[name], "--json")
+    assert answer.code in ((0, 1) if name in MAY_NOT_HOLD else (0,)), answer.err
+    Draft202012Validator(json_schema(f"output-{name.replace(' ', '-')}")).validate(answer.json)
 
 
 @pytest.mark.documented
@@ -119,7 +132,11 @@ def test_the_json_is_as_its_schema_says(name: str, folder: Path) -> None:
         (2, ["no-such-command"]),
     ],
 )
-def test_the_exit_codes_are_as_said_and_errors_are_one_line(code: int, arguments: list[str], folder: Path) -> None:
+@pytest.mark.usefixtures("folder")
+def test_the_exit_codes_are_as_said_and_errors_are_one_line(
+    code: int, arguments: list[str], musclewire: Callable[..., Answer]
+) -> None:
     assert any(row["code"] == str(code) for table in tables_of(PAGE) for row in table if "code" in row)
-    last = run(folder, *arguments, expect=code).strip().splitlines()
-    assert code == 1 or len(last) == 1
+    answer = (as_a_process if "no-such-file.h5" in arguments else musclewire)(*arguments)
+    assert answer.code == code, answer.err
+    assert code == 1 or len(answer.err.strip().splitlines()) == 1
