@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.unit.controllers.protected_wire import LIMITS as WIRE
 from tests.unit.controllers.protected_wire import allowed_drive_v, armed, protect_command, protect_reading
@@ -190,10 +191,23 @@ def test_whatever_is_commanded_or_read_only_an_allowed_voltage_is_out(
         off = off or state.state is State.TRIPPED
 
 
-@given(st.floats(min_value=10.5, max_value=25.5), st.floats(min_value=0.3, max_value=3.0), st.integers(0, 2**31))
-def test_no_healthy_wire_is_ever_switched_off(ohm: float, drive_v: float, seed: int) -> None:
-    import numpy as np
+HEALTHY = st.tuples(st.floats(10.5, 25.5), st.floats(0.3, 3.0), st.integers(0, 2**31))
 
+
+@settings(max_examples=20)
+@given(HEALTHY)
+def test_no_healthy_wire_is_ever_switched_off(wire: tuple[float, float, int]) -> None:
+    hold_a_healthy_wire(*wire)
+
+
+@pytest.mark.full
+@settings(max_examples=400)
+@given(HEALTHY)
+def test_none_of_400_healthy_wires_is_ever_switched_off(wire: tuple[float, float, int]) -> None:
+    hold_a_healthy_wire(*wire)
+
+
+def hold_a_healthy_wire(ohm: float, drive_v: float, seed: int) -> None:
     random = np.random.default_rng(seed)
     state = run(drive_voltage_v=drive_v)
     for _ in range(200):

@@ -31,9 +31,23 @@ PAPER = FingerRequest(
 )
 
 
-@settings(max_examples=12)
-@given(st.floats(600.0, 2500.0), st.floats(4.5e-3, 6.2e-3), st.floats(0.9e-3, 1.3e-3), st.integers(2, 6))
-def test_a_sized_finger_does_what_was_asked(stiffness: float, endpoint: float, travel: float, columns: int) -> None:
+ASKED = st.tuples(st.floats(600.0, 2500.0), st.floats(4.5e-3, 6.2e-3), st.floats(0.9e-3, 1.3e-3), st.integers(2, 6))
+
+
+@settings(max_examples=4)
+@given(ASKED)
+def test_a_sized_finger_does_what_was_asked(asked: tuple[float, float, float, int]) -> None:
+    size_a_finger(*asked)
+
+
+@pytest.mark.full
+@settings(max_examples=40)
+@given(ASKED)
+def test_40_sized_fingers_do_what_was_asked(asked: tuple[float, float, float, int]) -> None:
+    size_a_finger(*asked)
+
+
+def size_a_finger(stiffness: float, endpoint: float, travel: float, columns: int) -> None:
     request = replace(PAPER, stiffness_n_per_m=stiffness, endpoint_m=endpoint, travel_m=travel, columns=columns)
     finger = design_finger(request, POM)
     chain = finger_chain(finger)
