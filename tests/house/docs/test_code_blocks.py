@@ -47,7 +47,7 @@ def name_of(page: Path) -> str:
 
 # A quick page, whose blocks every run of the tests runs; and pages whose blocks take 20 s or more: that these are
 # still commands is tried by test_commands_on_pages_parse.py, and what they do by the tests of the commands.
-ALWAYS = "rules.md"
+ALWAYS = "numerics.md"
 LONG = {
     "calibrate_my_wire.md",
     "change_the_simulated_rig.md",

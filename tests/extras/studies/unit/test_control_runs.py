@@ -44,6 +44,7 @@ def test_moving_air_and_a_second_wire_run_in_python() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("key", ["estimator", "controller"])
 def test_an_unknown_name_fails_each_run_with_the_nearest_one(key: str) -> None:
-    result = sweep(study_of(run={**RUN, key: "polynomal" if key == "estimator" else "fuzzy-pd"}))
+    study = study_of(run={**RUN, key: "polynomal" if key == "estimator" else "fuzzy-pd"})
+    result = sweep(study, workers=Workers(processes=1))
     assert result.failed == 2
     assert "did you mean" in result.errors[0]
