@@ -44,7 +44,7 @@ NAMED: dict[Defect, str] = {
 # Standard deviations [s] of the delay with which two instruments were joined: of two that 50 ms may lie between, with 0
 # for one that is not stated, and of sound ones.
 LATE_S, SOUND_S = (0.0, 0.025, 0.05), (1e-4, 1e-3)
-MOST = [10, pytest.param(200, marks=pytest.mark.slow)]
+MOST = [10, pytest.param(100, marks=pytest.mark.slow), pytest.param(200, marks=pytest.mark.full)]
 
 
 def drawn(number: int, defect: Defect | None) -> tuple[Recording, str, bool]:
