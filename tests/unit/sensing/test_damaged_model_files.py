@@ -90,13 +90,31 @@ def is_usable(model: SensingModel, again: Path) -> None:
     assert load_model(again) == model
 
 
+both_models = pytest.mark.parametrize("model", [STRAIN, FORCE], ids=["strain", "force"])
+IN_ONE_FOLDER = [HealthCheck.function_scoped_fixture]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("model", [STRAIN, FORCE], ids=["strain", "force"])
-@settings(max_examples=1500, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@both_models
+@settings(max_examples=200, deadline=None, suppress_health_check=IN_ONE_FOLDER)
 @given(draw=st.data())
 def test_a_damaged_model_file_is_refused_in_one_line_or_usable(
     model: SensingModel, draw: st.DataObject, tmp_path: Path
 ) -> None:
+    damage_a_file(model, draw, tmp_path)
+
+
+@pytest.mark.full
+@both_models
+@settings(max_examples=1500, deadline=None, suppress_health_check=IN_ONE_FOLDER)
+@given(draw=st.data())
+def test_1500_damaged_model_files_are_refused_in_one_line_or_usable(
+    model: SensingModel, draw: st.DataObject, tmp_path: Path
+) -> None:
+    damage_a_file(model, draw, tmp_path)
+
+
+def damage_a_file(model: SensingModel, draw: st.DataObject, tmp_path: Path) -> None:
     valid, damaged = tmp_path / "model.json", tmp_path / "damaged.json"
     if not valid.exists():
         save_model(model, valid)

@@ -34,7 +34,16 @@ Boards = Callable[[str], EmulatedBoard]
 # Of the faults tried on the firmware in its emulator, those that every run of the tests tries.
 ALWAYS = ("a bridge of 4 ohm over the wire", "a script raises an exception")
 # What takes a command of its own, or minutes where the machine is busy: of these CI tries a signal and a killed host.
-IN_FULL = ("the two channels are swapped", "the converter repeats itself inside the firmware")
+# And what another row notices too: a bridge, the other channel, bytes that are corrupted both ways.
+IN_FULL = (
+    "the two channels are swapped",
+    "the converter repeats itself inside the firmware",
+    "a dead short over the wire",
+    "the shunt's channel is frozen",
+    "the shunt's channel stands at the end of its range",
+    "50 % of the bytes to the board are corrupted",
+    "50 % of the bytes from the board are corrupted",
+)
 COMMANDS_IN_CI = ("Ctrl-C", "the host is killed (SIGKILL)")
 
 

@@ -58,8 +58,9 @@ def test_a_thinner_strip_is_as_much_softer_as_the_closed_form_says() -> None:
     assert found.stiffness_at(thinner.thickness_m) == pytest.approx(ratio * found.stiffness_n_per_m, rel=0.03)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("material", ["pla", "spring-steel"])
+@pytest.mark.parametrize(
+    "material", [pytest.param("pla", marks=pytest.mark.full), pytest.param("spring-steel", marks=pytest.mark.slow)]
+)
 def test_other_materials_give_other_parts_of_the_same_stiffness(material: str) -> None:
     found = design_pretensioner(request(material=material))
     assert found.stiffness_n_per_m == pytest.approx(STIFFNESS, rel=0.01)
