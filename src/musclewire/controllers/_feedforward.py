@@ -97,7 +97,8 @@ class FeedforwardSettings(StrictModel):
     gap_fraction
         Fraction of the gap that the first jump takes; the rest is the feedback's, as no gap is known exactly.
     maximum_steady_power_w
-        Power [W] in the heat balance at the highest permitted temperature.
+        Power [W] in the heat balance at the highest permitted temperature, in still air. A wire that stays short of its
+        target with it, and falls back with less, may have up to three times as much.
 
     Raises
     ------
