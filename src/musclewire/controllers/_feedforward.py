@@ -218,7 +218,7 @@ HOTTER, PROBE_TIME_CONSTANTS = 1.05, 1.5
 # Where the largest steady power leaves a wire short of its target for so many time constants of the air, less is tried,
 # too: of one that falls back then the air takes more than it did, and it may have so many times the power, at most so
 # many times that at the highest permitted temperature in still air.
-LIMITED_TIME_CONSTANTS, MORE_POWER, MOST_POWER = 0.5, 1.5, 3.0
+LIMITED_TIME_CONSTANTS, MORE_POWER_TIMES, MAX_POWER_TIMES = 0.5, 1.5, 3.0
 # An oscillation: so many reversals of more than this swing [V], each within a time [s] of the one before, from a second
 # after the target on. Three come within 3 s at the periods of 0.4 to 2 s that dead times up to 0.3 s give.
 OSCILLATION_REVERSALS, SWING_V, SETTLING_S, MAX_HALF_PERIOD_S = 3.0, 0.5, 1.0, 1.5
@@ -416,7 +416,7 @@ def probe_beyond_c(wire: KnownWire, state: Row, value: float, error: float, cold
     more. So where the power is above all that the slow loop took, and the estimate has fallen back meanwhile, less is
     tried: the estimate of a wire between B and C falls then, and that of one beyond C does not. From then on the wire
     gets no more than the slow loop's largest power. A wire between B and C that stays short of its target at the
-    largest steady power stands in air that takes more heat than at its characterization, and may have more. One that
+    largest steady power is in air that takes more heat than at its characterization, and may have more. One that
     is cold of B is not beyond C.
     """
     top_w, little = wire.tables[HEATING][-1], 0.5 * wire.settings["tolerance"]
@@ -437,8 +437,8 @@ def probe_beyond_c(wire: KnownWire, state: Row, value: float, error: float, cold
         state["steady_w"], state["probing_s"], state["highest"] = state["probe_w"], 0.0, value
         state["doubts"] *= 2.0
         if state["limited"] != 0.0:
-            most_w = MOST_POWER * wire.settings["maximum_steady_power_w"]
-            state["ceiling_w"] = min(MORE_POWER * state["ceiling_w"], most_w)
+            max_w = MAX_POWER_TIMES * wire.settings["maximum_steady_power_w"]
+            state["ceiling_w"] = min(MORE_POWER_TIMES * state["ceiling_w"], max_w)
         return False
     if state["probing_s"] > PROBE_TIME_CONSTANTS * wire.settings["thermal_time_constant_s"]:
         state["beyond_c"], state["ceiling_w"], state["probing_s"] = 1.0, top_w, 0.0
