@@ -253,17 +253,16 @@ def choice_of(loop: ControlledLoopOptions, load: KnownSpring | None) -> LoopChoi
     return LoopChoice(loop.estimator, controller, settings, load, approach_s, loop.wire_file, loop.zero_from, known)
 
 
-def known_strain_of(loop: ControlledLoopOptions) -> tuple[float, float] | None:
-    """Return a strain, displacement [m] or force [N] that is known, and when [s]; None if none was given."""
+def known_strain_of(loop: ControlledLoopOptions) -> float | tuple[float, float] | None:
+    """Return a strain, displacement [m] or force [N] that is known, with its time [s] if given; None for none."""
     from musclewire.signals import parse_quantity
 
     if loop.known_strain is None:
         return None
-    value, at, time = loop.known_strain.partition(" at ")
+    text, _, time = loop.known_strain.partition(" at ")
     try:
-        if not at:
-            raise CallerError("a value and a time are wanted, as '1.2 % at 12 s'")
-        return parse_quantity(value, UNITS[loop.quantity]), parse_quantity(time, "s")
+        value = parse_quantity(text, UNITS[loop.quantity])
+        return (value, parse_quantity(time, "s")) if time else value
     except CallerError as error:
         raise CallerError(f"--known-strain: {error}") from None
 

@@ -173,9 +173,9 @@ ZERO_FROM = option(
 )
 KNOWN_STRAIN = option(
     "--known-strain",
-    help="A strain (displacement, force) that is known at one moment of the run, as at an end stop: what the estimate "
-    "misses it by scales the resistance for the rest, and beyond the interval is a finding.",
-    metavar="'1.2 % at 12 s'",
+    help="A strain (displacement, force) that is known at a time of the run, or at the end of its first hold, as at an "
+    "end stop: what the estimate misses it by scales the resistance for the rest; beyond the interval it is a finding.",
+    metavar="'1.2 % [at 12 s]'",
 )
 ON_BOARD = option(
     "--on-board", help="The board's firmware closes the loop; the host sends the targets and records the samples."

@@ -24,7 +24,7 @@ from musclewire.controllers import (
     controller_of,
 )
 from musclewire.errors import CallerError, RigError, nearest_hint
-from musclewire.experiment._known_strain import KnownStrain, ScaleByKnownStrain
+from musclewire.experiment._known_strain import ScaleByKnownStrain, known_strain_in
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig, what_protects
 from musclewire.experiment._scale_by_b import KEPT, TODAY, ZEROS, ScaleByB
@@ -182,7 +182,7 @@ def control(
     approach_s: float | None = None,
     wire_file: str | Path | None = None,
     zero_from: str = KEPT,
-    known_strain: tuple[float, float] | None = None,
+    known_strain: float | tuple[float, float] | None = None,
     **run: Unpack[RunOptions],
 ) -> ControlRun:
     """Move the wire along a target in a closed loop that senses by the wire's resistance alone.
@@ -225,9 +225,10 @@ def control(
         room, by the air that the rig's file states and stated then (22 C unless it does), estimates count from where
         the wire is cold there.
     known_strain
-        A strain (of another model displacement [m] or force [N]) that is known at one moment, as at an end stop, and
-        that time [s] of the run. What the estimate, over the last second, misses it by scales the resistance for the
-        rest of the run; beyond the interval, it is a finding, and the interval is widened.
+        A strain (of another model displacement [m] or force [N]) that is known at one moment, as at an end stop: alone
+        at the end of the first hold, or with the time [s] of the run. What the estimate, over the last second, misses
+        it by scales the resistance for the rest of the run; beyond the interval, it is a finding, and the interval is
+        widened.
     **run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
         may raise to stop the run, ``until`` asked after each whether the run is to end now.
@@ -291,7 +292,7 @@ class LoopChoice:
     approach_s: float | None = None
     wire_file: str | Path | None = None
     zero_from: str = KEPT
-    known_strain: tuple[float, float] | None = None
+    known_strain: float | tuple[float, float] | None = None
 
     def settled(self, model: SensingModel, sample_period_s: float) -> SettledChoice:
         """Return the choice with what it leaves open: from the model's gains, else as in the paper.
@@ -337,8 +338,6 @@ class LoopChoice:
             known["wire_file"] = Path(self.wire_file).name
         if self.load is not None:
             known |= {"known_stiffness_n_per_m": self.load.stiffness_n_per_m, "known_friction_n": self.load.friction_n}
-        if self.known_strain is not None:
-            known |= KnownStrain(*self.known_strain).metadata()
         return known
 
 
@@ -399,7 +398,9 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         **choice.metadata(settled),
         **load_facts(model, facts),
     }
-    known = choice.known_strain
+    known = known_strain_in(choice.known_strain, chosen, settled.approach_s, rig.sample_period_s)
+    if known is not None:
+        metadata |= known.metadata()
     zero = zero_of_room(model, what_protects(rig)) if choice.zero_from == TODAY else None
     check_targets(model, chosen, rig.sample_period_s, 0.0 if zero is None else zero.value)
     return PreparedLoop(
@@ -415,7 +416,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         metadata if zero is None else metadata | {"zero_of_room": zero.said},
         ScaleByB.of_model(model, rig.sense_voltage_v, rig.shunt_resistance_ohm) if choice.zero_from == TODAY else None,
         zero,
-        None if known is None else ScaleByKnownStrain(KnownStrain(*known), model, rig.shunt_resistance_ohm),
+        None if known is None else ScaleByKnownStrain(known, model, rig.shunt_resistance_ohm),
     )
 
 

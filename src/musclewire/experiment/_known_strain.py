@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from musclewire.controllers import Reference
 from musclewire.errors import CallerError
 from musclewire.experiment._scale_by_b import LEFT_PCT, LEFT_PER_PCT, WITHIN_STD
 from musclewire.physics import wire_resistance
@@ -30,6 +31,26 @@ class KnownStrain(NamedTuple):
     def metadata(self) -> dict[str, MetadataValue]:
         """Return it as a recording states it."""
         return {"known_strain": self.value, "known_strain_at_s": self.at_s}
+
+
+def known_strain_in(
+    known: float | tuple[float, float] | None, reference: Reference, approach_s: float, sample_period_s: float
+) -> KnownStrain | None:
+    """Return a known strain with its time: the end of a reference's first hold, if none was given; None for None.
+
+    Raises CallerError if there is no such hold.
+    """
+    if known is None:
+        return None
+    if isinstance(known, tuple):
+        return KnownStrain(*known)
+    targets = reference.targets_at(np.arange(0.0, reference.duration_s, sample_period_s))
+    held = np.flatnonzero(np.append(targets != targets[0], True))[0]
+    if held * sample_period_s < COMPARED_S:
+        raise CallerError(
+            "the reference does not begin with a hold: give the known strain with the time that it holds at"
+        )
+    return KnownStrain(known, approach_s + float(held - 1) * sample_period_s)
 
 
 class MissedBy(NamedTuple):

@@ -105,6 +105,17 @@ def test_a_known_strain_that_agrees_is_no_finding(model: SensingModel) -> None:
     assert run.metadata["known_strain_at_s"] == 3.5
 
 
+def test_without_a_time_it_is_known_at_the_end_of_the_first_hold(model: SensingModel) -> None:
+    with mw.open_rig("simulated", seed=4) as rig:
+        run = control(rig, model, STEPS, known_strain=0.0148)
+    assert run.metadata["known_strain_at_s"] == pytest.approx(STEPS.hold_s - 0.05)
+    assert run["resistance_factor"][round(STEPS.hold_s / 0.05) - 2] == 1.0
+    assert run["resistance_factor"][round(STEPS.hold_s / 0.05) + 1] != 1.0
+    ramp = mw.sampled_reference(np.linspace(0.0, 5.0, 101), np.linspace(0.015, 0.02, 101))
+    with mw.open_rig("simulated", seed=4) as rig, pytest.raises(CallerError, match="does not begin with a hold"):
+        control(rig, model, ramp, known_strain=0.0148)
+
+
 def test_a_moment_after_the_end_is_said_to_be_unused(model: SensingModel) -> None:
     with mw.open_rig("simulated", seed=4) as rig:
         run = control(rig, model, staircase(0.015, 0.018, 0.003, 1.0), known_strain=(0.02, 600.0))
