@@ -138,7 +138,9 @@ def advance(phase, drive_v, outside_ohm, inside_ohm, air, steps, step_s, shift_k
         phase = warmed(phase, heat_j, shift_k, body, material)
         contraction = body.cold_strain - strain_at(phase, material)
         sums += np.array([current_a * (ohm + inside_ohm), current_a, contraction * body.leg_length_m, phase.stress_pa])
-    return phase, sums / steps
+    # Numbers, not the named tuple itself: on the way out Numba would call its class, and a signal that arrives then,
+    # as Ctrl-C, ends in a crash.
+    return (phase.temperature_k, phase.stress_pa, phase.austenite), sums / steps
 
 
 class DuhemWire(LiangRogersWire):
@@ -164,7 +166,7 @@ class DuhemWire(LiangRogersWire):
 
     def advanced_wire(self, steps, step_s, shift_k, air, sizes, body):
         """Advance the wire; return the means of ``advance``."""
-        self.point, means = advance(
+        point, means = advance(
             self.point,
             self.drive_voltage_v,
             self.of.shunt,
@@ -178,6 +180,7 @@ class DuhemWire(LiangRogersWire):
             self.late_w,
             self.material,
         )
+        self.point = Phase(*point)
         return means
 
     @property

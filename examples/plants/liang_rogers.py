@@ -250,7 +250,9 @@ def advance(point, drive_v, outside_ohm, inside_ohm, air, steps, step_s, shift_k
                 point.stress_pa,
             ]
         )
-    return point, sums / steps
+    # Numbers, not the named tuple itself: on the way out Numba would call its class, and a signal that arrives then,
+    # as Ctrl-C, ends in a crash.
+    return (point.temperature_k, point.stress_pa, point.martensite, point.shift_k), sums / steps
 
 
 class State(NamedTuple):
@@ -390,7 +392,7 @@ class LiangRogersWire:
 
     def advanced_wire(self, steps, step_s, shift_k, air, sizes, body):
         """Advance the wire; return the means of ``advance``."""
-        self.point, means = advance(
+        point, means = advance(
             self.point,
             self.drive_voltage_v,
             self.of.shunt,
@@ -404,6 +406,7 @@ class LiangRogersWire:
             self.late_w,
             self.material,
         )
+        self.point = Point(*point)
         return means
 
     @property
