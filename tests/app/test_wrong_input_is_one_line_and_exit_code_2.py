@@ -148,6 +148,7 @@ def test_wrong_usage_is_one_line_too(
         ("--zero-from to-day", "did you mean 'today'"),
         ("--known-strain=12mm", "--known-strain: "),
         ("--known-strain=12%", "this model senses"),
+        ("--known-strain=1.5%@", "--known-strain: "),
         ("--runs 2 --known-strain=1", "--known-strain belongs to a single run"),
         ("--refrence x", "(Possible options: --reference)"),
         ("--quantity force", "--known-stiffness"),

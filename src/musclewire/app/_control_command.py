@@ -259,10 +259,10 @@ def known_strain_of(loop: ControlledLoopOptions) -> float | tuple[float, float] 
 
     if loop.known_strain is None:
         return None
-    text, _, time = loop.known_strain.partition(" at ")
+    text, at, time = loop.known_strain.strip().partition(" at")
     try:
         value = parse_quantity(text, UNITS[loop.quantity])
-        return (value, parse_quantity(time, "s")) if time else value
+        return (value, parse_quantity(time, "s")) if at else value
     except CallerError as error:
         raise CallerError(f"--known-strain: {error}") from None
 

@@ -97,8 +97,7 @@ class FeedforwardSettings(StrictModel):
     gap_fraction
         Fraction of the gap that the first jump takes; the rest is the feedback's, as no gap is known exactly.
     maximum_steady_power_w
-        Power [W] in the heat balance at the highest permitted temperature, in still air. A wire that stays short of its
-        target with it, and falls back with less, may have up to three times as much.
+        Power [W] in the heat balance at the highest permitted temperature, in the air of the characterization.
 
     Raises
     ------
@@ -191,7 +190,7 @@ STATE = np.dtype(
             "known_gap", "lag_s", "gain_factor", "ceiling_w",
             "swing", "extreme_v", "reversals", "calm_s",
             "step", "expected_s", "lagged",
-            "highest", "doubts", "probing_s", "probe_w", "beyond_c", "limited_s", "limited",
+            "highest", "doubts", "probing_s", "probe_w", "beyond_c", "power_limited",
         )
     ]
 )  # fmt: skip
@@ -215,10 +214,6 @@ FROM_COLD = 0.35
 LARGE_STEP, LATEST_S, LEARNT, LAG_PART = 3.0, 0.4, 0.5, 0.5
 # Power above the slow loop's largest, and time constants of the air for which less is tried, to find a wire beyond C.
 HOTTER, PROBE_TIME_CONSTANTS = 1.05, 1.5
-# Where the largest steady power leaves a wire short of its target for so many time constants of the air, less is tried,
-# too: of one that falls back then the air takes more than it did, and it may have so many times the power, at most so
-# many times that at the highest permitted temperature in still air.
-LIMITED_TIME_CONSTANTS, MORE_POWER_TIMES, MAX_POWER_TIMES = 0.5, 1.5, 3.0
 # An oscillation: so many reversals of more than this swing [V], each within a time [s] of the one before, from a second
 # after the target on. Three come within 3 s at the periods of 0.4 to 2 s that dead times up to 0.3 s give.
 OSCILLATION_REVERSALS, SWING_V, SETTLING_S, MAX_HALF_PERIOD_S = 3.0, 0.5, 1.0, 1.5
@@ -285,6 +280,7 @@ def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray
     answer[0], answer[1] = state_row["drive_voltage_v"], 0.0
     answer[2], answer[3] = state_row["steady_w"], state_row["pulse_j"]
     answer[4], answer[5], answer[6] = state_row["gain_factor"], state_row["beyond_c"], state_row["lag_s"]
+    answer[7] = state_row["power_limited"]
     if reason == NO_CURRENT:
         return
     if not math.isfinite(target - value) or not dt_s > 0.0 or not math.isfinite(dt_s):
@@ -311,6 +307,7 @@ def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray
     notice_oscillation(state_row, dt_s)
     answer[0], answer[2], answer[3] = state_row["drive_voltage_v"], state_row["steady_w"], state_row["pulse_j"]
     answer[4], answer[5], answer[6] = state_row["gain_factor"], state_row["beyond_c"], state_row["lag_s"]
+    answer[7] = state_row["power_limited"]
 
 
 @compiled_inner
@@ -415,9 +412,7 @@ def probe_beyond_c(wire: KnownWire, state: Row, value: float, error: float, cold
     Beyond C resistance rises with temperature, which reads as a wire that falls back, and a loop would heat it all the
     more. So where the power is above all that the slow loop took, and the estimate has fallen back meanwhile, less is
     tried: the estimate of a wire between B and C falls then, and that of one beyond C does not. From then on the wire
-    gets no more than the slow loop's largest power. A wire between B and C that stays short of its target at the
-    largest steady power is in air that takes more heat than at its characterization, and may have more. One that
-    is cold of B is not beyond C.
+    gets no more than the slow loop's largest power. One that is cold of B is not beyond C.
     """
     top_w, little = wire.tables[HEATING][-1], 0.5 * wire.settings["tolerance"]
     if state["probing_s"] == 0.0:
@@ -425,10 +420,8 @@ def probe_beyond_c(wire: KnownWire, state: Row, value: float, error: float, cold
             state["highest"] = value
             return False
         state["highest"] = max(state["highest"], value)
-        limited = state["limited_s"] > LIMITED_TIME_CONSTANTS * wire.settings["thermal_time_constant_s"]
-        if not limited and state["highest"] - value < little * state["doubts"]:
+        if state["highest"] - value < little * state["doubts"]:
             return False
-        state["limited"], state["limited_s"] = (1.0 if limited else 0.0), 0.0
         state["probe_w"], state["highest"], state["pulse_j"] = state["steady_w"], value, 0.0
         state["steady_w"] = edge_w(wire, 1.0, state["target"])
     state["probing_s"] += dt_s
@@ -436,9 +429,6 @@ def probe_beyond_c(wire: KnownWire, state: Row, value: float, error: float, cold
     if fallen:
         state["steady_w"], state["probing_s"], state["highest"] = state["probe_w"], 0.0, value
         state["doubts"] *= 2.0
-        if state["limited"] != 0.0:
-            max_w = MAX_POWER_TIMES * wire.settings["maximum_steady_power_w"]
-            state["ceiling_w"] = min(MORE_POWER_TIMES * state["ceiling_w"], max_w)
         return False
     if state["probing_s"] > PROBE_TIME_CONSTANTS * wire.settings["thermal_time_constant_s"]:
         state["beyond_c"], state["ceiling_w"], state["probing_s"] = 1.0, top_w, 0.0
@@ -493,13 +483,12 @@ def command(
     warmest_w = steady_limit_w + max(0.0, steady_limit_w - state["balance_w"]) * tau_s / dt_s
     limit_w = max(min(highest_w, warmest_w), lowest_w)
     without_pulse_w = state["steady_w"] + gain * error
-    lowered = state["ceiling_w"] < wire.settings["maximum_steady_power_w"]
-    if lowered:
+    if state["ceiling_w"] < wire.settings["maximum_steady_power_w"]:
         without_pulse_w = min(without_pulse_w, state["ceiling_w"])
     wanted_w = without_pulse_w + state["pulse_j"] / wire.settings["pulse_time_s"]
     given_w = min(max(wanted_w, lowest_w), limit_w)
-    at_ceiling = wanted_w > limit_w and warmest_w < highest_w and error > wire.settings["tolerance"] and not lowered
-    state["limited_s"] = state["limited_s"] + dt_s if at_ceiling else 0.0
+    limited = wanted_w > limit_w and warmest_w < highest_w and error > wire.settings["tolerance"]
+    state["power_limited"] = 1.0 if limited else 0.0
     by_pulse_w = given_w - min(max(without_pulse_w, lowest_w), limit_w)
     state["pulse_j"] -= dt_s * (by_pulse_w + state["pulse_j"] / tau_s)
     integral_w = integrated_w(wire, state, gain, error, std, dt_s)
@@ -552,7 +541,7 @@ class FeedforwardController:
         Without settings, or with those of another controller.
     """
 
-    columns = ("steady_power_w", "pending_heat_j", "gain_factor", "beyond_c", "lag_s")
+    columns = ("steady_power_w", "pending_heat_j", "gain_factor", "beyond_c", "lag_s", "power_limited")
     # The first target is reached from cold within its first second, so it needs no time before the first step.
     approach_s = 0.0
 

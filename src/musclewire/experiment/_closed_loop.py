@@ -226,9 +226,9 @@ def control(
         the wire is cold there.
     known_strain
         A strain (of another model displacement [m] or force [N]) that is known at one moment, as at an end stop: alone
-        at the end of the first hold, or with the time [s] of the run. What the estimate, over the last second, misses
-        it by scales the resistance for the rest of the run; beyond the interval, it is a finding, and the interval is
-        widened.
+        at the end of the first hold, or with the time [s] of the run. What the estimate, over the last second that the
+        wire has been still, misses it by scales the resistance for the rest of the run; beyond the interval, it is a
+        finding, and the interval is widened.
     **run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
         may raise to stop the run, ``until`` asked after each whether the run is to end now.

@@ -283,7 +283,10 @@ def saturated(recording: Recording, suffix: str) -> npt.NDArray[np.bool_]:
     """Return the samples from which on the drive has been at a limit for too long without reaching the target."""
     above, below = beyond_target(recording, suffix)
     low_v = recording.facts.number_or_none("limit_sense_voltage_v")
-    heating = at_upper_limit(recording) & below
+    at_limit = at_upper_limit(recording)
+    if "power_limited" in recording:
+        at_limit |= recording["power_limited"] > 0.0
+    heating = at_limit & below
     cooling = above & (recording["drive_voltage_v"] <= (low_v or 0.0) * (1.0 + AT_LIMIT))
     period_s = period_of(recording)
     return lasting(heating, round(HEATING_S / period_s)) | lasting(cooling, round(COOLING_S / period_s))

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from musclewire.arrays import FloatArray
 from musclewire.controllers import Reference
 from musclewire.errors import CallerError
 from musclewire.experiment._scale_by_b import LEFT_PCT, LEFT_PER_PCT, WITHIN_STD
@@ -42,15 +43,25 @@ def known_strain_in(
     """
     if known is None:
         return None
-    if isinstance(known, tuple):
-        return KnownStrain(*known)
+    try:
+        numbers = [float(number) for number in np.atleast_1d(np.asarray(known, dtype=np.float64))]
+    except (TypeError, ValueError):
+        numbers = []
+    last_s = approach_s + reference.duration_s
+    if len(numbers) not in (1, 2) or not np.all(np.isfinite(numbers)) or not 0.0 <= numbers[-1] < last_s:
+        raise CallerError(
+            f"a known strain is one in SI, or with it the time [s] within the run's {last_s:g} s at which it is known, "
+            f"as (0.012, 3.0): not {known!r}"
+        )
+    if len(numbers) == 2:
+        return KnownStrain(*numbers)
     targets = reference.targets_at(np.arange(0.0, reference.duration_s, sample_period_s))
     held = np.flatnonzero(np.append(targets != targets[0], True))[0]
     if held * sample_period_s < COMPARED_S:
         raise CallerError(
             "the reference does not begin with a hold: give the known strain with the time that it holds at"
         )
-    return KnownStrain(known, approach_s + float(held - 1) * sample_period_s)
+    return KnownStrain(numbers[0], approach_s + float(held - 1) * sample_period_s)
 
 
 class MissedBy(NamedTuple):
@@ -114,7 +125,7 @@ class ScaleByKnownStrain:
         self._compared = True
         if not estimate.valid:
             return
-        _, here_ohm, value = np.mean(self._seen, axis=0)
+        _, here_ohm, value = held_mean(np.array(self._seen), estimate.std)
         model = self._model
         inside = float(np.clip(value, model.quantity_min, model.quantity_max))
         # Along the mean curve, whichever branch the wire is on: both have about the same slope.
@@ -147,9 +158,20 @@ def missed_known_strain(recording: Recording) -> MissedBy | None:
     rows = np.flatnonzero(elapsed_s <= known.at_s)
     row = int(rows[-1])
     there = rows[(elapsed_s[rows] >= elapsed_s[row] - COMPARED_S) & (recording["valid"][rows] > 0.0)]
+    std = float(recording["estimate_std"][row])
     if row + 1 == len(recording) or not recording["valid"][row] > 0.0:
         return None
-    return MissedBy(row, float(recording[suffix][there].mean()) - known.value, float(recording["estimate_std"][row]))
+    (value,) = held_mean(recording[suffix][there][:, None], std)
+    return MissedBy(row, float(value) - known.value, std)
+
+
+def held_mean(rows: FloatArray, std: float) -> FloatArray:
+    """Return the mean of rows, (n, columns), since the estimate, in the last column, has been within its interval.
+
+    A wire that moves is where its last rows say, and not where it was a second before.
+    """
+    away = np.flatnonzero(np.abs(rows[:, -1] - rows[-1, -1]) > WITHIN_STD * std)
+    return np.asarray(rows[away[-1] + 1 if away.size else 0 :].mean(axis=0))
 
 
 def stated_in(facts: RunFacts) -> KnownStrain | None:

@@ -13,12 +13,14 @@ from musclewire.arrays import FloatArray
 from musclewire.identify._recordings import resistance_reading
 from musclewire.signals import Recording
 
-# A row is on the line between its neighbours within this part of its column's range: a file has six digits or more,
-# and a converter's step is larger by far.
+# A row is on the line between its neighbours within this part of its column's range: a file of seven digits or more
+# shows it, and a converter's step is larger by far.
 STRAIGHT_PART = 1e-6
 # Interpolation puts about as many rows between any two measured ones, some at least: so large a part of the distances
 # differs from their median by no more than this part of it, or by one row.
 MIN_SPACING, REGULAR_PART, UNEVEN_PART = 5, 0.9, 0.25
+# And none is farther than so many times their median: there rows would be left out that were measured.
+MAX_SPACING_PART = 3.0
 # Lines between measured readings bend by anything. A converter bends a steady slope by one step of its own, or by two:
 # the bends of one curve, but for a tenth at either end, are at least so many times different.
 OUTER_PERCENT, MIN_DIFFERENT = 10.0, 4.0
@@ -55,7 +57,10 @@ def measured_rows(recording: Recording) -> NDArray[np.intp] | None:
     bent[1:] &= between[:-1]
     rows = np.union1d(np.flatnonzero(bent), time_s.size - 1)
     spacing = np.diff(rows)
-    if rows.size < MIN_MEASURED or np.median(spacing) < MIN_SPACING:
+    # Where measured rows follow each other, only a part was interpolated: all of it is taken as it is.
+    if rows.size < MIN_MEASURED or np.median(spacing) < MIN_SPACING or np.sum(~between) > 2 * rows.size:
+        return None
+    if spacing.max() > MAX_SPACING_PART * np.median(spacing):
         return None
     uneven = max(1.0, UNEVEN_PART * float(np.median(spacing)))
     regular = np.mean(np.abs(spacing - np.median(spacing)) <= uneven) >= REGULAR_PART
@@ -74,7 +79,8 @@ def bends_of(time_s: FloatArray, values: FloatArray) -> FloatArray:
     if not span > 0.0:
         return bends
     step, after = np.diff(time_s)[:-1], np.diff(time_s)[1:]
-    line = (values[:-2] * after + values[2:] * step) / (step + after)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        line = (values[:-2] * after + values[2:] * step) / (step + after)
     moves = np.abs(values[2:] - values[:-2]) > 2.0 * STRAIGHT_PART * span
     bends[1:-1] = np.where(moves & np.isfinite(line), np.abs(values[1:-1] - line) / span, np.inf)
     return np.where(np.isnan(bends), np.inf, bends)

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.physics import ArrayReading, wire_resistance, wire_resistance_from_current
+from musclewire.sensing import noise_level
 from musclewire.signals import ElectricalSource, Recording, require_electrical, usable_readings
 
 QUANTITIES = ("strain", "displacement", "force")
@@ -21,6 +23,9 @@ COLD_READINGS = 9
 # It was colder later where power or contraction come down by more than this part of their range below its beginning;
 # the range is that without so many percent of the readings at either end.
 WARM_PART, OUTER_PERCENT = 0.05, 2.0
+# A range is one of motion beyond so many deviations of its noise, and of a wire heated by its current if its power has
+# come to so many times the least; readings at one drive differ in power by less than this part.
+NOISES, HEATED_TIMES, SAME_POWER_PART = 20.0, 2.0, 0.5
 # Where a recording and a model state by which cold resistance [ohm] all others were divided.
 DIVIDED_BY = "divided_by_ohm"
 
@@ -77,11 +82,13 @@ def over_cold_resistance(recording: Recording) -> tuple[Recording, float]:
     that begins warm.
     """
     reading = resistance_reading(recording)
-    cold_ohm = float(np.median(reading.resistance_ohm[reading.valid][:COLD_READINGS]))
-    if warm := begins_warm(recording, reading):
+    rows = cold_rows(recording, reading)
+    cold_ohm = float(np.median(reading.resistance_ohm[rows]))
+    if warm := begins_warm(recording, reading, rows):
         raise RecordingError(
             f"{recording.facts.whose} does not begin with the cold wire, by whose resistance all others are divided: "
-            f"{warm}; let the wire rest before recording, or cut off what was recorded before it was cold"
+            f"{warm}; let the wire rest before recording, cut off what was recorded before it was cold, or negate a "
+            "contraction that falls while the wire heats"
         )
     columns = {name: values for name, values in recording.columns.items() if name != "drive_voltage_v"}
     for name in ("wire_voltage_v", "wire_resistance_ohm"):
@@ -90,24 +97,42 @@ def over_cold_resistance(recording: Recording) -> tuple[Recording, float]:
     return Recording(columns, {**recording.metadata, DIVIDED_BY: cold_ohm}), cold_ohm
 
 
-def begins_warm(recording: Recording, reading: ArrayReading) -> str:
-    """Return how a recording shows that the wire was colder later than at its beginning; "" if it does not."""
-    seen = {}
-    if has_current(recording):
-        read = circuit_readings(recording)
-        seen["its power"] = read.wire_v * read.shunt_v / read.shunt_ohm
-    for quantity in ("strain", "displacement"):
-        moved = reference_quantity(recording, quantity)
-        if moved is not None:
-            seen["its contraction"] = moved
-            break
-    for what, values in seen.items():
-        there = values[reading.valid & np.isfinite(values)]
-        low, high = np.percentile(there, [OUTER_PERCENT, 100.0 - OUTER_PERCENT])
-        above = (float(np.median(there[:COLD_READINGS])) - low) / max(float(high - low), 1e-300)
-        if above > WARM_PART:
-            return f"{what} there is {100 * above:.0f} % of its range above the least that comes later"
-    return ""
+def cold_rows(recording: Recording, reading: ArrayReading) -> NDArray[np.intp]:
+    """Return the first readings of a recording, before its drive rises or falls: some, or one alone."""
+    rows = np.flatnonzero(reading.valid)[:COLD_READINGS]
+    power_w = power_in(recording)
+    if power_w is None:
+        return rows
+    changed = np.flatnonzero(np.abs(power_w[rows] - power_w[rows[0]]) > SAME_POWER_PART * power_w[rows[0]])
+    return rows[: changed[0]] if changed.size else rows
+
+
+def power_in(recording: Recording) -> FloatArray | None:
+    """Return the electrical power [W] in a wire, (n_times,); None without a current."""
+    if not has_current(recording):
+        return None
+    read = circuit_readings(recording)
+    return read.wire_v * read.shunt_v / read.shunt_ohm
+
+
+def begins_warm(recording: Recording, reading: ArrayReading, rows: NDArray[np.intp]) -> str:
+    """Return how a recording shows that the wire was colder later than in its first rows; "" if it does not.
+
+    An instrument of motion shows it, and without one the power of a wire that is heated by its current.
+    """
+    measured = (reference_quantity(recording, quantity) for quantity in ("strain", "displacement"))
+    moved = next((one for one in measured if one is not None and np.isfinite(one[rows]).any()), None)
+    power_w = power_in(recording)
+    what, values = ("its power", power_w) if moved is None else ("its contraction", moved)
+    if values is None:
+        return ""
+    there = values[reading.valid & np.isfinite(values)]
+    low, high = np.percentile(there, [OUTER_PERCENT, 100.0 - OUTER_PERCENT])
+    moves = high - low > NOISES * noise_level(there) if moved is not None else high > HEATED_TIMES * low
+    above = (float(np.nanmedian(values[rows])) - low) / max(float(high - low), 1e-300)
+    if not moves or above <= WARM_PART:
+        return ""
+    return f"{what} there is {100 * above:.0f} % of its range above the least that comes later"
 
 
 def has_current(recording: Recording) -> bool:

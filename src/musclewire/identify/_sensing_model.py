@@ -666,7 +666,9 @@ def one_by_one(
     """Return the columns of an estimator that runs sample by sample, and each sample's ``Reason``."""
     times = recording["time_s"]
     if times.size < 2:
-        raise RecordingError(f"{recording.facts.whose} has one row: an estimator takes two, a sample period apart")
+        raise RecordingError(
+            f"{recording.facts.whose} has fewer than two rows: an estimator takes two, a sample period apart"
+        )
     period_s = float(np.median(np.diff(times)))
     read = circuit_readings(recording)
     setup = EstimatorSetup(model, read.shunt_ohm, period_s, wire=wire)

@@ -10,7 +10,7 @@ class Cause(IntEnum):
 
     NONE = 0
     SATURATION = 1
-    """The drive is at its limit, and the target is not reached."""
+    """The drive is at its limit, or at the power of the highest temperature, and the target is not reached."""
     CHANGED_LOAD = 2
     """Force or stiffness of the load differ from those of the characterization."""
     CHANGED_AIR = 3
@@ -36,8 +36,9 @@ class Cause(IntEnum):
 
 
 CAUSE_TEXT = {
-    Cause.SATURATION: "the drive is at its limit and the target is not reached: a slower reference, a smaller step, or "
-    "for heating a higher maximum_voltage within the wire's limits",
+    Cause.SATURATION: "the drive is at its limit, or at the power that holds the highest temperature, and the target "
+    "is not reached: a slower reference, a smaller step, calmer air, or for heating a higher maximum_voltage within "
+    "the wire's limits",
     Cause.CHANGED_LOAD: "the load is not that of the characterization: put it back, or characterize with this one",
     Cause.CHANGED_AIR: "the air is warmer, colder, calmer or faster than at the characterization",
     Cause.OTHER_WIRE: "not the resistance of this model's wire: another wire, or an aged one (musclewire home)",

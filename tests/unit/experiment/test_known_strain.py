@@ -116,7 +116,26 @@ def test_without_a_time_it_is_known_at_the_end_of_the_first_hold(model: SensingM
         control(rig, model, ramp, known_strain=0.0148)
 
 
-def test_a_moment_after_the_end_is_said_to_be_unused(model: SensingModel) -> None:
+def test_a_moment_at_which_the_wire_is_still_cold_is_said_to_be_unused(model: SensingModel) -> None:
     with mw.open_rig("simulated", seed=4) as rig:
-        run = control(rig, model, staircase(0.015, 0.018, 0.003, 1.0), known_strain=(0.02, 600.0))
-    assert any("known at 600 s was not compared" in said for said in run_warnings(run))
+        run = control(rig, model, staircase(0.015, 0.018, 0.003, 1.0), known_strain=(0.01, 0.1))
+    assert any("known at 0.1 s was not compared" in said for said in run_warnings(run))
+
+
+@pytest.mark.parametrize("at_s", [4.2, 4.5, 8.3])
+def test_a_true_strain_of_a_wire_that_has_just_moved_is_no_finding(model: SensingModel, at_s: float) -> None:
+    with mw.open_rig("simulated", seed=4) as rig:
+        before, leg_m = control(rig, model, STEPS), rig.leg_length_m
+    known = float(np.interp(at_s, before["time_s"] - before["time_s"][0], before["displacement_m"])) / leg_m
+    with mw.open_rig("simulated", seed=4) as rig:
+        run = control(rig, model, STEPS, known_strain=[known, at_s])
+    assert not does_not_hold(run)
+    assert run["resistance_factor"][-1] == pytest.approx(1.0, abs=3e-3)
+
+
+@pytest.mark.parametrize(
+    "wrong", [(0.015, float("inf")), (1, 2, 3), "1.5 %", ("1.5 %", "3 s"), (0.015, -1.0), (0.015, 900.0), float("nan")]
+)
+def test_what_is_no_known_strain_is_refused_before_anything_is_heated(model: SensingModel, wrong: object) -> None:
+    with mw.open_rig("simulated", seed=4) as rig, pytest.raises(CallerError, match="a known strain is one in SI"):
+        control(rig, model, STEPS, known_strain=wrong)  # type: ignore[arg-type]

@@ -92,6 +92,33 @@ def test_what_was_measured_row_by_row_is_left_alone(loop: Recording) -> None:
     assert measured_rows(seldom(loop)) is None
 
 
+@pytest.mark.parametrize("measured", [400, 1_800, 3_600])
+@pytest.mark.parametrize("where", ["after", "between"])
+def test_a_recording_of_which_a_part_was_measured_row_by_row_is_left_as_it_is(
+    loop: Recording, measured: int, where: str
+) -> None:
+    drawn = drawn_out(seldom(loop), len(loop))
+    columns = {name: np.array(values) for name, values in drawn.columns.items()}
+    if where == "after":
+        later_s = drawn["time_s"][-1] + 0.05 * np.arange(1, measured + 1)
+        columns = {name: np.append(values, loop[name][:measured]) for name, values in columns.items()}
+        columns["time_s"][-measured:] = later_s
+    else:
+        for name in columns:
+            columns[name][-measured:] = loop[name][-measured:]
+        if measured == len(loop):
+            return
+    assert measured_rows(Recording(columns, loop.metadata)) is None
+
+
+def test_times_that_stand_still_and_readings_that_are_missing_end_in_no_warning_of_numpy(loop: Recording) -> None:
+    columns = {name: np.array(values) for name, values in seldom(loop).columns.items()}
+    columns["time_s"][5:8] = columns["time_s"][5]
+    columns["wire_voltage_v"][20:30] = np.nan
+    with np.errstate(all="raise"):
+        assert measured_rows(Recording(columns, loop.metadata)) is None
+
+
 def ramps(noise_v: float, step_v: float, slope_v_per_s: float, seed: int) -> Recording:
     """Return two slow ramps as a converter with some step [V] reads them, with some noise [V]."""
     random = np.random.default_rng(seed)

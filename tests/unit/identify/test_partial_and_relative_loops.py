@@ -134,6 +134,32 @@ def test_a_recording_that_begins_warm_gives_no_ratio(loop: Recording, known: str
 @pytest.mark.parametrize("estimator", ["gated", "particle-filter"])
 def test_a_recording_of_one_row_is_refused_in_one_line(loop: Recording, model: SensingModel, estimator: str) -> None:
     one = Recording({name: values[300:301] for name, values in loop.columns.items()}, loop.metadata)
-    with pytest.raises(RecordingError, match="has one row: an estimator takes two") as refused:
+    with pytest.raises(RecordingError, match="has fewer than two rows: an estimator takes two") as refused:
         estimate(model, one, estimator=estimator)
     assert "\n" not in str(refused.value)
+
+
+def test_a_loop_from_cold_that_is_heated_at_once_begins_cold(loop: Recording, model: SensingModel) -> None:
+    with open_rig("simulated", seed=2) as rig:
+        run = control(rig, model)
+    columns = {name: run[name] for name in ("time_s", "wire_voltage_v", "shunt_voltage_v", "displacement_m")}
+    report = estimate(fit(loop, relative_resistance=True), Recording(columns, loop.metadata))
+    assert report.rms_pct is not None
+    assert report.rms_pct < 2.5
+
+
+def test_a_wire_that_is_heated_from_outside_at_one_current_begins_cold(loop: Recording) -> None:
+    ohm = loop["wire_voltage_v"] / loop["shunt_voltage_v"]
+    one_ma = np.full(ohm.size, 1e-3)
+    columns = {"time_s": loop["time_s"], "wire_voltage_v": ohm * one_ma, "wire_current_a": one_ma}
+    for moved in ({}, {"displacement_m": np.full(ohm.size, np.nan)}):
+        report = estimate(
+            fit(loop, relative_resistance=True), Recording(columns | moved, loop.metadata), estimator="polynomial"
+        )
+        assert report.recording["valid"].any()
+
+
+def test_a_contraction_that_counts_the_other_way_is_said_to(loop: Recording) -> None:
+    inverted = dict(loop.columns) | {"displacement_m": -loop["displacement_m"]}
+    with pytest.raises(RecordingError, match="negate a contraction that falls"):
+        fit(Recording(inverted, loop.metadata), relative_resistance=True)

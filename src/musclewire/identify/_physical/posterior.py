@@ -102,7 +102,7 @@ def widened(
     residuals: FloatArray,
     coordinates: FloatArray,
     stretches: Sequence[int],
-    others: FloatArray,
+    ends: FloatArray,
 ) -> FloatArray:
     """Return a covariance with what Laplace's approximation leaves out: residuals that go together, and no minimum.
 
@@ -125,8 +125,8 @@ def widened(
         Where the search ended, (n,).
     stretches
         Number of residuals of each channel; their sum is m.
-    others
-        Where the best other descents ended, (descents, n).
+    ends
+        Where the best descents ended, (descents, n).
 
     Returns
     -------
@@ -136,22 +136,28 @@ def widened(
     inverse = np.linalg.inv(jacobian.T @ jacobian + np.eye(unknowns))
     undone = inverse @ (jacobian.T @ residuals + coordinates)
     gradients = np.split(jacobian * residuals[:, None], np.cumsum(stretches)[:-1])
-    scatter = np.eye(unknowns)
-    if len(gradients) > 1:
-        by_channel = np.array([gradient.sum(axis=0) for gradient in gradients])
-        scatter += len(gradients) / (len(gradients) - 1) * by_channel.T @ by_channel
+    by_neighbours = np.eye(unknowns)
     for gradient in gradients:
         reach = len(gradient) // CURVE_STRETCHES
         for apart in range(min(reach + 1, len(gradient))):
             together = (1.0 - apart / (reach + 1)) * gradient[apart:].T @ gradient[: len(gradient) - apart]
-            scatter += together if apart == 0 else together + together.T
+            by_neighbours += together if apart == 0 else together + together.T
+    found = at_least(spread, inverse @ by_neighbours @ inverse)
+    if len(gradients) > 1:
+        sums = np.array([gradient.sum(axis=0) for gradient in gradients])
+        by_channel = np.eye(unknowns) + len(gradients) / (len(gradients) - 1) * sums.T @ sums
+        found = at_least(found, inverse @ by_channel @ inverse)
+    apart_by = ends - coordinates
+    return np.asarray(found + np.outer(undone, undone) + apart_by.T @ apart_by / max(len(ends), 1))
+
+
+def at_least(spread: FloatArray, other: FloatArray) -> FloatArray:
+    """Return a covariance, (n, n), widened in each direction in which another one is wider."""
     root = np.linalg.cholesky(spread)
-    white = np.linalg.solve(root, np.linalg.solve(root, inverse @ scatter @ inverse).T)
+    white = np.linalg.solve(root, np.linalg.solve(root, other).T)
     variances, directions = np.linalg.eigh(0.5 * (white + white.T))
     axes = root @ directions
-    apart_by = others - coordinates
-    ends = apart_by.T @ apart_by / max(len(apart_by), 1)
-    return np.asarray((axes * np.maximum(variances, 1.0)) @ axes.T + np.outer(undone, undone) + ends)
+    return np.asarray((axes * np.maximum(variances, 1.0)) @ axes.T)
 
 
 def estimates(

@@ -101,6 +101,8 @@ START_SCALES = (100.0, 30.0, 10.0, 3.0, 1.0)
 JUMP_SCALES = (10.0, 3.0, 1.0)
 # No more descents are made after this many that end within this fraction of the best cost.
 AGREEING, AGREEMENT = 3, 1e-3
+# Ends within this fraction of the best cost are as good as it: the model's own error is larger.
+ALIKE = 0.1
 # Spread of starts and jumps, in prior standard deviations.
 START_SPREAD, JUMP_SPREAD = 0.8, 0.5
 
@@ -212,9 +214,10 @@ class SearchResult:
 
     @property
     def best_ends(self) -> FloatArray:
-        """Where the best descents ended, as many as end a search if they agree, (descents, n)."""
+        """Where the best descents ended, (descents, n): as many as end a search if they agree, of about equal cost."""
         best = np.argsort(self.costs, kind="stable")[:AGREEING]
-        return np.asarray(self.ends[best[np.isfinite(np.array(self.costs)[best])]])
+        costs = np.array(self.costs)[best]
+        return np.asarray(self.ends[best[costs <= (1.0 + ALIKE) * costs[0]]])
 
     @property
     def cost(self) -> float:

@@ -151,3 +151,9 @@ def test_efforts_are_known_by_their_words() -> None:
 def test_a_search_that_would_not_search_is_refused(wrong: dict[str, int]) -> None:
     with pytest.raises(CallerError, match="a search needs"):
         SearchSettings(**wrong)
+
+
+def test_only_ends_that_are_about_as_good_as_the_best_say_how_far_apart_descents_end() -> None:
+    ends = np.array([[0.0], [3.0], [0.1], [9.0]])
+    found = SearchResult(ends[0], np.zeros(1), np.zeros((1, 1)), (100.0, 800.0, 104.0, np.inf), ends, 1)
+    assert found.best_ends.ravel().tolist() == [0.0, 0.1]

@@ -102,6 +102,17 @@ def test_channels_that_contradict_each_other_widen_what_they_contradict_each_oth
     assert held["widened"] > 70
 
 
+def test_white_residuals_of_six_channels_widen_little() -> None:
+    random = np.random.default_rng(12)
+    matrix = random.normal(size=(600, 5))
+    plain, wider = covariance(matrix), []
+    for _ in range(100):
+        found, residuals = fitted(matrix, matrix @ np.ones(5) + random.standard_normal(600))
+        spread = widened(plain, matrix, residuals, found, [100] * 6, found[None, :])
+        wider.append(np.sqrt(np.diag(spread) / np.diag(plain)))
+    assert np.mean(wider) < 1.25
+
+
 def test_how_far_apart_the_descents_ended_belongs_to_the_deviation() -> None:
     matrix = np.random.default_rng(11).normal(size=(50, 3))
     found, residuals = fitted(matrix, matrix @ np.ones(3))
