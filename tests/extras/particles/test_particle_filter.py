@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -23,8 +24,9 @@ CHANGE_S = 15.0
 STROKE = 0.038
 
 
+@cache
 def fitted() -> SensingModel:
-    """The model of this wire, from a slow loop without noise."""
+    """The model of this wire, from a slow loop without noise; when a test first asks for it, because it compiles."""
     time_s = PERIOD_S * np.arange(1, 3601)
     drive_v = 0.3 + 1.45 * (1.0 - np.cos(2.0 * np.pi * time_s / 90.0))
     path, _ = drive_path(WIRE, drive_v, sample_s=PERIOD_S)
@@ -36,9 +38,6 @@ def fitted() -> SensingModel:
         "displacement_m": path.displacement_m,
     }
     return fit(Recording(columns, {"leg_length_m": 0.07, "shunt_resistance_ohm": 1.0}))
-
-
-MODEL = fitted()
 
 
 def drive_at(time_s: float) -> float:
@@ -53,7 +52,7 @@ def followed(
 ) -> dict[str, Any]:
     """Estimates and true contraction of a wire whose numbers change to these after a while."""
     wire = OneWire(WIRE)
-    estimator = particle_filter(EstimatorSetup(MODEL, 1.0, PERIOD_S, wire=WIRE), settings)
+    estimator = particle_filter(EstimatorSetup(fitted(), 1.0, PERIOD_S, wire=WIRE), settings)
     state, rows = estimator.start(), []
     random = np.random.default_rng(5)
     for tick in range(round(duration_s / PERIOD_S)):
@@ -115,9 +114,9 @@ def test_a_home_move_says_what_became_of_the_resistance() -> None:
     home = HomeMove(
         "2026-11-22T12:00:00+00:00", 1, None, 1.9, None, True, 1.01, 1e-3, 0.2, 0.02, 0.0, 8.0, 1.0, 0.1, 0.01
     )
-    low, high = (1.01 * ohm + 0.2 for ohm in (MODEL.resistance_min_ohm, MODEL.resistance_max_ohm))
-    homed = replace(MODEL, resistance_min_ohm=low, resistance_max_ohm=high, home=home)
-    estimators = [particle_filter(EstimatorSetup(model, 1.0, PERIOD_S, wire=WIRE)) for model in (MODEL, homed)]
+    low, high = (1.01 * ohm + 0.2 for ohm in (fitted().resistance_min_ohm, fitted().resistance_max_ohm))
+    homed = replace(fitted(), resistance_min_ohm=low, resistance_max_ohm=high, home=home)
+    estimators = [particle_filter(EstimatorSetup(model, 1.0, PERIOD_S, wire=WIRE)) for model in (fitted(), homed)]
     wire, states = OneWire(WIRE), [one.start() for one in estimators]
     for tick in range(240):
         drive_v = drive_at(PERIOD_S * tick)
@@ -133,7 +132,7 @@ def test_a_home_move_says_what_became_of_the_resistance() -> None:
 
 def test_without_a_wire_file_the_message_says_how_to_make_one() -> None:
     with pytest.raises(CallerError, match="needs a wire file: musclewire calibrate makes one"):
-        particle_filter(EstimatorSetup(MODEL, 1.0, PERIOD_S))
+        particle_filter(EstimatorSetup(fitted(), 1.0, PERIOD_S))
 
 
 @pytest.mark.parametrize(
