@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
+from musclewire.errors import RecordingError
 from musclewire.identify._recordings import resistance_reading
 from musclewire.signals import Recording
 
@@ -48,7 +49,10 @@ def measured_rows(recording: Recording) -> NDArray[np.intp] | None:
     recorded = [bends_of(time_s, recording[name]) for name in ELECTRICAL if name in recording]
     bends = list(recorded)
     if "wire_resistance_ohm" not in recording:
-        reading = resistance_reading(recording)
+        try:
+            reading = resistance_reading(recording)
+        except RecordingError:  # what is missing is said where it is needed, with all else that is missing
+            return None
         bends.append(bends_of(time_s, np.where(reading.valid, reading.resistance_ohm, np.nan)))
     # Two of voltage, current and resistance may be on lines; the third is then their product or quotient.
     between = np.sum([bend <= STRAIGHT_PART for bend in bends], axis=0) >= min(2, len(bends))
