@@ -47,13 +47,12 @@ def known_strain_in(
         numbers = [float(number) for number in np.atleast_1d(np.asarray(known, dtype=np.float64))]
     except (TypeError, ValueError):
         numbers = []
-    last_s = approach_s + reference.duration_s
-    if len(numbers) not in (1, 2) or not np.all(np.isfinite(numbers)) or not 0.0 <= numbers[-1] < last_s:
-        raise CallerError(
-            f"a known strain is one in SI, or with it the time [s] within the run's {last_s:g} s at which it is known, "
-            f"as (0.012, 3.0): not {known!r}"
-        )
+    if len(numbers) not in (1, 2) or not np.all(np.isfinite(numbers)):
+        raise CallerError(f"a known strain is a number in SI, or with its time [s] two, as (0.012, 3.0): not {known!r}")
     if len(numbers) == 2:
+        last_s = approach_s + reference.duration_s
+        if not 0.0 <= numbers[1] < last_s:
+            raise CallerError(f"the known strain is one at {numbers[1]:g} s, and the run goes from 0 to {last_s:g} s")
         return KnownStrain(*numbers)
     targets = reference.targets_at(np.arange(0.0, reference.duration_s, sample_period_s))
     held = np.flatnonzero(np.append(targets != targets[0], True))[0]
