@@ -139,6 +139,6 @@ def test_a_true_strain_of_a_wire_that_has_just_moved_is_no_finding(model: Sensin
 def test_what_is_no_known_strain_is_refused_before_anything_is_heated(model: SensingModel, wrong: object) -> None:
     with (
         mw.open_rig("simulated", seed=4) as rig,
-        pytest.raises(CallerError, match="a known strain is a number in SI|the run goes from 0 to"),
+        pytest.raises(CallerError, match=r"a known strain is a number in SI|the run goes from 0 to"),
     ):
         control(rig, model, STEPS, known_strain=wrong)  # type: ignore[arg-type]
