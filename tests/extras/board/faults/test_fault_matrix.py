@@ -34,7 +34,7 @@ Boards = Callable[[str], EmulatedBoard]
 # Of the faults tried on the firmware in its emulator, those that every run of the tests tries.
 ALWAYS = ("a bridge of 4 ohm over the wire", "a script raises an exception")
 # What takes a command of its own, or minutes where the machine is busy: of these CI tries a signal and a killed host.
-# And what another row notices too: a bridge, the other channel, bytes that are corrupted both ways.
+# And what is near another row: a bridge of 4 ohm, the other channel, bytes that are corrupted both ways.
 IN_FULL = (
     "the two channels are swapped",
     "the converter repeats itself inside the firmware",
