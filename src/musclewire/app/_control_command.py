@@ -220,8 +220,7 @@ def loop_of(choice: LoopChoice, loop: ControlledLoopOptions, loaded: SensingMode
         )
     if choice.load is not None or choice.zero_from != "kept" or choice.known_strain is not None:
         raise CallerError(
-            "--on-board runs by the firmware's own numbers: leave out --known-stiffness and --zero-from, and "
-            "--known-strain"
+            "--on-board runs by the firmware's own numbers: leave out --known-stiffness, --zero-from and --known-strain"
         )
     from musclewire.controllers import FUZZY_PID_IN_C
     from musclewire.experiment import APPROACH_S, control_on_board

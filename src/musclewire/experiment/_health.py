@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
-from musclewire.experiment._first_heating import seen_at_b
-from musclewire.experiment._known_strain import missed_known_strain
+from musclewire.experiment._first_heating import SeenAtB, seen_at_b
+from musclewire.experiment._known_strain import MissedBy, missed_known_strain
 from musclewire.experiment._metrics import judged_for_sensing, since_first_sensed, valid_share
 from musclewire.experiment._scale_by_b import TODAY, WITHIN_STD, what_followed
 from musclewire.identify import COLUMN_SUFFIX, reference_quantity
@@ -107,9 +107,9 @@ def marks_of(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:
     marked = {Cause.SATURATION: saturated(recording, suffix), Cause.STALLED: stalled(recording, suffix)}
     marked[Cause.SATURATION] &= ~marked[Cause.STALLED]
     marked[Cause.CONTRADICTED] = contradicted(recording, suffix)
-    marked[Cause.OTHER_HEIGHT_OF_B] = at_another_height(recording)
+    marked[Cause.OTHER_HEIGHT_OF_B] = from_row_on(recording, seen_at_b(recording))
     marked[Cause.HARDLY_SENSED] = hardly_sensed(recording)
-    marked[Cause.MISSED_KNOWN_STRAIN] = after_a_miss(recording)
+    marked[Cause.MISSED_KNOWN_STRAIN] = from_row_on(recording, missed_known_strain(recording))
     if "health" in recording:
         for cause in (Cause.CHANGED_LOAD, Cause.CHANGED_AIR, Cause.OTHER_WIRE):
             marked[cause] = recording["health"] == float(cause)
@@ -237,11 +237,12 @@ def contradiction_in_words(recording: Recording, suffix: str) -> str:
     return f"{said}, by {rms_pct:.1f} % rms of the stroke"
 
 
-def at_another_height(recording: Recording) -> npt.NDArray[np.bool_]:
-    """Return the samples from B of the first heating on if it is not at the model's height; else none."""
-    seen = seen_at_b(recording)
-    away = seen is not None and seen.is_away
-    return np.asarray(away & (np.arange(len(recording)) >= (0 if seen is None else seen.row)))
+def from_row_on(recording: Recording, found: SeenAtB | MissedBy | None) -> npt.NDArray[np.bool_]:
+    """Return the samples from the row on at which something was found beyond its limit; none if it was not."""
+    marked = np.zeros(len(recording), dtype=np.bool_)
+    if found is not None and found.is_away:
+        marked[found.row :] = True
+    return marked
 
 
 def in_words_at_b(recording: Recording) -> str:
@@ -249,13 +250,6 @@ def in_words_at_b(recording: Recording) -> str:
     seen = seen_at_b(recording)
     from_today = recording.facts.text_or_none("zero_from") == TODAY
     return f"{seen}; {what_followed(seen)}" if from_today and seen is not None else str(seen)
-
-
-def after_a_miss(recording: Recording) -> npt.NDArray[np.bool_]:
-    """Return the samples from a known strain on if the estimate missed it; else none."""
-    missed = missed_known_strain(recording)
-    away = missed is not None and missed.is_away
-    return np.asarray(away & (np.arange(len(recording)) >= (0 if missed is None else missed.row)))
 
 
 def miss_in_words(recording: Recording) -> str:

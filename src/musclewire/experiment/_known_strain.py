@@ -91,11 +91,11 @@ class ScaleByKnownStrain:
 
     def __init__(self, known: KnownStrain, model: SensingModel, shunt_resistance_ohm: float) -> None:
         """Begin before the first sample. Raises CallerError for a strain that the model does not reach."""
-        if not model.quantity_min <= known.value <= model.quantity_max or not known.at_s >= 0.0:
+        if not model.quantity_min <= known.value <= model.quantity_max:
             factor, unit = SHOWN_AS[model.quantity]
             raise CallerError(
                 f"the known {model.quantity} of {factor * known.value:g} {unit} at {known.at_s:g} s: this model senses "
-                f"{factor * model.quantity_min:.3g} to {factor * model.quantity_max:.3g} {unit}, after the start"
+                f"{factor * model.quantity_min:.3g} to {factor * model.quantity_max:.3g} {unit}"
             )
         self._known, self._model, self._shunt_resistance_ohm = known, model, shunt_resistance_ohm
         self._seen: deque[tuple[float, float, float]] = deque()

@@ -146,7 +146,8 @@ def fit(
     Where the loop shows the plant, the model keeps the gains for it, as ``tune`` finds them; ``control`` takes them.
     Where the recording has the current, it goes through the estimator of a closed loop with this model, as by
     :func:`estimate`; if more than 0.5 % of the samples that count are more than 5 % of the stroke wrong, the model says
-    that it does not hold.
+    that it does not hold. Of a recording that was interpolated by straight lines the measured rows count, and the model
+    says so.
 
     Parameters
     ----------
@@ -525,7 +526,8 @@ def estimate(
     """Estimate strain (or the model's quantity) from a recording's resistance, sample by sample.
 
     Valid are samples with current, a resistance in the model's range, and the wire between B and C, which shows in how
-    power and resistance move together.
+    power and resistance move together. A recording that was interpolated by straight lines is estimated at its measured
+    rows, and on lines between them.
 
     Parameters
     ----------

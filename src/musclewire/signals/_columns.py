@@ -74,7 +74,12 @@ _ALL = (
     Column("beyond_c", "", "1 while the drive is lowered, since resistance rose with power", "control"),
     Column("power_limited", "", "1 while no more power is given, since that holds the highest temperature", "control"),
     Column("lag_s", "s", "by how much later than its gains expect the wire was seen to follow", "control"),
-    Column("resistance_factor", "", "factor on the resistance that the estimator saw, by the height of B", "control"),
+    Column(
+        "resistance_factor",
+        "",
+        "factor on the resistance that the estimator saw, by the height of B or by a known strain",
+        "control",
+    ),
     Column(
         "slow_correction",
         "",

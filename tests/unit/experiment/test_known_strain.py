@@ -68,9 +68,9 @@ def test_only_what_was_valid_at_the_moment_is_compared() -> None:
     assert scale.factor == 1.0
 
 
-@pytest.mark.parametrize(("value", "at_s"), [(0.05, 2.0), (-0.01, 2.0), (0.02, -1.0), (float("nan"), 2.0)])
+@pytest.mark.parametrize(("value", "at_s"), [(0.05, 2.0), (-0.01, 2.0), (float("nan"), 2.0)])
 def test_a_strain_that_the_model_does_not_reach_is_refused(value: float, at_s: float) -> None:
-    with pytest.raises(CallerError, match=r"this model senses 0\.\d+ to 3\.\d+ %, after the start"):
+    with pytest.raises(CallerError, match=r"this model senses 0\.\d+ to 3\.\d+ %"):
         ScaleByKnownStrain(KnownStrain(value, at_s), STRAIGHT, SHUNT_OHM)
 
 
