@@ -75,6 +75,12 @@ class Served:
         holder: str | None = self.request("benches")["benches"][0]["holder"]
         return holder
 
+    def said(self) -> str:
+        """Return what the bench says of itself, for whoever reads why a test has failed."""
+        state = self.state
+        named = {name: state[name] for name in ("phase", "why", "doing", "messages")}
+        return f"The bench: {json.dumps(named)}"
+
     def stop(self) -> str:
         """Stop the bench."""
         return str(self.request(f"benches/{BENCH}/stop", method="POST")["phase"])
@@ -130,4 +136,8 @@ def serving(folder: Path, *arguments: str) -> Iterator[Served]:
     with running_server(folder.parent, *arguments, rigs=()) as server:
         served = Served(server.process, server.link.partition("?")[0], folder)
         served.until_phase("off", max_wait_s=MAX_START_S)
-        yield served
+        try:
+            yield served
+        except Exception as trouble:
+            trouble.add_note(served.said())
+            raise

@@ -116,3 +116,29 @@ def test_a_drawn_path_goes_on_in_time_from_0_to_its_duration(modules: Any) -> No
 def test_fields_give_numbers_or_say_what_is_wrong(modules: Any, field: str, text: str, expected: Any) -> None:
     body = f"try {{ return m.readField({field}, {text!r}); }} catch (problem) {{ return problem.message; }}"
     assert run(modules, "run_kinds", body) == expected
+
+
+STEERING = """
+    const named = ["slider", "slider-number", "steer"];
+    const parts = Object.fromEntries(named.map((one) => [one, document.createElement(one === "steer" ? "button" : "input")]));
+    const said = [], refused = [], answers = [];
+    const send = (value) => new Promise((resolve) => { said.push(value); answers.push(resolve); });
+    const steering = new m.Steering(parts, { send, start: () => {}, refuse: (text) => refused.push(text) });
+    steering.canSteer = true;
+    steering.scale = { lowest: 0, highest: 100, unit: "%", digits: 2, factor: 1 };
+    const later = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+"""
+
+
+def test_the_last_value_of_a_slider_arrives_however_late_answers_come(modules: Any) -> None:
+    body = """for (let value = 1; value <= 60; value += 1) { steering.moved(value); await later(5); }
+        answers.shift()({ accepted: true }); await later(100);
+        return [said, answers.length];"""
+    assert run(modules, "steering", STEERING + body) == [[1, 60], 1]
+
+
+def test_a_slider_whose_value_was_refused_shows_the_target_of_the_loop(modules: Any) -> None:
+    body = """steering.moved(7); answers.shift()({ accepted: false, message: "no" }); await later(0);
+        steering.followRow(3.25);
+        return [refused, parts["slider-number"].value];"""
+    assert run(modules, "steering", STEERING + body) == [["", "no"], "3.25"]

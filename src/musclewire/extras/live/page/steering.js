@@ -12,7 +12,7 @@ export class Steering {
     this.parts = parts;
     this.send = send;
     this.refuse = refuse;
-    this.sent_ms = 0;
+    this.waiting = null;
     const { slider } = parts;
     const field = parts["slider-number"];
     slider.addEventListener("input", () => this.moved(Number(slider.value)));
@@ -32,17 +32,24 @@ export class Steering {
     this.isUnmoved = false;
     this.show(value);
     this.waiting = value;
-    const left_ms = this.sent_ms + BETWEEN_MS - performance.now();
-    if (left_ms <= 0) this.flush();
-    else this.timer ??= setTimeout(() => this.flush(), left_ms);
+    if (!this.isSending) this.sendNewest();
   }
 
-  async flush() {
-    clearTimeout(this.timer);
-    this.timer = null;
-    this.sent_ms = performance.now();
-    const answer = await this.send(this.waiting / this.scale.factor);
-    if (!answer.accepted) this.refuse(answer.message);
+  /** Send one value at a time, and what it has been moved to by its answer: however late answers come, the last arrives. */
+  async sendNewest() {
+    this.isSending = true;
+    while (this.waiting !== null) {
+      const value = this.waiting;
+      this.waiting = null;
+      const pause = new Promise((resolve) => setTimeout(resolve, BETWEEN_MS));
+      const answer = await this.send(value / this.scale.factor);
+      if (!answer.accepted) {
+        this.refuse(answer.message);
+        this.isUnmoved = true; // what was refused is not where the loop's target is: the next row shows that
+      }
+      await pause;
+    }
+    this.isSending = false;
   }
 
   /** Take the target of the newest row: where a loop began, and where somebody else moves it. */
