@@ -119,8 +119,8 @@ def test_fields_give_numbers_or_say_what_is_wrong(modules: Any, field: str, text
 
 
 STEERING = """
-    const named = ["slider", "slider-number", "steer"];
-    const parts = Object.fromEntries(named.map((one) => [one, document.createElement(one === "steer" ? "button" : "input")]));
+    const made = (kind) => document.createElement(kind);
+    const parts = { slider: made("input"), "slider-number": made("input"), steer: made("button") };
     const said = [], refused = [], answers = [];
     const send = (value) => new Promise((resolve) => { said.push(value); answers.push(resolve); });
     const steering = new m.Steering(parts, { send, start: () => {}, refuse: (text) => refused.push(text) });
