@@ -5,12 +5,13 @@ Load and a scale of the resistance move that maximum, B; air, its flow and the s
 
 from __future__ import annotations
 
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.sensing import first_maximum
+from musclewire.sensing import first_maximum, noise_level
 from musclewire.signals import Recording, RunFacts
 
 # B counts as moved beyond so many of the standard deviations with which the model says that it repeats.
@@ -59,6 +60,8 @@ class KnownB(NamedTuple):
         Rise from the cold wire to B [ohm].
     std_ohm
         Standard deviation with which B repeats [ohm].
+    highest_ohm
+        Highest resistance of the whole loop [ohm]: B's, or that of a wire which turns higher when it cools.
     sense_voltage_v
         Drive that hardly heats [V].
     """
@@ -67,6 +70,7 @@ class KnownB(NamedTuple):
     c_ohm: float
     rise_ohm: float
     std_ohm: float
+    highest_ohm: float
     sense_voltage_v: float
 
     @classmethod
@@ -77,7 +81,9 @@ class KnownB(NamedTuple):
         if None in numbers:
             return None
         b_ohm, c_ohm, rise_ohm, std_ohm = (float(number or 0.0) for number in numbers)
-        return cls(b_ohm, c_ohm, rise_ohm, std_ohm, facts.number_or_none("limit_sense_voltage_v") or 0.0)
+        highest_ohm = facts.number_or_none("model_highest_ohm") or b_ohm
+        sense_voltage_v = facts.number_or_none("limit_sense_voltage_v") or 0.0
+        return cls(b_ohm, c_ohm, rise_ohm, std_ohm, highest_ohm, sense_voltage_v)
 
     def passed_in(self, resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> tuple[int, float] | None:
         """Return row and height [ohm] of the first maximum that a run's resistance, (n_times,), has fallen from.
@@ -107,7 +113,16 @@ class KnownB(NamedTuple):
         if hot or seen_ohm - cold_ohm < COLD_RISE * self.rise_ohm:
             return None
         percent = 100.0 / span_ohm
-        return SeenAtB(at, percent * (seen_ohm - self.b_ohm), percent * LIMIT_STDS * self.std_ohm)
+        std_ohm = hypot(self.std_ohm, noise_at(at, resistance_ohm, drive_voltage_v))
+        return SeenAtB(at, percent * (seen_ohm - self.b_ohm), percent * LIMIT_STDS * std_ohm)
+
+
+def noise_at(row: int, resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> float:
+    """Return the noise of a reading [ohm] at a row, from the rows before; 0 if they are too few.
+
+    What a voltage's noise is in resistance falls with the drive.
+    """
+    return noise_level(resistance_ohm[:row], drive_voltage_v[:row] / drive_voltage_v[row])
 
 
 def seen_at_b(recording: Recording) -> SeenAtB | None:

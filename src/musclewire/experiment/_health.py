@@ -12,6 +12,7 @@ from musclewire.arrays import FloatArray
 from musclewire.experiment._first_heating import SeenAtB, seen_at_b
 from musclewire.experiment._known_strain import MissedBy, missed_known_strain
 from musclewire.experiment._metrics import judged_for_sensing, since_first_sensed, valid_share
+from musclewire.experiment._odd_resistance import odd_resistance
 from musclewire.experiment._scale_by_b import TODAY, WITHIN_STD, what_followed
 from musclewire.identify import COLUMN_SUFFIX, reference_quantity
 from musclewire.sensing import CAUSE_TEXT, SHOWN_AS, Cause
@@ -30,6 +31,7 @@ NAMES = {
     Cause.OTHER_HEIGHT_OF_B: "changed load or resistance",
     Cause.HARDLY_SENSED: "hardly sensed",
     Cause.MISSED_KNOWN_STRAIN: "known strain missed",
+    Cause.BAD_CONTACT: "bad contact",
 }
 # The drive is at a limit within this fraction of it; a target is missed by more than this part of the range of targets.
 AT_LIMIT, NOT_REACHED = 0.01, 0.05
@@ -50,6 +52,7 @@ GRAVE = (
     Cause.OTHER_HEIGHT_OF_B,
     Cause.HARDLY_SENSED,
     Cause.MISSED_KNOWN_STRAIN,
+    Cause.BAD_CONTACT,
 )
 # An instrument contradicts an estimate if more than this part of the valid samples are beyond the interval: errors last
 # for a step, and of the paper's eleven steps two are beyond by chance in one run of ten, three in 1.5 %.
@@ -107,7 +110,9 @@ def marks_of(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:
     marked = {Cause.SATURATION: saturated(recording, suffix), Cause.STALLED: stalled(recording, suffix)}
     marked[Cause.SATURATION] &= ~marked[Cause.STALLED]
     marked[Cause.CONTRADICTED] = contradicted(recording, suffix)
-    marked[Cause.OTHER_HEIGHT_OF_B] = from_row_on(recording, seen_at_b(recording))
+    odd = odd_resistance(recording)
+    marked[Cause.OTHER_HEIGHT_OF_B] = from_row_on(recording, seen_at_b(recording)) | since_first(recording, odd.above)
+    marked[Cause.BAD_CONTACT] = since_first(recording, odd.jumps)
     marked[Cause.HARDLY_SENSED] = hardly_sensed(recording)
     marked[Cause.MISSED_KNOWN_STRAIN] = from_row_on(recording, missed_known_strain(recording))
     if "health" in recording:
@@ -150,6 +155,9 @@ def numbers_of(cause: Cause, recording: Recording, row: int) -> str:
         return contradiction_in_words(recording, sensed_suffix(recording))
     if cause is Cause.OTHER_HEIGHT_OF_B:
         return in_words_at_b(recording)
+    if cause is Cause.BAD_CONTACT:
+        odd = odd_resistance(recording)
+        return f"{odd.jumps.size} times, by up to {odd.largest_jump_pct:.0f} % of the span from B to C"
     if cause is Cause.MISSED_KNOWN_STRAIN:
         return miss_in_words(recording)
     if cause is Cause.HARDLY_SENSED:
@@ -239,17 +247,26 @@ def contradiction_in_words(recording: Recording, suffix: str) -> str:
 
 def from_row_on(recording: Recording, found: SeenAtB | MissedBy | None) -> npt.NDArray[np.bool_]:
     """Return the samples from the row on at which something was found beyond its limit; none if it was not."""
-    marked = np.zeros(len(recording), dtype=np.bool_)
-    if found is not None and found.is_away:
-        marked[found.row :] = True
-    return marked
+    rows = [found.row] if found is not None and found.is_away else []
+    return since_first(recording, np.array(rows, dtype=np.intp))
+
+
+def since_first(recording: Recording, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.bool_]:
+    """Return the samples from the first of some rows on; none of no rows."""
+    return np.arange(len(recording)) >= (rows[0] if rows.size else len(recording))
 
 
 def in_words_at_b(recording: Recording) -> str:
-    """Return in words where B of the first heating is, and what a run from today's zero has made of it."""
+    """Return in words where B of the first heating is, and what a run from today's zero has made of it.
+
+    Of one at the model's height, or that was not seen, in words how far above the slow loop the resistance was.
+    """
     seen = seen_at_b(recording)
+    if seen is None or not seen.is_away:
+        above_pct = odd_resistance(recording).above_pct
+        return f"up to {above_pct:.0f} % of the span from B to C above all that the model's slow loop showed"
     from_today = recording.facts.text_or_none("zero_from") == TODAY
-    return f"{seen}; {what_followed(seen)}" if from_today and seen is not None else str(seen)
+    return f"{seen}; {what_followed(seen)}" if from_today else str(seen)
 
 
 def miss_in_words(recording: Recording) -> str:

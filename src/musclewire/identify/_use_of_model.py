@@ -22,6 +22,8 @@ DEFAULT_WITH_WIRE_FILE = "particle-filter"
 SAME_LENGTH_FRACTION = 0.005
 # Loads and springs that differ by less are one, measured twice.
 SAME_LOAD_FRACTION = 0.02
+# The highest resistance of a loop is that of the mean of so many readings.
+MEAN_SAMPLES = 5
 # What of a load a model and a rig may both state, in words and with its unit.
 STATED_LOAD = {"pretension_n": ("a pretension", "N"), "spring_stiffness_n_per_m": ("a spring", "N/m")}
 # Why a run's first heating is not compared with that of the model.
@@ -161,8 +163,8 @@ def load_facts(model: SensingModel, known: Mapping[str, MetadataValue]) -> dict[
 def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
     """Return the height of B in a model's slow loop, which a run's first heating is compared with, or why it is not.
 
-    B, C and the rise from the cold wire to B [ohm], and the standard deviation [ohm] with which B repeats: by the drift
-    that a trained wire has, and the noise of a reading.
+    B, C, the highest of the whole loop and the rise from the cold wire to B [ohm], and the standard deviation [ohm]
+    with which B repeats: by the drift that a trained wire has, and the noise of a reading.
     """
     resistance_ohm = np.array([row[2] for row in model.slow_loop])
     try:
@@ -171,9 +173,11 @@ def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
         return {"b_not_compared": NO_LOOP}
     if not seen.saw_b:
         return {"b_not_compared": NO_MAXIMUM}
+    means_ohm = np.convolve(resistance_ohm, np.full(MEAN_SAMPLES, 1.0 / MEAN_SAMPLES), "valid")
     return {
         "model_b_ohm": model.resistance_max_ohm,
         "model_c_ohm": model.resistance_min_ohm,
+        "model_highest_ohm": max(model.resistance_max_ohm, float(means_ohm.max())),
         "model_rise_ohm": model.resistance_max_ohm - model.cold_resistance_ohm,
         "model_b_std_ohm": hypot(model.drift_resistance_ohm, model.resistance_noise_ohm),
     }

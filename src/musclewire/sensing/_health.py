@@ -28,11 +28,13 @@ class Cause(IntEnum):
     CONTRADICTED = 9
     """The reference instrument is too often beyond the interval that the estimate states."""
     OTHER_HEIGHT_OF_B = 10
-    """The first heating turned at another resistance than the model's slow loop: load or resistance have changed."""
+    """B was passed at another resistance than in the model's slow loop, or the resistance was above that loop's."""
     HARDLY_SENSED = 11
     """Too few samples were valid for the loop to have been closed."""
     MISSED_KNOWN_STRAIN = 12
     """The estimate missed a strain that was known at one moment by more than its interval."""
+    BAD_CONTACT = 13
+    """At a steady drive the resistance jumped up within one sample, as a contact's does and no wire's."""
 
 
 CAUSE_TEXT = {
@@ -52,11 +54,13 @@ CAUSE_TEXT = {
     "as much longer",
     Cause.CONTRADICTED: "the reference instrument is too often beyond the 95 % interval of the estimate: load, "
     "resistance or air are not those of the characterization, or the instrument counts from another zero",
-    Cause.OTHER_HEIGHT_OF_B: "the first heating turned at another resistance than the model's slow loop: the load or "
+    Cause.OTHER_HEIGHT_OF_B: "the resistance was not where the model's slow loop has it: the load or "
     "the resistance (contact, lead, age) has changed since the model was made, or the air, if this wire turns below "
     "about 50 C: put it back, or characterize again; for resistance alone musclewire home",
     Cause.HARDLY_SENSED: "the loop was closed for a part of the run only: the wire was cold of B, beyond C, or carried "
     "no current; give targets further from both ends, or check the contacts",
     Cause.MISSED_KNOWN_STRAIN: "the estimate missed the strain that is known: load, spring, resistance, air or zero "
     "are not those of the characterization; what came before is wrong, and from there on the resistance is scaled",
+    Cause.BAD_CONTACT: "at a steady drive the resistance jumps up within one sample, as a contact's does and no "
+    "wire's: crimp it again, or measure the voltage on the wire itself",
 }

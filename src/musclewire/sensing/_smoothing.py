@@ -20,7 +20,7 @@ MEDIAN_TO_STD = 0.6744897501960817
 LAG_BLOCK = 128
 
 
-def noise_level(values: FloatArray) -> float:
+def noise_level(values: FloatArray, weights: FloatArray | None = None) -> float:
     """Estimate the standard deviation of white noise on a smooth curve.
 
     The median of fourth differences ignores steps and slow bends of the curve, so that even a curve of 100 samples
@@ -30,6 +30,8 @@ def noise_level(values: FloatArray) -> float:
     ----------
     values
         The curve, shape (n,).
+    weights
+        Factors of each value's noise, where it is not the same everywhere, shape (n,); 1 if None.
 
     Returns
     -------
@@ -37,7 +39,7 @@ def noise_level(values: FloatArray) -> float:
     """
     if values.size < 9:
         return 0.0
-    differences = np.diff(values, n=4)
+    differences = np.diff(values, n=4) * (1.0 if weights is None else weights[2:-2])
     spread = median_of(np.abs(differences - median_of(differences)))
     return spread / MEDIAN_TO_STD / FOURTH_DIFFERENCE_STD
 

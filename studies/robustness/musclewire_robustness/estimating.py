@@ -10,8 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire import ESTIMATORS, EstimatorSetup, FloatArray, SensingModel, WireSample
-from musclewire.experiment import ScaleByB
+from musclewire.experiment import KnownB, ScaleByB, odd_in
+from musclewire.identify import load_facts
 from musclewire.sensing import EstimatorFactory, KnownSpring, estimates
+from musclewire.signals import RunFacts
 from musclewire.wire import WireConstants
 from musclewire_robustness.recorded_run import RecordedRun
 
@@ -19,7 +21,8 @@ from musclewire_robustness.recorded_run import RecordedRun
 class EstimatedRun(NamedTuple):
     """An estimator's answers over a run, each (n_samples,).
 
-    ``columns`` are those that it records itself, ``b_has_moved`` is where B was known to be at another height.
+    ``columns`` are those that it records itself, ``resistance_is_odd`` is where B was known to be at another height,
+    the resistance to have jumped, or to be above all that the slow loop showed.
     """
 
     value: FloatArray
@@ -27,7 +30,7 @@ class EstimatedRun(NamedTuple):
     valid: npt.NDArray[np.bool_]
     reason: npt.NDArray[np.int64]
     columns: dict[str, FloatArray]
-    b_has_moved: npt.NDArray[np.bool_]
+    resistance_is_odd: npt.NDArray[np.bool_]
     failure: str
 
 
@@ -87,6 +90,7 @@ def estimated(
         (scale.judged(one) if zeroed else one, recorded, scale.has_moved) for one, recorded in estimates(made, given())
     ]
     found, recorded, moved = zip(*answers, strict=True)
+    since = since_first_odd(run, model, np.array([one.valid for one in found]))
     failure = next((one.failure for one in found if one.failure), "")
     return EstimatedRun(
         np.array([one.value for one in found]),
@@ -94,9 +98,24 @@ def estimated(
         np.array([one.valid for one in found]),
         np.array([int(one.reason) for one in found]),
         dict(zip(made.columns, np.array(recorded, dtype=np.float64).T, strict=True)),
-        np.array(moved),
+        np.array(moved) | since,
         failure,
     )
+
+
+def since_first_odd(run: RecordedRun, model: SensingModel, valid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return the samples since the first whose resistance is none of the wire's, once one is valid, (n_samples,)."""
+    stated = RunFacts({**load_facts(model, {}), "limit_sense_voltage_v": run.facts["sense_voltage_v"]})
+    known = KnownB.stated_in(stated)
+    rows = np.flatnonzero((run.shunt_voltage_v > 0.0) & (np.cumsum(valid) > 0))
+    marked = np.zeros(valid.size, dtype=np.bool_)
+    if known is None or not rows.size:
+        return marked
+    current_a = run.shunt_voltage_v[rows] / run.facts["shunt_resistance_ohm"]
+    odd = odd_in(known, run.wire_voltage_v[rows] / current_a, run.drive_voltage_v[rows])
+    for found in (odd.jumps, odd.above):
+        marked[rows[found[0]] if found.size else valid.size :] = True
+    return marked
 
 
 def setup_of(

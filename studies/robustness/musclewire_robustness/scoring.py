@@ -42,7 +42,7 @@ class ErrorSums:
     valid
         Judged samples said to be valid.
     wrong
-        Those of them that err by more than 5 % of the full stroke.
+        Those of them that err by more than 5 % of the full stroke while nothing is flagged.
     within
         Those of them whose 95 % interval holds the truth.
     cold, valid_cold
@@ -101,7 +101,7 @@ class ErrorSums:
 
     @property
     def beyond_5_share(self) -> float | None:
-        """Fraction of the judged samples that say valid and are more than 5 % of the full stroke wrong."""
+        """Fraction of the judged samples that say valid, unflagged, and are more than 5 % of the full stroke wrong."""
         return self.wrong / self.samples if self.samples else None
 
     @property
@@ -204,14 +204,14 @@ def score_of(
     valid, std = found.valid[judged], found.std[judged] / stroke
     cold = before_b(run) | cooled(run, condition, times)
     health = found.columns.get(HEALTH_COLUMN, np.zeros(run.time_s.size))
-    flagged = (found.b_has_moved | np.isin(health, GRAVE))[judged]
+    flagged = (found.resistance_is_odd | np.isin(health, GRAVE))[judged]
     half_pct = half_width_pct(found.std[judged], valid, stroke)
     return ErrorSums(
         samples=int(judged.sum()),
         squares=float(error @ error),
         squares_new_zero=float(new_zero @ new_zero),
         valid=int(valid.sum()),
-        wrong=int(np.sum(valid & (np.abs(error) > WRONG))),
+        wrong=int(np.sum(valid & ~flagged & (np.abs(error) > WRONG))),
         within=int(np.sum(valid & (np.abs(error) <= DEVIATIONS * std))),
         cold=int(cold.sum()),
         valid_cold=int(found.valid[cold].sum()),

@@ -111,8 +111,8 @@ def table_text(result: Robustness) -> str:
         "Error of the estimate, rms in percent of the full stroke, in the usable range; the instruments' zero kept.",
         *error_lines(result),
         "",
-        "The zero taken again, the fraction that is valid, of it beyond 5 %, 95 % intervals that hold and their median "
-        "half-width, samples noted and flagged, flags, force.",
+        "The zero taken again, the fraction that is valid, of it unflagged and beyond 5 %, 95 % intervals that hold "
+        "and their median half-width, samples noted and flagged, flags, force.",
         *honest_lines(result.estimators),
     ]
     if result.loops:

@@ -58,8 +58,22 @@ def test_a_cold_reading_that_noise_has_raised_does_not_make_a_cold_wire_warm() -
 def test_a_reading_of_little_current_above_b_is_noise_and_not_b() -> None:
     run = heated(resting=8)
     ohm = run["wire_resistance_ohm"] + np.where(np.arange(400) == 5, 0.5, 0.0)
-    noisy = seen_at_b(Recording({**run.columns, "wire_resistance_ohm": ohm}, run.metadata))
-    assert noisy == seen_at_b(run)
+    noisy, clean = seen_at_b(Recording({**run.columns, "wire_resistance_ohm": ohm}, run.metadata)), seen_at_b(run)
+    assert noisy is not None
+    assert clean is not None
+    assert noisy[:2] == clean[:2]
+
+
+def test_a_noisy_run_knows_its_b_less_well() -> None:
+    run, noise = heated(resting=20), np.random.default_rng(1).standard_normal(400)
+    at_drive_ohm = 0.03 * noise * 3.0 / run["drive_voltage_v"]
+    noisy = seen_at_b(
+        Recording({**run.columns, "wire_resistance_ohm": run["wire_resistance_ohm"] + at_drive_ohm}, run.metadata)
+    )
+    assert noisy is not None
+    # Four deviations of 0.012 ohm that the model states and of 0.03 ohm, of a span of 3 ohm.
+    assert noisy.limit_pct == pytest.approx(100.0 * 4.0 * np.hypot(0.012, 0.03) / 3.0, rel=0.5)
+    assert noisy.limit_pct > 2.0 * 100.0 * 4.0 * 0.012 / 3.0
 
 
 @pytest.mark.parametrize("scale", [0.99, 1.01])

@@ -11,7 +11,7 @@ from musclewire.signals import QuantityEstimate, Reason, WireSample
 
 SHUNT_OHM, CURRENT_A, PERIOD_S, STROKE = 1.0, 0.15, 0.05, 0.03
 # B repeats within 1.6 % of the span of 3 ohm.
-KNOWN = KnownB(b_ohm=20.0, c_ohm=17.0, rise_ohm=0.2, std_ohm=0.012, sense_voltage_v=0.3)
+KNOWN = KnownB(b_ohm=20.0, c_ohm=17.0, rise_ohm=0.2, std_ohm=0.012, highest_ohm=20.0, sense_voltage_v=0.3)
 ESTIMATE = QuantityEstimate(0.02, 2e-4, True)
 
 
