@@ -34,9 +34,9 @@ from musclewire.signals import CompiledTick, Reason
 class GateNumbers(NamedTuple):
     """Numbers of the method, chosen on the tuning seeds 1 to 10 of a population of wires.
 
-    The variance of the range was chosen on 107 to 118, of which that of 1 to 4 held 93 % within the 95 % interval; it
-    holds 95 % on 119 to 130. Those of a cold rest follow from what a room may be. Resistance counts in units of
-    R_max - R_min, the quantity in units of the model's range, times in seconds.
+    The variance of the range and the return where branches are crossed were chosen on 107 to 118. Those of a cold rest
+    follow from what a room may be. Resistance counts in units of R_max - R_min, the quantity in units of the model's
+    range, times in seconds.
     """
 
     # Direction: time constant of the mean power, and by how much power must differ from it.
@@ -61,16 +61,18 @@ class GateNumbers(NamedTuple):
     motion_deviations: float = 1.7
     min_motion_variance: float = 1e-4
     # Without motion: approach of the branch while power is beyond its mean in that direction by a fraction (below 0: a
-    # little less than the mean will do), and of the mean of both branches otherwise. Back to the branch from beyond.
+    # little less than the mean will do), and of the mean of both branches otherwise. Back to the branch from beyond;
+    # where cooling lies above heating at one resistance, a wire that turns stays there until its new branch comes to it.
     supporting_fraction: float = -0.01
     approach_s: float = 1.0
     middle_s: float = 8.0
     return_s: float = 1.0
+    crossed_return_s: float = 6.0
     # How far beyond the branches the quantity may be.
     beyond: float = 0.015
     # Standard deviation: part of the distance of the branches, and of the range (squared).
     gap_fraction: float = 0.2
-    range_variance: float = 5.2e-5
+    range_variance: float = 4.0e-5
     # Nearer to R_min than this a wire cannot be before B, as for the paper's estimator.
     ambiguous_above: float = AMBIGUOUS_ABOVE
     # A wire is cold whose mean power is below this part of that with which the slow loop cooled to its cold resistance
@@ -324,7 +326,8 @@ def move(numbers: Row, state: Row, hot: float, cold: float, moved: float, suppor
     else:
         branch, ahead, towards = cold, quantity - cold, moved
     if ahead < 0.0:
-        quantity += (branch - quantity) * gain(numbers.dt_s, GATES.return_s)
+        back_s = GATES.crossed_return_s if hot < cold else GATES.return_s
+        quantity += (branch - quantity) * gain(numbers.dt_s, back_s)
     elif towards > 0.0:
         quantity = branch
     elif support > GATES.supporting_fraction:
