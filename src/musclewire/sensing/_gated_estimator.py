@@ -62,7 +62,7 @@ class GateNumbers(NamedTuple):
     min_motion_variance: float = 1e-4
     # Without motion: approach of the branch while power is beyond its mean in that direction by a fraction (below 0: a
     # little less than the mean will do), and of the mean of both branches otherwise. Back to the branch from beyond;
-    # where cooling lies above heating at one resistance, a wire that turns stays there until its new branch comes to it.
+    # where cooling lies above heating at one resistance, a wire that turns stays until its new branch comes to it.
     supporting_fraction: float = -0.01
     approach_s: float = 1.0
     middle_s: float = 8.0

@@ -93,7 +93,7 @@ static void move(mw_gates *gates, mw_real moved, mw_real support, mw_real dt_s)
     const mw_real low = at.hot < at.cold ? at.hot : at.cold, high = at.hot < at.cold ? at.cold : at.hot;
     mw_real value = gates->value;
     if (ahead < 0)
-        value += (branch - value) * gain(dt_s, MW_RETURN_S);
+        value += (branch - value) * gain(dt_s, at.hot < at.cold ? MW_CROSSED_RETURN_S : MW_RETURN_S);
     else if (gates->heating ? moved < 0 : moved > 0)
         value = branch;
     else if (support > MW_SUPPORTING_FRACTION)
