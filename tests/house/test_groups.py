@@ -101,3 +101,11 @@ def test_a_test_of_two_groups_is_refused(project: pytest.Pytester) -> None:
     twice = TESTS.replace("@pytest.mark.emulated", "@pytest.mark.emulated\n@pytest.mark.slow")
     (project.path / "tests/test_some.py").write_text(twice, encoding="utf-8")
     project.runpytest_inprocess().stderr.fnmatch_lines(["*test_firmware is in 2 groups (slow, emulated)*"])
+
+
+def test_an_expected_miss_is_no_excuse_for_another_error(project: pytest.Pytester) -> None:
+    marked = (
+        "\n@pytest.mark.xfail(strict=True, reason='a bar that is missed')\ndef test_bar():\n    raise KeyError(1)\n"
+    )
+    (project.path / "tests/test_some.py").write_text(TESTS + marked, encoding="utf-8")
+    project.runpytest_inprocess("-k", "bar").assert_outcomes(failed=1, deselected=4)

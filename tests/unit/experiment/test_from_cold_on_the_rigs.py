@@ -41,7 +41,8 @@ def found_on(name: str) -> Found:
     rig, quantity = RIGS[name]
     with mw.open_rig(rig, seed=1) as opened:
         model = mw.fit(mw.characterize(opened), quantity=quantity)
-    runs = control_many(rig, model, seeds=SEEDS, keep_recordings=True)
+    # Two wires have no compiled loop.
+    runs = control_many(rig, model, seeds=SEEDS, keep_recordings=True, in_python=name == "gripper")
     assert not runs.failed
     swings = []
     for outcome in runs.outcomes:
@@ -69,7 +70,7 @@ def found_on(name: str) -> Found:
             3.0,
             marks=pytest.mark.xfail(
                 strict=True,
-                reason="first step 16 %, mean 3.4 %: the gated estimate errs by as much after a turn near B",
+                reason="first step 16 %, mean 2.9 %: the gated estimate errs by as much after a turn near B",
             ),
         ),
     ],
@@ -89,7 +90,7 @@ def test_the_default_loop_follows_from_cold(name: str, first_pct: float, largest
         "finger",
         pytest.param(
             "flexinol-0.15-lt",
-            marks=pytest.mark.xfail(strict=True, reason="12 % of the holds are above 0.5 V, the largest is 2.1 V"),
+            marks=pytest.mark.xfail(strict=True, reason="the largest is 1.1 V; 3 % of the holds are above 0.5 V"),
         ),
     ],
 )
