@@ -56,7 +56,8 @@ CAUSE_TEXT = {
     "resistance or air are not those of the characterization, or the instrument counts from another zero",
     Cause.OTHER_HEIGHT_OF_B: "the resistance was not where the model's slow loop has it: the load or "
     "the resistance (contact, lead, age) has changed since the model was made, or the air, if this wire turns below "
-    "about 50 C: put it back, or characterize again; for resistance alone musclewire home",
+    "about 50 C, or the wire began warm: let it cool, put the change back, or characterize again; for resistance alone "
+    "musclewire home",
     Cause.HARDLY_SENSED: "the loop was closed for a part of the run only: the wire was cold of B, beyond C, or carried "
     "no current; give targets further from both ends, or check the contacts",
     Cause.MISSED_KNOWN_STRAIN: "the estimate missed the strain that is known: load, spring, resistance, air or zero "
