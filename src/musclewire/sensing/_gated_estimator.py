@@ -35,8 +35,8 @@ class GateNumbers(NamedTuple):
     """Numbers of the method, chosen on the tuning seeds 1 to 10 of a population of wires.
 
     The variance of the range and the return where branches are crossed were chosen on 1 to 12 and on 107 to 118. Those
-    of a cold rest follow from what a room may be. Resistance counts in units of R_max - R_min, the quantity in units of the model's
-    range, times in seconds.
+    of a cold rest follow from what a room may be. Resistance counts in units of R_max - R_min, the quantity in units of
+    the model's range, times in seconds.
     """
 
     # Direction: time constant of the mean power, and by how much power must differ from it.
