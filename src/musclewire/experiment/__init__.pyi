@@ -23,7 +23,6 @@ from ._drive import PulseTrain as PulseTrain
 from ._drive import WithTruth as WithTruth
 from ._drive import drive_wire as drive_wire
 from ._drive import pulses_of as pulses_of
-from ._first_heating import KnownB as KnownB
 from ._health import GRAVE as GRAVE
 from ._health import does_not_hold as does_not_hold
 from ._health import flagged as flagged
@@ -44,7 +43,7 @@ from ._metrics import StepMetrics as StepMetrics
 from ._metrics import control_metrics as control_metrics
 from ._metrics import determined as determined
 from ._metrics import elapsed as elapsed
-from ._odd_resistance import odd_in as odd_in
+from ._odd_resistance import odd_resistance as odd_resistance
 from ._on_board import control_on_board as control_on_board
 from ._open_loop import PAPER_PERIOD_S as PAPER_PERIOD_S
 from ._open_loop import Waveform as Waveform

@@ -157,7 +157,8 @@ def numbers_of(cause: Cause, recording: Recording, row: int) -> str:
         return in_words_at_b(recording)
     if cause is Cause.BAD_CONTACT:
         odd = odd_resistance(recording)
-        return f"{odd.jumps.size} times, by up to {odd.largest_jump_pct:.0f} % of the span from B to C"
+        often = "once" if odd.jumps.size == 1 else f"{odd.jumps.size} times"
+        return f"{often}, by up to {odd.largest_jump_pct:.0f} % of the span from B to C"
     if cause is Cause.MISSED_KNOWN_STRAIN:
         return miss_in_words(recording)
     if cause is Cause.HARDLY_SENSED:

@@ -17,16 +17,21 @@ from musclewire.experiment._first_heating import LIMIT_STDS, NOISY, KnownB
 from musclewire.experiment._metrics import since_first_sensed
 from musclewire.signals import Recording
 
-# A rise within one sample, beyond those of its neighbours, is a jump from this part of the span from B to C on, and
-# from so many standard deviations of a reading at its drive.
+# A rise is a jump from this part of the span from B to C on, and from so many standard deviations of a reading at its
+# drive, beyond what the wire moves before and after it.
 JUMP_PART, JUMP_NOISES = 0.04, 9.0
-# It counts while the drive of so many samples lies within this factor: a wire that is switched turns, and a reading at
-# another current may have another error.
-STEADY_SAMPLES, STEADY_PART = 6, 0.8
-# Above B counts what the mean of so many readings is: a moment's.
+# Two rows of what the wire moves, and as much again, as one that moves fast does not move evenly.
+MOVES = 4.0
+# A reading is a mean over its sample, so a contact that opens within one raises two. What lasts for one is a spike.
+# The rows of a jump: two before it, the one in which it may fall, two after it, and more before, as a wire that is
+# switched turns, and a reading at another current may have another error: their drives lie within this factor, and no
+# row is missing between them.
+BEFORE, STEADY_SAMPLES, STEADY_PART = 4, 8, 0.8
+# Above the slow loop counts what the mean of so many readings is.
 MEAN_SAMPLES = 5
 # Of normally distributed noise the median size of a second difference of readings is so many standard deviations.
 BEND_PER_STD = 0.6745 * 6.0**0.5
+NO_ROWS = np.zeros(0, dtype=np.intp)
 
 
 class OddResistance(NamedTuple):
@@ -35,7 +40,7 @@ class OddResistance(NamedTuple):
     Parameters
     ----------
     jumps
-        The rows before which it jumped, (n_jumps,).
+        The rows at which it jumped, (n_jumps,).
     largest_jump_pct
         The largest of these jumps, in % of the span from B to C.
     above
@@ -44,76 +49,88 @@ class OddResistance(NamedTuple):
         By how much at most, in % of the span.
     """
 
-    jumps: npt.NDArray[np.intp]
-    largest_jump_pct: float
-    above: npt.NDArray[np.intp]
-    above_pct: float
+    jumps: npt.NDArray[np.intp] = NO_ROWS
+    largest_jump_pct: float = 0.0
+    above: npt.NDArray[np.intp] = NO_ROWS
+    above_pct: float = 0.0
 
 
-def odd_in(known: KnownB, resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> OddResistance:
-    """Return where a wire that is past B has a resistance that none of the model's has.
+def odd_resistance(recording: Recording) -> OddResistance:
+    """Return where a run's resistance is none of the model's wire, once it is sensed; nowhere if no B is known of it.
 
     Parameters
     ----------
-    known
-        What the model's slow loop showed.
-    resistance_ohm, drive_voltage_v
-        Resistance [ohm] and drive [V] of the wire, (n_times,) each.
+    recording
+        A run with time, drive and resistance, and ``valid`` if it has an estimate.
 
     Returns
     -------
     The rows.
     """
-    span_ohm = known.b_ohm - known.c_ohm
-    jumps, by_ohm = jumps_in(resistance_ohm, drive_voltage_v, span_ohm)
-    read_well = drive_voltage_v > NOISY * known.sense_voltage_v
-    above_ohm = running_mean(resistance_ohm, MEAN_SAMPLES) - known.highest_ohm
-    above = running_mean(read_well.astype(np.float64), MEAN_SAMPLES) > 1.0 - 0.5 / MEAN_SAMPLES
-    above &= above_ohm > LIMIT_STDS * known.std_ohm
-    percent = 100.0 / span_ohm
+    known = KnownB.stated_in(recording.facts)
+    if known is None or "wire_resistance_ohm" not in recording or not known.b_ohm > known.c_ohm:
+        return OddResistance()
+    resistance_ohm = recording["wire_resistance_ohm"]
+    read = np.isfinite(resistance_ohm) & (resistance_ohm > 0.0) & since_first_sensed(recording)
+    resistance_ohm = np.where(read, resistance_ohm, np.nan)
+    drive_v = recording["drive_voltage_v"]
+    noise_ohm = reading_noise_ohm(resistance_ohm, drive_v)
+    percent = 100.0 / (known.b_ohm - known.c_ohm)
+    limit_ohm = np.maximum(JUMP_PART * (known.b_ohm - known.c_ohm), JUMP_NOISES * noise_ohm)
+    jumps, by_ohm = jumps_in(resistance_ohm, steady_rows(recording["time_s"], drive_v), limit_ohm)
+    above, above_ohm = above_the_loop(known, resistance_ohm, drive_v, noise_ohm)
     return OddResistance(
-        jumps,
-        percent * float(by_ohm[jumps].max(initial=0.0)),
-        np.flatnonzero(above),
-        percent * float(above_ohm[above].max(initial=0.0)),
+        jumps, percent * float(by_ohm.max(initial=0.0)), above, percent * float(above_ohm.max(initial=0.0))
     )
 
 
-def jumps_in(
-    resistance_ohm: FloatArray, drive_voltage_v: FloatArray, span_ohm: float
-) -> tuple[npt.NDArray[np.intp], FloatArray]:
-    """Return the rows before which the resistance of a wire at a steady drive has jumped up, and by how much all rise.
+def reading_noise_ohm(resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> FloatArray:
+    """Return the noise of each reading [ohm], (n_times,): what a voltage's noise is in resistance falls with the drive.
 
-    A rise counts beyond those before and after it: a wire that moves goes on moving. What a voltage's noise is in
-    resistance falls with the drive.
+    Readings that repeat say nothing of a converter's step; those that do not are at least one apart.
     """
-    if resistance_ohm.size <= STEADY_SAMPLES:
-        return np.zeros(0, dtype=np.intp), np.zeros(resistance_ohm.size)
-    rise_ohm = np.diff(resistance_ohm, prepend=resistance_ohm[:1])
-    beside_ohm = np.maximum(np.roll(rise_ohm, 1), np.roll(rise_ohm, -1))
-    by_ohm = rise_ohm - np.maximum(beside_ohm, 0.0)
     bends_v = np.abs(np.diff(resistance_ohm, 2)) * drive_voltage_v[1:-1]
-    noise_ohm = float(np.median(bends_v)) / BEND_PER_STD / np.maximum(drive_voltage_v, 1e-9)
-    limit_ohm = np.maximum(JUMP_PART * span_ohm, JUMP_NOISES * noise_ohm)
-    drives_v = sliding_window_view(drive_voltage_v, STEADY_SAMPLES)[:-1]  # each up to a row that has one after it
-    rows = np.flatnonzero(drives_v.min(axis=1) >= STEADY_PART * drives_v.max(axis=1)) + STEADY_SAMPLES - 1
-    return rows[by_ohm[rows] > limit_ohm[rows]], by_ohm
+    bends_v = bends_v[np.isfinite(bends_v) & (bends_v > 0.0)]
+    noise_v = float(np.median(bends_v)) / BEND_PER_STD if bends_v.size else 0.0
+    return np.asarray(noise_v / np.maximum(drive_voltage_v, 1e-9))
 
 
-def running_mean(values: FloatArray, length: int) -> FloatArray:
-    """Return the mean of each value and of those before it, of as many as there are up to a length, (n_times,)."""
-    sums = np.concatenate([[0.0], np.cumsum(values)])
-    last = np.arange(1, values.size + 1)
-    first = np.maximum(last - length, 0)
-    return np.asarray((sums[last] - sums[first]) / (last - first))
+def steady_rows(time_s: FloatArray, drive_voltage_v: FloatArray) -> npt.NDArray[np.intp]:
+    """Return the rows about which the drive is steady and no row is missing: ``BEFORE`` before, the rest from it on."""
+    if time_s.size < STEADY_SAMPLES:
+        return NO_ROWS
+    drives_v = sliding_window_view(drive_voltage_v, STEADY_SAMPLES)
+    steps_s = np.diff(time_s)
+    whole = sliding_window_view(steps_s, STEADY_SAMPLES - 1).max(axis=1) <= 1.5 * float(np.median(steps_s))
+    return np.flatnonzero(whole & (drives_v.min(axis=1) >= STEADY_PART * drives_v.max(axis=1))) + BEFORE
 
 
-def odd_resistance(recording: Recording) -> OddResistance:
-    """Return where a run's resistance is none of the model's wire, once it is sensed; nowhere if it states no B."""
-    known = KnownB.stated_in(recording.facts)
-    if known is None or "wire_resistance_ohm" not in recording:
-        nowhere = np.zeros(0, dtype=np.intp)
-        return OddResistance(nowhere, 0.0, nowhere, 0.0)
-    rows = np.flatnonzero((recording["wire_resistance_ohm"] > 0.0) & since_first_sensed(recording))
-    found = odd_in(known, recording["wire_resistance_ohm"][rows], recording["drive_voltage_v"][rows])
-    return found._replace(jumps=rows[found.jumps], above=rows[found.above])
+def jumps_in(
+    resistance_ohm: FloatArray, rows: npt.NDArray[np.intp], limit_ohm: FloatArray
+) -> tuple[npt.NDArray[np.intp], FloatArray]:
+    """Return at which of some rows a resistance has jumped up to stay, and by how much, (n_jumps,) each.
+
+    It is so much higher on both readings after the row than on both before it, beyond what it moves between these: a
+    wire that moves goes on moving. NaN is no reading.
+    """
+    before = [resistance_ohm[rows - back] for back in (2, 1)]
+    after = [resistance_ohm[rows + on] for on in (1, 2)]
+    moving_ohm = np.maximum(np.maximum(before[1] - before[0], after[1] - after[0]), 0.0)
+    by_ohm = np.minimum(*after) - np.maximum(*before) - MOVES * moving_ohm
+    found = by_ohm > limit_ohm[rows]
+    # A jump between two rows is seen at both.
+    first = found & ~np.isin(rows - 1, rows[found])
+    return rows[first], by_ohm[first]
+
+
+def above_the_loop(
+    known: KnownB, resistance_ohm: FloatArray, drive_voltage_v: FloatArray, noise_ohm: FloatArray
+) -> tuple[npt.NDArray[np.intp], FloatArray]:
+    """Return the rows up to which the mean of some well-read readings is above the slow loop, and by how much [ohm]."""
+    if resistance_ohm.size < MEAN_SAMPLES:
+        return NO_ROWS, np.zeros(0)
+    read_well = np.where(drive_voltage_v > NOISY * known.sense_voltage_v, resistance_ohm, np.nan)
+    above_ohm = sliding_window_view(read_well, MEAN_SAMPLES).mean(axis=1) - known.highest_ohm
+    std_ohm = np.hypot(known.std_ohm, noise_ohm[MEAN_SAMPLES - 1 :] / MEAN_SAMPLES**0.5)
+    found = np.flatnonzero(above_ohm > LIMIT_STDS * std_ohm)
+    return found + MEAN_SAMPLES - 1, above_ohm[found]

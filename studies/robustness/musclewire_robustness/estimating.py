@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire import ESTIMATORS, EstimatorSetup, FloatArray, SensingModel, WireSample
-from musclewire.experiment import KnownB, ScaleByB, odd_in
+from musclewire.experiment import ScaleByB, odd_resistance
 from musclewire.identify import load_facts
 from musclewire.sensing import EstimatorFactory, KnownSpring, estimates
-from musclewire.signals import RunFacts
+from musclewire.signals import Recording
 from musclewire.wire import WireConstants
 from musclewire_robustness.recorded_run import RecordedRun
 
@@ -104,17 +104,19 @@ def estimated(
 
 
 def since_first_odd(run: RecordedRun, model: SensingModel, valid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Return the samples since the first whose resistance is none of the wire's, once one is valid, (n_samples,)."""
-    stated = RunFacts({**load_facts(model, {}), "limit_sense_voltage_v": run.facts["sense_voltage_v"]})
-    known = KnownB.stated_in(stated)
-    rows = np.flatnonzero((run.shunt_voltage_v > 0.0) & (np.cumsum(valid) > 0))
+    """Return the samples since the first whose resistance is none of the wire's, once it is sensed, (n_samples,)."""
+    current_a = run.shunt_voltage_v / run.facts["shunt_resistance_ohm"]
+    columns = {
+        "time_s": run.time_s,
+        "drive_voltage_v": run.drive_voltage_v,
+        "wire_resistance_ohm": run.wire_voltage_v / np.maximum(current_a, 1e-9),
+        "valid": valid.astype(np.float64),
+    }
+    stated = {**load_facts(model, {}), "limit_sense_voltage_v": run.facts["sense_voltage_v"]}
+    odd = odd_resistance(Recording(columns, {**stated, "sample_period_s": run.facts["sample_period_s"]}))
     marked = np.zeros(valid.size, dtype=np.bool_)
-    if known is None or not rows.size:
-        return marked
-    current_a = run.shunt_voltage_v[rows] / run.facts["shunt_resistance_ohm"]
-    odd = odd_in(known, run.wire_voltage_v[rows] / current_a, run.drive_voltage_v[rows])
-    for found in (odd.jumps, odd.above):
-        marked[rows[found[0]] if found.size else valid.size :] = True
+    for rows in (odd.jumps, odd.above):
+        marked[rows[0] if rows.size else valid.size :] = True
     return marked
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from musclewire.experiment._first_heating import KnownB
 from musclewire.experiment._health import does_not_hold, findings, health_warnings
-from musclewire.experiment._odd_resistance import odd_in
+from musclewire.experiment._odd_resistance import odd_resistance
 from musclewire.sensing import Cause
 from musclewire.signals import Recording
 
@@ -36,8 +36,32 @@ def contact(resistance_ohm: np.ndarray, part: float, first_s: float, last_s: flo
     return resistance_ohm + part * SPAN_OHM * ((first_s < TIME_S) & (last_s >= TIME_S))
 
 
-def odd(resistance_ohm: np.ndarray, drive_v: np.ndarray) -> tuple[list[int], float, int, float]:
-    found = odd_in(KNOWN, resistance_ohm, drive_v)
+def loop(resistance_ohm: np.ndarray, drive_v: np.ndarray, known: KnownB = KNOWN, **columns: np.ndarray) -> Recording:
+    """A closed loop on a model whose slow loop is known."""
+    count = resistance_ohm.size
+    usual = {
+        "time_s": PERIOD_S * np.arange(1, count + 1),
+        "drive_voltage_v": drive_v,
+        "wire_resistance_ohm": resistance_ohm,
+        "target_strain": np.full(count, 0.02),
+        "estimated_strain": np.full(count, 0.02),
+        "valid": np.ones(count),
+    }
+    facts = {
+        "model_b_ohm": known.b_ohm,
+        "model_c_ohm": known.c_ohm,
+        "model_highest_ohm": known.highest_ohm,
+        "model_rise_ohm": known.rise_ohm,
+        "model_b_std_ohm": known.std_ohm,
+        "limit_sense_voltage_v": known.sense_voltage_v,
+        "sample_period_s": PERIOD_S,
+        "approach_s": 0.0,
+    }
+    return Recording({**usual, **columns}, facts)
+
+
+def odd(resistance_ohm: np.ndarray, drive_v: np.ndarray, known: KnownB = KNOWN) -> tuple[list[int], float, int, float]:
+    found = odd_resistance(loop(resistance_ohm, drive_v, known))
     return found.jumps.tolist(), found.largest_jump_pct, found.above.size, found.above_pct
 
 
@@ -48,12 +72,16 @@ def test_a_wire_that_moves_has_no_bad_contact_however_noisy(noise_ohm: float, se
     assert (jumps, above) == ([], 0)
 
 
-@pytest.mark.parametrize(("first_s", "last_s"), [(23.225, 23.9), (28.025, 28.5)])
-def test_a_contact_that_comes_loose_is_a_jump_at_its_row(first_s: float, last_s: float) -> None:
+@pytest.mark.parametrize("within", [0.0, 0.25, 0.5, 0.75], ids=lambda part: f"at {part:g} of a sample")
+@pytest.mark.parametrize("first", [465, 562], ids=["hot", "cooling"])
+def test_a_contact_that_comes_loose_is_a_jump_whenever_in_its_sample(first: int, within: float) -> None:
     resistance_ohm, drive = followed()
-    jumps, largest_pct, _, _ = odd(contact(resistance_ohm, 0.12, first_s, last_s), drive)
-    assert jumps == [round(first_s / PERIOD_S)]
-    assert largest_pct == pytest.approx(12.0, abs=1.0)
+    resistance_ohm[first + 1 : first + 12] += 0.12 * SPAN_OHM
+    resistance_ohm[first] += (1.0 - within) * 0.12 * SPAN_OHM  # a reading is a mean over its sample
+    jumps, largest_pct, _, _ = odd(resistance_ohm, drive)
+    assert len(jumps) == 1
+    assert abs(jumps[0] - first) <= 1
+    assert largest_pct == pytest.approx(12.0, abs=1.5)
 
 
 def test_a_reading_that_steps_with_the_current_is_no_jump() -> None:
@@ -62,9 +90,34 @@ def test_a_reading_that_steps_with_the_current_is_no_jump() -> None:
     assert odd(resistance_ohm - 0.5 + offset, drive)[0] == []
 
 
+def test_a_single_odd_reading_is_a_spike_and_no_jump() -> None:
+    for row in range(440, 560, 3):
+        resistance_ohm, drive = followed()
+        resistance_ohm[row] += 0.3 * SPAN_OHM
+        assert odd(resistance_ohm, drive)[0] == []
+
+
+def test_the_steps_of_a_coarse_converter_are_no_jumps() -> None:
+    resistance_ohm, drive = followed()
+    for step in (0.02, 0.05, 0.1):
+        coarse = np.round(resistance_ohm / (step * SPAN_OHM)) * step * SPAN_OHM
+        assert odd(coarse, drive)[0] == []
+
+
+def test_nothing_is_compared_across_rows_that_are_missing() -> None:
+    resistance_ohm, drive = followed()
+    there = np.ones(COUNT, dtype=bool)
+    there[470:490] = there[520:521] = False
+    resistance_ohm[490:] += 0.2 * SPAN_OHM * (np.arange(COUNT)[490:] < 520)
+    run = loop(resistance_ohm, drive)
+    lost = Recording({name: values[there] for name, values in run.columns.items()}, run.metadata)
+    silent = loop(np.where(there, resistance_ohm, 0.0), drive)
+    assert [odd_resistance(one).jumps.size for one in (lost, silent)] == [0, 0]
+
+
 def test_noise_hides_a_jump_and_is_none() -> None:
     resistance_ohm, drive = followed(0.1)
-    assert odd(contact(resistance_ohm, 0.08, 23.2, 23.9), drive)[0] == []
+    assert odd(contact(resistance_ohm, 0.08, 23.225, 23.9), drive)[0] == []
 
 
 def test_a_resistance_above_all_of_the_loop_is_none_of_its_wire() -> None:
@@ -72,40 +125,19 @@ def test_a_resistance_above_all_of_the_loop_is_none_of_its_wire() -> None:
     _, _, above, above_pct = odd(resistance_ohm + 1.3, drive)
     assert above > 100
     assert above_pct == pytest.approx(100.0 * 0.3 / SPAN_OHM, abs=1.0)
-    higher = KNOWN._replace(highest_ohm=20.5)  # a wire that turns higher when it cools
-    assert odd_in(higher, resistance_ohm + 1.3, drive).above.size == 0
-    assert odd(resistance_ohm + 1.3, np.full(COUNT, 0.5))[2] == 0  # read with little current
+    # A wire that turns higher when it cools; readings with little current; a noisy run.
+    assert odd(resistance_ohm + 1.3, drive, KNOWN._replace(highest_ohm=20.5))[2] == 0
+    assert odd(resistance_ohm + 1.3, np.full(COUNT, 0.5))[2] == 0
+    at_b = 20.0 + 0.06 * np.random.default_rng(1).standard_normal(2000)
+    assert odd(at_b, np.full(2000, 2.0))[2] == 0
 
 
-def test_few_rows_show_nothing() -> None:
-    for count in range(8):
-        found = odd_in(KNOWN, np.full(count, 18.0), np.full(count, 2.0))
-        assert (found.jumps.size, found.above.size) == (0, 0)
-
-
-def loop(resistance_ohm: np.ndarray, drive_v: np.ndarray) -> Recording:
-    """A closed loop on a model whose slow loop is known."""
-    current_a = drive_v / (resistance_ohm + 1.0)
-    columns = {
-        "time_s": TIME_S,
-        "drive_voltage_v": drive_v,
-        "wire_voltage_v": current_a * resistance_ohm,
-        "wire_resistance_ohm": resistance_ohm,
-        "target_strain": np.full(COUNT, 0.02),
-        "estimated_strain": np.full(COUNT, 0.02),
-        "valid": np.ones(COUNT),
-    }
-    facts = {
-        "model_b_ohm": KNOWN.b_ohm,
-        "model_c_ohm": KNOWN.c_ohm,
-        "model_highest_ohm": KNOWN.highest_ohm,
-        "model_rise_ohm": KNOWN.rise_ohm,
-        "model_b_std_ohm": KNOWN.std_ohm,
-        "limit_sense_voltage_v": KNOWN.sense_voltage_v,
-        "sample_period_s": PERIOD_S,
-        "approach_s": 0.0,
-    }
-    return Recording(columns, facts)
+def test_few_rows_or_no_span_show_nothing() -> None:
+    for count in range(10):
+        assert odd(np.full(count, 18.0), np.full(count, 2.0)) == ([], 0.0, 0, 0.0)
+    assert odd(*followed(), KNOWN._replace(c_ohm=20.0)) == ([], 0.0, 0, 0.0)
+    endless = np.where(np.arange(COUNT) == 500, np.inf, followed()[0])
+    assert odd(endless, followed()[1])[0] == []
 
 
 def test_a_loop_names_the_contact_from_its_first_jump_on_and_does_not_hold() -> None:

@@ -142,3 +142,18 @@ def test_a_slider_whose_value_was_refused_shows_the_target_of_the_loop(modules: 
         steering.followRow(3.25);
         return [refused, parts["slider-number"].value];"""
     assert run(modules, "steering", STEERING + body) == [["", "no"], "3.25"]
+
+
+def test_a_refusal_that_a_newer_value_has_overtaken_is_not_shown(modules: Any) -> None:
+    body = """steering.moved(7); steering.moved(8); answers.shift()({ accepted: false, message: "no" }); await later(0);
+        steering.followRow(3.25); await later(100); answers.shift()({ accepted: true }); await later(100);
+        return [said, refused.at(-1), parts["slider-number"].value];"""
+    assert run(modules, "steering", STEERING + body) == [[7, 8], "", "8.00"]
+
+
+def test_a_value_that_could_not_be_sent_stops_no_later_one(modules: Any) -> None:
+    body = """let broken = true;
+        steering.send = (value) => (broken ? Promise.reject(new Error("gone")) : send(value));
+        steering.moved(7); await later(100); broken = false; steering.moved(9); await later(100);
+        return [said, refused.filter((text) => text.includes("gone")).length];"""
+    assert run(modules, "steering", STEERING + body) == [[9], 1]

@@ -13,6 +13,7 @@ export class Steering {
     this.send = send;
     this.refuse = refuse;
     this.waiting = null;
+    this.isSending = false;
     const { slider } = parts;
     const field = parts["slider-number"];
     slider.addEventListener("input", () => this.moved(Number(slider.value)));
@@ -31,7 +32,7 @@ export class Steering {
     this.refuse("");
     this.isUnmoved = false;
     this.show(value);
-    this.waiting = value;
+    this.waiting = value / this.scale.factor;
     if (!this.isSending) this.sendNewest();
   }
 
@@ -42,8 +43,8 @@ export class Steering {
       const value = this.waiting;
       this.waiting = null;
       const pause = new Promise((resolve) => setTimeout(resolve, BETWEEN_MS));
-      const answer = await this.send(value / this.scale.factor);
-      if (!answer.accepted) {
+      const answer = await this.send(value).catch((problem) => ({ accepted: false, message: String(problem) }));
+      if (!answer.accepted && this.waiting === null) {
         this.refuse(answer.message);
         this.isUnmoved = true; // what was refused is not where the loop's target is: the next row shows that
       }
@@ -86,6 +87,7 @@ export class Steering {
     const began = isSteering && !this.wasSteering;
     this.wasSteering = isSteering;
     this.canSteer = isSteering && control.you_hold;
+    if (began || !this.canSteer) this.waiting = null; // a target of the loop before is none of this one
     for (const input of [slider, parts["slider-number"]]) input.disabled = !this.canSteer;
     setText(parts["slider-name"], `Target ${scale.name.toLowerCase()}`);
     setText(parts["slider-unit"], scale.unit);
