@@ -117,8 +117,7 @@ def test_a_plain_pid_closes_the_loop_by_its_name(by_plain_pid: ControlRun) -> No
 
 @pytest.mark.xfail(
     strict=True,
-    reason="3.03 % on the return to 1.5 %, of which the estimate has 2.35 and the controller 0.69: near B the branches "
-    "of this wire are further apart",
+    reason="3.46 % in the largest step after the approach: near B the branches of this wire are further apart",
 )
 def test_every_step_of_a_plain_pid_is_within_3_percent(by_plain_pid: ControlRun) -> None:
     assert by_plain_pid.metrics.mae_max_approached_pct is not None
