@@ -27,7 +27,7 @@ MOVES = 4.0
 # switched turns, and a reading at another current may have another error: their drives lie within this factor, and no
 # row is missing between them.
 BEFORE, STEADY_SAMPLES, STEADY_PART = 4, 8, 0.8
-# Above the slow loop counts what the mean of so many readings is.
+# Above the slow loop counts what the mean of so many readings is, as the highest of that loop is one.
 MEAN_SAMPLES = 5
 # Of normally distributed noise the median size of a second difference of readings is so many standard deviations.
 BEND_PER_STD = 0.6745 * 6.0**0.5
@@ -87,7 +87,8 @@ def odd_resistance(recording: Recording) -> OddResistance:
 def reading_noise_ohm(resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> FloatArray:
     """Return the noise of each reading [ohm], (n_times,): what a voltage's noise is in resistance falls with the drive.
 
-    Readings that repeat say nothing of a converter's step; those that do not are at least one apart.
+    Not by ``noise_level``, for which a converter that repeats itself has no noise: readings that repeat say nothing of
+    its step, and those that do not are at least one apart.
     """
     bends_v = np.abs(np.diff(resistance_ohm, 2)) * drive_voltage_v[1:-1]
     bends_v = bends_v[np.isfinite(bends_v) & (bends_v > 0.0)]

@@ -27,12 +27,13 @@ RIGS: dict[str, tuple[str | RigConfiguration, str]] = {
 
 
 class Found(NamedTuple):
-    """Medians of first, largest and mean step error [% of the target], and the drive's swings at each hold [V]."""
+    """Medians of first, largest and mean step error [% of the target], drive swings at each hold [V], and findings."""
 
     first_pct: float
     largest_pct: float
     mean_pct: float
     swings_v: np.ndarray
+    health: str
 
 
 @cache
@@ -53,7 +54,8 @@ def found_on(name: str) -> Found:
             last = (time_s >= 6.0 * index + 3.0) & (time_s < 6.0 * index + 5.9)
             swings.append(float(np.ptp(drive_v[last])))
     medians = (float(np.median(row)) for row in (runs.mae_pct[:, 0], runs.mae_max_pct, runs.mae_mean_pct))
-    return Found(*medians, np.array(swings))
+    health = "; ".join(str(one.run.metadata.get("health", "")) for one in runs.outcomes if one.run is not None)
+    return Found(*medians, np.array(swings), health)
 
 
 @pytest.mark.parametrize(
@@ -80,6 +82,11 @@ def test_the_default_loop_follows_from_cold(name: str, first_pct: float, largest
     assert found.first_pct <= first_pct
     assert found.largest_pct <= largest_pct
     assert found.mean_pct <= mean_pct
+
+
+@pytest.mark.parametrize("name", list(RIGS))
+def test_a_sound_wire_has_no_bad_contact_and_no_other_resistance(name: str) -> None:
+    assert not [one for one in ("bad contact", "changed load or resistance") if one in found_on(name).health]
 
 
 @pytest.mark.parametrize(
