@@ -24,6 +24,7 @@ import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -111,7 +112,17 @@ def listed(room: str, stub: str) -> dict[str, str]:
 
 def imports_of(text: str, modules: Iterable[str] = ()) -> Iterator[Import]:
     """Yield what a file imports of the package; ``modules`` are those that there are."""
-    tree, known = ast.parse(text), frozenset(modules)
+    known = frozenset(modules)
+    for module, name, line, annotation in imports_from(text):
+        inner = f"{module}.{name}"
+        at = (inner, "") if inner in known else (module, name)
+        yield Import(*at, line, annotation)
+
+
+@cache  # the same file is asked about from many sides
+def imports_from(text: str) -> list[Import]:
+    """Return what a file imports of the package, as it is written: a name may be a module's."""
+    tree, found = ast.parse(text), []
     for_annotations = {
         id(inner)
         for node in ast.walk(tree)
@@ -122,12 +133,10 @@ def imports_of(text: str, modules: Iterable[str] = ()) -> Iterator[Import]:
         annotation = id(node) in for_annotations
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names if alias.name.split(".")[0] == "musclewire"]
-            yield from (Import(name, "", node.lineno, annotation) for name in names)
+            found += [Import(name, "", node.lineno, annotation) for name in names]
         elif isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "musclewire":
-            for alias in node.names:
-                inner = f"{node.module}.{alias.name}"
-                at = (inner, "") if inner in known else (str(node.module), alias.name)
-                yield Import(*at, node.lineno, annotation)
+            found += [Import(str(node.module), alias.name, node.lineno, annotation) for alias in node.names]
+    return found
 
 
 def own_room(path: Path) -> str:

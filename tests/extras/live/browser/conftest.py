@@ -13,6 +13,18 @@ from tests.extras.live.browser.served import Served, serving
 import musclewire as mw
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> None:
+    """Add to a failure what the bench said last: why a run has ended stands there alone."""
+    served = getattr(item, "funcargs", {}).get("served")
+    if served is None or call.excinfo is None or call.excinfo.errisinstance(pytest.skip.Exception):
+        return
+    try:
+        call.excinfo.value.add_note(served.said())
+    except OSError as trouble:
+        call.excinfo.value.add_note(f"The bench does not answer: {trouble}")
+
+
 @pytest.fixture(scope="session")
 def model() -> mw.SensingModel:
     """The model of the simulated wire."""
