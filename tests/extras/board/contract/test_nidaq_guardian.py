@@ -156,8 +156,9 @@ def test_a_stalled_host_leads_to_the_sense_voltage_and_then_off(bench: Bench, na
     assert bench.output_v() in (0.0, pytest.approx(wiring_of(name).sense_voltage))
     bench.wait_until(lambda volts: volts == 0.0)
     bench.host.send_signal(signal.SIGCONT)
-    silent = re.search(r"no command for ([\d.]+) s: the guardian has switched off", bench.last_words())
-    assert silent is not None
+    said = bench.last_words()
+    silent = re.search(r"no command for ([\d.]+) s: the guardian has switched off", said)
+    assert silent is not None, said  # a host that a busy machine made late has switched off before it was stopped
     assert float(silent[1]) >= 0.25
     assert bench.output_v() == 0.0
 
