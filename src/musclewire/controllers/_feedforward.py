@@ -179,15 +179,15 @@ SETTINGS = np.dtype(
 # What is due: the drive, its power, the steady power, that of the heat balance, the pulse of heat, and the part of it
 # down to which a wire from cold is only heated. Where the wire was when the target came, on which branch, and whether
 # it stands. What was learned: the part of the gap that a jump takes, how late the wire follows, the part of the gain
-# that is left, and the largest steady power. Then the watches: of a swinging drive, of a step on its way, and of a wire
-# beyond C.
+# that is left, and the largest steady power; by how much the steady power has grown without an estimate. Then the
+# watches: of a swinging drive, of a step on its way, and of a wire beyond C.
 STATE = np.dtype(
     [
         (name, np.float64)
         for name in (
             "started", "drive_voltage_v", "power_w", "steady_w", "balance_w", "pulse_j", "cold_j",
             "target", "start_value", "place", "anchor", "still_s", "jumped", "arrived", "since_s",
-            "known_gap", "lag_s", "gain_factor", "ceiling_w",
+            "known_gap", "lag_s", "gain_factor", "ceiling_w", "blind_w",
             "swing", "extreme_v", "reversals", "calm_s",
             "step", "expected_s", "lagged",
             "highest", "doubts", "probing_s", "probe_w", "beyond_c", "power_limited",
@@ -303,7 +303,12 @@ def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray
         error = 0.0
     else:
         cross_the_gap(wire, state_row, value, error, tolerance, dt_s, limits_w)
+    if valid != 0.0:
+        give_back(state_row, limits_w)
+    before_w = state_row["steady_w"]
     command(wire, state_row, value, error, std if valid != 0.0 else 0.0, dt_s, limits_w)
+    grew_w = state_row["steady_w"] - before_w if valid == 0.0 else 0.0
+    state_row["blind_w"] = state_row["blind_w"] + grew_w if state_row["arrived"] == 0.0 else 0.0
     notice_oscillation(state_row, dt_s)
     answer[0], answer[2], answer[3] = state_row["drive_voltage_v"], state_row["steady_w"], state_row["pulse_j"]
     answer[4], answer[5], answer[6] = state_row["gain_factor"], state_row["beyond_c"], state_row["lag_s"]
@@ -375,6 +380,18 @@ def lagged(wire: KnownWire, state: Row, ahead: float, value: float, valid: float
     lag_s = LAG_PART * state["lag_s"]
     state["lagged"] += (ahead - state["lagged"]) * dt_s / (dt_s + lag_s)
     return float(state["lagged"])
+
+
+@compiled_inner
+def give_back(state: Row, limits_w: PowerLimits) -> None:
+    """Take back, once there is an estimate, by how much the steady power has grown without one on the way to a target.
+
+    A wire that comes from cold seems not to move until B, and what the integral makes of that would take it beyond its
+    target. Once the heat of the way is in, it is needed: the air is colder, or faster, than the slow loop's was.
+    """
+    lowest_w, _, steady_limit_w = limits_w
+    state["steady_w"] = min(max(state["steady_w"] - state["blind_w"], lowest_w), steady_limit_w)
+    state["blind_w"] = 0.0
 
 
 @compiled_inner
