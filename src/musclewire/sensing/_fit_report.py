@@ -119,6 +119,12 @@ class FittedCurve(ResistanceCurve):
         return next((power_w for _, power_w, resistance_ohm in cooling if resistance_ohm >= cold_ohm), 0.0)
 
     @property
+    def b_power_w(self) -> float:
+        """Power [W] at which the slow loop, while it heated, had its highest resistance; 0 without a loop."""
+        heating = self.slow_loop[: self._hottest_row + 1]
+        return max(heating, key=lambda row: row[2])[1] if heating else 0.0
+
+    @property
     def _hottest_row(self) -> int:
         """Row of the slow loop with the smallest resistance."""
         return min(range(len(self.slow_loop)), key=lambda row: self.slow_loop[row][2], default=0)

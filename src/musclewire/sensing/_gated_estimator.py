@@ -89,7 +89,10 @@ class GateNumbers(NamedTuple):
 
 GATES = GateNumbers()
 # What follows for a curve and a sample period, by name: see ``gated_numbers``.
-GATED_NUMBERS = (*ESTIMATOR_NUMBERS, "dt_s", "beyond", "min_variance", "first_variance", "cold_power_w", "cold_above")
+GATED_NUMBERS = (
+    *ESTIMATOR_NUMBERS,
+    *("dt_s", "beyond", "min_variance", "first_variance", "cold_power_w", "cold_above", "b_power_w"),
+)
 OK, COLD = float(Reason.OK), float(Reason.COLD)
 OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
 
@@ -302,7 +305,8 @@ def learn_noise(dt_s: float, state: Row, read: float, per_volt: float) -> None:
 def locate(numbers: Row, state: Row, moved: float) -> None:
     """Follow whether the wire is between B and C: lost at the cold end, found where heating lowers resistance.
 
-    From A to B resistance rises while the wire heats, from B to C it falls.
+    From A to B resistance rises while the wire heats, from B to C it falls. A wire that passes B is at least as warm as
+    in the slow loop, however short a time it took to come there: its mean power is not that of the rest before.
     """
     below = GATES.ambiguous_above - state.resistance
     known = state.learnt_s >= GATES.noise_samples * numbers.dt_s
@@ -314,6 +318,8 @@ def locate(numbers: Row, state: Row, moved: float) -> None:
         return
     falls = state.heating != 0.0 and moved < 0.0 and moved * moved > 9.0 * state.variance and known
     if falls or (below > 0.0 and below * below > 9.0 * state.variance):
+        if state.sensing == 0.0:
+            state.mean_power_w = max(state.mean_power_w, numbers.b_power_w)
         state.sensing = 1.0
 
 
@@ -383,8 +389,8 @@ def gated_numbers(model: FittedCurve) -> dict[str, float]:
     Returns
     -------
     In the curve's quantity or its variance: how far beyond the branches the quantity may be, and the least variance of
-    an estimate; the variance of the first resistance, normalised; and the power [W] below which, and the normalised
-    resistance above which, the wire is cold.
+    an estimate; the variance of the first resistance, normalised; the power [W] below which, and the normalised
+    resistance above which, the wire is cold; and the power [W] with which the slow loop passed B.
     """
     curve = model.curve()
     per_ohm = curve.numbers["per_ohm"]
@@ -396,6 +402,7 @@ def gated_numbers(model: FittedCurve) -> dict[str, float]:
         "first_variance": noise * noise,
         "cold_power_w": GATES.cold_power_fraction * model.cold_power_w,
         "cold_above": (model.cold_resistance_ohm - curve.resistance_min_ohm) * per_ohm - GATES.cold_margin,
+        "b_power_w": model.b_power_w,
     }
 
 

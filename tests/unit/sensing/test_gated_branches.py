@@ -185,3 +185,14 @@ def test_a_wire_that_is_held_near_its_cold_end_is_valid_in_air_that_takes_a_litt
 
 def test_a_model_that_states_no_slow_loop_says_nothing_of_cold_power() -> None:
     assert MODEL.cold_power_w == 0.0
+
+
+def test_a_wire_that_came_from_rest_through_b_in_a_moment_turns_when_its_power_falls_below_that_of_b() -> None:
+    """The mean power is mostly of the rest before: by it alone 0.2 W still heats, and the wire seems to go on."""
+    from_rest = [(17.2, 0.01)] * 200 + ramp(17.2, 17.5, 4, 0.6) + ramp(17.5, 15.5, 12, 0.6)
+    cools_at_rest = ramp(15.5, 15.2, 30, 0.2)
+    with_loop = followed(from_rest + cools_at_rest, model=replace(MODEL, slow_loop=SLOW_LOOP))
+    without = followed(from_rest + cools_at_rest)
+    stopped = with_loop[len(from_rest)].value
+    assert with_loop[-1].value == pytest.approx(stopped, abs=0.002)
+    assert without[-1].value > stopped + 0.002

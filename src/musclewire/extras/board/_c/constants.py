@@ -60,7 +60,7 @@ GATE_NUMBERS = (
     *("turning_fraction", "supporting_fraction", "still_per_s", "driven_per_s", "surprise_per_s", "motion_deviations"),
     *("min_motion_variance", "beyond", "first_variance", "min_noise", "max_power_w", "max_ratio", "max_noise_v2"),
     *("ambiguous_above", "noise_samples", "max_lagging", "slow_turning_fraction", "slow_turning_deviations"),
-    *("cold_power_w", "cold_above"),
+    *("cold_power_w", "cold_above", "b_power_w"),
 )
 
 

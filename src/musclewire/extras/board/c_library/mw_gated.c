@@ -119,6 +119,7 @@ static uint8_t has_come_back(mw_gates *gates, mw_real away_w, mw_real dt_s)
 
 static void locate(mw_gates *gates, mw_real moved, mw_real dt_s)
 {
+    const uint8_t before = gates->sensing;
     const mw_real below = MW_AMBIGUOUS_ABOVE - gates->resistance;
     const mw_real until_b = MW_NORMALISED_MAX - gates->resistance;
     if (until_b < 0 || until_b * until_b < 4 * gates->variance ||
@@ -129,6 +130,8 @@ static void locate(mw_gates *gates, mw_real moved, mw_real dt_s)
     else if (gates->heating && moved < 0 && moved * moved > 9 * gates->variance &&
              gates->learnt_s >= MW_NOISE_SAMPLES * dt_s)
         gates->sensing = 1;
+    if (gates->sensing && !before && gates->mean_power_w < MW_B_POWER_W)
+        gates->mean_power_w = MW_B_POWER_W;
 }
 
 /* Whether a reading can be one of the valid range, within three deviations of its noise. */
