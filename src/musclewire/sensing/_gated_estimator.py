@@ -62,7 +62,8 @@ class GateNumbers(NamedTuple):
     min_motion_variance: float = 1e-4
     # Without motion: approach of the branch while power is beyond its mean in that direction by a fraction (below 0: a
     # little less than the mean will do), and of the mean of both branches otherwise. Back to the branch from beyond;
-    # where cooling lies above heating at one resistance, a wire that turns stays until its new branch comes to it.
+    # where cooling lies above heating at one resistance, a wire that turns stays until its new branch comes to it, and
+    # one that does not move is nowhere between: a loop that answers a drift to the mean by its drive would keep it up.
     supporting_fraction: float = -0.01
     approach_s: float = 1.0
     middle_s: float = 8.0
@@ -338,7 +339,7 @@ def move(numbers: Row, state: Row, hot: float, cold: float, moved: float, suppor
         quantity = branch
     elif support > GATES.supporting_fraction:
         quantity += (branch - quantity) * gain(numbers.dt_s, GATES.approach_s)
-    else:
+    elif hot >= cold:
         quantity += ((hot + cold) / 2.0 - quantity) * gain(numbers.dt_s, GATES.middle_s)
     state.quantity = min(max(quantity, min(hot, cold) - numbers.beyond), max(hot, cold) + numbers.beyond)
 

@@ -98,7 +98,7 @@ static void move(mw_gates *gates, mw_real moved, mw_real support, mw_real dt_s)
         value = branch;
     else if (support > MW_SUPPORTING_FRACTION)
         value += (branch - value) * gain(dt_s, MW_APPROACH_S);
-    else
+    else if (at.hot >= at.cold)
         value += ((at.hot + at.cold) / 2 - value) * gain(dt_s, MW_MIDDLE_S);
     gates->value = within(value, low - MW_BEYOND, high + MW_BEYOND);
 }
