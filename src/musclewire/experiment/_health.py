@@ -13,6 +13,7 @@ from musclewire.experiment._first_heating import SeenAtB, seen_at_b
 from musclewire.experiment._known_strain import MissedBy, missed_known_strain
 from musclewire.experiment._metrics import judged_for_sensing, since_first_sensed, valid_share
 from musclewire.experiment._odd_resistance import odd_resistance
+from musclewire.experiment._overshoot import Overshoot
 from musclewire.experiment._scale_by_b import TODAY, WITHIN_STD, what_followed
 from musclewire.identify import COLUMN_SUFFIX, reference_quantity
 from musclewire.sensing import CAUSE_TEXT, SHOWN_AS, Cause
@@ -32,6 +33,7 @@ NAMES = {
     Cause.HARDLY_SENSED: "hardly sensed",
     Cause.MISSED_KNOWN_STRAIN: "known strain missed",
     Cause.BAD_CONTACT: "bad contact",
+    Cause.OVERSHOOT: "overshoot",
 }
 # The drive is at a limit within this fraction of it; a target is missed by more than this part of the range of targets.
 AT_LIMIT, NOT_REACHED = 0.01, 0.05
@@ -113,6 +115,7 @@ def marks_of(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:
     odd = odd_resistance(recording)
     marked[Cause.OTHER_HEIGHT_OF_B] = from_row_on(recording, seen_at_b(recording)) | since_first(recording, odd.above)
     marked[Cause.BAD_CONTACT] = since_first(recording, odd.jumps)
+    marked[Cause.OVERSHOOT] = Overshoot(recording, suffix).rows
     marked[Cause.HARDLY_SENSED] = hardly_sensed(recording)
     marked[Cause.MISSED_KNOWN_STRAIN] = from_row_on(recording, missed_known_strain(recording))
     if "health" in recording:
@@ -159,6 +162,8 @@ def numbers_of(cause: Cause, recording: Recording, row: int) -> str:
         odd = odd_resistance(recording)
         often = "once" if odd.jumps.size == 1 else f"{odd.jumps.size} times"
         return f"{often}, by up to {odd.largest_jump_pct:.0f} % of the span from B to C"
+    if cause is Cause.OVERSHOOT:
+        return str(Overshoot(recording, sensed_suffix(recording)))
     if cause is Cause.MISSED_KNOWN_STRAIN:
         return miss_in_words(recording)
     if cause is Cause.HARDLY_SENSED:

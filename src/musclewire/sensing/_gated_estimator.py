@@ -73,7 +73,7 @@ class GateNumbers(NamedTuple):
     beyond: float = 0.015
     # Standard deviation: part of the distance of the branches, and of the range (squared).
     gap_fraction: float = 0.2
-    range_variance: float = 4.0e-5
+    range_variance: float = 6.0e-5
     # Nearer to R_min than this a wire cannot be before B, as for the paper's estimator.
     ambiguous_above: float = AMBIGUOUS_ABOVE
     # A wire is cold whose mean power is below this part of that with which the slow loop cooled to its cold resistance

@@ -35,6 +35,8 @@ class Cause(IntEnum):
     """The estimate missed a strain that was known at one moment by more than its interval."""
     BAD_CONTACT = 13
     """At a steady drive the resistance jumped up within one sample, as a contact's does and no wire's."""
+    OVERSHOOT = 14
+    """Several steps took the wire well beyond their target and back."""
 
 
 CAUSE_TEXT = {
@@ -64,4 +66,7 @@ CAUSE_TEXT = {
     "are not those of the characterization; what came before is wrong, and from there on the resistance is scaled",
     Cause.BAD_CONTACT: "at a steady drive the resistance jumps up within one sample, as a contact's does and no "
     "wire's: crimp it again, or measure the voltage on the wire itself",
+    Cause.OVERSHOOT: "steps take the wire well beyond their target and back: it follows later than its gains expect, "
+    "the air moves, or its wide gap takes less heat to cross than the slow loop's; more pretension narrows the gap "
+    "(musclewire pretension)",
 }

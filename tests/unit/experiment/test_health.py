@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from musclewire.experiment._health import does_not_hold, findings, health_metadata, health_warnings
 from musclewire.sensing import Cause
@@ -147,3 +148,33 @@ def test_a_loop_with_fewer_than_four_valid_samples_in_five_does_not_hold_and_say
     assert "77 % of the samples could be sensed" in health_metadata(cold)["health"]
     rarely = Recording({**loop().columns, "valid": np.where(between(20.0, 26.0), 0.0, 1.0)}, facts)
     assert findings(rarely) == ()
+
+
+def beyond_in(steps: int, by: float) -> Recording:
+    """Return a staircase of eight targets to and fro, in the first steps of which the wire goes beyond and back."""
+    number = np.arange(800) // 100
+    target = np.where(number % 2 == 0, 0.02, 0.015)
+    side = np.where(number % 2 == 0, 1.0, -1.0)
+    out = (number < steps) & (np.arange(800) % 100 < 10)
+    return loop(target_strain=target, estimated_strain=target + np.where(out, by * side, 0.0))
+
+
+def test_a_wire_that_goes_well_beyond_its_target_step_after_step_is_named_and_the_run_holds() -> None:
+    run = beyond_in(3, 0.004)
+    (found,) = findings(run)
+    assert found.cause is Cause.OVERSHOOT
+    assert found.lasted_s == pytest.approx(1.5)
+    assert found.numbers == "at 3 of 8 steps, by up to 20 % of the motion"
+    assert not does_not_hold(run)
+
+
+def test_twice_or_by_less_than_a_tenth_is_no_overshoot() -> None:
+    assert findings(beyond_in(2, 0.004)) == ()
+    assert findings(beyond_in(8, 0.0015)) == ()
+
+
+def test_a_reference_that_never_stops_has_no_steps_to_overshoot() -> None:
+    time_s = PERIOD_S * np.arange(1, 801)
+    target = 0.015 + 0.005 * np.sin(0.5 * time_s)
+    run = loop(target_strain=target, estimated_strain=target + 0.003 * np.sin(0.5 * time_s))
+    assert Cause.OVERSHOOT not in {one.cause for one in findings(run)}

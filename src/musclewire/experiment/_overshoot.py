@@ -1,0 +1,62 @@
+"""Steps that take the wire well beyond their target and back: what its controller's gains do not know of it.
+
+A gap that takes less heat to cross than the slow loop says, or a wire that follows later than it did there, shows in
+nothing else of a run: at the end of each step the target is reached.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from musclewire.experiment._metrics import since_first_sensed
+from musclewire.signals import Recording
+
+# Beyond the target by more than this part of all that the wire moves, in at least so many steps: once or twice is
+# chance, or the first step from cold.
+MAX_BEYOND, MIN_STEPS = 0.1, 3
+# A step is a target that holds for so long [s]; one that never stops changing has none.
+HELD_S = 1.0
+
+
+class Overshoot:
+    """How far the estimate of a closed loop went beyond the target in each of its steps.
+
+    Parameters
+    ----------
+    recording
+        A closed loop with target and estimate.
+    suffix
+        The ending of the columns of its quantity.
+    """
+
+    def __init__(self, recording: Recording, suffix: str) -> None:
+        """Look at every step."""
+        target, value = recording[f"target_{suffix}"], recording[f"estimated_{suffix}"]
+        judged = since_first_sensed(recording)
+        if "valid" in recording:
+            judged = judged & (recording["valid"] > 0.0)
+        moved = max(float(np.ptp(value[judged])), float(np.abs(target).max())) if judged.any() else 0.0
+        starts = np.flatnonzero(np.append(True, np.diff(target) != 0.0))
+        ends = np.append(starts[1:], target.size)
+        time_s = recording["time_s"]
+        self.rows: npt.NDArray[np.bool_] = np.zeros(target.size, dtype=np.bool_)
+        self.n_steps, beyond = 0, []
+        for start, end in zip(starts, ends, strict=True):
+            if time_s[end - 1] - time_s[start] < HELD_S:
+                continue
+            self.n_steps += 1
+            side = np.sign(target[start] - (target[start - 1] if start else 0.0))
+            part = np.where(judged[start:end], side * (value[start:end] - target[start]), 0.0)
+            if part.max() > MAX_BEYOND * moved:
+                beyond.append(float(part.max()) / moved)
+                self.rows[start:end] = part > MAX_BEYOND * moved
+        self.beyond_pct = 100.0 * np.array(beyond)
+        if len(beyond) < MIN_STEPS:
+            self.rows[:] = False
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        return (
+            f"at {self.beyond_pct.size} of {self.n_steps} steps, by up to {self.beyond_pct.max():.0f} % of the motion"
+        )
