@@ -153,8 +153,11 @@ def missed_known_strain(recording: Recording) -> MissedBy | None:
     suffix = next((name for name in recording.names if name.startswith("estimated_")), "")
     if known is None or not suffix or not len(recording):
         return None
-    elapsed_s = recording["time_s"] - recording["time_s"][0]
+    # The first row is of the first sample; a recording that was cut still counts from the beginning of the run.
+    elapsed_s = recording["time_s"] - min(float(recording["time_s"][0]), recording.facts.sample_period_s)
     rows = np.flatnonzero(elapsed_s <= known.at_s)
+    if not rows.size:
+        return None
     row = int(rows[-1])
     there = rows[(elapsed_s[rows] >= elapsed_s[row] - COMPARED_S) & (recording["valid"][rows] > 0.0)]
     std = float(recording["estimate_std"][row])
@@ -185,4 +188,4 @@ def known_strain_unused(recording: Recording) -> str:
     if known is None or missed_known_strain(recording) is not None:
         return ""
     when = f"at {known.at_s:g} s"
-    return f"the strain that is known {when} was not compared: no estimate was valid then, or the run had ended"
+    return f"the strain that is known {when} was not compared: no estimate was valid then, or the recording has no such time"

@@ -26,6 +26,7 @@ from musclewire.experiment._loop_outcomes import LoopOutcome, ManyControlRuns
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import what_protects
 from musclewire.experiment._run_warnings import run_warnings
+from musclewire.experiment._scale_by_b import KEPT
 from musclewire.experiment._timing_facts import NO_CLOCK
 from musclewire.identify import COLUMN_SUFFIX, extrapolation_metadata
 from musclewire.rigs import (
@@ -74,6 +75,8 @@ def control_many(
     settings: Any = None,
     load: KnownSpring | None = None,
     approach_s: float | None = None,
+    zero_from: str = KEPT,
+    known_strain: float | tuple[float, float] | None = None,
     threads: int | None = None,
     keep_recordings: bool = False,
     in_python: bool = False,
@@ -106,6 +109,8 @@ def control_many(
         A known spring, if force is controlled through its stiffness.
     approach_s
         Time [s] for which the reference's start is held before the reference begins; as of ``control`` if None.
+    zero_from, known_strain
+        As of ``control``. What scales the resistance of a loop has no compiled form: loops with either run in Python.
     threads
         How many loops run at a time; by default one on each core.
     keep_recordings
@@ -138,9 +143,11 @@ def control_many(
     >>> runs.mae_pct.shape  # loops, steps
     (3, 3)
     """
-    choice = LoopChoice(estimator, controller, settings, load, approach_s)
+    choice = LoopChoice(
+        estimator, controller, settings, load, approach_s, zero_from=zero_from, known_strain=known_strain
+    )
     cases = cases_of(rig, model, tuple(seeds))
-    if in_python:
+    if in_python or zero_from != KEPT or known_strain is not None:
         found = outcomes_in_python(cases, reference, choice)
     else:
         found = compiled_outcomes(cases, reference, choice, threads)

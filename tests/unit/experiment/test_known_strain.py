@@ -13,7 +13,12 @@ import musclewire as mw
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError
 from musclewire.experiment import control, does_not_hold, run_warnings
-from musclewire.experiment._known_strain import COMPARED_S, KnownStrain, ScaleByKnownStrain
+from musclewire.experiment._known_strain import (
+    COMPARED_S,
+    KnownStrain,
+    ScaleByKnownStrain,
+    missed_known_strain,
+)
 from musclewire.sensing import SensingModel
 from musclewire.signals import QuantityEstimate, Reason, WireSample
 
@@ -93,6 +98,9 @@ def test_a_loop_whose_resistance_is_a_hundredth_off_is_right_after_one_known_str
     assert run["resistance_factor"][-1] == pytest.approx(1.0 / 1.01, abs=2e-3)
     assert "known strain missed" in does_not_hold(run)
     assert "the resistance is scaled by 0.9" in str(run.metadata["health"])
+    # Cut at its beginning, the recording counts from the beginning of the run all the same.
+    assert missed_known_strain(run.between(40)) == missed_known_strain(run)._replace(row=30)  # type: ignore[union-attr]
+    assert missed_known_strain(run.between(80)) is None
 
 
 def test_a_known_strain_that_agrees_is_no_finding(model: SensingModel) -> None:

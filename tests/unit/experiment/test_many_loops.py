@@ -245,3 +245,16 @@ def test_outcomes_come_in_the_order_of_the_seeds_and_keep_recordings_only_on_req
     assert found.outcomes == tuple(seen)
     assert all(outcome.run is None for outcome in seen)
     assert not any(math.isnan(error) for error in found.mae_max_pct)
+
+
+@pytest.mark.parametrize("how", [{"zero_from": "today"}, {"known_strain": (0.012, 1.4)}])
+def test_what_scales_the_resistance_runs_in_python_in_many_loops(how: dict[str, Any], model: SensingModel) -> None:
+    lighter = RigConfiguration(settings={"pretension_n": 0.95})
+    (outcome,) = control_many(lighter, model, SHORT, seeds=[3], keep_recordings=True, **how).outcomes
+    assert outcome.run is not None
+    assert not outcome.compiled
+    assert outcome.run["resistance_factor"][-1] != 1.0
+    with open_rig(lighter, seed=3) as rig:
+        alone = control(rig, model, SHORT, **how)
+    np.testing.assert_array_equal(outcome.run["estimated_strain"], alone["estimated_strain"])
+    assert outcome.does_not_hold
