@@ -187,5 +187,5 @@ def known_strain_unused(recording: Recording) -> str:
     known = stated_in(recording.facts)
     if known is None or missed_known_strain(recording) is not None:
         return ""
-    when = f"at {known.at_s:g} s"
-    return f"the strain that is known {when} was not compared: no estimate was valid then, or the recording has no such time"
+    why = "no estimate was valid then, or the recording has no such time"
+    return f"the strain that is known at {known.at_s:g} s was not compared: {why}"
