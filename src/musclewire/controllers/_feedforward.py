@@ -303,7 +303,7 @@ def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray
         error = 0.0
     else:
         cross_the_gap(wire, state_row, value, error, tolerance, dt_s, limits_w)
-    if valid != 0.0:
+    if valid != 0.0 and state_row["blind_w"] > 0.0:
         give_back(state_row, limits_w)
     before_w = state_row["steady_w"]
     command(wire, state_row, value, error, std if valid != 0.0 else 0.0, dt_s, limits_w)
@@ -387,10 +387,10 @@ def give_back(state: Row, limits_w: PowerLimits) -> None:
     """Take back, once there is an estimate, by how much the steady power has grown without one on the way to a target.
 
     A wire that comes from cold seems not to move until B, and what the integral makes of that would take it beyond its
-    target. Once the heat of the way is in, it is needed: the air is colder, or faster, than the slow loop's was.
+    target. What the steady power grows by after the heat of the way has been given is kept: the air is colder, or
+    moves faster, than the slow loop's did.
     """
-    lowest_w, _, steady_limit_w = limits_w
-    state["steady_w"] = min(max(state["steady_w"] - state["blind_w"], lowest_w), steady_limit_w)
+    state["steady_w"] = max(state["steady_w"] - state["blind_w"], limits_w[0])
     state["blind_w"] = 0.0
 
 

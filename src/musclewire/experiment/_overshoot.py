@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.experiment._metrics import since_first_sensed
+from musclewire.experiment._scale_by_b import WITHIN_STD
 from musclewire.signals import Recording
 
-# Beyond the target by more than this part of all that the wire moves, in at least so many steps: once or twice is
-# chance, or the first step from cold.
+# Beyond the target by more than this part of all that the wire moves, and than the interval of the estimate, in at least
+# so many steps: once or twice is chance, or the first step from cold.
 MAX_BEYOND, MIN_STEPS = 0.1, 3
 # A step is a target that holds for so long [s]; one that never stops changing has none.
 HELD_S = 1.0
@@ -32,25 +33,30 @@ class Overshoot:
 
     def __init__(self, recording: Recording, suffix: str) -> None:
         """Look at every step."""
-        target, value = recording[f"target_{suffix}"], recording[f"estimated_{suffix}"]
-        judged = since_first_sensed(recording)
+        target, value, time_s = recording[f"target_{suffix}"], recording[f"estimated_{suffix}"], recording["time_s"]
+        judged = since_first_sensed(recording) & np.isfinite(value)
         if "valid" in recording:
-            judged = judged & (recording["valid"] > 0.0)
-        moved = max(float(np.ptp(value[judged])), float(np.abs(target).max())) if judged.any() else 0.0
+            judged &= recording["valid"] > 0.0
+        moved = float(np.ptp(value[judged])) if judged.any() else 0.0
+        std = recording["estimate_std"] if "estimate_std" in recording else np.zeros(target.size)
         starts = np.flatnonzero(np.append(True, np.diff(target) != 0.0))
         ends = np.append(starts[1:], target.size)
-        time_s = recording["time_s"]
+        period_s = float(np.median(np.diff(time_s))) if time_s.size > 1 else 0.0
         self.rows: npt.NDArray[np.bool_] = np.zeros(target.size, dtype=np.bool_)
         self.n_steps, beyond = 0, []
         for start, end in zip(starts, ends, strict=True):
-            if time_s[end - 1] - time_s[start] < HELD_S:
+            if time_s[end - 1] - time_s[start] + period_s < HELD_S:
                 continue
             self.n_steps += 1
-            side = np.sign(target[start] - (target[start - 1] if start else 0.0))
-            part = np.where(judged[start:end], side * (value[start:end] - target[start]), 0.0)
-            if part.max() > MAX_BEYOND * moved:
-                beyond.append(float(part.max()) / moved)
-                self.rows[start:end] = part > MAX_BEYOND * moved
+            step = slice(int(start), int(end))
+            side = np.sign(target[start] - value[start])
+            past = side * (value[step] - target[start])
+            # A wire that is on the far side still when the target comes has not gone there.
+            counts = judged[step] & np.logical_or.accumulate(past < 0.0)
+            too_far = counts & (past > MAX_BEYOND * moved) & (past > WITHIN_STD * std[step])
+            if too_far.any():
+                beyond.append(float(past[too_far].max()) / moved)
+                self.rows[step] = too_far
         self.beyond_pct = 100.0 * np.array(beyond)
         if len(beyond) < MIN_STEPS:
             self.rows[:] = False

@@ -63,7 +63,7 @@ class GateNumbers(NamedTuple):
     # Without motion: approach of the branch while power is beyond its mean in that direction by a fraction (below 0: a
     # little less than the mean will do), and of the mean of both branches otherwise. Back to the branch from beyond;
     # where cooling lies above heating at one resistance, a wire that turns stays until its new branch comes to it, and
-    # one that does not move is nowhere between: a loop that answers a drift to the mean by its drive would keep it up.
+    # one that stands is not drawn to the mean of both: a loop that answers that drift by its drive would keep it up.
     supporting_fraction: float = -0.01
     approach_s: float = 1.0
     middle_s: float = 8.0
@@ -73,7 +73,7 @@ class GateNumbers(NamedTuple):
     beyond: float = 0.015
     # Standard deviation: part of the distance of the branches, and of the range (squared).
     gap_fraction: float = 0.2
-    range_variance: float = 6.0e-5
+    range_variance: float = 4.0e-5
     # Nearer to R_min than this a wire cannot be before B, as for the paper's estimator.
     ambiguous_above: float = AMBIGUOUS_ABOVE
     # A wire is cold whose mean power is below this part of that with which the slow loop cooled to its cold resistance
@@ -237,7 +237,7 @@ def follow(
     moved = state.resistance - state.lagging
     if not moved * moved > GATES.motion_deviations * state.variance + GATES.min_motion_variance:
         moved = 0.0
-    locate(numbers, state, moved)
+    locate(numbers, state, moved, power_w)
     inside = min(max(state.resistance, numbers.normalised_min), numbers.normalised_max)
     hot, cold, slope = branches(coefficients, inside)
     move(numbers, state, hot, cold, moved, support)
@@ -303,11 +303,12 @@ def learn_noise(dt_s: float, state: Row, read: float, per_volt: float) -> None:
 
 
 @compiled_inner
-def locate(numbers: Row, state: Row, moved: float) -> None:
+def locate(numbers: Row, state: Row, moved: float, power_w: float) -> None:
     """Follow whether the wire is between B and C: lost at the cold end, found where heating lowers resistance.
 
-    From A to B resistance rises while the wire heats, from B to C it falls. A wire that passes B is at least as warm as
-    in the slow loop, however short a time it took to come there: its mean power is not that of the rest before.
+    From A to B resistance rises while the wire heats, from B to C it falls. A wire that passes B is as warm as it was in
+    the slow loop there, however short a time it took: its mean power is not that of the rest before. In warmer or
+    calmer air it passes with less power, and that is then its mean.
     """
     below = GATES.ambiguous_above - state.resistance
     known = state.learnt_s >= GATES.noise_samples * numbers.dt_s
@@ -320,7 +321,7 @@ def locate(numbers: Row, state: Row, moved: float) -> None:
     falls = state.heating != 0.0 and moved < 0.0 and moved * moved > 9.0 * state.variance and known
     if falls or (below > 0.0 and below * below > 9.0 * state.variance):
         if state.sensing == 0.0:
-            state.mean_power_w = max(state.mean_power_w, numbers.b_power_w)
+            state.mean_power_w = max(state.mean_power_w, min(numbers.b_power_w, power_w))
         state.sensing = 1.0
 
 

@@ -84,6 +84,19 @@ def test_a_step_of_the_paper_is_done_within_half_a_second_both_ways() -> None:
     assert strains[240 + 2 * ten] <= 0.018 - 0.9 * 0.003
 
 
+def test_what_the_steady_power_grew_by_without_an_estimate_is_given_back_with_the_first_one() -> None:
+    strong = KNOWN.model_copy(update={"maximum_steady_power_w": 3.0})
+    controller = FeedforwardController(ControllerSetup(DriveLimits(0.3, 5.0), settings=strong))
+    steady = controller.columns.index("steady_power_w")
+    state, cold = controller.start(0.3), QuantityEstimate(0.006, 1e-4, False, Reason.COLD)
+    _, state, first = controller.step(state, 0.015, cold, DT_S)
+    for _ in range(9):
+        _, state, blind = controller.step(state, 0.015, cold, DT_S)
+    _, _, sensed = controller.step(state, 0.015, QuantityEstimate(0.0149, 1e-4, True), DT_S)
+    assert blind[steady] > first[steady] + 0.01
+    assert sensed[steady] == pytest.approx(first[steady], abs=2e-3)
+
+
 @pytest.mark.parametrize("loss", [0.8, 1.2])
 def test_feedback_removes_what_the_feedforward_does_not_know(loss: float) -> None:
     _, strains = follow([0.015, 0.018, 0.021, 0.018], hold_s=10.0, loss=loss)

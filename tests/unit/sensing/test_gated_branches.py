@@ -196,3 +196,21 @@ def test_a_wire_that_came_from_rest_through_b_in_a_moment_turns_when_its_power_f
     stopped = with_loop[len(from_rest)].value
     assert with_loop[-1].value == pytest.approx(stopped, abs=0.002)
     assert without[-1].value > stopped + 0.002
+
+
+def test_a_wire_that_passes_b_with_less_power_than_the_slow_loop_heats_all_the_same() -> None:
+    """As in warmer or calmer air: the mean is then its own power, not one that would make a turn of it."""
+    slowly = [(17.2, 0.01)] * 200 + ramp(17.2, 17.5, 60, 0.22) + ramp(17.5, 16.0, 200, 0.22)
+    with_loop = followed(slowly, model=replace(MODEL, slow_loop=SLOW_LOOP))[-1].value
+    off = abs(followed(slowly)[-1].value - MODEL.strain_heating(16.0))
+    assert abs(with_loop - MODEL.strain_heating(16.0)) < off + 1e-4
+
+
+def test_between_crossed_branches_a_wire_at_rest_is_not_drawn_to_their_mean() -> None:
+    crossed = replace(
+        MODEL, heating_coefficients=MODEL.cooling_coefficients, cooling_coefficients=MODEL.heating_coefficients
+    )
+    cooled = [(14.5, 0.5)] * 5 + ramp(14.5, 16.0, 60, 0.1)
+    # Power comes up a little, as a loop gives it to hold the wire: too little to be a turn.
+    held = followed(cooled + [(16.0, 0.1)] * 400 + [(16.0, 0.1015)] * 40, model=crossed)
+    assert held[-1].value == pytest.approx(crossed.strain_cooling(16.0), abs=1e-6)

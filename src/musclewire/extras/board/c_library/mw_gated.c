@@ -117,9 +117,10 @@ static uint8_t has_come_back(mw_gates *gates, mw_real away_w, mw_real dt_s)
            back_w * back_w > MW_SLOW_TURNING_DEVIATIONS * gates->power_variance_w2;
 }
 
-static void locate(mw_gates *gates, mw_real moved, mw_real dt_s)
+static void locate(mw_gates *gates, mw_real moved, mw_real power_w, mw_real dt_s)
 {
     const uint8_t before = gates->sensing;
+    const mw_real least_w = power_w < MW_B_POWER_W ? power_w : MW_B_POWER_W;
     const mw_real below = MW_AMBIGUOUS_ABOVE - gates->resistance;
     const mw_real until_b = MW_NORMALISED_MAX - gates->resistance;
     if (until_b < 0 || until_b * until_b < 4 * gates->variance ||
@@ -130,8 +131,8 @@ static void locate(mw_gates *gates, mw_real moved, mw_real dt_s)
     else if (gates->heating && moved < 0 && moved * moved > 9 * gates->variance &&
              gates->learnt_s >= MW_NOISE_SAMPLES * dt_s)
         gates->sensing = 1;
-    if (gates->sensing && !before && gates->mean_power_w < MW_B_POWER_W)
-        gates->mean_power_w = MW_B_POWER_W;
+    if (gates->sensing && !before && gates->mean_power_w < least_w)
+        gates->mean_power_w = least_w;
 }
 
 /* Whether a reading can be one of the valid range, within three deviations of its noise. */
@@ -181,7 +182,7 @@ mw_estimation mw_follow(mw_gates *gates, mw_real resistance_ohm, mw_real wire_vo
     moved = gates->resistance - gates->lagging;
     if (!(moved * moved > MW_MOTION_DEVIATIONS * gates->variance + MW_MIN_MOTION_VARIANCE))
         moved = 0;
-    locate(gates, moved, dt_s);
+    locate(gates, moved, power_w, dt_s);
     move(gates, moved, support, dt_s);
     result.value = gates->value;
     result.valid = result.valid && gates->sensing;
