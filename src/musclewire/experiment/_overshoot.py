@@ -13,8 +13,8 @@ from musclewire.experiment._metrics import since_first_sensed
 from musclewire.experiment._scale_by_b import WITHIN_STD
 from musclewire.signals import Recording
 
-# Beyond the target by more than this part of all that the wire moves, and than the interval of the estimate, in at least
-# so many steps: once or twice is chance, or the first step from cold.
+# Beyond the target by more than this part of all that the wire moves, and than the interval of the estimate, in at
+# least so many steps: once or twice is chance, or the first step from cold.
 MAX_BEYOND, MIN_STEPS = 0.1, 3
 # A step is a target that holds for so long [s]; one that never stops changing has none.
 HELD_S = 1.0

@@ -306,9 +306,9 @@ def learn_noise(dt_s: float, state: Row, read: float, per_volt: float) -> None:
 def locate(numbers: Row, state: Row, moved: float, power_w: float) -> None:
     """Follow whether the wire is between B and C: lost at the cold end, found where heating lowers resistance.
 
-    From A to B resistance rises while the wire heats, from B to C it falls. A wire that passes B is as warm as it was in
-    the slow loop there, however short a time it took: its mean power is not that of the rest before. In warmer or
-    calmer air it passes with less power, and that is then its mean.
+    From A to B resistance rises while the wire heats, from B to C it falls. A wire that passes B is as warm as in the
+    slow loop there, however short a time it took: its mean power is not that of the rest before. In warmer or calmer
+    air it passes with less power, and that is then its mean.
     """
     below = GATES.ambiguous_above - state.resistance
     known = state.learnt_s >= GATES.noise_samples * numbers.dt_s
