@@ -167,9 +167,11 @@ def test_a_signal_at_any_moment_of_the_start_ends_without_a_traceback() -> None:
         assert process.stdout.readline() == "ours\n"
         time.sleep(0.01 + wait_s)
         process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=PATIENCE_S)
-        assert process.returncode == 130, err
+        answer, err = process.communicate(timeout=PATIENCE_S)
         assert "Traceback" not in err
+        if answer and process.returncode == 0:  # on a quick machine the command is through before the last signals
+            continue
+        assert process.returncode == 130, err
         assert "stopped by Ctrl-C" in err
 
 
