@@ -29,6 +29,15 @@ class Overshoot:
         A closed loop with target and estimate.
     suffix
         The ending of the columns of its quantity.
+
+    Attributes
+    ----------
+    rows
+        The samples that are too far beyond, (n_times,); none if the steps with such samples are too few.
+    n_steps
+        How many targets held long enough to be looked at.
+    beyond_pct
+        By how much each step that went too far did so [% of the motion], (n_steps_beyond,).
     """
 
     def __init__(self, recording: Recording, suffix: str) -> None:
