@@ -21,7 +21,7 @@ that of the highest temperature.
 What it cannot know it learns during a run, and says so in the recording:
 
 - the gap: a wire that stands still on the wrong side of its target jumps over a part of it, and half as far from then
-  on when that was too far;
+  on when that was too far; a target that turns takes no more of it than was given;
 - lateness (``lag_s``): how much later than expected the wire is half way at large steps; it is then expected later, and
   SIMC's tau_c and theta both grow by it;
 - what the estimate is worth: an error counts for the integral as far as it is above the estimate's deviation, and a
@@ -177,16 +177,19 @@ SETTINGS = np.dtype(
     ]
 )  # fmt: skip
 # What is due: the drive, its power, the steady power, that of the heat balance, the pulse of heat, and the part of it
-# down to which a wire from cold is only heated. Where the wire was when the target came, on which branch, and whether
-# it stands. What was learned: the part of the gap that a jump takes, how late the wire follows, the part of the gain
-# that is left, and the largest steady power; by how much the steady power has grown without an estimate. Then the
-# watches: of a swinging drive, of a step on its way, and of a wire beyond C.
+# down to which a wire from cold is only heated. Where the wire was when the target came, on which branch, where between
+# the branches the steady power given is, and whether the wire stands. Which way the target moved last, for how long it
+# has held, and for how long it has moved that way or rested. What was learned: the part of the gap that a jump takes,
+# how late the wire follows, the part of the gain that is left, and the largest steady power; by how much the steady
+# power has grown without an estimate. Then the watches: of a swinging drive, of a step on its way, and of a wire
+# beyond C.
 STATE = np.dtype(
     [
         (name, np.float64)
         for name in (
             "started", "drive_voltage_v", "power_w", "steady_w", "balance_w", "pulse_j", "cold_j",
-            "target", "start_value", "place", "anchor", "still_s", "jumped", "arrived", "since_s",
+            "target", "start_value", "place", "given", "anchor", "still_s", "jumped", "arrived",
+            "way", "held_s", "since_s",
             "known_gap", "lag_s", "gain_factor", "ceiling_w", "blind_w",
             "swing", "extreme_v", "reversals", "calm_s",
             "step", "expected_s", "lagged",
@@ -207,6 +210,8 @@ STILL_S = 0.09
 # per second: an estimator that takes its branch from the power would take more for a turn, and the loop would answer
 # its own doing.
 DOUBT, SETTLED_S, CREEP_PER_S = 2.0, 2.0, 0.005
+# A target rests that has held for so long [s]; pauses between the samples of a moving one are shorter.
+REST_S = 1.0
 # From cold, errors count once this part of the heat is left.
 FROM_COLD = 0.35
 # Lateness is measured at steps above so many tolerances, up to the longest that a wire which need not cross the gap
@@ -215,7 +220,8 @@ LARGE_STEP, LATEST_S, LEARNT, LAG_PART = 3.0, 0.4, 0.5, 0.5
 # Power above the slow loop's largest, and time constants of the air for which less is tried, to find a wire beyond C.
 HOTTER, PROBE_TIME_CONSTANTS = 1.05, 1.5
 # An oscillation: so many reversals of more than this swing [V], each within a time [s] of the one before, from a second
-# after the target on. Three come within 3 s at the periods of 0.4 to 2 s that dead times up to 0.3 s give.
+# after the target turned or came to rest on. Three come within 3 s at the periods of 0.4 to 2 s that dead times up to
+# 0.3 s give.
 OSCILLATION_REVERSALS, SWING_V, SETTLING_S, MAX_HALF_PERIOD_S = 3.0, 0.5, 1.0, 1.5
 MIN_GAIN = 0.0625
 PowerLimits = tuple[float, float, float]
@@ -295,6 +301,7 @@ def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray
     limits_w = power_limits_w(wire, value, state_row["ceiling_w"])
     if target != state_row["target"]:
         new_target(wire, state_row, target, value, first and valid == 0.0, limits_w)
+    count_target(state_row, dt_s)
     error = lagged(wire, state_row, expected(wire, state_row, target), value, valid, dt_s) - value
     tolerance = max(wire.settings["tolerance"], std) if valid != 0.0 else math.inf
     # Below B there is no estimate, and no error to act on as long as most of the heat from cold is still to come.
@@ -329,27 +336,48 @@ def take_over(wire: KnownWire, state: Row, value: float) -> None:
 
 @compiled_inner
 def new_target(wire: KnownWire, state: Row, target: float, value: float, cold: bool, limits_w: PowerLimits) -> None:
-    """Add what a new target takes: steady power of its branch, and the heat for the way there."""
+    """Add what a new target takes: steady power of its branch, and the heat for the way there.
+
+    Of the gap it takes what the other branch needs beyond what was given: a wire that has jumped over a part of the gap
+    gets no more than that part taken away again, however many samples a moving target has.
+    """
     lowest_w, _, steady_limit_w = limits_w
     side = 1.0 if target > state["target"] else -1.0
-    place = state["place"] if state["place"] != 0.0 else side
+    place, given = (state["place"], state["given"]) if state["place"] != 0.0 else (side, side)
     moves = target - state["target"]
     if cold:  # no branch is known of a cold wire: all that the target takes, from A on, where the quantity is 0
         change_w = edge_w(wire, 1.0, target) - state["steady_w"]
         moves = target
     else:
         here_w = edge_w(wire, side, state["target"])
-        gap_w = here_w - edge_w(wire, place, state["target"])
+        gap_w = here_w - edge_w(wire, given, state["target"])
         change_w = edge_w(wire, side, target) - here_w + gap_w
     steady_w = min(max(state["steady_w"] + change_w, lowest_w), steady_limit_w)
     warming_j = wire.settings["thermal_time_constant_s"] * (steady_w - state["steady_w"])
     state["pulse_j"] += warming_j + wire.settings["heat_per_unit"] * moves
     if cold:
         state["cold_j"] = FROM_COLD * state["pulse_j"]
+    state["probe_w"] += steady_w - state["steady_w"]  # a probe that ends goes back to what this target needs
     state["steady_w"], state["start_value"], state["place"], state["target"] = steady_w, value, side, target
-    state["jumped"] = state["arrived"] = state["swing"] = state["reversals"] = 0.0
-    state["beyond_c"] = state["probing_s"] = 0.0  # what a probe would go back to is the last target's
-    state["since_s"], state["expected_s"], state["step"] = 0.0, -1.0, (target - value if place == side else 0.0)
+    state["given"], state["arrived"] = side, 0.0
+    if side != state["way"] or state["held_s"] >= REST_S:
+        state["since_s"] = state["jumped"] = state["swing"] = state["reversals"] = 0.0
+        state["beyond_c"] = state["probing_s"] = 0.0
+    state["way"], state["held_s"], state["expected_s"] = side, 0.0, -1.0
+    state["step"] = target - value if place == side else 0.0
+
+
+@compiled_inner
+def count_target(state: Row, dt_s: float) -> None:
+    """Count for how long the target has held, and for the watches since when it has moved one way, or rested.
+
+    Each sample of a moving target is a new one, and a watch that began anew with each would never see anything.
+    """
+    moved = state["held_s"] < REST_S
+    state["held_s"] += dt_s
+    state["since_s"] += dt_s
+    if moved and state["held_s"] >= REST_S:
+        state["since_s"], state["swing"], state["reversals"] = state["held_s"], 0.0, 0.0
 
 
 @compiled_inner
@@ -367,13 +395,12 @@ def lagged(wire: KnownWire, state: Row, ahead: float, value: float, valid: float
     At every large step it is measured by how much later than expected the wire is half way.
     """
     step, half = state["step"], 0.5 * state["step"]
-    state["since_s"] += dt_s
     large = abs(step) > LARGE_STEP * wire.settings["tolerance"]
     if large and state["expected_s"] < 0.0 and (ahead - state["start_value"] - half) * step > 0.0:
-        state["expected_s"] = state["since_s"]
+        state["expected_s"] = state["held_s"]
     if large and valid != 0.0 and (value - state["start_value"] - half) * step > 0.0:
         if state["expected_s"] >= 0.0:
-            late_s = state["since_s"] - state["expected_s"]
+            late_s = state["held_s"] - state["expected_s"]
             if late_s <= LATEST_S:
                 state["lag_s"] += LEARNT * (late_s - state["lag_s"])
         state["step"] = 0.0
@@ -419,6 +446,7 @@ def cross_the_gap(
         gap_w = state["known_gap"] * (edge_w(wire, side, value) - edge_w(wire, state["place"], value))
         state["steady_w"] = min(max(state["balance_w"] + gap_w, lowest_w), steady_limit_w)
         state["pulse_j"] += wire.settings["thermal_time_constant_s"] * gap_w
+        state["given"] = state["place"] + state["known_gap"] * (side - state["place"])
         state["place"] = side
 
 
@@ -455,7 +483,7 @@ def probe_beyond_c(wire: KnownWire, state: Row, value: float, error: float, cold
 
 @compiled_inner
 def notice_oscillation(state: Row, dt_s: float) -> None:
-    """Halve the gain for the rest of the run where the drive swings to and fro while one target holds."""
+    """Halve the gain for the rest of the run where the drive swings and the target does not turn."""
     drive_v = state["drive_voltage_v"]
     state["calm_s"] += dt_s
     begins = state["arrived"] == 0.0 or state["since_s"] < SETTLING_S or state["probing_s"] > 0.0
@@ -522,7 +550,7 @@ def integrated_w(wire: KnownWire, state: Row, gain: float, error: float, std: fl
         return 0.0
     trusted = error * abs(error) / (abs(error) + DOUBT * std)
     integral_w = gain * trusted * dt_s / wire.settings["integral_time_s"] * state["gain_factor"]
-    if state["since_s"] > SETTLED_S and abs(error) < std:
+    if state["held_s"] > SETTLED_S and abs(error) < std:
         limit_w = CREEP_PER_S * dt_s * state["steady_w"]
         integral_w = min(max(integral_w, -limit_w), limit_w)
     return float(integral_w)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from musclewire.arrays import FloatArray
 from musclewire.controllers._controller import ControllerSetup
 from musclewire.controllers._drive_limits import DriveLimits
 from musclewire.controllers._feedforward import FeedforwardController, FeedforwardSettings
@@ -127,3 +131,32 @@ def test_settings_that_cannot_be_are_refused(changed: dict[str, object], message
         FeedforwardSettings(**{**KNOWN.model_dump(), **changed})
     with pytest.raises(CallerError, match="fit keeps them in a new model"):
         FeedforwardController(ControllerSetup(LIMITS))
+
+
+def test_a_slow_sine_is_followed_as_a_step_is_though_the_wire_loses_more_heat_than_is_known() -> None:
+    times_s = np.arange(0.0, 90.0, DT_S)
+    targets = 0.02 + 0.008 * np.sin(2.0 * np.pi * times_s / 30.0)
+    for loss in (0.9, 1.0, 1.1):
+        _, strains = follow(targets.tolist(), hold_s=DT_S, loss=loss)
+        error = (np.abs(np.array(strains) - targets) / targets)[times_s > 2.0]
+        assert float(error.mean()) < 0.02, loss
+        assert float(error.max()) < 0.1, loss
+
+
+def gain_factor_of_a_swinging_wire(targets: FloatArray) -> float:
+    """Return what is left of the gain where the estimate swings by 0.4 % strain about a target at 1 Hz."""
+    controller = FeedforwardController(ControllerSetup(LIMITS, settings=KNOWN))
+    state, gain = controller.start(2.5), controller.columns.index("gain_factor")
+    factor = 1.0
+    for index, target in enumerate(targets.tolist()):
+        swings = 4e-3 * math.sin(2.0 * math.pi * index * DT_S)
+        _, state, columns = controller.step(state, target, QuantityEstimate(target + swings, 1e-4, True), DT_S)
+        factor = columns[gain]
+    return factor
+
+
+def test_an_oscillation_is_noticed_at_a_target_that_moves_and_not_where_the_target_itself_swings() -> None:
+    times_s = np.arange(0.0, 10.0, DT_S)
+    assert gain_factor_of_a_swinging_wire(0.02 + 1e-4 * times_s) < 1.0
+    assert gain_factor_of_a_swinging_wire(0.02 + 1e-4 * np.floor(times_s / 0.5)) < 1.0
+    assert gain_factor_of_a_swinging_wire(0.02 + 2e-3 * np.sin(2.0 * np.pi * times_s)) == 1.0
