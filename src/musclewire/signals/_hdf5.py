@@ -166,7 +166,7 @@ def _open_file(path: Path) -> Any:
     except PermissionError:
         raise RecordingError(f"{path}: may not be read; check its permissions") from None
     except OSError as problem:
-        if "signature not found" in str(problem):
+        if not h5py.is_hdf5(path):
             raise RecordingError(f"{path}: is not an HDF5 file; export it as CSV with units in the header") from None
         raise RecordingError(f"{path}: is a damaged HDF5 file ({_first_line(problem)}); use another copy") from None
 

@@ -67,6 +67,10 @@ class HeaderMatch:
     undecided: tuple[UndecidedHeader, ...] = ()
 
 
+class _AbsentHeaderError(RecordingError):
+    """A mapping names a header that the table does not have."""
+
+
 _BRACKETS = re.compile(r"\s*(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\[\]()]*)[\])]|[<{](?P<other>[^<>{}]*)[>}])\s*")
 _SLASH = re.compile(r"\s*(?P<name>.+?)\s*/\s*(?P<unit>.+?)\s*")
 # What is between a name and its unit: "force_mN", "Time ms", "Voltage in V", "Zeit, s", "Strain%".
@@ -161,8 +165,10 @@ def missing_from(
     def absent(name: str, wanted: str) -> bool:
         try:
             _find(name, wanted, headers, "")
-        except RecordingError as problem:
-            return "no column" in str(problem)
+        except _AbsentHeaderError:
+            return True
+        except RecordingError:
+            return False
         return False
 
     names = frozenset(name for name, wanted in mapping.items() if absent(name, wanted))
@@ -277,7 +283,7 @@ def _find(name: str, wanted: str, headers: Sequence[str], path: str) -> tuple[in
     if counted and 0 < int(counted["number"]) <= len(headers):
         return int(counted["number"]) - 1, counted["unit"].strip() if counted["unit"] else None
     hint = nearest_hint(header if colon else wanted, headers)
-    raise RecordingError(f"{path}: no column '{header if colon else wanted}', mapped to {name}{hint}")
+    raise _AbsentHeaderError(f"{path}: no column '{header if colon else wanted}', mapped to {name}{hint}")
 
 
 def _key_of_name(header: str) -> str:

@@ -390,4 +390,4 @@ def doubts(assumed: AssumedWire, wires: PosteriorWires, stroke_std: float) -> li
     ]
     if far:
         found.append(f"unusual for {assumed.wire}, in standard deviations: {', '.join(far)}; is it this wire?")
-    return found + [note for note in assumed.notes if note.startswith("assumed")]
+    return [*found, *assumed.notes]
