@@ -2,18 +2,22 @@
 
 Every error musclewire raises on purpose belongs to one owner: the caller, the recording, the rig or the
 numerics. The owner decides the exit code of the command line, so that a script can react without
-reading text. A message is one line that says what is wrong, where, and what to do.
+reading text. A message is one line that says what is wrong, where, and what to do. An argument that it advises is
+data in it: the command line shows an option there, and Python the argument.
 """
 
 from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
 __all__ = [
+    "Argument",
     "CallerError",
     "FitRejectedError",
+    "Message",
     "MissingExtraError",
     "MusclewireError",
     "NumericsError",
@@ -21,10 +25,87 @@ __all__ = [
     "RecordingNotWrittenError",
     "RigError",
     "an_object",
+    "argument",
     "installed_by",
+    "joined",
     "nearest_hint",
     "toml_problem",
 ]
+
+
+class Argument(NamedTuple):
+    """An argument of Python that a message advises, with the value to give or None."""
+
+    name: str
+    value: object = None
+
+    def __str__(self) -> str:
+        """Return the argument as one writes it in Python."""
+        if self.value is None:
+            return self.name
+        return f"{self.name}={self.value:g}" if isinstance(self.value, float) else f"{self.name}={self.value!r}"
+
+
+class Message(str):
+    """A text that advises arguments: as text they are as Python has them, and each can be spelled otherwise.
+
+    Sums with texts are messages; a text into which one is formatted has the arguments as Python has them.
+    """
+
+    __slots__ = ("parts",)
+
+    parts: tuple[object, ...]
+
+    def __new__(cls, *parts: object) -> Message:
+        """Return the message of its parts: texts, arguments and messages."""
+        message = super().__new__(cls, "".join(str(part) for part in parts))
+        message.parts = parts
+        return message
+
+    def __str__(self) -> Message:
+        """Return the message itself, so that the text of an error is one if it was raised with one."""
+        return self
+
+    def __add__(self, other: str) -> Message:
+        """Return this and what follows."""
+        return Message(self, other)
+
+    def __radd__(self, other: str) -> Message:
+        """Return what precedes and this."""
+        return Message(other, self)
+
+    def spelled(self, spell: Callable[[Argument], str]) -> str:
+        """Return the text with each argument as ``spell`` has it."""
+        return "".join(
+            spell(part)
+            if isinstance(part, Argument)
+            else part.spelled(spell)
+            if isinstance(part, Message)
+            else str(part)
+            for part in self.parts
+        )
+
+
+def argument(name: str, value: object = None) -> Message:
+    """Return a piece of a message that advises an argument, which is added to its texts.
+
+    Parameters
+    ----------
+    name
+        The argument's name.
+    value
+        The value to give; None for the name alone.
+
+    Returns
+    -------
+    ``overwrite=True`` in Python, ``--overwrite`` on the command line.
+    """
+    return Message(Argument(name, value))
+
+
+def joined(separator: str, texts: Iterable[str]) -> Message:
+    """Return texts as one message, with a separator between them."""
+    return Message(*[part for text in texts for part in (separator, text)][1:])
 
 
 class MusclewireError(Exception):

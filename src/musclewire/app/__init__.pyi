@@ -26,8 +26,6 @@ from ._files import require_folder as require_folder
 from ._files import require_recording_file as require_recording_file
 from ._files import require_zip_file as require_zip_file
 from ._files import save_figure as save_figure
-from ._in_options import IN_OPTIONS as IN_OPTIONS
-from ._in_options import in_options as in_options
 from ._installation import REQUIREMENT as REQUIREMENT
 from ._installation import commit_of as commit_of
 from ._json_schemas import file_models as file_models
@@ -61,11 +59,13 @@ from ._options import WIRE as WIRE
 from ._options import WIRE_LENGTH as WIRE_LENGTH
 from ._options import WORKERS as WORKERS
 from ._options import RigName as RigName
+from ._options import as_option as as_option
 from ._options import in_si as in_si
 from ._options import option as option
 from ._options import output_option as output_option
 from ._options import quantity as quantity
 from ._output import Result as Result
+from ._output import in_options as in_options
 from ._output import progress_bar as progress_bar
 from ._output import run_bar as run_bar
 from ._output import say as say

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from musclewire.app._command_line import CommandLine
-from musclewire.app._output import emit_json, say, show
+from musclewire.app._output import emit_json, in_options, say, show
 from musclewire.app._stopping import STOPPED, StoppedCommand, ignore_signals, listen_for_signals
 from musclewire.errors import CallerError, MusclewireError
 
@@ -104,7 +104,7 @@ def usage_line(error: Any) -> str:
 
 def report_error(error: MusclewireError) -> int:
     """Print an error as one line, and where its samples are if a run was being recorded."""
-    say(f"musclewire: {' '.join(str(error).split())}")
+    say(f"musclewire: {' '.join(in_options(str(error)).split())}")
     say_where_samples_are(error)
     return error.exit_code
 

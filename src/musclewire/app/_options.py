@@ -7,6 +7,8 @@ same in all commands (``tests/app/test_one_list_of_options.py``).
 from __future__ import annotations
 
 import re
+import shlex
+from collections.abc import Mapping
 from math import inf
 from typing import Annotated, Any, NamedTuple, overload
 
@@ -19,7 +21,7 @@ from musclewire.app._completion import (
     complete_rule_bases,
     complete_wires,
 )
-from musclewire.errors import CallerError
+from musclewire.errors import Argument, CallerError
 
 # A number without a unit.
 BARE = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*")
@@ -46,6 +48,9 @@ class OptionDefinition(NamedTuple):
     quantity: OptionQuantity | None = None
 
 
+# Options that are not called as the argument in Python, and endings of arguments that name a unit.
+CALLED = {"on": "--join", "shunt_resistance_ohm": "--shunt"}
+WITH_UNIT = re.compile("_(n|m|s|v|ohm)$")
 # Beyond these a count is a slip of the pen, whose command would never end.
 MAX_COUNT, MAX_CORES = 100_000, 4096
 # All options by their first name.
@@ -292,6 +297,26 @@ RigName = Annotated[
         autocompletion=complete_rigs,
     ),
 ]
+
+
+def as_option(advised: Argument) -> str:
+    """Return an argument of Python as the option of the command line: load_n as --load, overwrite=True as --overwrite.
+
+    The key of a bench's number goes to --set, and that of metadata is an option of its own.
+    """
+    name, value = advised
+    if isinstance(value, Mapping):
+        (inner,) = value.items()
+        if name == "bench":
+            return f"--set {inner[0]}={shlex.quote(str(inner[1]))}"
+        name, value = inner
+    called = CALLED.get(name) or "--" + WITH_UNIT.sub("", name).replace("_", "-")
+    if value is None or value is True:
+        return called
+    kind = OPTIONS[called].quantity if called in OPTIONS else None
+    if kind is not None and isinstance(value, float):
+        value = f"{value:g} {kind.unit}"
+    return f"{called} {shlex.quote(str(value))}"
 
 
 def mapping(pairs: list[str] | None, option: str = "--column") -> dict[str, str]:

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from io import StringIO
 from typing import TYPE_CHECKING, Any, Literal
 
-from musclewire.app._in_options import in_options
 from musclewire.app._live_numbers import LiveNumbers
+from musclewire.app._options import as_option
 from musclewire.app._stopping import stop_if_asked
-from musclewire.errors import MusclewireError
+from musclewire.errors import Message, MusclewireError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -36,6 +36,11 @@ def console() -> Console:
     return Console(stderr=True, highlight=False)
 
 
+def in_options(text: str) -> str:
+    """Return a text with the options of the command line for the arguments that it advises."""
+    return text.spelled(as_option) if isinstance(text, Message) else text
+
+
 def say(text: str) -> None:
     """Print progress, a warning or an error: stderr."""
     print(in_options(text), file=sys.stderr)
@@ -45,7 +50,7 @@ def warn(warnings: Iterable[str]) -> list[str]:
     """Print warnings on stderr, a line each, and return them for a JSON document."""
     listed = list(warnings)
     for text in listed:
-        say(f"warning: {text}")
+        say("warning: " + text)
     return listed
 
 
@@ -153,7 +158,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]], *, left: Collec
         side: Literal["left", "right"] = "left" if number in left else "right"
         drawn.add_column(Text(name), justify=side, no_wrap=number < len(head) - 1, overflow="fold")
     for row in rows:
-        drawn.add_row(*(Text(str(cell)) for cell in row))
+        drawn.add_row(*(Text(in_options(str(cell))) for cell in row))
     terminal, text = sys.stdout.isatty(), StringIO()
     shown = Console(file=text, force_terminal=terminal)
     least = shown.measure(drawn, options=shown.options.update(max_width=PIPE_WIDTH)).minimum

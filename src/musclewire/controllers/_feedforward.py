@@ -595,7 +595,7 @@ class FeedforwardController:
         if setup.settings is None:
             raise CallerError(
                 "the controller feedforward needs the gains of its wire: fit keeps them in a new model, and for this "
-                "one they are settings=tune(model, recording).settings"
+                "one tune finds them: 'musclewire tune MODEL RECORDING', or settings=tune(model, recording).settings"
             )
         self.settings: FeedforwardSettings = settings_of_kind(setup, FeedforwardSettings)
         self.limits = setup.limits

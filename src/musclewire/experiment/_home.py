@@ -89,7 +89,7 @@ def home(
         return homed_model(model, recording, load_n=load_n, ambient_k=ambient_k, cycles=cycles)
     except (RecordingError, FitRejectedError) as error:
         limit = f" ({sweep.stopped_by})" if sweep.stopped_by else ""
-        raise FitRejectedError(f"no home move, the model is as it was: {error}{limit}") from None
+        raise FitRejectedError("no home move, the model is as it was: " + str(error) + limit) from None
 
 
 def plan_for(rig: Rig, model: SensingModel) -> SweepPlan:

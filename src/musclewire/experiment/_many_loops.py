@@ -18,7 +18,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers import ControllerFactory, Reference
-from musclewire.errors import CallerError, NumericsError, RigError
+from musclewire.errors import CallerError, NumericsError, RigError, argument
 from musclewire.experiment._closed_loop import LoopChoice, PreparedLoop, control, prepared_loop
 from musclewire.experiment._endings import cause_of, software_version
 from musclewire.experiment._health import does_not_hold, health_metadata
@@ -294,7 +294,7 @@ def ticks_of(prepared: PreparedLoop, first_drive_v: float) -> LoopTicks:
         if tick is None:
             raise CallerError(
                 f"the {kind} {name} has no compiled tick: declare one by a method compiled_tick of its own class, or "
-                "run the loops in Python (in_python=True)"
+                "run the loops in Python (" + argument("in_python", True) + ")"
             )
     assert estimator is not None
     assert controller is not None

@@ -15,7 +15,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers import Event
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, argument
 from musclewire.experiment._home_sweep import HomeSweep, SweepPlan
 from musclewire.experiment._known_drive import KnownDrive
 from musclewire.experiment._run import Decision, OnSample, RunOptions, refuse_unusable, run_on_rig
@@ -237,7 +237,7 @@ def way_out(rig: Rig, amplitude_v: float) -> str:
     within_v = math.floor(STEPS_PER_VOLT * min(held_v, LESS * amplitude_v)) / STEPS_PER_VOLT
     if within_v <= rig.sense_voltage_v:
         return said
-    return f"{said}: give less, as amplitude_v={within_v:g}, which it takes to stay within"
+    return said + ": give less, as " + argument("amplitude_v", within_v) + ", which it takes to stay within"
 
 
 def characterize(
@@ -308,7 +308,7 @@ def characterize(
         recording = run_on_rig(rig, sine.policy, sine.duration_s, metadata={**sine.metadata, **raised}, **run)
     except ProtectionTripError as trip:
         if trip.event is Event.OVER_TEMPERATURE:
-            trip.args = (f"{trip}; {way_out(rig, float(str(sine.metadata['amplitude_v'])))}",)
+            trip.args = (f"{trip}; " + way_out(rig, float(str(sine.metadata["amplitude_v"]))),)
         raise
     seen = shows_c(recording)
     if seen is None:

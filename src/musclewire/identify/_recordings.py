@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, RecordingError, nearest_hint
+from musclewire.errors import CallerError, RecordingError, argument, nearest_hint
 from musclewire.physics import ArrayReading, wire_resistance, wire_resistance_from_current
 from musclewire.sensing import noise_level
 from musclewire.signals import ElectricalSource, Recording, require_electrical, usable_readings
@@ -265,7 +265,9 @@ def why_no_reference(recording: Recording, quantity: str) -> str:
     if reference_quantity(recording, quantity) is not None:
         return ""
     if quantity == "strain" and "displacement_m" in recording:
-        return "displacement_m gives strain only with the wire's length: give leg_length_m in its metadata"
+        return "displacement_m gives strain only with the wire's length: give " + argument(
+            "metadata", {"leg_length_m": 0.07}
+        )
     needed = {
         "strain": "reference_strain or displacement_m",
         "displacement": "endpoint_displacement_m or displacement_m",

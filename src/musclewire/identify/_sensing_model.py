@@ -12,7 +12,7 @@ import numpy.typing as npt
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, FitRejectedError, RecordingError, an_object
+from musclewire.errors import CallerError, FitRejectedError, RecordingError, an_object, argument, joined
 from musclewire.identify._error_causes import ErrorGroup, JudgedEstimate, error_groups, fractions_not_counted, lines_of
 from musclewire.identify._extrapolation import hot_end
 from musclewire.identify._interpolated_rows import kept_rows, measured_rows, said_of_interpolation, spread_over
@@ -118,6 +118,7 @@ MIN_RATIO, MAX_RATIO = 0.8, 1.5
 # Rows of the loop that a model keeps for its home moves.
 LOOP_ROWS = 300
 # What is said of a wrong average where it is not known which branch the wire is on.
+WITHOUT_INSTRUMENT = "without an instrument name the wire: 'musclewire fit RECORDING --wire WIRE', or fit_resistance"
 UNTRIED = (
     "the recording has no current, by whose change a loop's estimator knows heating from cooling, so that only the "
     "average of both branches could be tried; record the wire's voltage or current with its resistance"
@@ -196,7 +197,9 @@ def fit(
     '2.5 % strain at 16 ohm'
     """
     if relative_resistance and (not isinstance(recording, Recording) or recording.is_branch_table):
-        raise CallerError("relative_resistance=True is for a recording that begins with the cold wire: divide arrays")
+        raise CallerError(
+            argument("relative_resistance", True) + " is for a recording that begins with the cold wire: divide arrays"
+        )
     if not isinstance(recording, Recording):
         return fit_arrays(recording, measured, order, cycle, quantity)
     if measured is not None:
@@ -305,7 +308,7 @@ def reading_and_quantity(recording: Recording, quantity: str) -> tuple[ArrayRead
         except RecordingError as error:
             missing.append(str(error))
     if missing:
-        raise RecordingError("; besides, ".join(missing))
+        raise RecordingError(joined("; besides, ", missing))
     return resistance_reading(recording), quantity_to_fit(recording, quantity)
 
 
@@ -316,7 +319,7 @@ def quantity_to_fit(recording: Recording, quantity: str) -> FloatArray:
     except RecordingError as error:
         if quantity == "force" or "displacement_m" in recording:
             raise
-        raise RecordingError(f"{error}; without an instrument name the wire: fit_resistance(recording, wire)") from None
+        raise RecordingError(f"{error}; {WITHOUT_INSTRUMENT}") from None
 
 
 def not_done(recording: Recording) -> str:
@@ -475,7 +478,7 @@ class EstimateReport:
     def summary(self) -> str:
         """Return how many samples count and why others do not, where errors are and why, and last the errors."""
         errors = (
-            f"nothing to compare with: {self.no_reference}"
+            "nothing to compare with: " + self.no_reference
             if self.rms_pct is None
             else f"error {self.rms_pct:.3f} % rms, {self.max_pct:.3f} % largest, of {self.of_stroke}; "
             f"{self.wrong_pct:.2f} % of the samples that count are more than {100 * WRONG_FRACTION:g} % wrong"
@@ -486,7 +489,8 @@ class EstimateReport:
                 f" (not: {', '.join(f'{100 * fraction:.1f} % {why}' for why, fraction in self.not_counted.items())})"
             )
         first = self.fell_back or f"{len(self.recording)} samples, {counted}"
-        return "\n".join([first, *lines_of(self.quantity, self.error_groups), f"estimator {self.estimator}: {errors}"])
+        where = lines_of(self.quantity, self.error_groups)
+        return joined("\n", [first, *where, f"estimator {self.estimator}: " + errors])
 
 
 def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
@@ -495,10 +499,10 @@ def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
     asked = "is it the same wire?"
     ends_ohm = sorted((float(reading.resistance_ohm.max()), high))
     if MIN_RATIO < ends_ohm[0] < MAX_RATIO < ends_ohm[1]:
-        asked += " Or one of both is over the cold resistance: fit with relative_resistance=True"
+        asked += " Or one of both is over the cold resistance: fit with " + argument("relative_resistance", True)
     return RecordingError(
         f"no sample lies in the model's range of {low:.3f} to {high:.3f} ohm: this recording goes from "
-        f"{reading.resistance_ohm[reading.valid].min():.3f} to {reading.resistance_ohm.max():.3f} ohm; {asked}"
+        f"{reading.resistance_ohm[reading.valid].min():.3f} to {reading.resistance_ohm.max():.3f} ohm; " + asked
     )
 
 

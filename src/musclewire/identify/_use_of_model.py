@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from musclewire.controllers import PERCENT_STRAIN, FuzzyPidSettings, with_error_unit
-from musclewire.errors import CallerError, RecordingError
+from musclewire.errors import CallerError, RecordingError, argument
 from musclewire.identify._recordings import DIVIDED_BY
 from musclewire.parameters import bench_known_with, is_wire_file, load_alloy, load_bench, load_wire
 from musclewire.sensing import DEFAULT_ESTIMATOR, KnownSpring, SensingModel, find_resistance_extremes
@@ -103,7 +103,7 @@ def require_ohms(model: SensingModel) -> None:
     if DIVIDED_BY in model.wire:
         raise CallerError(
             "this model is of resistance over the cold wire's, for estimates of recordings: fit one without "
-            "relative_resistance=True"
+            + argument("relative_resistance", True)
         )
 
 

@@ -16,7 +16,7 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationErro
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticKnownError, core_schema
 
-from musclewire.errors import CallerError, nearest_hint, toml_problem
+from musclewire.errors import CallerError, Message, nearest_hint, toml_problem
 from musclewire.registry import Registry
 
 
@@ -189,12 +189,13 @@ def validated(model: type[Model], data: Any, where: str) -> Model:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise CallerError(f"{where}: {first_problem(error, model)}") from None
+        raise CallerError(f"{where}: " + first_problem(error, model)) from None
 
 
 def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
     """Return the first problem of a validation as one line, whatever line breaks its keys and values have."""
-    return " ".join(problem_of(error, model).splitlines())
+    problem = problem_of(error, model)
+    return problem if isinstance(problem, Message) else " ".join(problem.splitlines())
 
 
 def problem_of(error: ValidationError, model: type[BaseModel]) -> str:
@@ -213,8 +214,10 @@ def problem_of(error: ValidationError, model: type[BaseModel]) -> str:
     if {"float_type", "string_type"} <= siblings:  # one key that takes either, refused as both
         key = place.rpartition(".")[0]
         return f"{key}: must be a number in SI or text with a unit, not {shown(problem['input'])}"
-    message = in_words(dict(problem), model) or str(problem["msg"]).removeprefix("Value error, ").replace("\n", " ")
-    return f"{place}: {message}" if place else message
+    # The error that a check of ours raised, or what pydantic says.
+    said = str(problem.get("ctx", {}).get("error", "")) or str(problem["msg"])
+    message = in_words(dict(problem), model) or said
+    return f"{place}: " + message if place else message
 
 
 def in_words(problem: Mapping[str, Any], model: type[BaseModel]) -> str | None:

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import NamedTuple
 
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, argument
 from musclewire.parameters import load_catalogue
 
 # Between the catalogue's least or largest figure and what is refused.
@@ -24,7 +24,11 @@ LENGTHS_M = (0.002, 10.0)
 ANNEALED_K = 573.15
 # Set by --beyond-catalogue for the command's own process and those that it starts: a page's rig, a study's workers.
 CONFIRMED = "MUSCLEWIRE_BEYOND_CATALOGUE"
-WAY_OUT = "if it is meant so, write beyond_catalogue = true in the rig file"
+WAY_OUT = (
+    "if it is meant so, give "
+    + argument("beyond_catalogue", True)
+    + ", or write beyond_catalogue = true in the rig file"
+)
 
 
 @contextmanager
@@ -69,7 +73,7 @@ def refuse_beyond_catalogue(circuit: StatedCircuit, limits: Mapping[str, float],
         if value is not None and not low <= value <= high:
             raise CallerError(
                 f"{where + ': ' if where else ''}{name} {value:.6g} {unit} is outside {low:.3g} to {high:.3g} {unit} "
-                f"({why}): no wire of the catalogue has or survives it; {in_millimetres(name, value)}{WAY_OUT}"
+                f"({why}): no wire of the catalogue has or survives it; {in_millimetres(name, value)}" + WAY_OUT
             )
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self, TypeVar, get_type_hi
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model, model_validator
 
-from musclewire.errors import CallerError, an_object, nearest_hint
+from musclewire.errors import CallerError, an_object, argument, nearest_hint
 from musclewire.manifest import absent_part, folder_of, manifests, offered
 from musclewire.parameters import (
     Alloy,
@@ -318,7 +318,7 @@ def changed_group(group: Group, changed: Mapping[str, Parameter], where: str) ->
         except ValidationError as error:
             raise CallerError(f"{where}: {name}.{first_problem(error, Parameter)}") from None
         except ValueError as problem:
-            raise CallerError(f"{where}: {problem}") from None
+            raise CallerError(f"{where}: " + str(problem)) from None
     return group.model_copy(update=own)
 
 
@@ -573,7 +573,7 @@ def open_rig(
     opened = GuardedRig(known.open(configuration))
     if real_time and not opened.paced:
         opened.close()
-        raise CallerError(f"{where} has no clock: leave out real_time")
+        raise CallerError(f"{where} has no clock: leave out " + argument("real_time"))
     return opened
 
 
@@ -582,9 +582,11 @@ def refuse_useless_speed(clock_speed: float, real_time: bool, simulated: bool, w
     if clock_speed == 1.0:
         return
     if not simulated:
-        raise CallerError(f"{where} is not simulated, its clock runs as it does: leave out clock_speed")
+        raise CallerError(f"{where} is not simulated, its clock runs as it does: leave out " + argument("clock_speed"))
     if not real_time:
         raise CallerError(
-            f"{where} has no clock whose speed could be set, it runs as fast as it can: add real_time=True, "
-            "or leave out clock_speed"
+            f"{where} has no clock whose speed could be set, it runs as fast as it can: add "
+            + argument("real_time", True)
+            + ", or leave out "
+            + argument("clock_speed")
         )

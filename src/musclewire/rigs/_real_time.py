@@ -6,7 +6,7 @@ import ctypes
 import os
 import sys
 
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, argument
 
 # Above ordinary real-time work such as sound, below the kernel's own threads for interrupts, which have 50.
 PRIORITY = 40
@@ -33,11 +33,13 @@ def pin_to_cpu(cpu: int) -> None:
     Raises CallerError for a core that is not there or that this process may not use, and on systems without pinning.
     """
     if sys.platform != "linux":
-        raise CallerError(f"a core cannot be chosen on {sys.platform}: leave out cpu")
+        raise CallerError(f"a core cannot be chosen on {sys.platform}: leave out " + argument("cpu"))
     allowed = sorted(os.sched_getaffinity(0))
     if cpu not in allowed:
         cores = ", ".join(str(core) for core in allowed)
-        raise CallerError(f"core {cpu} is not one that this process may use ({cores}): choose one of these for cpu")
+        raise CallerError(
+            f"core {cpu} is not one that this process may use ({cores}): choose one of these for " + argument("cpu")
+        )
     os.sched_setaffinity(0, {cpu})
 
 

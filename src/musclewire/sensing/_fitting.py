@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, FitRejectedError, RecordingError, nearest_hint
+from musclewire.errors import CallerError, FitRejectedError, RecordingError, argument, nearest_hint
 from musclewire.sensing._branch_equations import average, check_resistance_range, evaluate, normalised_resistance
 from musclewire.sensing._branches import Branch, checked_branch, single_valued
 from musclewire.sensing._curve import QUANTITY_UNITS, SHOWN_AS
@@ -282,7 +282,7 @@ def _check_units(branches: tuple[Branch, Branch], quantity: str) -> None:
     if quantity == "strain" and largest > MAX_STRAIN:
         raise RecordingError(
             f"strain reaches {largest:.3g}: strain is a fraction (0.035 is 3.5 %), divide percent by 100, "
-            "or take off what it reads cold, "
+            "or take off what it reads cold (" + argument("zero", True) + "), "
             "or name the quantity if this is displacement or force"
         )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from musclewire.errors import RecordingError
+from musclewire.errors import RecordingError, argument
 from musclewire.signals._recording import Recording
 from musclewire.signals._unusable_readings import JudgedReadings, judge_readings
 
@@ -69,7 +69,10 @@ def _what_is_missing(recording: Recording, has_shunt: bool) -> str:
     if has_shunt:
         value = recording.metadata.get("shunt_resistance_ohm")
         problem = "is missing" if value is None else f"is {value!r}"
-        return f"metadata shunt_resistance_ohm {problem}: shunt_voltage_v needs it, give a positive number"
+        return (
+            f"metadata shunt_resistance_ohm {problem}: shunt_voltage_v needs it, give a positive number: "
+            + argument("metadata", {"shunt_resistance_ohm": 1.0})
+        )
     columns = ("wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
     missing = ", ".join(name for name in columns if name not in recording)
     needs = f"give {ElectricalSource.SHUNT}, or {ElectricalSource.CURRENT}, or {ElectricalSource.RESISTANCE}"

@@ -25,7 +25,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from musclewire.errors import CallerError, RecordingError, nearest_hint, toml_problem
+from musclewire.errors import CallerError, RecordingError, argument, nearest_hint, toml_problem
 from musclewire.signals._columns import known_column
 from musclewire.signals._metadata import MetadataValue, checked_metadata
 from musclewire.signals._units import parse_quantity
@@ -212,7 +212,7 @@ def _document(path: Path, where: str) -> dict[str, Any]:
     try:
         return tomllib.loads(path.read_text("utf-8"))
     except FileNotFoundError:
-        raise CallerError(f"{where}: no such file; save_mapping writes one") from None
+        raise CallerError(f"{where}: no such file; " + argument("save_mapping") + " writes one") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as problem:
         raise CallerError(f"{where}: cannot be read: {toml_problem(problem).splitlines()[0]}") from None
 

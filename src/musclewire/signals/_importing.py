@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import RecordingError
+from musclewire.errors import RecordingError, argument
 from musclewire.signals._absolute_clocks import ABSOLUTE_FROM_S, absolute_clock
 from musclewire.signals._clock_texts import WRITTEN_CLOCKS, ClockTexts, written_clock
 from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, PULSE_TABLE, needs_no_clock
@@ -74,7 +74,7 @@ _MIN_REPEATS, _MAX_REPEATS = 0.05, 0.95
 _STEPS_OF_A_MEASUREMENT = 20.0
 _MAX_RUN_OF_REPEATS = 5
 _RMS, _MEAN = {"rms"}, {"avg", "average", "mean"}
-_DROP_CURE = "or leave such rows out (drop_missing=True)"
+_DROP_CURE = "or leave such rows out (" + argument("drop_missing", True) + ")"
 
 
 @dataclass(frozen=True)
@@ -318,11 +318,11 @@ class _BlockReader:
             row = int(np.argmax(bad))
             missing = np.isnan(written[row])
             what = "the cell is blank or NaN" if missing else f"{written[row]:g} is not a finite number"
-            cure = f"correct it, {_DROP_CURE}" if missing else "correct it or remove the row"
+            cure = "correct it, " + _DROP_CURE if missing else "correct it or remove the row"
             mostly_blank = missing and item.column != "time_s" and float(np.isnan(written).mean()) > 0.5
             if mostly_blank:
                 cure = "as in most rows: correct it, or leave the column out"
-            message = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}': {what}; {cure}"
+            message = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}': {what}; " + cure
             added = ImportMapping(ignore=(item.header,)) if mostly_blank else ImportMapping(drop_missing=True)
             raise CurableError(message, added if missing else None)
         self._check_strain_is_a_fraction(item, written, block, rows)
@@ -398,7 +398,11 @@ class _BlockReader:
         listed = "; ".join(f"'test {n}' ({t.rows} rows, {t.first:g} to {t.last:g})" for n, t in enumerate(tests[:8], 1))
         more = f"; and {len(tests) - 8} more" if len(tests) > 8 else ""
         group = self._plan.mapping.group
-        message = f"{where}: {len(tests)} tests are below each other: choose one with group='NAME': {listed}{more}"
+        message = (
+            f"{where}: {len(tests)} tests are below each other: choose one with "
+            + argument("group", "NAME")
+            + f": {listed}{more}"
+        )
         raise CurableError(message, ImportMapping(group="test 1" if group is None else f"{group}, test 1"))
 
     def _mounted(self, columns: dict[str, FloatArray]) -> dict[str, FloatArray]:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, RecordingError
+from musclewire.errors import CallerError, RecordingError, argument
 from musclewire.signals._columns import known_column
 from musclewire.signals._metadata import MetadataValue
 from musclewire.signals._recording import Recording
@@ -239,7 +239,7 @@ def _shared(first: Recording, second: Recording, on: str | tuple[str, str] | Non
     what = f"both have {', '.join(both)}" if both else "they have no column in common"
     raise CallerError(
         f"{what}: name the columns by which to join, as drive_voltage_v, or drive_voltage_v=wire_voltage_v for two "
-        "that follow each other (on)"
+        "that follow each other (" + argument("on") + ")"
     )
 
 
@@ -330,7 +330,7 @@ def _require_determined(peak: _CorrelationPeak, pair: tuple[str, str]) -> None:
         raise RecordingError(
             f"the recordings cannot be joined by {names}: they correlate by {peak.correlation:.2f} at a delay of "
             f"{peak.delay_s:.6g} s and by {peak.next_correlation:.2f} at {peak.next_delay_s:.6g} s; record a single "
-            "step or pulse that both loggers see, or state the delay (delay_s)"
+            "step or pulse that both loggers see, or state the delay (" + argument("delay_s") + ")"
         )
 
 

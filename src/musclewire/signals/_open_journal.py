@@ -17,7 +17,7 @@ from threading import Event, Thread
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, RecordingNotWrittenError
+from musclewire.errors import CallerError, RecordingNotWrittenError, argument
 from musclewire.signals._journal import BLOCK_BYTES, encoded_end, encoded_rows, encoded_start, journal_of
 from musclewire.signals._locking import lock, locked_by_another
 from musclewire.signals._metadata import MetadataValue, checked_metadata, one_line
@@ -33,15 +33,15 @@ MAX_CLOSING_S = 60.0
 
 def refuse_unfinished(path: str | Path, overwrite: bool) -> None:
     """Raise CallerError if a recording, or the journal of one that was cut off, would be replaced unasked."""
-    replace = "give another name, or allow replacing it (overwrite=True)"
+    replace = "give another name, or allow replacing it (" + argument("overwrite", True) + ")"
     if overwrite:
         return
     if Path(path).exists():
-        raise CallerError(f"{path} exists: {replace}")
+        raise CallerError(f"{path} exists: " + replace)
     if journal_of(path).exists():
         raise CallerError(
             f"{path}: {journal_of(path)} holds the rows of a run that goes on or was cut off: "
-            f"'musclewire recover {path}' finishes it; else {replace}"
+            f"'musclewire recover {path}' finishes it; else " + replace
         )
 
 

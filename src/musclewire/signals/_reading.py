@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, RecordingError, nearest_hint
+from musclewire.errors import CallerError, RecordingError, argument, nearest_hint
 from musclewire.manifest import absent_part, loaded, manifests
 from musclewire.signals._headers import missing_from, numbered_headers
 from musclewire.signals._import_mapping import CurableError, ImportMapping, load_mapping
@@ -338,7 +338,7 @@ def _offered_reader(path: Path) -> Callable[[Path, str | None], SourceTable] | N
 def _without_groups(path: Path, group: str | None) -> Path:
     """Return the path of a file that holds one table. Raises RecordingError if a group is asked for."""
     if group is not None:
-        raise RecordingError(f"{path}: holds one table, no group '{group}'; leave group out")
+        raise RecordingError(f"{path}: holds one table, no group '{group}'; leave " + argument("group") + " out")
     return path
 
 
@@ -366,4 +366,4 @@ def _recording(values: Mapping[str, FloatArray], metadata: Mapping[str, Metadata
         return Recording(values, metadata)
     except (CallerError, RecordingError) as problem:
         # Wrong metadata in a file are the file's fault, not the caller's.
-        raise RecordingError(f"{path}: {problem}") from None
+        raise RecordingError(f"{path}: " + str(problem)) from None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, MusclewireError, RecordingError
+from musclewire.errors import CallerError, MusclewireError, RecordingError, argument
 from musclewire.signals._hdf5 import read_hdf5_columns
 from musclewire.signals._journal import (
     JournalContents,
@@ -97,7 +97,7 @@ def recover_recording(path: str | Path, output: str | Path | None = None, *, ove
     try:
         recording = Recording(columns, metadata)
     except MusclewireError as problem:
-        raise RecordingError(f"{journal}: {problem}") from None
+        raise RecordingError(f"{journal}: " + str(problem)) from None
     if output is None:
         _finish(target, journal, recording)
     else:
@@ -117,7 +117,9 @@ def _finish(target: Path, journal: Path, recording: Recording) -> None:
 
 def _write_beside(output: Path, recording: Recording, overwrite: bool) -> None:
     if output.exists() and not overwrite:
-        raise CallerError(f"{output} exists: give another name or allow replacing it (overwrite=True)")
+        raise CallerError(
+            f"{output} exists: give another name or allow replacing it (" + argument("overwrite", True) + ")"
+        )
     write_columns(recording.columns, recording.metadata, output)
 
 

@@ -72,7 +72,7 @@ def test_a_recording_without_a_length_or_an_instrument_says_what_would_give_a_re
     unknown = {name: value for name, value in loop.metadata.items() if name not in ("leg_length_m", "wire_length_m")}
     electrical = {name: loop[name] for name in ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")}
     for recording, said in (
-        (Recording(loop.columns, unknown), "give leg_length_m in its metadata"),
+        (Recording(loop.columns, unknown), "leg_length_m"),
         (Recording(electrical, loop.metadata), "reference_strain or displacement_m"),
     ):
         report = estimate(fit(loop), recording)

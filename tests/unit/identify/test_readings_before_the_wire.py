@@ -204,7 +204,7 @@ def test_a_drive_that_wire_and_shunt_do_not_have_is_said_and_the_readings_are_us
 
 def test_all_that_a_fit_lacks_is_named_at_once(loop: Recording) -> None:
     bare = Recording({name: loop[name] for name in ("time_s", "wire_voltage_v", "displacement_m")}, {})
-    with pytest.raises(RecordingError, match=r"it lacks shunt_voltage_v.*; besides, .*give leg_length_m"):
+    with pytest.raises(RecordingError, match=r"it lacks shunt_voltage_v.*; besides, .*give metadata=.'leg_length_m"):
         fit(bare)
 
 

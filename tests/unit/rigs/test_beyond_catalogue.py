@@ -37,7 +37,7 @@ BEYOND = [
 
 @pytest.mark.parametrize(("keys", "words"), BEYOND)
 def test_it_is_refused_on_every_kind_of_rig_and_taken_when_confirmed(keys: dict[str, Any], words: str) -> None:
-    way_out = "if it is meant so, write beyond_catalogue = true in the rig file"
+    way_out = "if it is meant so, give beyond_catalogue=True, or write beyond_catalogue = true in the rig file"
     with pytest.raises(CallerError, match=words) as refused:
         open_rig(RigConfiguration(**keys))
     assert way_out in str(refused.value)

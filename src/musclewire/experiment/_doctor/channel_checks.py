@@ -89,7 +89,10 @@ def offset_check(name: str, zero_v: FloatArray, at_sense_v: float, evidence: Evi
     ok = abs(offset) <= OFFSET_FRACTION * reading + error
     advice = f"{100 * fraction:.2g} % of the reading at the sense voltage"
     if not ok:
-        advice += ": write it into the rig file, or a shunt with more ohm and a smaller input range"
+        advice += (
+            ": write it into the rig file ('musclewire doctor RIG --write'), or a shunt with more ohm and a smaller "
+            "input range"
+        )
     return RigCheck(name, ok, offset, "V", advice)
 
 

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, MissingExtraError, RecordingError, nearest_hint
+from musclewire.errors import CallerError, MissingExtraError, RecordingError, argument, nearest_hint
 from musclewire.extras.lab_files._file_table import MAX_NAMED, check_limits, damage_reported, one_line
 from musclewire.signals import (
     CurableError,
@@ -129,7 +129,9 @@ def _chosen(sheets: Sequence[Any], wanted: str | None, path: Path) -> Any:
         cure = "names in one row and numbers below (formulas need values: open it in Excel or LibreOffice and save it)"
         raise RecordingError(f"{path}: {which} table of numbers; it needs {cure}")
     names = "; ".join(f"'{one_line(sheet.title)}' ({_headers_of(sheet, path)})" for sheet in found[:20])
-    message = f"{path}: holds {len(found)} sheets with tables: choose one with group='NAME': {names}"
+    message = (
+        f"{path}: holds {len(found)} sheets with tables: choose one with " + argument("group", "NAME") + f": {names}"
+    )
     raise CurableError(message, ImportMapping(group=found[0].title))
 
 

@@ -12,7 +12,7 @@ from datetime import datetime
 from functools import partial
 from pathlib import Path
 
-from musclewire.errors import RecordingError, nearest_hint
+from musclewire.errors import RecordingError, argument, nearest_hint
 from musclewire.extras.lab_files._file_table import MAX_NAMED, damage_reported, is_clock, metadata_of, one_line
 from musclewire.signals import CurableError, ImportMapping, Line, TextTable, lines_of, table_of_lines
 
@@ -211,7 +211,7 @@ def _chosen(first: _LvmPacket, group: str | None) -> list[int]:
         hint = one_line(nearest_hint(group, known))
         raise RecordingError(f"{first.path}: has no group '{one_line(group)}'{hint}")
     listed = ", ".join(f"'{one_line(name)}'" for name in known[:MAX_NAMED])
-    message = f"{first.path}: holds {len(known)} tables: choose one with group='NAME': {listed}"
+    message = f"{first.path}: holds {len(known)} tables: choose one with " + argument("group", "NAME") + f": {listed}"
     raise CurableError(message, ImportMapping(group=known[0]))
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import MissingExtraError, RecordingError
+from musclewire.errors import MissingExtraError, RecordingError, argument
 from musclewire.extras.lab_files._file_table import check_limits, damage_reported, metadata_of, one_line
 from musclewire.signals import BLOCK_ROWS, COLUMNS, Cells, MetadataValue, RowBlock, SourceColumn
 
@@ -67,7 +67,7 @@ def read_parquet_table(path: Path, group: str | None = None) -> ParquetTable:
     Raises RecordingError for another file, MissingExtraError without pyarrow.
     """
     if group is not None:
-        raise RecordingError(f"{path}: a Parquet file holds one table; leave group out")
+        raise RecordingError(f"{path}: a Parquet file holds one table; leave " + argument("group") + " out")
     with damage_reported(path, "Parquet"), _parquet_file(path) as file:
         schema, rows = file.schema_arrow, file.metadata.num_rows
         check_limits(path, cells=rows * len(schema))

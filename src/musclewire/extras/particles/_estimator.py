@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, argument
 from musclewire.extras.particles._changes import ChangeEvidence, ChangeState, after_evidence, change_of
 from musclewire.extras.particles._cloud import cloud_at_rest, cloud_of, state_of
 from musclewire.extras.particles._explanations import ExplanationEstimate, after_sample, combined, weights_of
@@ -105,7 +105,7 @@ class ParticleFilter:
         if setup.model.wire.get("finger") and branches.quantity == "displacement":
             raise CallerError(
                 "estimator 'particle-filter': this model is of a finger's endpoint, which a wire file does not "
-                "describe: fit a model of strain, or choose estimator='gated'"
+                "describe: fit a model of strain, or choose " + argument("estimator", "gated")
             )
         self._shunt_ohm, self._period_s = setup.shunt_resistance_ohm, setup.sample_period_s
         self._range = branches.curve.quantity_max - branches.curve.quantity_min
@@ -296,6 +296,8 @@ def particle_filter(setup: EstimatorSetup, settings: ParticleSettings | None = N
     if setup.wire is None:
         raise CallerError(
             "estimator 'particle-filter' needs a wire file: musclewire calibrate makes one of a recording, and "
-            "wire_file=... names it; without one choose estimator='gated'"
+            + argument("wire_file")
+            + " names it; without one choose "
+            + argument("estimator", "gated")
         )
     return ParticleFilter(gated_estimator(setup), setup.wire, setup, settings or ParticleSettings())

@@ -14,7 +14,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, argument
 from musclewire.extras.studies._design import StudyDesign
 from musclewire.extras.studies._evaluation import Chunk, ChunkResult
 from musclewire.extras.studies._plan import Plan, engine
@@ -75,7 +75,7 @@ class StudyFolder:
                 raise CallerError(
                     f"{self.path} belongs to another study, to this one before its file or a file that it names was "
                     f"changed, or to another version ({known.get('engine', 'unknown')}): give another folder, or "
-                    "overwrite=True"
+                    + argument("overwrite", True)
                 )
             return
         if self.path.exists() and any(self.path.iterdir()):
@@ -146,7 +146,7 @@ def read_identity(file: Path) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError, json.JSONDecodeError):
         known = None
     if not isinstance(known, dict):
-        raise CallerError(f"{file} is damaged: give another folder, or overwrite=True")
+        raise CallerError(f"{file} is damaged: give another folder, or " + argument("overwrite", True))
     return known
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from musclewire.errors import CallerError, FitRejectedError, RecordingError
+from musclewire.errors import CallerError, FitRejectedError, RecordingError, argument
 from musclewire.identify._home.overlay import Overlay, overlay_of
 from musclewire.identify._home.warming import HeatCourse, SeenPoints, course_of, seen_points, wire_heat_of
 from musclewire.identify._use_of_model import SAME_LOAD_FRACTION
@@ -271,7 +271,7 @@ class WireChange(NamedTuple):
         raise FitRejectedError(
             f"{moved}; where the resistance has changed C moves by {self.ratio_of_a_factor:.2g} to 1 times as much as "
             "B, so that this is another load, or a shifted transformation: if the load is that of the characterization "
-            "say so (load_n), or set it, or characterize again"
+            "say so (" + argument("load_n") + "), or set it, or characterize again"
         )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from musclewire.errors import CallerError, RecordingError, nearest_hint
+from musclewire.errors import CallerError, RecordingError, argument, nearest_hint
 from musclewire.parameters import Bench, Parameter, Wire, checked, load_bench
 from musclewire.signals import Recording, parse_quantity
 
@@ -106,13 +106,20 @@ def lengths(recording: Recording, known: Mapping[str, float]) -> dict[str, float
         return {"wire_length_m": whole, "legs": float(max(round(whole / leg), 1))}
     if leg is not None:
         raise CallerError(
-            "one leg's length is known, but not how many legs there are: give bench={'legs': 1} for a straight wire, "
-            "bench={'legs': 2} for a V"
+            "one leg's length is known, but not how many legs there are: give "
+            + argument("bench", {"legs": 1})
+            + " for a straight wire, "
+            + argument("bench", {"legs": 2})
+            + " for a V"
         )
     if whole is None:
         raise CallerError(
-            "the wire's length is not known: give bench={'wire_length_m': '140 mm'}, or leg_length_m in its metadata "
-            "and bench={'legs': 2}"
+            "the wire's length is not known: give "
+            + argument("bench", {"wire_length_m": "140 mm"})
+            + ", or "
+            + argument("metadata", {"leg_length_m": 0.07})
+            + " and "
+            + argument("bench", {"legs": 2})
         )
     return {"wire_length_m": whole, "legs": 1.0 if legs is None else legs}
 
@@ -122,14 +129,15 @@ def load_line(recording: Recording, missing: set[str]) -> dict[str, float]:
     if "force_n" not in recording or "displacement_m" not in recording:
         wanted = " and ".join(sorted(missing))
         raise CallerError(
-            f"the load is not known: give {wanted} (bench={{'NAME': VALUE}}; a hanging weight has no stiffness), or "
-            "record force_n and displacement_m"
+            f"the load is not known: give {wanted} ("
+            + argument("bench", {"pretension_n": "1.9 N"})
+            + "; a hanging weight has no stiffness), or record force_n and displacement_m"
         )
     force = recording["force_n"]
     if "pretension_n" in missing and force[0] < TARED_FRACTION * np.ptp(force):
         raise CallerError(
             f"force_n begins at {force[0]:.3g} N: a tared load cell does not show the pretension: "
-            "give bench={'pretension_n': '1.9 N'}"
+            "give " + argument("bench", {"pretension_n": "1.9 N"})
         )
     slope, start = np.polyfit(recording["displacement_m"], force, 1)
     return {"spring_stiffness_n_per_m": max(float(slope), 0.0), "pretension_n": max(float(start), 0.0)}
@@ -138,10 +146,12 @@ def load_line(recording: Recording, missing: set[str]) -> dict[str, float]:
 def assumed_of_bench(known: Mapping[str, float]) -> list[str]:
     """Return the assumptions, in words, for numbers of a bench that neither recording nor user states."""
     usual = load_bench("paper").values()
-    found = []
+    found: list[str] = []
     if "ambient_temperature_k" not in known:
         found.append(
-            f"air at {usual['ambient_temperature_k'] - 273.15:.1f} C (bench={{'ambient_temperature_k': '22 degC'}})"
+            f"air at {usual['ambient_temperature_k'] - 273.15:.1f} C ("
+            + argument("bench", {"ambient_temperature_k": "22 degC"})
+            + ")"
         )
     return found
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, joined
 from musclewire.identify._physical.bench import SETTABLE
 from musclewire.identify._physical.candidates import WireValues
 from musclewire.identify._physical.isobaric import IsobaricObservation
@@ -42,7 +42,7 @@ def summary(notes: Sequence[str], comparisons: Comparisons, estimates: Sequence[
     lines += [channel_line(title, pair) for title, pair in comparisons]
     lines += ["", f"{'parameter':<32}{'value':>12} {'+-':>10}  {'unit':<11}", *map(estimate_line, estimates)]
     lines += ["", verdict(comparisons, estimates)]
-    return "\n".join(lines)
+    return joined("\n", lines)
 
 
 def verdict(comparisons: Comparisons, estimates: Sequence[ParameterEstimate]) -> str:

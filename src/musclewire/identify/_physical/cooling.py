@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, RecordingError
+from musclewire.errors import CallerError, RecordingError, argument
 from musclewire.identify._physical.bench import bench_of
 from musclewire.identify._physical.candidates import WireValues
 from musclewire.identify._physical.observations import (
@@ -115,7 +115,7 @@ def start_of(channels: Mapping[str, RawChannel], known: Mapping[str, float]) -> 
     if "temperature" not in channels:
         raise CallerError(
             "no voltages, so it is a cooling curve, and nothing says how hot it begins: record wire_temperature_k, or "
-            "give bench={'start_temperature_k': '120 degC'}"
+            "give " + argument("bench", {"start_temperature_k": "120 degC"})
         )
     values = channels["temperature"].values
     early = int(np.argmax(values < values[0] - EARLY_FRACTION * np.ptp(values)))
@@ -137,7 +137,7 @@ def refuse_what_does_not_cool(channels: Mapping[str, RawChannel], start_k: float
         if float(values.min()) < ambient_k - BELOW_AMBIENT_K:
             raise RecordingError(
                 f"the wire cools to {values.min() - 273.15:.1f} C, below the air at {ambient_k - 273.15:.1f} C: "
-                "give bench={'ambient_temperature_k': '20 degC'}, or record it"
+                "give " + argument("bench", {"ambient_temperature_k": "20 degC"}) + ", or record it"
             )
         return
     moved = {name: float(np.ptp(raw.values)) for name, raw in channels.items()}

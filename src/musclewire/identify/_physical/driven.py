@@ -9,7 +9,7 @@ from copy import copy
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import RecordingError
+from musclewire.errors import RecordingError, argument
 from musclewire.identify._physical.bench import bench_of
 from musclewire.identify._physical.candidates import WireValues
 from musclewire.identify._physical.observations import (
@@ -186,13 +186,14 @@ def refuse_strain(strain: FloatArray) -> None:
     if cold - strain.min() > strain.max() - cold:
         raise RecordingError(
             f"strain of the wrong sign: it falls by {100.0 * (cold - strain.min()):.2g} % from its first value; "
-            "contraction "
-            "counts positive (turn the sign when importing), and a recording must begin with a cold wire"
+            "contraction counts positive (turn the sign when importing: "
+            + argument("invert", True)
+            + "), and a recording must begin with a cold wire"
         )
     if abs(cold) > ZERO_FRACTION * stroke:
         raise RecordingError(
             f"strain begins at {100.0 * cold:.3g} %: contraction counts from the cold wire (take off what it reads "
-            "cold)"
+            "cold: " + argument("zero", True) + ")"
         )
 
 
@@ -213,7 +214,7 @@ def refuse_other_metal(channels: Mapping[str, RawChannel], length_m: float, diam
         raise RecordingError(
             f"{resistance:.3g} ohm over {1e3 * length_m:.4g} mm of {1e6 * diameter_m:.4g} um wire is a resistivity of "
             f"{resistivity:.2g} ohm m, NiTi has about 0.9e-06: check units, length and diameter "
-            "(bench={'diameter_m': ...})"
+            "(" + argument("bench", {"diameter_m": "100 um"}) + ")"
         )
 
 

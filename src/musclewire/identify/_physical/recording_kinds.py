@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import NamedTuple
 
-from musclewire.errors import CallerError, MusclewireError, RecordingError
+from musclewire.errors import CallerError, MusclewireError, RecordingError, argument
 from musclewire.identify._isobaric_loops import IsobaricLoop
 from musclewire.identify._physical.bench import assumed_of_bench, diameter_of
 from musclewire.identify._physical.cooling import CoolingObservation, observe_cooling
@@ -46,10 +46,12 @@ def start_of(
     """
     named = load_wire(wire)
     diameter = diameter_of(recordings, given)
-    notes = []
+    notes: list[str] = []
     if diameter is None and not all(is_isobaric(item) for item in recordings.values()):
         notes.append(
-            f"assumed: {1e6 * named.diameter_m.value:.4g} um wire, as {wire} (bench={{'diameter_m': '100 um'}})"
+            f"assumed: {1e6 * named.diameter_m.value:.4g} um wire, as {wire} ("
+            + argument("bench", {"diameter_m": "100 um"})
+            + ")"
         )
     if diameter is not None:
         named = of_diameter(named, diameter)
@@ -113,7 +115,7 @@ def observations_of(
             channels = ", ".join(channel.name for channel in observation.channels)
             notes.append(f"{name}: {kind}; {channels}")
             notes += [f"{name}: {text}" for text in judge_readings(recording.columns, recording.metadata).findings]
-            notes += [f"assumed: {text}" for text in assumed_of_bench(observation.bench)]
+            notes += ["assumed: " + text for text in assumed_of_bench(observation.bench)]
     if isobars:
         notes.append(f"strain of isobars: positive in {'contraction' if counts_contraction(isobars) else 'elongation'}")
         with named_errors(", ".join(isobar_names)):
@@ -150,7 +152,7 @@ def named_errors(name: str) -> Iterator[None]:
     try:
         yield
     except (RecordingError, CallerError) as error:
-        problem: MusclewireError = type(error)(f"{name}: {error}")
+        problem: MusclewireError = type(error)(f"{name}: " + str(error))
         raise problem from None
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from musclewire.arrays import FloatArray, IntArray
 from musclewire.compiled import callback
 from musclewire.controllers import State
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, argument
 from musclewire.rigs._air import AirModel
 from musclewire.rigs._compiled_loop.kernel import (
     RIG_COLUMNS,
@@ -74,7 +74,9 @@ def parts_of(rig: GuardedRig) -> tuple[SimulatedDevice, OneWire]:
     """Return device and wire of a rig whose loop can be compiled. Raises CallerError for another rig."""
     reason = uncompiled(rig)
     if reason:
-        raise CallerError(f"this loop has no compiled form, because {reason}: run it in Python (in_python=True)")
+        raise CallerError(
+            f"this loop has no compiled form, because {reason}: run it in Python (" + argument("in_python", True) + ")"
+        )
     assert isinstance(rig.device, SimulatedDevice)
     assert isinstance(rig.device.wires, OneWire)
     return rig.device, rig.device.wires

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple, TypedDict, Unpack
 
 from musclewire.controllers import DriveLimits, FuzzyPidSettings, ProtectionLimits, RuleBase, load_rule_base
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, argument
 from musclewire.extras.board._c.constants import CConstants, collect, control_numbers
 from musclewire.extras.board._c.exercise import golden_vectors
 from musclewire.extras.board._c.header import constants_header, model_checksum
@@ -167,7 +167,9 @@ def refuse_replacing(folder: Path, texts: Mapping[str, str]) -> None:
     if others:
         more = f" and {len(others) - 1} more" if len(others) > 1 else ""
         raise CallerError(
-            f"{folder} holds another {others[0]}{more}: choose another folder, or allow replacing (overwrite=True)"
+            f"{folder} holds another {others[0]}{more}: choose another folder, or allow replacing ("
+            + argument("overwrite", True)
+            + ")"
         )
 
 

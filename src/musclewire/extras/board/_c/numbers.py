@@ -9,7 +9,7 @@ from decimal import Decimal
 
 import numpy as np
 
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, argument
 
 MIN_NORMAL = float(np.finfo(np.float32).tiny)
 # The bits of a double that single precision drops, when the double lies half-way between two of its numbers.
@@ -39,12 +39,12 @@ def check_single(name: str, value: float) -> None:
     if not math.isfinite(single):
         raise CallerError(
             f"{name} is {value!r}, more than single precision holds (3.4e38): check its unit, or export with "
-            "double=True"
+            + argument("double", True)
         )
     if value != 0.0 and abs(single) < MIN_NORMAL:
         raise CallerError(
             f"{name} is {value!r}, less than single precision holds (1.2e-38): check its unit, or export with "
-            "double=True"
+            + argument("double", True)
         )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, argument
 from musclewire.extras.board._c.constants import CConstants, numbers_of
 from musclewire.extras.board._c.numbers import check_single
 from musclewire.sensing import SensingModel
@@ -36,7 +36,7 @@ def check_precision(model: SensingModel, constants: CConstants) -> None:
         if not np.float32(constants.value(lower)) < np.float32(constants.value(upper)):
             raise CallerError(
                 f"{lower.lower()} {constants.value(lower)!r} and {upper.lower()} {constants.value(upper)!r} are one "
-                "number in single precision: export with double=True"
+                "number in single precision: export with " + argument("double", True)
             )
     _check_products(constants)
     _check_estimate(model, constants)
@@ -85,7 +85,7 @@ def _check_estimate(model: SensingModel, constants: CConstants) -> None:
         culprit = f"{branch}_coefficients[{power}], {value!r}, is cancelled by its neighbours"
     raise CallerError(
         f"in single precision the estimate is off by {error:.2g} of full scale, more than {MAX_ERROR:g}: "
-        f"{culprit}; fit a lower order, or export with double=True"
+        f"{culprit}; fit a lower order, or export with " + argument("double", True)
     )
 
 

@@ -166,7 +166,7 @@ def cooling_words(answer: SupplySizing) -> str:
         return f"{numbers.cooling_s:.2f} s after switching off, until 0.5 % of strain is left"
     if numbers.contraction <= 0.005:
         return "nothing to wait for: it contracted by less than the last 0.5 %, which is not counted"
-    return "not cooled by the end of the run: give a longer duration"
+    return "not cooled by the end of the run: simulate for longer"
 
 
 def catalogue_lines(side: CatalogueSide) -> list[str]:

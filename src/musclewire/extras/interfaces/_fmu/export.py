@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from musclewire.controllers import FuzzyPidSettings
-from musclewire.errors import CallerError, NumericsError
+from musclewire.errors import CallerError, NumericsError, argument
 from musclewire.extras.board import limits_of_rig
 from musclewire.extras.interfaces._fmu.contents import FmuContents, FmuVariables, Role, fmu_texts
 from musclewire.extras.interfaces._fmu.controller import controller_contents
@@ -29,6 +29,7 @@ from musclewire.signals import RunFacts, write_whole
 
 # The earliest time that a zip archive can hold: with the day of the export in it no two exports would be alike.
 NO_TIME = (1980, 1, 1, 0, 0, 0)
+SOURCES_ONLY = argument("sources_only", True)
 
 
 def archive_bytes(contents: Mapping[str, bytes]) -> bytes:
@@ -50,7 +51,11 @@ def write_archive(path: Path, content: bytes, *, overwrite: bool) -> None:
     written to.
     """
     if not overwrite and path.exists() and path.read_bytes() != content:
-        raise CallerError(f"{path} is another FMU: choose another folder or name, or allow replacing (overwrite=True)")
+        raise CallerError(
+            f"{path} is another FMU: choose another folder or name, or allow replacing ("
+            + argument("overwrite", True)
+            + ")"
+        )
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -91,7 +96,7 @@ def compiled_binary(name: str, sources: Mapping[str, str]) -> FmuBinary:
     place = binary_platform()
     suffix = next((suffix for system, suffix in SUFFIXES.items() if place.startswith(system)), None)
     if suffix is None:
-        raise CallerError(f"FMI 2.0 has no name for binaries of {sys.platform}: export with sources_only=True")
+        raise CallerError(f"FMI 2.0 has no name for binaries of {sys.platform}: export with " + SOURCES_ONLY)
     with tempfile.TemporaryDirectory() as temporary:
         folder, out = Path(temporary), f"{name}{suffix}"
         for file, text in sources.items():
@@ -108,8 +113,9 @@ def compile_in(folder: Path, command: list[str]) -> None:
         lines = (done.stderr or done.stdout).strip().splitlines() or ["nothing was printed"]
         first = next((line for line in lines if "error" in line), lines[0])
         raise NumericsError(
-            f"{command[0]} cannot compile the FMU for {platform.machine()}: {first}; export with sources_only=True and "
-            "let the importing tool compile"
+            f"{command[0]} cannot compile the FMU for {platform.machine()}: {first}; export with "
+            + SOURCES_ONLY
+            + " and let the importing tool compile"
         )
 
 
@@ -125,7 +131,7 @@ def compiler_here() -> list[str]:
     if found is None:
         raise CallerError(
             "there is no C compiler (cc, gcc, clang) for the FMU's binary: install one (apt-get install gcc "
-            "libc6-dev), or export with sources_only=True for tools that compile it themselves"
+            "libc6-dev), or export with " + SOURCES_ONLY + " for tools that compile it themselves"
         )
     return [found]
 
