@@ -15,6 +15,7 @@ from musclewire.sensing import (
     SHOWN_AS,
     SensingModel,
     centred_mean,
+    derivative,
     evaluate,
     noise_level,
     normalised_resistance,
@@ -39,13 +40,13 @@ UNUSABLE = "that are no measurements"
 UNNOTICED = "colder than the model begins, which the estimator did not notice"
 # The mean error over so many samples is what noise of single readings leaves.
 MEAN_SAMPLES = 33
-# A cause explains an error if without it at most this fraction of the error remains.
+# A cause explains an error if without its share at most this fraction of the error remains.
 EXPLAINED = 0.5
+# A single reading is off by at most so many times the noise.
+NOISES = 3.0
 # A movement of less than this fraction of the stroke, or of so many times the noise, is no turn of the wire.
 TURN_FRACTION = 0.05
 TURN_NOISES = 8.0
-# A wire that turns further than this fraction of the stroke from both ends is in a minor loop.
-MINOR_FRACTION = 0.1
 
 
 class ErrorCause(StrEnum):
@@ -54,8 +55,19 @@ class ErrorCause(StrEnum):
     HOT = "beyond the model"
     NOISE = "noise"
     GAP = "gap of the branches"
-    MINOR_LOOP = "minor loop"
     MODEL = "another relation"
+    ESTIMATOR = "estimator"
+    SEVERAL = "several"
+
+
+IN_WORDS = {
+    ErrorCause.HOT: "the wire went beyond the hot end of the model",
+    ErrorCause.GAP: "the estimate lies between heating and cooling, off the wire's own branch",
+    ErrorCause.NOISE: "single readings scatter",
+    ErrorCause.MODEL: "the wire is off the model's branch, as in a minor loop or with another load, air or length",
+    ErrorCause.ESTIMATOR: "the estimate is off the model's branch, which is nearer",
+    ErrorCause.SEVERAL: "no single cause explains it",
+}
 
 
 @dataclass(frozen=True)
@@ -67,7 +79,7 @@ class ErrorGroup:
     cause
         The cause, an :class:`ErrorCause`.
     why
-        The cause in words, with its numbers.
+        The cause in words.
     fraction
         Fraction of the counted samples.
     squared_error_fraction
@@ -84,6 +96,8 @@ class ErrorGroup:
         Drive voltage [V] at that time, or the wire's where the drive was not recorded; None without either.
     estimated, measured
         Estimate and reference at that time: strain as a fraction, displacement [m] or force [N].
+    explained
+        How much of their difference the cause makes: it leaves half of it at most.
     """
 
     cause: ErrorCause
@@ -97,6 +111,7 @@ class ErrorGroup:
     voltage_v: float | None
     estimated: float
     measured: float
+    explained: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,9 +165,10 @@ def error_groups(judged: JudgedEstimate) -> tuple[ErrorGroup, ...]:
     """Return the counted samples by the cause of their error, that with the most of the squared error first."""
     error = judged.error_pct
     squares = np.where(judged.valid, error**2, 0.0)
-    heating, minor = half_cycles_of(judged)
+    heating = rising_of(judged)
+    shares = shares_of(judged, heating)
     found = []
-    for cause, members in caused_by(judged, heating, minor).items():
+    for cause, members in caused_by(shares, judged.estimated - judged.measured, judged.valid).items():
         if not members.any():
             continue
         others = judged.valid & ~members
@@ -160,7 +176,7 @@ def error_groups(judged: JudgedEstimate) -> tuple[ErrorGroup, ...]:
         found.append(
             ErrorGroup(
                 cause=cause,
-                why=in_words(cause, judged, members, worst),
+                why=IN_WORDS[cause],
                 fraction=float(members.sum() / judged.valid.sum()),
                 squared_error_fraction=float(squares[members].sum() / squares.sum()) if squares.any() else 0.0,
                 rms_without_pct=float(np.sqrt(np.mean(error[others] ** 2))) if others.any() else None,
@@ -170,103 +186,76 @@ def error_groups(judged: JudgedEstimate) -> tuple[ErrorGroup, ...]:
                 voltage_v=voltage_at(judged.recording, worst),
                 estimated=float(judged.estimated[worst]),
                 measured=float(judged.measured[worst]),
+                explained=float(shares[cause][worst]),
             )
         )
     return tuple(sorted(found, key=lambda group: -group.squared_error_fraction))
 
 
-def caused_by(judged: JudgedEstimate, heating: Mask, minor: Mask) -> dict[ErrorCause, Mask]:
-    """Return the counted samples of each cause; a sample has the first that explains its error."""
-    model, measured = judged.model, judged.measured
-    size = np.abs(judged.estimated - measured)
-    left = EXPLAINED * size
-    slow = np.zeros(size.shape)
-    slow[judged.valid] = centred_mean((judged.estimated - measured)[judged.valid], MEAN_SAMPLES)
-    normalised = normalised_resistance(judged.resistance_ohm, model.resistance_min_ohm, model.resistance_max_ohm)
-    inside = np.clip(normalised, model.normalised_min, model.normalised_max)
-    branches = (model.heating_coefficients, model.cooling_coefficients)
-    branch = np.where(heating, *(evaluate(one, inside) for one in branches))
-    tests = {
-        ErrorCause.HOT: measured > ends_of(model)[1],
-        ErrorCause.GAP: np.abs(branch - measured) <= left,
-        ErrorCause.NOISE: np.abs(slow) <= left,
-        ErrorCause.MINOR_LOOP: minor,
-        ErrorCause.MODEL: np.ones(size.shape, dtype=np.bool_),
-    }
-    free = judged.valid.copy()
+def caused_by(shares: Mapping[ErrorCause, FloatArray], error: FloatArray, valid: Mask) -> dict[ErrorCause, Mask]:
+    """Return the counted samples of each cause; a sample has the first whose share leaves little of its error."""
+    free = valid.copy()
     groups = {}
-    for cause, holds in tests.items():
+    for cause, share in shares.items():
+        holds = np.abs(error - share) <= EXPLAINED * np.abs(error)
         groups[cause] = free & holds
         free &= ~holds
     return groups
 
 
-def ends_of(model: SensingModel) -> tuple[float, float]:
-    """Return the lowest value of either branch at its cold end, and the highest at the hot end."""
+def shares_of(judged: JudgedEstimate, heating: Mask) -> dict[ErrorCause, FloatArray]:
+    """Return how much of each sample's error each cause makes, in the model's quantity; the last makes all of it.
+
+    What an estimate between the branches is off the wire's own makes their gap, what one elsewhere is off it the
+    estimator, and what the wire is off it the model.
+    """
+    model, measured = judged.model, judged.measured
+    error = judged.estimated - measured
+    normalised = normalised_resistance(judged.resistance_ohm, model.resistance_min_ohm, model.resistance_max_ohm)
+    inside = np.clip(normalised, model.normalised_min, model.normalised_max)
+    curves = (model.heating_coefficients, model.cooling_coefficients)
+    branches = [evaluate(one, inside) for one in curves]
+    own, other = np.where(heating, *branches), np.where(heating, *branches[::-1])
+    off_branch, gap = judged.estimated - own, other - own
+    slow = np.zeros(error.shape)
+    slow[judged.valid] = centred_mean(error[judged.valid], MEAN_SAMPLES)
+    slope = np.where(heating, *(evaluate(derivative(one), inside) for one in curves))
+    per_ohm = slope / (model.resistance_max_ohm - model.resistance_min_ohm)
+    scatter = NOISES * np.hypot(per_ohm * noise_level(judged.resistance_ohm[judged.valid]), noise_level(measured))
+    return {
+        ErrorCause.HOT: np.minimum(hot_end_of(model) - measured, 0.0),
+        ErrorCause.GAP: np.clip(off_branch, np.minimum(gap, 0.0), np.maximum(gap, 0.0)),
+        ErrorCause.NOISE: np.clip(error - slow, -scatter, scatter),
+        ErrorCause.MODEL: own - measured,
+        ErrorCause.ESTIMATOR: off_branch,
+        ErrorCause.SEVERAL: error,
+    }
+
+
+def hot_end_of(model: SensingModel) -> float:
+    """Return the highest value of either branch at the hot end."""
     branches = (model.heating_coefficients, model.cooling_coefficients)
-    return (
-        float(min(evaluate(one, model.normalised_max) for one in branches)),
-        float(max(evaluate(one, model.normalised_min) for one in branches)),
-    )
+    return float(max(evaluate(one, model.normalised_min) for one in branches))
 
 
-def half_cycles_of(judged: JudgedEstimate) -> tuple[Mask, Mask]:
-    """Return in which samples the reference rises, and in which the wire turned inside the range before, (n_times,)."""
-    measured, model = judged.measured, judged.model
-    swing = max(TURN_FRACTION * judged.range, TURN_NOISES * noise_level(measured))
-    turns, _ = turning_points(measured, swing)
-    heating, minor = np.ones(measured.shape, dtype=np.bool_), np.zeros(measured.shape, dtype=np.bool_)
-    low, high = (model.quantity_min + part * judged.range for part in (MINOR_FRACTION, 1.0 - MINOR_FRACTION))
+def rising_of(judged: JudgedEstimate) -> Mask:
+    """Return in which samples the reference rises, (n_times,)."""
+    measured = judged.measured
+    turns, _ = turning_points(measured, max(TURN_FRACTION * judged.range, TURN_NOISES * noise_level(measured)))
+    rising = np.ones(measured.shape, dtype=np.bool_)
     for place, turn in enumerate(turns):
         following = turns[place + 1] if place + 1 < len(turns) else turns[place - 1]
         rises = bool(measured[following] > measured[turn])
         if place == 0:
-            heating[:] = rises if turn == 0 else not rises
-        heating[turn + 1 :] = rises if place + 1 < len(turns) else not rises
-        minor[turn + 1 :] = low < measured[turn] < high
-    return heating, minor
-
-
-def in_words(cause: ErrorCause, judged: JudgedEstimate, members: Mask, worst: int) -> str:
-    """Return a cause in words, with the numbers of its samples."""
-    model = judged.model
-    low, high = (shown(model, end) for end in ends_of(model))
-    scatter_ohm = noise_level(judged.resistance_ohm[members]) if members.sum() > MEAN_SAMPLES else 0.0
-    span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
-    scatter = f"one reading scatters by {scatter_ohm:.2g} ohm, {100 * scatter_ohm / span_ohm:.1f} % of the model's span"
-    if cause is ErrorCause.HOT:
-        return f"the wire went beyond the {high} at which the model ends"
-    if cause is ErrorCause.NOISE:
-        return f"noise: {scatter}" if scatter_ohm else "noise of single readings"
-    if cause is ErrorCause.GAP:
-        normalised = normalised_resistance(
-            judged.resistance_ohm[worst : worst + 1], model.resistance_min_ohm, model.resistance_max_ohm
-        )
-        apart = evaluate(model.heating_coefficients, normalised) - evaluate(model.cooling_coefficients, normalised)
-        return f"heating and cooling differ by {shown(model, abs(float(apart[0])))} at this resistance"
-    if cause is ErrorCause.MINOR_LOOP:
-        return f"a minor loop: the wire turned between {low} and {high}, and is on neither branch of the model"
-    errors = (judged.estimated - judged.measured)[members]
-    off, rms = float(np.mean(errors)), float(np.sqrt(np.mean(errors**2)))
-    if abs(off) < EXPLAINED * rms:
-        return f"what neither polynomial follows, {shown(model, rms)} rms"
-    side = "above" if off > 0 else "below"
-    return (
-        f"the wire is on neither branch of the model: the estimate is {shown(model, abs(off))} {side} the reference in "
-        "the mean, as with another load, air or length than in the fitted loop"
-    )
+            rising[:] = rises if turn == 0 else not rises
+        rising[turn + 1 :] = rises if place + 1 < len(turns) else not rises
+    return rising
 
 
 def voltage_at(recording: Recording, row: int) -> float | None:
     """Return the drive voltage [V] of a row, or the wire's; None if neither was recorded."""
     column = recording.columns.get("drive_voltage_v", recording.columns.get("wire_voltage_v"))
     return None if column is None else float(column[row])
-
-
-def shown(model: SensingModel, value: float) -> str:
-    """Return a quantity with its unit."""
-    factor, unit = SHOWN_AS[model.quantity]
-    return f"{factor * value:.3g} {unit}"
 
 
 def lines_of(model_quantity: str, groups: Sequence[ErrorGroup]) -> list[str]:
@@ -284,6 +273,6 @@ def lines_of(model_quantity: str, groups: Sequence[ErrorGroup]) -> list[str]:
             f"{100 * group.squared_error_fraction:.0f} % of the squared error: {group.why} "
             f"({100 * group.fraction:.1f} % of the counted samples{without}); largest at {group.time_s:.1f} s, "
             f"{group.branch}{voltage}: {factor * group.estimated:.3g} {unit} estimated, "
-            f"{factor * group.measured:.3g} {unit} measured"
+            f"{factor * group.measured:.3g} {unit} measured, {factor * group.explained:+.2g} {unit} by this"
         )
     return lines
