@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
+
+import pytest
 
 from musclewire.app import OPTIONS, every_command
 
@@ -12,23 +15,39 @@ def kind_of(option: Any) -> tuple[Any, bool]:
     return option.type_descriptor.annotation, option.is_flag
 
 
-USES = [
-    option
-    for command in every_command().values()
-    for option in command.params
-    if option.param_type_name == "option" and option.opts[0] != "--help"
-]
+COMMANDS = {
+    name: [one for one in command.params if one.param_type_name == "option" and one.opts[0] != "--help"]
+    for name, command in every_command().items()
+}
+USES = [option for options in COMMANDS.values() for option in options]
+# A help may name the options of another command as that command's.
+OF_ANOTHER = re.compile(r"'musclewire [^']*'")
+NAMED = re.compile(r"(?<![\w-])--[a-z][a-z-]+")
 
 
-def test_every_option_is_the_one_of_the_list() -> None:
+def test_every_option_is_one_of_the_list() -> None:
     for use in USES:
         definition = OPTIONS[use.opts[0]]
         assert tuple(use.opts) == definition.names
-        if use.opts[0] == "--output":  # says what this command writes
-            assert use.help.split()[0] != "File", use.help
-        else:
-            assert use.help == definition.help
         assert (use.metavar == "QUANTITY") == (definition.quantity is not None)
+
+
+def test_what_all_of_its_commands_say_otherwise_is_not_in_the_list() -> None:
+    said = {use.help for use in USES} | {OPTIONS["--output"].help}
+    assert [name for name, definition in OPTIONS.items() if definition.help not in said] == []
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_help_names_options_of_its_own_command(command: str) -> None:
+    own = {name for option in COMMANDS[command] for name in option.opts}
+    named = {name for option in COMMANDS[command] for name in NAMED.findall(OF_ANOTHER.sub("", option.help))}
+    assert named <= own
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_default_that_a_help_names_is_no_other_than_the_commands_own(command: str) -> None:
+    own = {option.opts[0]: option.default for option in COMMANDS[command] if "Default:" in option.help}
+    assert {name: default for name, default in own.items() if default is not None} == {}
 
 
 def test_the_same_name_takes_the_same_kind_of_value_everywhere() -> None:

@@ -34,14 +34,10 @@ from ._json_schemas import schema_names as schema_names
 from ._main import app as app
 from ._main import main as main
 from ._main import run as run
-from ._options import AMBIENT as AMBIENT
 from ._options import CLEARANCE as CLEARANCE
 from ._options import CPU as CPU
-from ._options import ESTIMATOR as ESTIMATOR
 from ._options import FILE as FILE
-from ._options import KNOWN_STIFFNESS as KNOWN_STIFFNESS
 from ._options import LIST as LIST
-from ._options import LOAD as LOAD
 from ._options import NAME as NAME
 from ._options import OBJECT_STIFFNESS as OBJECT_STIFFNESS
 from ._options import ONLY as ONLY
@@ -62,7 +58,7 @@ from ._options import RigName as RigName
 from ._options import as_option as as_option
 from ._options import in_si as in_si
 from ._options import option as option
-from ._options import output_option as output_option
+from ._options import own_help as own_help
 from ._options import quantity as quantity
 from ._output import Result as Result
 from ._output import in_options as in_options

@@ -25,7 +25,7 @@ from musclewire.app._options import (
     THREADS,
     WIRE,
     mapping,
-    output_option,
+    own_help,
 )
 from musclewire.app._output import Result, step_bar, warn
 from musclewire.app._recording_options import ReadingOptions
@@ -79,7 +79,9 @@ def calibrate(
     known: StartOptions,
     search: SearchOptions,
     figure: FigureOptions,
-    output: Annotated[Path | None, output_option("Wire file to write (.toml); without it nothing is kept.")] = None,
+    output: Annotated[
+        Path | None, own_help("--output", "Wire file to write (.toml); without, nothing is kept.")
+    ] = None,
     report: Annotated[Path | None, REPORT] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:

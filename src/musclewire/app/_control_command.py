@@ -18,13 +18,13 @@ from musclewire.app._options import (
     APPROACH,
     CONTROLLER,
     ESTIMATOR,
+    FOLLOWED_QUANTITY,
     GAINS,
     IN_PYTHON,
     KNOWN_STIFFNESS,
     KNOWN_STRAIN,
     ON_BOARD,
     OVERWRITE,
-    QUANTITY,
     REFERENCE,
     RULES,
     RUNS,
@@ -34,7 +34,7 @@ from musclewire.app._options import (
     ZERO_FROM,
     RigName,
     in_si,
-    output_option,
+    own_help,
 )
 from musclewire.app._output import Result, progress_bar, say, warn
 from musclewire.app._rig_options import TimingOptions
@@ -62,7 +62,7 @@ NO_RULES = "--rules belong to the controller fuzzy-pid, not to {}: leave one of 
 class ControlledLoopOptions:
     """What is controlled, along which reference, by which estimator and controller, and where the loop is closed."""
 
-    quantity: Annotated[str, QUANTITY] = "strain"
+    quantity: Annotated[str, FOLLOWED_QUANTITY] = "strain"
     known_stiffness: Annotated[str | None, KNOWN_STIFFNESS] = None
     reference: Annotated[str, REFERENCE] = "staircase"
     estimator: Annotated[str | None, ESTIMATOR] = None
@@ -84,7 +84,7 @@ def control(
     many: ManyLoopsChoice,
     homing: HomeOptions,
     figure: FigureOptions,
-    output: Annotated[Path | None, output_option("Recording to write (.h5).")] = None,
+    output: Annotated[Path | None, own_help("--output", "Recording to write (.h5).")] = None,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:

@@ -22,7 +22,7 @@ from musclewire.app._options import (
     SWEEP_FILE,
     RigName,
     in_si,
-    output_option,
+    own_help,
 )
 from musclewire.app._output import Result, progress_bar, warn
 from musclewire.app._rig_options import TimingOptions
@@ -88,7 +88,7 @@ class HomeOptions:
 def home(
     rig: RigName,
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="Model file from 'musclewire fit'.")],
-    output: Annotated[Path, output_option("New model file to write (.json).")],
+    output: Annotated[Path, own_help("--output", "New model file to write (.json).")],
     timing: TimingOptions,
     figure: FigureOptions,
     load: Annotated[str | None, LOAD] = None,

@@ -22,7 +22,7 @@ from musclewire.app._options import (
     SAMPLE_PERIOD,
     SAVE_MAPPING,
     in_si,
-    output_option,
+    own_help,
 )
 from musclewire.app._output import Result, say
 from musclewire.app._recording_options import ReadingOptions
@@ -62,7 +62,7 @@ def import_recordings(
     join: Annotated[str | None, JOIN] = None,
     delay: Annotated[str | None, DELAY] = None,
     output: Annotated[
-        Path | None, output_option("Recording to write (.h5, .csv, .parquet, .mat, .xlsx); one FILE only.")
+        Path | None, own_help("--output", "Recording to write (.h5, .csv, .parquet, .mat, .xlsx); one FILE only.")
     ] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     save_mapping: Annotated[Path | None, SAVE_MAPPING] = None,

@@ -15,9 +15,8 @@ from musclewire.app._files import require_free, require_model_file
 from musclewire.app._options import (
     BIBTEX,
     CLOSED_LOOP_TIME,
-    CONTROLLER,
     CYCLE,
-    ESTIMATOR,
+    ESTIMATOR_OF_A_RECORDING,
     LENGTH_ERROR,
     MARK,
     MARK_ERROR,
@@ -28,11 +27,12 @@ from musclewire.app._options import (
     RULES,
     SEED,
     SET,
+    TUNED_CONTROLLER,
     WIRE,
     WIRE_FILE,
     in_si,
     mapping,
-    output_option,
+    own_help,
 )
 from musclewire.app._output import Result, table, warn
 from musclewire.app._recording_options import ReadingOptions
@@ -110,7 +110,7 @@ def fit(
     reading: ReadingOptions,
     known: ResistanceOptions,
     figure: FigureOptions,
-    output: Annotated[Path | None, output_option("Model file to write (.json).")] = None,
+    output: Annotated[Path | None, own_help("--output", "Model file to write (.json).")] = None,
     order: Annotated[str, ORDER] = "6",
     quantity: Annotated[str, QUANTITY] = "strain",
     cycle: Annotated[str, CYCLE] = "last",
@@ -155,10 +155,10 @@ def estimate(
     recording: RecordingPath,
     reading: ReadingOptions,
     figure: FigureOptions,
-    estimator: Annotated[str | None, ESTIMATOR] = None,
+    estimator: Annotated[str | None, ESTIMATOR_OF_A_RECORDING] = None,
     wire_file: Annotated[Path | None, WIRE_FILE] = None,
     output: Annotated[
-        Path | None, output_option("Recording with its estimate to write (.h5, .csv, .parquet, .mat, .xlsx).")
+        Path | None, own_help("--output", "Recording with its estimate to write (.h5, .csv, .parquet, .mat, .xlsx).")
     ] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
@@ -314,8 +314,8 @@ def tune(
     recording: RecordingPath,
     reading: ReadingOptions,
     figure: FigureOptions,
-    output: Annotated[Path | None, output_option("Model (.json) or gains file (.toml) to write.")] = None,
-    controller: Annotated[str, CONTROLLER] = "feedforward",
+    output: Annotated[Path | None, own_help("--output", "Model (.json) or gains file (.toml) to write.")] = None,
+    controller: Annotated[str, TUNED_CONTROLLER] = "feedforward",
     rules: Annotated[str | None, RULES] = None,
     closed_loop_time: Annotated[str | None, CLOSED_LOOP_TIME] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,

@@ -41,16 +41,20 @@ class OptionQuantity(NamedTuple):
 
 
 class OptionDefinition(NamedTuple):
-    """What an option is called and means; ``quantity`` is None if its value is no number with a unit."""
+    """What an option is called and means; ``quantity`` is None if its value is no number with a unit.
+
+    ``how`` goes to typer: smallest and largest number, how its value is shown.
+    """
 
     names: tuple[str, ...]
     help: str
+    how: Mapping[str, Any]
     quantity: OptionQuantity | None = None
 
 
 # Options that are not called as the argument in Python, and endings of arguments that name a unit.
 CALLED = {"on": "--join", "shunt_resistance_ohm": "--shunt"}
-WITH_UNIT = re.compile("_(n|m|s|v|ohm)$")
+WITH_UNIT = re.compile("_(n|m|s|v|a|ohm)$")
 # Beyond these a count is a slip of the pen, whose command would never end.
 MAX_COUNT, MAX_CORES = 100_000, 4096
 # All options by their first name.
@@ -59,23 +63,23 @@ OPTIONS: dict[str, OptionDefinition] = {}
 
 def option(*names: str, help: str, **how: Any) -> Any:
     """Define an option; ``how`` goes to typer: smallest and largest number, how its value is shown."""
-    OPTIONS[names[0]] = OptionDefinition(names, help)
-    return typer.Option(*names, help=help, **how)
+    OPTIONS[names[0]] = OptionDefinition(names, help, how)
+    return own_help(names[0], help)
 
 
 def quantity(name: str, unit: str, help: str, low: float = -inf, high: float = inf) -> Any:
     """Define an option whose value is a number with a unit."""
-    OPTIONS[name] = OptionDefinition((name,), help, OptionQuantity(unit, low, high))
-    return typer.Option(name, help=help, metavar="QUANTITY")
+    OPTIONS[name] = OptionDefinition((name,), help, {"metavar": "QUANTITY"}, OptionQuantity(unit, low, high))
+    return own_help(name, help)
 
 
-def output_option(help: str) -> Any:
-    """Return --output of one command: the only option whose help says what this command writes, a file or a folder."""
-    return typer.Option(*OPTIONS["--output"].names, help=help)
+def own_help(name: str, help: str) -> Any:
+    """Return a defined option with the help of one command, for which the usual one does not hold."""
+    return typer.Option(*OPTIONS[name].names, help=help, **OPTIONS[name].how)
 
 
 # What is written, and how it is shown.
-OUTPUT = option("--output", "-o", help="File or folder to write, as the command's own help says.")
+option("--output", "-o", help="File or folder to write, as each command says of its own.")
 OVERWRITE = option("--overwrite", help="Replace what is already there.")
 PLOT = option("--plot", help="Figure to write (.svg, .png, .pdf).")
 PLOT_STYLE = option("--plot-style", help="Size and fonts of the figure: screen, slides, or a journal's column.")
@@ -109,10 +113,14 @@ RIG = option(
 AMPLITUDE = quantity("--amplitude", "V", "Amplitude of the slow sine, as '3.2 V'.")
 UNTIL_LEVEL = option("--until-level", help="Raise the amplitude until the resistance levels off or a limit is met.")
 PERIOD = quantity("--period", "s", "Period of the slow sine, as '90 s'.", 1.0, 86400.0)
-CYCLES = option("--cycles", help="Cycles at each setting; the last is analysed.", min=1)
+CYCLES = option("--cycles", help="Cycles of the slow sine; the last is analysed.", min=1)
 MAX_CYCLES = option("--max-cycles", help="Stop after this many cycles at the latest.", min=2, max=MAX_COUNT)
 AT = quantity("--at", "N", "A pretension to try, as '1.9 N'. Repeatable.")
 QUANTITY = option("--quantity", help="Quantity sensed from resistance: strain, displacement or force.")
+FOLLOWED_QUANTITY = own_help("--quantity", "Quantity of the reference: strain, displacement or force.")
+COMPARED_QUANTITY = own_help(
+    "--quantity", "Quantity for which the best pretension is named: strain, displacement or force."
+)
 
 # The closed loop.
 REFERENCE = option(
@@ -123,13 +131,18 @@ REFERENCE = option(
 KNOWN_STIFFNESS = quantity(
     "--known-stiffness",
     "N/m",
-    "Known stiffness of the load or of the object, as '588.6 N/m': gives force from a model of strain.",
+    "Known stiffness of the load, as '588.6 N/m': gives force from a model of strain.",
 )
 ESTIMATOR = option(
     "--estimator",
     help="Estimator by name: computes strain, displacement or force from voltages. Default: particle-filter with a "
-    "wire file; without one gated in a closed loop, polynomial (the paper's) for a recording.",
+    "wire file, else gated; polynomial (the paper's) on a board.",
     autocompletion=complete_estimators,
+)
+ESTIMATOR_OF_A_RECORDING = own_help(
+    "--estimator",
+    "Estimator by name: computes strain, displacement or force from voltages. Default: particle-filter with a wire "
+    "file, else gated; polynomial (the paper's) for a recording without a current.",
 )
 CONTROLLER = option(
     "--controller",
@@ -137,6 +150,7 @@ CONTROLLER = option(
     "model (feedforward); fuzzy-pid for a model without gains, and on a board.",
     autocompletion=complete_controllers,
 )
+TUNED_CONTROLLER = own_help("--controller", "Controller by name, whose gains are found.")
 RULES = option(
     "--rules",
     help="Rule base of the fuzzy tuning; see 'musclewire rules'. Default: zhao-1993.",
@@ -193,7 +207,7 @@ RUNS = option(
 )
 IN_PYTHON = option("--in-python", help="With --runs: step every loop in Python, for what has no compiled form.")
 OBJECT_STIFFNESS = quantity(
-    "--object-stiffness", "N/m", "Stiffness of the simulated object in the way of the endpoint, as '50 N/m'."
+    "--object-stiffness", "N/m", "Stiffness of an object in the way of the endpoint, as '50 N/m'."
 )
 CLEARANCE = quantity(
     "--clearance", "m", "How far the endpoint moves (two fingers: both together) before it touches, as '4 mm'."
@@ -266,7 +280,11 @@ LOAD = quantity(
     "Your word that the load is that of the characterization: its weight, or the spring's pretension, as '1.4 N'. "
     "Without it, a change is refused that B and C do not separate from another load.",
 )
-AMBIENT = quantity("--ambient", "K", "Temperature of the air around the wire, as '22 degC'.")
+AMBIENT = quantity(
+    "--ambient",
+    "K",
+    "Temperature of the air in the home move, as '22 degC'; by default the rig's thermometer's.",
+)
 PRIORS = option("--priors", help="Priors of the parameters, by name or TOML file.")
 SET = option("--set", help="A number of the bench that no recording states. Repeatable.", metavar="NAME=VALUE")
 EFFORT = option("--effort", help="How long to search: quick, normal or thorough.")

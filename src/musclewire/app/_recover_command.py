@@ -9,7 +9,7 @@ import typer
 
 from musclewire.app._answer import AnswerModel
 from musclewire.app._figure_options import FigureOptions
-from musclewire.app._options import OVERWRITE, output_option
+from musclewire.app._options import OVERWRITE, own_help
 from musclewire.app._output import Result
 
 
@@ -28,7 +28,7 @@ def recover(
     ],
     figure: FigureOptions,
     output: Annotated[
-        Path | None, output_option("Another recording to write (.h5, .csv, .parquet); the journal stays.")
+        Path | None, own_help("--output", "Another recording to write (.h5, .csv, .parquet); the journal stays.")
     ] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:

@@ -15,15 +15,15 @@ from musclewire.app._files import require_model_file, require_recording_file
 from musclewire.app._options import (
     AMPLITUDE,
     AT,
+    COMPARED_QUANTITY,
     MAX_CYCLES,
     OVERWRITE,
     PERIOD,
-    QUANTITY,
     SEED,
     UNTIL_LEVEL,
     RigName,
     in_si,
-    output_option,
+    own_help,
 )
 from musclewire.app._output import Result, progress_bar, say, table, tell, warn
 from musclewire.app._rig_options import SlowSineOptions, TimingOptions
@@ -46,7 +46,7 @@ NO_INSTRUMENT = (
 
 def demo(
     figure: FigureOptions,
-    output: Annotated[Path, output_option("Folder for report, model and recordings.")] = Path("musclewire-demo"),
+    output: Annotated[Path, own_help("--output", "Folder for report, model and recordings.")] = Path("musclewire-demo"),
     seed: Annotated[int, SEED] = 1,
 ) -> Result:
     """The main job on the simulated rig: characterize, fit, control by resistance, report."""
@@ -89,7 +89,7 @@ def demo(
 
 def characterize(
     rig: RigName,
-    output: Annotated[Path, output_option("Recording to write (.h5).")],
+    output: Annotated[Path, own_help("--output", "Recording to write (.h5).")],
     sine: SlowSineOptions,
     timing: TimingOptions,
     figure: FigureOptions,
@@ -186,8 +186,8 @@ def pretension(
     sine: SlowSineOptions,
     figure: FigureOptions,
     at: Annotated[list[str] | None, AT] = None,
-    quantity: Annotated[str, QUANTITY] = "strain",
-    output: Annotated[Path | None, output_option("Folder for the recording of each setting.")] = None,
+    quantity: Annotated[str, COMPARED_QUANTITY] = "strain",
+    output: Annotated[Path | None, own_help("--output", "Folder for the recording of each setting.")] = None,
     seed: Annotated[int | None, SEED] = None,
 ) -> Result:
     """Sweep the pretension, compare the hysteresis gaps, name the best for the quantity.
@@ -280,7 +280,7 @@ def train(
     amplitude: Annotated[str | None, AMPLITUDE] = None,
     period: Annotated[str, PERIOD] = "30 s",
     max_cycles: Annotated[int, MAX_CYCLES] = 60,
-    output: Annotated[Path | None, output_option("Folder for the recording of each cycle.")] = None,
+    output: Annotated[Path | None, own_help("--output", "Folder for the recording of each cycle.")] = None,
     seed: Annotated[int | None, SEED] = None,
 ) -> Result:
     """Cycle a new wire until its loop repeats.

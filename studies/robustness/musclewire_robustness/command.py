@@ -16,7 +16,7 @@ from musclewire.app import (
     FigureOptions,
     Result,
     option,
-    output_option,
+    own_help,
     run_bar,
     stop_if_asked,
     stops_between_samples,
@@ -96,7 +96,7 @@ def robustness(
     what: WhatIsRun,
     figure: FigureOptions,
     output: Annotated[
-        Path | None, output_option("Folder of the runs and their report; by default 'robustness'.")
+        Path | None, own_help("--output", "Folder of the runs and their report; by default 'robustness'.")
     ] = None,
     workers: Annotated[int | None, WORKERS] = None,
     list_all: Annotated[bool, LIST] = False,

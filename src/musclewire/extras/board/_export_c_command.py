@@ -9,7 +9,6 @@ from typing import Annotated
 import typer
 
 from musclewire.app import (
-    ESTIMATOR,
     NAME,
     OVERWRITE,
     RIG,
@@ -18,13 +17,13 @@ from musclewire.app import (
     AnswerModel,
     AnswerRecord,
     Result,
-    output_option,
+    own_help,
     read_settings,
     require_zip_file,
 )
 from musclewire.controllers import FUZZY_PID_IN_C, DriveLimits, Gains, ProtectionLimits
 from musclewire.errors import CallerError
-from musclewire.extras.board._options import ARDUINO_ZIP, DOUBLE
+from musclewire.extras.board._options import ARDUINO_ZIP, DOUBLE, ESTIMATOR_IN_C
 from musclewire.extras.board._serial.device import SerialConfiguration
 from musclewire.rigs import Metadata, RigConfiguration, open_rig, rig_configuration
 
@@ -55,11 +54,11 @@ class ControllerOptions:
 
 def export_c(
     model: Annotated[Path, typer.Argument(help="Model file, as 'musclewire fit' writes it.")],
-    output: Annotated[Path, output_option("Folder for the library, made if need be.")],
+    output: Annotated[Path, own_help("--output", "Folder for the library, made if need be.")],
     controller: ControllerOptions,
     rig: Annotated[str, RIG] = "simulated",
     double: Annotated[bool, DOUBLE] = False,
-    estimator: Annotated[str, ESTIMATOR] = "polynomial",
+    estimator: Annotated[str, ESTIMATOR_IN_C] = "polynomial",
     name: Annotated[str, NAME] = "musclewire_wire",
     arduino_zip: Annotated[Path | None, ARDUINO_ZIP] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app import WIRE, AnswerModel, Result, tell
-from musclewire.extras.board._options import DRY_RUN, OLD_BOOTLOADER, SERIAL_PORT
+from musclewire.app import AnswerModel, Result, tell
+from musclewire.extras.board._options import DRY_RUN, MOUNTED_WIRE, OLD_BOOTLOADER, SERIAL_PORT
 
 if TYPE_CHECKING:
     from musclewire.extras.board._serial.flash import FirmwareImage
@@ -41,7 +41,7 @@ class FlashAnswer(AnswerModel):
 
 def flash(
     board: Annotated[str, typer.Argument(help="Board: 'uno', 'nano' (both are 'arduino-uno'), 'stm32f411'.")],
-    wire: Annotated[str | None, WIRE] = None,
+    wire: Annotated[str | None, MOUNTED_WIRE] = None,
     serial_port: Annotated[str | None, SERIAL_PORT] = None,
     old_bootloader: Annotated[bool, OLD_BOOTLOADER] = False,
     dry_run: Annotated[bool, DRY_RUN] = False,

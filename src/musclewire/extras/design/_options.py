@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import inf
 
-from musclewire.app import complete_fingers, complete_materials, option, quantity
+from musclewire.app import complete_fingers, complete_materials, option, own_help, quantity
 
 DRAWING = option("--drawing", help="Drawing to cut, 1:1 (.svg, .dxf). Repeatable.")
 SOLID = option("--solid", help="Solid to print, in millimetres (.stl, .step; extra 'cad'). Repeatable.")
@@ -17,7 +17,7 @@ FINGER_STIFFNESS = quantity(
 )
 MATERIAL = option(
     "--material",
-    help="Material by name ('design pretensioner --list' shows all), or its .toml file.",
+    help="Material by name ('musclewire design pretensioner --list' shows all), or its .toml file.",
     autocompletion=complete_materials,
 )
 PROCESS = option("--process", help="Manufacturing process, which limits how thin a beam can be; 'fdm' is 'print'.")
@@ -60,6 +60,8 @@ OFF_AFTER = quantity("--off-after", "s", "Time until switching off, as '1 s'.", 
 DUTY = quantity("--duty", "", "Heat in pulses until --off-after: on for this part of each period, as '40 %'.", 0.0, 1.0)
 DUTY_PERIOD = quantity("--duty-period", "s", "Period of the pulses of --duty, as '1 s'.", 0.01, inf)
 DURATION = quantity("--duration", "s", "Duration of the whole run; by default long enough to cool.", 0.0, 86400.0)
+LOAD = own_help("--load", "Weight that the wire pulls, as '1.4 N'.")
+AIR = own_help("--ambient", "Temperature of the air around the wire, as '22 degC'.")
 STRESS = quantity("--stress", "Pa", "The load as a stress; without --load and --stress it is '172 MPa'.")
 SPRING = quantity("--spring", "N/m", "A spring to pull, as '588.6 N/m'.")
 TABLE = option("--table", help="Show current, voltage and shunt of all wires at --wire-length, and exit.")

@@ -11,7 +11,6 @@ import typer
 
 from musclewire.app import (
     CLEARANCE,
-    KNOWN_STIFFNESS,
     OBJECT_STIFFNESS,
     OVERWRITE,
     SEED,
@@ -20,7 +19,7 @@ from musclewire.app import (
     in_si,
     opened_rig,
     option,
-    output_option,
+    own_help,
     progress_bar,
     quantity,
     require_folder,
@@ -45,6 +44,9 @@ TARGET = quantity("--target", "N", "Grip force to reach and hold at one endpoint
 TOLERANCE = quantity(
     "--tolerance", "N", "Exit code 1 if the instrument shows a held force further from the target than this.", low=0.0
 )
+OF_THE_OBJECT = own_help(
+    "--known-stiffness", "Known stiffness of the object, as '50 N/m'; by default it is found by what contact costs."
+)
 NO_OBJECT = option("--no-object", help="Simulate the grip without any object.")
 LEARNED = option("--learned", help="File of the trained gripper (.json): read, or written after training.")
 
@@ -57,7 +59,7 @@ class GripOptions:
     """The force to hold, and what is known of the object."""
 
     target: Annotated[str, TARGET] = "0.3 N"
-    known_stiffness: Annotated[str | None, KNOWN_STIFFNESS] = None
+    known_stiffness: Annotated[str | None, OF_THE_OBJECT] = None
     tolerance: Annotated[str | None, TOLERANCE] = None
 
     def in_si(self) -> tuple[float, float | None]:
@@ -110,7 +112,7 @@ def grip(
         str, typer.Argument(metavar="[RIG]", help="'gripper', or a TOML rig file with a finger and a contact.")
     ] = "gripper",
     learned: Annotated[Path | None, LEARNED] = None,
-    output: Annotated[Path | None, output_option("Recording to write (.h5).")] = None,
+    output: Annotated[Path | None, own_help("--output", "Recording to write (.h5).")] = None,
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:

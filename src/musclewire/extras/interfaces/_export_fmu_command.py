@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app import NAME, OVERWRITE, RIG, RULES, SETTINGS, AnswerModel, Result, output_option, read_settings
+from musclewire.app import NAME, OVERWRITE, RIG, RULES, SETTINGS, AnswerModel, Result, own_help, read_settings
 from musclewire.errors import CallerError
 from musclewire.extras.interfaces._options import SOURCES_ONLY
 
@@ -50,7 +50,7 @@ def export_fmu(
             "controller.",
         ),
     ],
-    output: Annotated[Path, output_option("Folder for the FMU, made if need be.")],
+    output: Annotated[Path, own_help("--output", "Folder for the FMU, made if need be.")],
     controller: ControllerRigOptions,
     name: Annotated[str | None, NAME] = None,
     sources_only: Annotated[bool, SOURCES_ONLY] = False,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from musclewire.app import CPU, REAL_TIME_PRIORITY, SEED, StoppedCommand, complete_rigs, output_option, say, show
+from musclewire.app import CPU, REAL_TIME_PRIORITY, SEED, StoppedCommand, complete_rigs, own_help, say, show
 from musclewire.errors import CallerError
 from musclewire.extras.live._options import HOST, OPEN, PORT, TOKEN_FILE
 
@@ -53,7 +53,7 @@ def serve(
     address: AddressOptions,
     loop: LoopTimingOptions,
     rig: Rigs = None,
-    output: Annotated[Path, output_option("Folder of the session: its recordings and models.")] = Path(
+    output: Annotated[Path, own_help("--output", "Folder of the session: its recordings and models.")] = Path(
         "musclewire-session"
     ),
     seed: Annotated[int | None, SEED] = None,

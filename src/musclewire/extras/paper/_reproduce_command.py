@@ -14,7 +14,7 @@ from musclewire.app import (
     WORKERS,
     Result,
     StoppedCommand,
-    output_option,
+    own_help,
     run_bar,
     stop_if_asked,
     stops_between_samples,
@@ -54,7 +54,7 @@ class SeedOptions:
 def reproduce(
     which: SeedOptions,
     only: Annotated[str | None, ONLY] = None,
-    output: Annotated[Path, output_option("Folder for page and JSON.")] = Path("musclewire-reproduce"),
+    output: Annotated[Path, own_help("--output", "Folder for page and JSON.")] = Path("musclewire-reproduce"),
 ) -> Result:
     """Compare every printed number and figure of the paper with ours, in a folder; exit code 1 if a row fails.
 

@@ -16,7 +16,7 @@ from musclewire.app import (
     WORKERS,
     FigureOptions,
     Result,
-    output_option,
+    own_help,
     run_bar,
     stop_if_asked,
     stops_between_samples,
@@ -59,7 +59,7 @@ def sweep(
     figure: FigureOptions,
     study: Annotated[Path | None, typer.Argument(metavar="STUDY", help="Study file (.toml).")] = None,
     output: Annotated[
-        Path | None, output_option("Folder of the runs and their report; by default named like the study file.")
+        Path | None, own_help("--output", "Folder of the runs and their report; by default named like the study file.")
     ] = None,
     plan_only: Annotated[bool, PLAN] = False,
     list_all: Annotated[bool, LIST] = False,

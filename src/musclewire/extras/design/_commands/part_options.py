@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
-from musclewire.app import PLOT, output_option, require_figure_file, require_folder
+from musclewire.app import PLOT, own_help, require_figure_file, require_folder
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.extras.design._options import DRAWING, SOLID
 
@@ -68,7 +68,7 @@ OPTIONS_FILE = typer.Argument(
 class PartFiles:
     """The files a design command writes."""
 
-    output: Annotated[Path | None, output_option("Part's file to write (.toml).")] = None
+    output: Annotated[Path | None, own_help("--output", "Part's file to write (.toml).")] = None
     drawing: Annotated[list[Path] | None, DRAWING] = None
     solid: Annotated[list[Path] | None, SOLID] = None
     plot: Annotated[Path | None, PLOT] = None

@@ -8,9 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from musclewire.app import (
-    AMBIENT,
     LIST,
-    LOAD,
     OVERWRITE,
     SEED,
     SHUNT,
@@ -19,7 +17,7 @@ from musclewire.app import (
     FigureOptions,
     Result,
     in_si,
-    output_option,
+    own_help,
     progress_bar,
     require_recording_file,
     stops_between_samples,
@@ -27,10 +25,12 @@ from musclewire.app import (
 )
 from musclewire.errors import CallerError
 from musclewire.extras.design._options import (
+    AIR,
     CURRENT,
     DURATION,
     DUTY,
     DUTY_PERIOD,
+    LOAD,
     OFF_AFTER,
     SPRING,
     STRESS,
@@ -75,7 +75,7 @@ class MountingOptions:
     load: Annotated[str | None, LOAD] = None
     stress: Annotated[str | None, STRESS] = None
     spring: Annotated[str | None, SPRING] = None
-    ambient: Annotated[str, AMBIENT] = "22 degC"
+    ambient: Annotated[str, AIR] = "22 degC"
 
 
 def request_of(wire: str, drive: DriveOptions, mounting: MountingOptions, seed: int) -> SupplyRequest:
@@ -105,7 +105,7 @@ def simulate(
     mounting: MountingOptions,
     figure: FigureOptions,
     wire: Annotated[str, WIRE] = "flexinol-0.10-lt",
-    output: Annotated[Path | None, output_option("Recording to write (.h5).")] = None,
+    output: Annotated[Path | None, own_help("--output", "Recording to write (.h5).")] = None,
     seed: Annotated[int, SEED] = 1,
     list_wires: Annotated[bool, LIST] = False,
     table: Annotated[bool, TABLE] = False,

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, argument
 from musclewire.experiment import (
     ALWAYS,
     OnSample,
@@ -210,7 +210,9 @@ def current_of(request: SupplyRequest, row: CatalogueRow | None) -> float | None
     if request.current_a is not None or request.supply_v is not None:
         return request.current_a
     if row is None:
-        raise CallerError(f"{request.wire} is not in the catalogue: give a supply or a current")
+        raise CallerError(
+            f"{request.wire} is not in the catalogue: give " + argument("supply_v") + " or " + argument("current_a")
+        )
     return row.current_a
 
 
