@@ -9,7 +9,6 @@ data in it: the command line shows an option there, and Python the argument.
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
@@ -29,7 +28,6 @@ __all__ = [
     "installed_by",
     "joined",
     "nearest_hint",
-    "toml_problem",
 ]
 
 
@@ -176,25 +174,6 @@ def an_object(thing: object) -> str:
     """
     name = type(thing).__name__
     return f"{'an' if name[0].lower() in 'aeiou' else 'a'} {name}"
-
-
-def toml_problem(error: Exception) -> str:
-    """Return what is wrong with a TOML text, by its reader's exception; an open quote is called that.
-
-    Parameters
-    ----------
-    error
-        The reader's exception, which calls a quote that is left open an illegal end of line.
-
-    Returns
-    -------
-    The problem in words, with its line.
-    """
-    text = str(error)
-    line = re.search(r"at line (\d+)", text)
-    if line and "Illegal character '\\n'" in text:
-        return f"a quote is not closed in line {line[1]}"
-    return text
 
 
 def nearest_hint(name: str, known: Iterable[str]) -> str:

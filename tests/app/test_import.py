@@ -87,3 +87,34 @@ def test_two_loggers_are_joined_and_the_delay_is_reported(tmp_path: Path, muscle
     assert loop.names == ("time_s", "drive_voltage_v", "wire_current_a", "force_n")
     assert loop["force_n"] - loop["time_s"] == pytest.approx(2.5, abs=0.05)
     assert "takes two files, 1 were given" in musclewire("import", tmp_path / "a.csv", "--join", "force_n").err
+
+
+@pytest.mark.parametrize(
+    ("head", "row", "said"),
+    [
+        ("time [s],wire_voltage_v,shunt_voltage_v", "{t},nan,nan", "only the time is usable"),
+        ("time [s],drive_voltage_v,wire_voltage_v,shunt_voltage_v", "{t},1,nan,nan", "'wire_voltage_v' has no number"),
+        ("time [s],wire_voltage_v,displacement_m", "{t},,0.001", "'wire_voltage_v' has no number"),
+        ("time [s],wire_voltage_v,shunt_voltage_v", "{t},1.2,0.1", "nothing states the shunt's resistance"),
+        ("time [s],wire_voltage_v,wire_current_a", "{t},1.2,0", "wire_current_a is 0 in every row"),
+    ],
+)
+def test_a_recording_without_electricity_is_not_converted(
+    head: str, row: str, said: str, musclewire: Callable[..., Any], tmp_path: Path
+) -> None:
+    file = tmp_path / "logged.csv"
+    file.write_text("\n".join([head, *(row.format(t=0.05 * number) for number in range(5))]) + "\n", "utf-8")
+    answer = musclewire("import", file, "-o", tmp_path / "out.h5")
+    assert answer.code == 2
+    assert said in answer.err
+    assert [path.name for path in tmp_path.iterdir()] == ["logged.csv"]
+
+
+def test_of_the_voltage_of_a_shunt_the_preview_says_that_converting_needs_its_resistance(
+    musclewire: Callable[..., Any], tmp_path: Path
+) -> None:
+    file = tmp_path / "logged.csv"
+    file.write_text("time [s],wire_voltage_v,shunt_voltage_v\n0,1.2,0.1\n1,1.3,0.1\n", "utf-8")
+    seen = musclewire("import", file)
+    assert (seen.code, "nothing states the shunt's resistance" in seen.out) == (0, True)
+    assert musclewire("import", file, "--shunt", "1 ohm", "-o", tmp_path / "out.h5").code == 0

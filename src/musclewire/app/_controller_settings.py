@@ -17,7 +17,7 @@ def read_settings(path: Path | None, rules: str | None) -> FuzzyPidSettings:
     Raises CallerError naming file and key.
     """
     from musclewire.controllers import FuzzyPidSettings
-    from musclewire.parameters import read_toml
+    from musclewire.small_files import read_toml
 
     given: dict[str, Any] = {} if path is None else read_toml(path, "settings file")
     if rules is not None:

@@ -157,15 +157,18 @@ def proposal_lines(path: str, proposal: ImportMapping | None, mapping_file: Path
     """Return the command that reads a file, which has been tried; nothing without a proposal."""
     if proposal is None:
         return []
-    from musclewire.signals import EXAMPLE_PERIOD_S, load_mapping
+    from musclewire.signals import EXAMPLE_PERIOD_S, EXAMPLE_SHUNT, load_mapping
 
     remembered = [] if mapping_file is None else as_options(load_mapping(mapping_file))
     added = [option for option in as_options(proposal) if option not in remembered]
     named = [] if mapping_file is None else [("--mapping", str(mapping_file))]
     words = ["musclewire", "import", path, *(word for option in (*named, *added) for word in option)]
-    is_example = proposal.sample_period_s == EXAMPLE_PERIOD_S
-    note = [f"  ({EXAMPLE_PERIOD_S:g} s is an example: give the time between two of your rows)"] if is_example else []
-    return [f"  try: {shlex.join(words)}", *note]
+    examples = []
+    if proposal.sample_period_s == EXAMPLE_PERIOD_S:
+        examples.append(f"  ({EXAMPLE_PERIOD_S:g} s is an example: give the time between two of your rows)")
+    if proposal.metadata.items() >= EXAMPLE_SHUNT.metadata.items():
+        examples.append("  (a shunt of 1 ohm is an example: give the resistance of yours)")
+    return [f"  try: {shlex.join(words)}", *examples]
 
 
 def as_options(mapping: ImportMapping) -> list[tuple[str, ...]]:

@@ -6,6 +6,7 @@ made safe; 130 and 143 interrupted by Ctrl-C and SIGTERM, rig made safe.
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from typing import Annotated, Any
@@ -62,7 +63,17 @@ def main() -> None:
 
 
 def run(arguments: list[str] | None = None) -> int:
-    """Run one command and return its exit code; errors become one line on stderr."""
+    """Run one command and return its exit code; errors become one line on stderr, one of stdout itself among them."""
+    try:
+        code = ended(arguments)
+        sys.stdout.flush()
+        return code
+    except OSError as error:
+        return report_output(error)
+
+
+def ended(arguments: list[str] | None) -> int:
+    """Run one command and return its exit code; what is wrong is said in one line."""
     try:
         result = app(arguments, standalone_mode=False, prog_name="musclewire")
         return result if isinstance(result, int) else 0
@@ -77,8 +88,6 @@ def run(arguments: list[str] | None = None) -> int:
         if error.format_message():  # without arguments the help has been shown and nothing is left to say
             say(f"musclewire: {usage_line(error)}")
         return 2
-    except BrokenPipeError:
-        return 1
 
 
 # What a value outside an option's range, or of another kind, is answered with by the library that checks it.
@@ -115,6 +124,19 @@ def report_stop(stop: BaseException, code: int) -> int:
     say(f"musclewire: stopped by {STOPPED[code]}; {rest}")
     say_where_samples_are(stop)
     return code
+
+
+def report_output(error: OSError) -> int:
+    """Say that stdout takes no more, but for a reader who has left, and return the exit code; others are raised."""
+    try:
+        print(flush=True)  # what could not be written is no longer in the buffer
+    except OSError:
+        # The interpreter flushes once more at its end, and would write a traceback.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            say(f"musclewire: the result cannot be written to stdout: {error.strerror}; make room, or write elsewhere")
+        return 1
+    raise error
 
 
 def say_where_samples_are(error: BaseException) -> None:

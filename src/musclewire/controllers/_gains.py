@@ -11,7 +11,7 @@ from musclewire.controllers._feedforward import FeedforwardSettings
 from musclewire.controllers._fuzzy_pid import FuzzyPidSettings
 from musclewire.controllers._pid import PidSettings
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.toml_text import toml_text
+from musclewire.small_files import toml_text
 
 FORMAT, KEYS = "musclewire-gains", {"format", "controller", "settings"}
 # What is said where a model with gains is driven from C: on a board, in an exported library, in an FMU.
@@ -113,7 +113,7 @@ def load_gains(path: str | Path) -> Gains:
     CallerError
         If the file is missing or no gains file, or for an unknown controller or key; the message is one line.
     """
-    from musclewire.parameters import read_toml
+    from musclewire.small_files import read_toml
 
     content = read_toml(Path(path), "gains file", ": make one with 'musclewire tune MODEL RECORDING -o FILE'")
     controller, settings = content.get("controller"), content.get("settings")

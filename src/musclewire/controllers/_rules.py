@@ -26,7 +26,8 @@ from typing import Annotated, Any, Literal, TypeAlias, get_args
 from pydantic import BeforeValidator, Field, model_validator
 
 from musclewire.controllers._schema import StrictModel
-from musclewire.errors import CallerError, nearest_hint, toml_problem
+from musclewire.errors import CallerError, nearest_hint
+from musclewire.small_files import read_small, toml_of
 
 DEFAULT_RULE_BASE = "zhao-1993"
 SetName: TypeAlias = Literal["NB", "NM", "NS", "ZO", "PS", "PM", "PB"]
@@ -189,11 +190,7 @@ def load_rule_base(name: str | Path = DEFAULT_RULE_BASE) -> RuleBase:
     """
     if isinstance(name, Path) or name.endswith(".toml"):
         path = Path(name)
-        try:
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise CallerError(f"cannot read the rule base {path}: {error}; give a readable TOML file") from None
-        return parse_rule_base(text, where=str(path))
+        return parse_rule_base(read_small(path, "rule base"), where=str(path))
     return _built_in(name)
 
 
@@ -218,11 +215,9 @@ def parse_rule_base(text: str, where: str = "rule base") -> RuleBase:
     CallerError
         If it is not TOML, has an unknown or missing key, a table that is not 7x7, or a cell that is no set name.
     """
+    values = toml_of(text, where)
     try:
-        values = _with_parent(tomllib.loads(text))
-        return RuleBase(**values)
-    except tomllib.TOMLDecodeError as error:
-        raise CallerError(f"{where}: not valid TOML: {toml_problem(error)}") from None
+        return RuleBase(**_with_parent(values))
     except CallerError as error:
         raise CallerError(f"{where}: {error}") from None
 

@@ -44,7 +44,6 @@ from ._seeds import require_seed as require_seed
 from ._validation import CheckedFile as CheckedFile
 from ._validation import TaggedTable as TaggedTable
 from ._validation import first_problem as first_problem
-from ._validation import read_toml as read_toml
 from ._validation import unit_of as unit_of
 from ._validation import validated as validated
 from ._validity import ReachedConditions as ReachedConditions

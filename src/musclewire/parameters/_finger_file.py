@@ -26,7 +26,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.parameters._parameter_groups import Parameter
 from musclewire.parameters._validation import load_named, shipped_names
-from musclewire.toml_text import toml_text
+from musclewire.small_files import toml_text
 
 MIN_POINTS = 5
 EVEN_TOLERANCE = 1e-6

@@ -23,7 +23,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError
 from musclewire.parameters._parameter_groups import Parameter
-from musclewire.parameters._validation import read_toml, validated
+from musclewire.parameters._validation import validated
+from musclewire.small_files import read_toml
 
 
 class FileGeometry(BaseModel):

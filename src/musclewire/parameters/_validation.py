@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -16,8 +15,9 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationErro
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticKnownError, core_schema
 
-from musclewire.errors import CallerError, Message, nearest_hint, toml_problem
+from musclewire.errors import CallerError, Message, nearest_hint
 from musclewire.registry import Registry
+from musclewire.small_files import read_toml
 
 
 @dataclass(frozen=True)
@@ -120,25 +120,6 @@ class KeyPlace(NamedTuple):
 
     model: type[BaseModel]
     field: FieldInfo | None
-
-
-def read_toml(path: Path, kind: str, instead: str = "") -> dict[str, Any]:
-    """Return the content of a TOML file; ``kind`` is its name in messages, such as "wire file".
-
-    Raises CallerError if the file does not exist (the message ends with ``instead``), or is no TOML.
-    """
-    try:
-        text = path.read_text("utf-8")
-    except FileNotFoundError:
-        raise CallerError(f"there is no {kind} {path}{instead}") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise CallerError(f"{kind} {path} cannot be read: {error}") from None
-    try:
-        return tomllib.loads(text)
-    except RecursionError:
-        raise CallerError(f"{kind} {path} cannot be read: its values are nested too deeply to be meant") from None
-    except tomllib.TOMLDecodeError as error:
-        raise CallerError(f"{kind} {path} cannot be read: {toml_problem(error)}") from None
 
 
 def shipped_names(folder: str) -> list[str]:

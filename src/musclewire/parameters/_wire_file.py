@@ -36,8 +36,8 @@ from pydantic import BaseModel, ConfigDict, model_validator
 
 from musclewire.errors import nearest_hint
 from musclewire.parameters._parameter_groups import Alloy, Bench, Parameter, Wire, checked
-from musclewire.parameters._validation import read_toml, validated
-from musclewire.toml_text import toml_text
+from musclewire.parameters._validation import validated
+from musclewire.small_files import read_toml, toml_text
 
 SUFFIX = ".toml"
 # Texts of a wire and an alloy that the file says once, at its head.

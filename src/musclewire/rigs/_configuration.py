@@ -28,7 +28,6 @@ from musclewire.parameters import (
     load_alloy,
     load_bench,
     load_wire,
-    read_toml,
     require_seed,
     validated,
 )
@@ -54,6 +53,7 @@ from musclewire.rigs._own_voltages import PAPER_BENCH, OwnVoltages, hot_wire, ow
 from musclewire.rigs._pulse_width import PulseWidth, sampling_problem
 from musclewire.rigs._simulated_faults import SimulatedFault
 from musclewire.signals import parse_quantity
+from musclewire.small_files import read_toml
 
 if TYPE_CHECKING:
     from musclewire.rigs._simulated import SimulatedDevice, SimulatedSpool

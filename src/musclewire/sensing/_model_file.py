@@ -14,6 +14,7 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._home_move import HomeMove
 from musclewire.signals import write_text_whole
+from musclewire.small_files import MAX_BYTES, json_of, read_small
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 MODEL_FORMAT = "musclewire-sensing-model"
 MODEL_VERSION = 1
 
-MAX_FILE_BYTES = 1_000_000
 # The range of the quantity is written for the file's reader; on loading it must agree with the polynomials.
 RANGE_AGREEMENT = 1e-6
 
@@ -160,7 +160,7 @@ def save_model(model: FittedCurve, path: str | PathLike[str]) -> None:
     """Write the model as JSON, whole or not at all; CallerError if the folder cannot be written."""
     target = Path(path)
     text = json.dumps(_contents(model), indent=1, allow_nan=False) + "\n"
-    if len(text) > MAX_FILE_BYTES:
+    if len(text) > MAX_BYTES:
         raise CallerError(f"model file {target} would take {len(text)} bytes: shorten the wire notes")
     write_text_whole(target, text)
 
@@ -188,17 +188,7 @@ def read_fields(path: str | PathLike[str]) -> dict[str, Any]:
 
 def _document(source: Path) -> dict[str, Any]:
     """Return the JSON object in the file, after checks of size, format and version."""
-    try:
-        with source.open("rb") as file:
-            data = file.read(MAX_FILE_BYTES + 1)
-    except OSError as error:
-        raise CallerError(f"cannot read model file {source}: {error.strerror or error}") from error
-    if len(data) > MAX_FILE_BYTES:
-        raise CallerError(f"model file {source} is larger than {MAX_FILE_BYTES} bytes: this is no sensing model")
-    try:
-        document = json.loads(data.decode("utf-8"))
-    except (ValueError, RecursionError) as error:
-        raise CallerError(f"{source} is not a model file: no valid JSON ({_short(error)})") from error
+    document = json_of(read_small(source, "model file"), f"{source} is not a model file")
     if not isinstance(document, dict) or document.get("format") != MODEL_FORMAT:
         raise CallerError(f'{source} is not a model file: it lacks "format": "{MODEL_FORMAT}"')
     version = document.get("version")

@@ -49,6 +49,13 @@ class IgnoredHeader:
 
 
 @dataclass(frozen=True)
+class EmptyHeader(IgnoredHeader):
+    """A header without a number below it, and the column that it would have been; None if its name is not known."""
+
+    column: str | None
+
+
+@dataclass(frozen=True)
 class UndecidedHeader:
     """A header that would be a column, and the message that says what has to be decided first."""
 
@@ -125,11 +132,14 @@ def match_columns(
     for index, column in enumerate(columns):
         if index in by_index:
             continue
-        known = frozenset(mapping or ())
-        reason = "not in the mapping file" if only_mapped else "is empty" if column.is_empty else ""
-        by_index[index] = (
-            IgnoredHeader(column.header, reason) if reason else _recognised(column, index, path, already_mapped=known)
-        )
+        if only_mapped:
+            by_index[index] = IgnoredHeader(column.header, "not in the mapping file")
+            continue
+        found_by_name = _recognised(column, index, path, already_mapped=frozenset(mapping or ()))
+        if column.is_empty:
+            would_be = None if isinstance(found_by_name, IgnoredHeader) else found_by_name.column
+            found_by_name = EmptyHeader(column.header, "is empty", would_be)
+        by_index[index] = found_by_name
     found = _with_one_clock([by_index[index] for index in range(len(columns))])
     taken = _as_branch_table([item for item in found if isinstance(item, MatchedHeader)])
     taken, anybodys = _voltage_of_the_wire(taken, path)

@@ -19,18 +19,17 @@ shunt_resistance_ohm = 1.0
 from __future__ import annotations
 
 import dataclasses
-import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from musclewire.errors import CallerError, RecordingError, argument, nearest_hint, toml_problem
+from musclewire.errors import CallerError, RecordingError, argument, nearest_hint
 from musclewire.signals._columns import known_column
 from musclewire.signals._metadata import MetadataValue, checked_metadata
 from musclewire.signals._units import parse_quantity
 from musclewire.signals._whole_files import write_text_whole
-from musclewire.toml_text import toml_value
+from musclewire.small_files import read_toml, toml_value
 
 _FORMAT = "musclewire-mapping"
 _SWITCHES = ("drop_missing", "zero", "invert")
@@ -166,7 +165,7 @@ def load_mapping(path: str | Path) -> ImportMapping:
         If the file cannot be read, or has an unknown key (the nearest is named) or a value of the wrong kind.
     """
     where = f"mapping {path}"
-    data = _document(Path(path), where)
+    data = read_toml(Path(path), "mapping", "; " + argument("save_mapping") + " writes one")
     for key in data:
         if key not in _KEYS:
             raise CallerError(f"{where}: unknown key '{key}'{nearest_hint(key, _KEYS)}")
@@ -206,15 +205,6 @@ def save_mapping(mapping: ImportMapping, path: str | Path) -> None:
         stated = {key: value for key, value in mapping.metadata.items() if value is not None}
         lines += ["", "[metadata]", *(f"{toml_value(key)} = {toml_value(value)}" for key, value in stated.items())]
     write_text_whole(Path(path), "\n".join(lines) + "\n")
-
-
-def _document(path: Path, where: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text("utf-8"))
-    except FileNotFoundError:
-        raise CallerError(f"{where}: no such file; " + argument("save_mapping") + " writes one") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as problem:
-        raise CallerError(f"{where}: cannot be read: {toml_problem(problem).splitlines()[0]}") from None
 
 
 def _mapping_of(data: Mapping[str, Any]) -> ImportMapping:

@@ -19,6 +19,7 @@ from musclewire.signals._absolute_clocks import ABSOLUTE_FROM_S, absolute_clock
 from musclewire.signals._clock_texts import WRITTEN_CLOCKS, ClockTexts, written_clock
 from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, PULSE_TABLE, needs_no_clock
 from musclewire.signals._headers import (
+    EmptyHeader,
     HeaderMatch,
     IgnoredHeader,
     MatchedHeader,
@@ -65,15 +66,25 @@ _COUNTERS = frozenset({"time_s", "cycle"})
 _MOVED = frozenset({"displacement_m", "reference_strain", "force_n"})
 _OF_THE_WIRE = frozenset({"wire_resistance_ohm", "wire_voltage_v", "wire_current_a", "wire_temperature_k"})
 _ELECTRICAL = _OF_THE_WIRE - {"wire_temperature_k"}
+_CURRENT = frozenset({"wire_current_a", "wire_resistance_ohm"})
 _MAX_STEPS = 1000
 # An example of the time between rows, which only a person can know if the file does not state it.
 EXAMPLE_PERIOD_S = 1.0
+# And of a shunt whose voltage is a file's only current.
+EXAMPLE_SHUNT = ImportMapping(metadata={"shunt_resistance_ohm": 1.0})
 # Rows are repeated by polling if so many of them are, never for long, between steps of so many of the smallest.
 _MIN_ROWS_OF_POLLING = 20
 _MIN_REPEATS, _MAX_REPEATS = 0.05, 0.95
 _STEPS_OF_A_MEASUREMENT = 20.0
 _MAX_RUN_OF_REPEATS = 5
 _RMS, _MEAN = {"rms"}, {"avg", "average", "mean"}
+SHUNT_NEEDED = "nothing states the shunt's resistance, which converting the file needs"
+NO_SHUNT = (
+    SHUNT_NEEDED
+    + ": its voltage is the only current; give it ("
+    + argument("metadata", {"shunt_resistance_ohm": 1.0})
+    + ")"
+)
 _DROP_CURE = "or leave such rows out (" + argument("drop_missing", True) + ")"
 
 
@@ -112,6 +123,12 @@ class ImportPlan:
     def is_electrical(self) -> bool:
         """Whether anything was measured of the wire's electricity, or nothing needs to be, as in isobars."""
         return bool(_ELECTRICAL & set(self.names)) or needs_no_clock(self.names)
+
+    @property
+    def lacks_shunt(self) -> bool:
+        """Whether the only current is a shunt's voltage, and nothing states its resistance."""
+        of_shunt = "shunt_voltage_v" in self.names and not _CURRENT & set(self.names)
+        return of_shunt and self.metadata.get("shunt_resistance_ohm") is None
 
     @property
     def metadata(self) -> dict[str, MetadataValue]:
@@ -576,6 +593,15 @@ def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
         return (
             f"{path}: the voltage of a shunt of {shunt_ohm:g} ohm is no current: state its resistance "
             "(shunt_resistance_ohm), or leave its column out"
+        )
+    empty = next(
+        (item.header for item in plan.match.ignored if isinstance(item, EmptyHeader) and item.column in _ELECTRICAL),
+        None,
+    )
+    if empty is not None and not plan.is_electrical:
+        return (
+            f"{path}: '{empty}' has no number, and nothing else was measured of the wire's electricity: record it "
+            "again, or leave its column out (ignore)"
         )
     differing = differing_periods(plan.table.stated_periods_s)
     if differing and plan.sample_period_s is not None and plan.mapping.sample_period_s is None:

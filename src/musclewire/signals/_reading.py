@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,15 @@ from musclewire.errors import CallerError, RecordingError, argument, nearest_hin
 from musclewire.manifest import absent_part, loaded, manifests
 from musclewire.signals._headers import missing_from, numbered_headers
 from musclewire.signals._import_mapping import CurableError, ImportMapping, load_mapping
-from musclewire.signals._importing import CheckedBlocks, ImportPlan, checked_blocks, plan_import
+from musclewire.signals._importing import (
+    EXAMPLE_SHUNT,
+    NO_SHUNT,
+    SHUNT_NEEDED,
+    CheckedBlocks,
+    ImportPlan,
+    checked_blocks,
+    plan_import,
+)
 from musclewire.signals._journal import is_journal, unfinished
 from musclewire.signals._metadata import MetadataValue, checked_metadata
 from musclewire.signals._recording import Recording
@@ -126,6 +135,10 @@ def import_recording(
     """
     wanted = _mapping(mapping, columns, metadata, group)
     plan, tally = _plan(Path(path), wanted), CheckedBlocks()
+    if plan.lacks_shunt:
+        if output is not None and not plan.problem:
+            raise CurableError(f"{path}: " + NO_SHUNT, EXAMPLE_SHUNT)
+        plan = replace(plan, notes=(*plan.notes, SHUNT_NEEDED))
     if output is not None:
         _write(plan, tally, Path(output), matlab_version)
         problem = None
@@ -158,11 +171,12 @@ def proposed_mapping(path: str | Path, mapping: ImportMapping, problem: Recordin
             return None
         mapping = mapping.joined(problem.cure)
         try:
-            found = _first_problem(_plan(Path(path), mapping), CheckedBlocks())
+            plan = _plan(Path(path), mapping)
+            found = _first_problem(plan, CheckedBlocks())
         except RecordingError as next_problem:
             found = next_problem
         if found is None:
-            return mapping
+            return mapping.joined(EXAMPLE_SHUNT) if plan.lacks_shunt else mapping
         problem = found
     return None
 
@@ -265,13 +279,16 @@ def _first_problem(plan: ImportPlan, tally: CheckedBlocks) -> RecordingError | N
     try:
         for _ in checked_blocks(plan, tally):
             pass
-        _refuse_contradictions(plan, tally)
+        _refuse_unusable(plan, tally)
     except RecordingError as problem:
         return problem
     return None
 
 
-def _refuse_contradictions(plan: ImportPlan, tally: CheckedBlocks) -> None:
+def _refuse_unusable(plan: ImportPlan, tally: CheckedBlocks) -> None:
+    none = next((name for name in ("shunt_voltage_v", "wire_current_a") if tally.ranges.get(name) == (0.0, 0.0)), None)
+    if none is not None:
+        raise RecordingError(f"{plan.table.path}: {none} is 0 in every row: no current was measured, record it again")
     judged = tally.readings.judged(plan.metadata)
     if judged is not None and judged.contradiction:
         raise RecordingError(f"{plan.table.path}: two columns contradict each other: {judged.contradiction}")
@@ -292,7 +309,7 @@ def _write(plan: ImportPlan, tally: CheckedBlocks, output: Path, matlab_version:
     def rows() -> Iterator[tuple[FloatArray, ...]]:
         for block in itertools.chain(buffered, blocks):
             yield tuple(block[name] for name in plan.names)
-        _refuse_contradictions(plan, tally)
+        _refuse_unusable(plan, tally)
 
     write_blocks(plan.names, rows(), metadata, output, matlab_version)
 

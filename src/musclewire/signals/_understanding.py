@@ -67,7 +67,7 @@ class FileInterpretation:
             "layout": self.layout,
             "rows": self.row_count,
             "taken": [asdict(item) for item in self.taken],
-            "ignored": [asdict(item) for item in self.ignored],
+            "ignored": [{"header": item.header, "reason": item.reason} for item in self.ignored],
             "undecided": [asdict(item) for item in self.undecided],
             "metadata": dict(self.metadata),
             "ranges": {name: list(limits) for name, limits in self.ranges.items()},

@@ -202,3 +202,32 @@ def test_a_number_of_the_state_that_is_not_known_is_null_and_ends_nothing(server
         state = one.until(lambda said: said["type"] == "state" and said["state"].get("metrics"))["state"]
         assert state["metrics"] == {"mae_mean_pct": None, "steps": [None, 1.0]}
     assert server.http.get(BENCH).json()["metrics"]["mae_mean_pct"] is None
+
+
+@pytest.mark.slow
+def test_a_key_that_is_there_twice_is_refused_by_both_doors(server: Any) -> None:
+    twice = '{"do": "pulse", "drive_voltage_v": 0.3, "drive_voltage_v": 3.5}'
+    lease = server.http.post(f"{BENCH}/control").json()["lease"]
+    headers = {"Content-Type": "application/json", "Musclewire-Lease": lease}
+    answer = server.http.post(f"{BENCH}/commands", content=twice, headers=headers)
+    assert answer.status_code == 422
+    said = [answer.json()["problem"]]
+    with page(server) as one:
+        one.socket.send('{"type": "command", "id": 1, "bench": "simulated", "command": ' + twice + "}")
+        said.append(one.until(lambda message: message["type"] == "problem")["message"])
+    assert all("'drive_voltage_v' is there twice" in text for text in said)
+    assert ("pulse", None) not in server.bench.told
+    assert [what for what, _ in server.bench.told] == ["start"]
+
+
+@pytest.mark.slow
+def test_a_name_is_plain_text_by_both_doors(server: Any) -> None:
+    """What would colour a terminal or turn its text around is left out, and of nothing no name is made."""
+    name, unseen = "\x1b[31mAnn\u202e\n", "\u202e\x1b"
+    assert server.http.post(f"{BENCH}/control", json={"name": unseen}).status_code == 422
+    with page(server) as one:
+        one.send(type="ask_control", bench="simulated", name=unseen)
+        assert "name" in one.until(lambda message: message["type"] == "problem")["message"]
+        one.send(type="ask_control", bench="simulated", name=name)
+        assert one.until_control(you_hold=True)["holder"] == "[31mAnn"
+    assert server.http.post(f"{BENCH}/control", json={"name": name}).json()["holder"] == "[31mAnn"

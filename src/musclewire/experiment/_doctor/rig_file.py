@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from musclewire.errors import CallerError, toml_problem
+from musclewire.errors import CallerError
 from musclewire.experiment._doctor.evidence import Evidence, VoltageLevel
 from musclewire.rigs import read_rig_file
 from musclewire.signals import parse_quantity, write_whole
+from musclewire.small_files import read_small, read_toml, toml_of
 
 # A meter and a channel that differ by more do not measure the same voltage.
 MAX_GAIN_ERROR = 0.2
@@ -66,7 +66,7 @@ def require_calibrated_kind(rig: str) -> None:
     """Raise CallerError, before anything is driven, if there is no rig file that holds a calibration."""
     if not Path(rig).is_file():
         raise CallerError(f"--write needs a rig file of your own, and '{rig}' is none: name the rig by its path")
-    kind = str(tables_of(Path(rig).read_text("utf-8"), rig).get("kind", "simulated"))
+    kind = str(read_toml(Path(rig), "rig file").get("kind", "simulated"))
     if kind not in CALIBRATED_KINDS:
         known = ", ".join(CALIBRATED_KINDS)
         raise CallerError(f"--write: a rig file of kind '{kind}' holds no calibration of its channels; {known} does")
@@ -77,7 +77,7 @@ def write_calibration(path: Path, found: Sequence[ChannelCalibration]) -> Path:
 
     Raises CallerError if the file cannot be written or would no longer be a rig file.
     """
-    text = with_calibration(path.read_text("utf-8"), found, str(path))
+    text = with_calibration(read_small(path, "rig file"), found, str(path))
 
     def checked(temporary: Path) -> None:
         temporary.write_text(text, encoding="utf-8")
@@ -95,21 +95,13 @@ def with_calibration(text: str, found: Sequence[ChannelCalibration], where: str)
     """
     for one in found:
         section = SECTIONS[one.channel]
-        now = section_of(tables_of(text, where), section, where)
+        now = section_of(toml_of(text, f"rig file {where}"), section, where)
         gain = 1.0 if one.gain is None else one.gain
         old_gain, old_offset_v = number(now, "gain", 1.0), number(now, "offset", 0.0)
         text = with_key(text, section, "offset", gain * (old_offset_v - one.offset_v), where)
         if one.gain is not None:
             text = with_key(text, section, "gain", gain * old_gain, where)
     return text
-
-
-def tables_of(text: str, where: str) -> dict[str, Any]:
-    """Return a TOML text as data. Raises CallerError if it is not valid TOML."""
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise CallerError(f"rig file {where}: {toml_problem(error)}") from None
 
 
 def section_of(tables: Mapping[str, Any], section: str, where: str) -> Mapping[str, Any]:

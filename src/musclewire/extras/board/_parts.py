@@ -14,7 +14,8 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError, nearest_hint
-from musclewire.parameters import read_toml, validated
+from musclewire.parameters import validated
+from musclewire.small_files import read_toml
 
 Checked = ConfigDict(extra="forbid", frozen=True)
 

@@ -16,6 +16,7 @@ from musclewire.extras.grip._contact_fitting import KnownGrip, fit_free_closing,
 from musclewire.extras.grip._grip_force import GripCurve
 from musclewire.rigs import Pull, Rig, RigConfiguration, open_rig, simulated_configuration
 from musclewire.signals import MetadataValue, Recording, RunFacts, write_text_whole
+from musclewire.small_files import json_of, read_small
 from musclewire.wire import ElasticObject
 
 # How long a closing lasts. Fast enough that a draught of some seconds hardly changes meanwhile, slow enough that a
@@ -163,9 +164,7 @@ class GripperFile(BaseModel):
 def load_knowledge(path: Path) -> GripperKnowledge:
     """Read what a gripper has learned; CallerError for a file that is missing, damaged or of another program."""
     try:
-        file = GripperFile.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise CallerError(f"cannot read {path}: {error.strerror or error}") from None
+        file = GripperFile.model_validate(json_of(read_small(path, "gripper file"), str(path)))
     except ValidationError as error:
         fault = error.errors(include_url=False, include_input=False)[0]
         raise CallerError(

@@ -18,7 +18,7 @@ from musclewire.extras.studies._folder import StudyFolder, unfinished
 from musclewire.extras.studies._plan import Plan, plan_of
 from musclewire.extras.studies._run_kind import Overheated
 from musclewire.extras.studies._study_file import study_file
-from musclewire.parameters import read_toml
+from musclewire.small_files import read_toml
 
 if TYPE_CHECKING:
     import xarray as xr

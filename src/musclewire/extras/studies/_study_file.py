@@ -9,7 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError
 from musclewire.extras.studies._varied_parameters import ParameterTable
-from musclewire.parameters import read_toml, validated
+from musclewire.parameters import validated
+from musclewire.small_files import read_toml
 
 
 class Sampling(BaseModel):

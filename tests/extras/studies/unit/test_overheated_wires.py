@@ -13,7 +13,7 @@ from tests.extras.studies.unit.study_parts import study_of
 import musclewire as mw
 from musclewire.extras.studies._data_set import read_columns, read_study_data
 from musclewire.extras.studies._study import Workers, sweep
-from musclewire.toml_text import toml_text
+from musclewire.small_files import toml_text
 
 HERE = Workers(processes=1)
 

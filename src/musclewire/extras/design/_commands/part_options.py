@@ -29,7 +29,7 @@ def read_options(context: typer.Context, path: Path | None) -> Path | None:
     """
     if path is None:
         return None
-    from musclewire.parameters import read_toml
+    from musclewire.small_files import read_toml
 
     table = read_toml(path, "options file")
     known = {str(param.name): param for param in context.command.params if param.name not in NOT_IN_A_FILE}

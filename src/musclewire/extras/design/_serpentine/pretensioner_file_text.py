@@ -5,7 +5,7 @@ from __future__ import annotations
 from musclewire.extras.design._serpentine.analysis import PretensionerDesign
 from musclewire.extras.design._serpentine.geometry import SerpentineGeometry
 from musclewire.parameters import Parameter, PretensionerFile
-from musclewire.toml_text import toml_text
+from musclewire.small_files import toml_text
 
 DIMENSIONS = ("half_length_m", "pitch_m", "thickness_m", "depth_m", "corner_radius_m")
 

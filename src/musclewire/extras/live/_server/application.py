@@ -146,7 +146,7 @@ class ViewerConnection:
         if isinstance(message, CommandMessage):
             self._command(bench, message)
         elif isinstance(message, AskControl):
-            viewer.name = plain_name(message.name) or viewer.name
+            viewer.name = message.name or viewer.name
             session.ask(bench, viewer.key, viewer.name)
         elif isinstance(message, AnswerControl):
             session.answer(bench, viewer.key, message.give)
@@ -185,11 +185,6 @@ class ViewerConnection:
 def is_stop(message: Any) -> bool:
     """Return whether a message is a stop."""
     return isinstance(message, CommandMessage) and message.command.do == "stop"
-
-
-def plain_name(name: str | None) -> str:
-    """Return a name with printable characters only."""
-    return "".join(letter for letter in name or "" if letter.isprintable()).strip()
 
 
 LIVE = "/api/v1/live"

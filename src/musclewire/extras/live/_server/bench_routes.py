@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import secrets
+from collections.abc import Callable, Coroutine
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Header, HTTPException, Query, Request, Response
+from fastapi.routing import APIRoute
 
 from musclewire.errors import CallerError
 from musclewire.extras.live._messages import NEEDS_NO_CONTROL, Command
@@ -22,7 +24,7 @@ from musclewire.extras.live._server.http_messages import (
     ProblemAnswer,
     RowsAnswer,
 )
-from musclewire.extras.live._server.json_texts import compact
+from musclewire.extras.live._server.json_texts import compact, read_json
 from musclewire.extras.live._server.session import OnlineBench, Session, name_of
 
 PROBLEMS: dict[int | str, dict[str, Any]] = {
@@ -67,7 +69,33 @@ STOP_ANSWER_S = 1.0
 MAX_ROWS = 2000
 # What bodies that are left out say.
 NO_NAME, NO_ANSWER = ControlRequest(), ControlAnswer()
-ROUTES = APIRouter(prefix="/api/v1/benches", responses=PROBLEMS, tags=["benches"])
+
+
+class JsonRequest(Request):
+    """A request whose JSON is read as that of a WebSocket: no key twice, only UTF-8."""
+
+    async def json(self) -> Any:
+        """Return the body. Raises HTTPException for what is no JSON."""
+        try:
+            return read_json(await self.body())
+        except CallerError as error:
+            raise HTTPException(422, str(error)) from None
+
+
+class JsonRoute(APIRoute):
+    """A route that takes such requests."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """Return the handler of a request."""
+        handler = super().get_route_handler()
+
+        async def handled(request: Request) -> Response:
+            return await handler(JsonRequest(request.scope, request.receive))
+
+        return handled
+
+
+ROUTES = APIRouter(prefix="/api/v1/benches", responses=PROBLEMS, tags=["benches"], route_class=JsonRoute)
 
 
 @ROUTES.get("")

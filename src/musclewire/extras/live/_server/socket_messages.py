@@ -5,13 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, Field, TypeAdapter, ValidationError
 
 from musclewire.errors import CallerError
 from musclewire.extras.live._messages import Command, Record
 
 BenchName: TypeAlias = Annotated[str, Field(min_length=1, max_length=100)]
-PersonName: TypeAlias = Annotated[str, Field(min_length=1, max_length=60)]
+
+
+def plain_name(name: str) -> str:
+    """Return a name with printable characters only. Raises ValueError if none is left."""
+    plain = "".join(letter for letter in name if letter.isprintable()).strip()
+    if not plain:
+        raise ValueError("give a name of letters that can be seen")
+    return plain
+
+
+PersonName: TypeAlias = Annotated[str, Field(min_length=1, max_length=60), AfterValidator(plain_name)]
 Number: TypeAlias = Annotated[int, Field(ge=0, le=2**53)]
 
 

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from musclewire.extras.paper._reproduce.paper_checks import PREDICTED_OR_LISTED, Origin, PaperCheck
-from musclewire.parameters import read_published, read_toml
+from musclewire.parameters import read_published
+from musclewire.small_files import read_toml
 
 FILE = "rows_of_targets"
 # A row that a target and a choice both name is fitted.
