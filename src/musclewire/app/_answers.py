@@ -152,6 +152,16 @@ class HomeFound(HomeMove):
     notes: Words
 
 
+class LoopFinding(AnswerModel):
+    """A cause that was found in a closed loop; a grave one is why its result does not hold."""
+
+    cause: str
+    from_s: float
+    lasted_s: float
+    grave: bool
+    numbers: str
+
+
 class ControlRunAnswer(LoopErrors):
     """Of ``control``."""
 
@@ -165,6 +175,7 @@ class ControlRunAnswer(LoopErrors):
     estimator: str | None
     controller: str | None
     health: str
+    findings: tuple[LoopFinding, ...]
     ended: str
     samples: int
     warnings: Words

@@ -133,7 +133,7 @@ def control_answer(
 ) -> ControlRunAnswer:
     """Return the answer of a closed loop; its warnings are also printed, but for those that were ``said`` before."""
     from musclewire.app._answers import ControlRunAnswer
-    from musclewire.experiment import run_warnings, timing_json
+    from musclewire.experiment import findings, run_warnings, timing_json
 
     facts = {"health": "", **run.metadata}
     return ControlRunAnswer.of_run(
@@ -142,6 +142,7 @@ def control_answer(
         known_stiffness_n_per_m=None if load is None else load.stiffness_n_per_m,
         known_friction_n=None if load is None else load.friction_n,
         **{name: facts.get(name) for name in ("estimator", "controller", "health", "ended")},
+        findings=[one.answer for one in findings(run)],
         samples=len(run),
         warnings=[
             *said,

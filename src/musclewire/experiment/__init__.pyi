@@ -25,6 +25,7 @@ from ._drive import drive_wire as drive_wire
 from ._drive import pulses_of as pulses_of
 from ._health import GRAVE as GRAVE
 from ._health import does_not_hold as does_not_hold
+from ._health import findings as findings
 from ._health import flagged as flagged
 from ._health import noted as noted
 from ._home import home as home
@@ -43,6 +44,7 @@ from ._metrics import StepMetrics as StepMetrics
 from ._metrics import control_metrics as control_metrics
 from ._metrics import determined as determined
 from ._metrics import elapsed as elapsed
+from ._missed_target import MissWatch as MissWatch
 from ._odd_resistance import odd_resistance as odd_resistance
 from ._on_board import control_on_board as control_on_board
 from ._open_loop import PAPER_PERIOD_S as PAPER_PERIOD_S

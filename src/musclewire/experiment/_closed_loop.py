@@ -28,9 +28,10 @@ from musclewire.experiment._known_strain import ScaleByKnownStrain, known_strain
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig, what_protects
 from musclewire.experiment._scale_by_b import KEPT, TODAY, ZEROS, ScaleByB
-from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
+from musclewire.experiment._speed_limits import check_targets, fastest_way, speed_metadata, staircase_within
 from musclewire.identify import (
     COLUMN_SUFFIX,
+    FastestWay,
     ZeroOfRoom,
     check_made_for,
     default_estimator,
@@ -91,6 +92,8 @@ class SelfSensingPolicy:
         Where today's zero is, in a room that is not the characterization's; None for where the model's is.
     by_strain
         Scales the readings from the moment on at which a strain is known; None if none is.
+    fastest
+        How fast the wire is at best; None if that is not known.
     """
 
     def __init__(
@@ -105,11 +108,12 @@ class SelfSensingPolicy:
         scale: ScaleByB | None = None,
         zero: ZeroOfRoom | None = None,
         by_strain: ScaleByKnownStrain | None = None,
+        fastest: FastestWay | None = None,
     ) -> None:
         """Start estimator and controller from the present drive voltage."""
         self._estimator, self._controller, self._reference = estimator, controller, reference
         self._sample_period_s, self._approach_s = sample_period_s, approach_s
-        self._scale, self._zero, self._by_strain = scale, zero, by_strain
+        self._scale, self._zero, self._by_strain, self._fastest = scale, zero, by_strain, fastest
         self._first = Drive(controller.limits.clamp(first_drive_voltage_v))
         self._estimator_state, self._controller_state = estimator.start(), controller.start(self._first.voltage_v)
         suffix = COLUMN_SUFFIX[estimator.quantity]
@@ -121,6 +125,7 @@ class SelfSensingPolicy:
             "valid",
             *controller.columns,
             *(() if scale is None and by_strain is None else ("resistance_factor",)),
+            *(() if fastest is None else ("announced_miss",)),
         )
 
     @property
@@ -144,7 +149,9 @@ class SelfSensingPolicy:
         command, self._controller_state, controlled = self._controller.step(
             self._controller_state, target, estimate, self._sample_period_s
         )
-        values = (*sensed, judged, estimate.value, estimate.std, float(estimate.valid), *controlled, *scaled_by)
+        announced = () if self._fastest is None else (self._fastest.miss(judged),)
+        seen = (judged, estimate.value, estimate.std, float(estimate.valid))
+        values = (*sensed, *seen, *controlled, *scaled_by, *announced)
         return Decision(command, values)
 
     def _estimated(
@@ -269,6 +276,7 @@ def control(
         scale=loop.scale,
         zero=loop.zero,
         by_strain=loop.by_strain,
+        fastest=loop.fastest,
     )
     from_cold = loop.approach_s == 0.0
     beforehand = speed_metadata(rig, loop.model, loop.reference, loop.settings, from_cold=from_cold)
@@ -375,6 +383,7 @@ class PreparedLoop(NamedTuple):
     scale: ScaleByB | None
     zero: ZeroOfRoom | None
     by_strain: ScaleByKnownStrain | None
+    fastest: FastestWay | None
 
 
 def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, choice: LoopChoice) -> PreparedLoop:
@@ -417,6 +426,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         ScaleByB.of_model(model, rig.sense_voltage_v, rig.shunt_resistance_ohm) if choice.zero_from == TODAY else None,
         zero,
         None if known is None else ScaleByKnownStrain(known, model, rig.shunt_resistance_ohm),
+        fastest_way(rig, model, settled.settings, from_cold=settled.approach_s == 0.0),
     )
 
 

@@ -12,6 +12,7 @@ from musclewire.arrays import FloatArray
 from musclewire.experiment._first_heating import SeenAtB, seen_at_b
 from musclewire.experiment._known_strain import MissedBy, missed_known_strain
 from musclewire.experiment._metrics import judged_for_sensing, since_first_sensed, valid_share
+from musclewire.experiment._missed_target import MissedTarget
 from musclewire.experiment._odd_resistance import odd_resistance
 from musclewire.experiment._overshoot import Overshoot
 from musclewire.experiment._scale_by_b import TODAY, WITHIN_STD, what_followed
@@ -34,6 +35,8 @@ NAMES = {
     Cause.MISSED_KNOWN_STRAIN: "known strain missed",
     Cause.BAD_CONTACT: "bad contact",
     Cause.OVERSHOOT: "overshoot",
+    Cause.TARGET_MISSED: "target missed",
+    Cause.WIDE_INTERVAL: "interval too wide",
 }
 # The drive is at a limit within this fraction of it; a target is missed by more than this part of the range of targets.
 AT_LIMIT, NOT_REACHED = 0.01, 0.05
@@ -55,6 +58,8 @@ GRAVE = (
     Cause.HARDLY_SENSED,
     Cause.MISSED_KNOWN_STRAIN,
     Cause.BAD_CONTACT,
+    Cause.TARGET_MISSED,
+    Cause.WIDE_INTERVAL,
 )
 # An instrument contradicts an estimate if more than this part of the valid samples are beyond the interval: errors last
 # for a step, and of the paper's eleven steps two are beyond by chance in one run of ten, three in 1.5 %.
@@ -75,6 +80,17 @@ class TimedFinding(NamedTuple):
     from_s: float
     lasted_s: float
     numbers: str = ""
+
+    @property
+    def answer(self) -> dict[str, object]:
+        """The finding as a JSON object."""
+        return {
+            "cause": self.cause.name.lower(),
+            "from_s": self.from_s,
+            "lasted_s": self.lasted_s,
+            "grave": self.cause in GRAVE,
+            "numbers": self.numbers,
+        }
 
 
 def findings(recording: Recording) -> tuple[TimedFinding, ...]:
@@ -116,6 +132,8 @@ def marks_of(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:
     marked[Cause.OTHER_HEIGHT_OF_B] = from_row_on(recording, seen_at_b(recording)) | since_first(recording, odd.above)
     marked[Cause.BAD_CONTACT] = since_first(recording, odd.jumps)
     marked[Cause.OVERSHOOT] = Overshoot(recording, suffix).rows
+    missed = MissedTarget(recording, suffix, with_target(recording))
+    marked[Cause.TARGET_MISSED], marked[Cause.WIDE_INTERVAL] = missed.rows, missed.hidden
     marked[Cause.HARDLY_SENSED] = hardly_sensed(recording)
     marked[Cause.MISSED_KNOWN_STRAIN] = from_row_on(recording, missed_known_strain(recording))
     if "health" in recording:
@@ -164,6 +182,8 @@ def numbers_of(cause: Cause, recording: Recording, row: int) -> str:
         return f"{often}, by up to {odd.largest_jump_pct:.0f} % of the span from B to C"
     if cause is Cause.OVERSHOOT:
         return str(Overshoot(recording, sensed_suffix(recording)))
+    if cause is Cause.TARGET_MISSED:
+        return missed_in_words(recording)
     if cause is Cause.MISSED_KNOWN_STRAIN:
         return miss_in_words(recording)
     if cause is Cause.HARDLY_SENSED:
@@ -210,6 +230,12 @@ def does_not_hold(recording: Recording) -> str:
         if one.cause in GRAVE or (one.cause is Cause.SATURATION and one.lasted_s > MAX_SATURATED * length_s)
     )
     return "; ".join(one for one in (*stated, *grave) if one)
+
+
+def with_target(recording: Recording) -> npt.NDArray[np.bool_]:
+    """Return the samples after the approach, (n_times,)."""
+    approach_s = recording.facts.number_or_none("approach_s") or 0.0
+    return np.asarray(recording["time_s"] - recording["time_s"][0] > approach_s - 0.5 * period_of(recording))
 
 
 def sensed_suffix(recording: Recording) -> str:
@@ -275,6 +301,29 @@ def in_words_at_b(recording: Recording) -> str:
     return f"{seen}; {what_followed(seen)}" if from_today else str(seen)
 
 
+def missed_in_words(recording: Recording) -> str:
+    """Return in words for how much of the time and by how much a target was missed, and by what, where that is known.
+
+    Known is what was there at more than half of the samples that miss.
+    """
+    suffix = sensed_suffix(recording)
+    missed = MissedTarget(recording, suffix, with_target(recording))
+    rows, below, none = missed.rows, missed.away < 0.0, np.zeros(len(recording), dtype=np.bool_)
+    known = {
+        "beyond C": by_controller(recording).get(Cause.BEYOND_C, none),
+        "cold of B": below & (recording["valid"] == 0.0) if "valid" in recording else none,
+        "the supply": below & at_upper_limit(recording),
+        "the power that holds the highest temperature": below & power_limited(recording),
+        "cooling": ~below & at_lower_limit(recording),
+        "the air": recording["health"] == float(Cause.CHANGED_AIR) if "health" in recording else none,
+    }
+    why = next((f": {name}" for name, there in known.items() if (there & rows).sum() > 0.5 * rows.sum()), "")
+    quantity = next(name for name, one in COLUMN_SUFFIX.items() if one == suffix)
+    factor, unit = SHOWN_AS[quantity]
+    share_pct = 100.0 * rows.sum() / with_target(recording).sum()
+    return f"{share_pct:.0f} % of the time, by up to {factor * np.abs(missed.away[rows]).max():.2g} {unit}{why}"
+
+
 def miss_in_words(recording: Recording) -> str:
     """Return in words by how much the estimate missed a known strain, and what was done about it."""
     missed = missed_known_strain(recording)
@@ -299,12 +348,8 @@ def hardly_sensed(recording: Recording) -> npt.NDArray[np.bool_]:
 def saturated(recording: Recording, suffix: str) -> npt.NDArray[np.bool_]:
     """Return the samples from which on the drive has been at a limit for too long without reaching the target."""
     above, below = beyond_target(recording, suffix)
-    low_v = recording.facts.number_or_none("limit_sense_voltage_v")
-    at_limit = at_upper_limit(recording)
-    if "power_limited" in recording:
-        at_limit |= recording["power_limited"] > 0.0
-    heating = at_limit & below
-    cooling = above & (recording["drive_voltage_v"] <= (low_v or 0.0) * (1.0 + AT_LIMIT))
+    heating = (at_upper_limit(recording) | power_limited(recording)) & below
+    cooling = above & at_lower_limit(recording)
     period_s = period_of(recording)
     return lasting(heating, round(HEATING_S / period_s)) | lasting(cooling, round(COOLING_S / period_s))
 
@@ -327,12 +372,23 @@ def at_upper_limit(recording: Recording) -> npt.NDArray[np.bool_]:
     return recording["drive_voltage_v"] >= (high_v or np.inf) * (1.0 - AT_LIMIT)
 
 
+def at_lower_limit(recording: Recording) -> npt.NDArray[np.bool_]:
+    """Return the samples at which the drive is at its lower limit."""
+    low_v = recording.facts.number_or_none("limit_sense_voltage_v")
+    return np.asarray(recording["drive_voltage_v"] <= (low_v or 0.0) * (1.0 + AT_LIMIT))
+
+
+def power_limited(recording: Recording) -> npt.NDArray[np.bool_]:
+    """Return the samples at which the controller gave no more, since that holds the highest temperature."""
+    column = recording["power_limited"] if "power_limited" in recording else np.zeros(len(recording))
+    return np.asarray(column > 0.0)
+
+
 def beyond_target(recording: Recording, suffix: str) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
     """Return the samples at which the estimate is well above and well below the target, after approach and first B."""
     target, value = recording[f"target_{suffix}"], recording[f"estimated_{suffix}"]
     enough = NOT_REACHED * max(float(np.ptp(target)), 0.1 * float(np.abs(target).max()))
-    after = recording["time_s"] - recording["time_s"][0] > (recording.facts.number_or_none("approach_s") or 0.0)
-    after &= since_first_sensed(recording)
+    after = with_target(recording) & since_first_sensed(recording)
     return after & (value - target > enough), after & (target - value > enough)
 
 

@@ -62,6 +62,7 @@ class CompiledLoop(NamedTuple):
     targets: FloatArray
     elapsed_s: FloatArray
     first_drive_v: float
+    announced_miss: FloatArray | None
 
 
 def control_many(
@@ -280,7 +281,9 @@ def compiled_loop_on(
     held = np.maximum(elapsed_s - rig.sample_period_s - prepared.approach_s, 0.0)
     following = np.maximum(elapsed_s - prepared.approach_s, 0.0)
     values = np.array([prepared.reference.targets_at(held), prepared.reference.targets_at(following)])
-    return CompiledLoop(model, choice, prepared, ticks, values, elapsed_s, first_drive_v)
+    fastest = prepared.fastest
+    announced = None if fastest is None else np.array([fastest.miss(target) for target in values[0].tolist()])
+    return CompiledLoop(model, choice, prepared, ticks, values, elapsed_s, first_drive_v, announced)
 
 
 def ticks_of(prepared: PreparedLoop, first_drive_v: float) -> LoopTicks:
@@ -332,6 +335,8 @@ def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Recor
         "compiled_loop": True,
         "ended": "done",
     }
+    if loop.announced_miss is not None:
+        columns["announced_miss"] = loop.announced_miss
     recording = Recording({**columns, "time_s": loop.elapsed_s}, metadata)
     return recording.with_metadata({**extrapolation_metadata(recording), **health_metadata(recording)})
 

@@ -14,8 +14,8 @@ from musclewire.errors import CallerError
 from musclewire.experiment._closed_loop import APPROACH_S
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
-from musclewire.experiment._speed_limits import check_targets, speed_metadata, staircase_within
-from musclewire.identify import COLUMN_SUFFIX, check_made_for, load_facts, settings_for
+from musclewire.experiment._speed_limits import check_targets, fastest_way, speed_metadata, staircase_within
+from musclewire.identify import COLUMN_SUFFIX, FastestWay, check_made_for, load_facts, settings_for
 from musclewire.rigs import HasOnBoardLoop, Rig, ability
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
 from musclewire.signals import Command, RawSample, Target
@@ -32,10 +32,11 @@ class TargetPolicy:
         *,
         sample_period_s: float,
         approach_s: float,
+        fastest: FastestWay | None,
     ) -> None:
         """Begin with the reference's first target, which the approach holds."""
         self._loop, self._model, self._reference = loop, model, reference
-        self._sample_period_s, self._approach_s = sample_period_s, approach_s
+        self._sample_period_s, self._approach_s, self._fastest = sample_period_s, approach_s, fastest
         model.estimate(model.resistance_max_ohm)  # compiled here, and not in the first sample
         suffix = COLUMN_SUFFIX[model.quantity]
         self._target_name, self._estimated_name = f"target_{suffix}", f"estimated_{suffix}"
@@ -43,7 +44,8 @@ class TargetPolicy:
     @property
     def columns(self) -> Sequence[str]:
         """Names of the columns this policy adds."""
-        return ("wire_resistance_ohm", self._target_name, self._estimated_name, "valid")
+        announced = () if self._fastest is None else ("announced_miss",)
+        return ("wire_resistance_ohm", self._target_name, self._estimated_name, "valid", *announced)
 
     def first_command(self) -> Command:
         """Return the first target."""
@@ -63,6 +65,7 @@ class TargetPolicy:
                 judged,
                 estimate if estimate is not None and valid else self._model.quantity_min,
                 float(valid),
+                *(() if self._fastest is None else (self._fastest.miss(judged),)),
             ),
         )
 
@@ -126,7 +129,14 @@ def control_on_board(
     check_made_for(model, rig.metadata())
     recording = run_on_rig(
         rig,
-        TargetPolicy(loop, model, chosen, sample_period_s=rig.sample_period_s, approach_s=approach_s),
+        TargetPolicy(
+            loop,
+            model,
+            chosen,
+            sample_period_s=rig.sample_period_s,
+            approach_s=approach_s,
+            fastest=fastest_way(rig, model, None, from_cold=approach_s == 0.0),
+        ),
         approach_s + chosen.duration_s,
         metadata={
             "experiment": "closed loop on the board",

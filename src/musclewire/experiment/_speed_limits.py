@@ -8,7 +8,7 @@ from typing import Any
 from musclewire.controllers import FeedforwardSettings, Reference, Staircase, SteeredReference, staircase
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment._run import what_protects
-from musclewire.identify import SpeedLimits, speed_limits_of
+from musclewire.identify import FastestWay, SpeedLimits, speed_limits_of
 from musclewire.rigs import Rig
 from musclewire.sensing import SHOWN_AS, KnownSpring, SensingModel, force_model
 from musclewire.signals import RunFacts
@@ -130,10 +130,21 @@ def speed_limits(
         model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
     chosen = staircase_within(model) if reference is None else reference
     check_targets(model, chosen, rig.sample_period_s)
+    return speed_limits_of(model, chosen, *speed_facts(rig, model, settings), from_cold=from_cold)
+
+
+def speed_facts(rig: Rig, model: SensingModel, settings: Any) -> tuple[RunFacts, FeedforwardSettings | None]:
+    """Return what of a rig its wire's speed follows from, and the settings, if they are this quantity's plant."""
     tuned = isinstance(settings, FeedforwardSettings) and settings.quantity == model.quantity
-    plant = settings if tuned else None
-    facts = RunFacts({**rig.metadata(), **what_protects(rig)}, "the rig")
-    return speed_limits_of(model, chosen, facts, plant, from_cold=from_cold)
+    return RunFacts({**rig.metadata(), **what_protects(rig)}, "the rig"), settings if tuned else None
+
+
+def fastest_way(rig: Rig, model: SensingModel, settings: Any, *, from_cold: bool) -> FastestWay | None:
+    """Return how fast the wire is at best, sample by sample; None if model or rig do not state what it follows from."""
+    try:
+        return FastestWay(model, *speed_facts(rig, model, settings), from_cold=from_cold)
+    except RecordingError:
+        return None
 
 
 def speed_metadata(

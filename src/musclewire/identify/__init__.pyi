@@ -46,6 +46,7 @@ from ._resistance_alone.possible_curves import HelpfulMeasurement as HelpfulMeas
 from ._resistance_alone.possible_curves import VarianceShare as VarianceShare
 from ._sensing_model import estimate as estimate
 from ._sensing_model import fit as fit
+from ._speed_limits.limits import FastestWay as FastestWay
 from ._speed_limits.limits import SpeedLimits as SpeedLimits
 from ._speed_limits.limits import SufficientChanges as SufficientChanges
 from ._speed_limits.limits import TooFast as TooFast

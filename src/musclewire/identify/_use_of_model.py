@@ -155,9 +155,10 @@ def load_facts(model: SensingModel, known: Mapping[str, MetadataValue]) -> dict[
     Returns
     -------
     As :func:`known_against`; B, C and the rise to B of the slow loop [ohm], with the standard deviation [ohm] with
-    which B repeats, or ``b_not_compared``, why there is no B.
+    which B repeats, or ``b_not_compared``, why there is no B; ``sensed_range``, how far the model senses.
     """
-    return {**known_against(model, known), **height_of_b(model)}
+    sensed = {"sensed_range": model.quantity_max - model.quantity_min}
+    return {**known_against(model, known), **height_of_b(model), **sensed}
 
 
 def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:

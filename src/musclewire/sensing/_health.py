@@ -37,6 +37,10 @@ class Cause(IntEnum):
     """At a steady drive the resistance jumped up within one sample, as a contact's does and no wire's."""
     OVERSHOOT = 14
     """Several steps took the wire well beyond their target and back."""
+    TARGET_MISSED = 15
+    """The estimate was farther from the target than its tolerance and interval, and no speed limit explains it."""
+    WIDE_INTERVAL = 16
+    """The estimate was away from the target, and its interval too wide to tell whether the wire was."""
 
 
 CAUSE_TEXT = {
@@ -69,4 +73,8 @@ CAUSE_TEXT = {
     Cause.OVERSHOOT: "steps take the wire well beyond their target and back: it follows later than its gains expect, "
     "the air moves, or its wide gap takes less heat to cross than the slow loop's; more pretension narrows the gap "
     "(musclewire pretension)",
+    Cause.TARGET_MISSED: "the estimate is farther from the target than 3 % of it (1 % of the model's range at least) "
+    "and its own 95 % interval, longer than the speed limits explain: the wire was not where it was asked to be",
+    Cause.WIDE_INTERVAL: "the estimate is away from the target, and its 95 % interval, more than a tenth of the "
+    "model's range to either side, too wide to tell whether the wire is, too: what widened it is named beside this",
 }

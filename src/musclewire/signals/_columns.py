@@ -51,6 +51,12 @@ _ALL = (
     Column("estimated_displacement_m", "m", "displacement estimated from resistance", "control"),
     Column("estimated_force_n", "N", "force estimated from resistance", "control"),
     Column("estimate_std", "", "standard deviation of the estimate, in the unit of its quantity", "control"),
+    Column(
+        "announced_miss",
+        "",
+        "how far from its target a wire is at best, by the speed limits said before the run, in the quantity's unit",
+        "control",
+    ),
     Column("resistance_misfit_ohm", "ohm", "resistance that hypotheses expect less the measured one", "control"),
     Column("estimated_temperature_k", "K", "temperature of the wire, estimated by its heat balance", "control"),
     Column("convection_ratio", "", "estimated loss to the air over that of the characterization", "control"),

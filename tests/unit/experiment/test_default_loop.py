@@ -82,7 +82,7 @@ def test_from_todays_zero_a_resistance_that_has_changed_by_a_hundredth_is_scaled
     assert run["resistance_factor"][0] == 1.0
     assert run["resistance_factor"][-1] == pytest.approx(1.0 / 1.01, abs=5e-4)
     assert "the resistance is scaled by it" in str(run.metadata["health"])
-    assert does_not_hold(run) == "changed load or resistance"
+    assert does_not_hold(run) == "changed load or resistance; interval too wide"
     assert errors_pct["kept"] > 5.0
     assert errors_pct["today"] < 1.5
 
@@ -163,7 +163,7 @@ def test_a_loop_that_samples_more_slowly_than_the_slow_loop_comes_to_rest(model:
 
 
 def from_cold(valid_from: int) -> Recording:
-    """A loop that cannot sense before a sample, with the drive at its limit until then, and is on its target later."""
+    """A loop that cannot sense before a sample, its drive at its limit as announced, and is on target later."""
     n = 600
     sensed = np.arange(n) >= valid_from
     columns = {
@@ -172,6 +172,7 @@ def from_cold(valid_from: int) -> Recording:
         "target_strain": np.full(n, 0.02),
         "estimated_strain": np.where(sensed, 0.02, 0.006),
         "valid": sensed.astype(float),
+        "announced_miss": np.where(sensed, 0.0, -0.014),
         "wire_resistance_ohm": np.linspace(17.0, 16.0, n),
     }
     return Recording(columns, {"approach_s": 0.0, "sample_period_s": PERIOD_S, "limit_maximum_voltage_v": 3.6})

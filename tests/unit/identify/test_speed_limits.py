@@ -13,7 +13,7 @@ from known_plant import COOLING_W, HEATING_W, LIMITS, MODEL, TAU_S, plant_settin
 
 from musclewire.controllers import sampled_reference, staircase
 from musclewire.errors import CallerError, RecordingError
-from musclewire.identify import speed_limits_of
+from musclewire.identify import FastestWay, speed_limits_of
 from musclewire.identify._speed_limits.limits import diameter_for
 from musclewire.identify._speed_limits.plant import SpeedPlant, followed
 from musclewire.signals import RunFacts
@@ -124,3 +124,23 @@ def test_what_is_not_known_is_said() -> None:
         speed_limits_of(MODEL, sine(0.1), FACTS)
     with pytest.raises(CallerError, match="tune this model"):
         speed_limits_of(MODEL, sine(0.1), FACTS, plant_settings(quantity="force"))
+
+
+@pytest.mark.parametrize("frequency_hz", [0.1, 1.0])
+def test_the_fastest_way_sample_by_sample_is_that_which_the_limits_are_said_from(frequency_hz: float) -> None:
+    targets = sine(frequency_hz).target
+    settings = plant_settings()
+    way = FastestWay(MODEL, FACTS, settings, from_cold=False)
+    misses = np.array([way.miss(target) for target in targets.tolist()])
+    found = speed_limits_of(MODEL, sine(frequency_hz), FACTS, settings).findings
+    assert bool(found) == bool((np.abs(misses) > 0.02 * (MODEL.quantity_max - MODEL.quantity_min)).any())
+    assert max((one.missed for one in found), default=np.abs(misses).max()) == pytest.approx(np.abs(misses).max())
+
+
+def test_from_cold_all_of_the_target_is_missed_until_the_wire_is_warm() -> None:
+    way = FastestWay(MODEL, FACTS, plant_settings(), from_cold=True)
+    misses = [way.miss(0.02) for _ in range(100)]
+    warm = misses.index(next(miss for miss in misses if miss != -0.02))
+    assert 1 < warm < 60
+    assert np.all(np.diff(misses[warm:]) >= 0.0)
+    assert misses[-1] == 0.0

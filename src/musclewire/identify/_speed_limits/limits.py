@@ -14,8 +14,15 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.controllers import FeedforwardSettings, Reference, Staircase
 from musclewire.errors import CallerError
-from musclewire.identify._speed_limits.plant import SpeedPlant, branches_of, followed, plant_of_gains, plant_of_model
-from musclewire.identify._speed_limits.supply import LATE_PCT, WeakSupply, min_errors_pct
+from musclewire.identify._speed_limits.plant import (
+    SpeedPlant,
+    branches_of,
+    followed,
+    plant_of_gains,
+    plant_of_model,
+    towards,
+)
+from musclewire.identify._speed_limits.supply import LATE_PCT, WeakSupply, min_errors_pct, warming_s
 from musclewire.identify._tuning import alloy_of, heat_balance
 from musclewire.parameters import Alloy, section_m2, validity_of
 from musclewire.physics import convection_coefficient_w_per_m2_k
@@ -338,6 +345,63 @@ def speed_limits_of(
         ),
         weak_supply(plant, reference, facts, settings) if from_cold and isinstance(reference, Staircase) else None,
     )
+
+
+class FastestWay:
+    """How far from its target a wire is, sample by sample, if nothing but its speed limits holds it back.
+
+    Parameters
+    ----------
+    model
+        The model of the wire, with the power through its slow loop.
+    facts
+        What a rig states, as for ``speed_limits_of``.
+    settings
+        The plant that ``tune`` found; that of the model's slow loop if None.
+    from_cold
+        Whether the wire begins cold; without, it is at its first target.
+
+    Raises
+    ------
+    RecordingError
+        If the model has no power through its loop, or the rig does not state its heat balance.
+    """
+
+    def __init__(
+        self, model: SensingModel, facts: RunFacts, settings: FeedforwardSettings | None = None, *, from_cold: bool
+    ) -> None:
+        """Begin at rest."""
+        self._plant = plant_of_model(model, facts) if settings is None else plant_of_gains(settings, facts)
+        self._heating, self._cooling = branches_of(self._plant)
+        self._period_s = facts.sample_period_s
+        dead_time_s = self._period_s if settings is None else settings.dead_time_s
+        self._cold_s = warming_s(self._plant, dead_time_s) if from_cold else 0.0
+        self._level = float(self._plant.levels[0]) if from_cold else math.nan
+        self._power_w = self._heating.power_w(self._level)
+
+    def miss(self, target: float) -> float:
+        """Return by how much the wire is above a target at the end of a sample that began with it.
+
+        Parameters
+        ----------
+        target
+            The target, in the model's quantity.
+
+        Returns
+        -------
+        Where the wire is at best less the target, in the same unit; of a cold wire, whose quantity is 0, all of it.
+        """
+        within = float(np.clip(target, self._plant.levels[0], self._plant.levels[-1]))
+        if self._cold_s > 0.0:
+            self._cold_s -= self._period_s
+            return -target
+        if math.isnan(self._level):
+            self._level, self._power_w = within, self._heating.power_w(within)
+        if within != self._level:
+            branch = self._heating if within > self._level else self._cooling
+            way = (within, self._period_s, self._plant.time_constant_s)
+            self._level, self._power_w = towards(branch, self._level, self._power_w, way)
+        return self._level - within
 
 
 def weak_supply(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import datetime
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,6 +14,7 @@ from musclewire.errors import CallerError
 from musclewire.experiment import (
     HeldVoltage,
     LoopChoice,
+    MissWatch,
     characterize,
     control,
     examination_s,
@@ -34,7 +35,7 @@ from musclewire.extras.live._bench.descriptions import (
     described_sweep,
 )
 from musclewire.extras.live._bench.session import BenchSession
-from musclewire.identify import fit
+from musclewire.identify import COLUMN_SUFFIX, fit
 from musclewire.rigs import GuardedRig, HasStage, ability
 from musclewire.sensing import SensingModel, load_model
 from musclewire.signals import Recording
@@ -242,6 +243,16 @@ def control_wire(session: BenchSession, command: messages.Control) -> None:
     rig, model = rig_of(session), model_of(session)
     followed = reference_of(command.reference, model, rig.sample_period_s)
     session.work.steered = followed.steered
+    approach_s = approach_of(command, followed, model, rig.sample_period_s)
+    watch = MissWatch(COLUMN_SUFFIX[model.quantity], model.quantity_max - model.quantity_min, approach_s)
+
+    def show(row: Mapping[str, float | None]) -> None:
+        session.on_sample(row)
+        said = watch.after(row)
+        if said != session.shown.state.health:
+            session.shown.change(health=said)
+
+    session.shown.change(health="")
     try:
         run = control(
             rig,
@@ -250,9 +261,9 @@ def control_wire(session: BenchSession, command: messages.Control) -> None:
             estimator=command.estimator,
             controller=command.controller,
             settings=settings_of(command),
-            approach_s=0.0 if followed.steered else None,
+            approach_s=approach_s,
             path=new_file(session, "control"),
-            on_sample=session.on_sample,
+            on_sample=show,
             until=session.end_asked,
         )
     finally:
@@ -291,9 +302,16 @@ def control_s(session: BenchSession, command: messages.Control) -> float | None:
     if session.work.model is None or session.rig is None:
         return None
     followed: FollowedReference = reference_of(command.reference, session.work.model, session.rig.sample_period_s)
+    approach_s = approach_of(command, followed, session.work.model, session.rig.sample_period_s)
+    return None if followed.steered else approach_s + followed.reference.duration_s
+
+
+def approach_of(
+    command: messages.Control, followed: FollowedReference, model: SensingModel, sample_period_s: float
+) -> float:
+    """Return for how long [s] a loop holds its first target before the reference begins; a steered one does not."""
     choice = LoopChoice(controller=command.controller, settings=settings_of(command))
-    begins_s = choice.settled(session.work.model, session.rig.sample_period_s).approach_s
-    return None if followed.steered else begins_s + followed.reference.duration_s
+    return 0.0 if followed.steered else choice.settled(model, sample_period_s).approach_s
 
 
 RECIPES: dict[type, CommandRecipe] = {
