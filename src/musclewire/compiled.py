@@ -60,7 +60,7 @@ class Compilation(event.Listener):
                     if cache_folder()
                     else "in every run: no cache can be written"
                 )
-                logging.getLogger(__name__).info("compiling what is needed for the first time, %s", kept)
+                logging.getLogger(__name__).info("compiling wire and controllers to machine code, %s", kept)
             self._began_s = time.perf_counter()
         self._depth += 1
 

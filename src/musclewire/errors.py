@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterable
+from importlib.util import find_spec
 from typing import NamedTuple
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "installed_by",
     "joined",
     "nearest_hint",
+    "require_extra",
 ]
 
 
@@ -104,6 +106,18 @@ def argument(name: str, value: object = None) -> Message:
 def joined(separator: str, texts: Iterable[str]) -> Message:
     """Return texts as one message, with a separator between them."""
     return Message(*[part for text in texts for part in (separator, text)][1:])
+# What each extra of pyproject.toml brings that is asked for by name; pyproject.toml says why.
+PACKAGES_OF = {
+    "parquet": ("pyarrow",),
+    "pandas": ("pandas",),
+    "xarray": ("xarray",),
+    "nidaq": ("nidaqmx", "grpc"),
+    "gym": ("gymnasium",),
+    "control": ("control",),
+    "sweep": ("distributed", "xarray", "pyarrow", "SALib"),
+    "design": ("skfem", "ezdxf"),
+    "cad": ("skfem", "ezdxf", "OCP"),
+}
 
 
 class MusclewireError(Exception):
@@ -134,6 +148,25 @@ class MissingExtraError(CallerError):
 def installed_by(extra: str) -> str:
     """Return the command that installs an extra from the checkout, quoted as every shell takes it, Windows' too."""
     return f'pip install ".[{extra}]" in the checkout'
+
+
+def require_extra(what: str, extra: str) -> None:
+    """Raise MissingExtraError if a package of an extra is not installed. None of them is imported.
+
+    Parameters
+    ----------
+    what
+        What needs it, as the message begins.
+    extra
+        The extra's name in pyproject.toml.
+
+    Raises
+    ------
+    MissingExtraError
+        If one is missing; it names the extra.
+    """
+    if any(find_spec(package) is None for package in PACKAGES_OF[extra]):
+        raise MissingExtraError(what, extra)
 
 
 class RecordingError(MusclewireError, ValueError):

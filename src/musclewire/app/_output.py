@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import sys
+import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -123,13 +124,13 @@ def compilation_shown() -> Iterator[None]:
     logger, handler = logging.getLogger("musclewire.compiled"), _AsProgress()
     logger.addHandler(handler)
     logger.setLevel(logging.INFO)
-    before_s = seconds_compiling()
+    before_s, began_s = seconds_compiling(), time.perf_counter()
     try:
         yield
     finally:
         logger.removeHandler(handler)
     if (compiling_s := seconds_compiling() - before_s) > 0.0:
-        tell(f"compiled for {compiling_s:.1f} s")
+        tell(f"compiling took {compiling_s:.1f} s of {time.perf_counter() - began_s:.1f} s")
 
 
 def seconds_compiling() -> float:

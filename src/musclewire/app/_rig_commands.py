@@ -53,7 +53,7 @@ def demo(
     started = time.perf_counter()
     from musclewire.app._answers import DemoAnswer
     from musclewire.app._report.page import write_report
-    from musclewire.experiment import run_demo, run_warnings
+    from musclewire.experiment import health_warnings, run_demo, run_warnings
 
     figure.check()
     report = output / "report.html"
@@ -67,7 +67,7 @@ def demo(
     figure.draw(result.run.plot)
     wall_s = time.perf_counter() - started
     model, run, sweep = result.model, result.run, result.sweep
-    warnings = warn(dict.fromkeys((*model.warnings, *sweep.warnings, *run_warnings(run))))
+    warn(health_warnings(run))  # loads and pretensions are the demo's own choice: what exceeds a limit is in its report
     answer = DemoAnswer.of_run(
         run.metrics,
         strain_gap_pct=100 * result.gaps.strain_gap,
@@ -75,7 +75,7 @@ def demo(
         resistance_max_ohm=model.resistance_max_ohm,
         best_pretension_n=None if sweep.best is None else sweep.best.pretension_n,
         time_step_s=run.metadata["time_step_s"],
-        warnings=warnings,
+        warnings=list(dict.fromkeys((*model.warnings, *sweep.warnings, *run_warnings(run)))),
         seed=seed,
         wall_s=wall_s,
         report=str(report),

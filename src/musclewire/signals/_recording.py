@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, MissingExtraError, RecordingError
+from musclewire.errors import CallerError, RecordingError, require_extra
 from musclewire.pages import notebook_table
 from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, PULSE_TABLE, known_column, needs_no_clock
 from musclewire.signals._metadata import MetadataValue, checked_metadata, fact_in_words
@@ -230,10 +230,9 @@ class Recording:
         MissingExtraError
             Without pandas.
         """
-        try:
-            import pandas as pd
-        except ImportError:
-            raise MissingExtraError("Recording.to_pandas()", "pandas") from None
+        require_extra("Recording.to_pandas()", "pandas")
+        import pandas as pd
+
         frame = pd.DataFrame({name: values.copy() for name, values in self.columns.items()})
         frame.attrs.update(self.metadata)
         return frame
@@ -252,10 +251,9 @@ class Recording:
         MissingExtraError
             Without xarray.
         """
-        try:
-            import xarray as xr
-        except ImportError:
-            raise MissingExtraError("Recording.to_xarray()", "xarray") from None
+        require_extra("Recording.to_xarray()", "xarray")
+        import xarray as xr
+
         axis = "time_s" if "time_s" in self else "row"
         variables = {name: (axis, values.copy(), _attributes(name)) for name, values in self.columns.items()}
         attributes = {key: value for key, value in self.metadata.items() if value is not None}

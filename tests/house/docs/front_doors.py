@@ -1,17 +1,24 @@
-"""Follows the front doors of the documentation to the letter, in a clone of the last commit, and judges their ends.
+"""Follows the front doors of the documentation to the letter, in clones of the last commit, and judges their ends.
 
-Every ``sh`` and ``python`` block of README and of a door's pages runs in the order in which it is read, in one shell,
-and must succeed. A block that begins with "# second terminal" gets a shell of its own; the next one waits until it has
-printed something, as a reader would. An indented line below a block is what it prints: it must occur in what it
-printed. What installs is left out, for the environment is that of the tests, and so is the README's second command.
+    python3 -m tests.house.docs.front_doors [--environment .venv] [DOOR ...]
+
+The environment is one that README's first command alone has made: without ``--environment`` that command makes one here.
+Every ``sh`` and ``python`` block of a door's pages runs in the order in which it is read, in one shell, and must succeed:
+what installs, too, as root where the page says so. A block that begins with "# second terminal" gets a shell of its own;
+the next one waits until it has printed something, as a reader would. A line that ends with "# ends with 1" must. An
+indented line below a block is what it prints: it must occur in what it printed. README's second command is left out: no
+door needs it.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
 import re
 import subprocess
 import sys
+import tempfile
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
@@ -20,7 +27,7 @@ from pathlib import Path
 from tests.places import CHECKOUT
 
 SECOND = "# second terminal"
-SET_UP = ("python3 -m venv", "apt-get ")
+ENDS_WITH = re.compile(r"^(.*\S) +# ends with (\d)$", re.M)
 PART = re.compile(r"^```(sh|python)\n(.*?)^```$|^((?: {4}[^\n]*\n)+)", re.M | re.S)
 DONE = "==this block has ended=="
 
@@ -32,6 +39,16 @@ def patient(text: str) -> str:
     """
     once_more = "".join(rf" || {{ sleep {pause_s}; \g<0>; }}" for pause_s in (10, 30, 60))
     return re.sub(r"^musclewire doctor \S+$", r"\g<0>" + once_more, text, flags=re.M)
+
+
+def as_typed(text: str) -> str:
+    """Return a block as the shell gets it: root's lines as root, an exit code that the page states as a success."""
+    if "apt-get " in text and os.geteuid() != 0:
+        text = re.sub(r"^apt-get ", "sudo apt-get ", text, flags=re.M)
+    text = ENDS_WITH.sub(r"code=0; \1 || code=$?; test $code -eq \2", text)
+    return patient(
+        "".join(line + "\n" for line in text.splitlines() if "python3 -m venv" not in line and "-m pytest" not in line)
+    )
 
 
 class NotFollowedError(Exception):
@@ -65,10 +82,27 @@ for name in ("labview", "logger"):
     print(f"the end: model of {name}: {100 * strain:.2f} % strain at {resistance_ohm:.3f} ohm")
     assert abs(model.strain(resistance_ohm) - strain) < 1e-3, "the model does not invert"
 """
+PAGE_STOPS = """
+import re
+import subprocess
+import musclewire as mw
+server = subprocess.Popen([".venv/bin/musclewire", "serve", "--port", "0"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+address = next(found[0] for line in server.stdout if (found := re.search(r"http://\\S+", line)))
+with mw.LiveClient(address) as client:
+    print("the end: the live page's bench is", client.state()["phase"], "and answers a stop with", client.stop())
+server.terminate()
+server.wait(timeout=30)
+"""
+README_RUN = """
+import musclewire as mw
+print("the end:", mw.read_recording("run.csv").metadata["ended"])
+"""
+# The researcher comes last: the study installs an extra.
 DOORS = {
+    "readme": Door(("README.md",), README_RUN),
     "loop": Door(("docs/tutorials/the_basic_loop.md",), MOVED.format(file="run.h5")),
+    "lecturer": Door(("docs/start/lecturer.md",), MOVED.format(file="still.h5") + PAGE_STOPS),
     "maker": Door(("docs/start/maker.md",), MOVED.format(file="moved.h5")),
-    "lecturer": Door(("docs/start/lecturer.md",), MOVED.format(file="still.h5")),
     "researcher": Door(("docs/start/researcher.md",), MODELS),
 }
 
@@ -96,12 +130,13 @@ def blocks_of(page: str) -> list[Block]:
 
 
 class Terminal:
-    """A shell in a clone, with the environment of this Python in the place of ``.venv``."""
+    """A shell in a clone, with an environment in the place of ``.venv``."""
 
     def __init__(self, home: Path) -> None:
         """Start it in the clone below ``home``."""
         self.home, self.count = home, 0
-        path = [folder for folder in os.environ["PATH"].split(os.pathsep) if folder != f"{sys.prefix}/bin"]
+        environment = (home / "musclewire/.venv").resolve()
+        path = [folder for folder in os.environ["PATH"].split(os.pathsep) if folder != f"{environment}/bin"]
         self.process = subprocess.Popen(
             ["bash"],
             stdin=subprocess.PIPE,
@@ -123,7 +158,8 @@ class Terminal:
         """Type a block: it is read from a file, so that no program in it reads the blocks after it."""
         self.count += 1
         file = self.home / f"{id(self):x}_{self.count}.{'py' if block.language == 'python' else 'sh'}"
-        file.write_text(patient(block.text), encoding="utf-8")
+        typed = block.text if block.language == "python" else as_typed(block.text)
+        file.write_text(typed, encoding="utf-8")
         run = ".venv/bin/python" if block.language == "python" else "."
         self.say(f"{run} {file} </dev/null; echo '{DONE}'")
 
@@ -150,9 +186,9 @@ class Terminal:
             self.process.communicate()
 
 
-def follow(door: Door, home: Path) -> None:
+def follow(door: Door, home: Path, environment: Path) -> None:
     """Follow a door in a clone. Raises NotFollowedError with the block that failed."""
-    type_in_a_clone([block for page in ("README.md", *door.pages) for block in blocks_of(page)], door.end, home)
+    type_in_a_clone([block for page in door.pages for block in blocks_of(page)], door.end, home, environment)
 
 
 def own_wire(wire: str, period: str, reference: str) -> list[Block]:
@@ -173,16 +209,20 @@ def own_wire(wire: str, period: str, reference: str) -> list[Block]:
     ]
 
 
-def type_in_a_clone(blocks: Sequence[Block], end: str, home: Path) -> None:
+def cloned(home: Path) -> Path:
+    """Return a clone of the last commit below a folder."""
+    clone = home / "musclewire"
+    subprocess.run(["git", "clone", "-q", "--no-hardlinks", str(CHECKOUT), str(clone)], check=True)
+    return clone
+
+
+def type_in_a_clone(blocks: Sequence[Block], end: str, home: Path, environment: Path) -> None:
     """Type blocks one after the other in a clone, then judge their end. Raises NotFollowedError as ``run``."""
-    subprocess.run(["git", "clone", "-q", "--no-hardlinks", str(CHECKOUT), str(home / "musclewire")], check=True)
-    (home / "musclewire/.venv").symlink_to(sys.prefix)
+    (cloned(home) / ".venv").symlink_to(environment)
     with ExitStack() as stack:
         first = Terminal(home)
         stack.callback(first.close)
         for block in blocks:
-            if any(word in block.text for word in SET_UP):
-                continue
             if block.text.startswith(SECOND):
                 second = Terminal(home)
                 stack.callback(second.close)
@@ -195,16 +235,65 @@ def type_in_a_clone(blocks: Sequence[Block], end: str, home: Path) -> None:
 
 def run(terminal: Terminal, block: Block) -> None:
     """Run a block in a terminal and hold what it printed to what the page says it prints."""
-    text = "".join(line + "\n" for line in block.text.splitlines() if "-m pytest" not in line)
-    terminal.begin(Block(block.page, block.language, text))
+    terminal.begin(block)
     lines: list[str] = []
     try:
         for line in terminal.lines():
             lines.append(" ".join(line.split()))
     except NotFollowedError as error:
         refused = "; ".join(line for line in lines if line.startswith(("NO ", "musclewire: ")))
-        raise NotFollowedError(f"{block.page}: {error}: {text.strip()}: {refused or lines[-1:]}") from error
+        raise NotFollowedError(f"{block.page}: {error}: {block.text.strip()}: {refused or lines[-1:]}") from error
     said = "\n".join(lines)
     for line in block.prints:
         if line not in said:
             raise NotFollowedError(f"{block.page} says that this is printed, and it is not: {line}")
+
+
+def made_by_the_first_command(home: Path) -> Path:
+    """Return the environment that README's first command makes in a clone."""
+    clone = cloned(home)
+    first = next(block for block in blocks_of("README.md") if block.language == "sh").text.splitlines()[0]
+    print(first, flush=True)
+    subprocess.run(["bash", "-c", first], cwd=clone, check=True)
+    return clone / ".venv"
+
+
+def size_mb(folder: Path) -> int:
+    """Return how much a folder takes [MB]."""
+    said = subprocess.run(["du", "-sm", str(folder)], capture_output=True, text=True, check=True).stdout
+    return int(said.split()[0])
+
+
+def main() -> int:
+    """Follow the doors that are named, all without a name; return 1 if one cannot be followed."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("doors", nargs="*", metavar="DOOR", help=f"of {', '.join(DOORS)}; all without a name")
+    parser.add_argument("--environment", type=Path, help="a folder that README's first command made")
+    given = parser.parse_args()
+    if wrong := set(given.doors) - set(DOORS):
+        parser.error(f"there is no door {', '.join(sorted(wrong))}; there are {', '.join(DOORS)}")
+    failed = []
+    with tempfile.TemporaryDirectory() as folder:
+        environment = given.environment or made_by_the_first_command(Path(folder))
+        for name, door in DOORS.items():
+            if given.doors and name not in given.doors:
+                continue
+            print(f"\n== {name}; the environment has {size_mb(environment)} MB", flush=True)
+            began_s, home = time.monotonic(), Path(folder) / name
+            home.mkdir()
+            try:
+                follow(door, home, environment.resolve())
+            except NotFollowedError as error:
+                failed.append(name)
+                print(error)
+            print(
+                f"== {name}: {'failed' if name in failed else 'exit 0'} after {time.monotonic() - began_s:.0f} s",
+                flush=True,
+            )
+    if failed:
+        print(f"these doors do not lead to their ends: {', '.join(failed)}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,29 +1,22 @@
-"""Each front door leads to its end, in a clone, by what its pages say."""
+"""What the front doors are; ``front_doors.py`` follows them, where nothing but README's first command has installed."""
 
 from __future__ import annotations
 
+import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 from checks.words_on_the_way import MOST, words_by_page
 from emulation.board import rig_file_text
-from tests.house.docs.front_doors import DOORS, MOVED, follow, own_wire, type_in_a_clone
+from tests.house.docs.front_doors import DOORS, MOVED, own_wire, type_in_a_clone
 from tests.places import CHECKOUT
 from tests.tools import require_tool
 
 from musclewire.rigs import own_circuit
 
-# The maker's board is an Arduino in an emulator.
-GROUPS = {"maker": pytest.mark.emulated}
-TOOLS = {"maker": {"simavr": "simavr libsimavr-dev libelf-dev gcc libc6-dev", "avr-gcc": "gcc-avr avr-libc"}}
-
-
-@pytest.mark.parametrize("door", [pytest.param(door, marks=GROUPS.get(door, pytest.mark.documented)) for door in DOORS])
-def test_the_door_leads_to_its_end(door: str, tmp_path: Path) -> None:
-    for tool, packages in TOOLS.get(door, {}).items():
-        require_tool(tool, packages)
-    follow(DOORS[door], tmp_path)
+# Of the emulated Arduino.
+TOOLS = {"simavr": "simavr libsimavr-dev libelf-dev gcc libc6-dev", "avr-gcc": "gcc-avr avr-libc"}
 
 
 @pytest.mark.parametrize(
@@ -39,9 +32,9 @@ def test_the_door_leads_to_its_end(door: str, tmp_path: Path) -> None:
 def test_another_wire_comes_from_the_table_to_a_closed_loop(
     wire: str, period: str, reference: str, tmp_path: Path
 ) -> None:
-    for tool, packages in TOOLS["maker"].items():
+    for tool, packages in TOOLS.items():
         require_tool(tool, packages)
-    type_in_a_clone(own_wire(wire, period, reference), MOVED.format(file="moved.h5"), tmp_path)
+    type_in_a_clone(own_wire(wire, period, reference), MOVED.format(file="moved.h5"), tmp_path, Path(sys.prefix))
 
 
 def test_a_maker_reads_no_more_words_than_that_on_the_way_to_a_wire() -> None:

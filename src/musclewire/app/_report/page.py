@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from markupsafe import Markup
 
 from musclewire.app._report.figures import report_figures
+from musclewire.experiment import run_warnings
 from musclewire.pages import NumberCard, page
 from musclewire.parameters import load_alloy, load_bench, load_wire, read_published
 from musclewire.signals import write_text_whole
@@ -42,6 +43,8 @@ def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
         "assumed": parameter_rows(result, "assumed"),
         "fitted": parameter_rows(result, "fitted"),
         "warnings": result.model.warnings,
+        "sweep_warnings": result.sweep.warnings,
+        "run_warnings": run_warnings(result.run),
         "gap": f"{100 * result.gaps.strain_gap:.2f}",
         "share": f"{100 * result.gaps.segments.transformation_fraction:.0f}",
         "best": None if result.sweep.best is None else f"{result.sweep.best.pretension_n:.2f}",

@@ -4,24 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from musclewire.errors import MissingExtraError
-
-EXTRA = "design"
+from musclewire.errors import require_extra
 
 
 def require_finite_elements() -> Any:
     """Return scikit-fem. Raises MissingExtraError if it is not installed."""
-    try:
-        import skfem
-    except ImportError:
-        raise MissingExtraError("sizing a part by finite elements", EXTRA) from None
+    require_extra("sizing a part by finite elements", "design")
+    import skfem
+
     return skfem
 
 
 def require_dxf() -> Any:
     """Return ezdxf. Raises MissingExtraError if it is not installed."""
-    try:
-        import ezdxf
-    except ImportError:
-        raise MissingExtraError("a drawing as DXF", EXTRA) from None
+    require_extra("a drawing as DXF", "design")
+    import ezdxf
+
     return ezdxf

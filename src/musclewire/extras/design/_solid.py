@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from musclewire.errors import CallerError, MissingExtraError
+from musclewire.errors import CallerError, require_extra
 from musclewire.extras.design._drawing import MM, Drawing, DrawnHole, OutlineVertex
 from musclewire.signals import write_whole
 
@@ -71,10 +71,9 @@ def require_cad() -> None:
 
     Raises MissingExtraError if it is not installed.
     """
-    try:
-        from OCP.Message import Message, Message_Gravity
-    except ImportError:
-        raise MissingExtraError("a solid (STL or STEP)", "cad") from None
+    require_extra("a solid (STL or STEP)", "cad")
+    from OCP.Message import Message, Message_Gravity
+
     for printer in Message.DefaultMessenger_s().Printers():
         printer.SetTraceLevel(Message_Gravity.Message_Fail)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from musclewire.app import AnswerModel, FigureOptions, Result, RigName, in_si
 from musclewire.controllers import PidSettings
+from musclewire.errors import require_extra
 from musclewire.extras.interfaces._options import DISPLACEMENT, SENSED_BY
 
 if TYPE_CHECKING:
@@ -68,6 +69,7 @@ def linearise(
 ) -> Result:
     """Linearise the simulated wire at a displacement: operating points, poles, margins of the closed loop."""
     figure.check()
+    require_extra("a system of python-control", "control")
     from musclewire.extras.interfaces import _control_systems as control_systems
     from musclewire.sensing import load_model
 

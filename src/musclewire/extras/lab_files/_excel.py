@@ -1,4 +1,4 @@
-"""Excel workbooks (.xlsx, .xlsm), one sheet at a time, values only. Needs the extra ``labfiles`` (openpyxl).
+"""Excel workbooks (.xlsx, .xlsm), one sheet at a time, values only.
 
 A sheet's rows become lines of text, so that titles, headers, units, dates and numbers are found in it by the rules for
 tables in text files.
@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, MissingExtraError, RecordingError, argument, nearest_hint
+from musclewire.errors import CallerError, RecordingError, argument, nearest_hint
 from musclewire.extras.lab_files._file_table import MAX_NAMED, check_limits, damage_reported, one_line
 from musclewire.signals import (
     CurableError,
@@ -45,13 +45,10 @@ _OLE = b"\xd0\xcf\x11\xe0"
 def read_excel_table(path: Path, group: str | None = None) -> TextTable:
     """Return the table of one sheet of a workbook; None takes the only one that holds numbers below headers.
 
-    Formulas give the value that was saved with them, and macros are never looked at. Raises RecordingError as one line,
-    MissingExtraError without openpyxl.
+    Formulas give the value that was saved with them, and macros are never looked at. Raises RecordingError as one line.
     """
-    try:
-        import openpyxl
-    except ImportError:
-        raise MissingExtraError("an Excel workbook", "labfiles") from None
+    import openpyxl
+
     with path.open("rb") as file:
         if file.read(4) == _OLE:
             cure = "save it as .xlsx, without a password"
@@ -172,12 +169,10 @@ SHEET_ROWS = 1_048_575
 
 
 def fill_excel(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
-    """Write a workbook. Raises CallerError for more rows than a sheet holds, MissingExtraError without openpyxl."""
-    try:
-        from openpyxl import Workbook
-        from openpyxl.cell import WriteOnlyCell
-    except ImportError:
-        raise MissingExtraError("an Excel workbook", "labfiles") from None
+    """Write a workbook. Raises CallerError for more rows than a sheet holds."""
+    from openpyxl import Workbook
+    from openpyxl.cell import WriteOnlyCell
+
     rows = len(next(iter(columns.values())))
     if rows > SHEET_ROWS:
         raise CallerError(f"{path}: {rows} rows are more than the {SHEET_ROWS} of an Excel sheet; save as .csv or .h5")

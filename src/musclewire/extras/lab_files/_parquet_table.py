@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import MissingExtraError, RecordingError, argument
+from musclewire.errors import RecordingError, argument, require_extra
 from musclewire.extras.lab_files._file_table import check_limits, damage_reported, metadata_of, one_line
 from musclewire.signals import BLOCK_ROWS, COLUMNS, Cells, MetadataValue, RowBlock, SourceColumn
 
@@ -80,10 +80,9 @@ def read_parquet_table(path: Path, group: str | None = None) -> ParquetTable:
 
 
 def _parquet_file(path: Path) -> Any:
-    try:
-        from pyarrow import parquet
-    except ImportError:
-        raise MissingExtraError("a Parquet file", "parquet") from None
+    require_extra("a Parquet file", "parquet")
+    from pyarrow import parquet
+
     # One file, not a folder of them, and without reading ahead.
     return closing(parquet.ParquetFile(path, pre_buffer=False))
 
@@ -165,9 +164,8 @@ def fill_parquet_blocks(
 
 
 def _pyarrow() -> tuple[Any, Any]:
-    try:
-        import pyarrow as pa
-        from pyarrow import parquet
-    except ImportError:
-        raise MissingExtraError("a Parquet file", "parquet") from None
+    require_extra("a Parquet file", "parquet")
+    import pyarrow as pa
+    from pyarrow import parquet
+
     return pa, parquet

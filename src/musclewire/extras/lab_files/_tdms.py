@@ -1,4 +1,4 @@
-"""LabVIEW's TDMS files, read in chunks. Needs the extra ``labfiles`` (nptdms)."""
+"""LabVIEW's TDMS files, read in chunks."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import MissingExtraError, RecordingError
+from musclewire.errors import RecordingError
 from musclewire.extras.lab_files._file_table import (
     FileColumn,
     FilePart,
@@ -39,7 +39,7 @@ def read_tdms_table(path: Path, group: str | None = None) -> FileTable:
     A waveform's clock (``wf_increment``) becomes a column "time [s]". Channels of a group that differ in length or
     clock are tables of their own. Only this file is opened, never an index next to it.
 
-    Raises RecordingError for a damaged file or an unclear choice, MissingExtraError without nptdms.
+    Raises RecordingError for a damaged file or an unclear choice.
     """
     file = _opened(path)
     with damage_reported(path, "TDMS"):
@@ -52,10 +52,8 @@ def read_tdms_table(path: Path, group: str | None = None) -> FileTable:
 
 
 def _opened(path: Path) -> Any:
-    try:
-        from nptdms import TdmsFile
-    except ImportError:
-        raise MissingExtraError("a TDMS file", "labfiles") from None
+    from nptdms import TdmsFile
+
     # It warns on standard error of what becomes our own line or the layout in words.
     logging.getLogger("nptdms").setLevel(logging.ERROR)
     for module in ("reader", "tdms_segment", "tdms", "types", "base_segment", "scaling"):

@@ -10,15 +10,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+import httpx
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, MissingExtraError, RigError
-
-try:
-    import httpx
-except ImportError:
-    raise MissingExtraError("LiveClient", "live") from None
+from musclewire.errors import CallerError, RigError
 
 # A lease ends without a sign of life for 0.6 s: four fit into that.
 SIGN_OF_LIFE_S = 0.15

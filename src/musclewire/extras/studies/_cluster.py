@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError
 from typing import Any
 
-from musclewire.errors import CallerError, MissingExtraError, NumericsError
+from musclewire.errors import CallerError, NumericsError, require_extra
 from musclewire.extras.studies._evaluation import Chunk, ChunkResult, StudyTask, evaluate_chunk
 
 # Chunks on the cluster for each of its threads: one is computed, the next waits there.
@@ -74,10 +74,9 @@ def evaluate_on_cluster(
 
 def connected(scheduler: str) -> Any:
     """Return a client of a cluster. Raises CallerError if there is none."""
-    try:
-        from distributed import Client
-    except ImportError:
-        raise MissingExtraError("a Dask cluster", "sweep") from None
+    require_extra("a Dask cluster", "sweep")
+    from distributed import Client
+
     try:
         return Client(scheduler, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as problem:  # a time-out is an OSError

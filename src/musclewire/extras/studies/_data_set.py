@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, MissingExtraError
+from musclewire.errors import CallerError, require_extra
 from musclewire.extras.studies._plan import Plan, engine
 from musclewire.extras.studies._run_kind import OVERHEATED, Overheated
 from musclewire.signals import write_whole
@@ -25,15 +25,6 @@ ERROR = "error"
 OVERHEATED_K = "overheated_k"
 RESULT = " (result)"
 DATA = "data.parquet"
-EXTRA = "sweep"
-
-
-def require_extra(what: str, *packages: str) -> None:
-    """Raise MissingExtraError if a package of the extra ``sweep`` is not installed."""
-    from importlib.util import find_spec
-
-    if any(find_spec(package) is None for package in packages):
-        raise MissingExtraError(what, EXTRA)
 
 
 def write_data(
@@ -68,7 +59,7 @@ def write_data(
     CallerError
         If the folder cannot be written to.
     """
-    require_extra("a study's data set", "pyarrow")
+    require_extra("a study's data set", "sweep")
     import pyarrow as pa
     from pyarrow import parquet
 
@@ -152,7 +143,7 @@ def read_study_data(path: str | Path) -> xr.Dataset:
     CallerError
         For another file.
     """
-    require_extra("a study's data set", "xarray")
+    require_extra("a study's data set", "sweep")
     table, known = read_table(Path(path) / DATA if Path(path).is_dir() else Path(path))
     values = {name: table.column(name).to_numpy() for name in known["parameters"]}
     quantities = {
@@ -183,7 +174,7 @@ def read_columns(
 
 def read_table(file: Path) -> tuple[Any, dict[str, Any]]:
     """Return the table in a file, and what it says of its study."""
-    require_extra("a study's data set", "pyarrow")
+    require_extra("a study's data set", "sweep")
     import pyarrow as pa
     from pyarrow import parquet
 
@@ -211,7 +202,7 @@ def built(
     known: Mapping[str, Any], values: Mapping[str, Any], quantities: Mapping[str, Any], errors: list[str]
 ) -> xr.Dataset:
     """Return a data set from its parts."""
-    require_extra("a study's data set", "xarray")
+    require_extra("a study's data set", "sweep")
     import xarray as xr
 
     coordinates = {

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.extras.studies._data_set import require_extra
+from musclewire.errors import require_extra
 from musclewire.extras.studies._design import StudyDesign
 
 # Fewer runs estimate no index.
@@ -94,7 +94,7 @@ def sensitivity_of(design: StudyDesign, columns: Mapping[str, FloatArray], seed:
     Plischke, Borgonovo and Smith 2013, doi:10.1016/j.ejor.2012.11.047 (from given data); Pianosi and Wagener 2018,
     doi:10.1016/j.envsoft.2018.07.019 (PAWN).
     """
-    require_extra("a sensitivity table", "SALib")
+    require_extra("a sensitivity table", "sweep")
     found: list[Sensitivity] = []
     if len(design.samples) < MIN_RUNS and design.sampled:
         return found

@@ -14,8 +14,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError
-from musclewire.extras.studies._data_set import require_extra, write_data
+from musclewire.errors import CallerError, require_extra
+from musclewire.extras.studies._data_set import write_data
 from musclewire.extras.studies._folder import StudyFolder
 from musclewire.extras.studies._plan import engine
 from musclewire.extras.studies._sensitivity import Sensitivity, sensitivity_of, sensitivity_text
@@ -244,11 +244,6 @@ MAX_FAILURES = 8
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
-def require_packages() -> None:
-    """Raise MissingExtraError, before anything is computed, if a package is missing that writing a study needs."""
-    require_extra("a study with data set and sensitivity table", "pyarrow", "xarray", "SALib")
-
-
 def write_study(result: StudyResult, folder: str | Path) -> list[Path]:
     """Write the data set, the sensitivity table and the page of a study; its chunks, now in the data set, are deleted.
 
@@ -270,7 +265,7 @@ def write_study(result: StudyResult, folder: str | Path) -> list[Path]:
     CallerError
         If the folder belongs to another study or cannot be written to.
     """
-    require_packages()
+    require_extra("a study with data set and sensitivity table", "sweep")
     kept = StudyFolder(Path(folder), result.plan)
     indices = sensitivity_of(result.plan.design, result.columns, result.plan.file.seed)
     write_data(kept.data, result.plan, result.columns, result.errors, result.texts, result.overheated)

@@ -22,7 +22,7 @@ from musclewire.app import (
     stops_between_samples,
     warn,
 )
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, require_extra
 from musclewire.extras.studies._options import PLAN, RETRIES, RUNS_PER_CHUNK, SCHEDULER, resumable
 
 if TYPE_CHECKING:
@@ -70,12 +70,14 @@ def sweep(
     The output is a folder, by default named like the study file. The same command continues a study that was
     interrupted.
     """
-    from musclewire.extras.studies._study import read_study
-
     if list_all:
         return known_kinds()
     if study is None:
         raise CallerError("give a study file (.toml); --list shows what can be run, kept and varied")
+    if not plan_only:
+        require_extra("a study with data set and sensitivity table", "sweep")
+    from musclewire.extras.studies._study import read_study
+
     figure.check()
     plan = read_study(study)
     if plan_only:
@@ -87,9 +89,8 @@ def run_study(plan: Plan, workers: Workers, folder: Path, figure: FigureOptions,
     """Run a study and write what it leaves."""
     from musclewire.extras.studies._answers import OverheatedRun, SweepAnswer
     from musclewire.extras.studies._study import sweep as run_sweep
-    from musclewire.extras.studies._study_page import distributions, require_packages, write_study
+    from musclewire.extras.studies._study_page import distributions, write_study
 
-    require_packages()
     started = time.perf_counter()
     with resumable(folder), stops_between_samples(), run_bar("runs") as on_progress:
         result = run_sweep(

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import MissingExtraError, RigError
+from musclewire.errors import RigError, require_extra
 
 # The driver's numbers (nidaqmx.error_codes), what they mean here, and what to do.
 MEANINGS: dict[int, tuple[str, str]] = {
@@ -89,7 +89,6 @@ def explained(error: Any, device: str) -> DaqFaultError:
     return DaqFaultError(f"{device}: {first} (NI-DAQmx {code}): see this number in NI's documentation", code)
 
 
-EXTRA = "nidaq"
 # Longer than any sample, shorter than a user's patience.
 TIMEOUT_S = 2.0
 # A machine that has lost its connection does not answer, and gRPC by itself waits for it without end.
@@ -98,15 +97,14 @@ CALL_S, CALL_AGAIN_S = 2.5, 0.3
 
 def nidaqmx_package() -> ModuleType:
     """Return the package nidaqmx. Raises MissingExtraError if it is not installed."""
-    try:
-        import nidaqmx
-        import nidaqmx.constants
-        import nidaqmx.errors
-        import nidaqmx.stream_readers
-        import nidaqmx.stream_writers
-        import nidaqmx.system
-    except ImportError:
-        raise MissingExtraError("a rig of kind nidaq", EXTRA) from None
+    require_extra("a rig of kind nidaq", "nidaq")
+    import nidaqmx
+    import nidaqmx.constants
+    import nidaqmx.errors
+    import nidaqmx.stream_readers
+    import nidaqmx.stream_writers
+    import nidaqmx.system
+
     package: ModuleType = nidaqmx
     return package
 
@@ -122,10 +120,8 @@ class AcquisitionCard:
         self._options: Any = None
         if grpc_address is None:
             return
-        try:
-            import grpc
-        except ImportError:
-            raise MissingExtraError("a card behind gRPC", EXTRA) from None
+        import grpc
+
         self._channel = grpc.insecure_channel(grpc_address)
         limited = grpc.intercept_channel(self._channel, deadline_for_calls())
         self._options = self.package.GrpcSessionOptions(limited, "")

@@ -448,8 +448,7 @@ class SerialDevice:
 def opened(configuration: SerialConfiguration) -> SerialDevice:
     """Return the board of a rig file.
 
-    Raises MissingExtraError without pyserial, RigError if no board answers, CallerError if the file and the board's
-    firmware contradict each other.
+    Raises RigError if no board answers, CallerError if the file and the board's firmware contradict each other.
     """
     board = Board(open_line(configuration.port, configuration.baud, configuration.patience))
     try:

@@ -8,7 +8,7 @@ import os
 import socket
 from typing import Any, Protocol
 
-from musclewire.errors import MissingExtraError, RigError
+from musclewire.errors import RigError
 from musclewire.extras.board._serial.ports import holder_of, ports_text, serial_ports
 
 # More than a second of samples at any rate: a longer backlog has been abandoned.
@@ -127,13 +127,11 @@ def open_line(port: str, baud: int, patience_s: float = PATIENCE_S) -> SerialLin
     """Open a port: ``/dev/ttyACM0``, ``COM3``, or a URL of pyserial's such as ``socket://127.0.0.1:4000``.
 
     A port of this computer is opened for this program alone, until it is closed or the program ends. A line that takes
-    no bytes for ``patience_s`` counts as lost. Raises MissingExtraError without pyserial, RigError if the port is
-    missing, held by another program or by this one, or not permitted.
+    no bytes for ``patience_s`` counts as lost. Raises RigError if the port is missing, held by another program or by
+    this one, or not permitted.
     """
-    try:
-        import serial
-    except ImportError:
-        raise MissingExtraError("a board on a serial line", "serial") from None
+    import serial
+
     try:
         # Windows lets nobody else in by itself; what is no port of this computer, such as a socket, ignores it.
         opened = serial.serial_for_url(port, baudrate=baud, timeout=0.0, write_timeout=patience_s, exclusive=True)

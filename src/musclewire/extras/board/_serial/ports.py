@@ -8,7 +8,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from musclewire.errors import MissingExtraError
 from musclewire.extras.board._serial.boards import USB_DEVICES
 
 
@@ -21,16 +20,14 @@ class SerialPort(NamedTuple):
 
 
 def ports_as_listed() -> list[Any]:
-    """Return pyserial's list of the ports that exist now. Raises MissingExtraError without pyserial."""
-    try:
-        from serial.tools import list_ports
-    except ImportError:
-        raise MissingExtraError("a board on a serial line", "serial") from None
+    """Return pyserial's list of the ports that exist now."""
+    from serial.tools import list_ports
+
     return list(list_ports.comports())
 
 
 def serial_ports() -> list[SerialPort]:
-    """Return the serial ports that exist now. Raises MissingExtraError without pyserial."""
+    """Return the serial ports that exist now."""
     found = []
     for port in sorted(ports_as_listed(), key=lambda port: str(port.device)):
         board, name = USB_DEVICES.get((port.vid, port.pid), ("", ""))
@@ -42,8 +39,7 @@ def serial_ports() -> list[SerialPort]:
 def identity_of(port: str) -> str:
     """Return a text by which the board at a port is known again: its USB converter's serial number, else the port.
 
-    Some makers give all their converters one number: if two ports have the same here, it says nothing. Raises
-    MissingExtraError without pyserial.
+    Some makers give all their converters one number: if two ports have the same here, it says nothing.
     """
     if "://" in port:
         return port

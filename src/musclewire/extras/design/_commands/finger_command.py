@@ -159,9 +159,9 @@ def finger(
     from musclewire.parameters import load_material
 
     del options_file  # its values have become those of the options
+    files.require("finger")
     section.require_one_way()
     require_effect(context, section, obstacle, wire)
-    files.require("finger")
     material = load_material(task.material)
     request = requested(section, beam, task, material) if section.stiffness is not None else None
     geometry = None if request is not None else geometry_of(section, beam, task, material)

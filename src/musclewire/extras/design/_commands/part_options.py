@@ -14,7 +14,7 @@ from typing import Annotated, Any
 import typer
 
 from musclewire.app import PLOT, own_help, require_figure_file, require_folder
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import CallerError, nearest_hint, require_extra
 from musclewire.extras.design._options import DRAWING, SOLID
 
 DRAWINGS, SOLIDS = (".svg", ".dxf"), (".stl", ".step")
@@ -85,6 +85,7 @@ class PartFiles:
 
     def require(self, part: str) -> None:
         """Raise CallerError for files of a kind that is not written here or not without an extra, before any work."""
+        require_extra("sizing a part by finite elements", "design")
         if self.output is not None:
             if self.output.suffix != ".toml":
                 raise CallerError(f"{self.output}: a {part} is a .toml file, end its name so")
@@ -93,16 +94,10 @@ class PartFiles:
             if drawing.suffix not in DRAWINGS:
                 raise CallerError(f"{drawing}: a drawing is one of {', '.join(DRAWINGS)}: end its name so")
             require_folder(drawing)
-            if drawing.suffix == ".dxf":
-                from musclewire.extras.design._packages import require_dxf
-
-                require_dxf()
         for solid in self.solids:
             if solid.suffix not in SOLIDS:
                 raise CallerError(f"{solid}: a solid is one of {', '.join(SOLIDS)}: end its name so")
             require_folder(solid)
         if self.solids:
-            from musclewire.extras.design._solid import require_cad
-
-            require_cad()
+            require_extra("a solid (STL or STEP)", "cad")
         require_figure_file(self.plot)

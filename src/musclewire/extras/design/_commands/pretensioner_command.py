@@ -119,10 +119,10 @@ def pretensioner(
     del options_file  # its values have become those of the options
     if list_materials:
         return Result(materials_answer(), materials_text())
+    files.require("pretensioner")
     require_one_way(stiffness, file, dimensions)
     if file is not None and making.depth is not None:
         raise CallerError("--depth and --file contradict each other: the file has a depth, leave --depth out")
-    files.require("pretensioner")
     room: AvailableRoom | None
     if stiffness is not None:
         made, name, room = sized(stiffness, duty.duty(), making)

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import socket
-import sys
 
 import pytest
 
-from musclewire.errors import MissingExtraError, RigError
+from musclewire.errors import RigError
 from musclewire.extras.board._serial.line import LineLostError, SerialLine, open_line
-from musclewire.extras.board._serial.ports import serial_ports
 
 
 def test_what_is_written_to_a_loop_comes_back_and_nothing_else() -> None:
@@ -75,12 +73,3 @@ def test_ports_of_this_machine_say_nothing_about_another_machines_address(kind: 
     with pytest.raises(RigError, match=f"cannot open the serial port {kind}://.*efused") as caught:
         open_line(address, 115200)
     assert "here now" not in str(caught.value)
-
-
-def test_without_pyserial_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("serial", "serial.tools"):
-        monkeypatch.setitem(sys.modules, name, None)
-    with pytest.raises(MissingExtraError, match="serial"):
-        open_line("loop://", 115200)
-    with pytest.raises(MissingExtraError, match="serial"):
-        serial_ports()
