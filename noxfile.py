@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import shutil
 import sys
+import time
 import tomllib
 from pathlib import Path
 
@@ -138,6 +140,15 @@ def package(session: nox.Session) -> None:
     beside_it(session)
 
 
+@nox.session(venv_backend="uv")
+def site(session: nox.Session) -> None:
+    """Build the site by README's line for it, in an environment of what that line names."""
+    said = (ROOT / "README.md").read_text("utf-8")
+    install, build = re.findall(r"`(pip install [^`]*|python docs/build[^`]*)`", said)[:2]
+    session.install(*shlex.split(install)[2:])
+    session.run(*shlex.split(build))
+
+
 def beside_it(session: nox.Session) -> None:
     """Try a command whose package is not here: it says which line installs it. Then that line, and the command."""
     said = str(session.run("musclewire", "robustness", silent=True, success_codes=[2])).strip()
@@ -152,7 +163,9 @@ def without_extra(session: nox.Session, row: dict[str, str]) -> None:
     is_command = "command" in row
     command = ["musclewire", *shlex.split(row["command"])] if is_command else ["python", "-c", row["python"]]
     code = 0 if row.get("works") else 2 if is_command else 1
+    began_s = time.monotonic()
     said = str(session.run(*command, silent=True, success_codes=[code])).strip().splitlines()
+    session.log(f"{time.monotonic() - began_s:.2f} s: {shlex.join(command)}")
     cure = str(MissingExtraError("", row["extra"])).strip()
     if not row.get("works") and (not said or not said[-1].endswith(cure) or (is_command and len(said) != 1)):
         session.error(f"{row} must say in one line '{cure}', and says: {said}")

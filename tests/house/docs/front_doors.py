@@ -2,12 +2,12 @@
 
     python3 -m tests.house.docs.front_doors [--environment .venv] [DOOR ...]
 
-The environment is one that README's first command alone has made: without ``--environment`` that command makes one here.
-Every ``sh`` and ``python`` block of a door's pages runs in the order in which it is read, in one shell, and must succeed:
-what installs, too, as root where the page says so. A block that begins with "# second terminal" gets a shell of its own;
-the next one waits until it has printed something, as a reader would. A line that ends with "# ends with 1" must. An
-indented line below a block is what it prints: it must occur in what it printed. README's second command is left out: no
-door needs it.
+The environment is one that README's first command alone has made: without ``--environment`` that command makes one.
+Every ``sh`` and ``python`` block of a door's pages runs in the order in which it is read, in one shell, and must
+succeed: what installs, too, as root where the page says so. A block that begins with "# second terminal" gets a shell
+of its own; the next one waits until it has printed something, as a reader would. A line that ends with "# ends with 1"
+must. An indented line below a block is what it prints: it must occur in what it printed. README's second command is
+left out: no door needs it.
 """
 
 from __future__ import annotations
@@ -46,9 +46,7 @@ def as_typed(text: str) -> str:
     if "apt-get " in text and os.geteuid() != 0:
         text = re.sub(r"^apt-get ", "sudo apt-get ", text, flags=re.M)
     text = ENDS_WITH.sub(r"code=0; \1 || code=$?; test $code -eq \2", text)
-    return patient(
-        "".join(line + "\n" for line in text.splitlines() if "python3 -m venv" not in line and "-m pytest" not in line)
-    )
+    return patient("".join(f"{line}\n" for line in text.splitlines() if ".venv/bin/pip" not in line))
 
 
 class NotFollowedError(Exception):
@@ -86,10 +84,12 @@ PAGE_STOPS = """
 import re
 import subprocess
 import musclewire as mw
-server = subprocess.Popen([".venv/bin/musclewire", "serve", "--port", "0"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-address = next(found[0] for line in server.stdout if (found := re.search(r"http://\\S+", line)))
+command = [".venv/bin/musclewire", "serve", "--port", "18765"]
+server = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+address = next(found[0] for line in server.stdout if (found := re.search(r"http://[0-9.:]+", line)))
 with mw.LiveClient(address) as client:
-    print("the end: the live page's bench is", client.state()["phase"], "and answers a stop with", client.stop())
+    bench = client.wait_for("ready", "off")
+    print("the end: the live page's bench is", bench["phase"], "and answers a stop with", client.stop())
 server.terminate()
 server.wait(timeout=30)
 """
