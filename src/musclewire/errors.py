@@ -106,6 +106,8 @@ def argument(name: str, value: object = None) -> Message:
 def joined(separator: str, texts: Iterable[str]) -> Message:
     """Return texts as one message, with a separator between them."""
     return Message(*[part for text in texts for part in (separator, text)][1:])
+
+
 # What each extra of pyproject.toml brings that is asked for by name; pyproject.toml says why.
 PACKAGES_OF = {
     "parquet": ("pyarrow",),
