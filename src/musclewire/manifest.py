@@ -19,9 +19,19 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, require_extra
 
-__all__ = ["Command", "CommandGroup", "Manifest", "absent_part", "folder_of", "loaded", "manifests", "offered"]
+__all__ = [
+    "Command",
+    "CommandGroup",
+    "Manifest",
+    "absent_part",
+    "folder_of",
+    "loaded",
+    "manifests",
+    "offered",
+    "require_packages_of",
+]
 
 ENTRY_POINTS = "musclewire.extras"
 EXTRAS = Path(__file__).parent / "extras"
@@ -101,6 +111,8 @@ class Manifest:
         "package:folder" with the rig files that come with it, "" for none; "package:" is the package's own folder.
     rig_names
         Other names of its rig files: name to file name without suffix.
+    needs
+        The extra of pyproject.toml without which a kind of rig cannot be opened, by kind.
     readers
         Places of functions that take a path and return what reads that file, or None for a file of no concern to them.
     suffixes_read
@@ -128,6 +140,7 @@ class Manifest:
     run_kinds: Mapping[str, str] = field(default_factory=dict)
     rig_files: str = ""
     rig_names: Mapping[str, str] = field(default_factory=dict)
+    needs: Mapping[str, str] = field(default_factory=dict)
     readers: tuple[str, ...] = ()
     suffixes_read: tuple[str, ...] = ()
     writers: Mapping[str, str] = field(default_factory=dict)
@@ -220,6 +233,30 @@ def offered(kind: str) -> dict[str, str]:
         for name, place in getattr(manifest, kind, {}).items():
             found.setdefault(name, place)
     return found
+
+
+def require_packages_of(rig: str) -> None:
+    """Raise MissingExtraError if a rig's kind needs an extra that is not installed, before anything is imported for it.
+
+    Parameters
+    ----------
+    rig
+        A rig's name or the path of its file. What is wrong with either is said where the rig is opened.
+
+    Raises
+    ------
+    MissingExtraError
+        If a package is missing; it names the extra.
+    """
+    named = f"{offered('rig_names').get(rig, rig)}.toml"
+    shipped = (folder_of(manifest.rig_files) / named for manifest in manifests() if manifest.rig_files)
+    try:
+        file = next((path for path in shipped if path.is_file()), Path(rig))
+        kind = tomllib.loads(file.read_text(encoding="utf-8")).get("kind")
+    except (OSError, ValueError):
+        return
+    if isinstance(kind, str) and kind in offered("needs"):
+        require_extra(f"a rig of kind {kind}", offered("needs")[kind])
 
 
 @cache

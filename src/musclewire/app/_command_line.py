@@ -18,7 +18,7 @@ from typer.core import TyperCommand, TyperGroup
 from musclewire.app._core_commands import COMMANDS, GROUPS, PANELS
 from musclewire.app._options import BeyondCatalogue, Json
 from musclewire.app._output import Result, run_command
-from musclewire.manifest import Command, CommandGroup, absent_part, loaded, manifests
+from musclewire.manifest import Command, CommandGroup, absent_part, loaded, manifests, require_packages_of
 
 # Commands with one of these parameters have a rig or a wire, whose numbers --beyond-catalogue confirms.
 WITH_A_WIRE = {"rig", "wire", "study", "wire_file"}
@@ -48,6 +48,9 @@ def flat(function: Callable[..., Result | None]) -> Callable[..., None]:
             else values[name]
             for name in signature.parameters
         }
+        rigs = values.get("rig") or ()
+        for rig in [rigs] if isinstance(rigs, str) else rigs:
+            require_packages_of(rig)
         if not values.get(BEYOND, False):
             run_command(function, values.get("json", False), **given)
             return

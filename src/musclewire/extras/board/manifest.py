@@ -29,6 +29,7 @@ MANIFEST = Manifest(
         "nidaq": "musclewire.extras.board._nidaq.device:NIDAQ",
         "serial": "musclewire.extras.board._serial.device:SERIAL",
     },
+    needs={"nidaq": "nidaq"},
     rig_files="musclewire.extras.board:rig_files",
     rig_names={
         "uno": "arduino-uno",

@@ -155,11 +155,11 @@ def finger(
     refined: Annotated[int, REFINED] = 1,
 ) -> Result:
     """Size a tendon-driven flexible finger, or compute what one of given dimensions does."""
+    del options_file  # its values have become those of the options
+    files.require("finger")
     from musclewire.extras.design._finger.finger_study import FingerStudy, study_finger
     from musclewire.parameters import load_material
 
-    del options_file  # its values have become those of the options
-    files.require("finger")
     section.require_one_way()
     require_effect(context, section, obstacle, wire)
     material = load_material(task.material)

@@ -76,6 +76,7 @@ def checks_of(name: str, table: Mapping[str, Any], texts: Mapping[str, str]) -> 
 def check_of(name: str, keys: dict[str, Any], texts: Mapping[str, str]) -> PaperCheck:
     """Return the check of one row; what is no key of a row is an argument of its measure."""
     row, label = name.format(**keys), keys.pop("label", "")
+    keys.pop("needs", None)  # has been asked for before anything was imported
     paper, tolerance, measure = printed(keys.pop("paper")), keys.pop("tolerance"), keys.pop("measure")
     unit, why, kind, compare, origin = (keys.pop(key) for key in ("unit", "why", "kind", "compare", "origin"))
     return PaperCheck(
