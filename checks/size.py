@@ -24,7 +24,7 @@ import subprocess
 import sys
 import tempfile
 import tomllib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib import import_module
 from itertools import chain
 from pathlib import Path
@@ -285,6 +285,12 @@ def sizes() -> dict[str, int]:
     return found
 
 
+def changed(changes: Mapping[str, int]) -> tuple[list[str], list[str]]:
+    """Return the names of the held sizes that have risen, and of those that have fallen."""
+    held = {name: change for name, change in changes.items() if name not in NOT_HELD}
+    return [name for name, change in held.items() if change > 0], [name for name, change in held.items() if change < 0]
+
+
 def main() -> int:
     """Print the sizes beside their record; return 1 if one has risen."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -304,10 +310,10 @@ def main() -> int:
     record = tomllib.loads(RECORD.read_text("utf-8")) if RECORD.is_file() else {}
     if arguments.record:
         RECORD.write_text(f"{head}\n\n" + "".join(f"{name} = {found[name]}\n" for name in found), encoding="utf-8")
-    risen = [name for name in found if name not in NOT_HELD and found[name] > record.get(name, found[name])]
-    fallen = [name for name in found if name not in NOT_HELD and found[name] < record.get(name, found[name])]
+    changes = {name: found[name] - record.get(name, found[name]) for name in found}
+    risen, fallen = changed(changes)
     for name, size in found.items():
-        change = size - record.get(name, size)
+        change = changes[name]
         said = "not held" if name in NOT_HELD else f"{change:+d}" if change else ""
         print(f"{size:8,d}  {name:24s}{said}".rstrip())
     if arguments.record:
