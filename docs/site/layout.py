@@ -21,8 +21,9 @@ LINK = re.compile(r"(!?\[[^\]]*\])\(([^)\s#]+)(#[^)\s]*)?\)")
 FENCED = re.compile(r"^(`{3,})[^\n]*\n.*?^\1\s*$|`[^`\n]+`", re.M | re.S)
 MERMAID = re.compile(r"^```mermaid\n(.*?)^```$", re.M | re.S)
 HEADING = re.compile(r"^(#{2,3}) (.+)$", re.M)
-# A page that is in no commit, as a committed page names it.
-ON_SITE = re.compile(r"`site:([\w/]+)(#[\w-]+)?`")
+# The page that has a heading for each page in no commit, and below it one for each place there that a page links to.
+GENERATED = "reference/generated.md"
+SAID_OF_PAGE = re.compile(r"^## (\w+)\n\n`[^`]+`: (.+)$", re.M)
 LISTED = re.compile(r"\]\(([\w./-]+\.(?:md|ipynb))\)")
 
 
@@ -37,6 +38,9 @@ def lay_out(root: Path, sources: Path, written: Mapping[str, str]) -> None:
     for name, text in written.items():
         (sources / f"{name}.md").write_text(text, encoding="utf-8")
     titles = {name: text.partition("\n")[0].removeprefix("# ") for name, text in written.items()}
+    generated = sources / GENERATED
+    places = places_of(generated.read_text("utf-8"))
+    generated.write_text(listed_pages(generated.read_text("utf-8"), titles, docs), encoding="utf-8")
     for page in sorted([*sources.rglob("*.md"), *sources.rglob("*.ipynb")]):
         path = page.relative_to(sources).as_posix()
         origin = origin_of(path, root)
@@ -45,7 +49,7 @@ def lay_out(root: Path, sources: Path, written: Mapping[str, str]) -> None:
             text = f"---\nnosearch: true\n---\n\n{text}"
         text = MERMAID.sub(lambda found: transitions_as_table(found[1]), text)
         text = relinked(text, origin, page, root, sources)
-        page.write_text(with_written_pages(text, page, sources, titles), encoding="utf-8")
+        page.write_text(to_written_pages(text, page, sources, places, titles), encoding="utf-8")
     add_navigation(sources)
 
 
@@ -90,14 +94,36 @@ def relinked(text: str, origin: Path, page: Path, root: Path, sources: Path) -> 
     return outside_of_code(text, lambda part: LINK.sub(led, part))
 
 
-def with_written_pages(text: str, page: Path, sources: Path, titles: Mapping[str, str]) -> str:
-    """Return a page with links, by their titles, to the pages that it names as ``site:NAME``."""
+def places_of(generated: str) -> dict[str, tuple[str, str]]:
+    """Return for each heading of the list of written pages its page's name, and the place there or ""."""
+    places, page = {}, ""
+    for level, heading in HEADING.findall(generated):
+        page = f"reference/{heading}" if level == "##" else page
+        places[heading] = page, "" if level == "##" else f"#{heading}"
+    return places
+
+
+def listed_pages(generated: str, titles: Mapping[str, str], docs: Path) -> str:
+    """Return the list of written pages as the site has it: with links to them, which are its navigation."""
+    said = SAID_OF_PAGE.findall(generated)
+    rows = [f"- [{titles[f'reference/{name}']}]({name}.md): {what}" for name, what in said]
+    added = [name for name, _ in said if not (docs / f"reference/{name}.md").exists()]
+    return "\n".join([generated.partition("\n")[0], "", *rows, "", toctree(added, "")])
+
+
+def to_written_pages(
+    text: str, page: Path, sources: Path, places: Mapping[str, tuple[str, str]], titles: Mapping[str, str]
+) -> str:
+    """Return a page with links to the written pages that a checkout only lists; one by its name has its title."""
 
     def led(found: re.Match[str]) -> str:
-        place = os.path.relpath(sources / f"{found[1]}.md", page.parent)
-        return f"[{titles[found[1]]}]({place}{found[2] or ''})"
+        if Path(found[2]).name != Path(GENERATED).name or not found[3]:
+            return found[0]
+        name, inside = places[found[3][1:]]
+        words = f"[{titles[name]}]" if found[1] == f"[{Path(name).name}]" else found[1]
+        return f"{words}({os.path.relpath(sources / f'{name}.md', page.parent)}{inside})"
 
-    return ON_SITE.sub(led, text)
+    return outside_of_code(text, lambda part: LINK.sub(led, part))
 
 
 def outside_of_code(text: str, change: Callable[[str], str]) -> str:

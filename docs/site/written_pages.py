@@ -6,7 +6,7 @@ firmware, what rows of the paper say.
     python docs/site/written_pages.py          lists their names
     python docs/site/written_pages.py NAME     prints one, as reference/protection
 
-A committed page names one as ``site:NAME`` in code, which layout.py makes a link: no link of a checkout leads nowhere.
+A committed page links to the heading that docs/reference/generated.md has for each; layout.py leads it to the page.
 """
 
 from __future__ import annotations

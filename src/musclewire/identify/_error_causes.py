@@ -40,7 +40,7 @@ UNUSABLE = "that are no measurements"
 UNNOTICED = "colder than the model begins, which the estimator did not notice"
 # The mean error over so many samples is what noise of single readings leaves.
 MEAN_SAMPLES = 33
-# A cause explains an error if without its share at most this fraction of the error remains.
+# A cause explains an error if without its part at most this fraction of the error remains.
 EXPLAINED = 0.5
 # A single reading is off by at most so many times the noise.
 NOISES = 3.0
@@ -166,9 +166,9 @@ def error_groups(judged: JudgedEstimate) -> tuple[ErrorGroup, ...]:
     error = judged.error_pct
     squares = np.where(judged.valid, error**2, 0.0)
     heating = rising_of(judged)
-    shares = shares_of(judged, heating)
+    parts = parts_of(judged, heating)
     found = []
-    for cause, members in caused_by(shares, judged.estimated - judged.measured, judged.valid).items():
+    for cause, members in caused_by(parts, judged.estimated - judged.measured, judged.valid).items():
         if not members.any():
             continue
         others = judged.valid & ~members
@@ -186,24 +186,24 @@ def error_groups(judged: JudgedEstimate) -> tuple[ErrorGroup, ...]:
                 voltage_v=voltage_at(judged.recording, worst),
                 estimated=float(judged.estimated[worst]),
                 measured=float(judged.measured[worst]),
-                explained=float(shares[cause][worst]),
+                explained=float(parts[cause][worst]),
             )
         )
     return tuple(sorted(found, key=lambda group: -group.squared_error_fraction))
 
 
-def caused_by(shares: Mapping[ErrorCause, FloatArray], error: FloatArray, valid: Mask) -> dict[ErrorCause, Mask]:
-    """Return the counted samples of each cause; a sample has the first whose share leaves little of its error."""
+def caused_by(parts: Mapping[ErrorCause, FloatArray], error: FloatArray, valid: Mask) -> dict[ErrorCause, Mask]:
+    """Return the counted samples of each cause; a sample has the first whose part leaves little of its error."""
     free = valid.copy()
     groups = {}
-    for cause, share in shares.items():
-        holds = np.abs(error - share) <= EXPLAINED * np.abs(error)
+    for cause, part in parts.items():
+        holds = np.abs(error - part) <= EXPLAINED * np.abs(error)
         groups[cause] = free & holds
         free &= ~holds
     return groups
 
 
-def shares_of(judged: JudgedEstimate, heating: Mask) -> dict[ErrorCause, FloatArray]:
+def parts_of(judged: JudgedEstimate, heating: Mask) -> dict[ErrorCause, FloatArray]:
     """Return how much of each sample's error each cause makes, in the model's quantity; the last makes all of it.
 
     What an estimate between the branches is off the wire's own makes their gap, what one elsewhere is off it the

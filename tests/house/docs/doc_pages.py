@@ -25,6 +25,17 @@ def tables_of(text: str) -> list[list[dict[str, str]]]:
     return tables
 
 
+def anchors_of(text: str) -> list[str]:
+    """Return the anchors of a Markdown page's headings, as GitHub makes them."""
+    text = re.sub(r"^(```+|~~~+).*?^\1", "", text, flags=re.M | re.S)
+    found: list[str] = []
+    for heading in re.findall(r"^#{1,6} (.+?)\s*$", text, re.M):
+        words = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).lower()
+        anchor = re.sub(r"[^\w\- ]", "", words).replace(" ", "-")
+        found.append(f"{anchor}-{again}" if (again := sum(one == anchor for one in found)) else anchor)
+    return found
+
+
 def code_words(cell: str) -> list[str]:
     """Return the texts between backticks in a cell."""
     return re.findall(r"`([^`]+)`", cell)

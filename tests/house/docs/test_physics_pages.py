@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.house.docs.doc_pages import code_words, resolve, tables_of
+from tests.house.docs.doc_pages import anchors_of, code_words, resolve, tables_of
 from tests.places import CHECKOUT
 
 FOLDERS = [str(CHECKOUT / "docs" / name) for name in ("images", "site")]
 PHYSICS = CHECKOUT / "docs" / "explanation" / "physics.md"
 FOUND = CHECKOUT / "docs" / "explanation" / "parameters.md"
 TURNS = CHECKOUT / "docs" / "explanation" / "turns_and_minor_loops.md"
-# Pages that follow from the code alone: docs/site/written_pages.py. And how a committed page names one of them.
+# Pages that follow from the code alone: docs/site/written_pages.py. A checkout has a heading for each.
 WRITTEN = (
     "circuits",
     "columns",
@@ -33,7 +33,7 @@ COMMAND_LINE = "reference/command_line"
 PAPER_MAP = "reference/paper_map"
 IN_PART = [COMMAND_LINE, "reference/firmware_protocol", PAPER_MAP]
 NUMBERS = "reference/simulated_numbers"  # after a minute of simulations
-NAMED = re.compile(r"`site:([\w/]+)(?:#[\w-]+)?`")
+LISTED = CHECKOUT / "docs/reference/generated.md"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
 AGAIN = "run python docs/images/draw.py and commit what it changes"
 
@@ -75,14 +75,24 @@ def test_a_page_that_the_site_adds_has_tables_and_each_row_of_a_name_says_someth
     assert [line for line in named if line.split(" | ")[-1].strip(" |") == ""] == []
 
 
-def test_the_pages_that_the_site_adds_are_those_that_committed_pages_name_and_none_is_committed(
+def test_the_pages_that_the_site_adds_are_those_that_a_checkout_lists_and_none_is_committed(
     written: dict[str, Callable[[], str]],
 ) -> None:
     """Of some pages a part is."""
     assert set(written) == {*IN_PART, NUMBERS, *(f"reference/{name}" for name in WRITTEN)}
-    committed = [CHECKOUT / "README.md", *(CHECKOUT / "docs").rglob("*.md")]
-    assert {name for page in committed for name in NAMED.findall(page.read_text("utf-8"))} == set(written)
+    listed = re.findall(
+        r"^## (\w+)\n\n`python docs/site/written_pages.py ([\w/]+)`: .", LISTED.read_text("utf-8"), re.M
+    )
+    assert sorted(listed) == sorted((name.removeprefix("reference/"), name) for name in written)
     assert [name for name in written if (CHECKOUT / f"docs/{name}.md").exists()] == IN_PART
+
+
+def test_a_written_page_has_each_place_that_a_checkout_lists(written: dict[str, Callable[[], str]]) -> None:
+    sections = re.findall(r"^## (\w+)\n(.*?)(?=^## |\Z)", LISTED.read_text("utf-8"), re.M | re.S)
+    places = {f"reference/{name}": set(re.findall(r"^### (.+)$", text, re.M)) for name, text in sections}
+    missing = {name: wanted - set(anchors_of(written[name]())) for name, wanted in places.items() if wanted}
+    assert len(missing) > 3
+    assert {name: left for name, left in missing.items() if left} == {}
 
 
 def test_every_link_of_a_page_that_the_site_adds_leads_to_a_page(written: dict[str, Callable[[], str]]) -> None:

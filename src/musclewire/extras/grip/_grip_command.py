@@ -45,7 +45,7 @@ TOLERANCE = quantity(
     "--tolerance", "N", "Exit code 1 if the instrument shows a held force further from the target than this.", low=0.0
 )
 OF_THE_OBJECT = own_help(
-    "--known-stiffness", "Known stiffness of the object, as '50 N/m'; by default it is found by what contact costs."
+    "--known-stiffness", "Known stiffness of the object, as '50 N/m'; by default the power that contact costs shows it."
 )
 NO_OBJECT = option("--no-object", help="Simulate the grip without any object.")
 LEARNED = option("--learned", help="File of the trained gripper (.json): read, or written after training.")
