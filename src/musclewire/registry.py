@@ -131,6 +131,10 @@ class Registry(Generic[Kind]):
             )
         return made
 
+    def __repr__(self) -> str:
+        """Return the names of the kinds."""
+        return f"{self.what}s: {', '.join(self.names())}"
+
     def __getitem__(self, name: str) -> Kind:
         """Return ``find(name)``."""
         return self.find(name)

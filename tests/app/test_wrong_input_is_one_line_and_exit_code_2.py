@@ -170,3 +170,11 @@ def test_an_existing_recording_is_not_replaced_without_overwrite(
     assert musclewire(*command).code == 2
     assert path.read_bytes() == b"precious"
     assert musclewire(*command, "--overwrite").code == 0
+
+
+def test_swapped_files_are_told_which_comes_first(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    recording, model = tmp_path / "loop.h5", tmp_path / "model.json"
+    recording.write_bytes(b"\x89HDF")
+    model.write_text("{}")
+    assert "before a recording the model (.json) comes first" in musclewire("estimate", recording, model).refusal
+    assert "a .json file is a model, and no recording" in musclewire("fit", model).refusal

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+import musclewire as mw
 from musclewire.errors import CallerError
 from musclewire.registry import Registry
 
@@ -79,3 +80,7 @@ def test_what_makes_nothing_is_not_registered() -> None:
     kinds: Registry[Any] = Registry("controller", "nothing", {}, parts=("step",))
     with pytest.raises(CallerError, match="by its class or by a function that makes one, not by an int"):
         kinds.register("bad", 3)
+
+
+def test_a_registry_shows_its_names() -> None:
+    assert repr(mw.CONTROLLERS) == f"controllers: {', '.join(mw.CONTROLLERS.names())}"

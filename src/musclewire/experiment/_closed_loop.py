@@ -28,7 +28,7 @@ from musclewire.experiment._known_strain import ScaleByKnownStrain, known_strain
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig, what_protects
 from musclewire.experiment._scale_by_b import KEPT, TODAY, ZEROS, ScaleByB
-from musclewire.experiment._speed_limits import check_targets, fastest_way, speed_metadata, staircase_within
+from musclewire.experiment._speed_limits import check_targets, fastest_way, followed, speed_metadata
 from musclewire.identify import (
     COLUMN_SUFFIX,
     FastestWay,
@@ -394,7 +394,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
     load, settled = choice.load, choice.settled(model, rig.sample_period_s)
     if load is not None:
         model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
-    chosen = staircase_within(model) if reference is None else reference
+    chosen = followed(model, reference)
     # Resistance is proportional to length: a model of another length would read a cold wire as a contracted one. And
     # the displacement of a finger's endpoint belongs to that finger.
     facts = rig.metadata()

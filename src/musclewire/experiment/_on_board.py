@@ -14,7 +14,7 @@ from musclewire.errors import CallerError
 from musclewire.experiment._closed_loop import APPROACH_S
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
-from musclewire.experiment._speed_limits import check_targets, fastest_way, speed_metadata, staircase_within
+from musclewire.experiment._speed_limits import check_targets, fastest_way, followed, speed_metadata
 from musclewire.identify import COLUMN_SUFFIX, FastestWay, check_made_for, load_facts, settings_for
 from musclewire.rigs import HasOnBoardLoop, Rig, ability
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
@@ -124,7 +124,7 @@ def control_on_board(
             f"{loop.model_checksum:08x}, this model's is {checksum:08x}): build it with this model "
             "(firmware/build.py --model) and flash it"
         )
-    chosen = staircase_within(model) if reference is None else reference
+    chosen = followed(model, reference)
     check_targets(model, chosen, rig.sample_period_s)
     check_made_for(model, rig.metadata())
     recording = run_on_rig(

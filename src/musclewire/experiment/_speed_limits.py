@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from musclewire.controllers import FeedforwardSettings, Reference, Staircase, SteeredReference, staircase
-from musclewire.errors import CallerError, RecordingError
+from musclewire.errors import CallerError, RecordingError, an_object
 from musclewire.experiment._run import what_protects
 from musclewire.identify import FastestWay, SpeedLimits, speed_limits_of
 from musclewire.rigs import Rig
@@ -37,6 +37,16 @@ def staircase_within(model: SensingModel) -> Staircase:
             f"{model.quantity} from {factor * model.quantity_min:.4g} {name}: give a reference of your own"
         )
     return staircase(0.5 * top, top, 0.5 * top / STEPS)
+
+
+def followed(model: SensingModel, reference: Reference | None) -> Reference:
+    """Return a reference, by default the staircase within the model. Raises CallerError for what is no reference."""
+    if reference is not None and not hasattr(reference, "targets_at"):
+        raise CallerError(
+            "a reference is made by staircase(start, stop, increment) or sampled_reference(time_s, target), not "
+            f"{an_object(reference)}"
+        )
+    return staircase_within(model) if reference is None else reference
 
 
 def check_targets(model: SensingModel, reference: Reference, sample_period_s: float, shift: float = 0.0) -> None:
@@ -128,7 +138,7 @@ def speed_limits(
     """
     if load is not None:
         model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
-    chosen = staircase_within(model) if reference is None else reference
+    chosen = followed(model, reference)
     check_targets(model, chosen, rig.sample_period_s)
     return speed_limits_of(model, chosen, *speed_facts(rig, model, settings), from_cold=from_cold)
 

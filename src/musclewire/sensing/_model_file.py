@@ -188,7 +188,12 @@ def read_fields(path: str | PathLike[str]) -> dict[str, Any]:
 
 def _document(source: Path) -> dict[str, Any]:
     """Return the JSON object in the file, after checks of size, format and version."""
-    document = json_of(read_small(source, "model file"), f"{source} is not a model file")
+    try:
+        document = json_of(read_small(source, "model file"), f"{source} is not a model file")
+    except CallerError as error:
+        if source.is_file() and source.suffix.lower() != ".json":
+            raise CallerError(f"{error}; before a recording the model (.json) comes first") from None
+        raise
     if not isinstance(document, dict) or document.get("format") != MODEL_FORMAT:
         raise CallerError(f'{source} is not a model file: it lacks "format": "{MODEL_FORMAT}"')
     version = document.get("version")

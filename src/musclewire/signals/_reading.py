@@ -337,6 +337,8 @@ def _reader_for(path: Path) -> Callable[[Path, str | None], SourceTable]:
         return lambda file, group: read_text_table(_without_groups(file, group))
     if (absent := absent_part("suffixes", suffix)) is not None:
         raise absent
+    if suffix == ".json":
+        raise RecordingError(f"{path}: a .json file is a model, and no recording: give the recording here")
     *others, last = [*OWN_SUFFIXES, *(each for manifest in manifests() for each in manifest.suffixes_read)]
     known = f"{', '.join(others)} or {last}"
     raise RecordingError(f"{path}: files ending in '{suffix}' are not read; export it as {known}")

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -8,7 +9,7 @@ from hypothesis import strategies as st
 
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError
-from musclewire.experiment._speed_limits import staircase_within
+from musclewire.experiment._speed_limits import followed, staircase_within
 from musclewire.sensing import SensingModel
 
 STRAIN = SensingModel(15.0, 17.0, (0.036, -0.036), (0.036, -0.036), 0.0, 1.0)
@@ -35,3 +36,9 @@ def test_a_model_that_senses_too_little_gets_no_staircase() -> None:
     model = replace(STRAIN, quantity="force", heating_coefficients=(1.0, -0.3), cooling_coefficients=(1.0, -0.3))
     with pytest.raises(CallerError, match="no staircase fits"):
         staircase_within(model)
+
+
+@pytest.mark.parametrize("wrong", [0.02, [0.01, 0.02], staircase])
+def test_what_is_no_reference_is_told_what_makes_one(wrong: Any) -> None:
+    with pytest.raises(CallerError, match=r"made by staircase.* or sampled_reference.*, not an? (float|list|function)"):
+        followed(STRAIN, wrong)
