@@ -371,7 +371,7 @@ def new_target(wire: KnownWire, state: Row, target: float, value: float, cold: b
 def count_target(state: Row, dt_s: float) -> None:
     """Count for how long the target has held, and for the watches since when it has moved one way, or rested.
 
-    Each sample of a moving target is a new one, and a watch that began anew with each would never see anything.
+    Each sample of a moving target is a new one, and a watch that began again with each would never see anything.
     """
     moved = state["held_s"] < REST_S
     state["held_s"] += dt_s

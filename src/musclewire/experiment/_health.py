@@ -302,7 +302,7 @@ def in_words_at_b(recording: Recording) -> str:
 
 
 def missed_in_words(recording: Recording) -> str:
-    """Return in words for how much of the time and by how much a target was missed, and by what, where that is known.
+    """Return in words for how much of the time and by how much a target was missed, and the cause, where it is known.
 
     Known is what was there at more than half of the samples that miss.
     """
@@ -320,8 +320,8 @@ def missed_in_words(recording: Recording) -> str:
     why = next((f": {name}" for name, there in known.items() if (there & rows).sum() > 0.5 * rows.sum()), "")
     quantity = next(name for name, one in COLUMN_SUFFIX.items() if one == suffix)
     factor, unit = SHOWN_AS[quantity]
-    share_pct = 100.0 * rows.sum() / with_target(recording).sum()
-    return f"{share_pct:.0f} % of the time, by up to {factor * np.abs(missed.away[rows]).max():.2g} {unit}{why}"
+    missed_pct = 100.0 * rows.sum() / with_target(recording).sum()
+    return f"{missed_pct:.0f} % of the time, by up to {factor * np.abs(missed.away[rows]).max():.2g} {unit}{why}"
 
 
 def miss_in_words(recording: Recording) -> str:

@@ -54,7 +54,7 @@ class SeenLoop(NamedTuple):
     sensed_range: float
 
     def misses(self) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
-        """Return where the target is missed, and where the interval is too wide to tell whether it is."""
+        """Return where the target is missed, and where the interval is too wide to say whether it is."""
         away = np.subtract(self.estimate, self.target)
         tolerance = np.maximum(OF_TARGET * np.abs(self.target), OF_RANGE * self.sensed_range)
         half_width = np.where(np.asarray(self.valid) > 0.0, WITHIN_STD * np.asarray(self.std), 0.0)
@@ -83,7 +83,7 @@ class MissedTarget:
     rows
         The samples at which the target was missed, (n_times,); none of an interrupted run, or if they are few.
     hidden
-        Those at which it may have been, but the interval is too wide to tell.
+        Those at which it may have been, but the interval is too wide to say.
     """
 
     def __init__(self, recording: Recording, suffix: str, judged: npt.NDArray[np.bool_]) -> None:
