@@ -22,8 +22,12 @@ MANIFEST = Manifest(
     names={
         "Selection": "musclewire_robustness.benchmark:Selection",
         "robustness": "musclewire_robustness.benchmark:robustness",
+        "task_table": "musclewire_robustness.task_table:task_table",
         "runs_of": "musclewire_robustness.store:runs_of",
         "tuning_seeds": "musclewire_robustness.population:tuning_seeds",
     },
-    run_kinds={"robustness": "musclewire_robustness.kind:ROBUSTNESS"},
+    run_kinds={
+        "robustness": "musclewire_robustness.kind:ROBUSTNESS",
+        "task": "musclewire_robustness.task_runs:TASK_RUNS",
+    },
 )

@@ -7,6 +7,7 @@ from typing import Annotated
 from musclewire.app import AnswerModel, AnswerRecord
 from musclewire_robustness.grips import GripRow
 from musclewire_robustness.table_text import RobustnessRow
+from musclewire_robustness.task_table import NamedRuns, TaskRow
 from musclewire_robustness.verdicts import BarVerdict
 
 Words = tuple[str, ...]
@@ -38,4 +39,13 @@ class RobustnessNames(AnswerModel):
     controllers: Words
 
 
-RobustnessAnswers = RobustnessAnswer | RobustnessNames
+class TasksAnswer(AnswerModel):
+    """Of ``robustness --tasks``; the file ``tasks.json`` has all of it."""
+
+    rows: tuple[TaskRow, ...]
+    named: tuple[NamedRuns, ...]
+    quick: bool
+    wall_s: float
+
+
+RobustnessAnswers = RobustnessAnswer | RobustnessNames | TasksAnswer

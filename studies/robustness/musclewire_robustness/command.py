@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -39,6 +40,10 @@ TRACK = option(
     "--track", help="A reference that the wire follows, by name; --list shows them. Repeatable.", metavar="NAME"
 )
 ESTIMATORS = option("--estimators", help="An estimator to compare, by name. Repeatable.", metavar="NAME")
+TASKS = option(
+    "--tasks", help="Tasks on many plants instead: the default loop, the fuzzy PID and a PI on a sensor, side by side."
+)
+ONLY = option("--only", help="Only rows of --tasks with this in their name. Repeatable.", metavar="ROW")
 CONTROLLERS = option(
     "--controllers", help="A controller to compare, by name; 'none' for no closed loops. Repeatable.", metavar="NAME"
 )
@@ -55,6 +60,12 @@ class WhatIsRun:
     track: Annotated[list[str] | None, TRACK] = None
     estimators: Annotated[list[str] | None, ESTIMATORS] = None
     controllers: Annotated[list[str] | None, CONTROLLERS] = None
+
+    def refuse_all_but_quick(self) -> None:
+        """Raise CallerError for a choice that the tasks do not have."""
+        given = [f"--{one.name}" for one in fields(self) if one.name != "quick" and getattr(self, one.name)]
+        if given:
+            raise CallerError(f"--tasks has rows of its own, which --only chooses: leave out {', '.join(given)}")
 
     def selection(self) -> Selection:
         """Return what is run. Raises CallerError for wires that are no seeds, and for two choices of them."""
@@ -74,6 +85,22 @@ class WhatIsRun:
             controllers=() if self.controllers == ["none"] else chosen(self.controllers),
             quick=self.quick,
         )
+
+
+def done_tasks(only: Sequence[str], folder: Path, workers: int | None, *, quick: bool) -> Result:
+    """Run the tasks and write their rows into the folder."""
+    from musclewire.signals import write_text_whole
+    from musclewire_robustness.answers import TasksAnswer
+    from musclewire_robustness.task_table import task_table
+
+    with resumable(folder), stops_between_samples(), run_bar("runs") as on_progress:
+        table = task_table(
+            only, quick=quick, folder=folder, workers=workers, on_progress=on_progress, look=stop_if_asked
+        )
+    answer = TasksAnswer.read_from(table)
+    text = json.dumps(answer.model_dump(mode="json"), indent=1, allow_nan=False)
+    write_text_whole(folder / "tasks.json", text + "\n")
+    return Result(answer, f"{table}\n{table.wall_s:.0f} s; {folder / 'tasks.json'}")
 
 
 def chosen_seeds(text: str | None) -> tuple[int, ...] | None:
@@ -99,6 +126,8 @@ def robustness(
         Path | None, own_help("--output", "Folder of the runs and their report; by default 'robustness'.")
     ] = None,
     workers: Annotated[int | None, WORKERS] = None,
+    tasks: Annotated[bool, TASKS] = False,
+    only: Annotated[list[str] | None, ONLY] = None,
     list_all: Annotated[bool, LIST] = False,
 ) -> Result:
     """Compare estimators and controllers on a population of simulated wires under disturbance.
@@ -113,8 +142,13 @@ def robustness(
 
     if list_all:
         return known_names()
-    figure.check()
     folder = output or FOLDER
+    if tasks:
+        what.refuse_all_but_quick()
+        return done_tasks(only or (), folder, workers, quick=what.quick)
+    if only:
+        raise CallerError("--only chooses rows of --tasks: give both")
+    figure.check()
     with resumable(folder), stops_between_samples(), run_bar("parts") as on_progress:
         result = run_robustness(
             what.selection(), folder=folder, workers=workers, on_progress=on_progress, look=stop_if_asked

@@ -96,12 +96,12 @@ ZERO_SAMPLES = 20
 class StrainServo:
     """PI controller of the heating power on the measured strain."""
 
-    def __init__(self, rig: Rig, knowledge: UsersKnowledge) -> None:
+    def __init__(self, rig: Rig, stroke: float, amplitude_v: float) -> None:
         """Take the rig's limits, and what the user knows of stroke and amplitude."""
         self._low, self._full, self._high = (
-            volts**2 for volts in (rig.sense_voltage_v, knowledge.amplitude_v, rig.maximum_voltage_v)
+            volts**2 for volts in (rig.sense_voltage_v, amplitude_v, rig.maximum_voltage_v)
         )
-        self._stroke, self._period_s = knowledge.stroke, rig.sample_period_s
+        self._stroke, self._period_s = stroke, rig.sample_period_s
         self._integral = 0.0
 
     def drive_v(self, target: float, strain: float) -> float:
@@ -156,7 +156,7 @@ def followed(
     """Return what was recorded while a wire followed the start-up loop and a reference."""
     rig, run = plant.rig, settings().run
     targets = run_targets(wire, condition, reference, knowledge.stroke, run, rig.sample_period_s)
-    servo, rows = StrainServo(rig, knowledge), RunRows(plant)
+    servo, rows = StrainServo(rig, knowledge.stroke, knowledge.amplitude_v), RunRows(plant)
     began_s = required_true_state(rig).wire_state.time_s + run.start_up_s
     plant.disturbance.change_at(began_s + run.change_at_s)
     drive_v, ended = rig.sense_voltage_v, ""
