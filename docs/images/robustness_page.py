@@ -1,6 +1,6 @@
-"""The table of estimators and loops under disturbance, from the rows that ``musclewire robustness`` has written.
+"""Tables of estimators under disturbance and of controllers at tasks, from rows that ``musclewire robustness`` wrote.
 
-They are a copy of its rows.json: studies/robustness/rows.json, of a run on the held-out seeds.
+They are copies of its files in studies/robustness: rows.json of a run on the held-out seeds, tasks.json of --tasks.
 """
 
 from __future__ import annotations
@@ -11,24 +11,42 @@ from typing import Any
 
 from parameter_page import table
 
-ROWS = Path(__file__).parents[2] / "studies" / "robustness" / "rows.json"
+FOLDER = Path(__file__).parents[2] / "studies" / "robustness"
 # Conditions that the page leaves out, as they are nearly those of another row.
 LEFT_OUT = ("air known", "12 bits", "24 bits")
 
 
 def all_conditions() -> str:
-    """Return errors of estimators, and next to them errors of closed loops, as one table."""
-    data = json.loads(ROWS.read_text("utf-8"))
+    """Return errors of estimators as a table."""
+    data = json.loads((FOLDER / "rows.json").read_text("utf-8"))
     rows = [row for row in data["rows"] if not name_of(row).endswith(LEFT_OUT)]
-    alone, loops = errors(rows), loop_errors(rows)
+    alone = errors(rows)
     conditions = list(dict.fromkeys(map(name_of, rows)))
-    cells = [[item, *(number(found.get(item)) for found in (alone | loops).values())] for item in conditions]
-    heads = [*(f"{name}, %" for name in alone), *(f"loop: {name}, %" for name in loops)]
+    cells = [[item, *(number(found.get(item)) for found in alone.values())] for item in conditions]
     return (
-        "Estimators: root mean square error in percent of the full stroke. Loops: mean absolute error in percent of "
-        f"the target on the paper's staircase, approach included. {len(data['seeds'])} wires, {data['seeds_are']}; "
-        f"references: {', '.join(data['references'])}.\n\n{table(['condition', *heads], cells)}"
+        f"Root mean square error in percent of the full stroke. {len(data['seeds'])} wires, {data['seeds_are']}; "
+        f"references: {', '.join(data['references'])}.\n\n"
+        f"{table(['condition', *(f'{name}, %' for name in alone)], cells)}"
     )
+
+
+def all_tasks() -> str:
+    """Return mean and largest errors of controllers at tasks as a table."""
+    rows = json.loads((FOLDER / "tasks.json").read_text("utf-8"))["rows"]
+    controllers = list(dict.fromkeys(row["controller"] for row in rows))
+    found = {(row["plant"], row["task"], row["condition"], row["controller"]): row for row in rows}
+    cells = [
+        [
+            *name,
+            *(
+                f"{number(found[*name, one]['mae_mean_pct'])}; {number(found[*name, one]['error_largest_pct'])}"
+                for one in controllers
+            ),
+        ]
+        for name in dict.fromkeys(key[:3] for key in found)
+    ]
+    heads = ["plant", "task", "condition", *(f"{name}, %" for name in controllers)]
+    return f"Mean and largest error in percent of the target, medians over seeds.\n\n{table(heads, cells)}"
 
 
 def name_of(row: dict[str, Any]) -> str:
@@ -45,15 +63,5 @@ def errors(rows: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
     """Return the root mean square error of each estimator by condition [% of the stroke]."""
     found: dict[str, dict[str, float]] = {}
     for row in rows:
-        if row["controller"] is None:
-            found.setdefault(row["estimator"], {})[name_of(row)] = row["estimate_rms_pct"]
-    return found
-
-
-def loop_errors(rows: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
-    """Return the mean absolute error of each closed loop that has any, by condition [% of the target]."""
-    found: dict[str, dict[str, float]] = {}
-    for row in rows:
-        if row["controller"] is not None and row["mae_mean_pct"] is not None:
-            found.setdefault(f"{row['estimator']}, {row['controller']}", {})[name_of(row)] = row["mae_mean_pct"]
+        found.setdefault(row["estimator"], {})[name_of(row)] = row["estimate_rms_pct"]
     return found

@@ -26,6 +26,7 @@ def page() -> str:
         "Kelvins of rest after a turn inside the loop": turns["rests"],
         "What fits predict that they did not see": alternatives_page.held_out_table(),
         "What it costs to hold a parameter to what is published": alternatives_page.held_inside_table(),
-        "Errors of estimators and closed loops under disturbance": robustness_page.all_conditions(),
+        "Errors of estimators under disturbance": robustness_page.all_conditions(),
+        "Errors of controllers at tasks": robustness_page.all_tasks(),
     }
     return "\n".join([HEAD, *(f"## {title}\n\n{table}\n" for title, table in sections.items())])

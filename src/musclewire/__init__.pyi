@@ -142,6 +142,7 @@ robustness: typing.Any
 runs_of: typing.Any
 steady: typing.Any
 sweep: typing.Any
+task_table: typing.Any
 tuning_seeds: typing.Any
 write_study: typing.Any
 

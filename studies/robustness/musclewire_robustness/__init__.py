@@ -1,4 +1,4 @@
-"""Estimators and controllers on a population of simulated wires under disturbance: ``musclewire robustness``.
+"""Estimators on a population of simulated wires under disturbance, controllers at tasks: ``musclewire robustness``.
 
 A package of its own, as musclewire's users would write it: what it adds is in its manifest.
 """
@@ -13,7 +13,7 @@ MANIFEST = Manifest(
         Command(
             "robustness",
             "musclewire_robustness.command:robustness",
-            "Compare estimators and controllers on a population of simulated wires under disturbance.",
+            "Compare estimators on a population of simulated wires under disturbance, or controllers at tasks.",
             panel="Studies and the paper",
             before="reproduce",
             answer="musclewire_robustness.answers:RobustnessAnswers",

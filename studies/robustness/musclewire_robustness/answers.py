@@ -36,7 +36,6 @@ class RobustnessNames(AnswerModel):
     conditions: Words
     tracks: Words
     estimators: Words
-    controllers: Words
 
 
 class TasksAnswer(AnswerModel):

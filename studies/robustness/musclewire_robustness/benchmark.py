@@ -1,4 +1,4 @@
-"""The benchmark: a population of wires, what disturbs them, every estimator and closed loop, and the bars."""
+"""The benchmark: a population of wires, what disturbs them, every estimator, and the bars."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from musclewire import CONTROLLERS, ESTIMATORS, CallerError, NumericsError
+from musclewire import ESTIMATORS, CallerError, NumericsError
 from musclewire.extras.studies import Workers, read_study, sweep
 from musclewire_robustness.grips import GripRow, grip_rows
 from musclewire_robustness.kind import ANSWER, JobAnswer, answer_of_text
 from musclewire_robustness.population import held_out_seeds, tuning_seeds
 from musclewire_robustness.references import REFERENCES, require_reference
-from musclewire_robustness.rows import EstimatorRow, LoopRow, estimator_rows, loop_rows
-from musclewire_robustness.settings import Condition, RobustnessBars, bars, known_misses, settings
+from musclewire_robustness.rows import EstimatorRow, estimator_rows
+from musclewire_robustness.settings import Condition, bars, known_misses, settings
 from musclewire_robustness.store import FOLDER, sources
 from musclewire_robustness.verdicts import BarVerdict, verdicts_of
 
@@ -36,8 +36,6 @@ class Selection:
         Names of the references that are recorded for estimators.
     estimators
         Names of the estimators.
-    controllers
-        Names of the controllers; empty for no closed loops.
     quick
         Few wires and conditions, one reference: whatever is None is then a part of all.
     """
@@ -46,21 +44,19 @@ class Selection:
     conditions: tuple[str, ...] | None = None
     references: tuple[str, ...] | None = None
     estimators: tuple[str, ...] | None = None
-    controllers: tuple[str, ...] | None = None
     quick: bool = False
 
 
 class ChosenRuns(NamedTuple):
-    """What a selection comes to: seeds, conditions, references, estimators and closed loops."""
+    """What a selection comes to: seeds, conditions, references and estimators."""
 
     seeds: tuple[int, ...]
     conditions: tuple[Condition, ...]
     references: tuple[str, ...]
     estimators: tuple[str, ...]
-    loops: tuple[tuple[str, str], ...]
 
 
-def chosen_by(selection: Selection, known: RobustnessBars) -> ChosenRuns:
+def chosen_by(selection: Selection) -> ChosenRuns:
     """Return what a selection comes to. Raises CallerError for an unknown name, suggesting the nearest."""
     quick = settings().quick
     seeds = settings().population.quick_seeds if selection.quick else held_out_seeds()
@@ -72,30 +68,12 @@ def chosen_by(selection: Selection, known: RobustnessBars) -> ChosenRuns:
         require_reference(name)
     for name in selection.estimators or ():
         ESTIMATORS.find(name)
-    for name in selection.controllers or ():
-        CONTROLLERS.find(name)
-    estimators = tuple(ESTIMATORS.names()) if selection.estimators is None else selection.estimators
     return ChosenRuns(
         seeds if selection.seeds is None else selection.seeds,
         conditions,
         tuple(REFERENCES) if references is None else references,
-        estimators,
-        loops_of(selection, estimators, known),
+        tuple(ESTIMATORS.names()) if selection.estimators is None else selection.estimators,
     )
-
-
-def loops_of(selection: Selection, estimators: Sequence[str], known: RobustnessBars) -> tuple[tuple[str, str], ...]:
-    """Return the closed loops: the default estimator with each controller, and what is taken without a wire file."""
-    controllers = tuple(CONTROLLERS.names()) if selection.controllers is None else selection.controllers
-    if not controllers or not estimators:
-        return ()
-    first = known.default_estimator if known.default_estimator in estimators else estimators[0]
-    if selection.quick and selection.controllers is None:
-        return ((first, known.default_controller),)
-    found = [(first, name) for name in controllers]
-    if known.default_without_wire_file in estimators:
-        found.append((known.default_without_wire_file, known.default_controller))
-    return tuple(dict.fromkeys(found))
 
 
 @dataclass(frozen=True)
@@ -112,10 +90,8 @@ class Robustness:
         Names of the references.
     estimators
         Rows of estimators.
-    loops
-        Rows of closed loops.
     verdicts
-        The bars of the defaults, those that are known to be missed with their reasons.
+        The bars of the default, those that are known to be missed with their reasons.
     grips
         Rows of grips; none in a quick run, or in one of chosen conditions.
     answers
@@ -130,7 +106,6 @@ class Robustness:
     conditions: tuple[Condition, ...]
     references: tuple[str, ...]
     estimators: tuple[EstimatorRow, ...]
-    loops: tuple[LoopRow, ...]
     verdicts: tuple[BarVerdict, ...]
     grips: tuple[GripRow, ...]
     answers: tuple[JobAnswer, ...]
@@ -176,7 +151,6 @@ def study_of(chosen: ChosenRuns, folder: Path) -> dict[str, Any]:
             "keep": [ANSWER],
             "references": list(chosen.references),
             "estimators": list(chosen.estimators),
-            "loops": [list(pair) for pair in chosen.loops],
             "folder": str(folder),
             "sources": sources(),
         },
@@ -206,7 +180,7 @@ def robustness(
     on_progress: OnProgress = lambda *_: None,
     look: Callable[[], None] = lambda: None,
 ) -> Robustness:
-    """Run estimators and closed loops on a population of simulated wires under disturbances.
+    """Run estimators on a population of simulated wires under disturbances.
 
     Every wire differs in structure from the models that an estimator has: other grains, several classes of barrier,
     and half of them in segments along their length. Each is characterized as its user would, from his own noisy
@@ -215,12 +189,12 @@ def robustness(
     Parameters
     ----------
     selection
-        What is run; all wires that are held out, all conditions, references, estimators and controllers if None.
+        What is run; all wires that are held out, all conditions, references and estimators if None.
     folder
         Folder for the recorded runs and answers.
     workers
-        Processes; by default one on each core. With 1 everything runs in this process, where estimators and controllers
-        that a script has registered are known.
+        Processes; by default one on each core. With 1 everything runs in this process, where estimators that a
+        script has registered are known.
     on_progress
         Called with the number of finished parts and of all.
     look
@@ -240,14 +214,14 @@ def robustness(
     Examples
     --------
     >>> from musclewire import Selection, robustness
-    >>> asked = Selection(seeds=(102,), conditions=("none",), references=("sines",), controllers=())
+    >>> asked = Selection(seeds=(102,), conditions=("none",), references=("sines",))
     >>> robustness(asked, folder=folder, workers=1).estimators[0].score.rms_pct < 2.0  # doctest: +SKIP
     True
     """
     began_s = time.perf_counter()
     asked, known = selection or Selection(), bars()
-    chosen = chosen_by(asked, known)
-    seeds, conditions, references, estimators, _ = chosen
+    chosen = chosen_by(asked)
+    seeds, conditions, references, estimators = chosen
     if not seeds or not estimators:
         raise CallerError("the benchmark needs a seed and an estimator or more")
     plan = read_study(study_of(chosen, Path(folder)))
@@ -263,8 +237,7 @@ def robustness(
         raise NumericsError(f"a run of the benchmark has failed: {error}")
     answers = tuple(answer_of_text(text) for text in result.texts[ANSWER])
     rows = estimator_rows(answers, conditions, known)
-    runs = loop_rows(answers, conditions, known)
-    verdicts = verdicts_of(rows, runs, known, known_misses().reasons(quick=asked.quick))
+    verdicts = verdicts_of(rows, known, known_misses().reasons(quick=asked.quick))
     grips = () if asked.quick or asked.conditions is not None else grip_rows()
     wall_s = time.perf_counter() - began_s
-    return Robustness(seeds, conditions, references, rows, runs, verdicts, grips, answers, asked.quick, wall_s)
+    return Robustness(seeds, conditions, references, rows, verdicts, grips, answers, asked.quick, wall_s)

@@ -1,4 +1,4 @@
-"""The command that compares estimators and controllers under disturbance: robustness."""
+"""The command that compares estimators under disturbance, and controllers at tasks: robustness."""
 
 from __future__ import annotations
 
@@ -44,14 +44,11 @@ TASKS = option(
     "--tasks", help="Tasks on many plants instead: the default loop, the fuzzy PID and a PI on a sensor, side by side."
 )
 ONLY = option("--only", help="Only rows of --tasks with this in their name. Repeatable.", metavar="ROW")
-CONTROLLERS = option(
-    "--controllers", help="A controller to compare, by name; 'none' for no closed loops. Repeatable.", metavar="NAME"
-)
 
 
 @dataclass(frozen=True)
 class WhatIsRun:
-    """Which wires, conditions, references, estimators and controllers are run."""
+    """Which wires, conditions, references and estimators are run."""
 
     quick: Annotated[bool, QUICK] = False
     tuning: Annotated[bool, TUNING] = False
@@ -59,7 +56,6 @@ class WhatIsRun:
     condition: Annotated[list[str] | None, CONDITION] = None
     track: Annotated[list[str] | None, TRACK] = None
     estimators: Annotated[list[str] | None, ESTIMATORS] = None
-    controllers: Annotated[list[str] | None, CONTROLLERS] = None
 
     def refuse_all_but_quick(self) -> None:
         """Raise CallerError for a choice that the tasks do not have."""
@@ -82,7 +78,6 @@ class WhatIsRun:
             conditions=chosen(self.condition),
             references=chosen(self.track),
             estimators=chosen(self.estimators),
-            controllers=() if self.controllers == ["none"] else chosen(self.controllers),
             quick=self.quick,
         )
 
@@ -130,10 +125,10 @@ def robustness(
     only: Annotated[list[str] | None, ONLY] = None,
     list_all: Annotated[bool, LIST] = False,
 ) -> Result:
-    """Compare estimators and controllers on a population of simulated wires under disturbance.
+    """Compare estimators on a population of simulated wires under disturbance, or controllers at tasks.
 
     The output is a folder, "robustness" by default, with a page, the rows as CSV and JSON, and all runs: the same
-    command continues a run that was interrupted. It ends with 1 if a bar of the default estimator or loop is missed
+    command continues a run that was interrupted. It ends with 1 if a bar of the default estimator is missed
     that is not on the committed list of known misses.
     """
     from musclewire_robustness.benchmark import robustness as run_robustness
@@ -192,8 +187,8 @@ def written(result: Robustness, folder: Path) -> RobustnessAnswer:
 
 
 def known_names() -> Result:
-    """Return the names of conditions, references, estimators and controllers."""
-    from musclewire import controllers, sensing
+    """Return the names of conditions, references and estimators."""
+    from musclewire import sensing
     from musclewire_robustness.answers import RobustnessNames
     from musclewire_robustness.references import REFERENCES
     from musclewire_robustness.settings import settings
@@ -202,6 +197,5 @@ def known_names() -> Result:
         conditions=tuple(item.name for item in settings().condition),
         tracks=tuple(REFERENCES),
         estimators=tuple(sensing.ESTIMATORS.names()),
-        controllers=tuple(controllers.CONTROLLERS.names()),
     )
     return Result(known, "\n".join(f"{kind}: {', '.join(names)}" for kind, names in known))

@@ -1,4 +1,4 @@
-"""The kind of run ``robustness``: a wire of the population under a condition, every estimator and its closed loops."""
+"""The kind of run ``robustness``: a wire of the population under a condition, and every estimator."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from musclewire.extras.studies import KindOptions, Outcome, Quantity, RunKind, S
 from musclewire.sensing import KnownSpring, force_model
 from musclewire.wire import WireConstants
 from musclewire_robustness.characterizing import UsersKnowledge
-from musclewire_robustness.closed_loops import ScoredLoop, run_loop
 from musclewire_robustness.estimating import estimated
 from musclewire_robustness.population import drawn_wire
 from musclewire_robustness.recorded_run import RecordedRun
@@ -94,8 +93,6 @@ class RobustnessOptions(KindOptions):
         Names of the references that are recorded.
     estimators
         Names of the estimators that are run over the records.
-    loops
-        Estimator and controller of each closed loop.
     folder
         Where the wires' own recordings are kept.
     sources
@@ -106,7 +103,6 @@ class RobustnessOptions(KindOptions):
     condition: str
     references: tuple[str, ...] = tuple(REFERENCES)
     estimators: tuple[str, ...] = ()
-    loops: tuple[tuple[str, str], ...] = ()
     folder: str = str(FOLDER)
     sources: str = ""
 
@@ -131,8 +127,6 @@ class JobAnswer(NamedTuple):
         Score of each estimator by its name, over all references.
     problems
         Why an estimator could not be run, by its name.
-    loops
-        What each closed loop came to, in the order of the job's.
     ended
         Why recorded runs ended early, by the reference.
     force
@@ -147,7 +141,6 @@ class JobAnswer(NamedTuple):
     segments: int
     scores: dict[str, ErrorSums]
     problems: dict[str, str]
-    loops: tuple[ScoredLoop, ...]
     ended: dict[str, str]
     force: dict[str, ErrorSums]
     home_moves: dict[str, str]
@@ -167,8 +160,6 @@ def quantities(options: RobustnessOptions) -> Mapping[str, Quantity]:
     return {
         **{f"rms_pct[{name}]": Quantity("1", f"error of {name}, in % of the full stroke")
            for name in options.all_estimators},
-        **{f"mae_mean_pct[{one},{two}]": Quantity("1", f"mean error of the steps with {one} and {two}, in % of targets")
-           for one, two in options.loops},
         ANSWER: Quantity("", "all that the run found, as JSON", is_text=True),
     }  # fmt: skip
 
@@ -185,8 +176,6 @@ def evaluate(runs: StudyRuns[RobustnessOptions]) -> Sequence[Outcome]:
         store = stores.setdefault(options.folder, ResultStore(Path(options.folder)))
         answer = answer_of(options, store)
         numbers = {f"rms_pct[{name}]": score.rms_pct for name, score in answer.scores.items()}
-        pairs = zip(options.loops, answer.loops, strict=True)
-        numbers |= {f"mae_mean_pct[{one},{two}]": loop.mae_mean_pct for (one, two), loop in pairs}
         known = {name: value for name, value in numbers.items() if value is not None}
         return {**dict.fromkeys(quantities(options), float("nan")), **known, ANSWER: answer.text()}
 
@@ -227,10 +216,9 @@ def answer_of(job: RobustnessOptions, store: ResultStore) -> JobAnswer:
         )
         if not condition.changes_load:  # otherwise the load is not known
             force[name] = pooled(force_score(run, name, condition, users, times, own) for run, users in runs[:1])
-    loops = tuple(run_loop(wire, condition, knowledge.model, *pair, own) for pair in job.loops)
     ended = {run.reference: run.ended for run, _ in recorded if run.ended}
     moves = {run.reference: run.home for run, _ in recorded if run.home}
-    return JobAnswer(job, knowledge.gap_pct, wire.segments, scores, problems, loops, ended, force, moves)
+    return JobAnswer(job, knowledge.gap_pct, wire.segments, scores, problems, ended, force, moves)
 
 
 ROBUSTNESS = RunKind(RobustnessOptions, quantities, evaluate)

@@ -1,4 +1,4 @@
-"""The benchmark's page: bars, a heat map of errors, closed loops, and the error of every wire."""
+"""The benchmark's page: bars, a heat map of errors, and the error of every wire."""
 
 from __future__ import annotations
 
@@ -48,7 +48,6 @@ def write_report(result: Robustness, path: Path) -> None:
         seeds=f"{len(result.seeds)} wires: {result.seeds_text}",
         references=", ".join(result.references),
         errors=svg_in_frame(heat_map(*error_matrix(result), "error [% of the full stroke]"), "errors"),
-        loops=loops_figure(result),
         grips=grip_cells(result),
         wires=svg_in_frame(heat_map(*wire_matrix(result), "error [% of the full stroke]"), "wires"),
         bars=bar_cells(result),
@@ -65,7 +64,7 @@ def key_numbers(result: Robustness) -> list[NumberCard]:
         NumberCard(
             "bars that hold",
             f"{held} of {len(result.verdicts)}",
-            f"of the default estimator and loop; missed unexpectedly: {len(result.new_misses)}",
+            f"of the default estimator; missed unexpectedly: {len(result.new_misses)}",
             not result.new_misses,
         )
     ]
@@ -149,20 +148,6 @@ def error_figure(result: Robustness, *, style: str = "screen") -> Figure:
     with figure.styled(), mpl.rc_context({"axes.grid": False}):
         draw_heat_map(figure.add_subplot(), conditions, names, errors, "error\n[% of the full stroke]")
     return figure
-
-
-def loops_figure(result: Robustness) -> str:
-    """Return the closed loops as a heat map; nothing without any."""
-    if not result.loops:
-        return ""
-    names = list(dict.fromkeys(f"{row.estimator}, {row.controller}" for row in result.loops))
-    conditions = [item.name for item in result.conditions]
-    errors = np.full((len(conditions), len(names)), np.nan)
-    for row in result.loops:
-        if row.mae_mean_pct is not None:
-            place = names.index(f"{row.estimator}, {row.controller}")
-            errors[conditions.index(row.condition.name), place] = row.mae_mean_pct
-    return svg_in_frame(heat_map(conditions, names, errors, "mean absolute error [% of the target]"), "loops")
 
 
 def grip_cells(result: Robustness) -> list[list[str]]:

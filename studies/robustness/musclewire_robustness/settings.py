@@ -321,9 +321,6 @@ class RowBar(StrictTable):
         The same for wires in segments, where it differs.
     honest
         Whether intervals and validity are judged.
-    loop_first_pct, loop_other_pct, loop_mean_pct
-        Largest errors of the closed loop on the paper's staircase [% of the target]: of the first step, of any other,
-        and their mean; None for what is only reported.
     """
 
     bar: str
@@ -331,9 +328,6 @@ class RowBar(StrictTable):
     max_pct: float | None = Field(default=None, gt=0.0)
     segmented_max_pct: float | None = Field(default=None, gt=0.0)
     honest: bool = True
-    loop_first_pct: float | None = Field(default=None, gt=0.0)
-    loop_other_pct: float | None = Field(default=None, gt=0.0)
-    loop_mean_pct: float | None = Field(default=None, gt=0.0)
 
 
 class HonestBars(StrictTable):
@@ -354,19 +348,10 @@ class FlagBars(StrictTable):
     false_per_hour: float
 
 
-class TemperatureBars(StrictTable):
-    """Limits of the true temperature: mean over the length [K], and the hottest segment above it [K]."""
-
-    limit_k: float
-    hottest_above_k: float
-
-
 class RobustnessBars(StrictTable):
     """The whole file."""
 
     default_estimator: str
-    default_without_wire_file: str
-    default_controller: str
     baseline_estimator: str
     baseline_fraction: float
     worst_wire_ratio: float
@@ -374,7 +359,6 @@ class RobustnessBars(StrictTable):
     row: tuple[RowBar, ...]
     honest: HonestBars
     flags: FlagBars
-    temperature: TemperatureBars
 
     def bar_named(self, name: str) -> RowBar:
         """Return the bar of a kind of condition; one without a table is only reported."""

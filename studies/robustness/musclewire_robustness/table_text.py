@@ -9,22 +9,19 @@ from collections.abc import Iterable, Sequence
 from musclewire.app import AnswerModel
 from musclewire_robustness.benchmark import Robustness
 from musclewire_robustness.grips import GripRow
-from musclewire_robustness.rows import EstimatorRow, LoopRow, mean_of
+from musclewire_robustness.rows import EstimatorRow
 
 
 class RobustnessRow(AnswerModel):
-    """A row of an estimator, or of a closed loop; null what only the other has, and what could not be found."""
+    """A row of an estimator; null what could not be found."""
 
     disturbance: str
     level: str
     estimator: str
-    controller: str | None = None
     estimate_rms_pct: float | None = None
     beyond_5_share: float | None = None
     valid_share: float | None = None
     flagged_s: float | None = None
-    mae_mean_pct: float | None = None
-    mae_max_pct: float | None = None
     estimate_rms_new_zero_pct: float | None = None
     estimate_rms_counted_pct: float | None = None
     one_segment_rms_pct: float | None = None
@@ -39,11 +36,8 @@ class RobustnessRow(AnswerModel):
     flags_in_time_fraction: float | None = None
     false_flags_per_hour: float | None = None
     force_rms_pct: float | None = None
-    mae_first_pct: float | None = None
-    mae_other_max_pct: float | None = None
     ended_early: int | None = None
     home_moves_refused: int | None = None
-    hottest_k: float | None = None
     problem: str
 
 
@@ -73,25 +67,9 @@ def estimator_answer(row: EstimatorRow) -> RobustnessRow:
     )
 
 
-def loop_answer(row: LoopRow) -> RobustnessRow:
-    """Return a closed loop's row."""
-    return RobustnessRow.read_from(
-        row,
-        disturbance=row.condition.disturbance,
-        level=row.condition.level,
-        estimate_rms_pct=mean_of([one.estimate_rms_pct for one in row.outcomes]),
-        valid_share=mean_of([one.valid_share for one in row.outcomes]),
-        mae_first_pct=row.largest("mae_first_pct"),
-        mae_other_max_pct=row.largest("mae_other_max_pct"),
-        ended_early=row.ended,
-        hottest_k=row.largest("hottest_k"),
-        problem=next((one.ended for one in row.outcomes if one.ended), ""),
-    )
-
-
 def rows_answer(result: Robustness) -> list[RobustnessRow]:
-    """Return all rows, those of estimators first."""
-    return [*map(estimator_answer, result.estimators), *map(loop_answer, result.loops)]
+    """Return all rows."""
+    return [*map(estimator_answer, result.estimators)]
 
 
 def csv_text(result: Robustness) -> str:
@@ -115,9 +93,6 @@ def table_text(result: Robustness) -> str:
         "and their median half-width, samples noted and flagged, flags, force.",
         *honest_lines(result.estimators),
     ]
-    if result.loops:
-        parts += ["", "Closed loops on the paper's staircase, mean absolute error in percent of the target.",
-                  *loop_lines(result.loops)]  # fmt: skip
     if result.grips:
         parts += ["", "Held force of a grip, in percent of the target.", *grip_lines(result.grips)]
     return "\n".join([*parts, "", *bar_lines(result)])
@@ -205,39 +180,6 @@ def honest_lines(rows: Sequence[EstimatorRow]) -> list[str]:
                 number(row.score.flags_in_time_fraction),
                 number(row.force.rms_pct),
                 "-" if row.worst is None else f"{row.worst.seed}: {number(row.worst.rms_pct)}",
-            ]
-            for row in rows
-        ],
-    )
-
-
-def loop_lines(rows: Sequence[LoopRow]) -> list[str]:
-    """Return the closed loops as a table."""
-    return columns(
-        [
-            "",
-            "estimator",
-            "controller",
-            "first step",
-            "largest other",
-            "mean",
-            "half %",
-            "noted",
-            "flagged",
-            "ended early",
-        ],
-        [
-            [
-                row.condition.name,
-                row.estimator,
-                row.controller,
-                number(row.largest("mae_first_pct")),
-                number(row.largest("mae_other_max_pct")),
-                number(row.mae_mean_pct),
-                number(row.interval_half_width_pct),
-                number(row.noted_share, 3),
-                number(row.flagged_share, 3),
-                str(row.ended),
             ]
             for row in rows
         ],

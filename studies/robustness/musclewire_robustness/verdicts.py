@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from musclewire_robustness.rows import EstimatorRow, LoopRow
+from musclewire_robustness.rows import EstimatorRow
 from musclewire_robustness.settings import RobustnessBars, RowBar
 
 
@@ -71,16 +71,14 @@ def effective_bar_pct(own_pct: float, baseline_pct: float | None, bars: Robustne
 
 
 def verdicts_of(
-    estimators: Sequence[EstimatorRow], loops: Sequence[LoopRow], bars: RobustnessBars, known: Mapping[str, str]
+    estimators: Sequence[EstimatorRow], bars: RobustnessBars, known: Mapping[str, str]
 ) -> tuple[BarVerdict, ...]:
-    """Return every bar of the default estimator and the default loop that the rows allow to judge.
+    """Return every bar of the default estimator that the rows allow to judge.
 
     Parameters
     ----------
     estimators
         Rows of estimators.
-    loops
-        Rows of closed loops.
     bars
         The bars.
     known
@@ -95,9 +93,6 @@ def verdicts_of(
     for row in estimators:
         if row.estimator == bars.default_estimator:
             found += estimator_verdicts(row, baseline.get(row.condition.name), bars)
-    for loop in loops:
-        if (loop.estimator, loop.controller) == (bars.default_estimator, bars.default_controller):
-            found += loop_verdicts(loop, bars)
     return tuple(one._replace(known_reason=known.get(one.full_name)) for one in found)
 
 
@@ -146,38 +141,3 @@ def honest_verdicts(row: EstimatorRow, bars: RobustnessBars) -> Iterator[BarVerd
     yield BarVerdict("valid", name, score.valid_share, least, None, "")
     if score.cold:
         yield BarVerdict("valid before B", name, score.valid_cold_fraction, None, honest.valid_before_b, "")
-
-
-def loop_verdicts(row: LoopRow, bars: RobustnessBars) -> Iterator[BarVerdict]:
-    """Yield the verdicts on a closed loop: pooled over wires, and no wire above twice the bar."""
-    bar, name = bars.bar_named(row.condition.bar), row.condition.name
-    judged = (
-        ("mae_first_pct", "first step", bar.loop_first_pct),
-        ("mae_other_max_pct", "largest other step", bar.loop_other_pct),
-        ("mae_mean_pct", "mean of the steps", bar.loop_mean_pct),
-    )
-    wanted = [(key, text, high_pct) for key, text, high_pct in judged if high_pct is not None]
-    for key, text, high_pct in wanted:
-        mean_pct, largest_pct = row.counted(key)
-        yield BarVerdict(f"loop, {text}", name, mean_pct, None, high_pct, "%")
-        yield BarVerdict(f"loop, {text}, worst wire", name, largest_pct, None, bars.worst_wire_ratio * high_pct, "%")
-    if wanted:
-        yield BarVerdict("loops that ended early", name, float(row.ended), None, 0.0, "")
-        yield from limit_verdicts(row, bars)
-
-
-def limit_verdicts(row: LoopRow, bars: RobustnessBars) -> Iterator[BarVerdict]:
-    """Yield the verdicts on power and true temperatures of a closed loop."""
-    name, temperature = row.condition.name, bars.temperature
-    ratios = [one.power_w / one.power_limit_w for one in row.outcomes]
-    yield BarVerdict("power over its limit", name, largest(ratios), None, 1.0, "")
-    yield BarVerdict(
-        "mean temperature", name, largest(one.mean_k for one in row.outcomes), None, temperature.limit_k, "K"
-    )
-    hottest = largest(one.hottest_k for one in row.outcomes)
-    yield BarVerdict("hottest segment", name, hottest, None, temperature.limit_k + temperature.hottest_above_k, "K")
-
-
-def largest(values: Iterable[float]) -> float | None:
-    """Return the largest of some numbers; None without any."""
-    return max(values, default=None)

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 from musclewire_robustness import benchmark
 from musclewire_robustness.settings import KnownMisses, known_misses
 
-ONE = ("--condition", "load +50 %", "--track", "sines", "--controllers", "none", "--workers", "1")
+ONE = ("--condition", "load +50 %", "--track", "sines", "--workers", "1")
 
 
 @pytest.fixture
@@ -35,7 +35,6 @@ def test_an_unexpected_miss_ends_with_1_and_is_named(tmp_path, musclewire, monke
     row = next(row for row in found["rows"] if row["estimator"] == "polynomial")
     assert row["disturbance"] == "load"
     assert row["level"] == "+50 %"
-    assert row["controller"] is None
     assert 1.0 < row["estimate_rms_pct"] < 8.0
     assert "load +50 %: error" in found["missed"]
     assert found["new_misses"] == found["missed"]

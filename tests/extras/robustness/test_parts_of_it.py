@@ -17,7 +17,6 @@ require_package("musclewire_robustness", "pip install ./studies/robustness")
 pytestmark = pytest.mark.slow
 
 from musclewire_robustness.benchmark import Robustness, Selection, chosen_by
-from musclewire_robustness.closed_loops import ScoredLoop
 from musclewire_robustness.command import WhatIsRun, chosen_seeds
 from musclewire_robustness.estimating import EstimatedRun
 from musclewire_robustness.grips import changes
@@ -27,7 +26,7 @@ from musclewire_robustness.population import drawn_wire, held_out_seeds, tuning_
 from musclewire_robustness.recorded_run import RecordedRun
 from musclewire_robustness.recording_runs import run_targets, zero_shift
 from musclewire_robustness.references import REFERENCES, reference_targets, start_up
-from musclewire_robustness.rows import EstimatorRow, LoopRow, WireError, estimator_rows
+from musclewire_robustness.rows import EstimatorRow, WireError, estimator_rows
 from musclewire_robustness.scoring import ErrorSums, cooled, judged_from_s, pooled, score_of
 from musclewire_robustness.settings import bars, known_misses, settings
 from musclewire_robustness.store import ROOMS
@@ -201,16 +200,11 @@ def test_pooled_scores_are_the_score_of_all_samples(parts):
     assert total.rms_pct == pytest.approx(100.0 * math.sqrt(expected))
 
 
-LOOP = ScoredLoop(1.0, None, 2.0, 0.5, 1.0, 1.5, 0.0, 0.25, "", 0.4, 0.9, 340.0, 350.0)
-
-
 def answer(seed, error, gap_pct=1.0, name="none"):
     squares = 100 * (error / 100.0) ** 2
     score = ErrorSums(samples=100, squares=squares, valid=100, within=95)
-    job = RobustnessOptions(
-        wire=seed, condition=name, estimators=(bars().default_estimator,), loops=(("polynomial", "fuzzy-pid"),)
-    )
-    return JobAnswer(job, gap_pct, 1, {bars().default_estimator: score}, {}, (LOOP,), {}, {}, {})
+    job = RobustnessOptions(wire=seed, condition=name, estimators=(bars().default_estimator,))
+    return JobAnswer(job, gap_pct, 1, {bars().default_estimator: score}, {}, {}, {}, {})
 
 
 def test_a_wire_with_a_large_gap_has_a_larger_bar():
@@ -221,7 +215,7 @@ def test_a_wire_with_a_large_gap_has_a_larger_bar():
 
 def test_a_missed_bar_is_named():
     rows = estimator_rows([answer(101, 3.0), answer(102, 0.1)], [condition("none")], bars())
-    found = {verdict.name: verdict for verdict in verdicts_of(rows, (), bars(), {})}
+    found = {verdict.name: verdict for verdict in verdicts_of(rows, bars(), {})}
     assert not found["error"].holds
     assert not found["error of the worst wire"].holds
     assert found["error of the worst wire"].wire == 101
@@ -231,8 +225,8 @@ def test_a_missed_bar_is_named():
 def test_the_benchmark_fails_by_bars_that_nobody_expected_to_be_missed():
     rows = estimator_rows([answer(101, 3.0), answer(102, 0.1)], [condition("none")], bars())
     known = {"none: error": "it is far off", "none: 95 % intervals hold": "they did not"}
-    verdicts = verdicts_of(rows, (), bars(), known)
-    result = Robustness((101, 102), (condition("none"),), (), rows, (), verdicts, (), (), False, 0.0)
+    verdicts = verdicts_of(rows, bars(), known)
+    result = Robustness((101, 102), (condition("none"),), (), rows, verdicts, (), (), False, 0.0)
     assert [one.full_name for one in result.missed] == ["none: error", "none: error of the worst wire"]
     assert [one.full_name for one in result.new_misses] == ["none: error of the worst wire"]
     assert [one.full_name for one in result.repaired] == ["none: 95 % intervals hold"]
@@ -248,10 +242,7 @@ def test_every_known_miss_is_a_bar_of_its_run(quick):
     score = ErrorSums(samples=1, valid=1, cold=1, flag_runs=1, quiet_s=1.0)
     of_both = (WireError(101, 12, 1.0, 1.0), WireError(102, 1, 1.0, 1.0))
     rows = [EstimatorRow(one, known.default_estimator, score, ErrorSums(), of_both, "", 0) for one in conditions]
-    loops = [
-        LoopRow(one, known.default_estimator, known.default_controller, (LOOP,), (1.0,), (101,)) for one in conditions
-    ]
-    there = {one.full_name for one in verdicts_of(rows, loops, known, {})}
+    there = {one.full_name for one in verdicts_of(rows, known, {})}
     assert known_misses().reasons(quick=quick).keys() <= there
 
 
@@ -262,9 +253,8 @@ def test_an_answer_is_what_was_kept_of_it():
 
 def test_what_is_chosen_is_checked():
     with pytest.raises(CallerError, match="load"):
-        chosen_by(Selection(conditions=("load +60 %",)), bars())
-    assert chosen_by(Selection(controllers=()), bars()).loops == ()
-    assert chosen_by(Selection(quick=True), bars()).seeds == settings().population.quick_seeds
+        chosen_by(Selection(conditions=("load +60 %",)))
+    assert chosen_by(Selection(quick=True)).seeds == settings().population.quick_seeds
 
 
 def test_a_grip_changes_only_what_its_condition_names():
