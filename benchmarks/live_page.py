@@ -132,7 +132,7 @@ def pictures(page: Any) -> int:
 def grows(quick: bool) -> bool:
     """Measure pictures a second and growth; return whether the bars are met."""
     seconds, window_s = (QUICK_GROWTH_S, QUICK_WINDOW_S) if quick else (GROWTH_S, WINDOW_S)
-    with session() as served, launched() as browser, opened(browser, served.url) as page:
+    with session() as served, launched() as browser, opened(browser, served.link) as page:
         plots = page.locator(".uplot").count()
         switch_on(page, served)
         follow_slider(page, served)
@@ -179,7 +179,7 @@ def jitters(quick: bool) -> bool:
             found = {}
             for with_page in (pair % 2 == 0, pair % 2 != 0):
                 if with_page:
-                    with opened(browser, served.url):
+                    with opened(browser, served.link):
                         found[True] = run_at_1_khz(served, seconds)
                 else:
                     found[False] = run_at_1_khz(served, seconds)
@@ -194,7 +194,7 @@ def jitters(quick: bool) -> bool:
 
 def run_at_1_khz(served: Served, seconds: float) -> float:
     """Let a program follow a steered target; return the 99.9th percentile of jitter from the run's recording [us]."""
-    with mw.LiveClient(served.url) as client, client.control("a benchmark"):
+    with mw.LiveClient(served.link) as client, client.control("a benchmark"):
         if client.state()["phase"] != "ready":
             client.command("switch_on")
             client.wait_for("ready")
@@ -215,7 +215,7 @@ def stops(quick: bool) -> bool:
     """Measure clicks on the stop button and closed tabs; return whether the bars are met."""
     clicks, closings = (6, 3) if quick else (40, 10)
     with session() as served, launched() as browser:
-        with opened(browser, served.url) as page:
+        with opened(browser, served.link) as page:
             clicked_ms = [one_click(page, served) for _ in range(clicks)]
         lost_s = [one_loss(browser, served) for _ in range(closings)]
     p95 = float(np.percentile(clicked_ms, 95.0))
@@ -249,7 +249,7 @@ def one_click(page: Any, served: Served) -> float:
 
 def one_loss(browser: Any, served: Served) -> float:
     """Close the tab that heats the wire; return the time until the API shows it at its sense voltage [s]."""
-    with opened(browser, served.url) as page:
+    with opened(browser, served.link) as page:
         switch_on(page, served)
         follow_slider(page, served)
         began_s = time.monotonic()

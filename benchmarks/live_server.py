@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
+from urllib.parse import parse_qs, urlsplit
 
 __all__ = ["RunningServer", "running_server"]
 
@@ -24,16 +25,40 @@ class RunningServer(NamedTuple):
     errors: Path
 
     @property
+    def token(self) -> str | None:
+        """The token of its link; None if it is not printed."""
+        return parse_qs(urlsplit(self.link).query).get("token", [None])[0]
+
+    @property
+    def url(self) -> str:
+        """Its address without the token, with a slash at the end."""
+        return self.link.partition("?")[0]
+
+    @property
+    def socket_url(self) -> str:
+        """Where its WebSocket is."""
+        return f"{self.url.replace('http', 'ws', 1)}api/v1/live"
+
+    @property
+    def headers(self) -> dict[str, str]:
+        """What shows the token."""
+        return {} if self.token is None else {"Authorization": f"Bearer {self.token}"}
+
+    @property
     def said(self) -> str:
         """What it has said on stderr."""
         return self.errors.read_text("utf-8")
 
 
 @contextmanager
-def running_server(folder: Path, *options: str, rigs: Sequence[str] = ("simulated",)) -> Iterator[RunningServer]:
-    """Run ``musclewire serve`` in a folder until the block ends; on a port that is free."""
+def running_server(
+    folder: Path, *options: str, rigs: Sequence[str] = ("simulated",), files: int | None = None
+) -> Iterator[RunningServer]:
+    """Run ``musclewire serve`` in a folder until the block ends; on a port that is free, with so many open files."""
     errors = folder / "stderr.txt"
     command = [sys.executable, "-m", "musclewire", "serve", *rigs, "--output", str(folder / "session"), *options]
+    if files is not None:
+        command = ["prlimit", f"--nofile={files}", *command]
     with errors.open("w") as file:
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=file, text=True, cwd=folder)
     try:

@@ -1,6 +1,6 @@
 """How long a stop takes from a request or a message: the real server, the simulated rig, in the middle of a heated run.
 
-    python -m benchmarks.live_stop [--stops 40] [--quick] [--while-switching-on 200]
+    python -m benchmarks.live_stop [--stops 40] [--quick] [--while-switching-on 200] [--among 1100 --files 1024]
 
 Each stop comes at a random moment of the sample period of a run that heats. Prints JSON, times in ms as {median, p95,
 max}: from before the request or the message is sent until the same client has received that the drive is off, which is
@@ -10,16 +10,24 @@ code 1 if not.
 With ``--while-switching-on`` it counts instead: so many stops, by WebSocket, HTTP, ``LiveClient`` and Ctrl-C on
 ``serve`` (one in forty, each with a server of its own), each at a random moment after an order to switch on. A stop is
 lost if it is not answered, or if afterwards the state says anything but stopped or a sample comes. Exit code 1 then.
+
+With ``--among`` so many connections of another process stand at the server, which may open so many files: by turns they
+are silent, ask for the state every second, have sent half a request with the token, and are open WebSockets; who is
+thrown out comes again a second later. Each stop is a POST over a connection of its own; all the while a page controls
+another bench, which it heats. ``bars_met``: every stop was answered within 2 s, and the page has kept control.
 """
 
 from __future__ import annotations
 
 import argparse
+import asyncio
 import json
+import multiprocessing
 import random
 import signal
 import sys
 import tempfile
+import threading
 import time
 from collections import Counter
 from contextlib import suppress
@@ -28,7 +36,7 @@ from typing import Any
 
 import httpx
 import numpy as np
-from benchmarks.live_server import running_server
+from benchmarks.live_server import RunningServer, running_server
 from websockets.sync.client import ClientConnection, connect
 
 from musclewire.errors import CallerError, RigError
@@ -39,6 +47,10 @@ BAR_MS, STOPS, QUICK_STOPS = 20.0, 40, 6
 MAX_DELAY_S, AFTER_S = 0.6, 0.3
 SIGNALS_OF = 40
 BENCH, MAX_ANSWER_S = "simulated", 30.0
+# Among others: the bar, how often one who talks asks, when one who was thrown out comes again, how long all have to
+# come before the first stop, and how far apart stops are.
+AMONG_BAR_S, TALK_S, AGAIN_S, GATHER_S, BETWEEN_S = 2.0, 1.0, 1.0, 5.0, 0.2
+OTHER_BENCH = "finger"
 SAMPLE_S = 0.05
 
 
@@ -84,12 +96,15 @@ def drain(socket: ClientConnection) -> None:
         return
 
 
-def stops(link: str, count: int, seed: int) -> dict[str, list[float]]:
+def stops(server: RunningServer, count: int, seed: int) -> dict[str, list[float]]:
     """Return the times of stops over both ways [ms]."""
     chance = random.Random(seed)
     found: dict[str, list[float]] = {"http_ms": [], "websocket_ms": []}
-    url = link.replace("http", "ws") + "api/v1/live"
-    with LiveClient(link) as client, client.control("the benchmark"), connect(url, proxy=None) as socket:
+    with (
+        LiveClient(server.link) as client,
+        client.control("the benchmark"),
+        connect(server.socket_url, proxy=None, additional_headers=server.headers) as socket,
+    ):
         for index in range(count):
             heated(client)
             time.sleep(0.2 + SAMPLE_S * chance.random())
@@ -145,14 +160,13 @@ def is_stopped_by(way: str, page: Page, client: LiveClient, http: httpx.Client) 
     return answered and client.state()["phase"] == "stopped" and not client.rows()
 
 
-def lost_while_switching_on(link: str, count: int, chance: random.Random) -> Counter[str]:
+def lost_while_switching_on(server: RunningServer, count: int, chance: random.Random) -> Counter[str]:
     """Stop so many times at a random moment after an order to switch on; return how many were lost, by the way."""
     lost = Counter(dict.fromkeys(("websocket", "http", "client"), 0))
-    url = link.replace("http", "ws") + "api/v1/live"
     with (
-        LiveClient(link) as client,
-        httpx.Client(base_url=f"{link}api/v1/", trust_env=False) as http,
-        connect(url, proxy=None) as socket,
+        LiveClient(server.link) as client,
+        httpx.Client(base_url=f"{server.url}api/v1/", headers=server.headers, trust_env=False) as http,
+        connect(server.socket_url, proxy=None, additional_headers=server.headers) as socket,
     ):
         page = Page(socket)
         client.wait_for("off")
@@ -167,8 +181,8 @@ def lost_while_switching_on(link: str, count: int, chance: random.Random) -> Cou
 def is_off_by_signal(folder: Path, chance: random.Random) -> bool:
     """Press Ctrl-C on a server at a random moment after an order to switch on; return whether all of it has ended."""
     with running_server(folder, "--port", "8922") as server:
-        url = server.link.replace("http", "ws") + "api/v1/live"
-        with LiveClient(server.link) as client, connect(url, proxy=None) as socket:
+        socket_of = connect(server.socket_url, proxy=None, additional_headers=server.headers)
+        with LiveClient(server.link) as client, socket_of as socket:
             client.wait_for("off")
             Page(socket).switch_on(is_read=True)
             benches = Path(f"/proc/{server.process.pid}/task/{server.process.pid}/children").read_text().split()
@@ -183,9 +197,155 @@ def run_while_switching_on(folder: Path, count: int, seed: int) -> dict[str, Any
     """Return how many stops were tried and lost."""
     chance, signals = random.Random(seed), max(1, count // SIGNALS_OF)
     with running_server(folder, "--port", "8921") as server:
-        lost = lost_while_switching_on(server.link, count - signals, chance)
+        lost = lost_while_switching_on(server, count - signals, chance)
     lost["signal"] = sum(not is_off_by_signal(folder, chance) for _ in range(signals))
     return {"stops": count, "signals": signals, "seed": seed, "lost": dict(lost), "bars_met": not lost.total()}
+
+
+class Crowd:
+    """Connections of others, of four kinds by turns, in a process of their own."""
+
+    def __init__(self, host: str, port: int, token: str | None) -> None:
+        """Take the server."""
+        self._host, self._port = host, port
+        shown = "" if token is None else f"Authorization: Bearer {token}\r\n"
+        head = f"HTTP/1.1\r\nHost: {host}\r\n{shown}"
+        path = f"/api/v1/benches/{BENCH}"
+        self._asks = f"GET {path} {head}\r\n".encode()
+        json_kind = "Content-Type: application/json\r\nContent-Length: 20\r\n"
+        self._half = f"POST {path}/control {head}{json_kind}\r\n{{".encode()
+        key = "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
+        upgrade = f"Connection: Upgrade\r\nUpgrade: websocket\r\n{key}"
+        self._socket = f"GET /api/v1/live {head}{upgrade}\r\n".encode()
+
+    async def stand(self, number: int) -> None:
+        """Be one of them, and come again after each end."""
+        says = (b"", self._asks, self._half, self._socket)[number % 4]
+        while True:
+            with suppress(OSError, asyncio.IncompleteReadError):
+                reader, writer = await asyncio.open_connection(self._host, self._port)
+                try:
+                    writer.write(says)
+                    while number % 4 == 1:
+                        await asyncio.sleep(TALK_S)
+                        writer.write(says)
+                        if not await reader.read(65536):
+                            break
+                    while await reader.read(65536):
+                        pass
+                finally:
+                    writer.close()
+            await asyncio.sleep(AGAIN_S)
+
+    async def all(self, count: int) -> None:
+        """Be so many."""
+        await asyncio.gather(*(self.stand(number) for number in range(count)))
+
+
+def crowd(host: str, port: int, token: str | None, count: int) -> None:
+    """Run so many connections until the process is ended."""
+    import resource
+
+    most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+    asyncio.run(Crowd(host, port, token).all(count))
+
+
+def one_stop_s(server: RunningServer) -> float | None:
+    """Return the time of one stop over a connection of its own [s]; None if it is not answered as stopped."""
+    began_s = time.perf_counter()
+    with (
+        suppress(httpx.HTTPError),
+        httpx.Client(base_url=server.url, headers=server.headers, trust_env=False) as http,
+    ):
+        answer = http.post(f"/api/v1/benches/{BENCH}/stop", timeout=MAX_ANSWER_S)
+        return time.perf_counter() - began_s if answer.status_code == httpx.codes.OK else None
+    return None
+
+
+class HeatingPage:
+    """A page that has control of a bench and heats it, in a thread that answers pings until the block ends."""
+
+    def __init__(self, socket: ClientConnection) -> None:
+        """Take control and begin."""
+        self._socket, self.holds, self._ended = socket, False, threading.Event()
+        self._phase = ""
+        self._say(type="ask_control", name="the page")
+        self._thread = threading.Thread(target=self._read, daemon=True)
+        self._thread.start()
+
+    def _say(self, **message: Any) -> None:
+        self._socket.send(json.dumps({"bench": OTHER_BENCH, **message}))
+
+    def order(self, **command: Any) -> None:
+        """Send a command."""
+        self._say(type="command", id=1, command=command)
+
+    def _read(self) -> None:
+        while not self._ended.is_set():
+            with suppress(TimeoutError):
+                message = json.loads(self._socket.recv(timeout=0.5))
+                if message["type"] == "ping":
+                    self._socket.send(json.dumps({"type": "pong", "n": message["n"]}))
+                elif message["type"] == "control" and message["bench"] == OTHER_BENCH:
+                    self.holds = message["you_hold"]
+                elif message["type"] == "state" and message["state"]["bench"] == OTHER_BENCH:
+                    self._phase = message["state"]["phase"]
+
+    def wait_for(self, phase: str) -> None:
+        """Wait until the bench is in a phase."""
+        ends_s = time.monotonic() + MAX_ANSWER_S
+        while self._phase != phase:
+            assert time.monotonic() < ends_s, f"{self._phase} instead of {phase}"
+            time.sleep(0.05)
+
+    def end(self) -> bool:
+        """Return whether it has control and heats."""
+        self._ended.set()
+        self._thread.join()
+        return self.holds and self._phase == "busy"
+
+
+def run_among(folder: Path, count: int, files: int, stops_wanted: int, seed: int) -> dict[str, Any]:
+    """Return how stops are answered among so many connections of others."""
+    chance, others = random.Random(seed), multiprocessing.get_context("spawn")
+    with running_server(folder, "--port", "8923", rigs=(BENCH, OTHER_BENCH), files=files) as server:
+        address, token = httpx.URL(server.url), server.token
+        with connect(server.socket_url, proxy=None, additional_headers=server.headers) as socket:
+            page = HeatingPage(socket)
+            page.wait_for("off")
+            page.order(do="switch_on")
+            page.wait_for("ready")
+            page.order(do="characterize", cycles=100, period_s=30.0)
+            page.wait_for("busy")
+            crowded = others.Process(target=crowd, args=(address.host, address.port, token, count))
+            crowded.start()
+            try:
+                time.sleep(GATHER_S)
+                took_s = []
+                for _ in range(stops_wanted):
+                    took_s.append(one_stop_s(server))
+                    time.sleep(2.0 * BETWEEN_S * chance.random())
+            finally:
+                crowded.terminate()
+                crowded.join()
+            kept = page.end()
+        said = server.said
+    in_time = [each for each in took_s if each is not None and each <= AMONG_BAR_S]
+    answered = [1e3 * each for each in took_s if each is not None]
+    return {
+        "stops": stops_wanted,
+        "among": count,
+        "files": files,
+        "seed": seed,
+        "answered": len(answered),
+        "in_time": len(in_time),
+        "stop_ms": spread(answered) if answered else None,
+        "control_kept": kept,
+        "traceback": "Traceback" in said,
+        "log_bytes": len(said),
+        "bars_met": len(in_time) == stops_wanted and kept and "Traceback" not in said,
+    }
 
 
 def spread(times_ms: list[float]) -> dict[str, float]:
@@ -197,7 +357,7 @@ def spread(times_ms: list[float]) -> dict[str, float]:
 def run(folder: Path, count: int, seed: int) -> dict[str, Any]:
     """Return the spreads of stops of a server of its own."""
     with running_server(folder, "--port", "8921") as server:
-        found = stops(server.link, count, seed)
+        found = stops(server, count, seed)
     worst_ms = max(max(times_ms) for times_ms in found.values())
     spreads = {name: spread(times_ms) for name, times_ms in found.items()}
     return {"stops": count, "seed": seed, **spreads, "bar_ms": BAR_MS, "bars_met": worst_ms <= BAR_MS}
@@ -210,9 +370,13 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--while-switching-on", type=int, metavar="COUNT")
+    parser.add_argument("--among", type=int, metavar="COUNT")
+    parser.add_argument("--files", type=int, default=1024)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        if given.while_switching_on is not None:
+        if given.among is not None:
+            found = run_among(Path(folder), given.among, given.files, given.stops, given.seed)
+        elif given.while_switching_on is not None:
             found = run_while_switching_on(Path(folder), given.while_switching_on, given.seed)
         else:
             found = run(Path(folder), QUICK_STOPS if given.quick else given.stops, given.seed)

@@ -32,7 +32,7 @@ from urllib.parse import urlsplit
 
 import httpx
 import numpy as np
-from benchmarks.live_server import running_server
+from benchmarks.live_server import RunningServer, running_server
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 
@@ -183,12 +183,14 @@ def changes_only_the_asker(message: bytes) -> bool:
     return b'"stop"' in message
 
 
-async def attack_over_http(link: str, makes: Makes, count: int, client: int) -> Counter[str]:
+async def attack_over_http(server: RunningServer, makes: Makes, count: int, client: int) -> Counter[str]:
     """Send requests from an address of this client's own, and count the answers by status."""
     seen: Counter[str] = Counter()
-    parts = urlsplit(link)
+    parts = urlsplit(server.url)
     transport = httpx.AsyncHTTPTransport(local_address=f"127.0.1.{client + 1}")
-    async with httpx.AsyncClient(base_url=link, transport=transport, timeout=30.0) as http:
+    async with httpx.AsyncClient(
+        base_url=server.url, headers=server.headers, transport=transport, timeout=30.0
+    ) as http:
         for _ in range(count):
             if makes.random.random() < 0.05:
                 seen[await sent_raw(str(parts.hostname), int(parts.port or 80), makes.random.choice(NOT_HTTP))] += 1
@@ -220,14 +222,15 @@ async def sent_raw(host: str, port: int, data: bytes) -> str:
         writer.close()
 
 
-async def attack_over_websocket(link: str, makes: Makes, count: int, _client: int) -> Counter[str]:
+async def attack_over_websocket(server: RunningServer, makes: Makes, count: int, _client: int) -> Counter[str]:
     """Send messages over WebSockets, one after the other as the server closes them; count what it answers."""
     seen: Counter[str] = Counter()
-    url = link.replace("http", "ws") + "api/v1/live"
     left = count
     while left > 0:
         try:
-            async with connect(url, open_timeout=30.0, proxy=None) as socket:
+            async with connect(
+                server.socket_url, open_timeout=30.0, proxy=None, additional_headers=server.headers
+            ) as socket:
                 reading = asyncio.create_task(count_answers(socket, seen))
                 while left > 0:
                     left -= 1
@@ -252,13 +255,13 @@ async def count_answers(socket: ClientConnection, seen: Counter[str]) -> None:
             seen["accepted" if kind == "answer" and message["accepted"] else kind] += 1
 
 
-async def attack(link: str, seed: int, count: int) -> dict[str, Counter[str]]:
+async def attack(server: RunningServer, seed: int, count: int) -> dict[str, Counter[str]]:
     """Send all messages from all clients at once."""
     kinds: dict[str, Callable[..., Any]] = {"http": attack_over_http, "websocket": attack_over_websocket}
     each = count // (len(kinds) * CLIENTS)
     found = {}
     for kind, sends in kinds.items():
-        jobs = (sends(link, Makes(seed + client), each, client) for client in range(CLIENTS))
+        jobs = (sends(server, Makes(seed + client), each, client) for client in range(CLIENTS))
         found[kind] = sum(await asyncio.gather(*jobs), Counter())
     return found
 
@@ -284,7 +287,7 @@ def run(folder: Path, seed: int, count: int) -> dict[str, Any]:
             time.sleep(1.0)
             client.rows()
             before, drives_v = client.state(), []
-            answers = asyncio.run(attack(server.link, seed, count))
+            answers = asyncio.run(attack(server, seed, count))
             for name, values in client.rows().items():
                 drives_v += list(values) if name == "drive_voltage_v" else []
             found = judged(client, before, drives_v)

@@ -38,9 +38,9 @@ All quantities are in SI units, strain as a fraction. The server describes its r
   sense voltage.
 - **No route takes a rig file, a kind of rig or a path.** Rigs come from the command line of `serve`; recordings and
   models are named, and lie in the session's folder.
-- **On this machine no token is needed; from anywhere else it is.** Without `--host` only programs of this machine
-  reach the server, whoever runs them: on a machine that others use, give `--token-file`, too. With another `--host` a
-  token is made, or read from the file, which only its owner may read. It is shown as `Authorization: Bearer TOKEN` or
+- **A token is needed.** Without `--host` only this machine reaches the server, and the token is that of the user, which
+  `mw.LiveClient` finds for programs of the same user. With another `--host` a token is made. `--token-file` reads
+  one of your own, which only its owner may read. It is shown as `Authorization: Bearer TOKEN` or
   by the cookie that the printed link leaves (`HttpOnly`, `SameSite=Strict`). The connection is not encrypted: through
   a network that is not your own use an SSH tunnel (`ssh -L 8765:localhost:8765 THE_MACHINE`).
 - **Pages of other sites are refused**: by `Origin` on the WebSocket and on every POST, PUT and DELETE, and by `Host`

@@ -78,6 +78,7 @@ from ._pulse_width import unsettled_error as unsettled_error
 from ._real_time import pin_to_cpu as pin_to_cpu
 from ._real_time import scheduling as scheduling
 from ._real_time import take_priority as take_priority
+from ._remembered_temperature import state_folder as state_folder
 from ._replay import ReplayConfiguration as ReplayConfiguration
 from ._simulated import MIN_SPREAD_STEPS as MIN_SPREAD_STEPS
 from ._simulated import SimulatedDevice as SimulatedDevice

@@ -13,6 +13,7 @@ from urllib.parse import urlsplit
 import httpx
 import pytest
 from benchmarks.live_server import RunningServer, running_server
+from benchmarks.live_stop import run_among
 
 from musclewire.extras.live._client import LiveClient
 
@@ -72,7 +73,7 @@ def stop_s(url: str) -> float:
 def test_no_number_of_idle_connections_keeps_a_stop_with_the_token_out(
     files: int, count: int, addresses: int, tmp_path: Path
 ) -> None:
-    """Few files are permitted only after the start: the limit on newcomers is that of a server that may open many."""
+    """Few files are permitted only after the start: the limit on connections is that of a server that may open many."""
     with server_with_few_files(tmp_path, files) as server, ExitStack() as stack:
         parts = urlsplit(server.link)
         assert parts.hostname is not None
@@ -86,3 +87,16 @@ def test_no_number_of_idle_connections_keeps_a_stop_with_the_token_out(
         assert max(took_s) <= MAX_STOP_S
         assert "Traceback" not in server.said
         assert len(server.said) <= MAX_LOG_BYTES
+
+
+@pytest.mark.parametrize(
+    ("files", "count"),
+    [pytest.param(256, 300, marks=pytest.mark.slow), pytest.param(1024, 1100, marks=pytest.mark.full)],
+)
+def test_a_stop_is_answered_among_others_that_are_silent_talk_or_stand_half_sent(
+    files: int, count: int, tmp_path: Path
+) -> None:
+    """All others have the token; how long an answer takes is the benchmark's to judge."""
+    found = run_among(tmp_path, count, files, stops_wanted=10, seed=1)
+    assert (found["answered"], found["traceback"]) == (10, False)
+    assert found["log_bytes"] <= MAX_LOG_BYTES

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import socket
+import stat
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,9 +14,12 @@ import pytest
 from benchmarks import live_stop, malformed_messages
 from benchmarks.live_server import running_server
 
+from musclewire.errors import CallerError
 from musclewire.extras.live._client import LiveClient
 from musclewire.extras.live._serve_command import AddressOptions, announce, identifiers
+from musclewire.extras.live._server.access import own_token
 from musclewire.extras.live._server.running import ListenAddress, running
+from musclewire.rigs import state_folder
 
 
 def test_each_rig_has_a_name_of_its_own_that_fits_into_addresses() -> None:
@@ -98,6 +102,21 @@ def test_beyond_loopback_the_link_has_a_token_and_nothing_is_shown_without_it(tm
             assert http.get(there).status_code == 200
         with LiveClient(str(there)) as client:
             assert client.state()["bench"] == "simulated"
+
+
+@pytest.mark.slow
+def test_on_loopback_the_token_is_the_users_own_which_programs_find_and_others_cannot_read(tmp_path: Path) -> None:
+    with running_server(tmp_path) as server:
+        assert server.token == own_token()
+        with httpx.Client(trust_env=False) as http:
+            assert http.post(f"{server.url}api/v1/benches/simulated/stop").status_code == 401
+        with LiveClient(server.url) as client:
+            assert client.state()["bench"] == "simulated"
+    kept = state_folder() / "live_token"
+    assert stat.S_IMODE(kept.stat().st_mode) == 0o600
+    kept.chmod(0o640)
+    with pytest.raises(CallerError, match="can be read by others"):
+        own_token()
 
 
 @pytest.mark.slow

@@ -15,6 +15,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RigError
+from musclewire.extras.live._server.access import is_loopback, own_token
 
 # A lease ends without a sign of life for 0.6 s: four fit into that.
 SIGN_OF_LIFE_S = 0.15
@@ -34,7 +35,8 @@ class LiveClient:
     address
         Address that ``musclewire serve`` printed; the default is that of a server on this machine.
     token
-        Token of a server on another machine; None to take it from the address, if it is there after ``?token=``.
+        Token of the server; None to take it from the address, if it is there after ``?token=``, else on this machine
+        that of the user.
     bench
         Name of the bench; None for the only one.
     timeout_s
@@ -64,7 +66,7 @@ class LiveClient:
     ) -> None:
         """Connect, and find the bench."""
         url = httpx.URL(address)
-        token = token or url.params.get("token")
+        token = token or url.params.get("token") or (own_token() if is_loopback(url.host) else None)
         headers = {} if token is None else {"Authorization": f"Bearer {token}"}
         base = url.copy_with(query=None, path="/api/v1/")
         # No proxies of the environment: the rig is on this machine or in this network.

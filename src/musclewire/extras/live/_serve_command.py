@@ -78,13 +78,14 @@ def serve(
 
 def settings_from(options: AddressOptions, loop: LoopTimingOptions, folder: Path) -> ServerSettings:
     """Return how the session is served, its folder made."""
-    from musclewire.extras.live._server.access import new_token, read_token
+    from musclewire.extras.live._server.access import new_token, own_token, read_token
     from musclewire.extras.live._server.running import ListenAddress, ServerSettings
 
     address = ListenAddress(options.host, options.port)
-    token = None if address.is_local else new_token()
     if options.token_file is not None:
         token = read_token(options.token_file)
+    else:
+        token = (own_token() if address.is_local else None) or new_token()
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -25,12 +25,13 @@ class Cable:
     def __init__(self, url: str) -> None:
         """Begin with the cable in, not yet listening."""
         self._host, self._port = urlsplit(url).hostname or "127.0.0.1", urlsplit(url).port or 80
+        self._query = urlsplit(url).query
         self._is_in = threading.Event()
         self._is_in.set()
         self._tasks: set[asyncio.Task[None]] = set()
         self.loop = asyncio.new_event_loop()
         self._ended = asyncio.Event()
-        self.url = ""
+        self.link = ""
 
     def pull(self) -> None:
         """Pull the cable."""
@@ -47,7 +48,7 @@ class Cable:
 
     async def _serve(self, listening: threading.Event) -> None:
         server = await asyncio.start_server(self._connect, "127.0.0.1", 0)
-        self.url = f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}/"
+        self.link = f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}/?{self._query}"
         listening.set()
         await self._ended.wait()
         server.close()

@@ -47,7 +47,7 @@ def served(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 @pytest.fixture
 def page(browser: Any, served: Served) -> Iterator[Any]:
     """The page, with the bench at rest and a model taken."""
-    with opened(browser, served.url) as page:
+    with opened(browser, served.link) as page:
         switch_on(page, served)
         yield page
     served.stop()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import time
 import urllib.request
 from collections.abc import Callable, Iterator
@@ -11,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from benchmarks.live_server import running_server
+from benchmarks.live_server import RunningServer, running_server
 
 __all__ = ["BENCH", "Served", "serving", "until"]
 
@@ -38,21 +37,24 @@ class Served:
     ----------
     process
         The process of ``musclewire serve``.
+    link
+        What it printed: the address with the token.
     url
-        The address that it printed, with a slash at its end.
+        The address alone, with a slash at its end.
     folder
         The session's folder.
     """
 
-    def __init__(self, process: subprocess.Popen[str], url: str, folder: Path) -> None:
+    def __init__(self, server: RunningServer, folder: Path) -> None:
         """Take a running process."""
-        self.process, self.url, self.folder = process, url, folder
+        self.process, self.link, self.url, self.folder = server.process, server.link, server.url, folder
+        self._shown = server.headers
 
     def request(self, path: str, body: Any = None, method: str | None = None, **headers: str) -> Any:
         """Return the JSON answer to a request to the API."""
         data = None if body is None else json.dumps(body).encode()
         method = method or ("GET" if body is None else "POST")
-        sent = {name.replace("_", "-"): value for name, value in headers.items()}
+        sent = self._shown | {name.replace("_", "-"): value for name, value in headers.items()}
         if body is not None:
             sent["Content-Type"] = "application/json"
         request = urllib.request.Request(f"{self.url}api/v1/{path}", data, sent, method=method)
@@ -134,7 +136,7 @@ class Rows:
 def serving(folder: Path, *arguments: str) -> Iterator[Served]:
     """Start ``musclewire serve`` with a folder named ``session``, and end it."""
     with running_server(folder.parent, *arguments, rigs=()) as server:
-        served = Served(server.process, server.link.partition("?")[0], folder)
+        served = Served(server, folder)
         served.until_phase("off", max_wait_s=MAX_START_S)
         try:
             yield served

@@ -85,7 +85,7 @@ def break_bench(served: Served) -> None:
 
 @pytest.mark.browser
 def test_axe_finds_nothing_grave(axe: Any, browser: Any, own_server: Served) -> None:
-    with opened(browser, own_server.url) as page:
+    with opened(browser, own_server.link) as page:
         check(axe, page, "off")
         switch_on(page, own_server)
         for details in page.locator("details:not([open]) > summary").all():
@@ -96,7 +96,7 @@ def test_axe_finds_nothing_grave(axe: Any, browser: Any, own_server: Served) -> 
             kind.check()
             check(axe, page, f"ready, {kind.input_value()}")
         check(axe, page, "busy", lambda: follow(page))
-        with opened(browser, own_server.url, "phone") as watcher:
+        with opened(browser, own_server.link, "phone") as watcher:
             check(axe, page, "busy and asked for control", lambda: ask(page, watcher))
             check(axe, watcher, "watching on a phone", lambda: follow(page, watcher))
         page.keyboard.press("Escape")

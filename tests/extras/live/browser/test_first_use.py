@@ -74,7 +74,7 @@ def test_a_newcomer_has_a_wire_that_follows_the_slider(browser: Any, tmp_path: P
     pictures = Pictures()
     with (
         serving(tmp_path / "session", "--seed", "3") as served,
-        opened(browser, served.url, "tutorial", color_scheme="light", reduced_motion="reduce") as page,
+        opened(browser, served.link, "tutorial", color_scheme="light", reduced_motion="reduce") as page,
     ):
         walk(page, served, pictures)
         page.wait_for_selector('[data-part="slider"]:not([disabled]):focus')  # it has the keyboard by itself

@@ -89,7 +89,7 @@ def test_tab_reaches_every_action_in_every_state(page: Any, served: Served, brow
     by_keyboard(page, '[data-part="steer"]', "Enter")
     page.wait_for_selector('[data-part="slider"]:not([disabled])')
     check_reach(page)
-    with opened(browser, served.url) as watcher:
+    with opened(browser, served.link) as watcher:
         check_reach(watcher)
         by_keyboard(watcher, '[data-part="ask"]', "Space")
         page.locator('[data-part="asked"]').wait_for(state="visible")

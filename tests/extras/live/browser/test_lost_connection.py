@@ -50,7 +50,7 @@ def ends_safely(served: Served, lose: Callable[[], None]) -> dict[str, Any]:
 @pytest.mark.browser
 @pytest.mark.parametrize("loss", LOSSES)
 def test_a_page_that_is_gone_ends_its_run(loss: Any, served: Served, browser: Any) -> None:
-    with opened(browser, served.url) as page:
+    with opened(browser, served.link) as page:
         switch_on(page, served)
         follow_slider(page, served)
         ends_safely(served, lambda: loss(page))
@@ -59,7 +59,7 @@ def test_a_page_that_is_gone_ends_its_run(loss: Any, served: Served, browser: An
 
 @pytest.mark.browser
 def test_a_cable_that_is_pulled_ends_the_run(served: Served, browser: Any) -> None:
-    with cable_to(served.url) as cable, opened(browser, cable.url) as page:
+    with cable_to(served.link) as cable, opened(browser, cable.link) as page:
         switch_on(page, served)
         follow_slider(page, served)
         ends_safely(served, cable.pull)
@@ -85,7 +85,7 @@ def renderers(playwright: Any) -> Iterator[tuple[Any, Callable[[int], None]]]:
 @pytest.mark.browser
 def test_a_browser_that_is_held_ends_the_run(served: Served, renderers: Any) -> None:
     browser, send = renderers
-    with opened(browser, served.url) as page:
+    with opened(browser, served.link) as page:
         switch_on(page, served)
         follow_slider(page, served)
         try:

@@ -30,7 +30,7 @@ def check(page: Any) -> None:
 def test_everything_fits_and_stop_is_visible(size: str, browser: Any, served: Served) -> None:
     touch = {"has_touch": True, "is_mobile": True} if size == "phone" else {}
     served.stop()
-    with opened(browser, served.url, size, **touch) as page:
+    with opened(browser, served.link, size, **touch) as page:
         check(page)  # off
         switch_on(page, served)
         check(page)

@@ -53,7 +53,7 @@ def test_a_stop_switches_the_drive_off(way: Any, page: Any, served: Served) -> N
 @pytest.mark.browser
 def test_who_only_watches_may_stop(page: Any, served: Served, browser: Any) -> None:
     follow_slider(page, served)
-    with opened(browser, served.url) as watcher:
+    with opened(browser, served.link) as watcher:
         assert watcher.locator('[data-part="slider"]').is_disabled()
         watcher.locator("#stop").click()
         state = served.until_phase("stopped", max_wait_s=MAX_STOP_S)

@@ -17,7 +17,7 @@ def text_of(page: Any, part: str) -> str:
 @pytest.mark.browser
 def test_control_is_asked_for_and_given(page: Any, served: Served, browser: Any) -> None:
     follow_slider(page, served)
-    with opened(browser, served.url) as watcher:
+    with opened(browser, served.link) as watcher:
         me = served.holder
         until(lambda: me in text_of(watcher, "holder"), "the holder's name on the watcher's page")
         assert watcher.locator('[data-part="slider"]').is_disabled()

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.extras.live._server.access import Access, is_loopback, name_in_host, new_token
+from musclewire.extras.live._server.connections import Connections, Turns
 from musclewire.extras.live._server.gate import Gate
 
 LOCAL = Access()
@@ -80,7 +81,7 @@ async def never_called(*_arguments: object) -> None:
 
 @pytest.mark.parametrize("origins", [("http://localhost:8765", "http://evil.example"), ("http://localhost:8765",) * 2])
 def test_of_several_origins_none_passes_whichever_comes_first(origins: tuple[str, ...]) -> None:
-    gate = Gate(never_called, LOCAL, "cookie", lambda _scope: None)
+    gate = Gate(never_called, LOCAL, "cookie", Connections(8, lambda: (set(), set())), Turns(), dict)
     for several, status in ((origins, 403), (origins[::-1], 403), (origins[:1], None)):
         headers = [(b"host", b"localhost:8765"), *((b"origin", one.encode()) for one in several)]
         refusal = gate.refusal({"type": "http", "method": "POST", "path": "/", "headers": headers})
@@ -99,7 +100,7 @@ JSON, FORM = (b"content-type", b"application/json; charset=utf-8"), (b"content-t
     ],
 )
 def test_what_is_not_json_passes_only_as_a_stop(headers: tuple[tuple[bytes, bytes], ...], passes: bool) -> None:
-    gate = Gate(never_called, LOCAL, "cookie", lambda _scope: None)
+    gate = Gate(never_called, LOCAL, "cookie", Connections(8, lambda: (set(), set())), Turns(), dict)
     request = {"type": "http", "method": "POST", "headers": [(b"host", b"localhost:8765"), *headers]}
     refusal = gate.refusal({**request, "path": "/api/v1/benches/simulated/commands"})
     assert (refusal and refusal.status) == (None if passes else 415)

@@ -15,7 +15,7 @@ from tests.extras.live.bench_stand_in import BenchStandIn
 from musclewire.extras.live._server import application, bench_routes
 from musclewire.extras.live._server import session as server_session
 from musclewire.extras.live._server.access import LEASE_AT_REST_S, LEASE_S
-from musclewire.extras.live._server.newcomers import Newcomers
+from musclewire.extras.live._server.connections import Connections, Turns
 from musclewire.extras.live._server.running import ListenAddress, ServerSettings, configuration
 from musclewire.extras.live._server.session import Session
 
@@ -123,7 +123,7 @@ class LateStandIn(BenchStandIn):
 def http_of(handle: Any) -> httpx.AsyncClient:
     """Return a client of the whole application, its gate included, without a connection."""
     session = Session([handle], Path())
-    app = configuration(session, ServerSettings(Path()), ListenAddress(), Newcomers(8)).app
+    app = configuration(session, ServerSettings(Path()), ListenAddress(), Connections(8, session.kept), Turns()).app
     return httpx.AsyncClient(transport=httpx.ASGITransport(app=app))  # type: ignore[arg-type]
 
 

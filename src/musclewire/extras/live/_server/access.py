@@ -9,14 +9,18 @@ from __future__ import annotations
 
 import hmac
 import ipaddress
+import os
 import re
 import secrets
 import stat
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
 from musclewire.errors import CallerError
+from musclewire.rigs import state_folder
+from musclewire.small_files import read_small
 
 # A holder who gave no sign for so long has lost control: the wire is then at its sense voltage within a second.
 LEASE_S = 0.6
@@ -134,17 +138,34 @@ def new_token() -> str:
     return secrets.token_urlsafe(TOKEN_BYTES)
 
 
-def read_token(path: Path) -> str:
+def own_token() -> str | None:
+    """Return the token of this user, which programs and pages of the same user know; None without a home folder.
+
+    It is made once, in the user's state folder, so that bookmarks hold. CallerError if others may read it.
+    """
+    try:
+        path = state_folder() / "live_token"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with suppress(FileExistsError):
+            descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+            with os.fdopen(descriptor, "w") as file:
+                file.write(new_token())
+    except OSError:
+        return None
+    return read_token(path, "the token of this user,")
+
+
+def read_token(path: Path, what: str = "--token-file") -> str:
     """Return the token of a file. CallerError if it has none, a short one, or others on this machine may read it."""
     try:
-        mode, text = path.stat().st_mode, path.read_text("ascii").strip()
-    except (OSError, UnicodeDecodeError) as error:
-        raise CallerError(f"--token-file {path} cannot be read: {error}") from None
-    if stat.S_IMODE(mode) & 0o077:
-        raise CallerError(f"--token-file {path} can be read by others on this machine: chmod 600 {path}")
+        mode, text = path.stat().st_mode, read_small(path, what).strip()
+    except OSError as error:
+        raise CallerError(f"{what} {path} cannot be read: {error.strerror or error}") from None
+    if os.name == "posix" and stat.S_IMODE(mode) & 0o077:
+        raise CallerError(f"{what} {path} can be read by others on this machine: chmod 600 {path}")
     if not MIN_TOKEN_LENGTH <= len(text) <= MAX_TOKEN_LENGTH or not TOKEN.fullmatch(text):
         raise CallerError(
-            f"--token-file {path} needs one token of {MIN_TOKEN_LENGTH} to {MAX_TOKEN_LENGTH} letters, digits and "
+            f"{what} {path} needs one token of {MIN_TOKEN_LENGTH} to {MAX_TOKEN_LENGTH} letters, digits and "
             "any of ._~+/=-: for example openssl rand -hex 32"
         )
     return text

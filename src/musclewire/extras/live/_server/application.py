@@ -49,7 +49,8 @@ async def live(websocket: WebSocket) -> None:
     """Serve one viewer from the handshake to the end."""
     session: Session = websocket.app.state.session
     await websocket.accept()
-    viewer = session.enter()
+    client = websocket.client
+    viewer = session.enter(None if client is None else (client.host, client.port))
     if viewer is None:
         await websocket.close(LATER, "too many viewers")
         return
@@ -190,7 +191,7 @@ def is_stop(message: Any) -> bool:
 LIVE = "/api/v1/live"
 DESCRIPTION = (
     "State and commands of the rigs that a running 'musclewire serve' has open. All quantities are in SI units. "
-    "On another address than loopback every request shows a token: Authorization: Bearer, or the cookie of the page."
+    "Every request shows the token of the printed link: Authorization: Bearer, or the cookie of the page."
 )
 
 
@@ -221,7 +222,7 @@ def make_app(session: Session) -> FastAPI:
 async def on_http_error(_request: Request, error: Exception) -> Response:
     """Answer what a route or the router refuses."""
     assert isinstance(error, StarletteHTTPException)
-    return JSONResponse({"problem": str(error.detail)}, error.status_code)
+    return JSONResponse({"problem": str(error.detail)}, error.status_code, error.headers)
 
 
 async def on_wrong_request(_request: Request, error: Exception) -> Response:

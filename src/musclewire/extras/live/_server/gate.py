@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from http import HTTPStatus
 from http.cookies import CookieError, SimpleCookie
 from typing import Any, NamedTuple
@@ -18,6 +19,7 @@ from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from musclewire.extras.live._server.access import Access
+from musclewire.extras.live._server.connections import Connections, Turns
 from musclewire.extras.live._server.json_texts import MAX_BYTES
 
 CONTENT_SECURITY_POLICY = "; ".join(
@@ -43,8 +45,10 @@ SECURITY_HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-# A body that trickles in is not waited for any longer.
+# A body that has not come as a whole by then is not waited for any longer.
 BODY_S = 5.0
+# Of all bodies that are being received at once: as many of the largest as people send paths at once.
+MAX_BODIES_BYTES = 16 * MAX_BYTES
 CHANGING = frozenset({"POST", "PUT", "DELETE", "PATCH"})
 # After the token's link: a page that leads on. A redirect would not do, since browsers keep a SameSite=Strict cookie
 # back in a chain of redirects that began elsewhere, in a mail for example.
@@ -70,13 +74,26 @@ class Gate:
         Who may talk to it.
     cookie
         Name of the cookie that keeps the token.
-    passed
-        Called with the scope of each request that may pass, before anything of its body is waited for.
+    connections
+        Where it is noted which of them have shown a valid request.
+    turns
+        Who waits; a stop and who is kept do not.
+    stops
+        Returns how many stops each bench has had: a request that passes comes after them, before its body does.
     """
 
-    def __init__(self, app: ASGIApp, access: Access, cookie: str, passed: Callable[[Scope], None]) -> None:
+    def __init__(
+        self,
+        app: ASGIApp,
+        access: Access,
+        cookie: str,
+        connections: Connections,
+        turns: Turns,
+        stops: Callable[[], Mapping[str, int]],
+    ) -> None:
         """Take the application and the rules."""
-        self.app, self.access, self.cookie, self.passed = app, access, cookie, passed
+        self.app, self.access, self.cookie = app, access, cookie
+        self.connections, self.turns, self.stops, self.bodies = connections, turns, stops, Bodies()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
@@ -90,10 +107,14 @@ class Gate:
         refusal = self.refusal(scope)
         if refusal is None:
             self.passed(scope)
+        if refusal is not None or not (is_stop(scope) or self.connections.is_kept(scope)):
+            await self.turns.come()
         if refusal is None and scope["type"] == "websocket":
             await self.app(scope, receive, send)
         elif refusal is None:
-            await self.app(scope, limited(receive), with_headers(send))
+            with self.bodies.one() as received:
+                await self.app(scope, received.limited(receive), with_headers(send))
+            self.connections.answered(scope)
         elif scope["type"] == "websocket":
             await receive()  # the request to connect; refusing it before it is accepted answers with 403
             await send({"type": "websocket.close", "code": 1008, "reason": refusal.problem})
@@ -101,6 +122,11 @@ class Gate:
             body = json.dumps({"problem": refusal.problem}).encode()
             extra = {"WWW-Authenticate": "Bearer"} if refusal.status == HTTPStatus.UNAUTHORIZED else {}
             await answer(send, refusal.status, body, "application/json", extra)
+
+    def passed(self, scope: Scope) -> None:
+        """Note that a request may pass."""
+        self.connections.passed(scope, is_stop(scope), asyncio.get_running_loop().time())
+        scope.setdefault("state", {})["stops"] = self.stops()
 
     def refusal(self, scope: Scope) -> Refusal | None:
         """Return why a request is refused; None if it may pass."""
@@ -182,25 +208,57 @@ def content_refusal(scope: Scope, headers: Headers) -> Refusal | None:
     return Refusal(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "send JSON: Content-Type: application/json")
 
 
-def limited(receive: Receive) -> Receive:
-    """Return a way to receive a body that is neither too large nor too slow; else it raises what is answered."""
-    size, whole = 0, False
+class Bodies:
+    """The bodies of requests that are being received: none too large or too slow, and not too many at once."""
 
-    async def receive_limited() -> Message:
-        nonlocal size, whole
-        if whole:
-            return await receive()  # that the client has left, which may take as long as it likes
+    def __init__(self) -> None:
+        """Begin with none."""
+        self.size = 0
+
+    @contextmanager
+    def one(self) -> Iterator[Body]:
+        """Receive a body inside this block."""
+        body = Body(self)
         try:
-            async with asyncio.timeout(BODY_S):
-                message = await receive()
-        except TimeoutError:
-            raise HTTPException(408, f"the body has not come within {BODY_S:g} s") from None
-        size, whole = size + len(message.get("body", b"")), not message.get("more_body", False)
-        if size > MAX_BYTES:
-            raise HTTPException(413, f"the body is larger than {MAX_BYTES} bytes")
-        return message
+            yield body
+        finally:
+            self.size -= body.size
 
-    return receive_limited
+
+class Body:
+    """A body that is being received."""
+
+    def __init__(self, bodies: Bodies) -> None:
+        """Begin with nothing of it."""
+        self.bodies, self.size = bodies, 0
+
+    def limited(self, receive: Receive) -> Receive:
+        """Return a way to receive it within the limits; else that raises what is answered, and the connection ends."""
+        whole, ends_s = False, asyncio.get_running_loop().time() + BODY_S
+
+        async def receive_limited() -> Message:
+            nonlocal whole
+            if whole:
+                return await receive()  # that the client has left, which may take as long as it likes
+            try:
+                async with asyncio.timeout_at(ends_s):
+                    message = await receive()
+            except TimeoutError:
+                raise dropped(408, f"the body has not come within {BODY_S:g} s") from None
+            length, whole = len(message.get("body", b"")), not message.get("more_body", False)
+            self.size, self.bodies.size = self.size + length, self.bodies.size + length
+            if self.size > MAX_BYTES:
+                raise dropped(413, f"the body is larger than {MAX_BYTES} bytes")
+            if self.bodies.size > MAX_BODIES_BYTES:
+                raise dropped(503, "too many large bodies at once: try again")
+            return message
+
+        return receive_limited
+
+
+def dropped(status: int, problem: str) -> HTTPException:
+    """Return what ends a connection whose request is not received as a whole."""
+    return HTTPException(status, problem, {"Connection": "close"})
 
 
 def with_headers(send: Send) -> Send:

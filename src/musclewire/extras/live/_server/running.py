@@ -15,17 +15,23 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import uvicorn
-from starlette.types import Scope
 
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError
 from musclewire.extras.live._bench_handle import BenchHandle
 from musclewire.extras.live._server.access import Access, is_loopback
 from musclewire.extras.live._server.application import make_app
+from musclewire.extras.live._server.connections import (
+    Connections,
+    FirstBytes,
+    Turns,
+    WatchedProtocol,
+    accept,
+    max_connections,
+)
 from musclewire.extras.live._server.fired_rules import FiredRules
 from musclewire.extras.live._server.gate import Gate
 from musclewire.extras.live._server.json_texts import MAX_BYTES
-from musclewire.extras.live._server.newcomers import Newcomers, WatchedProtocol, accept, max_newcomers
 from musclewire.extras.live._server.session import Session, repeat
 
 # If the usual port is taken, these next to it are tried.
@@ -108,22 +114,24 @@ class Server(uvicorn.Server):
     ----------
     config
         How it runs.
-    newcomers
-        Connections that have shown nothing yet.
+    connections
+        Where they are noted.
+    turns
+        Requests and new connections that wait for their turn.
     """
 
-    def __init__(self, config: uvicorn.Config, newcomers: Newcomers) -> None:
-        """Take both."""
+    def __init__(self, config: uvicorn.Config, connections: Connections, turns: Turns) -> None:
+        """Take them."""
         super().__init__(config)
-        self._newcomers = newcomers
+        self._connections, self._turns = connections, turns
         self._tasks: list[asyncio.Task[None]] = []
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Accept connections by a rule of our own."""
         self.servers = []
         loop = asyncio.get_running_loop()
-        self._tasks = [asyncio.create_task(accept(one, self._newcomers, self._protocol)) for one in sockets or []]
-        self._tasks.append(asyncio.create_task(repeat(LOOK_S, lambda: self._newcomers.look(loop.time()))))
+        self._tasks = [asyncio.create_task(accept(one, self._connections, self._protocol)) for one in sockets or []]
+        self._tasks.append(asyncio.create_task(repeat(LOOK_S, lambda: self._connections.look(loop.time()))))
         self.started = True
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
@@ -133,9 +141,12 @@ class Server(uvicorn.Server):
         await asyncio.gather(*self._tasks, return_exceptions=True)
         await super().shutdown(sockets)
 
-    def _protocol(self) -> WatchedProtocol:
+    def _protocol(self) -> FirstBytes:
+        return FirstBytes(self._connections, self._turns, self._http)
+
+    def _http(self) -> WatchedProtocol:
         return WatchedProtocol(
-            self._newcomers, config=self.config, server_state=self.server_state, app_state=self.lifespan.state
+            self._connections, config=self.config, server_state=self.server_state, app_state=self.lifespan.state
         )
 
     @contextmanager
@@ -193,8 +204,9 @@ async def serve_until(
         try:
             await session.start()
             leave_core(settings.cpu)
-            newcomers = Newcomers(max_newcomers())
-            server = Server(configuration(session, settings, address, newcomers), newcomers)
+            connections = Connections(max_connections(), session.kept)
+            turns = Turns()
+            server = Server(configuration(session, settings, address, connections, turns), connections, turns)
             await until_ended(server, session, listening, ended, lambda: on_ready(running(address, settings.token)))
         finally:
             await session.close()
@@ -237,20 +249,16 @@ def bound(host: str, port: int) -> socket.socket:
 
 
 def configuration(
-    session: Session, settings: ServerSettings, address: ListenAddress, newcomers: Newcomers
+    session: Session, settings: ServerSettings, address: ListenAddress, connections: Connections, turns: Turns
 ) -> uvicorn.Config:
     """Return how uvicorn runs the application."""
     local = settings.address.is_local
     names = frozenset() if local else frozenset({address.host.lower(), *own_names()})
     access = Access(settings.token, names, any_address=not local)
 
-    def passed(scope: Scope) -> None:
-        newcomers.passed(scope["client"])
-        scope.setdefault("state", {})["stops"] = session.stops()
-
     cookie = f"musclewire_{address.port}"  # browsers do not keep the cookies of two ports apart
     return uvicorn.Config(
-        Gate(make_app(session), access, cookie, passed),
+        Gate(make_app(session), access, cookie, connections, turns, session.stops),
         loop="asyncio",
         ws="websockets-sansio",
         ws_max_size=MAX_BYTES,

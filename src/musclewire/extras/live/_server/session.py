@@ -150,12 +150,12 @@ class Session:
 
     # Viewers
 
-    def enter(self) -> Viewer | None:
-        """Return a new viewer, already sent all there is to know; None if there are too many."""
+    def enter(self, place: tuple[str, int] | None = None) -> Viewer | None:
+        """Return a new viewer at an address and port, already sent all there is to know; None if there are too many."""
         if len(self.viewers) >= MAX_VIEWERS:
             return None
         self._count += 1
-        viewer = Viewer(secrets.token_urlsafe(24), f"viewer {self._count}")
+        viewer = Viewer(secrets.token_urlsafe(24), f"viewer {self._count}", place)
         self.viewers[viewer.key] = viewer
         hello = Hello(
             version=version("musclewire"), you=viewer.name, benches=list(self.benches), token_needed=self.token_needed
@@ -171,6 +171,13 @@ class Session:
         self.viewers.pop(viewer.key, None)
         for bench in self.benches.values():
             self.give_up(bench, viewer.key, f"{viewer.name} has left")
+
+    def kept(self) -> tuple[set[Any], set[str]]:
+        """Return the places of open pages, and the leases of who has control or asks for it."""
+        now_s, pages = time.monotonic(), {viewer.place for viewer in self.viewers.values()}
+        controls = (bench.control for bench in self.benches.values())
+        people = (one for each in controls for one in (each.holder, each.asking) if one is not None)
+        return pages, {one.key for one in people if one.is_there(now_s, LEASE_AT_REST_S)}
 
     def pong(self, key: str, number: int) -> None:
         """Note an answer to a ping; one to an old ping or to none says nothing."""

@@ -26,11 +26,13 @@ class Viewer:
         Their secret, by which they have control.
     name
         What others see until they give a name of their own.
+    place
+        Address and port of their connection; None if it has none.
     """
 
-    def __init__(self, key: str, name: str) -> None:
+    def __init__(self, key: str, name: str, place: tuple[str, int] | None = None) -> None:
         """Begin with nothing to send."""
-        self.key, self.name = key, name
+        self.key, self.name, self.place = key, name, place
         self.layouts_seen: set[tuple[str, int]] = set()
         self.frames_dropped = 0
         self._messages: deque[str] = deque()
