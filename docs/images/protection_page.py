@@ -31,9 +31,12 @@ RULES = """- **Latched.** After a trip the drive stays off whatever is commanded
   falls to the sense voltage after {sense} s and goes off after {trip} s. Nothing that a script commands is followed
   meanwhile. Readings that are missing again and again add up, in any pattern; a reading that is there makes up for a
   quarter of its time, so that one of five or fewer bring nothing to the sense voltage, and their heat counts.
-- **Heat.** While a reading is missing the wire counts as heated by its last known power, times the square of what the
-  drive has changed by since; before any reading, by the largest power that the drive allows. What was ordered counts
-  where the device says that less is out. Time is that of the sample's own clock; one that leaps is a fault.
+- **Heat.** The wire counts as heated by the larger of two powers: what was read, and what the ordered drive gives the
+  smallest resistance that this wire can have (`resistance_low`); readings that are too small hide nothing. While a
+  reading is missing, what was ordered counts alone; of several drives in a reading's time the highest.
+- **Two clocks.** Heat counts over the sample's own time; on a rig paced by a real clock over the host's, if that is
+  longer since the drive was last at the sense voltage. A tenth of difference for 5 s, or a leap, is a fault.
+- **Late.** A reading may be of any drive ordered within {delay} ms before it: only more than these is a stuck output.
 - **Silence.** A rig whose samples come at the pace of a real clock goes to the sense voltage {sense} s after a sample
   was due if nobody has asked for it, and is not tripped: the next `exchange` says so and runs. Any exception inside
   `exchange`, Ctrl-C too, leaves the sense voltage or less; when Python ends, every rig is switched off.
@@ -82,7 +85,7 @@ def page() -> str:
     parts = [
         HEAD,
         f"## States\n\n{states(table)}\n\n{diagram(table)}\n\n"
-        f"{RULES.format(**times, reading=f'{1e3 * table.reading_period_s:g}')}",
+        f"{RULES.format(**times, reading=f'{1e3 * table.reading_period_s:g}', delay=f'{1e3 * table.delay_s:g}')}",
         f"{TRANSITIONS_HEAD.format(signals=len(table.signal))}\n{transitions(table)}\n\n"
         f"{signals(table)}\n\n{effects(table)}\n",
         f"{EVENTS_HEAD}\n{events(table)}\n\n{RESERVED_HEAD}\n{reserved(table)}\n",

@@ -53,9 +53,10 @@ void shim_off(mw_controller *c) { mw_protect_off(&c->protection); }
 void shim_rest(mw_controller *c) { mw_protect_rest(&c->protection); }
 int shim_recover(mw_controller *c, unsigned char event) { return mw_protect_recover(&c->protection, event); }
 int shim_follows(const mw_controller *c) { return mw_protect_follows(&c->protection); }
-void shim_reading(mw_controller *c, double drive, double wire, double shunt, double dt)
+void shim_reading(mw_controller *c, double drive, double wire, double shunt, double ordered,
+                  double dt)
 {
-    mw_protect_reading(&c->protection, (mw_real)drive, (mw_real)wire, (mw_real)shunt, (mw_real)dt);
+    mw_protect_reading(&c->protection, (mw_real)drive, (mw_real)wire, (mw_real)shunt, (mw_real)ordered, (mw_real)dt);
 }
 void shim_command(mw_controller *c, double drive) { mw_protect_command(&c->protection, (mw_real)drive); }
 void shim_protection(const mw_controller *c, double *out)
@@ -159,9 +160,17 @@ class HostLibrary:
         self._c.shim_drive(self._state, *_doubles(drive_voltage_v), self._out)
         return self._outcome()
 
-    def reading(self, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float, dt_s: float) -> None:
+    def reading(
+        self,
+        drive_voltage_v: float,
+        wire_voltage_v: float,
+        shunt_voltage_v: float,
+        dt_s: float,
+        ordered_voltage_v: float,
+    ) -> None:
         """Give the protection one reading."""
-        self._c.shim_reading(self._state, *_doubles(drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_s))
+        volts = drive_voltage_v, wire_voltage_v, shunt_voltage_v, ordered_voltage_v
+        self._c.shim_reading(self._state, *_doubles(*volts, dt_s))
 
     def command(self, drive_voltage_v: float) -> None:
         """Give the protection one command."""

@@ -31,11 +31,13 @@ from musclewire.rigs._device import (
     DeviceFault,
     HasCompiledExchange,
     HasOnBoardLoop,
+    HasTrueState,
     Metadata,
     Missing,
 )
 from musclewire.rigs._idle_watch import IdleWatch
 from musclewire.rigs._remembered_temperature import RememberedTemperature
+from musclewire.rigs._two_clocks import TwoClocks
 from musclewire.signals import Command, Drive, RawSample, Target, drive_voltage_of
 
 # Python 3.11 takes longer to look up a member of an enumeration than to compare it.
@@ -48,6 +50,8 @@ MAX_WAIT_S = 1.0
 # A time between two samples within this much of the sample period is the sample period [s]: clocks round.
 CLOCK_ROUNDING_S = 1e-6
 # No more is known of a device that does not answer.
+# A sample that took so many sample periods is expected to take as long again.
+LONG_PERIODS = 1.5
 NOT_CONFIRMED = (
     "0 V was ordered and nothing confirms it: a board's drive expires by itself, a card's guardian has tried to switch "
     "off; cut the supply to be sure"
@@ -144,8 +148,10 @@ class GuardedRig:
         # Held whenever the protection's state is read and written, never while a sample is awaited.
         self._deciding = RLock()
         self._last_time_s: float | None = None
-        # The drive that was ordered last; and whether the rig has paused since the last sample, at the sense voltage.
-        self._ordered_v, self._paused = 0.0, False
+        # The drive that was ordered last, the highest one of this exchange and that of the one before; and whether the
+        # rig has paused since the last sample, at the sense voltage.
+        self._ordered_v = self._highest_v = self._before_v = 0.0
+        self._paused = False
         # The thread that is in an exchange; when the last one ended; since when nobody has talked to a driven rig.
         self._exchanging: int | None = None
         self._talked_ns = perf_counter_ns()
@@ -154,6 +160,8 @@ class GuardedRig:
         self._off_for_good, self._off_confirmed = False, True
         self.drive_at_ns = self.sample_at_ns = 0
         self._watch: IdleWatch | None = None
+        # A simulation's clock runs as it is told to, and the host's says nothing of its wire.
+        self._clocks = TwoClocks() if self._facts.paced and not isinstance(device, HasTrueState) else None
         if self._facts.paced:
             weakref.finalize(self, device.off)  # at the interpreter's end, too
             self._watch = IdleWatch(self._rest_if_silent, self._silence_s)
@@ -293,7 +301,7 @@ class GuardedRig:
                 self._end_as_switched_off()
             if isinstance(allowed, Target):
                 # The protection judges what the device applied as if the host had commanded it.
-                self._ordered_v = sample.drive_voltage_v
+                self._ordered_v = self._highest_v = sample.drive_voltage_v
                 self._protection.command(min(sample.drive_voltage_v, self.maximum_voltage_v))
             self._judge(sample)
         return sample
@@ -339,14 +347,26 @@ class GuardedRig:
                 f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; {self._off_in_words()}",
                 Event.COMMAND_REFUSED,
             )
+        self._refuse_to_overheat(allowed_v)
         return Drive(allowed_v, by_protection=state != RUN)
+
+    def _refuse_to_overheat(self, drive_voltage_v: float) -> None:
+        """Trip before a sample that, as long as the last ones took, would end with the wire too hot."""
+        expected_s = 0.0 if self._clocks is None else self._clocks.expected_s
+        if expected_s > LONG_PERIODS * self._facts.sample_period_s:
+            after_k = self._protection.temperature_after_k(drive_voltage_v, expected_s)
+            if after_k > self._limits.maximum_temperature_k:
+                said = f"{after_k - 273.15:.0f} C estimated after {expected_s:.2f} s at {drive_voltage_v:.3f} V"
+                self._trip(Event.OVER_TEMPERATURE, f"{said}, as long as samples take")
 
     def _awaited(self, command: Command) -> RawSample:
         """Return the sample of a command; while it is missing, the table decides the drive and how long to wait."""
         self.drive_at_ns = perf_counter_ns()
         waited_s, since_ns = 0.0, 0
+        self._before_v, self._highest_v = self._highest_v, 0.0
         while True:
             self._ordered_v = command.voltage_v if isinstance(command, Drive) else math.inf
+            self._highest_v = max(self._highest_v, self._ordered_v)
             try:
                 answer = self.device.exchange(command)
             except (RigError, NumericsError):
@@ -391,10 +411,17 @@ class GuardedRig:
 
     def _judge(self, sample: RawSample) -> None:
         """Run the protection over a sample."""
-        covered_s = self._covered_s(sample.time_s)
-        protection = self._protection
         drive_v = self._counted_drive_v(sample.drive_voltage_v)
-        sound = protection.sample(drive_v, sample.wire_voltage_v, sample.shunt_voltage_v, covered_s)
+        ordered_v = max(drive_v, self._highest_v)
+        before_s, paused = self._last_time_s, self._paused
+        covered_s = self._covered_s(sample.time_s)
+        if self._clocks is not None or covered_s > self._facts.sample_period_s:
+            ordered_v = max(ordered_v, self._before_v)  # until the order arrived the drive before was out
+        if self._clocks is not None:
+            step_s = None if paused or before_s is None else sample.time_s - before_s
+            covered_s = self._longer_s(self._clocks, covered_s, step_s, ordered_v > self.sense_voltage_v)
+        protection = self._protection
+        sound = protection.sample(drive_v, sample.wire_voltage_v, sample.shunt_voltage_v, covered_s, ordered_v)
         if self._facts.identity is not None:
             self._remembered.note(protection.temperature_k)
         if not sound and protection.tripped:
@@ -418,6 +445,18 @@ class GuardedRig:
         if covered_s > longest_s and not self._was_idle(covered_s):
             self._trip(Event.CLOCK_LEAPT, f"{time_s:.6f} s after {last_s:.6f} s, samples come every {period_s:g} s")
         return covered_s
+
+    def _longer_s(self, clocks: TwoClocks, device_s: float, step_s: float | None, heated: bool) -> float:
+        """Return the time that a sample covers by the longer of two clocks; trip if they differ for good.
+
+        ``step_s`` is what the device's clock went on by since the sample before; None after a pause.
+        """
+        if step_s is None:
+            clocks.rest()
+        said = clocks.difference(step_s or 0.0, self.sample_at_ns)
+        if said:
+            self._trip(Event.CLOCK_LEAPT, said)
+        return clocks.covered_s(device_s, heated, self.drive_at_ns, self.sample_at_ns)
 
     def _was_idle(self, covered_s: float) -> bool:
         """Whether a rig at rest has taken so long between two samples by the host's clock, too."""

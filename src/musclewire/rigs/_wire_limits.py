@@ -12,7 +12,7 @@ from musclewire.parameters import Alloy, Wire, validity_of
 from musclewire.physics import convection_coefficient_w_per_m2_k
 
 # A wire's resistance by the maker's ohm per metre is within 15 %, and falls by up to a fifth when it contracts.
-WINDOW_LOW, WINDOW_HIGH = 0.55, 1.5
+WINDOW_LOW, WINDOW_HIGH = 0.85 * 0.8, 1.5
 # Neither a variation between wires nor a draught explains more current or power than the maximum voltage drives.
 CURRENT_MARGIN, POWER_MARGIN = 1.1, 1.1
 # A tenth of the current that the sense voltage drives: less is no contact.

@@ -121,7 +121,8 @@ def test_temperature_by_power_reaches_what_power_over_loss_says_and_trips_above_
     wire_v, shunt_v = reading(16.0, 3.0)
     for _ in range(400):
         state = protect_reading(state, limits, 3.0, wire_v, shunt_v, 0.05)
-    assert state.temperature_k == pytest.approx(295.15 + wire_v * shunt_v / 6e-3, rel=1e-6)
+    # What was ordered in the smallest resistance, 10 ohm behind 1 ohm, is more than what 16 ohm take.
+    assert state.temperature_k == pytest.approx(295.15 + 10.0 * (3.0 / 11.0) ** 2 / 6e-3, rel=1e-6)
     for _ in range(400):
         wire_v, shunt_v = reading(11.0, 3.6)
         state = protect_reading(state, limits, 3.6, wire_v, shunt_v, 0.05)

@@ -52,7 +52,8 @@ def test_a_block_of_fast_samples_covers_their_time_and_holds_their_means(samples
     for volts in samples:
         running.sample(*volts, FAST_S)
     unfinished = samples[-((len(samples) - 1) % BLOCK + 1) :]
-    block_s, *means_v = running.state[-4:]
+    block_s, ordered_v, *means_v = running.state[-5:]
+    assert ordered_v == max(drive_v for drive_v, _, _ in unfinished)
     assert block_s == pytest.approx(len(unfinished) * FAST_S)
     assert means_v == pytest.approx(np.mean(unfinished, axis=0), abs=1e-12)
 

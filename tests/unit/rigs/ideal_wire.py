@@ -19,7 +19,8 @@ Changed = Callable[[int, RawSample], object]
 class IdealWire:
     """A wire whose temperature is known; ``changed`` makes of its n-th sample, from 0, what the guard gets to see.
 
-    ``ohm_per_k`` is what its resistance loses per kelvin between 340 and 380 K.
+    ``ohm_per_k`` is what its resistance loses per kelvin between 340 and 380 K. A sample takes ``takes_s`` in truth,
+    and by the device's clock always ``PERIOD_S``.
     """
 
     def __init__(
@@ -31,12 +32,14 @@ class IdealWire:
         ohm_per_k: float = 0.0,
         paced: bool = False,
         identity: str | None = None,
+        takes_s: float = PERIOD_S,
     ) -> None:
         self.facts = DeviceFacts(
             PERIOD_S, paced=paced, leg_length_m=0.07, drive_amplitude_v=3.2, limits=limits, identity=identity
         )
         self.temperature_k = self.hottest_k = limits.ambient_temperature_k
         self.drive_voltage_v, self.samples = 0.0, 0
+        self.true_s, self._takes_s = 0.0, takes_s
         self._changed, self._cold_ohm, self._ohm_per_k = changed, resistance_ohm, ohm_per_k
 
     def metadata(self) -> Metadata:
@@ -48,9 +51,10 @@ class IdealWire:
         resistance_ohm = self._cold_ohm - self._ohm_per_k * min(max(self.temperature_k - 340.0, 0.0), 40.0)
         current_a = drive_v / (resistance_ohm + limits.shunt_resistance_ohm)
         end_k = limits.ambient_temperature_k + current_a**2 * resistance_ohm / limits.heat_loss_w_per_k
-        left = math.exp(-PERIOD_S * limits.heat_loss_w_per_k / limits.heat_capacity_j_per_k)
+        left = math.exp(-self._takes_s * limits.heat_loss_w_per_k / limits.heat_capacity_j_per_k)
         self.temperature_k = end_k + (self.temperature_k - end_k) * left
         self.hottest_k = max(self.hottest_k, self.temperature_k)
+        self.true_s += self._takes_s
         self.samples += 1
         noise_v = 1e-5 * (self.samples % 7)
         volts = current_a * resistance_ohm + noise_v, current_a * limits.shunt_resistance_ohm + noise_v

@@ -40,7 +40,8 @@ def test_another_device_and_one_without_an_identity_begin_cold() -> None:
 
 
 def test_a_wire_that_was_closed_warm_counts_as_warm_and_one_that_cooled_as_cold() -> None:
-    device = IdealWire(identity="board 7")
+    # Of nearly the smallest resistance that it can have: of another one the estimate is on the safe side.
+    device = IdealWire(identity="board 7", resistance_ohm=12.2)
     rig = GuardedRig(device)
     for _ in range(100):
         rig.exchange(3.0)

@@ -87,7 +87,7 @@ def test_every_size_of_the_catalogue_is_within_with_its_own_current_power_and_re
     limits = {
         "maximum_current_a": 1.1 * row.current_a,
         "maximum_power_w": 1.1 * row.current_a**2 * ohm,
-        "resistance_low_ohm": 0.55 * ohm,
+        "resistance_low_ohm": 0.85 * 0.8 * ohm,
         "resistance_high_ohm": 1.5 * ohm,
         "maximum_temperature_k": 473.15,
     }

@@ -71,7 +71,7 @@ CAUSES = {
     "wire_open": Event.WIRE_OPEN,
     "wire_short": Event.WIRE_SHORT,
     "bad_contact": Event.RESISTANCE_JUMP,
-    "clamp_slipped": Event.RESISTANCE_JUMP,
+    "clamp_slipped": Event.RESISTANCE_OUTSIDE_WINDOW,  # 60 % of the wire: less than any of its length has
     "channel_frozen": Event.CHANNEL_FROZEN,
     "channel_saturated": Event.CHANNEL_SATURATED,
     "channels_swapped": Event.CHANNELS_SWAPPED,

@@ -92,7 +92,7 @@ def test_temperature_and_voltage_are_each_others_inverse() -> None:
 
 def test_another_diameter_of_the_same_wire_brings_its_resistance_with_it() -> None:
     with open_rig("simulated", diameter_m="0.15 mm", wire_length_m="60 mm") as rig:
-        assert rig.protection_limits.resistance_low_ohm == pytest.approx(0.55 * 126.0 / 1.5**2 * 0.06)
+        assert rig.protection_limits.resistance_low_ohm == pytest.approx(0.85 * 0.8 * 126.0 / 1.5**2 * 0.06)
         loop = characterize(rig, cycles=1, period_s=30.0)
     assert loop.metadata["ended"] == "done"
 

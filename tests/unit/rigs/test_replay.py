@@ -152,7 +152,7 @@ def test_a_recording_from_elsewhere_needs_a_rig_file_that_says_the_rest(driven: 
         replay(foreign)
     more = """
         shunt = "1 ohm"
-        wire_length = "220 mm"
+        wire_length = "160 mm"
         legs = 2
         sense_voltage = "0.3 V"
         maximum_voltage = "3.4 V"
@@ -160,7 +160,7 @@ def test_a_recording_from_elsewhere_needs_a_rig_file_that_says_the_rest(driven: 
     """
     with replay(foreign, more) as rig:
         assert rig.sample_period_s == pytest.approx(0.05)
-        assert rig.leg_length_m == pytest.approx(0.11)
+        assert rig.leg_length_m == pytest.approx(0.08)
         assert rig.maximum_voltage_v == pytest.approx(3.4)
         assert len(play(rig, foreign)) == len(foreign)
 

@@ -115,8 +115,9 @@ def follow(row: Row, rules: Row, signal: int, drive_voltage_v: float, event: int
 def forget(row: Row) -> None:
     """Forget all but the state and how warm the wire is."""
     row["event"], row["missing_s"] = NO_EVENT, 0.0
-    row["often_missing_s"] = row["power_w_per_v2"] = 0.0
+    row["often_missing_s"] = 0.0
     row["lasting_s"][:] = 0.0
+    row["earlier_drive_v"] = row["recent_drive_v"] = row["recent_s"] = 0.0
     row["settled_ohm"] = row["wire_voltage_v"] = row["shunt_voltage_v"] = 0.0
     row["wire_repeats"] = row["shunt_repeats"] = row["repeats_drive_v"] = 0.0
     empty_block(row)
@@ -126,6 +127,7 @@ def forget(row: Row) -> None:
 def empty_block(row: Row) -> None:
     """Begin a new reading."""
     row["block_s"] = row["block_drive_v"] = row["block_wire_v"] = row["block_shunt_v"] = 0.0
+    row["block_ordered_v"] = 0.0
 
 
 @compiled_inner
@@ -194,6 +196,7 @@ def conditions_in(
     drive_voltage_v: float,
     wire_voltage_v: float,
     shunt_voltage_v: float,
+    highest_voltage_v: float,
     dt_s: float,
 ) -> tuple[bool, ...]:
     """Return which of ``CONDITION_EVENTS`` a reading shows, and remember it."""
@@ -222,7 +225,7 @@ def conditions_in(
         resistance_ohm < SHORT_FRACTION * low_ohm,
         abs(current_a) > rules["maximum_current_a"],
         wire_voltage_v * current_a > rules["maximum_power_w"],
-        wire_voltage_v + shunt_voltage_v > drive_voltage_v + STUCK_FRACTION * rules["maximum_voltage_v"],
+        wire_voltage_v + shunt_voltage_v > highest_voltage_v + STUCK_FRACTION * rules["maximum_voltage_v"],
         jumped,
         outside,
         driven and is_frozen(row, rules, drive_voltage_v, dt_s),
@@ -245,12 +248,32 @@ def missing_event(
 
 
 @compiled_inner
-def heat(row: Row, rules: Row, power_w: float, dt_s: float) -> None:
-    """Let a power in the wire act on the estimated temperature (backward Euler: stable for any ``dt_s``)."""
+def highest_within_delay_v(row: Row, rules: Row, ordered_voltage_v: float, dt_s: float) -> float:
+    """Return the highest drive [V] ordered in this reading or within the table's delay before it, and remember it.
+
+    A reading may come late, or be of a drive before the last change. Two stretches of the delay are kept, the last and
+    the present one: what is returned was ordered no longer ago than both together.
+    """
+    row["recent_drive_v"] = max(row["recent_drive_v"], ordered_voltage_v)
+    highest_v = max(row["earlier_drive_v"], row["recent_drive_v"])
+    row["recent_s"] += dt_s
+    if row["recent_s"] > rules["delay_s"] - TIME_ROUNDING_S:
+        row["earlier_drive_v"], row["recent_drive_v"], row["recent_s"] = row["recent_drive_v"], 0.0, 0.0
+    return float(highest_v)
+
+
+@compiled_inner
+def heat(row: Row, rules: Row, read_power_w: float, ordered_voltage_v: float, dt_s: float) -> None:
+    """Let the power in the wire act on the estimated temperature: second order, and stable for any ``dt_s``.
+
+    The larger of two counts: what was read, and what the ordered drive gives the smallest resistance that this wire can
+    have. Either source may be wrong.
+    """
+    power_w = max(read_power_w, rules["largest_w_per_v2"] * ordered_voltage_v * ordered_voltage_v)
     rate = rules["heat_loss_w_per_k"] / rules["heat_capacity_j_per_k"] * dt_s
-    rise = dt_s * power_w / rules["heat_capacity_j_per_k"]
+    rise_k = dt_s * power_w / rules["heat_capacity_j_per_k"] * (1.0 + 0.5 * rate)
     ambient_k = rules["ambient_temperature_k"]
-    row["temperature_k"] = ambient_k + (row["temperature_k"] - ambient_k + rise) / (1.0 + rate)
+    row["temperature_k"] = ambient_k + (row["temperature_k"] - ambient_k + rise_k) / (1.0 + rate + 0.5 * rate * rate)
 
 
 @compiled_inner
@@ -281,27 +304,28 @@ def judged_reading(
     drive_voltage_v: float,
     wire_voltage_v: float,
     shunt_voltage_v: float,
+    ordered_voltage_v: float,
     dt_s: float,
 ) -> bool:
     """Take one reading that stands for ``dt_s`` seconds at ``drive_voltage_v``; whether it is sound.
 
-    Sound is a reading of which nothing is missing and for which no condition of the table holds.
+    Sound is a reading of which nothing is missing and for which no condition of the table holds. The highest drive that
+    was ordered in this time, ``ordered_voltage_v``, is the one that heats.
     """
     row, rule = rows[lane], rules[lane]
     if rule["output_drives"][row["state"]] == NO_DRIVE:
         return False
+    highest_v = highest_within_delay_v(row, rule, ordered_voltage_v, dt_s)
     driven = drive_voltage_v >= DRIVEN_FRACTION * rule["sense_voltage_v"]
     missing = missing_event(rule, driven, drive_voltage_v, wire_voltage_v, shunt_voltage_v)
     if missing != NO_EVENT:
-        miss_reading(row, rule, missing, drive_voltage_v, dt_s)
+        miss_reading(row, rule, missing, ordered_voltage_v, dt_s)
         return False
     # A channel that is reversed heats the wire all the same.
-    power_w = abs(wire_voltage_v * (shunt_voltage_v / rule["shunt_resistance_ohm"]))
-    heat(row, rule, power_w, dt_s)
-    if driven and power_w > 0.0:
-        row["power_w_per_v2"] = power_w / (drive_voltage_v * drive_voltage_v)
+    read_power_w = abs(wire_voltage_v * (shunt_voltage_v / rule["shunt_resistance_ohm"]))
+    heat(row, rule, read_power_w, ordered_voltage_v, dt_s)
     row["often_missing_s"] = max(0.0, row["often_missing_s"] - MADE_UP_FRACTION * dt_s)
-    seen = conditions_in(row, rule, driven, drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_s)
+    seen = conditions_in(row, rule, driven, drive_voltage_v, wire_voltage_v, shunt_voltage_v, highest_v, dt_s)
     if row["often_missing_s"] > rule["sense_after_s"] - TIME_ROUNDING_S:
         row["missing_s"] = 0.0  # this one is there, but too many have been missing to drive by them
     else:
@@ -310,11 +334,9 @@ def judged_reading(
 
 
 @compiled_inner
-def miss_reading(row: Row, rules: Row, event: int, drive_voltage_v: float, dt_s: float) -> None:
-    """Take a reading that is missing: the wire counts as heated as by its drive before, and nothing else is known."""
-    known = row["power_w_per_v2"]
-    watt_per_v2 = known if known > 0.0 else rules["largest_w_per_v2"]
-    heat(row, rules, watt_per_v2 * drive_voltage_v * drive_voltage_v, dt_s)
+def miss_reading(row: Row, rules: Row, event: int, ordered_voltage_v: float, dt_s: float) -> None:
+    """Take a reading that is missing: the wire counts as heated by what was ordered, and nothing else is known."""
+    heat(row, rules, 0.0, ordered_voltage_v, dt_s)
     # A gap that lasts counts until the sense voltage is out; then only further gaps do.
     if row["missing_s"] < rules["sense_after_s"] - TIME_ROUNDING_S:
         max_s = MAX_OFTEN_MISSING * rules["sense_after_s"]
@@ -350,6 +372,7 @@ def judged_sample(
     drive_voltage_v: float,
     wire_voltage_v: float,
     shunt_voltage_v: float,
+    ordered_voltage_v: float,
     dt_s: float,
 ) -> bool:
     """Take a sample of ``dt_s`` seconds; whether nothing is wrong with the reading that it completes, if any.
@@ -361,13 +384,14 @@ def judged_sample(
         empty_block(row)
     weight = dt_s / (row["block_s"] + dt_s)
     row["block_s"] += dt_s
+    row["block_ordered_v"] = max(row["block_ordered_v"], ordered_voltage_v)
     row["block_drive_v"] += weight * (drive_voltage_v - row["block_drive_v"])
     row["block_wire_v"] += weight * (wire_voltage_v - row["block_wire_v"])
     row["block_shunt_v"] += weight * (shunt_voltage_v - row["block_shunt_v"])
     if row["block_s"] < full_s:
         return True
-    volts = row["block_drive_v"], row["block_wire_v"], row["block_shunt_v"]
-    return judged_reading(rows, rules, lane, volts[0], volts[1], volts[2], row["block_s"])
+    volts = row["block_drive_v"], row["block_wire_v"], row["block_shunt_v"], row["block_ordered_v"]
+    return judged_reading(rows, rules, lane, volts[0], volts[1], volts[2], volts[3], row["block_s"])
 
 
 class Protection:
@@ -391,7 +415,7 @@ class Protection:
         self.row = np.zeros(1, PROTECTION)
         self.row["temperature_k"] = limits.ambient_temperature_k if temperature_k is None else temperature_k
         commanded(self.row.copy(), self.rules, 0, 0.0)
-        judged_sample(self.row.copy(), self.rules, 0, 0.0, 0.0, 0.0, 0.01)
+        judged_sample(self.row.copy(), self.rules, 0, 0.0, 0.0, 0.0, 0.0, 0.01)
         self.arm()
 
     @property
@@ -414,7 +438,7 @@ class Protection:
     @property
     def last_reading_v(self) -> tuple[float, float, float]:
         """Drive, wire and shunt voltage of the last reading, if it is complete."""
-        _, drive_v, wire_v, shunt_v = self.state[-4:]
+        drive_v, wire_v, shunt_v = self.state[-3:]
         return drive_v, wire_v, shunt_v
 
     @property
@@ -427,18 +451,41 @@ class Protection:
         # Any other type than float would be compiled now, with the wire driven.
         return commanded(self.row, self.rules, 0, float(drive_voltage_v))
 
-    def sample(self, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float, dt_s: float) -> bool:
+    def sample(
+        self,
+        drive_voltage_v: float,
+        wire_voltage_v: float,
+        shunt_voltage_v: float,
+        dt_s: float,
+        ordered_voltage_v: float | None = None,
+    ) -> bool:
         """Take a sample of ``dt_s`` seconds; whether all is well.
 
-        Those that come faster than the table's readings are averaged first.
+        Those that come faster than the table's readings are averaged first. ``ordered_voltage_v`` is the highest drive
+        that was ordered in this time, by default the drive itself.
         """
-        volts = float(drive_voltage_v), float(wire_voltage_v), float(shunt_voltage_v)
+        ordered_v = drive_voltage_v if ordered_voltage_v is None else ordered_voltage_v
+        volts = float(drive_voltage_v), float(wire_voltage_v), float(shunt_voltage_v), float(ordered_v)
         return judged_sample(self.row, self.rules, 0, *volts, float(dt_s))
 
-    def reading(self, drive_voltage_v: float, wire_voltage_v: float, shunt_voltage_v: float, dt_s: float) -> None:
-        """Take a reading that stands for ``dt_s`` seconds, whose samples the caller has averaged."""
-        volts = float(drive_voltage_v), float(wire_voltage_v), float(shunt_voltage_v)
+    def reading(
+        self,
+        drive_voltage_v: float,
+        wire_voltage_v: float,
+        shunt_voltage_v: float,
+        dt_s: float,
+        ordered_voltage_v: float | None = None,
+    ) -> None:
+        """Take a reading that stands for ``dt_s`` seconds, whose samples the caller has averaged; as ``sample``."""
+        ordered_v = drive_voltage_v if ordered_voltage_v is None else ordered_voltage_v
+        volts = float(drive_voltage_v), float(wire_voltage_v), float(shunt_voltage_v), float(ordered_v)
         judged_reading(self.row, self.rules, 0, *volts, float(dt_s))
+
+    def temperature_after_k(self, ordered_voltage_v: float, dt_s: float) -> float:
+        """Return the temperature [K] that the wire will count as having after so long at an ordered drive."""
+        ahead = self.row.copy()
+        judged_reading(ahead, self.rules, 0, ordered_voltage_v, math.nan, math.nan, ordered_voltage_v, dt_s)
+        return float(ahead["temperature_k"][0])
 
     def missing(self, event: Event, missing_s: float) -> tuple[float, int]:
         """Take note that something has been missing for so long in total [s]: hold, then sense, then trip.

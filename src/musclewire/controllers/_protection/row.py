@@ -36,12 +36,13 @@ class ProtectionState(NamedTuple):
     """The state of a protection as it stands: a copy of its row.
 
     ``missing_s`` is how long a reading or command has been missing, ``often_missing_s`` how long they have been with
-    interruptions, less what sound ones have made up for; ``power_w_per_v2`` the power of the last reading per square of
-    its drive, 0 before the first; ``lasting_s`` how long each of ``CONDITION_EVENTS`` has been seen; ``settled_ohm``
-    the last resistance that was no jump, 0 for none; ``wire_repeats`` and ``shunt_repeats`` how often in a row a
-    channel gave the same number, ``repeats_drive_v`` the drive when that began. Samples that come faster than readings
-    are judged are averaged first: ``block_s`` is the time that the unfinished reading covers, the other three are its
-    means.
+    interruptions, less what sound ones have made up for; ``lasting_s`` how long each of ``CONDITION_EVENTS`` has been
+    seen; ``earlier_drive_v`` and ``recent_drive_v`` the highest drives ordered in the last stretch of the table's delay
+    and in the present one, which has lasted for ``recent_s``; ``settled_ohm`` the last resistance that was no jump, 0
+    for none; ``wire_repeats`` and ``shunt_repeats`` how often in a row a channel gave the same number,
+    ``repeats_drive_v`` the drive when that began. Samples that come faster than readings are judged are averaged first:
+    ``block_s`` is the time that the unfinished reading covers, ``block_ordered_v`` the highest drive ordered in it, the
+    other three are its means.
     """
 
     state: State
@@ -50,8 +51,10 @@ class ProtectionState(NamedTuple):
     temperature_k: float
     missing_s: float = 0.0
     often_missing_s: float = 0.0
-    power_w_per_v2: float = 0.0
     lasting_s: tuple[float, ...] = CONDITIONS * (0.0,)
+    earlier_drive_v: float = 0.0
+    recent_drive_v: float = 0.0
+    recent_s: float = 0.0
     settled_ohm: float = 0.0
     wire_voltage_v: float = 0.0
     shunt_voltage_v: float = 0.0
@@ -59,6 +62,7 @@ class ProtectionState(NamedTuple):
     shunt_repeats: float = 0.0
     repeats_drive_v: float = 0.0
     block_s: float = 0.0
+    block_ordered_v: float = 0.0
     block_drive_v: float = 0.0
     block_wire_v: float = 0.0
     block_shunt_v: float = 0.0
@@ -83,6 +87,7 @@ RULES = np.dtype(
         ("sense_after_s", np.float64),
         ("trip_after_s", np.float64),
         ("reading_period_s", np.float64),
+        ("delay_s", np.float64),
         ("largest_w_per_v2", np.float64),
     ]
 )
@@ -104,7 +109,7 @@ def rules_of(limits: ProtectionLimits, table: ProtectionTable | None = None) -> 
     rules["lasts_s"] = table.lasts_s
     for row in table.event:
         rules["trips"][0, row.number] = row.action == "trip"
-    for name in ("sense_after_s", "trip_after_s", "reading_period_s"):
+    for name in ("sense_after_s", "trip_after_s", "reading_period_s", "delay_s"):
         rules[name] = getattr(table, name)
     rules["largest_w_per_v2"] = largest_power_w_per_v2(limits)
     return rules

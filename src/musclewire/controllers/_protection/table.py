@@ -222,6 +222,7 @@ class ProtectionTable(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     reading_period_s: float = Field(gt=0.0)
+    delay_s: float = Field(gt=0.0)
     sense_after_s: float = Field(gt=0.0)
     trip_after_s: float = Field(gt=0.0, le=0.5)
     state: tuple[StateRow, ...]

@@ -132,7 +132,8 @@ def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: f
         if not exchange(rig, row, drive_v):
             return WIRE_NOT_RESOLVED, row
         sample[:] = shown[row, :4]
-        if not judged_sample(rig.protection, rig.rules, 0, sample[1], sample[2], sample[3], period_s):
+        ordered_v = max(drive_v, sample[1])
+        if not judged_sample(rig.protection, rig.rules, 0, sample[1], sample[2], sample[3], ordered_v, period_s):
             return READING_NOT_SOUND, row
         estimate(arrays.estimator_constants, arrays.estimator_state, sample, estimated)
         if estimated[4] != 0.0:

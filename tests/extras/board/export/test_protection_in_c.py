@@ -79,8 +79,11 @@ class Both:
 
     def reading(self, drive_v: float, wire_v: float, shunt_v: float, dt_s: float) -> None:
         drive_v, wire_v, shunt_v = (float(np.float32(value)) for value in (drive_v, wire_v, shunt_v))
-        self.library.reading(drive_v, wire_v, shunt_v, dt_s)
-        self.python.reading(drive_v, wire_v, shunt_v, dt_s)
+        # Now and then a higher drive was ordered in this time than the one that is out at its end.
+        higher = self.random.uniform(1.0, 2.0) if self.random.random() < 0.05 else 1.0
+        ordered_v = float(np.float32(higher * drive_v))
+        self.library.reading(drive_v, wire_v, shunt_v, dt_s, ordered_v)
+        self.python.reading(drive_v, wire_v, shunt_v, dt_s, ordered_v)
 
     def present(self) -> None:
         """Say that what was missing is back: of the host's, only a reading does."""

@@ -233,7 +233,7 @@ def _protection(limits: ProtectionLimits) -> list[CConstant]:
         _real("JUMP_SHARE", limits.jump_share),
         _real("SATURATED_WIRE_V", saturated * limits.wire_range_v),
         _real("SATURATED_SHUNT_V", saturated * limits.shunt_range_v),
-        _real("LARGEST_W_PER_V2", largest_power_w_per_v2(limits), "before any reading the wire counts as heated so"),
+        _real("LARGEST_W_PER_V2", largest_power_w_per_v2(limits), "of the ordered drive, in the smallest resistance"),
         _integer("READINGS_NOISY", int(limits.readings_noisy > 0.0)),
         _real("HEAT_CAPACITY_J_PER_K", limits.heat_capacity_j_per_k),
         _real("HEAT_LOSS_W_PER_K", limits.heat_loss_w_per_k),
@@ -299,6 +299,7 @@ def _times() -> list[CConstant]:
     }
     return [
         _integer("READING_PERIOD_US", _microseconds(table.reading_period_s), "samples are averaged over this time"),
+        _integer("DELAY_US", _microseconds(table.delay_s), "a reading may show a drive ordered so long before it"),
         _integer("SENSE_AFTER_US", _microseconds(table.sense_after_s)),
         _integer("TRIP_AFTER_US", _microseconds(table.trip_after_s)),
         _integer("MADE_UP_PART", round(1.0 / MADE_UP_FRACTION), "a sound reading makes up for this part of its time"),

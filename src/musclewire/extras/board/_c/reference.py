@@ -43,9 +43,10 @@ class TickOutcome(NamedTuple):
 
 @dataclass
 class SampleSums:
-    """Sums of samples, for a mean."""
+    """Sums of samples, for a mean, and the highest drive among them."""
 
     drive_v: float = 0.0
+    ordered_v: float = 0.0
     wire_v: float = 0.0
     shunt_v: float = 0.0
     time_s: float = 0.0
@@ -109,6 +110,7 @@ class ReferenceTick:
             return self.outcome()
         for sums in (self._mean, self._block):
             sums.drive_v += self.drive_voltage_v
+            sums.ordered_v = max(sums.ordered_v, self.drive_voltage_v)
             sums.wire_v += wire_voltage_v
             sums.shunt_v += shunt_voltage_v
             sums.time_s += tick_s
@@ -116,7 +118,7 @@ class ReferenceTick:
         block = self._block
         if block.time_s > protection_table().reading_period_s - TIME_ROUNDING_S:
             drive_v, wire_v, shunt_v = (total / block.samples for total in (block.drive_v, block.wire_v, block.shunt_v))
-            self.protection.reading(drive_v, wire_v, shunt_v, block.time_s)
+            self.protection.reading(drive_v, wire_v, shunt_v, block.time_s, block.ordered_v)
             self._block = SampleSums()
         return self.outcome()
 

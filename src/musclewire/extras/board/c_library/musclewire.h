@@ -95,6 +95,7 @@ extern "C" {
 /* Samples that make one reading of the protection. */
 typedef struct {
     mw_real drive_sum_v, wire_sum_v, shunt_sum_v, time_s;
+    mw_real ordered_v; /* the highest drive among them */
     uint16_t samples;
 } mw_block;
 

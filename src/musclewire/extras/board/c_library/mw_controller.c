@@ -40,6 +40,7 @@ static void forget_samples(mw_controller *controller)
 
 mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real tick_s)
 {
+    const mw_real drive_voltage_v = mw_protect_allowed(&controller->protection);
     mw_block *block = &controller->block;
     /* Without a time step no block would ever be full, and nothing would be judged. Written so that a NaN trips. */
     if (!(tick_s > 0 && tick_s <= MW_LARGEST)) {
@@ -51,16 +52,18 @@ mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real s
     controller->wire_sum_v += wire_voltage_v;
     controller->shunt_sum_v += shunt_voltage_v;
     controller->samples++;
-    block->drive_sum_v += mw_protect_allowed(&controller->protection);
+    block->drive_sum_v += drive_voltage_v;
+    if (drive_voltage_v > block->ordered_v)
+        block->ordered_v = drive_voltage_v;
     block->wire_sum_v += wire_voltage_v;
     block->shunt_sum_v += shunt_voltage_v;
     block->time_s += tick_s;
     block->samples++;
     if (mw_microseconds(block->time_s) >= MW_READING_PERIOD_US) {
-        const mw_block empty = {0, 0, 0, 0, 0};
+        const mw_block empty = {0, 0, 0, 0, 0, 0};
         const mw_real samples = (mw_real)block->samples;
         mw_protect_reading(&controller->protection, block->drive_sum_v / samples, block->wire_sum_v / samples,
-                           block->shunt_sum_v / samples, block->time_s);
+                           block->shunt_sum_v / samples, block->ordered_v, block->time_s);
         *block = empty;
     }
     return output_of(controller);

@@ -230,12 +230,15 @@ static uint8_t missing_event(mw_real drive_voltage_v, mw_real wire_voltage_v, mw
     return size_of(shunt_voltage_v) < MW_OPEN_SHUNT_VOLTAGE_V ? MW_EVENT_WIRE_OPEN : MW_EVENT_NONE;
 }
 
-/* m c dT/dt = P - G (T - T_ambient) by backward Euler: stable for any dt. */
-static void heat(mw_protection *protection, mw_real power_w, mw_real dt_s)
+/* m c dT/dt = P - G (T - T_ambient), second order and stable for any dt. The larger of two powers counts: what was read,
+ * and what the ordered drive gives the smallest resistance that this wire can have. Either source may be wrong. */
+static void heat(mw_protection *protection, mw_real read_power_w, mw_real ordered_voltage_v, mw_real dt_s)
 {
+    const mw_real ordered_power_w = MW_LARGEST_W_PER_V2 * ordered_voltage_v * ordered_voltage_v;
+    const mw_real power_w = read_power_w > ordered_power_w ? read_power_w : ordered_power_w;
     const mw_real rate = MW_HEAT_LOSS_W_PER_K / MW_HEAT_CAPACITY_J_PER_K * dt_s;
-    const mw_real rise = dt_s * power_w / MW_HEAT_CAPACITY_J_PER_K;
-    protection->above_ambient_k = (protection->above_ambient_k + rise) / (1 + rate);
+    const mw_real rise_k = dt_s * power_w / MW_HEAT_CAPACITY_J_PER_K * (1 + MW_R(0.5) * rate);
+    protection->above_ambient_k = (protection->above_ambient_k + rise_k) / (1 + rate + MW_R(0.5) * rate * rate);
 }
 
 static uint8_t too_hot(const mw_protection *protection)
@@ -246,7 +249,24 @@ static uint8_t too_hot(const mw_protection *protection)
 void mw_protect_cool(mw_protection *protection, mw_real dt_s)
 {
     if (!mw_state_drives(protection->state))
-        heat(protection, 0, dt_s);
+        heat(protection, 0, 0, dt_s);
+}
+
+/* The highest drive ordered in this reading or within the delay before it. A reading may come late. */
+static mw_real highest_within_delay_v(mw_protection *protection, mw_real ordered_voltage_v, uint32_t dt_us)
+{
+    mw_real highest_v;
+    if (ordered_voltage_v > protection->recent_drive_v)
+        protection->recent_drive_v = ordered_voltage_v;
+    highest_v = protection->recent_drive_v > protection->earlier_drive_v ? protection->recent_drive_v
+                                                                         : protection->earlier_drive_v;
+    protection->recent_us = later(protection->recent_us, dt_us);
+    if (protection->recent_us >= MW_DELAY_US) {
+        protection->earlier_drive_v = protection->recent_drive_v;
+        protection->recent_drive_v = 0;
+        protection->recent_us = 0;
+    }
+    return highest_v;
 }
 
 static uint16_t once_more(uint16_t repeats, uint8_t same)
@@ -313,7 +333,7 @@ static void see_resistance(mw_protection *protection, mw_real wire_voltage_v, mw
 
 /* Fill in which of the events that must last are seen. */
 static void see(mw_protection *protection, mw_real drive_voltage_v, mw_real wire_voltage_v,
-                mw_real shunt_voltage_v, uint32_t dt_us, uint8_t *seen)
+                mw_real shunt_voltage_v, mw_real highest_voltage_v, uint32_t dt_us, uint8_t *seen)
 {
     const mw_real current_a = shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM;
     /* A reading without current has no resistance to judge. */
@@ -327,7 +347,7 @@ static void see(mw_protection *protection, mw_real drive_voltage_v, mw_real wire
     seen[MW_LASTING_OVER_CURRENT] = size_of(current_a) > MW_MAXIMUM_CURRENT_A;
     seen[MW_LASTING_OVER_POWER] = wire_voltage_v * current_a > MW_MAXIMUM_POWER_W;
     seen[MW_LASTING_OUTPUT_STUCK] =
-        wire_voltage_v + shunt_voltage_v > drive_voltage_v + MW_STUCK_SHARE * MW_MAXIMUM_VOLTAGE_V;
+        wire_voltage_v + shunt_voltage_v > highest_voltage_v + MW_STUCK_SHARE * MW_MAXIMUM_VOLTAGE_V;
     seen[MW_LASTING_OVER_TEMPERATURE] = too_hot(protection);
 }
 
@@ -346,13 +366,11 @@ static void judge(mw_protection *protection, const uint8_t *seen, uint32_t dt_us
     }
 }
 
-/* Take a reading that is missing: the wire counts as heated as by its drive before, and nothing else is known. */
-static void miss_reading(mw_protection *protection, uint8_t event, mw_real drive_voltage_v, mw_real dt_s)
+/* Take a reading that is missing: the wire counts as heated by what was ordered, and nothing else is known. */
+static void miss_reading(mw_protection *protection, uint8_t event, mw_real ordered_voltage_v, mw_real dt_s)
 {
-    const mw_real known = protection->power_w_per_v2;
-    const mw_real watt_per_v2 = known > 0 ? known : MW_LARGEST_W_PER_V2;
     const uint32_t dt_us = mw_microseconds(dt_s);
-    heat(protection, watt_per_v2 * drive_voltage_v * drive_voltage_v, dt_s);
+    heat(protection, 0, ordered_voltage_v, dt_s);
     /* A gap that lasts counts until the sense voltage is out; then only further gaps do. */
     if (protection->missing_us < MW_SENSE_AFTER_US) {
         const uint32_t often_us = later(protection->often_missing_us, dt_us);
@@ -376,26 +394,24 @@ static void have_reading(mw_protection *protection, uint32_t dt_us)
 }
 
 void mw_protect_reading(mw_protection *protection, mw_real drive_voltage_v, mw_real wire_voltage_v,
-                        mw_real shunt_voltage_v, mw_real dt_s)
+                        mw_real shunt_voltage_v, mw_real ordered_voltage_v, mw_real dt_s)
 {
     const uint32_t dt_us = mw_microseconds(dt_s);
     uint8_t seen[MW_LASTING] = {0};
     uint8_t missing;
-    mw_real power_w;
+    mw_real highest_v;
     if (!mw_state_drives(protection->state))
         return;
+    highest_v = highest_within_delay_v(protection, ordered_voltage_v, dt_us);
     missing = missing_event(drive_voltage_v, wire_voltage_v, shunt_voltage_v);
     if (missing != MW_EVENT_NONE) {
-        miss_reading(protection, missing, drive_voltage_v, dt_s);
+        miss_reading(protection, missing, ordered_voltage_v, dt_s);
         return;
     }
     /* A channel that is reversed heats the wire all the same. */
-    power_w = size_of(wire_voltage_v * (shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM));
-    heat(protection, power_w, dt_s);
-    if (driven(drive_voltage_v) && power_w > 0)
-        protection->power_w_per_v2 = power_w / (drive_voltage_v * drive_voltage_v);
+    heat(protection, size_of(wire_voltage_v * (shunt_voltage_v / MW_SHUNT_RESISTANCE_OHM)), ordered_voltage_v, dt_s);
     count_repeats(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v);
-    see(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v, dt_us, seen);
+    see(protection, drive_voltage_v, wire_voltage_v, shunt_voltage_v, highest_v, dt_us, seen);
     have_reading(protection, dt_us);
     judge(protection, seen, dt_us);
 }

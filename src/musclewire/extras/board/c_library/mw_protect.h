@@ -22,8 +22,9 @@ typedef struct {
     mw_real above_ambient_k;     /* temperature of the wire above the air's, estimated from its power */
     uint32_t missing_us;         /* how long a reading or a command has been missing */
     uint32_t often_missing_us;   /* how long readings have been, with interruptions, less what sound ones made up for */
-    mw_real power_w_per_v2;      /* power of the last reading per square of its drive; 0 before the first */
     uint32_t lasting_us[MW_LASTING];
+    mw_real earlier_drive_v, recent_drive_v; /* highest drives ordered in the last stretch of the delay and in this one, */
+    uint32_t recent_us;                      /* and how long this one has lasted */
     mw_real settled_ohm;         /* the last resistance that was no jump; 0 for none */
     mw_real wire_voltage_v, shunt_voltage_v; /* of the last reading */
     uint16_t wire_repeats, shunt_repeats; /* how often in a row a channel gave the same number, */
@@ -72,9 +73,10 @@ mw_real mw_protect_allowed(const mw_protection *protection);
 /* Report that something has been missing for missing_s in total: hold, then the sense voltage, then trip. */
 void mw_protect_missing(mw_protection *protection, uint8_t event, mw_real missing_s);
 
-/* Judge one reading, which covers dt_s at drive_voltage_v. */
+/* Judge one reading, which covers dt_s at drive_voltage_v; ordered_voltage_v is the highest drive ordered in this time,
+ * which heats. */
 void mw_protect_reading(mw_protection *protection, mw_real drive_voltage_v, mw_real wire_voltage_v,
-                        mw_real shunt_voltage_v, mw_real dt_s);
+                        mw_real shunt_voltage_v, mw_real ordered_voltage_v, mw_real dt_s);
 
 /* Let the estimated temperature fall over dt_s at 0 V. Does nothing while a drive is out: then readings determine it. */
 void mw_protect_cool(mw_protection *protection, mw_real dt_s);

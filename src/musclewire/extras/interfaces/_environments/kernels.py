@@ -136,7 +136,7 @@ def read_lanes(
         end["wire_voltage_v"], end["shunt_voltage_v"] = wire_v, shunt_v
         end["strain"] = displacement_m / fact["leg_length_m"]
         drive_v, period_s = kept["drive_voltage_v"], fact["sample_period_s"]
-        judged_reading(protections, rules, lane, drive_v, wire_v, shunt_v, period_s)
+        judged_reading(protections, rules, lane, drive_v, wire_v, shunt_v, drive_v, period_s)
         end["event"] = protections[lane]["event"] if protections[lane]["state"] == TRIPPED else 0
 
 

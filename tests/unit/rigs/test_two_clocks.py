@@ -1,0 +1,120 @@
+"""Of a paced device's clock and the host's the longer time heats, and two that differ for good end the run."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+from tests.unit.rigs.ideal_wire import LIMITS, PERIOD_S, IdealWire
+
+from musclewire.controllers import Event
+from musclewire.rigs import _guarded
+from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
+from musclewire.rigs._two_clocks import TwoClocks
+
+MS = 1_000_000
+
+
+def covered(clocks: TwoClocks, *samples: tuple[float, int, int], heated: bool = True) -> list[float]:
+    """The times that samples cover: each with the device's step [s], and order and arrival by the host [ms]."""
+    return [clocks.covered_s(step_s, heated, MS * ordered, MS * came) for step_s, ordered, came in samples]
+
+
+def test_a_slow_device_counts_by_the_hosts_clock_from_the_first_order_on() -> None:
+    given = (0.05, 1000, 1250), (0.05, 1251, 1500), (0.05, 1500, 1760)
+    assert covered(TwoClocks(), *given) == pytest.approx([0.25, 0.25, 0.26])
+
+
+def test_a_fast_device_counts_by_its_own_clock() -> None:
+    assert covered(TwoClocks(), (0.05, 0, 5), (0.05, 5, 10), (0.05, 10, 15)) == [0.05, 0.05, 0.05]
+
+
+def test_a_sample_that_came_late_once_does_not_count_again_when_the_others_come_the_sooner() -> None:
+    late = (0.05, 0, 50), (0.05, 50, 100), (0.05, 100, 230), (0.05, 230, 232), (0.05, 232, 250), (0.05, 250, 300)
+    assert covered(TwoClocks(), *late) == pytest.approx([0.05, 0.05, 0.13, 0.05, 0.05, 0.05])
+    # 0.30 s have passed, and no more than by the latest of all is counted beyond.
+    assert sum(covered(TwoClocks(), *late)) == pytest.approx(0.30 + 0.08)
+
+
+def test_at_the_sense_voltage_only_the_device_counts_and_the_next_heat_begins_anew() -> None:
+    clocks = TwoClocks()
+    assert covered(clocks, (0.05, 0, 900), heated=False) == [0.05]
+    assert covered(clocks, (0.05, 900, 950)) == pytest.approx([0.05])
+    assert covered(clocks, (0.05, 950, 2000), heated=False) == [0.05]
+    assert covered(clocks, (0.05, 5000, 5060)) == pytest.approx([0.06])
+
+
+def test_the_next_sample_is_expected_to_take_as_long_as_the_shorter_of_two() -> None:
+    clocks = TwoClocks()
+    assert clocks.expected_s == 0.0
+    covered(clocks, (0.05, 0, 900))
+    assert clocks.expected_s == pytest.approx(0.9)
+    covered(clocks, (0.05, 900, 950))
+    assert clocks.expected_s == pytest.approx(0.05)
+
+
+def said(factor: float, host_s: float) -> list[str]:
+    """What is said of a device whose clock goes on by 50 ms in so many times as long, sample by sample."""
+    clocks, now = TwoClocks(), itertools.count(0, round(factor * 50 * MS))
+    return [clocks.difference(0.05, next(now)) for _ in range(int(host_s / (0.05 * factor)) + 1)]
+
+
+@pytest.mark.parametrize("factor", [0.1, 0.88, 1.0, 1.09, 1.12, 2.0, 10.0])
+def test_clocks_that_differ_by_more_than_a_tenth_for_five_seconds_are_told_by_both_times(factor: float) -> None:
+    assert not any(said(factor, 4.8))
+    found = [text for text in said(factor, 5.6) if text]
+    assert len(found) == (not 0.9 <= factor <= 1.1)
+    assert all("by the device's clock were 2.5" in text or "by the host's" in text for text in found)
+
+
+def test_a_device_that_stands_still_for_a_second_and_catches_up_does_not_differ() -> None:
+    clocks, now_ns = TwoClocks(), 0
+    for number in range(400):
+        now_ns += {100: 1000, **dict.fromkeys(range(101, 120), 0)}.get(number, 50) * MS
+        assert clocks.difference(0.05, now_ns) == ""
+
+
+def test_a_pause_is_no_difference() -> None:
+    clocks, now_ns = TwoClocks(), 0
+    for number in range(400):
+        now_ns += 50 * MS
+        if number % 40 == 0:
+            now_ns += 3000 * MS
+            clocks.rest()
+        assert clocks.difference(0.05, now_ns) == ""
+
+
+def held(device: IdealWire, drive_v: float, monkeypatch: pytest.MonkeyPatch) -> tuple[Event | None, str]:
+    """Hold a drive for half a minute, by a host's clock that goes as the wire's time; why it ended."""
+    monkeypatch.setattr(_guarded, "perf_counter_ns", lambda: round(1e9 * device.true_s) + 1)
+    rig = GuardedRig(device)
+    try:
+        while device.true_s < 30.0:
+            rig.exchange(drive_v)
+    except ProtectionTripError as trip:
+        return trip.event, str(trip)
+    finally:
+        rig.close()
+    return None, ""
+
+
+@pytest.mark.parametrize("resistance_ohm", [12.2, 17.0, 24.0])
+@pytest.mark.parametrize("drive_v", [3.0, 4.6, 5.5])
+@pytest.mark.parametrize("factor", [0.1, 0.2, 0.5, 1.0, 1.5, 2.0, 5.0, 10.0])
+def test_no_clock_of_a_paced_device_heats_its_wire_beyond_the_limit(
+    factor: float, drive_v: float, resistance_ohm: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    device = IdealWire(paced=True, takes_s=factor * PERIOD_S, resistance_ohm=resistance_ohm)
+    event, _ = held(device, drive_v, monkeypatch)
+    assert device.hottest_k <= LIMITS.maximum_temperature_k + 10.0
+    assert event in {Event.OVER_TEMPERATURE, Event.CLOCK_LEAPT, *((None,) if factor == 1.0 else ())}
+
+
+def test_a_clock_that_is_wrong_for_good_ends_the_run_and_both_times_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    event, text = held(IdealWire(paced=True, takes_s=2.0 * PERIOD_S), 1.0, monkeypatch)
+    assert event is Event.CLOCK_LEAPT
+    assert "1.25 s by the device's clock were 2.50 s by the host's" in text
+
+
+def test_the_hosts_clock_says_nothing_of_a_device_without_a_pace(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert held(IdealWire(takes_s=2.0 * PERIOD_S), 1.0, monkeypatch) == (None, "")
