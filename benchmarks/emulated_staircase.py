@@ -41,7 +41,7 @@ def rig_file(port: str) -> SerialConfiguration:
     """Return the rig file that comes with musclewire, at a board's port."""
     shipped = rig_configuration("serial-board")[0]
     assert isinstance(shipped, SerialConfiguration)
-    return shipped.model_copy(update={"port": port, "patience": PATIENCE_S})
+    return shipped.model_copy(update={"port": port, "patience": PATIENCE_S, "lockstep": True})
 
 
 def on_simulated(model: SensingModel, reference: Staircase) -> ControlRun:

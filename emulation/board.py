@@ -338,7 +338,8 @@ def main() -> int:
             boot_loader=given.boot_loader,
         ) as board:
             if given.rig_file is not None:
-                given.rig_file.write_text(rig_file_text(given.board, given.wire, board.port_url), encoding="utf-8")
+                rig_text = rig_file_text(given.board, given.wire, board.port_url, lockstep=given.pace == "lockstep")
+                given.rig_file.write_text(rig_text, encoding="utf-8")
             print(f'port = "{board.port_url}"', flush=True)
             before = board.figures()
             wait(given.seconds)
@@ -350,7 +351,7 @@ def main() -> int:
     return 0
 
 
-def rig_file_text(board: str, wire: str, port_url: str) -> str:
+def rig_file_text(board: str, wire: str, port_url: str, *, lockstep: bool = False) -> str:
     """Return the rig file that is included for a board, with this port and wire, and patience with a slow emulator."""
     text = (RIG_FILES / f"{'arduino-uno' if board == 'arduino-uno' else 'serial-board'}.toml").read_text(
         encoding="utf-8"
@@ -368,7 +369,8 @@ def rig_file_text(board: str, wire: str, port_url: str) -> str:
     for key, value in values.items():
         text, found = re.subn(rf'^{key} = "[^"]*"', f'{key} = "{value}"', text, flags=re.M)
         assert found == 1, f"{key} stands {found} times in the rig file of {board}"
-    return text.replace("\nbaud", f'\npatience = "{PATIENCE}"\nbaud', 1)
+    more = [f'patience = "{PATIENCE}"', *(["lockstep = true"] if lockstep else [])]
+    return text.replace("\nbaud", "\n".join(["", *more, "baud"]), 1)
 
 
 def rate_of(before: Mapping[str, Any], after: Mapping[str, Any]) -> str:

@@ -23,7 +23,7 @@ def rig_file(tmp_path: Path) -> Iterator[Path]:
     shipped = next(Path(str(resources.files("musclewire"))).rglob("serial-board.toml")).read_text("utf-8")
     with EmulatedBoard(pace="lockstep", elf=built_firmware()) as board:
         path = tmp_path / "bench.toml"
-        there = f'port = "{board.port_url}"\npatience = "{PATIENCE_S:g} s"'
+        there = f'port = "{board.port_url}"\npatience = "{PATIENCE_S:g} s"\nlockstep = true'
         path.write_text(re.sub(r'(?m)^port = ".*"', there, shipped), "utf-8")
         yield path
 

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
 from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_test
-from tests.extras.board.contract.serial_rigs import unwatched
 
 from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
 from musclewire.extras.board._nidaq.device import NiDaqDevice, SilenceTimes
@@ -69,13 +68,10 @@ def wiring_of(name: str) -> NiDaqConfiguration:
 
 def at_seam(name: str, *, paced: bool = False, **changed: object) -> GuardedRig:
     """Return a rig by name with some keys changed, its server in this process."""
-    wiring = NiDaqConfiguration.model_validate({**wiring_of(name).model_dump(), **changed})
+    wiring = NiDaqConfiguration.model_validate({**wiring_of(name).model_dump(), "lockstep": not paced, **changed})
     server = DaqServer(card_of(wiring, paced=paced))
     try:
-        rig = GuardedRig(DeviceAtSeam(wiring, server))
-        if not paced:
-            unwatched(rig)
-        return rig
+        return GuardedRig(DeviceAtSeam(wiring, server))
     except BaseException:
         server.close()
         raise

@@ -69,12 +69,11 @@ def rig_and_board(**changed: Any) -> tuple[GuardedRig, EmulatedBoard]:
     require_board()
     board = EmulatedBoard(pace="lockstep", elf=built_firmware())
     try:
-        rig = open_rig(mounted(board.port_url, patience=PATIENCE_S, **changed))
+        rig = open_rig(mounted(board.port_url, patience=PATIENCE_S, lockstep=True, **changed))
     except BaseException:
         board.close()
         raise
     weakref.finalize(rig, board.close)
-    unwatched(rig)
     return rig, board
 
 

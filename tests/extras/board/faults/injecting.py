@@ -105,7 +105,8 @@ def scripted_run(board: EmulatedBoard, row: FaultRow, path: Path, patience_s: fl
     seen = 0
     beside: list[threading.Thread] = []
     try:
-        with open_rig(mounted(board.port_url, patience=patience_s, limits=row.limits)) as rig:
+        lockstep = row.run == "lockstep"
+        with open_rig(mounted(board.port_url, patience=patience_s, limits=row.limits, lockstep=lockstep)) as rig:
             assert isinstance(rig.device, SerialDevice)
             if row.inject == "from the start":
                 outcome.since = now(board, row)

@@ -255,6 +255,7 @@ class NiDaqConfiguration(DeviceConfiguration, MountedWire):
         output: ``[output]``: the channel that drives the circuit.
         inputs: ``[inputs.NAME]``: the channels that are read; wire_voltage and shunt_voltage always, displacement,
             force, endpoint_displacement and endpoint_force if there are such instruments.
+        lockstep: whether time passes only by reading, in an emulator: the host's clock then says nothing.
     """
 
     kind: Literal["nidaq"]
@@ -266,6 +267,7 @@ class NiDaqConfiguration(DeviceConfiguration, MountedWire):
     readings: Annotated[int, Field(ge=1)]
     output: Output = Output()
     inputs: Inputs
+    lockstep: bool = False
 
     @model_validator(mode="after")
     def _fits_together(self) -> NiDaqConfiguration:

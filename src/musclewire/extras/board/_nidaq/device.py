@@ -110,7 +110,7 @@ class NiDaqDevice:
         wire, shunt = self._of.inputs.wire_voltage, self._of.inputs.shunt_voltage
         return DeviceFacts(
             sample_period_s=self._of.sample_period,
-            paced=True,
+            paced=not self._of.lockstep,
             leg_length_m=self._of.leg_length_m,
             drive_amplitude_v=self._of.drive_amplitude,
             limits=self._of.protection_limits(

@@ -54,6 +54,7 @@ class SerialConfiguration(MountedWire, DeviceConfiguration):
         wire_range: end of the range of the channel that reads the wire.
         shunt_range: end of the range of the channel that reads the shunt.
         readings_noisy: whether noise changes every reading, so that a constant reading is a fault by itself.
+        lockstep: whether time passes only for commands, in an emulator: the host's clock then says nothing.
     """
 
     kind: Literal["serial"]
@@ -64,6 +65,7 @@ class SerialConfiguration(MountedWire, DeviceConfiguration):
     wire_range: Volts
     shunt_range: Volts
     readings_noisy: bool = True
+    lockstep: bool = False
 
 
 # Samples that the board sends in a sample period, the first number that divides it: a lost one then costs a fifth.
@@ -125,7 +127,7 @@ class SerialDevice:
         self._frames = next(count for count in FRAMES_PER_SAMPLE if self._ticks % count == 0)
         self._facts = DeviceFacts(
             sample_period_s=configuration.sample_period,
-            paced=True,
+            paced=not configuration.lockstep,
             leg_length_m=configuration.leg_length_m,
             drive_amplitude_v=configuration.drive_amplitude,
             limits=configuration.protection_limits(
