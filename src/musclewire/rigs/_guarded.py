@@ -50,8 +50,6 @@ MAX_WAIT_S = 1.0
 # A time between two samples within this much of the sample period is the sample period [s]: clocks round.
 CLOCK_ROUNDING_S = 1e-6
 # No more is known of a device that does not answer.
-# A sample that took so many sample periods is expected to take as long again.
-LONG_PERIODS = 1.5
 NOT_CONFIRMED = (
     "0 V was ordered and nothing confirms it: a board's drive expires by itself, a card's guardian has tried to switch "
     "off; cut the supply to be sure"
@@ -152,6 +150,7 @@ class GuardedRig:
         # rig has paused since the last sample, at the sense voltage.
         self._ordered_v = self._highest_v = self._before_v = 0.0
         self._paused = False
+        self._missed_s = 0.0  # for how long this exchange's sample has been missing
         # The thread that is in an exchange; when the last one ended; since when nobody has talked to a driven rig.
         self._exchanging: int | None = None
         self._talked_ns = perf_counter_ns()
@@ -347,23 +346,25 @@ class GuardedRig:
                 f"drive voltage {drive_voltage_v} V is outside 0 to {self.maximum_voltage_v} V; {self._off_in_words()}",
                 Event.COMMAND_REFUSED,
             )
-        self._refuse_to_overheat(allowed_v)
+        expected_s = 0.0 if self._clocks is None else self._clocks.expected_s
+        self._refuse_to_overheat(allowed_v, max(expected_s, self._facts.sample_period_s))
         return Drive(allowed_v, by_protection=state != RUN)
 
-    def _refuse_to_overheat(self, drive_voltage_v: float) -> None:
-        """Trip before a sample that, as long as the last ones took, would end with the wire too hot."""
-        expected_s = 0.0 if self._clocks is None else self._clocks.expected_s
-        if expected_s > LONG_PERIODS * self._facts.sample_period_s:
-            after_k = self._protection.temperature_after_k(drive_voltage_v, expected_s)
-            if after_k > self._limits.maximum_temperature_k:
-                said = f"{after_k - 273.15:.0f} C estimated after {expected_s:.2f} s at {drive_voltage_v:.3f} V"
-                self._trip(Event.OVER_TEMPERATURE, f"{said}, as long as samples take")
+    def _refuse_to_overheat(self, drive_voltage_v: float, dt_s: float) -> None:
+        """Trip before the wire has been heated by a drive for so long that it would count as too hot."""
+        if not self.sense_voltage_v < drive_voltage_v < math.inf:  # what follows a target is not known beforehand
+            return
+        limit_k = self._limits.maximum_temperature_k
+        after_k = self._protection.temperature_after_k(drive_voltage_v, dt_s)
+        if after_k > limit_k:
+            said = f"estimated {after_k - 273.15:.0f} C, limit {limit_k - 273.15:.0f} C"
+            self._trip(Event.OVER_TEMPERATURE, f"{dt_s:.2f} s at {drive_voltage_v:.3f} V would end with {said}")
 
     def _awaited(self, command: Command) -> RawSample:
         """Return the sample of a command; while it is missing, the table decides the drive and how long to wait."""
         self.drive_at_ns = perf_counter_ns()
         waited_s, since_ns = 0.0, 0
-        self._before_v, self._highest_v = self._highest_v, 0.0
+        self._before_v, self._highest_v, self._missed_s = self._highest_v, 0.0, 0.0
         while True:
             self._ordered_v = command.voltage_v if isinstance(command, Drive) else math.inf
             self._highest_v = max(self._highest_v, self._ordered_v)
@@ -384,7 +385,7 @@ class GuardedRig:
                     self._trip(Event.DEVICE_LOST, f"it answered {answer!r:.60} where a sample is due")
                 since_ns = since_ns or perf_counter_ns()
                 self._require_progress(answer, waited_s, 1e-9 * (perf_counter_ns() - since_ns))
-                waited_s = answer.missing_s
+                waited_s = self._missed_s = answer.missing_s
                 command = self._miss(answer)
             if answer.sample is not None:
                 self.sample_at_ns = perf_counter_ns()
@@ -401,6 +402,8 @@ class GuardedRig:
     def _miss(self, missing: Missing) -> Drive:
         """Hold, go to the sense voltage or trip, by the total time that something was missing; the drive meanwhile."""
         before = int(self._protection.state.state)
+        if missing.sample is None:
+            self._refuse_to_overheat(self._highest_v, self._facts.sample_period_s + missing.missing_s)
         allowed_v, state = self._protection.missing(missing.event, missing.missing_s)
         if state == DEGRADED != before:
             text = "%s for %.2f s: the drive went to the sense voltage, %g V"
@@ -414,7 +417,8 @@ class GuardedRig:
         drive_v = self._counted_drive_v(sample.drive_voltage_v)
         ordered_v = max(drive_v, self._highest_v)
         before_s, paused = self._last_time_s, self._paused
-        covered_s = self._covered_s(sample.time_s)
+        # Whatever its clock says, it has taken no less time than the device said that it was missing.
+        covered_s = max(self._covered_s(sample.time_s), self._facts.sample_period_s + self._missed_s)
         if self._clocks is not None or covered_s > self._facts.sample_period_s:
             ordered_v = max(ordered_v, self._before_v)  # until the order arrived the drive before was out
         if self._clocks is not None:
@@ -442,9 +446,11 @@ class GuardedRig:
             # slow takes no heat away.
             return period_s
         longest_s = 2.0 * period_s + protection_table().trip_after_s
-        if covered_s > longest_s and not self._was_idle(covered_s):
+        if covered_s <= longest_s:
+            return covered_s
+        if not self._was_idle(covered_s):
             self._trip(Event.CLOCK_LEAPT, f"{time_s:.6f} s after {last_s:.6f} s, samples come every {period_s:g} s")
-        return covered_s
+        return period_s
 
     def _longer_s(self, clocks: TwoClocks, device_s: float, step_s: float | None, heated: bool) -> float:
         """Return the time that a sample covers by the longer of two clocks; trip if they differ for good.
@@ -459,9 +465,9 @@ class GuardedRig:
         return clocks.covered_s(device_s, heated, self.drive_at_ns, self.sample_at_ns)
 
     def _was_idle(self, covered_s: float) -> bool:
-        """Whether a rig at rest has taken so long between two samples by the host's clock, too."""
+        """Whether a rig has been at rest before this order for so long by the host's clock, too."""
         own_s = 1e-9 * (perf_counter_ns() - self._talked_ns)
-        return self._facts.paced and self._ordered_v <= self.sense_voltage_v and covered_s <= own_s + self._silence_s
+        return self._facts.paced and self._before_v <= self.sense_voltage_v and covered_s <= own_s + self._silence_s
 
     def _counted_drive_v(self, said_v: float) -> float:
         """Return the drive [V] by which a sample is judged: what was ordered, unless the device agrees with it."""
@@ -503,7 +509,7 @@ class GuardedRig:
             if self._off_for_good:
                 return
             if self.device.sense():
-                self._ordered_v = min(self._ordered_v, self.sense_voltage_v)
+                self._ordered_v = self._highest_v = min(self._ordered_v, self.sense_voltage_v)
                 self.forget_readings()
             else:
                 self.close()  # a device that cannot go to the sense voltage is switched off

@@ -116,5 +116,21 @@ def test_a_clock_that_is_wrong_for_good_ends_the_run_and_both_times_are_named(mo
     assert "1.25 s by the device's clock were 2.50 s by the host's" in text
 
 
+@pytest.mark.parametrize("drive_v", [0.3, 5.5])
+def test_a_rig_that_idled_at_its_sense_voltage_may_be_heated_at_once(
+    drive_v: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    device = IdealWire(paced=True)
+    monkeypatch.setattr(_guarded, "perf_counter_ns", lambda: round(1e9 * device.true_s) + 1)
+    with GuardedRig(device) as rig:
+        for _ in range(3):
+            rig.exchange(0.3)
+            device.true_s, device.samples = device.true_s + 20.0, device.samples + 400
+        before_k = rig.protection.temperature_k
+        rig.exchange(drive_v)
+        # The drive has been out for one sample, not for the time that nobody asked.
+        assert rig.protection.temperature_k - before_k < 30.0
+
+
 def test_the_hosts_clock_says_nothing_of_a_device_without_a_pace(monkeypatch: pytest.MonkeyPatch) -> None:
     assert held(IdealWire(takes_s=2.0 * PERIOD_S), 1.0, monkeypatch) == (None, "")

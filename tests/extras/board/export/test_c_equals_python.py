@@ -58,7 +58,7 @@ def test_a_long_random_run_with_faults_is_close_in_single(exported: Libraries, l
 def test_the_exercise_reaches_every_event_that_two_voltages_can_show(exported: Libraries) -> None:
     reference = exported("zhao-1993").reference()
     # Over-temperature needs a wire that is driven for long, so one run is almost without faults.
-    runs = exercise(reference, 15, 8000, fault_probability=0.05), exercise(reference, 16, 4000, fault_probability=0.001)
+    runs = exercise(reference, 16, 8000, fault_probability=0.05), exercise(reference, 17, 4000, fault_probability=0.001)
     seen = {tick.outcome.event for run in runs for tick in run}
     assert {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13} <= seen
     assert len(FAULTS) == 13
