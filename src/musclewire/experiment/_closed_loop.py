@@ -24,6 +24,7 @@ from musclewire.controllers import (
     controller_of,
 )
 from musclewire.errors import CallerError, RigError, nearest_hint
+from musclewire.experiment._calm_air import heed_air
 from musclewire.experiment._known_strain import ScaleByKnownStrain, known_strain_in
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig, what_protects
@@ -399,6 +400,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
     # the displacement of a finger's endpoint belongs to that finger.
     facts = rig.metadata()
     check_made_for(model, facts)
+    heed_air(rig, model)
     wire = None if choice.wire_file is None else users_wire(choice.wire_file, facts)
     limits = DriveLimits(rig.sense_voltage_v, rig.maximum_voltage_v)
     metadata = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Unpack
 
 from musclewire.errors import CallerError, FitRejectedError, RecordingError
+from musclewire.experiment._calm_air import heed_air
 from musclewire.experiment._home_sweep import HomeSweep, SweepPlan
 from musclewire.experiment._run import RunOptions, run_on_rig
 from musclewire.identify import Homing, check_made_for, homed_model, loop_of, require_load
@@ -76,6 +77,7 @@ def home(
     refuse_no_rig(rig)
     known = rig.metadata()
     check_made_for(model, known)
+    heed_air(rig, model)
     stated_n = known.get("pretension_n") if load_n is None else load_n
     assumed_n = require_load(model, float(stated_n) if isinstance(stated_n, int | float) else None)
     require_spring(model, known.get("spring_stiffness_n_per_m"))

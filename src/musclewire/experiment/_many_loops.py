@@ -19,6 +19,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.controllers import ControllerFactory, Reference
 from musclewire.errors import CallerError, NumericsError, RigError, argument
+from musclewire.experiment._calm_air import heed_air
 from musclewire.experiment._closed_loop import LoopChoice, PreparedLoop, control, prepared_loop
 from musclewire.experiment._endings import cause_of, software_version
 from musclewire.experiment._health import does_not_hold, health_metadata
@@ -306,6 +307,7 @@ def ticks_of(prepared: PreparedLoop, first_drive_v: float) -> LoopTicks:
 
 def outcome_on(rig: GuardedRig, loop: CompiledLoop, seed: int) -> LoopOutcome:
     """Return the outcome of a compiled loop on a rig, or that of ``control`` where something unusual happened."""
+    heed_air(rig, loop.model)
     run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
     if run.ended is CompiledLoopEnd.DONE:
         whole = control_run(rig, loop, run)

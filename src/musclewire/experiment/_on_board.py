@@ -11,6 +11,7 @@ from typing import Unpack
 
 from musclewire.controllers import FuzzyPidSettings, Reference
 from musclewire.errors import CallerError
+from musclewire.experiment._calm_air import heed_air
 from musclewire.experiment._closed_loop import APPROACH_S
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
@@ -127,6 +128,7 @@ def control_on_board(
     chosen = followed(model, reference)
     check_targets(model, chosen, rig.sample_period_s)
     check_made_for(model, rig.metadata())
+    heed_air(rig, model)
     recording = run_on_rig(
         rig,
         TargetPolicy(

@@ -159,7 +159,7 @@ class GuardedRig:
         self._off_for_good, self._off_confirmed = False, True
         self.drive_at_ns = self.sample_at_ns = 0
         self._watch: IdleWatch | None = None
-        # A simulation's clock runs as it is told to, and the host's says nothing of its wire.
+        # A simulation's clock runs at any speed, and the host's says nothing of its wire.
         self._clocks = TwoClocks() if self._facts.paced and not isinstance(device, HasTrueState) else None
         if self._facts.paced:
             weakref.finalize(self, device.off)  # at the interpreter's end, too
@@ -540,6 +540,30 @@ class GuardedRig:
         self._silent_since_ns = None
         text = "nobody talked to the rig for %.1f s: it went to its sense voltage, %g V, and goes on from there"
         LOGGER.warning(text, silent_s, self.sense_voltage_v)
+
+    def lower_heat_loss(self, heat_loss_w_per_k: float, reason: str) -> None:
+        """Let the protection count with less heat loss, until this rig is closed; nothing raises it again.
+
+        Parameters
+        ----------
+        heat_loss_w_per_k
+            Loss of the wire to what surrounds it [W/K]; one that is not below the present limit changes nothing.
+        reason
+            Where it is known from, in words, for the warning.
+
+        Raises
+        ------
+        CallerError
+            For a loss that is not above 0.
+        """
+        with self._deciding:
+            before = self._limits.heat_loss_w_per_k
+            if not heat_loss_w_per_k < before:
+                return
+            self._limits = self._limits._replace(heat_loss_w_per_k=heat_loss_w_per_k).checked()
+            self._protection.rules["heat_loss_w_per_k"] = heat_loss_w_per_k
+        text = "%s: from here on the wire counts as hotter, as with %.2g of its heat loss; state %s in the rig file"
+        LOGGER.warning(text, reason, heat_loss_w_per_k / before, "loss_factor or ambient_temperature")
 
     def forget_readings(self) -> None:
         """Start again after a pause, or after the wire was changed: the next reading is not compared with the last."""

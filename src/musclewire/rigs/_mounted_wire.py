@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 from musclewire.controllers import ProtectionLimits
 from musclewire.parameters import Wire, load_alloy, load_wire, validity_of
-from musclewire.rigs._beyond_catalogue import StatedCircuit, confirmed_beyond, refuse_beyond_catalogue
+from musclewire.rigs._beyond_catalogue import WAY_OUT, StatedCircuit, confirmed_beyond, refuse_beyond_catalogue
 from musclewire.rigs._device import Metadata
 from musclewire.rigs._own_voltages import GivenVoltages, voltages_of_circuit
 from musclewire.rigs._wire_limits import WireCircuit, limits_of
@@ -82,6 +82,15 @@ Pretension = Annotated[
 ]
 AmbientTemperature = Annotated[
     AirKelvins, SiName("ambient_temperature_k"), Field(description="Temperature of the air around the wire [K].")
+]
+LossFactor = Annotated[
+    float,
+    Field(
+        gt=0.0,
+        le=100.0,
+        allow_inf_nan=False,
+        description="Heat loss, as a fraction of the bare wire's in still air: less than 1 in a sleeve or foam.",
+    ),
 ]
 SamplePeriod = Annotated[
     float,
@@ -172,6 +181,7 @@ class MountedWire(BaseModel):
     drive_amplitude: DriveAmplitude = follows_the_wire(DriveAmplitude)
     pretension: Pretension | None = may_be_left_out(Pretension)
     ambient_temperature: AmbientTemperature = 295.15
+    loss_factor: LossFactor = 1.0
     sample_period: SamplePeriod = 0.05
     limits: LimitsTable = LimitsTable()
     beyond_catalogue: bool = Field(
@@ -188,6 +198,15 @@ class MountedWire(BaseModel):
         return self
 
     @model_validator(mode="after")
+    def _loss_is_no_more_than_known(self) -> MountedWire:
+        if self.loss_factor > 1.0 and not self.beyond_catalogue:
+            raise ValueError(
+                f"loss_factor {self.loss_factor:g} is more than still air takes, and lets the wire be heated more: "
+                "leave it out, or confirm it" + WAY_OUT
+            )
+        return self
+
+    @model_validator(mode="after")
     def _voltages_follow_the_wire(self) -> MountedWire:
         given = GivenVoltages(*(dict(self)[key] for key in ("drive_amplitude", "maximum_voltage")))
         amplitude_v, maximum_v = given.amplitude_v, given.maximum_v
@@ -198,6 +217,7 @@ class MountedWire(BaseModel):
                 wire_length_m=self.wire_length,
                 shunt_ohm=self.shunt,
                 ambient_temperature_k=self.ambient_temperature,
+                loss_factor=self.loss_factor,
             )
         # As pydantic's documentation has it for a frozen model that completes itself.
         object.__setattr__(self, "drive_amplitude", amplitude_v)
@@ -251,6 +271,7 @@ class MountedWire(BaseModel):
             wire_range_v=wire_range_v,
             shunt_range_v=shunt_range_v,
             readings_noisy=readings_noisy,
+            loss_factor=self.loss_factor,
         )
         return limits_of(wire, load_alloy(wire.alloy), circuit, self.limits.changed())
 
@@ -269,7 +290,7 @@ class MountedWire(BaseModel):
 
 # Keys of a mounted wire that each kind of rig has in its own way, and those that a recording states in other words: as
 # limits of the protection, as amplitude, as length of a leg.
-OWN_TO_A_KIND = ("wire", "limits", "beyond_catalogue")
+OWN_TO_A_KIND = ("wire", "limits", "loss_factor", "beyond_catalogue")
 IN_OTHER_WORDS = ("legs", "sense_voltage", "maximum_voltage", "drive_amplitude", "ambient_temperature")
 # The keys of wire and circuit that rig files of every kind have, and the numbers that a recording states by them.
 SHARED_KEYS = {key: field for key, field in MountedWire.model_fields.items() if key not in OWN_TO_A_KIND}

@@ -220,7 +220,13 @@ def carried_over(item: Parameter, value: float) -> Parameter:
 
 
 def voltages_of_circuit(
-    given: GivenVoltages, wire: str, *, wire_length_m: float, shunt_ohm: float, ambient_temperature_k: float
+    given: GivenVoltages,
+    wire: str,
+    *,
+    wire_length_m: float,
+    shunt_ohm: float,
+    ambient_temperature_k: float,
+    loss_factor: float = 1.0,
 ) -> tuple[float, float]:
     """Return amplitude and highest voltage [V] of a real wire whose rig file states both, one or neither.
 
@@ -228,6 +234,7 @@ def voltages_of_circuit(
     for an unknown wire or a wrong wire file.
     """
     hot = hot_wire_on(wire, wire_length_m, shunt_ohm, ambient_temperature_k)
+    hot = hot._replace(convection_factor=loss_factor * hot.convection_factor)
     amplitude_v, maximum_v = completed(given, own_voltages(wire), hot)
     if given.maximum_v is None and ambient_temperature_k < OVERHEATED_K:
         maximum_v = max(amplitude_v, min(maximum_v, rounded_down_v(holding_voltage_v(hot, OVERHEATED_K))))

@@ -7,7 +7,7 @@ from collections import deque
 # A difference that lasts is one that is found in two stretches of the host's time [s], one after the other.
 STRETCH_S = 2.5
 # By so much of the longer time the two may differ for as long as they like: oscillators differ by far less.
-LARGEST_DIFFERENCE = 0.1
+MAX_DIFFERENCE = 0.1
 
 
 class TwoClocks:
@@ -32,7 +32,7 @@ class TwoClocks:
         return min(self._took_s, default=0.0)
 
     def rest(self) -> None:
-        """Begin anew after a pause at the sense voltage."""
+        """Begin again after a pause at the sense voltage."""
         self._heated_since_ns = self._stretch_ns = None
         self._slower = ""
 
@@ -61,7 +61,7 @@ class TwoClocks:
         if host_s < STRETCH_S:
             return ""
         slower = "device" if device_s < host_s else "host"
-        if abs(device_s - host_s) <= LARGEST_DIFFERENCE * max(device_s, host_s):
+        if abs(device_s - host_s) <= MAX_DIFFERENCE * max(device_s, host_s):
             slower = ""
         lasting = slower != "" and slower == self._slower
         self._stretch_ns, self._device_s, self._slower = came_ns, 0.0, slower

@@ -26,7 +26,10 @@ HOT_K = 373.15
 
 
 class WireCircuit(NamedTuple):
-    """A wire's circuit and its acquisition, in SI. ``in_series`` and ``in_parallel`` count like wires on the drive."""
+    """A wire's circuit and its acquisition, in SI. ``in_series`` and ``in_parallel`` count like wires on the drive.
+
+    ``loss_factor`` is what the wire loses to what surrounds it, as a fraction of its loss to still air.
+    """
 
     sense_voltage_v: float
     maximum_voltage_v: float
@@ -39,6 +42,7 @@ class WireCircuit(NamedTuple):
     readings_noisy: bool
     in_series: int = 1
     in_parallel: int = 1
+    loss_factor: float = 1.0
 
 
 def limits_of(
@@ -87,11 +91,11 @@ def highest_temperature_k(alloy: Alloy) -> float:
 
 
 def heat_of(wire: Wire, alloy: Alloy, circuit: WireCircuit) -> tuple[float, float]:
-    """Return heat capacity [J/K] and loss to still air [W/K] of all wires on the drive together."""
+    """Return heat capacity [J/K] and loss [W/K] to what surrounds them of all wires on the drive together."""
     diameter, length = wire.diameter_m.value, circuit.wire_length_m
     wires = circuit.in_series * circuit.in_parallel
     volume = math.pi / 4.0 * diameter**2 * length * wires
     ambient = circuit.ambient_temperature_k
     coefficient = float(convection_coefficient_w_per_m2_k(max(HOT_K, ambient + 50.0), ambient, diameter))
-    loss = wire.convection_factor.value * coefficient * math.pi * diameter * length * wires
+    loss = circuit.loss_factor * wire.convection_factor.value * coefficient * math.pi * diameter * length * wires
     return volume * alloy.density_kg_per_m3.value * alloy.specific_heat_j_per_kg_k.value, loss

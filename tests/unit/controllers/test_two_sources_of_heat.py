@@ -47,12 +47,12 @@ def test_the_highest_drive_of_fast_samples_heats_for_the_whole_reading() -> None
     protection = Protection(LIMITS)
     for drive_v in (2.0, 0.0):
         protection.sample(drive_v, 0.0, 0.0, 0.005)
-    # 0.01 x 0.330579 / 5.4e-3 = 0.612183 K; x = 0.011111, (1 + x/2) / (1 + x + x^2/2) = 0.994506.
-    assert protection.temperature_k - LIMITS.ambient_temperature_k == pytest.approx(0.608820, rel=1e-5)
+    # 0.01 x 0.330579 / 5.4e-3 = 0.612183 K; x = 0.011111, (1 + x/2) / (1 + x + x^2/2) = 0.994445.
+    assert protection.temperature_k - LIMITS.ambient_temperature_k == pytest.approx(0.608782, rel=1e-5)
     protection.sample(0.0, 0.0, 0.0, 0.005)
     protection.sample(0.0, 0.0, 0.0, 0.005)
     # Without a drive it falls by 1 + x + x^2/2 = 1.011173.
-    assert protection.temperature_k - LIMITS.ambient_temperature_k == pytest.approx(0.608820 / 1.011173, rel=1e-5)
+    assert protection.temperature_k - LIMITS.ambient_temperature_k == pytest.approx(0.608782 / 1.011173, rel=1e-5)
 
 
 @pytest.mark.parametrize("dt_s", [0.01, 0.05, 0.25, 0.5])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 from musclewire.controllers import ProtectionLimits
 from musclewire.rigs._configuration import open_rig
@@ -37,17 +38,22 @@ class IdealWire:
         self.facts = DeviceFacts(
             PERIOD_S, paced=paced, leg_length_m=0.07, drive_amplitude_v=3.2, limits=limits, identity=identity
         )
+        self.truth = limits
         self.temperature_k = self.hottest_k = limits.ambient_temperature_k
         self.drive_voltage_v, self.samples = 0.0, 0
         self.true_s, self._takes_s = 0.0, takes_s
         self._changed, self._cold_ohm, self._ohm_per_k = changed, resistance_ohm, ohm_per_k
+
+    def believed(self, limits: ProtectionLimits) -> None:
+        """Let its facts state other limits than those whose heat balance it has."""
+        self.facts = replace(self.facts, limits=limits)
 
     def metadata(self) -> Metadata:
         return {}
 
     def put(self, drive_v: float) -> RawSample:
         """Hold a drive for a sample."""
-        limits, self.drive_voltage_v = self.facts.limits, drive_v
+        limits, self.drive_voltage_v = self.truth, drive_v
         resistance_ohm = self._cold_ohm - self._ohm_per_k * min(max(self.temperature_k - 340.0, 0.0), 40.0)
         current_a = drive_v / (resistance_ohm + limits.shunt_resistance_ohm)
         end_k = limits.ambient_temperature_k + current_a**2 * resistance_ohm / limits.heat_loss_w_per_k

@@ -335,7 +335,7 @@ def judged_reading(
 
 @compiled_inner
 def miss_reading(row: Row, rules: Row, event: int, ordered_voltage_v: float, dt_s: float) -> None:
-    """Take a reading that is missing: the wire counts as heated by what was ordered, and nothing else is known."""
+    """Take a reading that is missing: the wire counts as heated by its ordered drive, and nothing else is known."""
     heat(row, rules, 0.0, ordered_voltage_v, dt_s)
     # A gap that lasts counts until the sense voltage is out; then only further gaps do.
     if row["missing_s"] < rules["sense_after_s"] - TIME_ROUNDING_S:

@@ -366,7 +366,7 @@ static void judge(mw_protection *protection, const uint8_t *seen, uint32_t dt_us
     }
 }
 
-/* Take a reading that is missing: the wire counts as heated by what was ordered, and nothing else is known. */
+/* Take a reading that is missing: the wire counts as heated by its ordered drive, and nothing else is known. */
 static void miss_reading(mw_protection *protection, uint8_t event, mw_real ordered_voltage_v, mw_real dt_s)
 {
     const uint32_t dt_us = mw_microseconds(dt_s);
