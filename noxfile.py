@@ -38,6 +38,8 @@ PLATFORMS = {
 # All extras, and which of them imports which, as ARCHITECTURE.md draws it and pyproject.toml holds it.
 EXTRAS = sorted(path.parent.name for path in ROOT.glob("src/musclewire/extras/*/manifest.py"))
 ARROWS = {"design": ("paper",), "board": ("interfaces",)}
+# That an extra is missing is found within so many seconds more than `musclewire --version` takes.
+ABSENT_S = 1.0
 # What a copy of the checkout does without: what is made in it, and the tests that are about the whole of it.
 NOT_COPIED = shutil.ignore_patterns(".*", "__pycache__", "build", "*.egg-info", "house")
 # Files that are named run whole, their long tests too, unless these are left out.
@@ -135,8 +137,11 @@ def package(session: nox.Session) -> None:
         Path(name).touch()
     if missing := extras_of_users() ^ {row["extra"] for row in ACTIONS}:
         session.error(f"checks/extras.toml and pyproject.toml disagree about the extras {sorted(missing)}")
+    began_s = time.monotonic()
+    session.run("musclewire", "--version", silent=True)
+    version_s = time.monotonic() - began_s
     for row in ACTIONS:
-        without_extra(session, row)
+        without_extra(session, row, version_s + ABSENT_S)
     beside_it(session)
 
 
@@ -158,14 +163,17 @@ def beside_it(session: nox.Session) -> None:
     session.run("musclewire", "robustness", "--list")
 
 
-def without_extra(session: nox.Session, row: dict[str, str]) -> None:
-    """Try what needs an extra that is not here: it ends in one line that names the extra."""
+def without_extra(session: nox.Session, row: dict[str, str], most_s: float) -> None:
+    """Try what needs an extra that is not here: it ends in one line that names the extra, a command in no more time."""
     is_command = "command" in row
     command = ["musclewire", *shlex.split(row["command"])] if is_command else ["python", "-c", row["python"]]
     code = 0 if row.get("works") else 2 if is_command else 1
     began_s = time.monotonic()
     said = str(session.run(*command, silent=True, success_codes=[code])).strip().splitlines()
-    session.log(f"{time.monotonic() - began_s:.2f} s: {shlex.join(command)}")
+    took_s = time.monotonic() - began_s
+    session.log(f"{took_s:.2f} s: {shlex.join(command)}")
+    if is_command and not row.get("works") and took_s > most_s:
+        session.error(f"{shlex.join(command)} took {took_s:.2f} s: the extra's absence is to be found before any work")
     cure = str(MissingExtraError("", row["extra"])).strip()
     if not row.get("works") and (not said or not said[-1].endswith(cure) or (is_command and len(said) != 1)):
         session.error(f"{row} must say in one line '{cure}', and says: {said}")

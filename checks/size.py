@@ -310,6 +310,9 @@ def main() -> int:
     record = tomllib.loads(RECORD.read_text("utf-8")) if RECORD.is_file() else {}
     if arguments.record:
         RECORD.write_text(f"{head}\n\n" + "".join(f"{name} = {found[name]}\n" for name in found), encoding="utf-8")
+    if unknown := set(record) ^ set(found) if not arguments.record else set():
+        print(f"{RECORD.name} and what is counted differ in {', '.join(sorted(unknown))}: record the sizes")
+        return 1
     changes = {name: found[name] - record.get(name, found[name]) for name in found}
     risen, fallen = changed(changes)
     for name, size in found.items():

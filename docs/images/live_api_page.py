@@ -11,8 +11,8 @@ HEAD = """# The live API
 
 For programmers whose program watches or moves a wire through a running `musclewire serve`.
 `musclewire serve` shows a wire on a page; the page uses nothing but what is here, so a program can do all that it
-does. From Python, `mw.LiveClient` does it (extra `live`;
-[example](../../examples/operate_a_wire_over_the_live_api.py)):
+does. From Python, `mw.LiveClient` does it
+([example](../../examples/operate_a_wire_over_the_live_api.py)):
 
     with mw.LiveClient("http://127.0.0.1:8765") as client, client.control("my program"):
         client.command("switch_on")

@@ -4,8 +4,7 @@
 
 `bench.tdms` is as LabVIEW writes it: waveforms with their clock, two groups of different rates, millivolts and
 millimetres. `logger.csv` is as a logger with a German Windows writes it: lines above the headers, semicolons, decimal
-commas, headers of its own, a column that nobody needs. Each is two cycles of the simulated wire. Needs the extra
-`labfiles`.
+commas, headers of its own, a column that nobody needs. Each is two cycles of the simulated wire.
 """
 
 from pathlib import Path

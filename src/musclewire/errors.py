@@ -145,6 +145,11 @@ class MissingExtraError(CallerError):
     def __init__(self, what: str, extra: str) -> None:
         """Say that ``what`` needs the optional extra ``extra``."""
         super().__init__(f"{what} needs the extra '{extra}': {installed_by(extra)}")
+        self._said = (what, extra)
+
+    def __reduce__(self) -> tuple[type[MissingExtraError], tuple[str, str]]:
+        """Keep what it was made of, so that a process of a pool can raise it in another one."""
+        return MissingExtraError, self._said
 
 
 def installed_by(extra: str) -> str:

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from musclewire.errors import CallerError, require_extra
+from musclewire.small_files import read_toml
 
 __all__ = [
     "Command",
@@ -252,8 +253,8 @@ def require_packages_of(rig: str) -> None:
     shipped = (folder_of(manifest.rig_files) / named for manifest in manifests() if manifest.rig_files)
     try:
         file = next((path for path in shipped if path.is_file()), Path(rig))
-        kind = tomllib.loads(file.read_text(encoding="utf-8")).get("kind")
-    except (OSError, ValueError):
+        kind = read_toml(file, "rig file").get("kind") if file.is_file() else None  # a pipe can be read only once
+    except (CallerError, ValueError):
         return
     if isinstance(kind, str) and kind in offered("needs"):
         require_extra(f"a rig of kind {kind}", offered("needs")[kind])

@@ -14,6 +14,7 @@ def run_demo(folder: Path) -> None:
     command = [sys.executable, "-m", "musclewire", "demo", "--json", "--output", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300)
     (folder / "answer.json").write_text(done.stdout, "utf-8")
+    (folder / "screen.txt").write_text(done.stderr, "utf-8")
 
 
 @pytest.fixture(scope="session")

@@ -6,6 +6,7 @@ import re
 from typing import Any
 
 import pytest
+from markupsafe import escape
 from tests.published.page_parts import Outside
 
 from musclewire.controllers import FuzzyPidSettings, staircase
@@ -23,6 +24,13 @@ PRINTED_PCT = [*PAPER["table2"]["mae_rise_pct"], *PAPER["table2"]["mae_return_pc
 def test_the_strain_gap_is_the_papers(demo: dict[str, Any]) -> None:
     # The bar of the main job: within 0.8 of the printed 1.2172 %.
     assert demo["strain_gap_pct"] == pytest.approx(PAPER["loop_100um"]["strain_gap_pct"], abs=0.8)
+
+
+def test_the_first_screen_has_no_warning_and_the_report_has_those_of_the_sweep(demo: dict[str, Any]) -> None:
+    screen = (demo["folder"] / "screen.txt").read_text("utf-8")
+    assert "warning" not in screen, screen
+    assert any(text.startswith("pretension 2.7 N") for text in demo["warnings"])
+    assert all(escape(text) in demo["page"] for text in demo["warnings"])
 
 
 def test_the_resistances_at_b_and_c_are_the_papers(demo: dict[str, Any]) -> None:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import pickle
+
 import pytest
 
 from musclewire import errors
@@ -49,3 +51,9 @@ def test_a_name_like_nothing_known_is_answered_with_all_names_in_order() -> None
 
 def test_there_is_no_hint_where_nothing_is_known() -> None:
     assert nearest_hint("zzz", []) == ""
+
+
+def test_an_error_of_a_process_in_a_pool_is_raised_as_it_was() -> None:
+    error = MissingExtraError("reading Parquet", "parquet")
+    again = pickle.loads(pickle.dumps(error))
+    assert (type(again), str(again)) == (MissingExtraError, str(error))

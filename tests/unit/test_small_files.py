@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from musclewire.controllers import load_rule_base
 from musclewire.errors import CallerError
-from musclewire.extras.grip._gripper_training import load_knowledge
 from musclewire.parameters import load_wire
 from musclewire.rigs import read_rig_file
 from musclewire.sensing import load_model
@@ -31,8 +30,8 @@ VALUES = st.recursive(
 @endless
 @pytest.mark.parametrize(
     "read",
-    [read_rig_file, load_wire, load_mapping, load_rule_base, load_model, load_knowledge],
-    ids=["rig", "wire", "mapping", "rule base", "model", "gripper"],
+    [read_rig_file, load_wire, load_mapping, load_rule_base, load_model],
+    ids=["rig", "wire", "mapping", "rule base", "model"],
 )
 def test_no_file_of_settings_is_read_without_an_end(
     read: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

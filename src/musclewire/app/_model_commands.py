@@ -166,11 +166,14 @@ def estimate(
     from musclewire.app._answers import EstimateAnswer
     from musclewire.identify import estimate as run_estimate
     from musclewire.sensing import load_model
+    from musclewire.signals import require_format
 
     figure.check()
-    report = run_estimate(load_model(model), reading.read(recording), estimator=estimator, wire_file=wire_file)
     if output is not None:
         require_free(output, overwrite)
+        require_format(output)
+    report = run_estimate(load_model(model), reading.read(recording), estimator=estimator, wire_file=wire_file)
+    if output is not None:
         report.recording.save(output)
     figure.draw(report.plot)
     warn(report.warnings)

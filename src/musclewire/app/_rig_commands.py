@@ -53,7 +53,7 @@ def demo(
     started = time.perf_counter()
     from musclewire.app._answers import DemoAnswer
     from musclewire.app._report.page import write_report
-    from musclewire.experiment import health_warnings, run_demo, run_warnings
+    from musclewire.experiment import friction_warnings, health_warnings, run_demo, run_warnings, step_warnings
 
     figure.check()
     report = output / "report.html"
@@ -67,7 +67,8 @@ def demo(
     figure.draw(result.run.plot)
     wall_s = time.perf_counter() - started
     model, run, sweep = result.model, result.run, result.sweep
-    warn(health_warnings(run))  # loads and pretensions are the demo's own choice: what exceeds a limit is in its report
+    # Drives, loads and pretensions are the demo's own choice: which limits they exceed is in its report.
+    warn((*health_warnings(run), *friction_warnings(run), *step_warnings(run)))
     answer = DemoAnswer.of_run(
         run.metrics,
         strain_gap_pct=100 * result.gaps.strain_gap,

@@ -26,9 +26,7 @@ from ._drive import pulses_of as pulses_of
 from ._health import GRAVE as GRAVE
 from ._health import does_not_hold as does_not_hold
 from ._health import findings as findings
-from ._health import flagged as flagged
 from ._health import health_warnings as health_warnings
-from ._health import noted as noted
 from ._home import home as home
 from ._home import home_duration_s as home_duration_s
 from ._home import plan_for as plan_for

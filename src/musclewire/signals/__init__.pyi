@@ -81,3 +81,5 @@ from ._whole_files import remove_parts as remove_parts
 from ._whole_files import write_text_whole as write_text_whole
 from ._whole_files import write_whole as write_whole
 from ._writing import FileWriter as FileWriter
+from ._writing import Fill as Fill
+from ._writing import require_format as require_format

@@ -79,7 +79,7 @@ def read_recording(
     CallerError
         For a NAME in ``columns`` that is no column, metadata that no file could keep, or a wrong mapping file.
     MissingExtraError
-        For .parquet without pyarrow, for .tdms and .xlsx without the extra ``labfiles``.
+        For .parquet without pyarrow.
     """
     wanted = _mapping(mapping, columns, metadata, group)
     plan, tally = _plan(Path(path), wanted), CheckedBlocks()
@@ -131,7 +131,7 @@ def import_recording(
     CallerError
         For a NAME in ``columns`` that is no column, a wrong mapping file, or an output that cannot be written.
     MissingExtraError
-        For .parquet without pyarrow, for .tdms and .xlsx without the extra ``labfiles``.
+        For .parquet without pyarrow.
     """
     wanted = _mapping(mapping, columns, metadata, group)
     plan, tally = _plan(Path(path), wanted), CheckedBlocks()

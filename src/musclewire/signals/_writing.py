@@ -19,6 +19,9 @@ Metadata = Mapping[str, MetadataValue]
 Blocks = Iterable[tuple[FloatArray, ...]]
 
 
+Fill = Callable[[Columns, Metadata, Path], None]
+
+
 class FileWriter(NamedTuple):
     """What writes files of a suffix.
 
@@ -30,8 +33,13 @@ class FileWriter(NamedTuple):
         Takes names, blocks, metadata and path; None for a format that cannot grow.
     """
 
-    fill: Callable[[str | None], Callable[[Columns, Metadata, Path], None]]
+    fill: Callable[[str | None], Fill]
     fill_blocks: Callable[[Sequence[str], Blocks, Metadata, Path], None] | None = None
+
+
+def require_format(path: Path) -> None:
+    """Raise CallerError for a name under which no recording is written, MissingExtraError if an extra is missing."""
+    _format_of(path, None)
 
 
 def write_columns(columns: Columns, metadata: Metadata, path: Path, matlab_version: str | None = None) -> None:
@@ -81,7 +89,7 @@ def _block_format_of(path: Path) -> Callable[[Sequence[str], Blocks, Metadata, P
     return None if writer is None else writer.fill_blocks
 
 
-def _format_of(path: Path, matlab_version: str | None) -> Callable[[Columns, Metadata, Path], None]:
+def _format_of(path: Path, matlab_version: str | None) -> Fill:
     # Imported here: h5py and pyarrow take longer to load than everything else in this room.
     suffix = path.suffix.lower()
     if matlab_version is not None and suffix != ".mat":
