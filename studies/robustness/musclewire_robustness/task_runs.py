@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from numpy.lib.stride_tricks import sliding_window_view
 from pydantic import TypeAdapter
 
 from musclewire import (
@@ -41,8 +42,9 @@ CONTROLLERS = (DEFAULT, FUZZY, SERVO)
 CHANGE_AT_S, COUNTS_FROM_S = 20.0, 2.0
 # Of a target that jumps the first second is left out (Eq. 7).
 SETTLE_S = 1.0
-# A hold counts for swings from 2 s after its target came on, if that leaves a second; a swing is above half a volt.
-QUIET_S, QUIET_FROM_S, SWING_V = 3.0, 2.0, 0.5
+# A hold counts for swings from 2 s after its target came on, if that leaves a second; a swing is above half a volt
+# within four seconds: over minutes the drive follows what the wire warms up around it.
+QUIET_S, QUIET_FROM_S, SWING_V, SWINGS_WITHIN_S = 3.0, 2.0, 0.5, 4.0
 # What a loop sees of its own error, as it is named: a part of the target, and of what its model senses; and how much of
 # the time the speed limits must announce for it to be known beforehand.
 OF_TARGET, OF_RANGE, ANNOUNCED = 0.03, 0.01, 0.1
@@ -64,10 +66,12 @@ class ScoredTask(NamedTuple):
         Median half-width of the 95 % interval, in percent of the same.
     inside_share
         Fraction of the samples at which the instrument is within it.
+    all_pct
+        Mean absolute error of all samples, those after a jump, too [%]: what a loop names, it names of these.
     seen_pct
-        By how much the estimate is farther from the target than tolerance and half-width in the mean [% of it].
+        By how much the estimate is farther from the target than tolerance and half-width in their mean [% of it].
     announced_share
-        Fraction of the samples for which the speed limits announced a miss.
+        Fraction of them for which the speed limits announced a miss.
     swinging, holds
         Holds in which the drive swings by more than half a volt, and all.
     named
@@ -83,6 +87,7 @@ class ScoredTask(NamedTuple):
     estimate_rms_pct: float | None
     half_width_pct: float | None
     inside_share: float | None
+    all_pct: float | None
     seen_pct: float | None
     announced_share: float | None
     swinging: int
@@ -94,7 +99,7 @@ class ScoredTask(NamedTuple):
 
 def not_done(ended: str, code: int) -> ScoredTask:
     """Return the score of a run that did not come to its end."""
-    return ScoredTask(None, None, None, None, None, None, None, 0, 0, (), code, ended)
+    return ScoredTask(None, None, None, None, None, None, None, None, 0, 0, (), code, ended)
 
 
 class TaskCase(NamedTuple):
@@ -196,15 +201,16 @@ class FollowedTargets(NamedTuple):
         jumps = np.concatenate([[True], np.diff(self.target) != 0.0])
         return self.time_s - np.maximum.accumulate(np.where(jumps, self.time_s, -np.inf))
 
-    def counts(self, case: TaskCase) -> npt.NDArray[np.bool_]:
-        """Return the samples that count."""
-        from_s = COUNTS_FROM_S + (0.0 if case.condition == STILL else CHANGE_AT_S)
-        settled = self.since_jump_s() > SETTLE_S if TASKS[case.task].held else np.ones(self.time_s.size, np.bool_)
-        return np.asarray((self.time_s > from_s) & settled)
+    def asked(self, case: TaskCase) -> npt.NDArray[np.bool_]:
+        """Return the samples at which something was asked of a warm wire, in the condition of the case."""
+        return np.asarray(self.time_s > COUNTS_FROM_S + (0.0 if case.condition == STILL else CHANGE_AT_S))
 
-    def errors_pct(self, case: TaskCase) -> tuple[float, float]:
-        """Return mean and largest absolute error of the samples that count [% of the target]."""
-        rows = self.counts(case)
+    def counts(self, case: TaskCase) -> npt.NDArray[np.bool_]:
+        """Return those of them that count: where targets jump, from a second after each on."""
+        return self.asked(case) & (self.since_jump_s() > SETTLE_S) if TASKS[case.task].held else self.asked(case)
+
+    def errors_pct(self, rows: npt.NDArray[np.bool_]) -> tuple[float, float]:
+        """Return mean and largest absolute error of some samples [% of the target]."""
         error = 100.0 * np.abs(self.measured - self.target)[rows] / np.abs(self.target[rows])
         return float(error.mean()), float(error.max())
 
@@ -217,7 +223,9 @@ class FollowedTargets(NamedTuple):
         for rows in np.split(np.arange(self.target.size), starts[1:]):
             held_s = self.time_s[rows] - self.time_s[rows[0]]
             if held_s[-1] >= QUIET_S:
-                swung.append(float(np.ptp(self.drive_v[rows[held_s > QUIET_FROM_S]])) > SWING_V)
+                drive_v = self.drive_v[rows[held_s > QUIET_FROM_S]]
+                length = min(round(SWINGS_WITHIN_S / float(held_s[1])), drive_v.size)
+                swung.append(float(np.ptp(sliding_window_view(drive_v, length), axis=1).max()) > SWING_V)
         return sum(swung), len(swung)
 
 
@@ -225,7 +233,7 @@ def servo_score(followed: FollowedTargets, case: TaskCase) -> ScoredTask:
     """Return the score of a PI on the sensor, which estimates nothing."""
     blank = not_done("", 0)
     swinging, holds = followed.swings(case)
-    mean_pct, largest_pct = followed.errors_pct(case)
+    mean_pct, largest_pct = followed.errors_pct(followed.counts(case))
     return blank._replace(mean_pct=mean_pct, largest_pct=largest_pct, swinging=swinging, holds=holds)
 
 
@@ -236,12 +244,12 @@ def loop_score(run: Recording, model: SensingModel, case: TaskCase) -> ScoredTas
     suffix, approach_s = COLUMN_SUFFIX[model.quantity], run.facts.approach_s
     target, estimate = run[f"target_{suffix}"], run[f"estimated_{suffix}"]
     followed = FollowedTargets(run["time_s"] - approach_s, target, measured, run["drive_voltage_v"])
-    rows, sensed = followed.counts(case), model.quantity_max - model.quantity_min
+    rows, asked, sensed = followed.counts(case), followed.asked(case), model.quantity_max - model.quantity_min
     tolerance = np.maximum(OF_TARGET * np.abs(target), OF_RANGE * sensed)
     half_width = np.where(run["valid"] > 0.0, DEVIATIONS * run["estimate_std"], 0.0)
     error, away = estimate - measured, np.abs(estimate - target)
     announced = np.abs(run.columns.get("announced_miss", np.zeros(target.size))) > tolerance
-    mean_pct, largest_pct = followed.errors_pct(case)
+    mean_pct, largest_pct = followed.errors_pct(rows)
     swinging, holds = followed.swings(case)
     alone = Recording({name: one for name, one in run.columns.items() if name not in OF_INSTRUMENTS}, run.metadata)
     return ScoredTask(
@@ -250,8 +258,9 @@ def loop_score(run: Recording, model: SensingModel, case: TaskCase) -> ScoredTas
         100.0 * float(np.sqrt(np.mean(error[rows] ** 2))) / sensed,
         100.0 * float(np.median(half_width[rows])) / sensed,
         float(np.mean(np.abs(error)[rows] <= half_width[rows])),
-        100.0 * float(np.mean((away - tolerance - half_width)[rows] / np.abs(target[rows]))),
-        float(np.mean(announced[rows])),
+        followed.errors_pct(asked)[0],
+        100.0 * float(np.mean((away - tolerance - half_width)[asked] / np.abs(target[asked]))),
+        float(np.mean(announced[asked])),
         swinging,
         holds,
         tuple(one.cause.name.lower() for one in findings(alone)),

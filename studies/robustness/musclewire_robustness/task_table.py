@@ -263,12 +263,12 @@ def median_of(values: Iterable[float | None]) -> float | None:
 
 def named_runs(name: str, scored: Scores) -> NamedRuns:
     """Return what was named of the runs of a controller that reached their end."""
-    runs = [(case, of[name]) for case, of in scored.items() if of[name].mean_pct is not None]
-    errs = [(case, run) for case, run in runs if (run.mean_pct or 0.0) > ERRS_PCT]
+    runs = [(case, of[name]) for case, of in scored.items() if of[name].all_pct is not None]
+    errs = [(case, run) for case, run in runs if (run.all_pct or 0.0) > ERRS_PCT]
     sees = [(case, run) for case, run in errs if (run.seen_pct or 0.0) > 0.0]
     others = [run for _, run in errs if (run.seen_pct or 0.0) <= 0.0]
     causes = Counter(why_unseen(run) for run in others)
-    does = [run for _, run in runs if (run.mean_pct or 0.0) < DOES_PCT]
+    does = [run for _, run in runs if (run.all_pct or 0.0) < DOES_PCT]
     return NamedRuns(
         controller=name,
         runs=len(runs),
@@ -323,7 +323,8 @@ def named_line(of: NamedRuns) -> str:
     """Return in words what was named of a controller's runs."""
     not_named = f" (not {', '.join(of.not_named)})" if of.not_named else ""
     return (
-        f"{of.controller}: of {of.runs} runs {of.sees + of.others} err by more than {ERRS_PCT:g} % in the mean. "
+        f"{of.controller}: of {of.runs} runs {of.sees + of.others} err by more than {ERRS_PCT:g} % in the mean of all "
+        f"samples. "
         f"{of.sees} see it, of which {of.sees_named} end with 1 or were announced"
         f"{not_named}; {of.others} do not "
         f"({of.interval_too_wide} interval too wide, {of.estimate_wrong} estimate wrong, {of.interval_too_narrow} "

@@ -46,8 +46,9 @@ def test_every_target_of_a_task_is_one_that_the_model_senses_and_a_seed_repeats_
 def test_a_task_that_jumps_leaves_out_a_second_and_one_that_moves_does_not() -> None:
     late = np.where((TIME_S > 10.0) & (TIME_S <= 11.0), 0.02, STEPS)
     followed = FollowedTargets(TIME_S, STEPS, late, np.full(400, 2.0))
-    assert followed.errors_pct(TaskCase("simulated", "staircase", STILL, 1)) == (0.0, 0.0)
-    mean_pct, largest_pct = followed.errors_pct(TaskCase("simulated", "sine 30 s", STILL, 1))
+    held, moving = (TaskCase("simulated", task, STILL, 1) for task in ("staircase", "sine 30 s"))
+    assert followed.errors_pct(followed.counts(held)) == (0.0, 0.0)
+    mean_pct, largest_pct = followed.errors_pct(followed.counts(moving))
     assert largest_pct == pytest.approx(20.0)
     assert mean_pct == pytest.approx(20.0 * 20 / 360)
 
@@ -57,6 +58,8 @@ def test_a_hold_swings_whose_drive_goes_by_more_than_half_a_volt_two_seconds_aft
     followed = FollowedTargets(TIME_S, STEPS, STEPS, drive_v)
     assert followed.swings(TaskCase("simulated", "staircase", STILL, 1)) == (1, 2)
     assert followed.swings(TaskCase("simulated", "triangle 40 s", STILL, 1)) == (0, 0)
+    slow = FollowedTargets(TIME_S, STEPS, STEPS, 2.0 + 0.1 * TIME_S)
+    assert slow.swings(TaskCase("simulated", "staircase", STILL, 1)) == (0, 2)
 
 
 def test_a_change_comes_within_a_second_and_draughts_repeat_for_a_seed() -> None:
