@@ -9,7 +9,7 @@ data in it: the command line shows an option there, and Python the argument.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from importlib.util import find_spec
 from typing import NamedTuple
 
@@ -34,7 +34,7 @@ __all__ = [
 
 
 class Argument(NamedTuple):
-    """An argument of Python that a message advises, with the value to give or None."""
+    """An argument of Python that a message advises, with the value to give; None if only its user knows it."""
 
     name: str
     value: object = None
@@ -43,6 +43,9 @@ class Argument(NamedTuple):
         """Return the argument as one writes it in Python."""
         if self.value is None:
             return self.name
+        if isinstance(self.value, Mapping):
+            keys = (f"{key!r}: {'...' if value is None else repr(value)}" for key, value in self.value.items())
+            return f"{self.name}={{{', '.join(keys)}}}"
         return f"{self.name}={self.value:g}" if isinstance(self.value, float) else f"{self.name}={self.value!r}"
 
 

@@ -326,7 +326,7 @@ def as_option(advised: Argument) -> str:
     if isinstance(value, Mapping):
         (inner,) = value.items()
         if name == "bench":
-            return f"--set {inner[0]}={shlex.quote(str(inner[1]))}"
+            return f"--set {inner[0]}={'VALUE' if inner[1] is None else shlex.quote(str(inner[1]))}"
         name, value = inner
     called = CALLED.get(name) or "--" + WITH_UNIT.sub("", name).replace("_", "-")
     if value is None or value is True:

@@ -311,7 +311,7 @@ def missed_in_words(recording: Recording) -> str:
     rows, below, none = missed.rows, missed.away < 0.0, np.zeros(len(recording), dtype=np.bool_)
     known = {
         "beyond C": by_controller(recording).get(Cause.BEYOND_C, none),
-        "cold of B": below & (recording["valid"] == 0.0) if "valid" in recording else none,
+        "no valid estimate": below & (recording["valid"] == 0.0) if "valid" in recording else none,
         "the supply": below & at_upper_limit(recording),
         "the power that holds the highest temperature": below & power_limited(recording),
         "cooling": ~below & at_lower_limit(recording),

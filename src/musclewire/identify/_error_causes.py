@@ -65,7 +65,7 @@ IN_WORDS = {
     ErrorCause.GAP: "the estimate lies between heating and cooling, off the wire's own branch",
     ErrorCause.NOISE: "single readings scatter",
     ErrorCause.MODEL: "the wire is off the model's branch, as in a minor loop or with another load, air or length",
-    ErrorCause.ESTIMATOR: "the estimate is off the model's branch, which is nearer",
+    ErrorCause.ESTIMATOR: "the estimate is off the model's branch, which is nearer to the reference",
     ErrorCause.SEVERAL: "no single cause explains it",
 }
 
@@ -269,10 +269,11 @@ def lines_of(model_quantity: str, groups: Sequence[ErrorGroup]) -> list[str]:
     for group in chosen:
         voltage = "" if group.voltage_v is None else f", {group.voltage_v:.2f} V"
         without = "" if group.rms_without_pct is None else f"; without them {group.rms_without_pct:.3f} % rms"
+        by_this = f", {factor * group.explained:+.2g} {unit} by this" if group.cause is not ErrorCause.SEVERAL else ""
         lines.append(
             f"{100 * group.squared_error_fraction:.0f} % of the squared error: {group.why} "
             f"({100 * group.fraction:.1f} % of the counted samples{without}); largest at {group.time_s:.1f} s, "
             f"{group.branch}{voltage}: {factor * group.estimated:.3g} {unit} estimated, "
-            f"{factor * group.measured:.3g} {unit} measured, {factor * group.explained:+.2g} {unit} by this"
+            f"{factor * group.measured:.3g} {unit} measured{by_this}"
         )
     return lines

@@ -266,7 +266,7 @@ def why_no_reference(recording: Recording, quantity: str) -> str:
         return ""
     if quantity == "strain" and "displacement_m" in recording:
         return "displacement_m gives strain only with the wire's length: give " + argument(
-            "metadata", {"leg_length_m": 0.07}
+            "metadata", {"leg_length_m": None}
         )
     needed = {
         "strain": "reference_strain or displacement_m",

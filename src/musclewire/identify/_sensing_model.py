@@ -117,8 +117,8 @@ WIRE_NOTES = (
 MIN_RATIO, MAX_RATIO = 0.8, 1.5
 # Rows of the loop that a model keeps for its home moves.
 LOOP_ROWS = 300
-# What is said of a wrong average where it is not known which branch the wire is on.
 WITHOUT_INSTRUMENT = "without an instrument name the wire: 'musclewire fit RECORDING --wire WIRE', or fit_resistance"
+# What is said of a wrong average where it is not known which branch the wire is on.
 UNTRIED = (
     "the recording has no current, by whose change a loop's estimator knows heating from cooling, so that only the "
     "average of both branches could be tried; record the wire's voltage or current with its resistance"

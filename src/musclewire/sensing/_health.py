@@ -76,5 +76,5 @@ CAUSE_TEXT = {
     Cause.TARGET_MISSED: "the estimate is farther from the target than 3 % of it (1 % of the model's range at least) "
     "and its own 95 % interval, longer than the speed limits explain: the wire was not where it was asked to be",
     Cause.WIDE_INTERVAL: "the estimate is away from the target, and its 95 % interval, more than a tenth of the "
-    "model's range to either side, too wide to say whether the wire is, too: what widened it is named with it",
+    "model's range to either side, too wide to say whether the wire is, too",
 }

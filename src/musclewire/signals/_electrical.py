@@ -71,7 +71,7 @@ def _what_is_missing(recording: Recording, has_shunt: bool) -> str:
         problem = "is missing" if value is None else f"is {value!r}"
         return (
             f"metadata shunt_resistance_ohm {problem}: shunt_voltage_v needs it, give a positive number: "
-            + argument("metadata", {"shunt_resistance_ohm": 1.0})
+            + argument("metadata", {"shunt_resistance_ohm": None})
         )
     columns = ("wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
     missing = ", ".join(name for name in columns if name not in recording)

@@ -248,7 +248,7 @@ def test_what_the_speed_limits_announced_is_no_miss_as_long_and_on_the_side_that
         ({"drive_voltage_v": np.where(between(10.0, 30.0), 3.6, 2.0)}, "the supply"),
         ({"power_limited": between(10.0, 30.0).astype(float)}, "the power that holds the highest temperature"),
         ({"beyond_c": between(10.0, 30.0).astype(float)}, "beyond C"),
-        ({"valid": np.where(between(10.0, 30.0), 0.0, 1.0)}, "cold of B"),
+        ({"valid": np.where(between(10.0, 30.0), 0.0, 1.0)}, "no valid estimate"),
         ({"health": np.where(between(10.0, 30.0), float(Cause.CHANGED_AIR), 0.0)}, "the air"),
     ],
 )

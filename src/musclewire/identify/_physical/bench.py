@@ -115,9 +115,9 @@ def lengths(recording: Recording, known: Mapping[str, float]) -> dict[str, float
     if whole is None:
         raise CallerError(
             "the wire's length is not known: give "
-            + argument("bench", {"wire_length_m": "140 mm"})
+            + argument("bench", {"wire_length_m": None})
             + ", or "
-            + argument("metadata", {"leg_length_m": 0.07})
+            + argument("metadata", {"leg_length_m": None})
             + " and "
             + argument("bench", {"legs": 2})
         )
