@@ -26,6 +26,7 @@ from musclewire.extras.studies import (
 from musclewire.parameters import Bench, Wire, catalogue_names, load_bench, load_wire
 from musclewire.rigs import (
     LOAD_PARTS,
+    Arriving,
     LimitsTable,
     MountedWire,
     PulseWidth,
@@ -55,6 +56,7 @@ SECTIONS: dict[str, tuple[type[BaseModel], str]] = {
         "The limits of the [protection](protection.md) follow from wire and circuit; these keys are for what you know "
         "better. A simulated rig's file takes the same table.",
     ),
+    "`[arrives]`": (Arriving, "Of a real rig that gives its wire less than it orders; otherwise the order counts."),
     '`kind = "serial"`': (SerialConfiguration, "A board with the firmware: [how to](../how-to/drive_a_board.md)."),
     '`kind = "nidaq"`': (NiDaqConfiguration, "A data acquisition card: [how to](../how-to/drive_an_ni_card.md)."),
     "`[output]` of a card": (Output, ""),

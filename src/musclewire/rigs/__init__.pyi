@@ -62,6 +62,7 @@ from ._mechanism import FingerTendon as FingerTendon
 from ._mechanism import SimulatedLoad as SimulatedLoad
 from ._mechanism import mechanism_of as mechanism_of
 from ._mounted_wire import AirKelvins as AirKelvins
+from ._mounted_wire import Arriving as Arriving
 from ._mounted_wire import LimitsTable as LimitsTable
 from ._mounted_wire import LivePeriod as LivePeriod
 from ._mounted_wire import MountedWire as MountedWire

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
@@ -34,6 +34,8 @@ def refuse_truth(given: Any) -> Any:
 NO_TRUTH = BeforeValidator(refuse_truth)
 # A hundred thousand samples a second: faster than any converter that the product knows, and a loop of it still ends.
 MIN_PERIOD_S = 1e-5
+# Error of a multimeter or a supply's display on their best range, generously.
+METER_ERROR = 0.02
 Amperes = Annotated[float, measured_in("A"), Field(gt=0.0, allow_inf_nan=False)]
 Kelvins = Annotated[float, measured_in("K"), Field(gt=0.0, allow_inf_nan=False)]
 Ohms = Annotated[float, measured_in("ohm"), Field(gt=0.0, allow_inf_nan=False)]
@@ -159,6 +161,30 @@ class LimitsTable(BaseModel):
         return {name: float(value) for name, value in numbers_given(self).items()}
 
 
+class Arriving(BaseModel):
+    """``[arrives]`` of a rig file: a voltage at wire and shunt that something else than the rig's channels has shown.
+
+    By it the protection counts with less than what is ordered; without it the order counts.
+
+    Attributes:
+        ordered: drive that was ordered.
+        measured: largest voltage across wire and shunt together at this order.
+        by: a ``multimeter`` of yours, the ``supply``'s display, or a ``circuit`` that lets no more through.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    ordered: Volts
+    measured: Volts
+    by: Literal["multimeter", "supply", "circuit"]
+
+    @property
+    def fractions(self) -> tuple[float, float]:
+        """Least and largest fraction of an order that is at wire and shunt, by the instrument's error."""
+        fraction = self.measured / self.ordered
+        return min((1.0 - METER_ERROR) * fraction, 1.0), min((1.0 + METER_ERROR) * fraction, 1.0)
+
+
 class MountedWire(BaseModel):
     """The wire on a real rig and its circuit. Numbers in SI or as text with a unit; each type says what its key means.
 
@@ -168,6 +194,8 @@ class MountedWire(BaseModel):
         A wire's name (``musclewire simulate --list``) or wire file.
     limits
         Limits of the protection that replace those which follow from wire and circuit.
+    arrives
+        How much of an ordered voltage is at the wire, if not all of it.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -184,6 +212,7 @@ class MountedWire(BaseModel):
     loss_factor: LossFactor = 1.0
     sample_period: SamplePeriod = 0.05
     limits: LimitsTable = LimitsTable()
+    arrives: Arriving | None = None
     beyond_catalogue: bool = Field(
         default_factory=confirmed_beyond,
         description="Whether numbers that no wire of the catalogue has or survives are meant so.",
@@ -273,7 +302,8 @@ class MountedWire(BaseModel):
             readings_noisy=readings_noisy,
             loss_factor=self.loss_factor,
         )
-        return limits_of(wire, load_alloy(wire.alloy), circuit, self.limits.changed())
+        limits = limits_of(wire, load_alloy(wire.alloy), circuit, self.limits.changed())
+        return limits if self.arrives is None else limits._replace(arriving_fraction=self.arrives.fractions[1])
 
     def facts(self) -> Metadata:
         """Return the metadata of a recording that describe wire and circuit."""
@@ -285,12 +315,13 @@ class MountedWire(BaseModel):
             "maximum_force_n": wire.maximum_force_n.value,
             **validity_of(load_alloy(wire.alloy)).facts(),
             **{name: getattr(self, key) for key, name in STATED.items()},
+            **({} if self.arrives is None else {"arriving_fraction_by": self.arrives.by}),
         }
 
 
 # Keys of a mounted wire that each kind of rig has in its own way, and those that a recording states in other words: as
 # limits of the protection, as amplitude, as length of a leg.
-OWN_TO_A_KIND = ("wire", "limits", "loss_factor", "beyond_catalogue")
+OWN_TO_A_KIND = ("wire", "limits", "arrives", "loss_factor", "beyond_catalogue")
 IN_OTHER_WORDS = ("legs", "sense_voltage", "maximum_voltage", "drive_amplitude", "ambient_temperature")
 # The keys of wire and circuit that rig files of every kind have, and the numbers that a recording states by them.
 SHARED_KEYS = {key: field for key, field in MountedWire.model_fields.items() if key not in OWN_TO_A_KIND}

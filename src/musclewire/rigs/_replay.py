@@ -123,11 +123,11 @@ class ReplayDevice:
     def _limits(self, sample_period_s: float, drive_amplitude_v: float) -> ProtectionLimits:
         """Return the limits of the recorded rig; if it recorded none, those that follow from wire and circuit."""
         given = self._configuration.limits.changed()
-        names = ProtectionLimits._fields
-        if all(f"limit_{name}" in self._known for name in names):
-            return ProtectionLimits(
-                *(float(self._of_rig(f"limit_{name}", f"limits.{name}")) for name in names)
-            )._replace(**given)
+        # What a file of before does not state has a default.
+        names = [name for name in ProtectionLimits._fields if f"limit_{name}" in self._known]
+        if {*names, *ProtectionLimits._field_defaults} == {*ProtectionLimits._fields}:
+            known = {name: float(self._of_rig(f"limit_{name}", f"limits.{name}")) for name in names}
+            return ProtectionLimits(**{**known, **given})
         facts = {
             "wire": self._of_rig("wire", "wire"),
             "wire_length": self._of_rig("wire_length_m", "wire_length"),

@@ -8,6 +8,7 @@ import pytest
 from tests.unit.controllers.protected_wire import LIMITS, Reading, of_wire
 
 from musclewire.controllers import Event, Protection, State, protection_table
+from musclewire.errors import CallerError
 
 # 10 ohm, the smallest resistance of this wire, behind 1 ohm at 2 V: 10 x (2/11)^2 = 0.3306 W. Over 0.05 s that warms
 # 5.4 mJ/K by 3.0609 K, less what 6 mW/K give off meanwhile, 0.05 x 6/5.4 = 0.05556 of it a step: of x = 0.05556
@@ -64,6 +65,14 @@ def test_long_readings_warm_the_wire_as_the_heat_balance_does(dt_s: float) -> No
         protection.reading(*of_wire(2.0, 17.0), dt_s)
         exact_k = end_k * -math.expm1(-number * dt_s * rate_per_s)
         assert protection.temperature_k - LIMITS.ambient_temperature_k == pytest.approx(exact_k, abs=0.03 * end_k)
+
+
+def test_what_is_known_to_arrive_of_an_order_heats_by_its_square() -> None:
+    protection = Protection(LIMITS._replace(arriving_fraction=0.9).checked())
+    protection.reading(*of_wire(1.8, 17.0), 0.05, 2.0)
+    assert protection.temperature_k - LIMITS.ambient_temperature_k == pytest.approx(0.81 * ORDERED_2_V_K, rel=1e-5)
+    with pytest.raises(CallerError, match=r"arriving_fraction is 1\.1 and must be at most 1"):
+        LIMITS._replace(arriving_fraction=1.1).checked()
 
 
 class Driven:

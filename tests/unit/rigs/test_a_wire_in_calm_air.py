@@ -33,6 +33,18 @@ def test_more_loss_than_in_still_air_is_confirmed_or_refused() -> None:
     assert mounted(loss_factor=1.3, beyond_catalogue=True).loss_factor == 1.3
 
 
+@pytest.mark.parametrize(("measured", "fraction"), [("2.7 V", 1.02 * 0.9), ("3 V", 1.0), ("3.2 V", 1.0)])
+def test_what_a_multimeter_has_shown_of_an_order_counts_with_its_error(measured: str, fraction: float) -> None:
+    wire = mounted(arrives={"ordered": "3 V", "measured": measured, "by": "multimeter"})
+    assert wire.protection_limits(wire_range_v=5.0, shunt_range_v=1.0).arriving_fraction == pytest.approx(fraction)
+    assert wire.facts()["arriving_fraction_by"] == "multimeter"
+
+
+def test_the_rigs_own_channels_are_no_source_of_what_arrives() -> None:
+    with pytest.raises(ValidationError, match="'multimeter', 'supply' or 'circuit'"):
+        mounted(arrives={"ordered": "3 V", "measured": "2.7 V", "by": "channels"})
+
+
 @pytest.mark.parametrize("resistance_ohm", [12.2, 17.0])
 @pytest.mark.parametrize("drive_v", [3.0, 4.6])
 @pytest.mark.parametrize("loss", [0.5, 0.7])

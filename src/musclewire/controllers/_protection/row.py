@@ -116,10 +116,10 @@ def rules_of(limits: ProtectionLimits, table: ProtectionTable | None = None) -> 
 
 
 def largest_power_w_per_v2(limits: ProtectionLimits) -> float:
-    """Return the largest power in a wire of these limits per square of the drive [W/V2].
+    """Return the largest power in a wire of these limits per square of the ordered voltage [W/V2].
 
     A wire in series with a shunt takes most where both have the same resistance.
     """
     shunt_ohm = limits.shunt_resistance_ohm
     wire_ohm = min(max(shunt_ohm, limits.resistance_low_ohm), limits.resistance_high_ohm)
-    return wire_ohm / (wire_ohm + shunt_ohm) ** 2
+    return wire_ohm / (wire_ohm + shunt_ohm) ** 2 * limits.arriving_fraction**2

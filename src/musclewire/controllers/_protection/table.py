@@ -35,6 +35,7 @@ class ProtectionLimits(NamedTuple):
         heat_loss_w_per_k: G, heat loss of the wire to the air per kelvin.
         ambient_temperature_k: temperature of the air.
         maximum_temperature_k: highest estimated temperature allowed.
+        arriving_fraction: at most this fraction of an ordered voltage is at wire and shunt together.
     """
 
     sense_voltage_v: float
@@ -53,6 +54,7 @@ class ProtectionLimits(NamedTuple):
     heat_loss_w_per_k: float
     ambient_temperature_k: float
     maximum_temperature_k: float
+    arriving_fraction: float = 1.0
 
     def checked(self) -> ProtectionLimits:
         """Return the limits themselves. Raises CallerError if they cannot belong to a wire."""
@@ -60,6 +62,8 @@ class ProtectionLimits(NamedTuple):
             may_be_infinite = name.startswith("maximum_") and name != "maximum_voltage_v"
             if not (value > 0.0 or name == "readings_noisy") or (not isfinite(value) and not may_be_infinite):
                 raise CallerError(f"the limit {name} is {value:g} and must be above 0 and finite")
+        if self.arriving_fraction > 1.0:
+            raise CallerError(f"the limit arriving_fraction is {self.arriving_fraction:g} and must be at most 1")
         for lower, upper in (
             ("sense_voltage_v", "maximum_voltage_v"),
             ("minimum_current_a", "maximum_current_a"),
