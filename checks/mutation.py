@@ -35,7 +35,7 @@ from cosmic_ray.plugins import get_operator
 from coverage import CoverageData
 
 CHECKOUT = Path(__file__).resolve().parents[1]
-PROTECTION = ("controllers/_protection", "rigs/_guarded.py")
+PROTECTION = ("controllers/_protection", "rigs/_guarded.py", "rigs/_two_clocks.py")
 CORE = ("wire", "sensing", "controllers", "rigs", "signals", "identify", "experiment", "parameters")
 GUARDIAN = ("extras/board/_nidaq/guardian.py",)
 PLACES = {"core": CORE, "protection": PROTECTION, "live": ("extras/live",), "guardian": GUARDIAN}
