@@ -65,6 +65,7 @@ TIMED = (
 )
 # What judges numbers and not time. CI runs the quick form of the first ones.
 NUMBERS_IN_CI = (
+    "-m benchmarks.lying_rigs",
     "benchmarks/hysteresis_memory.py",
     "studies/isobar_branches.py",
     "benchmarks/convergence.py",
