@@ -335,6 +335,7 @@ class LiangRogersWire:
                 readings_noisy=settings.readings_noisy,
             ),
             reference_columns=("displacement_m", "force_n"),
+            wire_temperature_k=of.ambient_temperature,
         )
 
     def metadata(self):

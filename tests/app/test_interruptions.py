@@ -89,6 +89,7 @@ class Plant:
         self.facts = DeviceFacts(
             sample_period_s=0.05, paced=False, leg_length_m=0.07, drive_amplitude_v=3.0,
             limits=configuration.protection_limits(wire_range_v=10.0, shunt_range_v=10.0, readings_noisy=False),
+            wire_temperature_k=295.15,
         )
         Path("opening").touch()
         time.sleep(25.0)

@@ -59,6 +59,7 @@ class FirstOrderDevice:
             leg_length_m=configuration.leg_length_m,
             drive_amplitude_v=configuration.drive_amplitude,
             limits=limits,
+            wire_temperature_k=limits.ambient_temperature_k,
         )
 
     @property

@@ -570,7 +570,8 @@ def open_rig(
         if value is not None:
             raise CallerError(f"{where}: '{name}' changes a simulated rig; on a real one, change the rig file")
     known = known_kind(configuration.kind) if is_outside(configuration.kind) else DEVICES.find(configuration.kind)
-    opened = GuardedRig(known.open(configuration))
+    known_by = f"rig file {Path(rig).resolve()}" if isinstance(rig, str | Path) else None
+    opened = GuardedRig(known.open(configuration), known_by)
     if real_time and not opened.paced:
         opened.close()
         raise CallerError(f"{where} has no clock: leave out " + argument("real_time"))

@@ -36,7 +36,10 @@ class DeviceFacts:
         Names of the reference instruments, of ``musclewire.signals._exchange.REFERENCE_COLUMNS``.
     identity
         A text by which this device and its wire are known again at the next opening, also by another program: serial
-        number of its board or card, else its port. None for a device whose wire is new with each opening.
+        number of its board or card, else its port. None: it is known by its rig file, else by its class.
+    wire_temperature_k
+        How warm the wire is when the device is opened [K], stated by who knows it, as a simulation does whose wire is
+        new with each opening. None: it is remembered; where it is not known, the wire rests before it is heated.
     """
 
     sample_period_s: float
@@ -46,6 +49,7 @@ class DeviceFacts:
     limits: ProtectionLimits
     reference_columns: tuple[str, ...] = ()
     identity: str | None = None
+    wire_temperature_k: float | None = None
 
 
 class Missing(NamedTuple):

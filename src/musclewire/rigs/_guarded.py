@@ -118,7 +118,7 @@ class GuardedRig:
         For limits that cannot belong to a wire.
     """
 
-    def __init__(self, device: Device) -> None:
+    def __init__(self, device: Device, known_by: str | None = None) -> None:
         """Arm the protection, and compile all that a sample runs: from here on nothing compiles with the wire driven.
 
         Raises CallerError for what is no device, and for limits that cannot belong to a wire.
@@ -137,10 +137,13 @@ class GuardedRig:
             device.off()
             raise
         self._accepts_targets = isinstance(device, HasOnBoardLoop)
-        self._remembered = RememberedTemperature(self._facts.identity, self._limits)
-        if self._remembered.at_opening.reason:
-            LOGGER.warning("%s", self._remembered.at_opening.reason)
-        self._protection = Protection(self._limits, self._remembered.at_opening.temperature_k)
+        self._remembered = RememberedTemperature(remembered_by(device, known_by), self._limits)
+        at_opening = self._remembered.at_opening
+        if at_opening.reason:
+            LOGGER.warning("%s%s", at_opening.reason, without_identity(device, known_by))
+        self._protection = Protection(self._limits, at_opening.temperature_k)
+        # So many samples at the sense voltage come before the first that heats.
+        self._rest = math.ceil(at_opening.rest_s / self._facts.sample_period_s)
         if isinstance(device, HasCompiledExchange):
             device.compile_exchange()
         # Held whenever the protection's state is read and written, never while a sample is awaited.
@@ -269,6 +272,8 @@ class GuardedRig:
         """
         # All of it is inside, the return too: wherever Ctrl-C or another exception comes, the drive is not left on.
         try:
+            if self._rest and self._may_heat(command):
+                self._rest_first()
             sample = self._exchanged(command)
             self._talked_ns, self._exchanging = perf_counter_ns(), None
             return sample
@@ -282,6 +287,18 @@ class GuardedRig:
                 self._leave_safe()
                 raise
             raise
+
+    def _may_heat(self, command: Command | float) -> bool:
+        """Return whether a command is any but 0 V, with which instruments are read before the wire is."""
+        voltage_v = command.voltage_v if isinstance(command, Drive) else command
+        return isinstance(command, Target) or (isinstance(voltage_v, Real) and voltage_v != 0.0)
+
+    def _rest_first(self) -> None:
+        """Stay at the sense voltage until a wire of unknown temperature is cold."""
+        while self._rest:
+            self._exchanged(Drive(self.sense_voltage_v))
+            self._talked_ns = perf_counter_ns()
+            self._rest -= 1
 
     def _exchanged(self, command: Command | float) -> RawSample:
         """Follow a command for one sample period and return the sample at its end."""
@@ -426,8 +443,7 @@ class GuardedRig:
             covered_s = self._longer_s(self._clocks, covered_s, step_s, ordered_v > self.sense_voltage_v)
         protection = self._protection
         sound = protection.sample(drive_v, sample.wire_voltage_v, sample.shunt_voltage_v, covered_s, ordered_v)
-        if self._facts.identity is not None:
-            self._remembered.note(protection.temperature_k)
+        self._remembered.note(protection.temperature_k)
         if not sound and protection.tripped:
             measured = self._measured(*protection.last_reading_v)
             self._trip(protection.state.event, f"at {sample.time_s:.3f} s: {measured}")
@@ -593,6 +609,21 @@ class GuardedRig:
         self.close()
         if kind is None and was_on and not self._off_confirmed:
             raise RigError(f"the device did not answer at the end: {NOT_CONFIRMED}")
+
+
+def remembered_by(device: Device, known_by: str | None) -> str | None:
+    """Return by what a device's wire is known again: its identity, its rig file, or its class; None if it is new."""
+    facts = device.facts
+    if facts.identity is not None or facts.wire_temperature_k is not None:
+        return facts.identity
+    return known_by or f"class {type(device).__module__}.{type(device).__qualname__}"
+
+
+def without_identity(device: Device, known_by: str | None) -> str:
+    """Return what is to be said of a device that has no identity, "" for one that has."""
+    if device.facts.identity is not None:
+        return ""
+    return f"; for want of an identity of its own it is known again by {remembered_by(device, known_by)}"
 
 
 def checked_voltage_v(voltage_v: object) -> float:

@@ -3,6 +3,9 @@
 A file says: at this time the wire was at most this warm. While a rig runs, that is the estimate and what the largest
 drive can add until the file is written again, so that a killed process leaves no colder wire in its file than there is;
 when the rig is closed, it is the estimate itself. From then on the wire cools by the heat balance of its limits.
+
+Time is counted from the start of the machine, by a clock that nobody sets. Whatever is not of this start is not known:
+the wire then counts as its limit, and rests at the sense voltage before it is heated.
 """
 
 from __future__ import annotations
@@ -36,14 +39,37 @@ LAST_WRITE_S = 2.0
 # Nitinol melts: warmer is no temperature of a wire.
 MELTING_K = 1583.0
 MAX_FILE_BYTES = 4096
+# After so many time constants at the sense voltage every wire is cold: 1.2 K are left of 180 K.
+REST_TIME_CONSTANTS = 5.0
+# Clocks of one machine that are read one after the other differ by less; a machine that sleeps does so for longer [s].
+SLEEP_S = 0.5
+BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
 MAX_NAME = 60
 
 
+class Moment(NamedTuple):
+    """A moment of one start of the machine: for how long it had been awake by then, and asleep [s]."""
+
+    boot: str
+    awake_s: float
+    asleep_s: float
+
+
+def this_moment(boot: str | None = None) -> Moment | None:
+    """Return this moment, of a start that is known already or is looked up; None on a system that names no start."""
+    try:
+        boot = boot or BOOT_ID.read_text("ascii").strip()
+        awake_s = time.clock_gettime(time.CLOCK_MONOTONIC)
+        return Moment(boot, awake_s, time.clock_gettime(time.CLOCK_BOOTTIME) - awake_s)
+    except (OSError, ValueError, AttributeError):
+        return None
+
+
 class WireTemperature(NamedTuple):
-    """At most so warm [K] was the wire, at a time since 1970 [s]."""
+    """At most so warm [K] was the wire at a moment."""
 
     temperature_k: float
-    unix_time_s: float
+    moment: Moment
 
 
 class TemperatureAtOpening(NamedTuple):
@@ -51,12 +77,12 @@ class TemperatureAtOpening(NamedTuple):
 
     Attributes:
         temperature_k: the estimate now [K].
-        known: false for a file that cannot be read: it is then the limit, from which the wire cools.
-        reason: one line to be said at opening, None if there is nothing to say.
+        rest_s: how long the wire rests at its sense voltage before it is heated [s]; 0 if its temperature is known.
+        reason: one line to be said, None if there is nothing to say.
     """
 
     temperature_k: float
-    known: bool
+    rest_s: float
     reason: str | None
 
 
@@ -149,26 +175,41 @@ def file_name_of(identity: str) -> str:
 
 def text_of(identity: str, stored: WireTemperature) -> str:
     """Return the text that keeps a device's temperature."""
-    return json.dumps({"identity": identity, **stored._asdict()}) + "\n"
+    return json.dumps({"identity": identity, "temperature_k": stored.temperature_k, **stored.moment._asdict()}) + "\n"
 
 
 def stored_in(text: str, identity: str) -> WireTemperature:
     """Return the temperature that a text keeps. Raises ValueError for what is none, or of another device."""
     try:
         found = json.loads(text)
-        stored = WireTemperature(float(found["temperature_k"]), float(found["unix_time_s"]))
+        moment = Moment(str(found["boot"]), float(found["awake_s"]), float(found["asleep_s"]))
+        stored = WireTemperature(float(found["temperature_k"]), moment)
     except (KeyError, TypeError, OverflowError, RecursionError):
         raise ValueError("it has no temperature and time") from None
     if found.get("identity") != identity:
         raise ValueError("it is of another device")
-    if not (0.0 < stored.temperature_k < MELTING_K and isfinite(stored.unix_time_s)):
+    if not (0.0 < stored.temperature_k < MELTING_K and isfinite(moment.awake_s) and isfinite(moment.asleep_s)):
         raise ValueError("its numbers make no sense")
     return stored
 
 
-def cooled_k(stored: WireTemperature, limits: ProtectionLimits, unix_time_s: float) -> float:
-    """Return how warm a wire is [K] that has had no drive since; a clock that went back counts as no time passed."""
-    passed_s = max(unix_time_s - stored.unix_time_s, 0.0)
+def rest_s(limits: ProtectionLimits) -> float:
+    """Return how long a wire rests until it is cold, however warm it was [s]."""
+    return REST_TIME_CONSTANTS * limits.heat_capacity_j_per_k / limits.heat_loss_w_per_k
+
+
+def outdated(moment: Moment, now: Moment) -> str | None:
+    """Return why what was written at a moment says nothing of now, None if it does."""
+    if now.boot != moment.boot or now.awake_s - moment.awake_s < -AHEAD_S:
+        return "the machine has been started again since it was known"
+    if abs(now.asleep_s - moment.asleep_s) > SLEEP_S:
+        return "the machine has slept since it was known"
+    return None
+
+
+def cooled_k(stored: WireTemperature, limits: ProtectionLimits, now: Moment) -> float:
+    """Return how warm a wire is [K] that has had no drive since a moment; one that is still to come counts as now."""
+    passed_s = max(now.awake_s - stored.moment.awake_s, 0.0)
     ambient_k = limits.ambient_temperature_k
     left = exp(-limits.heat_loss_w_per_k * passed_s / limits.heat_capacity_j_per_k)
     return ambient_k + max(stored.temperature_k - ambient_k, 0.0) * left
@@ -209,7 +250,8 @@ class TemperatureKeeper:
         if self._written_at_s is None or now_s - self._written_at_s >= WRITE_EVERY_S:
             self._written, self._written_at_s = noted, now_s
             warmest = warmest_k(noted.temperature_k, self._limits, AHEAD_S)
-            self._write(WireTemperature(warmest, noted.unix_time_s + AHEAD_S))
+            ahead = noted.moment._replace(awake_s=noted.moment.awake_s + AHEAD_S)
+            self._write(WireTemperature(warmest, ahead))
 
     def write_last(self) -> None:
         """Write what was noted last as it is: the drive is off."""
@@ -229,27 +271,36 @@ class TemperatureKeeper:
         self.write_last()
 
 
-def opened(identity: str, limits: ProtectionLimits, kept: KeptText, unix_time_s: float) -> TemperatureAtOpening:
+def opened(identity: str, limits: ProtectionLimits, kept: KeptText, now: Moment | None) -> TemperatureAtOpening:
     """Return how warm a wire counts now, from the text that is kept, and keep that, to see whether it can be done."""
-    temperature_k, known, reasons = limits.ambient_temperature_k, True, []
+    reasons, why, temperature_k = [], None, limit_k(limits)
     try:
         text = kept.read()
-        if text is not None:
-            temperature_k = cooled_k(stored_in(text, identity), limits, unix_time_s)
+        stored = None if text is None else stored_in(text, identity)
     except (OSError, ValueError) as problem:
-        temperature_k, known = limit_k(limits), False
+        why = f"{kept.place} cannot be read: {in_one_line(problem)}"
+    else:
+        if now is None:
+            why = "this system does not say when it was started"
+        elif stored is None:
+            temperature_k = limits.ambient_temperature_k
+        else:
+            why = outdated(stored.moment, now)
+            temperature_k = limit_k(limits) if why else cooled_k(stored, limits, now)
+    if why is not None:
         reasons.append(
-            f"{kept.place}: how warm the wire was cannot be read ({in_one_line(problem)}); it counts as "
-            f"{temperature_k - 273.15:.0f} C, its limit, and cools from there at the sense voltage"
+            f"how warm the wire is is not known ({why}): it rests at its sense voltage for {rest_s(limits):.1f} s "
+            "before it is heated"
         )
     try:
-        kept.write(text_of(identity, WireTemperature(temperature_k, unix_time_s)))
+        if now is not None:
+            kept.write(text_of(identity, WireTemperature(temperature_k, now)))
     except (OSError, CallerError) as problem:
         reasons.append(
             f"{kept.place}: how warm the wire is cannot be kept ({in_one_line(problem)}): let it cool before you open "
             f"it again, or set {STATE_HOME} to a folder that you may write to"
         )
-    return TemperatureAtOpening(temperature_k, known, "; ".join(reasons) or None)
+    return TemperatureAtOpening(temperature_k, rest_s(limits) if why else 0.0, "; ".join(reasons) or None)
 
 
 def in_one_line(problem: Exception) -> str:
@@ -268,8 +319,8 @@ class RememberedTemperature:
         Limits of the wire, with its heat balance.
     kept
         Where it is kept; by default in the device's file in the user's state folder.
-    unix_time_s
-        Returns the time since 1970 [s].
+    now
+        Returns this moment.
 
     Attributes
     ----------
@@ -283,16 +334,19 @@ class RememberedTemperature:
         limits: ProtectionLimits,
         *,
         kept: KeptText | None = None,
-        unix_time_s: Callable[[], float] = time.time,
+        now: Callable[[], Moment | None] | None = None,
     ) -> None:
         """Read what is kept, and let a thread keep what is noted; a folder that cannot be used is no error."""
-        self._unix_time_s = unix_time_s
         self._keeper: TemperatureKeeper | None = None
-        self.at_opening = TemperatureAtOpening(limits.ambient_temperature_k, known=True, reason=None)
+        self.at_opening = TemperatureAtOpening(limits.ambient_temperature_k, rest_s=0.0, reason=None)
         if identity is None:
             return
-        kept = kept or KeptFile(identity)
-        self.at_opening = opened(identity, limits, kept, unix_time_s())
+        kept, moment = kept or KeptFile(identity), (now or this_moment)()
+        self.at_opening = opened(identity, limits, kept, moment)
+        if moment is None:
+            return
+        boot = moment.boot
+        self._now = now or (lambda: this_moment(boot))
         self._keeper = TemperatureKeeper(identity, limits, kept)
         self._thread = Thread(target=self._keeper.run, name="wire temperature", daemon=True)
         self._thread.start()
@@ -301,8 +355,8 @@ class RememberedTemperature:
 
     def note(self, temperature_k: float) -> None:
         """Note the estimate [K] of a sample: two numbers are stored, nothing waits, nothing raises."""
-        if self._keeper is not None:
-            self._keeper.noted = WireTemperature(temperature_k, self._unix_time_s())
+        if self._keeper is not None and (moment := self._now()) is not None:
+            self._keeper.noted = WireTemperature(temperature_k, moment)
 
     def close(self) -> None:
         """Write what was noted last, and end; for a rig whose drive is off. May be called twice; never raises."""

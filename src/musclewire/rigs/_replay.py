@@ -98,13 +98,15 @@ class ReplayDevice:
         self._samples = samples_of(recording, self._path, float(self._of_rig("shunt_resistance_ohm", "shunt")))
         period_s = float(self._of_rig("sample_period_s", "nothing: a recording of two samples or more"))
         amplitude_v = float(self._of_rig("drive_amplitude_v", "drive_amplitude"))
+        limits = self._limits(period_s, amplitude_v)
         self._facts = DeviceFacts(
             sample_period_s=period_s,
             paced=False,  # no clock: samples come as fast as they are asked for
             leg_length_m=float(self._of_rig("leg_length_m", "wire_length and legs")),
             drive_amplitude_v=amplitude_v,
-            limits=self._limits(period_s, amplitude_v),
+            limits=limits,
             reference_columns=tuple(name for name in REFERENCE_COLUMNS if name in recording),
+            wire_temperature_k=limits.ambient_temperature_k,
         )
         self._off = False
         self._next = 0

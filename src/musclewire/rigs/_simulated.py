@@ -252,13 +252,15 @@ class SimulatedDevice:
         self._off, self._drive_voltage_v = False, 0.0
         # By how much friction has kept the connector ahead of a slack wire at most, at this setting of the stages.
         self._held_m = 0.0
+        own_limits = simulated_limits(spool, self._parts, limits).checked()
         self._facts = DeviceFacts(
             sample_period_s=bench["sample_period_s"],
             paced=real_time,
             leg_length_m=spool.leg_length_m,
             drive_amplitude_v=spool.wire["drive_amplitude_v"],
-            limits=simulated_limits(spool, self._parts, limits).checked(),
+            limits=own_limits,
             reference_columns=self._instruments_there(),
+            wire_temperature_k=own_limits.ambient_temperature_k,
         )
         self.faults = SimulatedFaults(faults) if faults else None
         self._wire_ohm = spool.wire["resistance_per_metre_ohm_per_m"] * bench["wire_length_m"]

@@ -20,8 +20,9 @@ Changed = Callable[[int, RawSample], object]
 class IdealWire:
     """A wire whose temperature is known; ``changed`` makes of its n-th sample, from 0, what the guard gets to see.
 
-    ``ohm_per_k`` is what its resistance loses per kelvin between 340 and 380 K. A sample takes ``takes_s`` in truth,
-    and by the device's clock always ``PERIOD_S``.
+    ``is_new`` is false for one that states neither a temperature nor an identity. ``ohm_per_k`` is what its
+    resistance loses per kelvin between 340 and 380 K. A sample takes ``takes_s`` in truth, and by the device's clock
+    always ``PERIOD_S``.
     """
 
     def __init__(
@@ -34,9 +35,16 @@ class IdealWire:
         paced: bool = False,
         identity: str | None = None,
         takes_s: float = PERIOD_S,
+        is_new: bool = True,
     ) -> None:
         self.facts = DeviceFacts(
-            PERIOD_S, paced=paced, leg_length_m=0.07, drive_amplitude_v=3.2, limits=limits, identity=identity
+            PERIOD_S,
+            paced=paced,
+            leg_length_m=0.07,
+            drive_amplitude_v=3.2,
+            limits=limits,
+            identity=identity,
+            wire_temperature_k=limits.ambient_temperature_k if is_new and identity is None else None,
         )
         self.truth = limits
         self.temperature_k = self.hottest_k = limits.ambient_temperature_k

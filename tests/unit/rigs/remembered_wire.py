@@ -1,10 +1,11 @@
-"""A wire whose temperature is kept: its limits, its board, and a time."""
+"""A wire whose temperature is kept: its limits, its board, and a moment."""
 
 from __future__ import annotations
 
 from musclewire.controllers import ProtectionLimits
+from musclewire.rigs._remembered_temperature import Moment
 
-__all__ = ["AMBIENT_K", "BOARD", "LIMITS", "LIMIT_K", "NOW_S"]
+__all__ = ["AMBIENT_K", "BOARD", "LIMITS", "LIMIT_K", "NOW", "REST_S", "later"]
 
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.3,
@@ -25,4 +26,10 @@ LIMITS = ProtectionLimits(
     maximum_temperature_k=473.15,
 )
 AMBIENT_K, LIMIT_K = LIMITS.ambient_temperature_k, LIMITS.maximum_temperature_k
-BOARD, NOW_S = "USB 2341:0043 8573", 1.8e9
+BOARD, NOW = "USB 2341:0043 8573", Moment("this start", 4000.0, 0.0)
+REST_S = 4.5
+
+
+def later(passed_s: float) -> Moment:
+    """Return a moment of the same start."""
+    return NOW._replace(awake_s=NOW.awake_s + passed_s)

@@ -37,7 +37,9 @@ class Scripted:
 
     def __init__(self, *answers: Answer | Exception, senses: bool = True, maximum_v: float = 3.6) -> None:
         limits = LIMITS._replace(maximum_voltage_v=maximum_v)
-        self.facts = DeviceFacts(0.05, paced=False, leg_length_m=0.07, drive_amplitude_v=3.2, limits=limits)
+        self.facts = DeviceFacts(
+            0.05, paced=False, leg_length_m=0.07, drive_amplitude_v=3.2, limits=limits, wire_temperature_k=295.15
+        )
         self.answers: Iterator[Answer | Exception] = iter(answers)
         self.told: list[Command | str] = []
         self.senses = senses

@@ -41,6 +41,7 @@ class Plain:
             leg_length_m=configuration.leg_length_m,
             drive_amplitude_v=configuration.drive_amplitude,
             limits=configuration.protection_limits(wire_range_v=10.0, shunt_range_v=10.0, readings_noisy=False),
+            wire_temperature_k=295.15,
         )
 
     def metadata(self):

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 from tests.places import CHECKOUT
-from tests.unit.rigs.remembered_wire import AMBIENT_K, BOARD, LIMIT_K, LIMITS, NOW_S
+from tests.unit.rigs.remembered_wire import AMBIENT_K, BOARD, LIMIT_K, LIMITS, NOW, REST_S, later
 
 from musclewire.rigs._remembered_temperature import (
     KeptFile,
@@ -32,7 +32,7 @@ posix = pytest.mark.skipif(sys.platform == "win32", reason="kill -9, fork and fi
 # Forks, so that imports are paid for once: each child writes without a pause until it is killed.
 WRITES_AND_DIES = """
 import os, random, signal, sys, time
-from musclewire.rigs._remembered_temperature import KeptFile, WireTemperature, text_of
+from musclewire.rigs._remembered_temperature import KeptFile, Moment, WireTemperature, text_of
 board, kills, seed = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
 draw = random.Random(seed)
 kept = KeptFile(board)
@@ -40,7 +40,7 @@ for kill in range(kills):
     child = os.fork()
     if not child:
         while True:
-            kept.write(text_of(board, WireTemperature(300.0 + kill, 1.8e9)))
+            kept.write(text_of(board, WireTemperature(300.0 + kill, Moment("b", 4e3, 0.0))))
     time.sleep(draw.uniform(0.0, 0.02))
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
@@ -57,11 +57,11 @@ while True:
 """
 OPENS = """
 import os, sys
-from tests.unit.rigs.remembered_wire import BOARD, LIMITS, NOW_S
+from tests.unit.rigs.remembered_wire import BOARD, LIMITS, NOW
 from musclewire.rigs._remembered_temperature import KeptFile, opened
 if len(sys.argv) > 1:
     os.setuid(int(sys.argv[1]))
-print(*opened(BOARD, LIMITS, KeptFile(BOARD), NOW_S), sep="|")
+print(*opened(BOARD, LIMITS, KeptFile(BOARD), NOW), sep="|")
 """
 
 
@@ -88,7 +88,7 @@ def test_a_file_is_whole_whenever_its_writer_is_killed_and_parts_are_gone_after_
     kept = KeptFile(BOARD)
     parts = [file for file in kept.path().parent.iterdir() if file != kept.path()]
     assert parts, "no child was killed in the middle of a write"
-    assert opened(BOARD, LIMITS, kept, NOW_S).known
+    assert opened(BOARD, LIMITS, kept, NOW._replace(boot="b")).rest_s == 0.0
     assert list(kept.path().parent.iterdir()) == [kept.path()]
 
 
@@ -102,22 +102,20 @@ def test_the_thread_keeps_what_a_killed_program_has_noted() -> None:
         until(is_kept)
         program.kill()
     stored = stored_in(kept.path().read_text("utf-8"), BOARD)
-    assert 400.0 <= opened(BOARD, LIMITS, kept, stored.unix_time_s).temperature_k <= LIMIT_K
+    assert 400.0 <= opened(BOARD, LIMITS, kept, stored.moment).temperature_k <= LIMIT_K
 
 
-def test_a_second_opening_finds_what_the_first_one_left_and_a_clock_that_went_back_cools_nothing() -> None:
-    first = RememberedTemperature(BOARD, LIMITS, unix_time_s=lambda: NOW_S)
+def test_a_second_opening_finds_what_the_first_one_left() -> None:
+    first = RememberedTemperature(BOARD, LIMITS, now=lambda: NOW)
     first.note(430.0)
     first.close()
-    second = RememberedTemperature(BOARD, LIMITS, unix_time_s=lambda: NOW_S - 3600.0)
+    second = RememberedTemperature(BOARD, LIMITS, now=lambda: NOW)
     second.close()
     assert second.at_opening.temperature_k == pytest.approx(430.0)
-    third = RememberedTemperature(BOARD, LIMITS, unix_time_s=lambda: NOW_S - 3599.1)
+    third = RememberedTemperature(BOARD, LIMITS, now=lambda: later(0.9))
     third.close()
     assert third.at_opening.temperature_k == pytest.approx(AMBIENT_K + (430.0 - AMBIENT_K) * 0.36788, abs=1e-2)
-    assert (
-        RememberedTemperature("another board", LIMITS, unix_time_s=lambda: NOW_S).at_opening.temperature_k == AMBIENT_K
-    )
+    assert RememberedTemperature("another board", LIMITS, now=lambda: NOW).at_opening.temperature_k == AMBIENT_K
 
 
 def test_a_program_that_closes_nothing_leaves_no_thread() -> None:
@@ -135,11 +133,11 @@ def test_two_users_have_two_folders_and_neither_sees_the_others_wire(tmp_path: P
     answers = []
     for user, temperature_k in (("one", 400.0), ("other", 420.0)):
         folder = tmp_path / user
-        KeptFile(BOARD, folder).write(text_of(BOARD, WireTemperature(temperature_k, NOW_S)))
+        KeptFile(BOARD, folder).write(text_of(BOARD, WireTemperature(temperature_k, NOW)))
         environment = {**os.environ, "MUSCLEWIRE_STATE_HOME": str(folder)}
         done = subprocess.run(command(OPENS), env=environment, cwd=CHECKOUT, capture_output=True, text=True, check=True)
         answers.append(done.stdout.strip())
-    assert [answer.split("|")[1:] for answer in answers] == [["True", "None"]] * 2
+    assert [answer.split("|")[1:] for answer in answers] == [["0.0", "None"]] * 2
     assert [float(answer.split("|")[0]) for answer in answers] == pytest.approx([400.0, 420.0])
 
 
@@ -148,7 +146,7 @@ def test_in_a_folder_of_two_users_the_file_that_may_not_be_read_counts_as_the_li
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         kept = KeptFile(BOARD, folder)
-        kept.write(text_of(BOARD, WireTemperature(300.0, NOW_S)))
+        kept.write(text_of(BOARD, WireTemperature(300.0, NOW)))
         text = kept.path().read_text("utf-8")
         for path, mode in ((kept.path(), 0o000), (kept.path().parent, 0o555), (folder, 0o755)):
             path.chmod(mode)
@@ -160,8 +158,8 @@ def test_in_a_folder_of_two_users_the_file_that_may_not_be_read_counts_as_the_li
         for path, mode in ((kept.path().parent, 0o755), (kept.path(), 0o600)):
             path.chmod(mode)
         assert kept.path().read_text("utf-8") == text
-    temperature_k, known, reason = answer.stdout.strip().split("|")
-    assert (float(temperature_k), known) == (LIMIT_K, "False")
+    temperature_k, rest_s, reason = answer.stdout.strip().split("|")
+    assert (float(temperature_k), float(rest_s)) == (LIMIT_K, pytest.approx(REST_S))
     assert reason.count("ermission denied") == 2
     assert "cannot be read" in reason
     assert "cannot be kept" in reason
@@ -170,11 +168,11 @@ def test_in_a_folder_of_two_users_the_file_that_may_not_be_read_counts_as_the_li
 def test_a_folder_in_the_place_of_the_file_and_a_file_in_the_place_of_the_folder(tmp_path: Path) -> None:
     kept = KeptFile(BOARD)
     kept.path().mkdir(parents=True)
-    found = opened(BOARD, LIMITS, kept, NOW_S)
-    assert (found.temperature_k, found.known) == (LIMIT_K, False)
+    found = opened(BOARD, LIMITS, kept, NOW)
+    assert (found.temperature_k, found.rest_s) == (LIMIT_K, pytest.approx(REST_S))
     (tmp_path / "file").write_text("", "utf-8")
-    found = opened(BOARD, LIMITS, KeptFile(BOARD, tmp_path / "file"), NOW_S)
-    assert (found.temperature_k, found.known) == (AMBIENT_K, True)
+    found = opened(BOARD, LIMITS, KeptFile(BOARD, tmp_path / "file"), NOW)
+    assert (found.temperature_k, found.rest_s) == (AMBIENT_K, 0.0)
     assert "cannot be kept" in str(found.reason)
 
 
@@ -183,4 +181,4 @@ def test_random_bytes_are_no_temperature_below_the_limit(tmp_path: Path) -> None
     kept.path().parent.mkdir()
     for _ in range(300):
         kept.path().write_bytes(draw.randbytes(draw.randrange(200)))
-        assert opened(BOARD, LIMITS, kept, NOW_S)[:2] == (LIMIT_K, False)
+        assert opened(BOARD, LIMITS, kept, NOW)[:2] == (LIMIT_K, pytest.approx(REST_S))

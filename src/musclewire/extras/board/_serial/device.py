@@ -125,17 +125,20 @@ class SerialDevice:
         ticks = configuration.sample_period / self._identity.tick_period_s
         self._ticks = round(ticks)
         self._frames = next(count for count in FRAMES_PER_SAMPLE if self._ticks % count == 0)
+        limits = configuration.protection_limits(
+            wire_range_v=configuration.wire_range,
+            shunt_range_v=configuration.shunt_range,
+            readings_noisy=configuration.readings_noisy,
+        )
         self._facts = DeviceFacts(
             sample_period_s=configuration.sample_period,
             paced=not configuration.lockstep,
             leg_length_m=configuration.leg_length_m,
             drive_amplitude_v=configuration.drive_amplitude,
-            limits=configuration.protection_limits(
-                wire_range_v=configuration.wire_range,
-                shunt_range_v=configuration.shunt_range,
-                readings_noisy=configuration.readings_noisy,
-            ),
+            limits=limits,
             identity=identity,
+            # A board without an identity is in memory, and new.
+            wire_temperature_k=limits.ambient_temperature_k if identity is None else None,
         )
         # A trip that is latched from an earlier session is cleared: opening the rig acknowledges it.
         self._command(MessageKind.OFF, b"")

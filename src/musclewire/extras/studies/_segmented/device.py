@@ -138,13 +138,15 @@ class SegmentedDevice:
             shunt_range_v=settings.shunt_range_v,
             readings_noisy=settings.readings_noisy,
         )
+        own_limits = limits_of(spool.wire, spool.alloy, circuit, limits)
         self._facts = DeviceFacts(
             sample_period_s=period_s,
             paced=False,
             leg_length_m=self._wire.leg_length_m,
             drive_amplitude_v=spool.wire.drive_amplitude_v.value,
-            limits=limits_of(spool.wire, spool.alloy, circuit, limits),
+            limits=own_limits,
             reference_columns=("displacement_m", "force_n"),
+            wire_temperature_k=own_limits.ambient_temperature_k,
         )
 
     @property
