@@ -100,7 +100,14 @@ class LyingWire:
 
     def __init__(self, limits: ProtectionLimits, plant: Plant, lies: Lies, random: np.random.Generator) -> None:
         """Begin cold."""
-        self.facts = DeviceFacts(PERIOD_S, paced=False, leg_length_m=0.07, drive_amplitude_v=3.0, limits=limits)
+        self.facts = DeviceFacts(
+            PERIOD_S,
+            paced=False,
+            leg_length_m=0.07,
+            drive_amplitude_v=3.0,
+            limits=limits,
+            wire_temperature_k=limits.ambient_temperature_k,
+        )
         self.temperature_k = self.hottest_k = limits.ambient_temperature_k
         self.drive_voltage_v = 0.0
         self._plant, self._lies, self._random = plant, lies, random

@@ -612,7 +612,7 @@ class GuardedRig:
 
 
 def remembered_by(device: Device, known_by: str | None) -> str | None:
-    """Return by what a device's wire is known again: its identity, its rig file, or its class; None if it is new."""
+    """Return what a device's wire is known by: its identity, its rig file, or its class; None if it is new."""
     facts = device.facts
     if facts.identity is not None or facts.wire_temperature_k is not None:
         return facts.identity
