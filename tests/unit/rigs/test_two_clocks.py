@@ -7,10 +7,11 @@ import itertools
 import pytest
 from tests.unit.rigs.ideal_wire import LIMITS, PERIOD_S, IdealWire
 
-from musclewire.controllers import Event
-from musclewire.rigs import _guarded
+from musclewire.controllers import Event, Protection
+from musclewire.rigs import Missing, _guarded
 from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
 from musclewire.rigs._two_clocks import TwoClocks
+from musclewire.signals import RawSample
 
 MS = 1_000_000
 
@@ -130,6 +131,69 @@ def test_a_rig_that_idled_at_its_sense_voltage_may_be_heated_at_once(
         rig.exchange(drive_v)
         # The drive has been out for one sample, not for the time that nobody asked.
         assert rig.protection.temperature_k - before_k < 30.0
+
+
+@pytest.mark.parametrize(("paced", "late", "earlier_heats"), [(True, 1, True), (False, 4, True), (False, 1, False)])
+def test_until_an_order_can_have_arrived_the_drive_before_heats(paced: bool, late: int, earlier_heats: bool) -> None:
+    """It cannot on a paced device, and not on any whose sample covers more than its period."""
+    device = IdealWire(paced=paced)
+    with GuardedRig(device) as rig:
+        rig.exchange(4.0)
+        hot_k = rig.protection.temperature_k
+        device.samples += late - 1
+        rig.exchange(0.3)
+        assert (rig.protection.temperature_k > hot_k) == earlier_heats
+
+
+def test_a_sample_covers_no_less_than_it_was_missing_for_whatever_its_clock_says() -> None:
+    device = IdealWire(lambda number, sample: Missing(Event.SAMPLE_LATE, 0.08, sample) if number == 0 else sample)
+    with GuardedRig(device) as rig:
+        rig.exchange(3.0)
+        assert rig.protection.temperature_k == pytest.approx(warmed_k(3.0, 0.08 + PERIOD_S))
+
+
+def waits(number: int, sample: RawSample) -> object:
+    """Say twice that a sample is missing, until the sense voltage is out, and then give it."""
+    return sample if number >= 2 else Missing(Event.SAMPLE_LATE, (0.05, 0.12)[number])
+
+
+def test_the_first_order_of_an_exchange_heats_though_the_sense_voltage_followed_it() -> None:
+    device = IdealWire(waits)
+    with GuardedRig(device) as rig:
+        assert rig.exchange(3.0).drive_voltage_v == LIMITS.sense_voltage_v
+        assert rig.protection.temperature_k == pytest.approx(warmed_k(3.0, 0.12 + PERIOD_S))
+
+
+@pytest.mark.parametrize("said_s", [0.05, 0.09])
+def test_no_wait_is_so_long_that_the_wire_would_be_too_hot_at_its_end(said_s: float) -> None:
+    limit_k = 315.0
+    assert warmed_k(4.0, PERIOD_S) < limit_k < warmed_k(4.0, PERIOD_S + said_s)
+    limits = LIMITS._replace(maximum_temperature_k=limit_k)
+    device = IdealWire(lambda number, _: Missing(Event.SAMPLE_LATE, said_s + number), limits=limits)
+    with GuardedRig(device) as rig, pytest.raises(ProtectionTripError, match="over_temperature"):
+        rig.exchange(4.0)
+    assert device.samples == 1
+
+
+def warmed_k(drive_v: float, dt_s: float) -> float:
+    """The temperature of a cold wire after so long at a drive, by what was ordered."""
+    return Protection(LIMITS).temperature_after_k(drive_v, dt_s)
+
+
+def test_pauses_in_which_a_devices_clock_stands_still_are_neither_heat_nor_a_difference(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    device = IdealWire(paced=True)
+    monkeypatch.setattr(_guarded, "perf_counter_ns", lambda: round(1e9 * device.true_s) + 1)
+    with GuardedRig(device) as rig:
+        for _ in range(5):
+            rig.exchange(2.0)
+            rig.make_safe()
+            device.true_s += 20.0
+        before_k = rig.protection.temperature_k
+        assert before_k - LIMITS.ambient_temperature_k < 20.0
+        rig.exchange(0.3)  # and the drive from before the pause is out no more
+        assert rig.protection.temperature_k < before_k
 
 
 def test_the_hosts_clock_says_nothing_of_a_device_without_a_pace(monkeypatch: pytest.MonkeyPatch) -> None:
