@@ -34,7 +34,8 @@ def test_every_option_is_one_of_the_list() -> None:
 
 def test_what_all_of_its_commands_say_otherwise_is_not_in_the_list() -> None:
     said = {use.help for use in USES} | {OPTIONS["--output"].help}
-    assert [name for name, definition in OPTIONS.items() if definition.help not in said] == []
+    here = {use.opts[0] for use in USES}  # a package that is not installed may bring the others' commands
+    assert [name for name in OPTIONS if name in here and OPTIONS[name].help not in said] == []
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -60,7 +60,7 @@ def keysight_scope(loop: Loop) -> Written:
 
 def keysight_scope_by_number(loop: Loop) -> Written:
     columns = ("-c", f"{V}=#2:V", "-c", f"{SHUNT}=#3:V")
-    return Written(keysight_scope(loop).files, chosen(loop, V, SHUNT), given=columns)
+    return Written(keysight_scope(loop).files, chosen(loop, V, SHUNT), "line", given=columns)
 
 
 def rigol_scope(loop: Loop) -> Written:

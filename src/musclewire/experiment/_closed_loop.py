@@ -282,7 +282,8 @@ def control(
     from_cold = loop.approach_s == 0.0
     beforehand = speed_metadata(rig, loop.model, loop.reference, loop.settings, from_cold=from_cold)
     metadata = loop.metadata | beforehand
-    recording = run_on_rig(rig, policy, loop.duration_s, metadata=metadata, **run)
+    with rig.holding_back():
+        recording = run_on_rig(rig, policy, loop.duration_s, metadata=metadata, **run)
     metrics = control_metrics(recording, loop.model.quantity, loop.reference)
     return ControlRun(recording.columns, recording.metadata, metrics)
 

@@ -86,7 +86,8 @@ def home(
     metadata: dict[str, MetadataValue] = {"experiment": "home move", "assumed_load_n": assumed_n}
     if ambient_k is not None:
         metadata["measured_ambient_k"] = ambient_k
-    recording = run_on_rig(rig, sweep, plan.duration_s, metadata=metadata, **run)
+    with rig.holding_back():
+        recording = run_on_rig(rig, sweep, plan.duration_s, metadata=metadata, **run)
     try:
         return homed_model(model, recording, load_n=load_n, ambient_k=ambient_k, cycles=cycles)
     except (RecordingError, FitRejectedError) as error:

@@ -16,7 +16,15 @@ HELD_FRACTION = 1e-4
 # A step's error counts from here on: twenty times the tolerance of chosen steps. From 2 K on the rig itself refuses.
 STEP_ERROR_K = 0.1
 # What a recording may say of itself.
-STATED = ("model_does_not_hold", "other_load", "pwm_problem", "without_gains", "b_not_compared", "zero_of_room")
+STATED = (
+    "model_does_not_hold",
+    "other_load",
+    "pwm_problem",
+    "without_gains",
+    "b_not_compared",
+    "zero_of_room",
+    "held_back",
+)
 
 
 def run_warnings(recording: Recording) -> tuple[str, ...]:

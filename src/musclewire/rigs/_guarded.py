@@ -6,6 +6,8 @@ import atexit
 import logging
 import math
 import weakref
+from collections.abc import Iterator
+from contextlib import contextmanager
 from numbers import Real
 from threading import RLock, get_ident
 from time import perf_counter_ns
@@ -152,6 +154,7 @@ class GuardedRig:
         # The drive that was ordered last, the highest one of this exchange and that of the one before; and whether the
         # rig has paused since the last sample, at the sense voltage.
         self._ordered_v = self._highest_v = self._before_v = 0.0
+        self._may_hold_back, self._samples_held_back = False, 0
         self._paused = False
         self._missed_s = 0.0  # for how long this exchange's sample has been missing
         # The thread that is in an exchange; when the last one ended; since when nobody has talked to a driven rig.
@@ -240,7 +243,16 @@ class GuardedRig:
 
     def metadata(self) -> Metadata:
         """Return the metadata of a recording that describe this rig."""
-        return self.device.metadata()
+        described = self.device.metadata()
+        if self._samples_held_back == 0:
+            return described
+        limit_degc = self._limits.maximum_temperature_k - 273.15
+        held_back = (
+            f"the protection gave the sense voltage for {self._samples_held_back} samples: the power that was ordered "
+            f"would have made the wire hotter than {limit_degc:.0f} C; a wire that is cooled better than in still air, or "
+            "gets less than is ordered, may have that in its rig file (limits, arrives)"
+        )
+        return {**described, "held_back": held_back}
 
     def exchange(self, command: Command | float) -> RawSample:
         """Follow a command for one sample period and return the sample at its end.
@@ -364,18 +376,37 @@ class GuardedRig:
                 Event.COMMAND_REFUSED,
             )
         expected_s = 0.0 if self._clocks is None else self._clocks.expected_s
-        self._refuse_to_overheat(allowed_v, max(expected_s, self._facts.sample_period_s))
+        if self._would_overheat(allowed_v, max(expected_s, self._facts.sample_period_s)):
+            self._samples_held_back += 1
+            return Drive(self.sense_voltage_v, by_protection=True)
         return Drive(allowed_v, by_protection=state != RUN)
 
-    def _refuse_to_overheat(self, drive_voltage_v: float, dt_s: float) -> None:
-        """Trip before the wire has been heated by a drive for so long that it would count as too hot."""
+    def _would_overheat(self, drive_voltage_v: float, dt_s: float) -> bool:
+        """Return whether a drive is to be held back: for so long it would heat the wire until it counts as too hot.
+
+        Trips instead if it may not be.
+        """
         if not self.sense_voltage_v < drive_voltage_v < math.inf:  # what follows a target is not known beforehand
-            return
+            return False
         limit_k = self._limits.maximum_temperature_k
         after_k = self._protection.temperature_after_k(drive_voltage_v, dt_s)
-        if after_k > limit_k:
+        if after_k > limit_k and not self._may_hold_back:
             said = f"estimated {after_k - 273.15:.0f} C, limit {limit_k - 273.15:.0f} C"
             self._trip(Event.OVER_TEMPERATURE, f"{dt_s:.2f} s at {drive_voltage_v:.3f} V would end with {said}")
+        return after_k > limit_k
+
+    @contextmanager
+    def holding_back(self) -> Iterator[None]:
+        """Give the sense voltage in place of a drive that would heat the wire too far, for as long as this lasts.
+
+        For loops, which ask for what is missing and see in the samples what was out. An open-loop drive that would
+        is a mistake of whoever chose it, and trips. What was held back is in the rig's metadata.
+        """
+        self._may_hold_back, self._samples_held_back = True, 0
+        try:
+            yield
+        finally:
+            self._may_hold_back = False
 
     def _awaited(self, command: Command) -> RawSample:
         """Return the sample of a command; while it is missing, the table decides the drive and how long to wait."""

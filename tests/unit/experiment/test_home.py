@@ -39,7 +39,7 @@ def test_it_turns_where_the_wire_has_transformed_however_it_cools(
     model: SensingModel, convection_factor: float, resistivity_factor: float
 ) -> None:
     settings = {"convection_factor": convection_factor, "resistivity_factor": resistivity_factor}
-    with open_rig("simulated", seed=2, **settings) as rig:
+    with open_rig("simulated", seed=2, **settings) as rig, rig.holding_back():
         plan = plan_for(rig, model)
         sweep = run_on_rig(rig, HomeSweep(rig, plan), plan.duration_s)
         shunt_ohm = rig.shunt_resistance_ohm

@@ -231,7 +231,8 @@ def grip(
     metadata: dict[str, MetadataValue] = {
         "experiment": "grip", "closing_s": closing_s, "rest_s": REST_S, "known_stiffness_n_per_m": stiffness_n_per_m,
     }  # fmt: skip
-    recording = run_on_rig(rig, policy, REST_S + closing_s + hold_s, metadata=metadata, **run)
+    with rig.holding_back():
+        recording = run_on_rig(rig, policy, REST_S + closing_s + hold_s, metadata=metadata, **run)
     return judged(recording, policy)
 
 

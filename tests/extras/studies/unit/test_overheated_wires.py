@@ -42,7 +42,8 @@ def test_on_a_rig_the_protections_own_estimate_tells() -> None:
     tripped = {**study(amplitude="3.2 V", readings="rig", keep=["stroke"]), "rig": {"maximum_voltage": "3.6 V"}}
     result = sweep(tripped, workers=HERE)
     assert [one.run for one in result.overheated] == [0]
-    assert result.overheated[0].temperature_max_k > result.overheated[0].limit_k
+    # It tripped before the sample that would have ended above the limit.
+    assert result.overheated[0].temperature_max_k == pytest.approx(result.overheated[0].limit_k, abs=5.0)
     assert result.failed == 1
 
 
