@@ -248,9 +248,9 @@ class GuardedRig:
             return described
         limit_degc = self._limits.maximum_temperature_k - 273.15
         held_back = (
-            f"the protection gave the sense voltage for {self._samples_held_back} samples: the power that was ordered "
-            f"would have made the wire hotter than {limit_degc:.0f} C; a wire that is cooled better than in still air, or "
-            "gets less than is ordered, may have that in its rig file (limits, arrives)"
+            f"the protection gave the sense voltage for {self._samples_held_back} samples: the ordered power "
+            f"would have made the wire hotter than {limit_degc:.0f} C; if it is cooled better than in still air, or "
+            "gets less than is ordered, say so in its rig file (limits, arrives)"
         )
         return {**described, "held_back": held_back}
 
@@ -376,24 +376,24 @@ class GuardedRig:
                 Event.COMMAND_REFUSED,
             )
         expected_s = 0.0 if self._clocks is None else self._clocks.expected_s
-        if self._would_overheat(allowed_v, max(expected_s, self._facts.sample_period_s)):
+        too_hot = self._too_hot_after(allowed_v, max(expected_s, self._facts.sample_period_s))
+        if too_hot and self._may_hold_back:
             self._samples_held_back += 1
             return Drive(self.sense_voltage_v, by_protection=True)
+        if too_hot:
+            self._trip(Event.OVER_TEMPERATURE, too_hot)
         return Drive(allowed_v, by_protection=state != RUN)
 
-    def _would_overheat(self, drive_voltage_v: float, dt_s: float) -> bool:
-        """Return whether a drive is to be held back: for so long it would heat the wire until it counts as too hot.
-
-        Trips instead if it may not be.
-        """
+    def _too_hot_after(self, drive_voltage_v: float, dt_s: float) -> str:
+        """Return in words how hot the wire would count as after a drive for so long; "" within its limit."""
         if not self.sense_voltage_v < drive_voltage_v < math.inf:  # what follows a target is not known beforehand
-            return False
+            return ""
         limit_k = self._limits.maximum_temperature_k
         after_k = self._protection.temperature_after_k(drive_voltage_v, dt_s)
-        if after_k > limit_k and not self._may_hold_back:
-            said = f"estimated {after_k - 273.15:.0f} C, limit {limit_k - 273.15:.0f} C"
-            self._trip(Event.OVER_TEMPERATURE, f"{dt_s:.2f} s at {drive_voltage_v:.3f} V would end with {said}")
-        return after_k > limit_k
+        if after_k <= limit_k:
+            return ""
+        said = f"estimated {after_k - 273.15:.0f} C, limit {limit_k - 273.15:.0f} C"
+        return f"{dt_s:.2f} s at {drive_voltage_v:.3f} V would end with {said}"
 
     @contextmanager
     def holding_back(self) -> Iterator[None]:
@@ -450,8 +450,9 @@ class GuardedRig:
     def _miss(self, missing: Missing) -> Drive:
         """Hold, go to the sense voltage or trip, by the total time that something was missing; the drive meanwhile."""
         before = int(self._protection.state.state)
-        if missing.sample is None:
-            self._refuse_to_overheat(self._highest_v, self._facts.sample_period_s + missing.missing_s)
+        waiting_s = self._facts.sample_period_s + missing.missing_s
+        if missing.sample is None and (too_hot := self._too_hot_after(self._highest_v, waiting_s)):
+            self._trip(Event.OVER_TEMPERATURE, too_hot)
         allowed_v, state = self._protection.missing(missing.event, missing.missing_s)
         if state == DEGRADED != before:
             text = "%s for %.2f s: the drive went to the sense voltage, %g V"

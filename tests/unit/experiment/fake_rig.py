@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import nullcontext
 from time import perf_counter_ns
 from types import TracebackType
 from typing import Self
@@ -57,6 +58,10 @@ class FakeRig:
         return RawSample(
             0.05 * self.samples, drive_voltage_v, current * resistance, current, displacement_m=LENGTH_M * self.strain
         )
+
+    def holding_back(self) -> nullcontext[None]:
+        """It has no limit that a drive could exceed."""
+        return nullcontext()
 
     def make_safe(self) -> None:
         self.safe_calls += 1
