@@ -43,7 +43,7 @@ ESTIMATORS = option("--estimators", help="An estimator to compare, by name. Repe
 TASKS = option(
     "--tasks", help="Tasks on many plants instead: the default loop, the fuzzy PID and a PI on a sensor, side by side."
 )
-ONLY = option("--only", help="Only rows of --tasks with this in their name. Repeatable.", metavar="ROW")
+ONLY = option("--only", help="Only rows of --tasks with this in their name.", metavar="ROW")
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ def robustness(
     ] = None,
     workers: Annotated[int | None, WORKERS] = None,
     tasks: Annotated[bool, TASKS] = False,
-    only: Annotated[list[str] | None, ONLY] = None,
+    only: Annotated[str | None, ONLY] = None,
     list_all: Annotated[bool, LIST] = False,
 ) -> Result:
     """Compare estimators on a population of simulated wires under disturbance, or controllers at tasks.
@@ -140,7 +140,7 @@ def robustness(
     folder = output or FOLDER
     if tasks:
         what.refuse_all_but_quick()
-        return done_tasks(only or (), folder, workers, quick=what.quick)
+        return done_tasks((only,) if only else (), folder, workers, quick=what.quick)
     if only:
         raise CallerError("--only chooses rows of --tasks: give both")
     figure.check()
