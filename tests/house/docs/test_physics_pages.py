@@ -167,7 +167,7 @@ def test_the_numbers_on_a_page_are_those_of_the_shipped_wire(draw: Any, page: Pa
 @pytest.mark.documented
 def test_the_tables_of_simulated_numbers_have_their_rows(written: dict[str, Callable[[], str]]) -> None:
     tables = tables_of(written[NUMBERS]())
-    assert len(tables) == 9
+    assert len(tables) == 10
     assert min(map(len, tables)) > 5
     assert all(cell for table in tables for row in table for cell in row.values())
 
