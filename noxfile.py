@@ -7,7 +7,6 @@ import re
 import shlex
 import shutil
 import sys
-import time
 import tomllib
 from pathlib import Path
 
@@ -138,12 +137,18 @@ def package(session: nox.Session) -> None:
         Path(name).touch()
     if missing := extras_of_users() ^ {row["extra"] for row in ACTIONS}:
         session.error(f"checks/extras.toml and pyproject.toml disagree about the extras {sorted(missing)}")
-    began_s = time.monotonic()
+    began_s = computed_s()
     session.run("musclewire", "--version", silent=True)
-    version_s = time.monotonic() - began_s
+    version_s = computed_s() - began_s
     for row in ACTIONS:
         without_extra(session, row, version_s + ABSENT_S)
     beside_it(session)
+
+
+def computed_s() -> float:
+    """Return how long the processes that have ended have computed: what else runs on the machine is no part of it."""
+    times = os.times()
+    return times.children_user + times.children_system
 
 
 @nox.session(venv_backend="uv")
@@ -169,9 +174,9 @@ def without_extra(session: nox.Session, row: dict[str, str], most_s: float) -> N
     is_command = "command" in row
     command = ["musclewire", *shlex.split(row["command"])] if is_command else ["python", "-c", row["python"]]
     code = 0 if row.get("works") else 2 if is_command else 1
-    began_s = time.monotonic()
+    began_s = computed_s()
     said = str(session.run(*command, silent=True, success_codes=[code])).strip().splitlines()
-    took_s = time.monotonic() - began_s
+    took_s = computed_s() - began_s
     session.log(f"{took_s:.2f} s: {shlex.join(command)}")
     if is_command and not row.get("works") and took_s > most_s:
         session.error(f"{shlex.join(command)} took {took_s:.2f} s: the extra's absence is to be found before any work")

@@ -163,15 +163,16 @@ def estimate(
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
     """Estimate strain from a recording's resistance; errors where it has a reference."""
-    from musclewire.app._answers import EstimateAnswer
-    from musclewire.identify import estimate as run_estimate
-    from musclewire.sensing import load_model
     from musclewire.signals import require_format
 
     figure.check()
     if output is not None:
         require_free(output, overwrite)
         require_format(output)
+    from musclewire.app._answers import EstimateAnswer
+    from musclewire.identify import estimate as run_estimate
+    from musclewire.sensing import load_model
+
     report = run_estimate(load_model(model), reading.read(recording), estimator=estimator, wire_file=wire_file)
     if output is not None:
         report.recording.save(output)
