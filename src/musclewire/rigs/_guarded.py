@@ -400,13 +400,13 @@ class GuardedRig:
         """Give the sense voltage in place of a drive that would heat the wire too far, for as long as this lasts.
 
         For loops, which ask for what is missing and see in the samples what was out. An open-loop drive that would
-        is a mistake of whoever chose it, and trips. What was held back is in the rig's metadata.
+        is a mistake of whoever chose it, and trips. What was held back is in the rig's metadata meanwhile.
         """
         self._may_hold_back, self._samples_held_back = True, 0
         try:
             yield
         finally:
-            self._may_hold_back = False
+            self._may_hold_back, self._samples_held_back = False, 0
 
     def _awaited(self, command: Command) -> RawSample:
         """Return the sample of a command; while it is missing, the table decides the drive and how long to wait."""
