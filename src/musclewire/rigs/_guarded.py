@@ -399,8 +399,7 @@ class GuardedRig:
     def holding_back(self) -> Iterator[None]:
         """Give the sense voltage in place of a drive that would heat the wire too far, for as long as this lasts.
 
-        For loops, which ask for what is missing and see in the samples what was out. An open-loop drive that would
-        is a mistake of whoever chose it, and trips. What was held back is in the rig's metadata meanwhile.
+        For loops; an open-loop drive trips, as a mistake of whoever chose it. What was held back is in the metadata.
         """
         self._may_hold_back, self._samples_held_back = True, 0
         try:
