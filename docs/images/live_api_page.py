@@ -32,7 +32,7 @@ All quantities are in SI units, strain as a fraction. The server describes its r
   answered once the drive is off, and is read however much else comes with it. An order to switch on that came before
   it and has not been carried out is refused, even if the rig is just being opened; one that comes afterwards counts.
 - **Everything else needs control**, which one person or program has at a time. `POST .../control` takes it if it is
-  free, and otherwise asks the holder, who answers. A lease ends 0.6 s after the last sign of life, at rest
+  free, and otherwise asks the holder, who answers. A lease ends 0.75 s after the last sign of life, at rest
   5 s after it: over HTTP a `PUT
   .../control`, over the WebSocket a `pong` to the server's `ping`. Then a heated run ends and the rig goes to its
   sense voltage.

@@ -16,6 +16,7 @@ from typing import Any
 from musclewire.errors import RigError
 from musclewire.extras.live._messages import Answer, Command
 from musclewire.extras.live._ring import RingRows, RowRing, create_ring
+from musclewire.extras.live._silence import LEASE_S
 
 # A command is answered with its first sample: after compiling, and after the slowest of samples.
 MAX_ANSWER_S = 60.0
@@ -60,7 +61,7 @@ class BenchSettings:
     seed: int | None = None
     cpu: int | None = None
     priority: bool = False
-    max_silence_s: float = 0.6
+    max_silence_s: float = LEASE_S
 
 
 class BenchHandle:

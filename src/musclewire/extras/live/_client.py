@@ -16,9 +16,8 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RigError
 from musclewire.extras.live._server.access import is_loopback, own_token
+from musclewire.extras.live._silence import PING_S
 
-# A lease ends without a sign of life for 0.6 s: four fit into that.
-SIGN_OF_LIFE_S = 0.15
 POLL_S = 0.05
 LEASE_HEADER = "Musclewire-Lease"
 
@@ -345,7 +344,7 @@ class _Lease:
         self._thread.start()
 
     def _run(self, sign_of_life: Callable[[], bool]) -> None:
-        while not self._ending.wait(SIGN_OF_LIFE_S):
+        while not self._ending.wait(PING_S):
             try:
                 sign_of_life()
             except (CallerError, RigError) as error:

@@ -118,9 +118,9 @@ class World:
         self.draw, self.now_s, self.presses = draw, 0.0, 0
         self.loop = asyncio.new_event_loop()
         self.loop.time = lambda: self.now_s  # type: ignore[method-assign]
-        clock = SimpleNamespace(monotonic=lambda: self.now_s, sleep=lambda _s: None)
-        monkeypatch.setattr(server_session, "time", clock)
-        monkeypatch.setattr(orders, "time", clock)
+        self.clock = clock = SimpleNamespace(now_s=lambda: self.now_s)
+        monkeypatch.setattr(server_session, "ListeningClock", lambda: clock)
+        monkeypatch.setattr(orders, "time", SimpleNamespace(sleep=lambda _s: None))
         monkeypatch.setattr(process, "WAIT_S", 0.0)
         monkeypatch.setattr(opening, "open_rig", self.opened)
         monkeypatch.setattr(opening, "SamplePacer", lambda _period_s: SimpleNamespace(wait=lambda: None))
@@ -164,6 +164,7 @@ class World:
         queue: Any = object.__new__(orders.OrderQueue)  # without its threads
         queue._session, queue._source, queue._outbox = self.session, self.pipe, self.outbox
         queue._waiting, queue._alive_s, queue._ending_since_s = orders.queue.SimpleQueue(), 0.0, None
+        queue._clock, queue._watched_s = self.clock, 0.0
         self.queue = queue
         opening.show_off(self.session)
         self.reader = Turn(FILES, queue._read)

@@ -6,7 +6,8 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from musclewire.extras.live._server.access import LEASE_AT_REST_S, LEASE_S, BenchControl, RequestOutcome
+from musclewire.extras.live._server.access import LEASE_AT_REST_S, BenchControl, RequestOutcome
+from musclewire.extras.live._silence import LEASE_S
 
 
 def test_whoever_asks_first_has_control_and_the_next_one_asks_for_it() -> None:

@@ -14,10 +14,11 @@ from tests.extras.live.bench_stand_in import BenchStandIn
 
 from musclewire.extras.live._server import application, bench_routes
 from musclewire.extras.live._server import session as server_session
-from musclewire.extras.live._server.access import LEASE_AT_REST_S, LEASE_S
+from musclewire.extras.live._server.access import LEASE_AT_REST_S
 from musclewire.extras.live._server.connections import Connections, Turns
 from musclewire.extras.live._server.running import ListenAddress, ServerSettings, configuration
 from musclewire.extras.live._server.session import Session
+from musclewire.extras.live._silence import LEASE_S
 
 BENCH = "http://localhost/api/v1/benches/simulated"
 TURNS = 50
@@ -28,7 +29,7 @@ class Held:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now_s = 0.0
-        monkeypatch.setattr(server_session, "time", SimpleNamespace(monotonic=lambda: self.now_s))
+        monkeypatch.setattr(server_session, "ListeningClock", lambda: SimpleNamespace(now_s=lambda: self.now_s))
         self.handle: Any = BenchStandIn()
         self.session = Session([self.handle], Path())
         self.bench = self.session.bench("simulated")

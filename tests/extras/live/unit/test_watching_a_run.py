@@ -14,13 +14,15 @@ import pytest
 
 from musclewire.errors import CallerError
 from musclewire.extras.live import _messages as messages
+from musclewire.extras.live import _silence
 from musclewire.extras.live._bench import orders, process, recipes
 from musclewire.extras.live._bench.session import BenchSession
 from musclewire.extras.live._bench_handle import BenchHandle, BenchSettings
 from musclewire.extras.live._server import running
+from musclewire.extras.live._silence import LEASE_S, PING_S, ListeningClock
 from musclewire.rigs import open_rig
 
-SAMPLE_S, MAX_SILENCE_S = 0.05, 0.6
+SAMPLE_S, MAX_SILENCE_S = 0.05, LEASE_S
 
 
 class Watched:
@@ -30,8 +32,7 @@ class Watched:
         self.heating, self.ending, self.above_sense_voltage = heating, ending, above
         self.quitting, self.sample_s, self.max_silence_s = False, SAMPLE_S, MAX_SILENCE_S
         self.now_s, self.stopped_at_s, self.ended_at_s = 0.0, [], None
-        clock = SimpleNamespace(sleep=self._sleep, monotonic=lambda: self.now_s)
-        monkeypatch.setattr(orders, "time", clock)
+        monkeypatch.setattr(orders, "time", SimpleNamespace(sleep=self._sleep))
 
     def _sleep(self, seconds_s: float) -> None:
         if self.ending and self.ended_at_s is None:
@@ -46,6 +47,7 @@ class Watched:
         self._until_s = until_s
         watch: Any = object.__new__(orders.OrderQueue)  # without its threads
         watch._session, watch._alive_s, watch._ending_since_s = self, 0.0, None
+        watch._clock = SimpleNamespace(now_s=lambda: self.now_s)
         watch._watch()
 
 
@@ -58,6 +60,16 @@ def test_a_heated_run_nobody_watches_over_is_ended_and_switched_off_if_it_goes_o
     assert session.ended_at_s == pytest.approx(MAX_SILENCE_S, abs=2.0 * orders.WATCHED_EVERY_S)
     given_s = orders.MAX_ENDING_S + 2.0 * SAMPLE_S
     assert session.stopped_at_s[0] - session.ended_at_s == pytest.approx(given_s, abs=3.0 * orders.WATCHED_EVERY_S)
+
+
+def test_silence_counts_only_while_the_process_was_awake(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine that stood still for a minute has asked nobody; who is gone is noticed once it goes on."""
+    looks_s = [0.0, 0.05, 0.1, 60.1, *(60.1 + 0.05 * look for look in range(1, 21))]
+    monkeypatch.setattr(_silence, "time", SimpleNamespace(monotonic=iter(looks_s).__next__))
+    clock = ListeningClock()
+    heard_s = [clock.now_s() for _ in looks_s[1:]]
+    assert heard_s[2] == pytest.approx(0.1 + PING_S)
+    assert heard_s[-1] - heard_s[2] == pytest.approx(1.0)
 
 
 def test_a_wire_at_rest_is_not_ended_by_silence(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,6 +16,7 @@ from musclewire.errors import CallerError
 from musclewire.extras.live._bench.lines import MessageWriter, lines_of
 from musclewire.extras.live._bench.session import AS_ASKED, BenchSession
 from musclewire.extras.live._messages import ClockSpeed, Command, End, SetTarget, SwitchOn, read_command
+from musclewire.extras.live._silence import ListeningClock
 
 # A run that was to end and has not got to its next sample by then is switched off.
 MAX_ENDING_S = 0.25
@@ -58,7 +59,8 @@ class OrderQueue:
         """Start both threads."""
         self._session, self._source, self._outbox = session, source, outbox
         self._waiting: queue.SimpleQueue[NumberedOrder | None] = queue.SimpleQueue()
-        self._alive_s = time.monotonic()
+        self._clock = ListeningClock()
+        self._watched_s = self._alive_s = self._clock.now_s()
         self._ending_since_s: float | None = None
         for target, name in ((self._read, "musclewire orders"), (self._watch, "musclewire watch")):
             threading.Thread(target=target, name=name, daemon=True).start()
@@ -82,7 +84,7 @@ class OrderQueue:
 
     def _take(self, message: dict[str, Any]) -> None:
         """Carry out a message, or queue it."""
-        self._alive_s = time.monotonic()
+        self._alive_s = self._watched_s
         session = self._session
         if "stop" in message:
             session.stop(str(message["stop"]))
@@ -133,7 +135,7 @@ class OrderQueue:
         session = self._session
         while not session.quitting:
             time.sleep(WATCHED_EVERY_S)
-            now_s = time.monotonic()
+            now_s = self._watched_s = self._clock.now_s()
             if session.heating and not session.ending and now_s - self._alive_s > session.max_silence_s:
                 session.ending = NOBODY.format(session.max_silence_s)
             if not (session.heating and session.ending):

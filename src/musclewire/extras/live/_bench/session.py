@@ -21,6 +21,7 @@ from musclewire.errors import CallerError
 from musclewire.extras.live._bench.descriptions import described_protection
 from musclewire.extras.live._bench.state import PublishedState
 from musclewire.extras.live._ring import RowRing
+from musclewire.extras.live._silence import LEASE_S
 from musclewire.rigs import GuardedRig, SamplePacer, adjustable_clock_of
 from musclewire.sensing import SensingModel
 from musclewire.signals import RawSample, Recording
@@ -76,7 +77,7 @@ class BenchSession:
     ring: RowRing
     seed: int | None = None
     # A run that heats ends when whoever has control gives no sign for so long.
-    max_silence_s: float = 0.6
+    max_silence_s: float = LEASE_S
     simulated: bool = False
     rig: GuardedRig | None = None
     pacer: SamplePacer | None = None

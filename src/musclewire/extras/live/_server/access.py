@@ -19,11 +19,10 @@ from enum import Enum
 from pathlib import Path
 
 from musclewire.errors import CallerError
+from musclewire.extras.live._silence import LEASE_S
 from musclewire.rigs import state_folder
 from musclewire.small_files import read_small
 
-# A holder who gave no sign for so long has lost control: the wire is then at its sense voltage within a second.
-LEASE_S = 0.6
 # At rest nothing is heated, and somebody whose machine is busy for a moment need not lose control.
 LEASE_AT_REST_S = 5.0
 

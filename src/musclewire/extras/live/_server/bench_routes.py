@@ -158,7 +158,7 @@ async def stop(bench: BenchOf, response: Response) -> PhaseAnswer:
 
 @ROUTES.post("/{bench}/control")
 async def take_control(bench: BenchOf, session: SessionOf, request: ControlRequest = NO_NAME) -> ControlState:
-    """Take control of a bench, or ask its holder for it; its lease ends without PUT for 0.6 s (at rest 5 s)."""
+    """Take control of a bench, or ask its holder for it; its lease ends without PUT for 0.75 s (at rest 5 s)."""
     lease = secrets.token_urlsafe(24)
     if session.ask(bench, lease, request.name) is RequestOutcome.BUSY:
         raise HTTPException(409, "somebody else has already asked for control: try again")

@@ -17,7 +17,6 @@ from musclewire.extras.live._messages import Answer, Command, Stop
 from musclewire.extras.live._messages import Control as ClosedLoop
 from musclewire.extras.live._server.access import (
     LEASE_AT_REST_S,
-    LEASE_S,
     BenchControl,
     ControlClient,
     RequestOutcome,
@@ -26,11 +25,12 @@ from musclewire.extras.live._server.frames import FrameMaker, RowFrame
 from musclewire.extras.live._server.json_texts import compact
 from musclewire.extras.live._server.socket_messages import ControlMessage, Hello, Ping
 from musclewire.extras.live._server.viewers import Viewer
+from musclewire.extras.live._silence import LEASE_S, PING_S, ListeningClock
 
 if TYPE_CHECKING:
     from musclewire.extras.live._bench_handle import BenchHandle
 
-FRAME_S, LEASE_CHECK_S, PING_S = 1.0 / 30.0, 0.05, 0.15
+FRAME_S, LEASE_CHECK_S = 1.0 / 30.0, 0.05
 MAX_VIEWERS = 32
 ORDERED = "the drive is being switched off; the state says when it is"
 
@@ -115,6 +115,7 @@ class Session:
         self.viewers: dict[str, Viewer] = {}
         self._count, self._pings = 0, deque[tuple[int, float]](maxlen=64)
         self._ping, self._closed = 0, False
+        self._clock = ListeningClock()
 
     async def start(self) -> None:
         """Start the process of every bench."""
@@ -174,14 +175,14 @@ class Session:
 
     def kept(self) -> tuple[set[Any], set[str]]:
         """Return the places of open pages, and the leases of who has control or asks for it."""
-        now_s, pages = time.monotonic(), {viewer.place for viewer in self.viewers.values()}
+        now_s, pages = self._clock.now_s(), {viewer.place for viewer in self.viewers.values()}
         controls = (bench.control for bench in self.benches.values())
         people = (one for each in controls for one in (each.holder, each.asking) if one is not None)
         return pages, {one.key for one in people if one.is_there(now_s, LEASE_AT_REST_S)}
 
     def pong(self, key: str, number: int) -> None:
         """Note an answer to a ping; one to an old ping or to none says nothing."""
-        now_s = time.monotonic()
+        now_s = self._clock.now_s()
         if any(ping == number and now_s - sent_s <= self.pong_s for ping, sent_s in self._pings):
             self.sign_of_life(key)
 
@@ -193,19 +194,19 @@ class Session:
     def sign_of_life(self, key: str) -> None:
         """Note that somebody is there."""
         for bench in self.benches.values():
-            bench.control.sign_of_life(key, time.monotonic())
+            bench.control.sign_of_life(key, self._clock.now_s())
 
     # Control
 
     def ask(self, bench: OnlineBench, key: str, name: str) -> RequestOutcome:
         """Take control of a bench, or ask its holder for it."""
-        outcome = bench.control.ask(key, name, time.monotonic())
+        outcome = bench.control.ask(key, name, self._clock.now_s())
         self.tell_control(bench)
         return outcome
 
     def answer(self, bench: OnlineBench, key: str, give: bool) -> bool:
         """Answer who asks for control, as its holder; return whether it went over."""
-        gone = bench.control.answer(key, give, time.monotonic())
+        gone = bench.control.answer(key, give, self._clock.now_s())
         self.tell_control(bench)
         return gone
 
@@ -220,7 +221,7 @@ class Session:
 
     def end_lost_leases(self) -> None:
         """Take control from holders who are no longer there; a heated run of theirs ends."""
-        now_s = time.monotonic()
+        now_s = self._clock.now_s()
         for bench in self.benches.values():
             bench.control.lease_s = LEASE_S if bench.handle.state.get("doing") else LEASE_AT_REST_S
             asked = bench.control.asking
@@ -232,7 +233,7 @@ class Session:
 
     def may_command(self, bench: OnlineBench, key: str | None) -> bool:
         """Return whether somebody has control of a bench."""
-        return bench.control.holds(key, time.monotonic())
+        return bench.control.holds(key, self._clock.now_s())
 
     async def command(self, bench: OnlineBench, command: Command, who: str, stops_before: int) -> Answer:
         """Pass a command that arrived after so many stops on to the bench; whoever sends it is permitted to."""
@@ -247,7 +248,7 @@ class Session:
     def ping(self) -> None:
         """Ask every viewer for a sign of life, and show the benches whose holders are there that they are."""
         self._ping += 1
-        now_s = time.monotonic()
+        now_s = self._clock.now_s()
         self._pings.append((self._ping, now_s))
         for viewer in self.viewers.values():
             viewer.say(Ping(n=self._ping).model_dump_json())
