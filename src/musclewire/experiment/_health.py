@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from musclewire.arrays import FloatArray
 from musclewire.experiment._first_heating import SeenAtB, seen_at_b
 from musclewire.experiment._known_strain import MissedBy, missed_known_strain
 from musclewire.experiment._metrics import judged_for_sensing, since_first_sensed, valid_share
-from musclewire.experiment._missed_target import MissedTarget
+from musclewire.experiment._missed_target import MAX_MISSED, MissedTarget
 from musclewire.experiment._odd_resistance import odd_resistance
 from musclewire.experiment._overshoot import Overshoot
 from musclewire.experiment._scale_by_b import TODAY, WITHIN_STD, what_followed
@@ -44,8 +44,6 @@ AT_LIMIT, NOT_REACHED = 0.01, 0.05
 HEATING_S, COOLING_S = 1.0, 4.0
 # The resistance of a wire that heats at the upper limit follows by more than this fraction within that time.
 FOLLOWS = 0.005
-# Saturation for more than this part of a run, and its result does not hold.
-MAX_SATURATED = 0.1
 # What alone makes a result doubtful; changed air does not, if the estimator that has found it takes it into account.
 GRAVE = (
     Cause.CHANGED_LOAD,
@@ -58,9 +56,9 @@ GRAVE = (
     Cause.HARDLY_SENSED,
     Cause.MISSED_KNOWN_STRAIN,
     Cause.BAD_CONTACT,
-    Cause.TARGET_MISSED,
-    Cause.WIDE_INTERVAL,
 )
+# What makes it doubtful if it takes more than a part of the time with a target.
+GRAVE_IF_LONG = (Cause.SATURATION, Cause.TARGET_MISSED, Cause.WIDE_INTERVAL)
 # An instrument contradicts an estimate if more than this part of the valid samples are beyond the interval: errors last
 # for a step, and of the paper's eleven steps two are beyond by chance in one run of ten, three in 1.5 %.
 MAX_BEYOND = 0.25
@@ -74,11 +72,12 @@ SWUNG_S = 3.0
 
 
 class TimedFinding(NamedTuple):
-    """A cause with the time [s] at which it was first found, for how long [s] in total, and its numbers in words."""
+    """A cause: when it was first found [s], for how long [s] in total, whether the run holds, its numbers in words."""
 
     cause: Cause
     from_s: float
     lasted_s: float
+    grave: bool
     numbers: str = ""
 
     @property
@@ -88,7 +87,7 @@ class TimedFinding(NamedTuple):
             "cause": self.cause.name.lower(),
             "from_s": self.from_s,
             "lasted_s": self.lasted_s,
-            "grave": self.cause in GRAVE,
+            "grave": self.grave,
             "numbers": self.numbers,
         }
 
@@ -112,6 +111,7 @@ def findings(recording: Recording) -> tuple[TimedFinding, ...]:
             cause,
             float(recording["time_s"][np.argmax(where)]),
             float(where.sum()) * period_s,
+            is_grave(cause, where, recording),
             numbers_of(cause, recording, int(np.argmax(where))),
         )
         for cause, where in marks_of(recording).items()
@@ -144,18 +144,24 @@ def marks_of(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:
 
 def flagged(recording: Recording) -> npt.NDArray[np.bool_]:
     """Return the samples at which a cause was found for which a run does not hold, (n_times,)."""
-    return any_of(recording, [cause for cause in Cause if cause in GRAVE])
+    return any_of(recording, grave=True)
 
 
 def noted(recording: Recording) -> npt.NDArray[np.bool_]:
     """Return the samples at which only causes were found with which a run holds, (n_times,)."""
-    return any_of(recording, [cause for cause in Cause if cause not in GRAVE]) & ~flagged(recording)
+    return any_of(recording, grave=False) & ~flagged(recording)
 
 
-def any_of(recording: Recording, causes: Iterable[Cause]) -> npt.NDArray[np.bool_]:
-    """Return the samples at which one of some causes was found, (n_times,)."""
-    marks, none = marks_of(recording), np.zeros(len(recording), dtype=np.bool_)
-    return np.asarray(np.any([none, *(marks[cause] for cause in causes if cause in marks)], axis=0))
+def any_of(recording: Recording, *, grave: bool) -> npt.NDArray[np.bool_]:
+    """Return the samples at which a cause was found that is grave, or one that is not, (n_times,)."""
+    none = np.zeros(len(recording), dtype=np.bool_)
+    marks = marks_of(recording).items()
+    return np.asarray(np.any([none, *(on for cause, on in marks if is_grave(cause, on, recording) is grave)], axis=0))
+
+
+def is_grave(cause: Cause, where: npt.NDArray[np.bool_], recording: Recording) -> bool:
+    """Return whether a run with a cause at some samples does not hold."""
+    return cause in GRAVE or (cause in GRAVE_IF_LONG and where.sum() > MAX_MISSED * with_target(recording).sum())
 
 
 def by_controller(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:
@@ -223,12 +229,7 @@ def in_brackets(numbers: str) -> str:
 def does_not_hold(recording: Recording) -> str:
     """Return why a closed loop's result does not hold: model, load, grave causes, long at a limit; "" if it does."""
     stated = (recording.facts.text_or_none(name) for name in ("model_does_not_hold", "other_load"))
-    length_s = len(recording) * period_of(recording)
-    grave = (
-        NAMES[one.cause]
-        for one in findings(recording)
-        if one.cause in GRAVE or (one.cause is Cause.SATURATION and one.lasted_s > MAX_SATURATED * length_s)
-    )
+    grave = (NAMES[one.cause] for one in findings(recording) if one.grave)
     return "; ".join(one for one in (*stated, *grave) if one)
 
 

@@ -2,17 +2,19 @@
 
 What a loop sees itself needs no instrument: where the estimate is away from the target by more than a tolerance and the
 estimate's own 95 % interval, the wire was not where it was asked to be. The speed limits said before the run explain a
-miss for as long as the fastest wire is out of reach of the target, too, and no longer.
+miss as far as the fastest wire missed, too, within the last second, and no farther.
 """
 
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from numpy.lib.stride_tricks import sliding_window_view
 
 from musclewire.arrays import FloatArray
 from musclewire.experiment._scale_by_b import WITHIN_STD
@@ -23,12 +25,12 @@ from musclewire.signals import Recording
 OF_TARGET, OF_RANGE = 0.03, 0.01
 # An interval hides a miss whose half-width is more than this part of the range: it would not be seen on any step.
 WIDE = 0.1
-# A run does not hold that missed its target for more than this part of the time with one, and less is not said: steps
-# that follow their speed limits by the dead time later take 2 to 6 %.
-MAX_MISSED = 0.1
-# While a loop runs, a miss is shown once it has lasted for so long [s] beyond the speed limits: a step's dead time does
-# not come and go on a page with each drag.
-SHOWN_AFTER_S = 1.0
+# A run does not hold that missed its target for more than this part of the time with one; less than half of that is not
+# said: the first step from cold, and the steps after a change of the supply, take 1 to 4 % in runs that err by 1 %.
+MAX_MISSED, SAID_FROM = 0.1, 0.05
+# A loop may be so much later than the fastest wire [s], by its dead time and as it slows down before a target; and
+# while it runs a miss is said once it has lasted for so long, so that it does not come and go on a page with each drag.
+MAY_LAG_S = SAID_AFTER_S = 1.0
 
 
 class SeenLoop(NamedTuple):
@@ -40,8 +42,8 @@ class SeenLoop(NamedTuple):
         Target, estimate and its standard deviation.
     valid
         Whether the estimate is valid; what could not be sensed has no interval: the wire is cold of B, or beyond C.
-    announced_miss
-        How far from its target the fastest wire is.
+    announced_low, announced_high
+        Between which distances from its target the fastest wire was within the last second.
     sensed_range
         How far the model senses.
     """
@@ -50,18 +52,20 @@ class SeenLoop(NamedTuple):
     estimate: FloatArray | float
     std: FloatArray | float
     valid: FloatArray | float
-    announced_miss: FloatArray | float
+    announced_low: FloatArray | float
+    announced_high: FloatArray | float
     sensed_range: float
 
     def misses(self) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
         """Return where the target is missed, and where the interval is too wide to say whether it is."""
         away = np.subtract(self.estimate, self.target)
+        above = away - np.maximum(self.announced_high, 0.0)
+        beyond = np.maximum(above, np.minimum(self.announced_low, 0.0) - away)
         tolerance = np.maximum(OF_TARGET * np.abs(self.target), OF_RANGE * self.sensed_range)
         half_width = np.where(np.asarray(self.valid) > 0.0, WITHIN_STD * np.asarray(self.std), 0.0)
-        announced = (np.abs(self.announced_miss) > tolerance) & (np.multiply(self.announced_miss, away) > 0.0)
-        seen = np.abs(away) > tolerance + half_width
-        hidden = (np.abs(away) > tolerance) & ~seen & (half_width > WIDE * self.sensed_range)
-        return np.asarray(seen & ~announced), np.asarray(hidden & ~announced)
+        seen = beyond > tolerance + half_width
+        hidden = (beyond > tolerance) & ~seen & (half_width > WIDE * self.sensed_range)
+        return np.asarray(seen), np.asarray(hidden)
 
 
 class MissedTarget:
@@ -83,7 +87,7 @@ class MissedTarget:
     rows
         The samples at which the target was missed, (n_times,); none of an interrupted run, or if they are few.
     hidden
-        Those at which it may have been, but the interval is too wide to say.
+        Those at which it may have been, but the interval is too wide to say, likewise.
     """
 
     def __init__(self, recording: Recording, suffix: str, judged: npt.NDArray[np.bool_]) -> None:
@@ -91,19 +95,27 @@ class MissedTarget:
         target, estimate = recording[f"target_{suffix}"], recording[f"estimated_{suffix}"]
         self.away: FloatArray = estimate - target
         sensed_range = recording.facts.number_or_none("sensed_range") or float(np.abs(target).max())
+        time_s = recording["time_s"]
+        per_s = 1.0 / float(np.median(np.diff(time_s))) if time_s.size > 1 else 1.0
+        announced = recording.columns.get("announced_miss", np.zeros(target.size))
         seen = SeenLoop(
             target,
             estimate,
             recording.columns.get("estimate_std", 0.0),
             recording.columns.get("valid", 1.0),
-            recording.columns.get("announced_miss", 0.0),
+            *within_last(round(MAY_LAG_S * per_s), announced),
             sensed_range,
         )
-        few = MAX_MISSED * judged.sum()
         whole = recording.facts.text_or_none("ended") != "interrupted"
-        self.rows, self.hidden = (
-            np.asarray(found & (whole and (found.sum() > few))) for found in (rows & judged for rows in seen.misses())
-        )
+        few = SAID_FROM * judged.sum()
+        found = (rows & judged & whole for rows in seen.misses())
+        self.rows, self.hidden = (rows & (rows.sum() > few) for rows in found)
+
+
+def within_last(length: int, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the smallest and the largest of each value and so many before it, (n_times,) each."""
+    seen = sliding_window_view(np.concatenate([np.full(length, values[0]), values]), length + 1)
+    return seen.min(axis=1), seen.max(axis=1)
 
 
 class MissWatch:
@@ -123,6 +135,7 @@ class MissWatch:
         """Begin with nothing missed."""
         self._suffix, self._sensed_range, self._approach_s = suffix, sensed_range, approach_s
         self._since_s = math.inf
+        self._announced: deque[tuple[float, float]] = deque()
 
     def after(self, row: Mapping[str, float | None]) -> str:
         """Return what is to be said after a row of the loop; "" while it is on its way, or there.
@@ -133,16 +146,21 @@ class MissWatch:
             A recorded row, with its time.
         """
         numbers = {name: math.nan if value is None else value for name, value in row.items()}
+        self._announced.append((numbers["time_s"], numbers.get("announced_miss", 0.0)))
+        while self._announced[0][0] < numbers["time_s"] - MAY_LAG_S:
+            self._announced.popleft()
+        announced = [miss for _, miss in self._announced]
         seen = SeenLoop(
             numbers[f"target_{self._suffix}"],
             numbers[f"estimated_{self._suffix}"],
             numbers.get("estimate_std", 0.0),
             numbers.get("valid", 1.0),
-            numbers.get("announced_miss", 0.0),
+            min(announced),
+            max(announced),
             self._sensed_range,
         )
         missed, _ = seen.misses()
         counts = bool(missed) and numbers["time_s"] > self._approach_s
         self._since_s = min(self._since_s, numbers["time_s"]) if counts else math.inf
-        lasts = numbers["time_s"] - self._since_s > SHOWN_AFTER_S
+        lasts = numbers["time_s"] - self._since_s > SAID_AFTER_S
         return f"target missed from {self._since_s:.1f} s on" if lasts else ""

@@ -21,6 +21,7 @@ from musclewire import (
 )
 from musclewire.experiment import Waveform, WaveformPolicy, run_on_rig
 from musclewire.identify import SearchSettings
+from musclewire.rigs import ProtectionTripError
 from musclewire_robustness.plant import open_plant
 from musclewire_robustness.population import PopulationWire
 from musclewire_robustness.settings import settings
@@ -137,8 +138,12 @@ def slow_loop(wire: PopulationWire) -> Recording:
     best: Recording | None = None
     best_stroke, problem = 0.0, ""
     for ratio in AMPLITUDE_RATIOS:
-        with open_plant(wire, run=1).rig as rig:
-            loop = characterize(rig, amplitude_v=min(ratio * rig.drive_amplitude_v, rig.maximum_voltage_v))
+        try:
+            with open_plant(wire, run=1).rig as rig:
+                loop = characterize(rig, amplitude_v=min(ratio * rig.drive_amplitude_v, rig.maximum_voltage_v))
+        except ProtectionTripError as error:  # it would be too hot: a user gives no more
+            problem = str(error)
+            break
         try:
             fit(loop)
             stroke = loop_gaps(loop).segments.strain_max

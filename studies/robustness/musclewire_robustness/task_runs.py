@@ -45,9 +45,8 @@ SETTLE_S = 1.0
 # A hold counts for swings from 2 s after its target came on, if that leaves a second; a swing is above half a volt
 # within four seconds: over minutes the drive follows what the wire warms up around it.
 QUIET_S, QUIET_FROM_S, SWING_V, SWINGS_WITHIN_S = 3.0, 2.0, 0.5, 4.0
-# What a loop sees of its own error, as it is named: a part of the target, and of what its model senses; and how much of
-# the time the speed limits must announce for it to be known beforehand.
-OF_TARGET, OF_RANGE, ANNOUNCED = 0.03, 0.01, 0.1
+# What a loop sees of its own error, as it is named: a part of the target, and of what its model senses.
+OF_TARGET, OF_RANGE = 0.03, 0.01
 DEVIATIONS = 2.0
 # Columns of instruments that a user does not have.
 OF_INSTRUMENTS = ("displacement_m", "force_n", "endpoint_displacement_m", "endpoint_force_n", "reference_strain")
@@ -70,8 +69,10 @@ class ScoredTask(NamedTuple):
         Mean absolute error of all samples, those after a jump, too [%]: what a loop names, it names of these.
     seen_pct
         By how much the estimate is farther from the target than tolerance and half-width in their mean [% of it].
+    unannounced_pct
+        The same of those samples alone for which the speed limits announced no miss.
     announced_share
-        Fraction of them for which the speed limits announced a miss.
+        Fraction of the samples for which they did.
     swinging, holds
         Holds in which the drive swings by more than half a volt, and all.
     named
@@ -89,6 +90,7 @@ class ScoredTask(NamedTuple):
     inside_share: float | None
     all_pct: float | None
     seen_pct: float | None
+    unannounced_pct: float | None
     announced_share: float | None
     swinging: int
     holds: int
@@ -99,7 +101,7 @@ class ScoredTask(NamedTuple):
 
 def not_done(ended: str, code: int) -> ScoredTask:
     """Return the score of a run that did not come to its end."""
-    return ScoredTask(None, None, None, None, None, None, None, None, 0, 0, (), code, ended)
+    return ScoredTask(None, None, None, None, None, None, None, None, None, 0, 0, (), code, ended)
 
 
 class TaskCase(NamedTuple):
@@ -251,6 +253,8 @@ def loop_score(run: Recording, model: SensingModel, case: TaskCase) -> ScoredTas
     announced = np.abs(run.columns.get("announced_miss", np.zeros(target.size))) > tolerance
     mean_pct, largest_pct = followed.errors_pct(rows)
     swinging, holds = followed.swings(case)
+    excess_pct = 100.0 * (away - tolerance - half_width) / np.abs(target)
+    unannounced = asked & ~announced
     alone = Recording({name: one for name, one in run.columns.items() if name not in OF_INSTRUMENTS}, run.metadata)
     return ScoredTask(
         mean_pct,
@@ -259,7 +263,8 @@ def loop_score(run: Recording, model: SensingModel, case: TaskCase) -> ScoredTas
         100.0 * float(np.median(half_width[rows])) / sensed,
         float(np.mean(np.abs(error)[rows] <= half_width[rows])),
         followed.errors_pct(asked)[0],
-        100.0 * float(np.mean((away - tolerance - half_width)[asked] / np.abs(target[asked]))),
+        float(np.mean(excess_pct[asked])),
+        float(np.mean(excess_pct[unannounced])) if unannounced.any() else None,
         float(np.mean(announced[asked])),
         swinging,
         holds,

@@ -18,7 +18,6 @@ from musclewire_robustness.store import FOLDER, sources
 from musclewire_robustness.table_text import number
 from musclewire_robustness.task_plants import PLANTS
 from musclewire_robustness.task_runs import (
-    ANNOUNCED,
     ANSWER,
     CONTROLLERS,
     SCORES,
@@ -284,8 +283,8 @@ def named_runs(name: str, scored: Scores) -> NamedRuns:
 
 
 def is_known(run: ScoredTask) -> bool:
-    """Return whether a run ends with 1 or was announced beforehand."""
-    return run.exit != 0 or (run.announced_share or 0.0) > ANNOUNCED
+    """Return whether a run ends with 1, or what it sees of its error was announced beforehand."""
+    return run.exit != 0 or (run.unannounced_pct or 0.0) <= 0.0
 
 
 UNSEEN = ("interval_too_wide", "estimate_wrong", "interval_too_narrow", "none_of_these")

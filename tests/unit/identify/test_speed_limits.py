@@ -19,17 +19,16 @@ from musclewire.identify._speed_limits.plant import SpeedPlant, followed
 from musclewire.signals import RunFacts
 
 LEVELS = np.linspace(0.005, 0.035, 33)
-FACTS = RunFacts(
-    {
-        "sample_period_s": 0.05,
-        "shunt_resistance_ohm": 1.0,
-        "wire_diameter_m": 1e-4,
-        "pretension_n": 1.0,
-        **LIMITS,
-        "limit_sense_voltage_v": 0.2,
-        "limit_maximum_voltage_v": 4.5,
-    }
-)
+STATED = {
+    "sample_period_s": 0.05,
+    "shunt_resistance_ohm": 1.0,
+    "wire_diameter_m": 1e-4,
+    "pretension_n": 1.0,
+    **LIMITS,
+    "limit_sense_voltage_v": 0.2,
+    "limit_maximum_voltage_v": 4.5,
+}
+FACTS = RunFacts(STATED)
 
 
 def plant(heat_per_unit: float = 0.0) -> SpeedPlant:
@@ -144,3 +143,14 @@ def test_from_cold_all_of_the_target_is_missed_until_the_wire_is_warm() -> None:
     assert 1 < warm < 60
     assert np.all(np.diff(misses[warm:]) >= 0.0)
     assert misses[-1] == 0.0
+
+
+def test_a_target_that_the_voltage_cannot_hold_is_no_matter_of_speed() -> None:
+    """It would excuse a loop for ever, though waiting does not help: the miss is to be named."""
+    settings, targets = plant_settings(), [0.01, *[0.03] * 2000]
+    for maximum_v, held in ((4.5, True), (2.75, False)):
+        way = FastestWay(MODEL, RunFacts({**STATED, "limit_maximum_voltage_v": maximum_v}), settings, from_cold=False)
+        misses = [way.miss(target) for target in targets]
+        assert min(misses) < -0.01
+        assert misses[-1] == 0.0
+        assert (way._level == pytest.approx(0.03)) is held

@@ -389,7 +389,8 @@ class FastestWay:
 
         Returns
         -------
-        Where the wire is at best less the target, in the same unit; of a cold wire, whose quantity is 0, all of it.
+        Where the wire is at best less the target, in the same unit; of a cold wire, whose quantity is 0, all of it; 0
+        of one that this voltage takes no farther: that is no matter of time, and no speed limit.
         """
         within = float(np.clip(target, self._plant.levels[0], self._plant.levels[-1]))
         if self._cold_s > 0.0:
@@ -399,6 +400,8 @@ class FastestWay:
             self._level, self._power_w = within, self._heating.power_w(within)
         if within != self._level:
             branch = self._heating if within > self._level else self._cooling
+            if branch.ends_at(self._level, rising=within > self._level):
+                return 0.0
             way = (within, self._period_s, self._plant.time_constant_s)
             self._level, self._power_w = towards(branch, self._level, self._power_w, way)
         return self._level - within

@@ -186,6 +186,11 @@ class TimedBranch(NamedTuple):
         """Return the steady power at a level."""
         return float(np.interp(level, self.levels, self.steady_w))
 
+    def ends_at(self, level: float, *, rising: bool) -> bool:
+        """Return whether the circuit holds the wire at a level and takes it no farther."""
+        excess_w = float(np.interp(level, self.levels, self.drive_w)) - self.power_w(level)
+        return (excess_w if rising else -excess_w) <= MIN_EXCESS_W
+
     def after(self, level: float, time_s: float) -> float:
         """Return the level reached from another one in a time, negative for the way down."""
         return float(np.interp(np.interp(level, self.levels, self.times_s) + time_s, self.times_s, self.levels))
