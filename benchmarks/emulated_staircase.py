@@ -32,6 +32,7 @@ BAR_PCT = 0.3
 MISS_IS_KNOWN, WHY_KNOWN = True, "firmware/models/paper-100um.json was fitted on a wire before the present parameters"
 PATIENCE_S = 20.0
 APPROACH_S = 12.0
+COLD_K = 295.15
 
 # What the firmware runs, on the host.
 PAPER_LOOP: dict[str, Any] = {"estimator": "polynomial", "controller": "fuzzy-pid", "approach_s": APPROACH_S}
@@ -54,7 +55,7 @@ def on_simulated(model: SensingModel, reference: Staircase) -> ControlRun:
 def on_emulated(model: SensingModel, reference: Staircase, *, closed_by_board: bool) -> ControlRun:
     """Return the run through the firmware, with the true displacement from the bench's log as its instrument."""
     with EmulatedBoard(pace="lockstep") as board:
-        with open_rig(rig_file(board.port_url)) as rig:
+        with open_rig(rig_file(board.port_url), wire_temperature_k=COLD_K) as rig:
             if closed_by_board:
                 run = control_on_board(rig, model, reference, approach_s=APPROACH_S)
             else:

@@ -40,6 +40,7 @@ from musclewire.rigs import GuardedRig, open_rig, rig_configuration
 BAR_MS = 20.0
 # A stop comes at a random moment of a sample period, after a few samples.
 SAMPLES_BEFORE = 3
+COLD_K = 295.15
 Opens = Callable[[], GuardedRig]
 Orders = list[int]
 
@@ -103,7 +104,7 @@ def serial(sample_period_s: float) -> Iterator[tuple[Opens, Orders]]:
     orders: Orders = []
 
     def opened(configuration: SerialConfiguration) -> GuardedRig:
-        rig = open_rig(configuration)
+        rig = open_rig(configuration, wire_temperature_k=COLD_K)
         assert isinstance(rig.device, SerialDevice)
         board = rig.device._board
         board.send = noted(board.send, orders, lambda kind, *_: kind is MessageKind.OFF)  # type: ignore[method-assign]
@@ -125,7 +126,7 @@ def card(sample_period_s: float) -> Iterator[tuple[Opens, Orders]]:
     emulated, orders = card_of(wiring, paced=True), []
     emulated.write = noted(emulated.write, orders, lambda _, volts: volts == off_v)  # type: ignore[method-assign]
     with DaqServer(emulated) as server:
-        yield partial(open_rig, wiring.model_copy(update={"grpc": server.address})), orders
+        yield partial(open_rig, wiring.model_copy(update={"grpc": server.address}), wire_temperature_k=COLD_K), orders
 
 
 CASES = {

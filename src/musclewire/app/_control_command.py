@@ -200,6 +200,7 @@ def single_run_options(
         "--clock-speed": timing.clock_speed != 1.0,
         "--real-time-priority": timing.real_time_priority,
         "--cpu": timing.cpu is not None,
+        "--wire-temperature": timing.wire_temperature is not None,
     }
 
 

@@ -57,6 +57,8 @@ CALLED = {"on": "--join", "shunt_resistance_ohm": "--shunt"}
 WITH_UNIT = re.compile("_(n|m|s|v|a|ohm)$")
 # Beyond these a count is a slip of the pen, whose command would never end.
 MAX_COUNT, MAX_CORES = 100_000, 4096
+# What may be stated as a wire's temperature [K]: rigs say the same.
+COLDEST_K, MELTING_K = 200.0, 1583.0
 # All options by their first name.
 OPTIONS: dict[str, OptionDefinition] = {}
 
@@ -99,6 +101,13 @@ REAL_TIME_PRIORITY = option(
     "--real-time-priority", help="On Linux: run before all ordinary programs, with memory locked."
 )
 CPU = option("--cpu", help="On Linux: keep the loop on this processor core.", min=0, max=MAX_CORES)
+WIRE_TEMPERATURE = quantity(
+    "--wire-temperature",
+    "K",
+    "How warm a real rig's wire is, as '22 degC', if that is not remembered. Without it such a wire rests first.",
+    COLDEST_K,
+    MELTING_K,
+)
 HOLD = quantity("--hold", "s", "Time for which the sense voltage is held, as '5 s'.", 1.0, 3600.0)
 METER_WIRE = quantity("--meter-wire", "V", "Reading of a meter across the wire at the sense voltage.")
 METER_SHUNT = quantity("--meter-shunt", "V", "Reading of a meter across the shunt at the sense voltage.")

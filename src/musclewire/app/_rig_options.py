@@ -1,4 +1,4 @@
-"""Options that commands with a rig share: the slow sine, and how a loop keeps its time."""
+"""Options that commands with a rig share: the slow sine, how a loop keeps its time, how warm the wire is."""
 
 from __future__ import annotations
 
@@ -6,7 +6,17 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
-from musclewire.app._options import AMPLITUDE, CLOCK_SPEED, CPU, CYCLES, PERIOD, REAL_TIME, REAL_TIME_PRIORITY, in_si
+from musclewire.app._options import (
+    AMPLITUDE,
+    CLOCK_SPEED,
+    CPU,
+    CYCLES,
+    PERIOD,
+    REAL_TIME,
+    REAL_TIME_PRIORITY,
+    WIRE_TEMPERATURE,
+    in_si,
+)
 from musclewire.app._output import warn
 from musclewire.app._stopping import opened_rig
 from musclewire.errors import CallerError
@@ -36,16 +46,23 @@ class SlowSineOptions:
 
 @dataclass(frozen=True)
 class TimingOptions:
-    """How a loop keeps its time."""
+    """How a loop keeps its time, and with how warm a wire it begins."""
 
     real_time: Annotated[bool, REAL_TIME] = False
     clock_speed: Annotated[float, CLOCK_SPEED] = 1.0
     real_time_priority: Annotated[bool, REAL_TIME_PRIORITY] = False
     cpu: Annotated[int | None, CPU] = None
+    wire_temperature: Annotated[str | None, WIRE_TEMPERATURE] = None
 
     def open_rig(self, rig: str, seed: int | None) -> AbstractContextManager[GuardedRig]:
         """Open a rig that keeps this time. Raises CallerError for a speed of a clock that it does not have."""
-        return opened_rig(rig, seed=seed, real_time=self.real_time, clock_speed=self.clock_speed)
+        return opened_rig(
+            rig,
+            seed=seed,
+            real_time=self.real_time,
+            clock_speed=self.clock_speed,
+            wire_temperature_k=in_si("--wire-temperature", self.wire_temperature),
+        )
 
     def apply(self, rig: GuardedRig) -> list[str]:
         """Pin this process and take real-time priority as requested; return what the system refused, also on stderr.

@@ -23,6 +23,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingNotWrittenError
+from musclewire.experiment._calm_air import AirWatch
 from musclewire.experiment._endings import cause_of, first_line, rescued, software_version
 from musclewire.experiment._health import health_metadata
 from musclewire.experiment._known_drive import TakenRun, run_compiled_drive
@@ -189,8 +190,9 @@ def run_on_rig(
     refuse_unusable(path, overwrite)
     described = {**what_protects(rig), **rig.metadata(), **(metadata or {})}
     timing = LoopTiming(rig.sample_period_s, rig.paced, adjustable_clock_of(rig))
-    exchange = timed_exchange(rig, timing)
+    exchange = timed_exchange(rig, timing, AirWatch(rig))
     try:
+        rig.rest()
         command = policy.first_command()
         measured = (*ELECTRICAL_COLUMNS, *rig.reference_columns)
         columns = (*measured, *policy.columns)
@@ -268,12 +270,13 @@ def row_of(
     return {**sample._asdict(), "time_s": elapsed_s, **dict(zip(columns, values, strict=True))}
 
 
-def timed_exchange(rig: Rig, timing: LoopTiming) -> Exchange:
-    """Return the rig's exchange, with its times recorded."""
+def timed_exchange(rig: Rig, timing: LoopTiming, air: AirWatch) -> Exchange:
+    """Return the rig's exchange, with its times recorded and its air watched."""
 
     def exchange(command: Command) -> RawSample:
         sample = rig.exchange(command)
         timing.sampled(rig.drive_at_ns, rig.sample_at_ns)
+        air.see(sample)
         return sample
 
     return exchange

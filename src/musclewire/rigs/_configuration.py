@@ -51,6 +51,7 @@ from musclewire.rigs._mounted_wire import (
 from musclewire.rigs._outside import imported_kind, is_outside, known_kind
 from musclewire.rigs._own_voltages import PAPER_BENCH, OwnVoltages, hot_wire, own_voltages, with_own_voltages
 from musclewire.rigs._pulse_width import PulseWidth, sampling_problem
+from musclewire.rigs._remembered_temperature import COLDEST_K, MELTING_K
 from musclewire.rigs._simulated_faults import SimulatedFault
 from musclewire.signals import parse_quantity
 from musclewire.small_files import read_toml
@@ -500,6 +501,7 @@ def open_rig(
     real_time: bool = False,
     clock_speed: float = 1.0,
     beyond_catalogue: bool = False,
+    wire_temperature_k: float | None = None,
     **settings: float | str,
 ) -> GuardedRig:
     """Open a rig: the wire with its driver and instruments, simulated or real, with the protection around it.
@@ -529,6 +531,9 @@ def open_rig(
     beyond_catalogue
         Whether numbers that no wire of the catalogue has or survives, as a length of 60 m or a limit of 5000 K, are
         meant so, as by the rig file's key of that name.
+    wire_temperature_k
+        How warm the wire of a real rig is [K] if that is not remembered: at the first opening, after a while, after
+        another start of the machine. Without it such a wire rests before it is heated.
     **settings
         Numbers of wire and bench by name, in SI or as text with a unit: ``open_rig("simulated", pretension_n=1.7)``.
 
@@ -554,6 +559,8 @@ def open_rig(
     """
     with beyond(beyond_catalogue):
         configuration, where = rig_configuration(rig, may_import=True)
+    if wire_temperature_k is not None and not COLDEST_K <= wire_temperature_k <= MELTING_K:
+        raise CallerError(f"wire_temperature_k is {wire_temperature_k:g} K: give kelvins, 295.15 for 22 C")
     refuse_useless_speed(clock_speed, real_time, isinstance(configuration, RigConfiguration), where)
     if isinstance(configuration, RigConfiguration):
         simulated = open_simulated(
@@ -561,7 +568,7 @@ def open_rig(
         )
         if simulated.adjustable_clock is not None:
             simulated.adjustable_clock.set_speed(clock_speed)
-        return GuardedRig(simulated)
+        return GuardedRig(simulated, wire_temperature_k=wire_temperature_k)
     if seed is not None and "seed" in type(configuration).model_fields:
         drawn_from = require_seed(seed, f"{where}: seed")
         configuration, seed = configuration.model_copy(update={"seed": drawn_from}), None
@@ -571,7 +578,7 @@ def open_rig(
             raise CallerError(f"{where}: '{name}' changes a simulated rig; on a real one, change the rig file")
     known = known_kind(configuration.kind) if is_outside(configuration.kind) else DEVICES.find(configuration.kind)
     known_by = f"rig file {Path(rig).resolve()}" if isinstance(rig, str | Path) else None
-    opened = GuardedRig(known.open(configuration), known_by)
+    opened = GuardedRig(known.open(configuration), known_by, wire_temperature_k)
     if real_time and not opened.paced:
         opened.close()
         raise CallerError(f"{where} has no clock: leave out " + argument("real_time"))

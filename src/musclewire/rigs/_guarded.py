@@ -25,7 +25,7 @@ from musclewire.controllers import (
     State,
     protection_table,
 )
-from musclewire.errors import CallerError, NumericsError, RigError, an_object
+from musclewire.errors import CallerError, NumericsError, RigError, an_object, argument
 from musclewire.rigs._device import (
     DEVICE_METHODS,
     DEVICE_PROPERTIES,
@@ -104,6 +104,10 @@ class GuardedRig:
     ----------
     device
         An open device with 0 V out. It is switched off if its limits are refused.
+    known_by
+        How a device without an identity is known again; by default by its class.
+    wire_temperature_k
+        How warm the wire is [K], if that is not remembered; without it such a wire rests before it is heated.
 
     Attributes
     ----------
@@ -113,17 +117,20 @@ class GuardedRig:
     drive_at_ns, sample_at_ns
         Times at which the last drive was handed to the output and its sample had come (``time.perf_counter_ns``): the
         time between a sample and the next drive is the host's computing time, with the protection's.
+    air_is_known
+        Whether it was said, or judged by a model, what loss to its air the wire is protected by.
 
     Raises
     ------
     CallerError
-        For limits that cannot belong to a wire.
+        For limits that cannot belong to a wire, and for a temperature that is stated of a wire that states its own.
     """
 
-    def __init__(self, device: Device, known_by: str | None = None) -> None:
+    def __init__(self, device: Device, known_by: str | None = None, wire_temperature_k: float | None = None) -> None:
         """Arm the protection, and compile all that a sample runs: from here on nothing compiles with the wire driven.
 
-        Raises CallerError for what is no device, and for limits that cannot belong to a wire.
+        Raises CallerError for what is no device, for limits that cannot belong to a wire, and for a temperature that is
+        stated of a wire that states its own.
         """
         missing = [name for name in (*DEVICE_PROPERTIES, *DEVICE_METHODS) if not hasattr(device, name)]
         if missing:
@@ -139,7 +146,12 @@ class GuardedRig:
             device.off()
             raise
         self._accepts_targets = isinstance(device, HasOnBoardLoop)
-        self._remembered = RememberedTemperature(remembered_by(device, known_by), self._limits)
+        identity, own_k = remembered_by(device, known_by), self._facts.wire_temperature_k
+        if identity is None and wire_temperature_k is not None:
+            device.off()
+            raise CallerError("this rig's wire is new at each opening: leave out " + argument("wire_temperature_k"))
+        stated_k = own_k if wire_temperature_k is None else wire_temperature_k
+        self._remembered = RememberedTemperature(identity, self._limits, stated_k=stated_k)
         at_opening = self._remembered.at_opening
         if at_opening.reason:
             LOGGER.warning("%s%s", at_opening.reason, without_identity(device, known_by))
@@ -164,6 +176,7 @@ class GuardedRig:
         self._silence_s = self._facts.sample_period_s + protection_table().sense_after_s
         self._off_for_good, self._off_confirmed = False, True
         self.drive_at_ns = self.sample_at_ns = 0
+        self.air_is_known = False
         self._watch: IdleWatch | None = None
         # A simulation's clock runs at any speed, and the host's says nothing of its wire.
         self._clocks = TwoClocks() if self._facts.paced and not isinstance(device, HasTrueState) else None
@@ -287,6 +300,7 @@ class GuardedRig:
             if self._rest and self._may_heat(command):
                 self._rest_first()
             sample = self._exchanged(command)
+            self._rest = max(self._rest - 1, 0)
             self._talked_ns, self._exchanging = perf_counter_ns(), None
             return sample
         except SecondThreadError:  # the drive belongs to the exchange of the other thread
@@ -301,16 +315,23 @@ class GuardedRig:
             raise
 
     def _may_heat(self, command: Command | float) -> bool:
-        """Return whether a command is any but 0 V, with which instruments are read before the wire is."""
+        """Return whether a command may be more than the sense voltage, at which the wire rests."""
         voltage_v = command.voltage_v if isinstance(command, Drive) else command
-        return isinstance(command, Target) or (isinstance(voltage_v, Real) and voltage_v != 0.0)
+        return isinstance(command, Target) or (isinstance(voltage_v, Real) and voltage_v > self.sense_voltage_v)
 
     def _rest_first(self) -> None:
         """Stay at the sense voltage until a wire of unknown temperature is cold."""
         while self._rest:
             self._exchanged(Drive(self.sense_voltage_v))
-            self._talked_ns = perf_counter_ns()
-            self._rest -= 1
+            self._rest, self._talked_ns = self._rest - 1, perf_counter_ns()
+
+    def rest(self) -> None:
+        """Stay at the sense voltage until a wire of unknown temperature is cold, as the first drive above it would.
+
+        A run whose time begins with its first sample rests before. Raises what ``exchange`` raises.
+        """
+        while self._rest:
+            self.exchange(self.sense_voltage_v)
 
     def _exchanged(self, command: Command | float) -> RawSample:
         """Follow a command for one sample period and return the sample at its end."""

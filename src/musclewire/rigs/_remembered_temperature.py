@@ -4,8 +4,9 @@ A file says: at this time the wire was at most this warm. While a rig runs, that
 drive can add until the file is written again, so that a killed process leaves no colder wire in its file than there is;
 when the rig is closed, it is the estimate itself. From then on the wire cools by the heat balance of its limits.
 
-Time is counted from the start of the machine, by a clock that nobody sets. Whatever is not of this start is not known:
-the wire then counts as its limit, and rests at the sense voltage before it is heated.
+Time is counted from the start of the machine, by a clock that nobody sets. Whoever does not know how warm the wire is
+counts it as its limit and lets it rest at the sense voltage before it is heated. So a file says something for that time
+only: another user, port or rig file, which has none or an older one, cannot have heated the same wire within it.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import time
 import weakref
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from math import exp, isfinite
+from math import exp, inf, isfinite
 from pathlib import Path
 from threading import Event, Thread
 from typing import NamedTuple, Protocol
@@ -29,6 +30,7 @@ from musclewire.errors import CallerError
 from musclewire.signals import remove_parts, write_text_whole
 
 STATE_HOME = "MUSCLEWIRE_STATE_HOME"
+HOW = "(wire_temperature_k of open_rig, --wire-temperature where a command heats)"
 # How often the thread looks for a new temperature, and how often it writes one at most [s].
 LOOK_EVERY_S, WRITE_EVERY_S = 0.1, 1.0
 # For how long after an estimate the wire may warm by more than its file says, if the process is killed: until the next
@@ -36,8 +38,8 @@ LOOK_EVERY_S, WRITE_EVERY_S = 0.1, 1.0
 AHEAD_S = 1.5
 # How long closing waits for the last write: a network drive may hang, and the drive is off by then.
 LAST_WRITE_S = 2.0
-# Nitinol melts: warmer is no temperature of a wire.
-MELTING_K = 1583.0
+# Nitinol melts: warmer is no temperature of a wire. The other is for who states it in degrees Celsius.
+MELTING_K, COLDEST_K = 1583.0, 200.0
 MAX_FILE_BYTES = 4096
 # After so many time constants at the sense voltage every wire is cold: 1.2 K are left of 180 K.
 REST_TIME_CONSTANTS = 5.0
@@ -194,16 +196,20 @@ def stored_in(text: str, identity: str) -> WireTemperature:
 
 
 def rest_s(limits: ProtectionLimits) -> float:
-    """Return how long a wire rests until it is cold, however warm it was [s]."""
+    """Return how long a wire rests until it is cold, however warm it was [s]; 0 for one that no drive makes too hot."""
+    if warmest_k(limits.ambient_temperature_k, limits, inf) < limit_k(limits):
+        return 0.0
     return REST_TIME_CONSTANTS * limits.heat_capacity_j_per_k / limits.heat_loss_w_per_k
 
 
-def outdated(moment: Moment, now: Moment) -> str | None:
+def outdated(moment: Moment, now: Moment, limits: ProtectionLimits) -> str | None:
     """Return why what was written at a moment says nothing of now, None if it does."""
     if now.boot != moment.boot or now.awake_s - moment.awake_s < -AHEAD_S:
         return "the machine has been started again since it was known"
     if abs(now.asleep_s - moment.asleep_s) > SLEEP_S:
         return "the machine has slept since it was known"
+    if now.awake_s - moment.awake_s > rest_s(limits) - AHEAD_S:
+        return "it was known too long ago: others may have heated it since"
     return None
 
 
@@ -271,9 +277,12 @@ class TemperatureKeeper:
         self.write_last()
 
 
-def opened(identity: str, limits: ProtectionLimits, kept: KeptText, now: Moment | None) -> TemperatureAtOpening:
+def opened(
+    identity: str, limits: ProtectionLimits, kept: KeptText, now: Moment | None, stated_k: float | None = None
+) -> TemperatureAtOpening:
     """Return how warm a wire counts now, from the text that is kept, and keep that, to see whether it can be done."""
-    reasons, why, temperature_k = [], None, limit_k(limits)
+    reasons, why = [], None
+    temperature_k = warmest_k(limits.ambient_temperature_k, limits, inf)
     try:
         text = kept.read()
         stored = None if text is None else stored_in(text, identity)
@@ -283,15 +292,16 @@ def opened(identity: str, limits: ProtectionLimits, kept: KeptText, now: Moment 
         if now is None:
             why = "this system does not say when it was started"
         elif stored is None:
-            temperature_k = limits.ambient_temperature_k
-        else:
-            why = outdated(stored.moment, now)
-            temperature_k = limit_k(limits) if why else cooled_k(stored, limits, now)
-    if why is not None:
-        reasons.append(
-            f"how warm the wire is is not known ({why}): it rests at its sense voltage for {rest_s(limits):.1f} s "
-            "before it is heated"
-        )
+            why = "it is opened for the first time"
+        elif (why := outdated(stored.moment, now, limits)) is None:
+            temperature_k = cooled_k(stored, limits, now)
+    resting_s = 0.0
+    if why is not None and rest_s(limits) > 0.0:
+        temperature_k = max(limits.ambient_temperature_k, limit_k(limits) if stated_k is None else stated_k)
+        resting_s = rest_s(limits) if stated_k is None else 0.0
+        rests = f"it rests at its sense voltage for {resting_s:.1f} s before it is heated, unless you state it {HOW}"
+        counts = f"it counts as {temperature_k - 273.15:.0f} C, as stated"
+        reasons.append(f"how warm the wire is is not known ({why}): {rests if resting_s else counts}")
     try:
         if now is not None:
             kept.write(text_of(identity, WireTemperature(temperature_k, now)))
@@ -300,7 +310,7 @@ def opened(identity: str, limits: ProtectionLimits, kept: KeptText, now: Moment 
             f"{kept.place}: how warm the wire is cannot be kept ({in_one_line(problem)}): let it cool before you open "
             f"it again, or set {STATE_HOME} to a folder that you may write to"
         )
-    return TemperatureAtOpening(temperature_k, rest_s(limits) if why else 0.0, "; ".join(reasons) or None)
+    return TemperatureAtOpening(temperature_k, resting_s, "; ".join(reasons) or None)
 
 
 def in_one_line(problem: Exception) -> str:
@@ -314,9 +324,11 @@ class RememberedTemperature:
     Parameters
     ----------
     identity
-        Identity of the device; None keeps nothing, and the wire begins cold.
+        Identity of the device; None keeps nothing, and the wire is as warm as it is stated.
     limits
         Limits of the wire, with its heat balance.
+    stated_k
+        How warm the wire is, if that is not known here [K]; None if that is not stated.
     kept
         Where it is kept; by default in the device's file in the user's state folder.
     now
@@ -333,16 +345,18 @@ class RememberedTemperature:
         identity: str | None,
         limits: ProtectionLimits,
         *,
+        stated_k: float | None = None,
         kept: KeptText | None = None,
         now: Callable[[], Moment | None] | None = None,
     ) -> None:
         """Read what is kept, and let a thread keep what is noted; a folder that cannot be used is no error."""
         self._keeper: TemperatureKeeper | None = None
-        self.at_opening = TemperatureAtOpening(limits.ambient_temperature_k, rest_s=0.0, reason=None)
+        begins_k = max(limits.ambient_temperature_k, stated_k or 0.0)
+        self.at_opening = TemperatureAtOpening(begins_k, rest_s=0.0, reason=None)
         if identity is None:
             return
         kept, moment = kept or KeptFile(identity), (now or this_moment)()
-        self.at_opening = opened(identity, limits, kept, moment)
+        self.at_opening = opened(identity, limits, kept, moment, stated_k)
         if moment is None:
             return
         boot = moment.boot

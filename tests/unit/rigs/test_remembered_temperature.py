@@ -74,11 +74,40 @@ def test_a_device_without_an_identity_begins_cold_and_keeps_nothing() -> None:
     assert kept.texts == [None]
 
 
-def test_a_device_of_which_nothing_is_kept_begins_cold() -> None:
-    assert opened(BOARD, LIMITS, KeptInMemory(), NOW) == (AMBIENT_K, 0.0, None)
+def test_a_device_of_which_nothing_is_kept_counts_as_its_limit_and_rests() -> None:
+    """It may be at another port, of another user, or under another rig file, and hot."""
+    found = opened(BOARD, LIMITS, KeptInMemory(), NOW)
+    assert (found.temperature_k, found.rest_s) == (LIMIT_K, pytest.approx(REST_S))
+    assert "it is opened for the first time" in str(found.reason)
 
 
-@pytest.mark.parametrize(("passed", "left"), [(0.0, 1.0), (1.0, 0.36788), (2.0, 0.13534), (1e9, 0.0)])
+@pytest.mark.parametrize(("seconds", "known"), [(0.0, True), (2.9, True), (REST_S, False), (9e9, False)])
+def test_what_is_known_is_known_for_no_longer_than_others_rest_who_know_nothing(seconds: float, known: bool) -> None:
+    found = opened(BOARD, LIMITS, kept_at(AMBIENT_K, seconds), NOW)
+    assert (found.rest_s == 0.0) is known
+    assert found.temperature_k == (AMBIENT_K if known else LIMIT_K)
+    assert known or "others may have heated it since" in str(found.reason)
+
+
+@pytest.mark.parametrize("stated_k", [250.0, AMBIENT_K, 310.0])
+def test_a_stated_temperature_takes_the_place_of_the_rest_and_of_nothing_that_is_known(stated_k: float) -> None:
+    counted = max(stated_k, AMBIENT_K)
+    found = opened(BOARD, LIMITS, KeptInMemory(), NOW, stated_k)
+    assert (found.temperature_k, found.rest_s) == (counted, 0.0)
+    assert f"it counts as {counted - 273.15:.0f} C, as stated" in str(found.reason)
+    assert opened(BOARD, LIMITS, kept_at(410.0, 0.0), NOW, stated_k) == (pytest.approx(410.0), 0.0, None)
+    new = RememberedTemperature(None, LIMITS, stated_k=stated_k, kept=KeptInMemory()).at_opening
+    assert new == (counted, 0.0, None)
+
+
+def test_a_wire_that_its_largest_drive_leaves_below_the_limit_never_rests() -> None:
+    harmless = LIMITS._replace(maximum_voltage_v=1.0)
+    found = opened(BOARD, harmless, KeptInMemory(), None)
+    settled_k = AMBIENT_K + 10.0 / 11.0**2 / LIMITS.heat_loss_w_per_k
+    assert found == (pytest.approx(settled_k), 0.0, None)
+
+
+@pytest.mark.parametrize(("passed", "left"), [(0.0, 1.0), (1.0, 0.36788), (2.0, 0.13534), (3.0, 0.04979)])
 def test_a_wire_cools_by_its_limits_heat_balance_over_the_time_passed(passed: float, left: float) -> None:
     found = opened(BOARD, LIMITS, kept_at(AMBIENT_K + 100.0, passed * TIME_CONSTANT_S), NOW)
     assert found.temperature_k == pytest.approx(AMBIENT_K + 100.0 * left, abs=1e-3)
@@ -184,7 +213,7 @@ def test_a_text_that_makes_no_sense_counts_as_the_limit_and_is_said(text: str) -
     assert (found.temperature_k, found.rest_s) == (LIMIT_K, pytest.approx(REST_S))
     assert found.reason is not None
     assert found.reason.startswith("how warm the wire is is not known (kept.json cannot be read: ")
-    assert found.reason.endswith("it rests at its sense voltage for 4.5 s before it is heated")
+    assert "it rests at its sense voltage for 4.5 s before it is heated, unless you state it" in found.reason
     assert "\n" not in found.reason
     assert kept.stored == (LIMIT_K, NOW)
 
@@ -194,9 +223,10 @@ def test_any_text_gives_a_temperature_between_air_and_melting(text: str) -> None
     assert AMBIENT_K <= opened(BOARD, LIMITS, KeptInMemory(text), NOW).temperature_k < 1583.0
 
 
-def test_limits_without_a_highest_temperature_leave_the_melting_point() -> None:
+def test_limits_without_a_highest_temperature_leave_what_the_largest_drive_makes_of_the_wire() -> None:
     limits = LIMITS._replace(maximum_temperature_k=inf)
-    assert opened(BOARD, limits, KeptInMemory("?"), NOW).temperature_k == 1583.0
+    found = opened(BOARD, limits, KeptInMemory("?"), NOW)
+    assert found[:2] == (pytest.approx(AMBIENT_K + 3.6**2 * 10.0 / 11.0**2 / LIMITS.heat_loss_w_per_k), 0.0)
 
 
 def test_a_file_of_somebody_else_that_may_not_be_read_counts_as_the_limit() -> None:
@@ -316,7 +346,7 @@ def test_tests_keep_nothing_in_the_users_own_folder() -> None:
     assert state_folder().is_relative_to(tempfile.gettempdir())
 
 
-def test_a_user_without_a_home_folder_is_told_and_begins_cold(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_user_without_a_home_folder_is_told_and_waits_at_each_opening(monkeypatch: pytest.MonkeyPatch) -> None:
     def nowhere() -> Path:
         raise RuntimeError("Could not determine home directory.")
 
@@ -325,7 +355,7 @@ def test_a_user_without_a_home_folder_is_told_and_begins_cold(monkeypatch: pytes
     monkeypatch.delenv("LOCALAPPDATA", raising=False)
     monkeypatch.setattr(Path, "home", nowhere)
     found = opened(BOARD, LIMITS, KeptFile(BOARD), NOW)
-    assert found.temperature_k == AMBIENT_K
+    assert (found.temperature_k, found.rest_s) == (LIMIT_K, pytest.approx(REST_S))
     assert "this user has no home folder" in str(found.reason)
 
 

@@ -115,7 +115,7 @@ def test_a_second_opening_finds_what_the_first_one_left() -> None:
     third = RememberedTemperature(BOARD, LIMITS, now=lambda: later(0.9))
     third.close()
     assert third.at_opening.temperature_k == pytest.approx(AMBIENT_K + (430.0 - AMBIENT_K) * 0.36788, abs=1e-2)
-    assert RememberedTemperature("another board", LIMITS, now=lambda: NOW).at_opening.temperature_k == AMBIENT_K
+    assert RememberedTemperature("another board", LIMITS, now=lambda: NOW).at_opening.temperature_k == LIMIT_K
 
 
 def test_a_program_that_closes_nothing_leaves_no_thread() -> None:
@@ -172,7 +172,7 @@ def test_a_folder_in_the_place_of_the_file_and_a_file_in_the_place_of_the_folder
     assert (found.temperature_k, found.rest_s) == (LIMIT_K, pytest.approx(REST_S))
     (tmp_path / "file").write_text("", "utf-8")
     found = opened(BOARD, LIMITS, KeptFile(BOARD, tmp_path / "file"), NOW)
-    assert (found.temperature_k, found.rest_s) == (AMBIENT_K, 0.0)
+    assert (found.temperature_k, found.rest_s) == (LIMIT_K, pytest.approx(REST_S))
     assert "cannot be kept" in str(found.reason)
 
 

@@ -18,7 +18,10 @@ from musclewire.extras.board._nidaq.output import GuardedOutput
 from musclewire.rigs import Answer, DeviceFacts, GuardedRig, Metadata, rig_configuration
 from musclewire.signals import Command
 
-__all__ = ["NIDAQ_RIGS", "SUBJECTS", "DeviceAtSeam", "at_seam", "wiring_of"]
+__all__ = ["COLD_K", "NIDAQ_RIGS", "SUBJECTS", "DeviceAtSeam", "at_seam", "wiring_of"]
+
+# The wire of a server that has just been started [K].
+COLD_K = 295.15
 
 
 class DeviceAtSeam:
@@ -71,7 +74,7 @@ def at_seam(name: str, *, paced: bool = False, **changed: object) -> GuardedRig:
     wiring = NiDaqConfiguration.model_validate({**wiring_of(name).model_dump(), "lockstep": not paced, **changed})
     server = DaqServer(card_of(wiring, paced=paced))
     try:
-        return GuardedRig(DeviceAtSeam(wiring, server))
+        return GuardedRig(DeviceAtSeam(wiring, server), wire_temperature_k=COLD_K)
     except BaseException:
         server.close()
         raise

@@ -20,11 +20,13 @@ from tests.tools import require_tool
 from musclewire.extras.board._serial.device import SerialConfiguration
 from musclewire.rigs import GuardedRig, open_rig, rig_configuration
 
-__all__ = ["SERIAL_RIGS", "SUBJECTS", "built_firmware", "mounted", "on_board", "unwatched"]
+__all__ = ["COLD_K", "SERIAL_RIGS", "SUBJECTS", "built_firmware", "mounted", "on_board", "unwatched"]
 
 BOARD = "mps2-an386"
 # A busy machine may take long over a sample; the board's own clock stands still meanwhile.
 PATIENCE_S = 10.0
+# The wire of a board that has just been switched on [K].
+COLD_K = 295.15
 
 
 def require_board() -> None:
@@ -69,7 +71,8 @@ def rig_and_board(**changed: Any) -> tuple[GuardedRig, EmulatedBoard]:
     require_board()
     board = EmulatedBoard(pace="lockstep", elf=built_firmware())
     try:
-        rig = open_rig(mounted(board.port_url, patience=PATIENCE_S, lockstep=True, **changed))
+        on_port = mounted(board.port_url, patience=PATIENCE_S, lockstep=True, **changed)
+        rig = open_rig(on_port, wire_temperature_k=COLD_K)
     except BaseException:
         board.close()
         raise

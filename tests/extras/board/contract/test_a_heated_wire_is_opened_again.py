@@ -14,7 +14,7 @@ from emulation.board import EmulatedBoard
 from emulation.daq_bench import WiredRig, card_of
 from emulation.daq_server import DaqServer
 from tests.extras.board.contract.nidaq_rigs import wiring_of
-from tests.extras.board.contract.serial_rigs import BOARD, built_firmware, mounted, require_board
+from tests.extras.board.contract.serial_rigs import BOARD, COLD_K, built_firmware, mounted, require_board
 
 from musclewire.controllers import Event, largest_power_w_per_v2, protection_table
 from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
@@ -84,7 +84,7 @@ def test_a_board_whose_host_thinks_rests_and_goes_on(caplog: pytest.LogCaptureFi
     require_board()
     with (
         EmulatedBoard(board=BOARD, pace="clock", elf=built_firmware()) as board,
-        open_rig(mounted(board.port_url)) as rig,
+        open_rig(mounted(board.port_url), wire_temperature_k=COLD_K) as rig,
     ):
         for _ in range(5):
             rig.exchange(3.0)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
-from tests.extras.board.contract.nidaq_rigs import NIDAQ_RIGS, DeviceAtSeam, wiring_of
+from tests.extras.board.contract.nidaq_rigs import COLD_K, NIDAQ_RIGS, DeviceAtSeam, wiring_of
 from tests.extras.board.contract.serial_rigs import SERIAL_RIGS
 
 from musclewire.experiment import Examination, examine, write_calibration
@@ -36,7 +36,8 @@ def test_a_sound_rig_passes_and_gets_no_more_than_its_sense_voltage(name: str) -
 def examined(wiring: NiDaqConfiguration, errors: dict[str, tuple[float, float]], *, meters: bool) -> Examination:
     """The examination of a card whose terminals have errors that its rig file does not know."""
     server = DaqServer(card_of(wiring_of("ni-pci-6229"), paced=False, errors=errors))
-    with GuardedRig(DeviceAtSeam(wiring.model_copy(update={"lockstep": True}), server)) as rig:
+    device = DeviceAtSeam(wiring.model_copy(update={"lockstep": True}), server)
+    with GuardedRig(device, wire_temperature_k=COLD_K) as rig:
         if meters:
             return examine(rig, meter_wire_v=TRUE_WIRE_V, meter_shunt_v=TRUE_SHUNT_V)
         return examine(rig)

@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
-from tests.extras.board.contract.nidaq_rigs import at_seam, wiring_of
+from tests.extras.board.contract.nidaq_rigs import COLD_K, at_seam, wiring_of
 
 from musclewire.controllers import Event
 from musclewire.errors import RigError
@@ -36,7 +36,7 @@ PATIENCE_S = 180.0
 HOST = f"""
 import sys
 import musclewire
-with musclewire.open_rig(sys.argv[1]) as rig:
+with musclewire.open_rig(sys.argv[1], wire_temperature_k=295.15) as rig:
     rig.exchange(rig.sense_voltage_v)
     while True:
         rig.exchange({DRIVE_V})
@@ -144,7 +144,8 @@ def test_a_killed_host_leaves_no_voltage_on_the_card(bench: Bench) -> None:
 def test_after_a_killed_host_the_card_is_free_again(bench: Bench, name: str) -> None:
     bench.host.kill()
     bench.last_words()
-    with open_rig(wiring_of(name).model_copy(update={"grpc": bench.server.address})) as rig:
+    at_server = wiring_of(name).model_copy(update={"grpc": bench.server.address})
+    with open_rig(at_server, wire_temperature_k=COLD_K) as rig:
         rig.exchange(rig.sense_voltage_v)
 
 
@@ -230,7 +231,8 @@ def test_a_server_that_is_cut_off_is_a_lost_device_and_does_not_hang_the_program
     command = [sys.executable, "-m", "emulation.daq_server", "--card", name]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         try:
-            rig = open_rig(wiring_of(name).model_copy(update={"grpc": address_of(server)}))
+            at_server = wiring_of(name).model_copy(update={"grpc": address_of(server)})
+            rig = open_rig(at_server, wire_temperature_k=COLD_K)
             rig.exchange(rig.sense_voltage_v)
             server.send_signal(signal.SIGSTOP)
             with pytest.raises(ProtectionTripError, match="nothing confirms it") as caught:

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from emulation.board import EmulatedBoard
 from numpy.typing import NDArray
-from tests.extras.board.contract.serial_rigs import mounted
+from tests.extras.board.contract.serial_rigs import COLD_K, mounted
 from tests.faults.table import FaultRow
 from tests.places import included_rig_file
 
@@ -106,7 +106,8 @@ def scripted_run(board: EmulatedBoard, row: FaultRow, path: Path, patience_s: fl
     beside: list[threading.Thread] = []
     try:
         lockstep = row.run == "lockstep"
-        with open_rig(mounted(board.port_url, patience=patience_s, limits=row.limits, lockstep=lockstep)) as rig:
+        on_port = mounted(board.port_url, patience=patience_s, limits=row.limits, lockstep=lockstep)
+        with open_rig(on_port, wire_temperature_k=COLD_K) as rig:
             assert isinstance(rig.device, SerialDevice)
             if row.inject == "from the start":
                 outcome.since = now(board, row)

@@ -41,7 +41,7 @@ def test_the_hex_file_runs_greets_and_characterizes_the_wire(wire: str, tmp_path
         text = rig_file_text("arduino-uno", wire, board.port_url)
         limits = f'maximum_voltage = "{image.maximum_voltage_v:g} V"'
         (tmp_path / "board.toml").write_text(text.replace('maximum_voltage = "3.6 V"', limits), "utf-8")
-        with open_rig(tmp_path / "board.toml") as rig:
+        with open_rig(tmp_path / "board.toml", wire_temperature_k=295.15) as rig:
             loop = characterize(rig, cycles=1, period_s=20.0)
     # Eq. 1, where the drive is above the half of its amplitude and the converter's steps are small.
     hot = loop["shunt_voltage_v"] > 0.5 * loop["shunt_voltage_v"].max()
