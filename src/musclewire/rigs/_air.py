@@ -36,6 +36,9 @@ class Surroundings(BaseModel):
         Standard deviation of convection, as a fraction of that of still air, at most 0.25.
     draught_time
         Correlation time of the draughts [s].
+    convection
+        Convection on the average, as a fraction of that of still air: less in a sleeve or in foam, of which the
+        protection of the simulated rig knows as little as that of a real one.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -44,11 +47,12 @@ class Surroundings(BaseModel):
     ambient_period: Seconds = 600.0
     draught: float = Field(default=0.0, ge=0.0, le=0.25, allow_inf_nan=False)
     draught_time: Seconds = 3.0
+    convection: float = Field(default=1.0, ge=0.1, le=1.0, allow_inf_nan=False)
 
     @property
     def still(self) -> bool:
-        """Whether neither temperature nor convection changes."""
-        return self.ambient_swing == 0.0 and self.draught == 0.0
+        """Whether temperature and convection are those of still air."""
+        return self.ambient_swing == 0.0 and self.draught == 0.0 and self.convection == 1.0
 
 
 class AirState(NamedTuple):
@@ -69,6 +73,11 @@ class AirModel:
         self._phase = float(self._random.uniform(0.0, 2.0 * math.pi))
         self._draught = float(self._random.standard_normal())
 
+    @property
+    def loss(self) -> float:
+        """Convection on the average, as a fraction of that of still air."""
+        return self._of.convection
+
     def after(self, time_s: float, dt_s: float) -> AirState:
         """Return the air ``dt_s`` after the last call, at a time on the rig's clock."""
         # Exact for any step: an Ornstein-Uhlenbeck process sampled at the ends of steps.
@@ -78,5 +87,5 @@ class AirModel:
         swing = math.sin(2.0 * math.pi * time_s / self._of.ambient_period + self._phase)
         return AirState(
             warmer_k=self._of.ambient_swing * swing,
-            convection_ratio=1.0 + self._of.draught * strength,
+            convection_ratio=self._of.convection * (1.0 + self._of.draught * strength),
         )

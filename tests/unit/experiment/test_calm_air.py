@@ -1,16 +1,18 @@
-"""A model whose slow loop passed B with less power than still air needs lowers what its rig is allowed."""
+"""A model whose slow loop, or a run that, passed B with less power than still air needs lowers what is allowed."""
 
 from __future__ import annotations
 
 import logging
+from contextlib import suppress
 from functools import cache
 
 import pytest
 
 import musclewire as mw
 from musclewire.controllers import ProtectionLimits
-from musclewire.experiment._calm_air import CALM_FRACTION, heed_air, still_air_b_power_w
-from musclewire.rigs import GuardedRig
+from musclewire.errors import RigError
+from musclewire.experiment._calm_air import CALM_FRACTION, AirWatch, heed_air, still_air_b_power_w
+from musclewire.rigs import GuardedRig, RigConfiguration, SimulatedDevice, Surroundings
 from musclewire.sensing import SensingModel
 
 CONVECTION_FACTOR = 0.817678  # the paper's wire's own
@@ -67,3 +69,75 @@ def test_warm_air_counts_as_calm_air() -> None:
     with rig:
         heed_air(rig, model)
         assert rig.protection_limits.heat_loss_w_per_k < 0.5 * before.heat_loss_w_per_k
+
+
+def sleeved(loss: float) -> RigConfiguration:
+    return RigConfiguration(surroundings=Surroundings(convection=loss))
+
+
+def slow_loop(rig: GuardedRig, **sine: float) -> tuple[float, float]:
+    """Heat a wire until the end of its loop or a trip; return its highest true temperature [C] and the loss kept."""
+    before, hottest_k = rig.protection_limits.heat_loss_w_per_k, [0.0]
+    assert isinstance(rig.device, SimulatedDevice)
+    state = rig.device.wire_state
+
+    def on_sample(_row: object) -> None:
+        hottest_k[0] = max(hottest_k[0], state.temperature_k)
+
+    with rig, suppress(RigError):
+        mw.characterize(rig, cycles=1, on_sample=on_sample, **sine)
+    return hottest_k[0] - 273.15, rig.protection_limits.heat_loss_w_per_k / before
+
+
+@pytest.mark.parametrize(("loss", "period_s"), [(0.5, 20.0), (0.5, 90.0), (0.7, 90.0)])
+def test_a_run_without_a_model_heats_no_wire_in_a_sleeve_beyond_its_limit(
+    loss: float, period_s: float, caplog: pytest.LogCaptureFixture
+) -> None:
+    """The protection knows nothing of the sleeve; without the run's own B it lets this wire get 243 C."""
+    hottest_c, kept = slow_loop(mw.open_rig(sleeved(loss)), amplitude_v=3.6, period_s=period_s)
+    assert hottest_c <= 210.0
+    assert CALM_FRACTION * loss < kept <= loss
+    assert "the wire passed B with" in caplog.text
+    assert "loss_factor or ambient_temperature" in caplog.text
+
+
+@pytest.mark.parametrize(("rig", "period_s"), [("simulated", 10.0), ("gripper", 40.0)])
+def test_a_run_in_still_air_changes_nothing(rig: str, period_s: float, caplog: pytest.LogCaptureFixture) -> None:
+    assert slow_loop(mw.open_rig(rig), period_s=period_s)[1] == 1.0
+    assert "passed B" not in caplog.text
+
+
+def test_a_run_that_begins_warm_says_nothing_of_its_air() -> None:
+    """The resistance of a wire that is still contracted falls at once, at no power that B needs."""
+    with mw.open_rig("simulated") as rig:
+        for _ in range(60):
+            rig.exchange(3.2)
+        before = rig.protection_limits
+        mw.characterize(rig, cycles=1, period_s=10.0, on_sample=lambda _row: None)
+        assert rig.protection_limits == before
+
+
+class Lab:
+    """A rig with a clock that simulates nothing, for what is said before it is heated."""
+
+    paced, air_is_known, sample_period_s, shunt_resistance_ohm = True, False, 0.05, 1.0
+
+    def __init__(self, rig: GuardedRig) -> None:
+        self.protection_limits, self.protection, self.device = rig.protection_limits, rig.protection, self
+        self.leg_length_m = rig.leg_length_m
+
+    def metadata(self) -> dict[str, str]:
+        return {"wire": "paper-100um"}
+
+
+def test_what_is_assumed_of_the_air_is_said_once_before_a_real_wire_is_heated_without_a_model(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    with mw.open_rig("simulated") as simulated:
+        AirWatch(simulated)
+        lab = Lab(simulated)
+    assert not caplog.text
+    for _ in range(2):
+        AirWatch(lab)  # type: ignore[arg-type]
+    assert caplog.text.count("protected as a bare one in still air") == 1
+    assert "state loss_factor or ambient_temperature in the rig file before it is heated" in caplog.text
