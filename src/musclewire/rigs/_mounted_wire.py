@@ -178,6 +178,10 @@ class Arriving(BaseModel):
     measured: Volts
     by: Literal["multimeter", "supply", "circuit"]
 
+    def facts(self) -> Metadata:
+        """Return what a recording states of it; the largest fraction is a limit of the protection."""
+        return {"arriving_fraction_by": self.by, "arriving_fraction_least": self.fractions[0]}
+
     @property
     def fractions(self) -> tuple[float, float]:
         """Least and largest fraction of an order that is at wire and shunt, by the instrument's error."""
@@ -315,7 +319,7 @@ class MountedWire(BaseModel):
             "maximum_force_n": wire.maximum_force_n.value,
             **validity_of(load_alloy(wire.alloy)).facts(),
             **{name: getattr(self, key) for key, name in STATED.items()},
-            **({} if self.arrives is None else {"arriving_fraction_by": self.arrives.by}),
+            **({} if self.arrives is None else self.arrives.facts()),
         }
 
 

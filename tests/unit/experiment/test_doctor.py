@@ -15,7 +15,7 @@ from musclewire.app import document, text
 from musclewire.errors import CallerError
 from musclewire.experiment._doctor import Examination, examine
 from musclewire.experiment._doctor.evidence import Findings, RigCheck, SkippedCheck
-from musclewire.rigs import Answer, HasTrueState, ability
+from musclewire.rigs import Answer, Arriving, GuardedRig, HasTrueState, ability
 from musclewire.signals import RawSample
 
 Altered = Callable[[RawSample, int], RawSample]
@@ -113,6 +113,28 @@ def test_each_fault_is_found_by_its_check_with_advice_and_nothing_is_heated(faul
     assert found.highest_v <= 0.3
     if name in {"wire_polarity", "output_gain", "readings_are_measurements"}:
         assert max(put_out) < 0.15
+
+
+@pytest.mark.parametrize(
+    ("measured_v", "arrived", "holds"), [(2.7, 0.9, True), (2.7, 1.0, False), (2.7, 0.8, False), (2.4, 0.8, True)]
+)
+def test_what_arrives_by_a_multimeter_is_compared_with_the_channels(
+    measured_v: float, arrived: float, holds: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A channel that is 10 % wrong, which no order shows, and an order of which only 80 % arrive, which no fault is."""
+    stated = Arriving(ordered=3.0, measured=measured_v, by="multimeter")
+    with mw.open_rig("simulated") as rig:
+        alter(rig, scaled(arrived, arrived))
+        facts = {**rig.metadata(), **stated.facts()}
+        limits = rig.protection_limits._replace(arriving_fraction=stated.fractions[1])
+        monkeypatch.setattr(GuardedRig, "protection_limits", limits)
+        monkeypatch.setattr(GuardedRig, "metadata", lambda _: facts)
+        found = examine(rig)
+    check = next(check for check in found.findings.checks if check.name == "output_gain")
+    assert check.ok is holds
+    least, largest = 0.98 * measured_v / 3.0, 1.02 * measured_v / 3.0
+    assert f"by multimeter {least:.3f} to {largest:.3f} ([arrives] of the rig file)" in check.advice
+    assert ("measure again, and correct what differs" in check.advice) is not holds
 
 
 @pytest.mark.parametrize("seed", range(8))

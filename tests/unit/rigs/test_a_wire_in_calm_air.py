@@ -37,7 +37,9 @@ def test_more_loss_than_in_still_air_is_confirmed_or_refused() -> None:
 def test_what_a_multimeter_has_shown_of_an_order_counts_with_its_error(measured: str, fraction: float) -> None:
     wire = mounted(arrives={"ordered": "3 V", "measured": measured, "by": "multimeter"})
     assert wire.protection_limits(wire_range_v=5.0, shunt_range_v=1.0).arriving_fraction == pytest.approx(fraction)
-    assert wire.facts()["arriving_fraction_by"] == "multimeter"
+    facts = wire.facts()
+    assert facts["arriving_fraction_by"] == "multimeter"
+    assert facts["arriving_fraction_least"] == pytest.approx(min(0.98 * float(measured.split()[0]) / 3.0, 1.0))
 
 
 def test_the_rigs_own_channels_are_no_source_of_what_arrives() -> None:

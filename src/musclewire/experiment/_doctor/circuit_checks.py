@@ -23,18 +23,27 @@ USUAL_FACTORS = (0.001, 0.01, 0.1, 0.22, 0.47, 1 / 2.2, 2.2, 4.7, 10.0, 100.0, 1
 NAMED_WITHIN = 0.12
 
 
+class Arriving(NamedTuple):
+    """Least and largest fraction of an order at wire and shunt, by what: the rig file's ``[arrives]``."""
+
+    least: float
+    largest: float
+    by: str
+
+
 class ExpectedWire(NamedTuple):
-    """The rig file's statements about the wire: cold resistance, and the window that contains all its states."""
+    """The rig file's statements about the wire: cold resistance, the window of all its states, what arrives at it."""
 
     resistance_ohm: float | None
     low_ohm: float
     high_ohm: float
     why_unknown: str = ""
+    arriving: Arriving | None = None
 
 
 def circuit_findings(evidence: Evidence, expected: ExpectedWire) -> Findings:
     """Return the checks of output, current, wire and shunt."""
-    made = [output_at_zero_check(evidence), output_gain_check(evidence), current_check(evidence)]
+    made = [output_at_zero_check(evidence), output_gain_check(evidence, expected.arriving), current_check(evidence)]
     swapped = swapped_findings(evidence, expected)
     if not evidence.carries:
         names = ("wire_resistance_ohm", "resistance_in_window", "shunt_share", "outside_resistance_ohm")
@@ -58,12 +67,17 @@ def output_at_zero_check(evidence: Evidence) -> RigCheck:
     return RigCheck("output_at_zero_v", ok, volts, "V", advice)
 
 
-def output_gain_check(evidence: Evidence) -> RigCheck:
-    """Check that the voltage at wire and shunt follows the command."""
+def output_gain_check(evidence: Evidence, arriving: Arriving | None) -> RigCheck:
+    """Check that the voltage at wire and shunt follows the command, or is what something else has shown to arrive."""
     gain = abs(evidence.wire.slope) + abs(evidence.shunt.slope)
     ok = abs(gain - 1.0) <= GAIN_FRACTION
     advice = "volts at wire and shunt per commanded volt"
-    if gain < 0.5:
+    if arriving is not None:
+        ok = arriving.least <= gain <= arriving.largest
+        advice += f"; by {arriving.by} {arriving.least:.3f} to {arriving.largest:.3f} ([arrives] of the rig file)"
+        if not ok:
+            advice += ": a channel's gain is wrong, or it was another circuit; measure again, and correct what differs"
+    elif gain < 0.5:
         advice = "the drive does not arrive: check supply, fuse, emergency switch, amplifier and the clamps"
     elif gain < 1.0 - GAIN_FRACTION:
         advice += (
