@@ -8,7 +8,7 @@ from time import perf_counter_ns
 from types import TracebackType
 from typing import Self
 
-from musclewire.controllers import ProtectionLimits
+from musclewire.controllers import Event, ProtectionLimits, ProtectionState, State
 from musclewire.rigs import Metadata
 from musclewire.sensing import SensingModel
 from musclewire.signals import Command, RawSample, as_command, drive_voltage_of
@@ -31,6 +31,8 @@ class FakeRig:
     protection_limits = ProtectionLimits(
         0.3, 3.6, 1.0, 1e-3, 0.5, 2.0, 10.0, 25.0, 0.1, 10.0, 10.0, 0.0, 0.02, 0.006, 295.15, 473.15
     )
+    protection = ProtectionState(State.ARMED, Event.NONE, drive_voltage_v=0.0, temperature_k=295.15)
+    air_is_known = False
     device = None
 
     def __init__(self, *, fails_at: int | None = None, dropouts: range = range(0)) -> None:
@@ -58,6 +60,9 @@ class FakeRig:
         return RawSample(
             0.05 * self.samples, drive_voltage_v, current * resistance, current, displacement_m=LENGTH_M * self.strain
         )
+
+    def rest(self) -> None:
+        """Its wire is cold."""
 
     def holding_back(self) -> nullcontext[None]:
         """It has no limit that a drive could exceed."""
