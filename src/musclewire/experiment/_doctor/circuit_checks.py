@@ -24,7 +24,7 @@ NAMED_WITHIN = 0.12
 
 
 class Arriving(NamedTuple):
-    """Least and largest fraction of an order at wire and shunt, by what: the rig file's ``[arrives]``."""
+    """Least and largest fraction of an order at wire and shunt, and what has shown it: the rig file's ``[arrives]``."""
 
     least: float
     largest: float
