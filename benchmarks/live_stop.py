@@ -1,6 +1,7 @@
 """How long a stop takes from a request or a message: the real server, the simulated rig, in the middle of a heated run.
 
-    python -m benchmarks.live_stop [--stops 40] [--quick] [--while-switching-on 200] [--among 1100 --files 1024]
+    python -m benchmarks.live_stop [--stops 40] [--quick] [--while-switching-on 200]
+    python -m benchmarks.live_stop --among [--stops 50] [--kinds all idle talking half-sent websocket]
 
 Each stop comes at a random moment of the sample period of a run that heats. Prints JSON, times in ms as {median, p95,
 max}: from before the request or the message is sent until the same client has received that the drive is off, which is
@@ -11,18 +12,22 @@ With ``--while-switching-on`` it counts instead: so many stops, by WebSocket, HT
 ``serve`` (one in forty, each with a server of its own), each at a random moment after an order to switch on. A stop is
 lost if it is not answered, or if afterwards the state says anything but stopped or a sample comes. Exit code 1 then.
 
-With ``--among`` so many connections of another process stand at the server, which may open so many files: by turns they
-are silent, ask for the state every second, have sent half a request with the token, and are open WebSockets; who is
+With ``--among`` connections of another process stand at the server, 300 at one that may open 256 files and 1,100 at one
+that may open 1,024; a row for each kind of them and for all kinds by turns: idle ones that send nothing, talking ones
+that ask for the state every second, ones that have sent half a request, and WebSockets; all show the token, and who is
 thrown out comes again a second later. Each stop is a POST over a connection of its own; all the while a page controls
 another bench, which it heats. ``bars_met``: every stop was answered within 2 s, and the page has kept control.
+``server_cpu``: how much of one core the server took meanwhile.
 """
 
 from __future__ import annotations
 
 import argparse
 import asyncio
+import itertools
 import json
 import multiprocessing
+import os
 import random
 import signal
 import sys
@@ -30,6 +35,7 @@ import tempfile
 import threading
 import time
 from collections import Counter
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -51,6 +57,8 @@ BENCH, MAX_ANSWER_S = "simulated", 30.0
 # come before the first stop, and how far apart stops are.
 AMONG_BAR_S, TALK_S, AGAIN_S, GATHER_S, BETWEEN_S = 2.0, 1.0, 1.0, 5.0, 0.2
 OTHER_BENCH = "finger"
+# How many others, and how many files the server may open.
+ROWS = ((300, 256), (1100, 1024))
 SAMPLE_S = 0.05
 
 
@@ -202,31 +210,37 @@ def run_while_switching_on(folder: Path, count: int, seed: int) -> dict[str, Any
     return {"stops": count, "signals": signals, "seed": seed, "lost": dict(lost), "bars_met": not lost.total()}
 
 
+KINDS = ("idle", "talking", "half-sent", "websocket")
+
+
 class Crowd:
-    """Connections of others, of four kinds by turns, in a process of their own."""
+    """Connections of others, of some kinds by turns, in a process of their own."""
 
-    def __init__(self, host: str, port: int, token: str | None) -> None:
+    def __init__(self, server: RunningServer, kinds: Sequence[str]) -> None:
         """Take the server."""
-        self._host, self._port = host, port
-        shown = "" if token is None else f"Authorization: Bearer {token}\r\n"
-        head = f"HTTP/1.1\r\nHost: {host}\r\n{shown}"
+        address = httpx.URL(server.url)
+        self._host, self._port, self._kinds = address.host, address.port, kinds
+        shown = "".join(f"{name}: {value}\r\n" for name, value in server.headers.items())
+        head = f"HTTP/1.1\r\nHost: {address.host}\r\n{shown}"
         path = f"/api/v1/benches/{BENCH}"
-        self._asks = f"GET {path} {head}\r\n".encode()
         json_kind = "Content-Type: application/json\r\nContent-Length: 20\r\n"
-        self._half = f"POST {path}/control {head}{json_kind}\r\n{{".encode()
         key = "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
-        upgrade = f"Connection: Upgrade\r\nUpgrade: websocket\r\n{key}"
-        self._socket = f"GET /api/v1/live {head}{upgrade}\r\n".encode()
+        self._says = {
+            "idle": "",
+            "talking": f"GET {path} {head}\r\n",
+            "half-sent": f"POST {path}/control {head}{json_kind}\r\n{{",
+            "websocket": f"GET /api/v1/live {head}Connection: Upgrade\r\nUpgrade: websocket\r\n{key}\r\n",
+        }
 
-    async def stand(self, number: int) -> None:
+    async def stand(self, kind: str) -> None:
         """Be one of them, and come again after each end."""
-        says = (b"", self._asks, self._half, self._socket)[number % 4]
+        says = self._says[kind].encode()
         while True:
             with suppress(OSError, asyncio.IncompleteReadError):
                 reader, writer = await asyncio.open_connection(self._host, self._port)
                 try:
                     writer.write(says)
-                    while number % 4 == 1:
+                    while kind == "talking":
                         await asyncio.sleep(TALK_S)
                         writer.write(says)
                         if not await reader.read(65536):
@@ -239,27 +253,25 @@ class Crowd:
 
     async def all(self, count: int) -> None:
         """Be so many."""
-        await asyncio.gather(*(self.stand(number) for number in range(count)))
+        await asyncio.gather(*(self.stand(self._kinds[number % len(self._kinds)]) for number in range(count)))
 
 
-def crowd(host: str, port: int, token: str | None, count: int) -> None:
+def crowd(of: Crowd, count: int) -> None:
     """Run so many connections until the process is ended."""
     import resource
 
     most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
-    asyncio.run(Crowd(host, port, token).all(count))
+    asyncio.run(of.all(count))
 
 
 def one_stop_s(server: RunningServer) -> float | None:
     """Return the time of one stop over a connection of its own [s]; None if it is not answered as stopped."""
-    began_s = time.perf_counter()
-    with (
-        suppress(httpx.HTTPError),
-        httpx.Client(base_url=server.url, headers=server.headers, trust_env=False) as http,
-    ):
-        answer = http.post(f"/api/v1/benches/{BENCH}/stop", timeout=MAX_ANSWER_S)
-        return time.perf_counter() - began_s if answer.status_code == httpx.codes.OK else None
+    with httpx.Client(base_url=server.url, headers=server.headers, trust_env=False, verify=False) as http:
+        began_s = time.perf_counter()
+        with suppress(httpx.HTTPError):
+            answer = http.post(f"/api/v1/benches/{BENCH}/stop", timeout=MAX_ANSWER_S)
+            return time.perf_counter() - began_s if answer.status_code == httpx.codes.OK else None
     return None
 
 
@@ -306,11 +318,18 @@ class HeatingPage:
         return self.holds and self._phase == "busy"
 
 
-def run_among(folder: Path, count: int, files: int, stops_wanted: int, seed: int) -> dict[str, Any]:
+def cpu_s(pid: int) -> float:
+    """Return how much time a process has taken of a core [s]."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def run_among(
+    folder: Path, count: int, files: int, stops_wanted: int, seed: int, kinds: Sequence[str] = KINDS
+) -> dict[str, Any]:
     """Return how stops are answered among so many connections of others."""
     chance, others = random.Random(seed), multiprocessing.get_context("spawn")
     with running_server(folder, "--port", "8923", rigs=(BENCH, OTHER_BENCH), files=files) as server:
-        address, token = httpx.URL(server.url), server.token
         with connect(server.socket_url, proxy=None, additional_headers=server.headers) as socket:
             page = HeatingPage(socket)
             page.wait_for("off")
@@ -318,8 +337,9 @@ def run_among(folder: Path, count: int, files: int, stops_wanted: int, seed: int
             page.wait_for("ready")
             page.order(do="characterize", cycles=100, period_s=30.0)
             page.wait_for("busy")
-            crowded = others.Process(target=crowd, args=(address.host, address.port, token, count))
+            crowded = others.Process(target=crowd, args=(Crowd(server, kinds), count))
             crowded.start()
+            began_s, took_before_s = time.monotonic(), cpu_s(server.process.pid)
             try:
                 time.sleep(GATHER_S)
                 took_s = []
@@ -329,23 +349,38 @@ def run_among(folder: Path, count: int, files: int, stops_wanted: int, seed: int
             finally:
                 crowded.terminate()
                 crowded.join()
+            share = (cpu_s(server.process.pid) - took_before_s) / (time.monotonic() - began_s)
             kept = page.end()
         said = server.said
     in_time = [each for each in took_s if each is not None and each <= AMONG_BAR_S]
     answered = [1e3 * each for each in took_s if each is not None]
     return {
-        "stops": stops_wanted,
+        "kinds": " ".join(kinds),
         "among": count,
         "files": files,
+        "stops": stops_wanted,
         "seed": seed,
         "answered": len(answered),
         "in_time": len(in_time),
         "stop_ms": spread(answered) if answered else None,
         "control_kept": kept,
+        "server_cpu": round(share, 2),
         "traceback": "Traceback" in said,
         "log_bytes": len(said),
         "bars_met": len(in_time) == stops_wanted and kept and "Traceback" not in said,
     }
+
+
+def run_all_among(folder: Path, stops_wanted: int, seed: int, kinds: Sequence[str]) -> dict[str, Any]:
+    """Print a row for each kind of connections at both limits of files; return whether all bars are met."""
+    met = []
+    for number, ((count, files), kind) in enumerate(itertools.product(ROWS, kinds)):
+        own = folder / str(number)
+        own.mkdir()
+        row = run_among(own, count, files, stops_wanted, seed, KINDS if kind == "all" else (kind,))
+        print(json.dumps(row), flush=True)
+        met.append(row["bars_met"])
+    return {"rows": len(met), "rows_that_meet_bars": sum(met), "bars_met": all(met)}
 
 
 def spread(times_ms: list[float]) -> dict[str, float]:
@@ -370,12 +405,12 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--while-switching-on", type=int, metavar="COUNT")
-    parser.add_argument("--among", type=int, metavar="COUNT")
-    parser.add_argument("--files", type=int, default=1024)
+    parser.add_argument("--among", action="store_true")
+    parser.add_argument("--kinds", nargs="+", choices=("all", *KINDS), default=("all", *KINDS))
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        if given.among is not None:
-            found = run_among(Path(folder), given.among, given.files, given.stops, given.seed)
+        if given.among:
+            found = run_all_among(Path(folder), given.stops, given.seed, given.kinds)
         elif given.while_switching_on is not None:
             found = run_while_switching_on(Path(folder), given.while_switching_on, given.seed)
         else:

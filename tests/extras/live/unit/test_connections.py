@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
 import logging
 import os
 import socket
+from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any
 
 import pytest
+import uvicorn
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.extras.live._server.connections import FIRST_REQUEST_S, REPORT_S, Connections, ReservedFile
+from musclewire.extras.live._server.connections import (
+    ACCEPTED_AT_ONCE,
+    FIRST_REQUEST_S,
+    REPORT_S,
+    Connections,
+    FirstBytes,
+    ReservedFile,
+    Turns,
+    WatchedProtocol,
+    accept,
+)
 
 MOST = 8
 
@@ -36,10 +50,15 @@ class Line:
 class Server:
     """Connections with pages and leases, and a clock."""
 
-    def __init__(self) -> None:
+    def __init__(self, most: int = MOST) -> None:
         self.pages: set[Any] = set()
         self.leases: set[str] = set()
-        self.connections, self.now_s, self.lines = Connections(MOST, lambda: (self.pages, self.leases)), 0.0, []
+        self.asked, self.now_s, self.lines = 0, 0.0, list[Line]()
+        self.connections = Connections(most, self.is_kept)
+
+    def is_kept(self, place: Any, lease: str | None) -> bool:
+        self.asked += 1
+        return place in self.pages or lease in self.leases
 
     def came(self, count: int = 1) -> list[Line]:
         lines = [Line(len(self.lines) + number) for number in range(count)]
@@ -141,16 +160,31 @@ def test_if_all_are_kept_one_more_is_let_in() -> None:
     assert len(server.open) == MOST + 1
 
 
-def test_who_is_gone_or_closed_by_another_protocol_makes_room() -> None:
+def test_who_is_gone_makes_room() -> None:
     server = Server()
     first, second, *_ = server.came(MOST)
     server.connections.gone(second)  # type: ignore[arg-type]
-    second.is_open = False
     server.came()
     assert first.is_open
-    server.lines[3].is_open = False
-    server.came()
-    assert first.is_open
+
+
+def test_a_late_end_is_not_that_of_who_has_the_address_and_port_by_now() -> None:
+    server = Server()
+    (old,) = server.came()
+    new = Line(old.place[1])
+    server.connections.came(new, server.now_s)  # type: ignore[arg-type]
+    server.connections.gone(old)  # type: ignore[arg-type]
+    assert len(server.connections) == 1
+
+
+def test_room_is_made_by_looking_at_one_however_many_there_are_and_at_each_who_is_kept_once() -> None:
+    server = Server(most=1000)
+    server.came_and_asked(990)
+    server.pages = {line.place for line in server.lines[:30]}
+    server.came(10)
+    assert server.asked == 0
+    server.came(100)
+    assert server.asked == 100 + len(server.pages)
 
 
 def test_who_sends_no_valid_request_in_time_is_closed() -> None:
@@ -190,6 +224,89 @@ def test_a_descriptor_is_kept_for_one_connection_more() -> None:
             connection.close()
         reserved.keep()
         reserved.close()
+
+
+class Handed(asyncio.Protocol):
+    """Notes in which turn of the loop what has come is handed over."""
+
+    def __init__(self, turn_of: Callable[[], int], turns: list[int]) -> None:
+        self._turn_of, self._turns = turn_of, turns
+
+    def data_received(self, _data: bytes) -> None:
+        self._turns.append(self._turn_of())
+
+
+def test_a_stop_that_waits_behind_many_is_read_in_as_many_turns_as_it_takes_to_accept_them() -> None:
+    """Each turn serves everybody else once; a batch waited for until its last one is read would take four of them."""
+    before, turn, read = 10 * ACCEPTED_AT_ONCE, 0, list[int]()
+
+    async def run() -> None:
+        nonlocal turn
+        connections, turns = Connections(2 * before, lambda *_: False), Turns()
+        with socket.create_server(("127.0.0.1", 0), backlog=2 * before) as listening, ExitStack() as stack:
+            listening.setblocking(False)
+            address = listening.getsockname()
+            for _ in range(before):
+                stack.enter_context(socket.create_connection(address))
+            stop = stack.enter_context(socket.create_connection(address))
+            stop.sendall(b"POST /api/v1/benches/simulated/stop HTTP/1.1\r\n\r\n")
+            accepting = asyncio.create_task(
+                accept(
+                    listening,
+                    connections,
+                    lambda: FirstBytes(connections, turns, lambda: Handed(lambda: turn, read)),
+                )
+            )
+            while not read and turn < 10 * before:
+                turn += 1
+                await asyncio.sleep(0)
+            accepting.cancel()
+            await asyncio.gather(accepting, return_exceptions=True)
+
+    asyncio.run(run())
+    assert read
+    assert read[0] <= before // ACCEPTED_AT_ONCE + 8
+
+
+class OpenTransport(asyncio.Transport):
+    """A transport whose other end takes everything."""
+
+    def __init__(self) -> None:
+        super().__init__({"peername": ("127.0.0.1", 9), "sockname": ("127.0.0.1", 8765)})
+        self.protocol: Any = None
+
+    def set_protocol(self, protocol: Any) -> None:
+        self.protocol = protocol
+
+    def write(self, data: Any) -> None: ...
+
+    def is_closing(self) -> bool:
+        return False
+
+    def close(self) -> None: ...
+
+
+def test_the_end_of_a_websocket_is_noted() -> None:
+    async def app(_scope: Any, _receive: Any, _send: Any) -> None: ...
+
+    async def run() -> None:
+        connections, transport = Connections(MOST, lambda *_: False), OpenTransport()
+        config = uvicorn.Config(app, ws="websockets-sansio", lifespan="off", log_config=None)
+        transport.protocol = http = WatchedProtocol(
+            connections, config=config, server_state=uvicorn.server.ServerState(), app_state={}
+        )
+        connections.came(transport, 0.0)
+        http.connection_made(transport)
+        http.data_received(
+            b"GET /live HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+            b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n"
+        )
+        assert transport.protocol is not http
+        assert len(connections) == 1
+        transport.protocol.connection_lost(None)
+        assert len(connections) == 0
+
+    asyncio.run(run())
 
 
 def test_what_made_room_is_said_once_a_minute_and_counted(caplog: pytest.LogCaptureFixture) -> None:

@@ -124,7 +124,7 @@ class LateStandIn(BenchStandIn):
 def http_of(handle: Any) -> httpx.AsyncClient:
     """Return a client of the whole application, its gate included, without a connection."""
     session = Session([handle], Path())
-    app = configuration(session, ServerSettings(Path()), ListenAddress(), Connections(8, session.kept), Turns()).app
+    app = configuration(session, ServerSettings(Path()), ListenAddress(), Connections(8, session.is_kept), Turns()).app
     return httpx.AsyncClient(transport=httpx.ASGITransport(app=app))  # type: ignore[arg-type]
 
 

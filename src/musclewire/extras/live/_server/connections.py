@@ -14,13 +14,15 @@ import os
 import re
 import socket
 import sys
-from collections import deque
+from collections import OrderedDict, deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from starlette.types import Scope
 from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 LOGGER = logging.getLogger("musclewire.live")
 # From the connection to the last header of its first valid request.
@@ -43,91 +45,100 @@ class Connection:
 
     transport: asyncio.Transport
     sign_s: float
-    is_new: bool = True
     lease: str | None = None
     stops: bool = False
 
 
 class Connections:
-    """The connections of a server. All times are of one clock, given by the caller.
+    """The connections of a server: noting one takes the same time however many there are.
+
+    All times are of one clock, given by the caller.
 
     Parameters
     ----------
     most
         How many there may be.
-    kept
-        Returns the places of open pages and the leases of who has control or asks for it.
+    is_kept
+        Returns whether somebody at a place, or with a lease, is kept: at an open page, with control or asking for it.
     """
 
-    def __init__(self, most: int, kept: Callable[[], tuple[set[Any], set[str]]]) -> None:
+    def __init__(self, most: int, is_kept: Callable[[Any, str | None], bool]) -> None:
         """Begin with none."""
-        self._most, self._kept = most, kept
-        self._all: dict[Any, Connection] = {}  # who gave a sign longest ago comes first
+        self._most, self._is_kept = most, is_kept
+        # Who has not shown a valid request yet, and who has: in both who gave a sign longest ago comes first.
+        self._new: OrderedDict[Any, Connection] = OrderedDict()
+        self._known: OrderedDict[Any, Connection] = OrderedDict()
         self._refused, self._why, self._reported_s = 0, "", -REPORT_S
 
     def __len__(self) -> int:
         """Return how many there are."""
-        return len(self._all)
+        return len(self._new) + len(self._known)
 
     def came(self, transport: asyncio.Transport, now_s: float) -> None:
         """Note a new connection; of too many another one is closed."""
         place = place_of(transport)
-        self._all.pop(place, None)  # an old one with the same address and port is over
-        if len(self._all) >= self._most:
-            self._forget_closed()
-        if len(self._all) >= self._most:
+        self._pop(place)  # an old one with the same address and port is over
+        if len(self) >= self._most:
             self.make_room("too many were open at once")
-        self._all[place] = Connection(transport, now_s)
+        self._new[place] = Connection(transport, now_s)
 
     def passed(self, scope: Scope, stops: bool, now_s: float) -> None:
         """Note that a request has passed the gate, and whether it is a stop."""
         place = tuple(scope["client"] or ())
-        one = self._all.pop(place, None)
+        one = self._pop(place)
         if one is not None:
-            self._all[place] = one
+            self._known[place] = one
             lease = dict(scope["headers"]).get(LEASE_HEADER)
-            one.sign_s, one.is_new, one.stops = now_s, False, stops
+            one.sign_s, one.stops = now_s, stops
             one.lease = one.lease if lease is None else lease.decode("latin-1")
 
-    def is_kept(self, scope: Scope) -> bool:
-        """Return whether the connection of a request is kept: it has a lease that counts."""
-        one = self._all.get(tuple(scope["client"] or ()))
-        return one is not None and one.lease in self._kept()[1]
+    def has_lease(self, scope: Scope) -> bool:
+        """Return whether the connection of a request is kept for its lease."""
+        one = self._known.get(tuple(scope["client"] or ()))
+        return one is not None and one.lease is not None and self._is_kept(None, one.lease)
 
     def answered(self, scope: Scope) -> None:
         """Note that a request has been answered."""
-        one = self._all.get(tuple(scope["client"] or ()))
+        one = self._known.get(tuple(scope["client"] or ()))
         if one is not None:
             one.stops = False
 
     def gone(self, transport: asyncio.BaseTransport) -> None:
         """Note that a connection is closed."""
-        self._all.pop(place_of(transport), None)
+        place = place_of(transport)
+        one = self._pop(place)
+        if one is not None and one.transport is not transport:  # closed late: another one has its address and port
+            self._new[place] = one
 
     def make_room(self, why: str) -> None:
         """Close the connection that has been idle longest and is not kept; nothing if all are kept."""
-        pages, leases = self._kept()
-        free = [place for place, one in self._all.items() if not (one.stops or place in pages or one.lease in leases)]
-        new = [place for place in free if self._all[place].is_new]
-        known = [place for place in free if not self._all[place].is_new]
-        first, then = (new, known) if 2 * len(new) >= self._most else (known, new)
         self._refused, self._why = self._refused + 1, why
-        for place in (*first, *then)[:1]:
-            self._all.pop(place).transport.abort()
+        first, then = (self._new, self._known) if 2 * len(self._new) >= self._most else (self._known, self._new)
+        if not self._end_oldest(first):
+            self._end_oldest(then)
 
     def look(self, now_s: float) -> None:
         """Close those whose first request does not come; say, once a minute at most, how many made room."""
-        self._forget_closed()
-        for place, one in list(self._all.items()):
-            if one.is_new and now_s - one.sign_s > FIRST_REQUEST_S:
-                self._all.pop(place).transport.abort()
+        while self._new and now_s - next(iter(self._new.values())).sign_s > FIRST_REQUEST_S:
+            self._end_oldest(self._new)
         if self._refused and now_s - self._reported_s >= REPORT_S:
             LOGGER.warning("closed %d connections: %s", self._refused, self._why)
             self._refused, self._reported_s = 0, now_s
 
-    def _forget_closed(self) -> None:
-        """Forget connections that another protocol than HTTP has closed."""
-        self._all = {place: one for place, one in self._all.items() if not one.transport.is_closing()}
+    def _pop(self, place: Any) -> Connection | None:
+        """Forget the connection at a place and return it; None if there is none."""
+        return self._new.pop(place, None) or self._known.pop(place, None)
+
+    def _end_oldest(self, some: OrderedDict[Any, Connection]) -> bool:
+        """Close the first that is not kept, and return whether there is one; who is kept goes to the end."""
+        for _ in range(len(some)):
+            place, one = some.popitem(last=False)
+            if one.stops or self._is_kept(place, one.lease):
+                some[place] = one
+            else:
+                one.transport.abort()
+                return True
+        return False
 
 
 def place_of(transport: asyncio.BaseTransport) -> tuple[Any, ...]:
@@ -174,7 +185,28 @@ class Turns:
 
 
 class WatchedProtocol(H11Protocol):
-    """HTTP on one connection, whose end is noted.
+    """HTTP on one connection, whose end is noted, also when it has become a WebSocket.
+
+    Parameters
+    ----------
+    connections
+        Where it is noted.
+    """
+
+    def __init__(self, connections: Connections, **given: Any) -> None:
+        """Take what uvicorn gives its own protocol, and where to note the end."""
+        super().__init__(**given)
+        self._connections = connections
+        self.ws_protocol_class = partial(WatchedSocket, connections)  # type: ignore[assignment]  # it is only called
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """End."""
+        self._connections.gone(self.transport)
+        super().connection_lost(exc)
+
+
+class WatchedSocket(WebSocketsSansIOProtocol):
+    """A WebSocket, whose end is noted.
 
     Parameters
     ----------
@@ -272,31 +304,38 @@ class ReservedFile:
 
 
 async def accept(listening: socket.socket, connections: Connections, protocol: Callable[[], FirstBytes]) -> None:
-    """Accept connections until cancelled, few at a time, so that those before them have been read and count.
+    """Accept connections until cancelled, few in a turn of the loop, so that those before them are read and count.
 
     Not ``create_server``: without a free file descriptor it writes a traceback for each connection that waits.
     """
     loop, reserved = asyncio.get_running_loop(), ReservedFile()
     try:
-        while True:
-            found: list[socket.socket | None] = []
-            try:
-                found.append((await loop.sock_accept(listening))[0])
-                while len(found) < ACCEPTED_AT_ONCE:
-                    found.append(listening.accept()[0])
-            except (BlockingIOError, ConnectionError):  # no more wait, or one has gone before it was accepted
-                pass
-            except OSError as error:
-                found.append(reserved.accepted(listening))
-                connections.make_room(error.strerror or str(error))
-                await asyncio.sleep(0.0 if found[-1] is not None else AGAIN_S)
-            accepted = [one for one in found if one is not None]
-            for one in accepted:
-                one.setblocking(False)
-            beginnings = (loop.connect_accepted_socket(protocol, one) for one in accepted)
-            for one, end in zip(accepted, await asyncio.gather(*beginnings, return_exceptions=True), strict=True):
-                if isinstance(end, OSError):  # it has gone meanwhile
-                    one.close()
-            reserved.keep()
+        async with asyncio.TaskGroup() as beginnings:
+            while True:
+                accepted: list[socket.socket] = []
+                try:
+                    accepted.append((await loop.sock_accept(listening))[0])
+                    while len(accepted) < ACCEPTED_AT_ONCE:
+                        accepted.append(listening.accept()[0])
+                except (BlockingIOError, ConnectionError):  # no more wait, or one has gone before it was accepted
+                    pass
+                except OSError as error:
+                    connection = reserved.accepted(listening)
+                    accepted += [] if connection is None else [connection]
+                    connections.make_room(error.strerror or str(error))
+                    await asyncio.sleep(0.0 if accepted else AGAIN_S)
+                for one in accepted:
+                    one.setblocking(False)
+                    beginnings.create_task(begin(one, protocol))
+                await asyncio.sleep(0.0)
+                reserved.keep()
     finally:
         reserved.close()
+
+
+async def begin(connection: socket.socket, protocol: Callable[[], FirstBytes]) -> None:
+    """Begin to read an accepted connection, unless it has gone meanwhile."""
+    try:
+        await asyncio.get_running_loop().connect_accepted_socket(protocol, connection)
+    except OSError:
+        connection.close()

@@ -107,7 +107,7 @@ class Gate:
         refusal = self.refusal(scope)
         if refusal is None:
             self.passed(scope)
-        if refusal is not None or not (is_stop(scope) or self.connections.is_kept(scope)):
+        if refusal is not None or not (is_stop(scope) or self.connections.has_lease(scope)):
             await self.turns.come()
         if refusal is None and scope["type"] == "websocket":
             await self.app(scope, receive, send)

@@ -204,7 +204,7 @@ async def serve_until(
         try:
             await session.start()
             leave_core(settings.cpu)
-            connections = Connections(max_connections(), session.kept)
+            connections = Connections(max_connections(), session.is_kept)
             turns = Turns()
             server = Server(configuration(session, settings, address, connections, turns), connections, turns)
             await until_ended(server, session, listening, ended, lambda: on_ready(running(address, settings.token)))

@@ -173,12 +173,13 @@ class Session:
         for bench in self.benches.values():
             self.give_up(bench, viewer.key, f"{viewer.name} has left")
 
-    def kept(self) -> tuple[set[Any], set[str]]:
-        """Return the places of open pages, and the leases of who has control or asks for it."""
-        now_s, pages = self._clock.now_s(), {viewer.place for viewer in self.viewers.values()}
-        controls = (bench.control for bench in self.benches.values())
+    def is_kept(self, place: Any, lease: str | None) -> bool:
+        """Return whether an open page is at a place, or somebody with a lease has control or asks for it."""
+        if any(viewer.place == place for viewer in self.viewers.values()):
+            return True
+        now_s, controls = self._clock.now_s(), (bench.control for bench in self.benches.values())
         people = (one for each in controls for one in (each.holder, each.asking) if one is not None)
-        return pages, {one.key for one in people if one.is_there(now_s, LEASE_AT_REST_S)}
+        return any(one.key == lease and one.is_there(now_s, LEASE_AT_REST_S) for one in people)
 
     def pong(self, key: str, number: int) -> None:
         """Note an answer to a ping; one to an old ping or to none says nothing."""
