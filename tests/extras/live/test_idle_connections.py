@@ -27,8 +27,8 @@ BETWEEN_STOPS = 100
 
 
 @contextmanager
-def server_with_few_files(folder: Path, files: int) -> Iterator[RunningServer]:
-    """Run a server that needs a token and may open so many files, its bench off and its first answers given."""
+def server_with_few_files(folder: Path, files: int, *, is_tried: bool = True) -> Iterator[RunningServer]:
+    """Run a server that needs a token and may open so many files, its bench off, and a stop tried."""
     import resource
 
     token = folder / "token"
@@ -38,7 +38,7 @@ def server_with_few_files(folder: Path, files: int) -> Iterator[RunningServer]:
         resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (files, files))
         with LiveClient(server.link, token=TOKEN) as client:
             client.wait_for("off")
-            assert client.stop() == "stopped"
+            assert not is_tried or client.stop() == "stopped"
         yield server
 
 
@@ -87,6 +87,27 @@ def test_no_number_of_idle_connections_keeps_a_stop_with_the_token_out(
         assert max(took_s) <= MAX_STOP_S
         assert "Traceback" not in server.said
         assert len(server.said) <= MAX_LOG_BYTES
+
+
+@pytest.mark.slow
+def test_a_first_stop_imports_nothing_neither_in_the_server_nor_at_the_bench(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An import needs a descriptor, memory and time: none may be left by then."""
+    monkeypatch.setenv("PYTHONPROFILEIMPORTTIME", "1")
+    with (
+        server_with_few_files(tmp_path, 1024, is_tried=False) as server,
+        LiveClient(server.link, token=TOKEN) as client,
+    ):
+        with client.control("a test"):
+            client.command("switch_on")
+            client.wait_for("ready")
+            client.command("characterize", cycles=1, period_s=30.0)
+            client.wait_for("busy")
+            said = server.said
+            assert "import time" in said
+            stop_s(server.link)
+        assert server.said.removeprefix(said) == ""
 
 
 @pytest.mark.parametrize(
