@@ -56,6 +56,8 @@ TIMED = (
     "benchmarks/many_closed_loops.py",
     "benchmarks/host_loop.py",
     "-m benchmarks.live_stop",
+    "-m benchmarks.live_stop --among",
+    "-m benchmarks.end_of_commands",
     "-m benchmarks.malformed_messages",
     "-m benchmarks.stop_latency",
     "benchmarks/vector_environment.py",

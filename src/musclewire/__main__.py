@@ -10,9 +10,12 @@ def main() -> None:
     """Load the command line and run it. Until that listens to signals nothing is open, and one ends the process."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _end)
-    from musclewire.app import main as run
+    from musclewire.app import leaves_at_once
 
-    run()
+    with leaves_at_once():
+        from musclewire.app import main as run
+
+        run()
 
 
 def _end(number: int, _frame: FrameType | None) -> None:

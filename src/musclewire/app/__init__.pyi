@@ -74,6 +74,7 @@ from ._report.figures import loops_figure as loops_figure
 from ._report.figures import staircase_figure as staircase_figure
 from ._stopping import StoppedCommand as StoppedCommand
 from ._stopping import is_compiling as is_compiling
+from ._stopping import leaves_at_once as leaves_at_once
 from ._stopping import opened_rig as opened_rig
 from ._stopping import stop_if_asked as stop_if_asked
 from ._stopping import stops_between_samples as stops_between_samples

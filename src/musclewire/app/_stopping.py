@@ -4,14 +4,20 @@ A signal that becomes an exception inside compiled code's Python callbacks is lo
 SystemError, or the process dies). So while a rig is open the first signal only leaves a note, which the run reads
 after its next sample; a second one does not wait. While a rig is being opened there is no sample to wait for, and
 nothing is out yet: the first signal ends the opening, unless it comes while a kernel is being compiled.
+
+When all that is to be done at exit is done, nothing is taken apart any more: Numba's machine code and all modules take
+the interpreter a second, and more than ten on a busy machine, in which people press Ctrl-C again or kill.
 """
 
 from __future__ import annotations
 
+import atexit
+import os
 import signal
+import sys
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
@@ -109,3 +115,31 @@ def stops_between_samples() -> Iterator[None]:
     finally:
         _SignalState.waiting_allowed = False
     stop_if_asked()
+
+
+_codes: list[int] = []
+
+
+@contextmanager
+def leaves_at_once() -> Iterator[None]:
+    """End the process with the exit code that ends the block, after its threads and all functions registered for exit.
+
+    To be entered before anything else is imported: what is registered first is called last.
+    """
+    atexit.register(_leave)
+    try:
+        yield
+    except SystemExit as end:
+        if isinstance(end.code, int):
+            _codes.append(end.code)
+        raise
+
+
+def _leave() -> None:
+    """End the process, if its exit code is known; otherwise an error is on its way, which the interpreter shows."""
+    if not _codes:
+        return
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(_codes[-1])

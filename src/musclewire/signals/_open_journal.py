@@ -64,6 +64,9 @@ class OpenJournal:
 
         Raises CallerError if it cannot be created, or would replace one unasked.
         """
+        # What the end writes with is loaded before the wire is heated: nothing is slower on a machine that has no time.
+        import h5py  # noqa: F401
+
         refuse_unfinished(path, overwrite)
         self.path, self.journal = Path(path), journal_of(path)
         self.values = array("d")

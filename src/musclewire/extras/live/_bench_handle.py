@@ -124,7 +124,7 @@ class BenchHandle:
         self._ring = RowRing(path)
         self._process = await asyncio.create_subprocess_exec(
             sys.executable,
-            *("-P", "-m", "musclewire.extras.live._bench.process"),
+            *("-P", "-m", "musclewire.extras.live._bench"),
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             start_new_session=True,

@@ -79,7 +79,7 @@ def break_bench(served: Served) -> None:
     """Kill the rig's process."""
     pid = served.process.pid
     for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
-        if b"musclewire.extras.live._bench.process" in Path(f"/proc/{child}/cmdline").read_bytes():
+        if b"musclewire.extras.live._bench" in Path(f"/proc/{child}/cmdline").read_bytes():
             os.kill(int(child), signal.SIGKILL)
 
 

@@ -1,4 +1,4 @@
-"""The process of one bench (``python -m`` this module), started by the server and ended with it."""
+"""What the process of one bench does, from its first line to the end of its server."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import json
 import logging
 import os
 import signal
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -225,7 +224,3 @@ def ended_by_signal(session: BenchSession) -> None:
     """Switch off and end."""
     session.quitting = True
     session.stop("SIGTERM")
-
-
-if __name__ == "__main__":
-    sys.exit(main())
