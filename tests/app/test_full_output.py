@@ -18,7 +18,7 @@ def test_a_full_stdout_is_one_line_and_no_traceback(words: list[str]) -> None:
             [sys.executable, "-m", "musclewire", *words], stdout=full, stderr=subprocess.PIPE, text=True, check=False
         )
     assert ended.returncode == 1
-    (line,) = ended.stderr.splitlines()
+    (line,) = (line for line in ended.stderr.splitlines() if "compil" not in line)  # as on a new machine
     assert line.startswith("musclewire: the result cannot be written to stdout: No space left on device")
 
 
