@@ -49,7 +49,7 @@ class CurveEstimator:
         The state before the first sample, in the order in which the tick reads it.
     """
 
-    columns = ("wire_resistance_ohm",)
+    columns: tuple[str, ...] = ("wire_resistance_ohm",)
     has_c_form = True
 
     def __init__(self, curve: ResistanceCurve, function: Any, numbers: Sequence[float], first_state: Any) -> None:
@@ -67,12 +67,12 @@ class CurveEstimator:
 
     def step(self, state: Any, sample: WireSample) -> EstimatorStep:
         """Return the estimate of one sample."""
-        row, answer = np.array(state), np.empty(N_ANSWERS)
+        row, answer = np.array(state), np.empty(len(ESTIMATOR_ANSWERS) + len(self.columns))
         self._function(self._constants, row, np.array(sample[:4], np.float64), answer)
-        value, std, _, number, failed, resistance_ohm = answer.tolist()
+        value, std, _, number, failed, *recorded = answer.tolist()
         reason, after = REASONS[int(number)], self._state_of(row.tolist())
-        failure = self._failure(after, reason, sample, resistance_ohm) if failed else ""
-        return EstimatorStep(QuantityEstimate(value, std, reason is VALID, reason, failure), after, (resistance_ohm,))
+        failure = self._failure(after, reason, sample, recorded[0]) if failed else ""
+        return EstimatorStep(QuantityEstimate(value, std, reason is VALID, reason, failure), after, tuple(recorded))
 
     def _failure(self, state: Any, reason: Reason, sample: WireSample, resistance_ohm: float) -> str:
         """Return why a run must end; with another wire's resistance it would read as cold and be overheated."""

@@ -106,6 +106,7 @@ ESTIMATORS: Registry[EstimatorFactory] = Registry(
     {
         "polynomial": "musclewire.sensing._polynomial_estimator:polynomial_estimator",
         "gated": "musclewire.sensing._gated_estimator:gated_estimator",
+        "filter": "musclewire.sensing._filter_estimator:filter_estimator",
     },
     parts=("quantity", "columns", "start", "step"),
 )

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from musclewire.errors import CallerError
 from musclewire.sensing._model import SensingModel
+from musclewire.sensing._wire_model import HEAT_NOTES, heat_balance_of
 
 # Over this travel after a reversal the friction reverses. That of a guide does so within some 20 um, but a
 # displacement read from resistance is uncertain by more, and a loop on a force that jumps within it chatters: four
@@ -67,6 +68,8 @@ def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: flo
         raise CallerError(f"stiffness {stiffness_n_per_m:g} N/m and length {leg_length_m:g} m must both be above 0")
     per_unit_n = stiffness_n_per_m * (leg_length_m if model.quantity == "strain" else 1.0)
 
+    balance = dict(zip(HEAT_NOTES, heat_balance_of(model) or (), strict=False))
+
     def scaled(numbers: tuple[float, ...]) -> tuple[float, ...]:
         return tuple(per_unit_n * number for number in numbers)
 
@@ -84,7 +87,7 @@ def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: flo
         rmse_average=per_unit_n * model.rmse_average,
         offset_std=per_unit_n * model.offset_std,
         measured_stroke=per_unit_n * model.measured_stroke,
-        wire={**model.wire, "spring_stiffness_n_per_m": stiffness_n_per_m},
+        wire={**model.wire, **balance, "spring_stiffness_n_per_m": stiffness_n_per_m},
         gains={},
         no_gains="those of the model that it was made from are for another quantity",
     )

@@ -60,6 +60,8 @@ _ALL = (
     Column("resistance_misfit_ohm", "ohm", "resistance that hypotheses expect less the measured one", "control"),
     Column("estimated_temperature_k", "K", "temperature of the wire, estimated by its heat balance", "control"),
     Column("convection_ratio", "", "estimated loss to the air over that of the characterization", "control"),
+    Column("air_shift_w", "W", "estimated power that the air takes off what holds each strain", "control"),
+    Column("heating_part", "", "where between its branches the wire is: 0 cooling, 1 heating", "control"),
     Column("ambient_change_k", "K", "estimated change of the air's temperature since the characterization", "control"),
     Column("load_change_n", "N", "estimated change of the load's constant force since the characterization", "control"),
     Column("stiffness_ratio", "", "estimated stiffness of the load over that of the characterization", "control"),
