@@ -500,7 +500,7 @@ class FilterEstimator(CurveEstimator):
     Raises
     ------
     CallerError
-        For a model without a slow loop, or without the wire's time constant.
+        For a model without a slow loop, or with one that does not go through B to C.
     """
 
     columns = ("wire_resistance_ohm", "heating_part", "air_shift_w", "convection_ratio")
@@ -531,8 +531,8 @@ def wire_numbers(model: FittedCurve, wire: WireModel, shunt_resistance_ohm: floa
     _, power_w, resistance_ohm = (float(np.median(column)) for column in np.array(model.slow_loop).T)
     noise_v = model.resistance_noise_ohm / resistance_ohm * math.sqrt(power_w / resistance_ohm) * shunt_resistance_ohm
     return {
-        "time_constant_s": wire.time_constant_s,
-        "transformation_heat_j": wire.transformation_heat_j,
+        "time_constant_s": wire.balance.time_constant_s,
+        "transformation_heat_j": wire.balance.transformation_heat_j,
         "phase_resistance": wire.phase_resistance,
         "sensed_from": wire.sensed_from,
         "middle_w": wire.middle_power_w,

@@ -425,5 +425,7 @@ def gated_estimator(setup: EstimatorSetup) -> GatedEstimator:
 
 def compile_estimators() -> None:
     """Compile the ticks of the estimators on a curve, for a program that makes them later, with a rig switched on."""
-    for tick in (gated_tick, polynomial_tick):
+    from musclewire.sensing._filter_estimator import filter_tick
+
+    for tick in (gated_tick, polynomial_tick, filter_tick):
         callback(tick, N_ARRAYS)

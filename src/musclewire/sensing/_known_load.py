@@ -68,7 +68,7 @@ def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: flo
         raise CallerError(f"stiffness {stiffness_n_per_m:g} N/m and length {leg_length_m:g} m must both be above 0")
     per_unit_n = stiffness_n_per_m * (leg_length_m if model.quantity == "strain" else 1.0)
 
-    balance = dict(zip(HEAT_NOTES, heat_balance_of(model) or (), strict=False))
+    balance = dict(zip(HEAT_NOTES, heat_balance_of(model)[:2], strict=True)) if model.slow_loop else {}
 
     def scaled(numbers: tuple[float, ...]) -> tuple[float, ...]:
         return tuple(per_unit_n * number for number in numbers)

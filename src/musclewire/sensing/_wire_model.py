@@ -23,6 +23,8 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
+from musclewire.parameters import load_alloy, load_wire, names
+from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.sensing._branch_equations import evaluate
 from musclewire.sensing._fit_report import FittedCurve
 
@@ -42,10 +44,17 @@ NO_RISE = (
     "the slow loop that this model keeps shows no power that rises with the {quantity}, from a cold wire to C: record "
     "it from cold to hot and back, or take --estimator polynomial"
 )
-NO_BALANCE = (
-    "the estimator filter needs the wire's time constant, and this model keeps no gains: {why}; or take --estimator "
-    "gated"
-)
+# Of a wire whose loop states no heat balance: the size that is sold most often, if none is stated, and how warm Flexinol
+# under load is in the middle of its transformation.
+TYPICAL_DIAMETER_M, TYPICAL_AIR_K, TYPICAL_MIDDLE_K = 150e-6, 295.15, 350.0
+
+
+class HeatBalance(NamedTuple):
+    """Heat capacity over heat loss [s], heat [J] of the whole transformation, and in words where both are from."""
+
+    time_constant_s: float
+    transformation_heat_j: float
+    origin: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,10 +71,8 @@ class WireModel:
         Normalised resistance of each place on both branches, (n_places,).
     sensed_from
         The place of B, from which on resistance shows the quantity.
-    time_constant_s
-        Heat capacity over heat loss to the air [s].
-    transformation_heat_j
-        Heat [J] that the whole transformation takes.
+    balance
+        Time constant and heat of the transformation, and what they are known from.
     phase_resistance
         By how much the cooling branch's resistance at one place and temperature is above the heating branch's: the
         difference of both, and what the cold wire's resistance rises by with the power between them.
@@ -78,14 +85,14 @@ class WireModel:
     heating_resistance: FloatArray
     cooling_resistance: FloatArray
     sensed_from: float
-    time_constant_s: float
-    transformation_heat_j: float
+    balance: HeatBalance
     phase_resistance: float
 
     @property
     def places(self) -> FloatArray:
         """The places of the tables, (n_places,)."""
-        return self.first_place + self.place_spacing * np.arange(self.heating_power_w.size)
+        last = self.first_place + self.place_spacing * (self.heating_power_w.size - 1)
+        return np.linspace(self.first_place, last, self.heating_power_w.size)
 
     @property
     def tables(self) -> FloatArray:
@@ -123,16 +130,13 @@ class Half(NamedTuple):
 def wire_model_of(model: FittedCurve) -> WireModel:
     """Return the model of a wire that its slow loop shows.
 
-    Raises CallerError for a model without a slow loop, or without the heat balance that its gains have.
+    Raises CallerError for a model without a slow loop, or with one that does not go through B to C.
     """
     if not model.slow_loop:
         raise CallerError(NO_LOOP)
     balance = heat_balance_of(model)
-    if balance is None:
-        raise CallerError(NO_BALANCE.format(why=model.no_gains or "its gains are another controller's"))
-    tau_s, heat_j = balance
     largest = model.quantity_max
-    heating, cooling = halves_of(model, tau_s, heat_j / largest)
+    heating, cooling = halves_of(model, balance)
     coldest_w = float(min(heating.power_w.min(), cooling.power_w.min()))
     # The cold wire is where heating from B backwards comes to it by its own mean slope.
     risen, rise_w = ((values[-1] - values[heating.sensed]) for values in (heating.quantity, heating.power_w))
@@ -155,22 +159,38 @@ def wire_model_of(model: FittedCurve) -> WireModel:
         heating_resistance=heating_resistance,
         cooling_resistance=cooling_resistance,
         sensed_from=sensed_from,
-        time_constant_s=tau_s,
-        transformation_heat_j=heat_j,
+        balance=balance,
         phase_resistance=float(rises_by[places > sensed_from].mean()),
     )
 
 
-def heat_balance_of(model: FittedCurve) -> tuple[float, float] | None:
-    """Return a wire's time constant [s] and the heat [J] of its transformation, which its gains have; None without."""
+def heat_balance_of(model: FittedCurve) -> HeatBalance:
+    """Return a wire's heat balance: that of its gains, that which a model of force was given, or by its diameter."""
     tau_s, per_unit = (model.gains.get(name) for name in ("thermal_time_constant_s", "heat_per_unit"))
     if isinstance(tau_s, float) and isinstance(per_unit, float):
-        return tau_s, per_unit * model.quantity_max
+        return HeatBalance(tau_s, per_unit * model.quantity_max, "the heat balance that its slow loop states")
     tau_s, heat_j = (model.wire.get(name) for name in HEAT_NOTES)
-    return (tau_s, heat_j) if isinstance(tau_s, float) and isinstance(heat_j, float) else None
+    if isinstance(tau_s, float) and isinstance(heat_j, float):
+        return HeatBalance(tau_s, heat_j, "the model that it was made from")
+    return balance_by_diameter(model)
 
 
-def halves_of(model: FittedCurve, tau_s: float, heat_per_unit: float) -> tuple[Half, Half]:
+def balance_by_diameter(model: FittedCurve) -> HeatBalance:
+    """Return the heat balance of a wire that is known by its diameter at best, in still air (Churchill and Chu)."""
+    stated_m = model.wire.get("wire_diameter_m")
+    size_m = stated_m if isinstance(stated_m, float) else TYPICAL_DIAMETER_M
+    name, above_k = str(model.wire.get("wire", "")), TYPICAL_MIDDLE_K - TYPICAL_AIR_K
+    alloy = load_alloy(load_wire(name).alloy if name in names("wire") else "flexinol")
+    loss_w_per_m2_k = convection_coefficient_w_per_m2_k(TYPICAL_MIDDLE_K, TYPICAL_AIR_K, size_m)
+    heat_per_m3_k = alloy.density_kg_per_m3.value * alloy.specific_heat_j_per_kg_k.value
+    tau_s = 0.25 * size_m * heat_per_m3_k / loss_w_per_m2_k
+    middle_w = float(np.median([power_w for _, power_w, _ in model.slow_loop]))
+    latent_k = alloy.latent_heat_j_per_kg.value / alloy.specific_heat_j_per_kg_k.value
+    origin = f"a wire of {1e3 * size_m:.3g} mm in still air"
+    return HeatBalance(tau_s, tau_s * middle_w * latent_k / above_k, origin)
+
+
+def halves_of(model: FittedCurve, balance: HeatBalance) -> tuple[Half, Half]:
     """Return both halves of a model's slow loop, heating and cooling, each from the cold wire to C."""
     time_s, power_w, resistance_ohm = np.array(model.slow_loop).T
     resistance = (resistance_ohm - model.resistance_min_ohm) / (model.resistance_max_ohm - model.resistance_min_ohm)
@@ -181,7 +201,7 @@ def halves_of(model: FittedCurve, tau_s: float, heat_per_unit: float) -> tuple[H
     last = resistance.size - 1 - sensed_row(resistance[hottest:][::-1], model.normalised_max)
     up[:first], down[last + 1 :] = up[first], down[last]
     quantity = np.where(np.arange(resistance.size) <= hottest, up, down)
-    steady_w = steady_power_w(time_s, power_w, quantity, tau_s, heat_per_unit)
+    steady_w = steady_power_w(time_s, power_w, quantity / model.quantity_max, balance)
     coldest = int(np.argmin(steady_w[: first + 1]))
     up_rows, down_rows = slice(coldest, hottest + 1), slice(None, hottest - 1 if hottest else None, -1)
     return (
@@ -204,14 +224,12 @@ def sensed_row(resistance: FloatArray, sensed_below: float) -> int:
     return int(np.flatnonzero(resistance >= end)[-1])
 
 
-def steady_power_w(
-    time_s: FloatArray, power_w: FloatArray, quantity: FloatArray, tau_s: float, heat_per_unit: float
-) -> FloatArray:
+def steady_power_w(time_s: FloatArray, power_w: FloatArray, place: FloatArray, balance: HeatBalance) -> FloatArray:
     """Return the power [W] that would hold each row's temperature: the heat balance along the loop, from its start."""
     steady_w = np.empty_like(power_w)
     steady_w[0] = power_w[0]
     for row, dt_s in enumerate(np.diff(time_s).tolist(), start=1):
-        taken_w = heat_per_unit * (quantity[row] - quantity[row - 1]) / dt_s
+        taken_w = balance.transformation_heat_j * (place[row] - place[row - 1]) / dt_s
         given_w = 0.5 * (power_w[row] + power_w[row - 1]) - taken_w
-        steady_w[row] = given_w + (steady_w[row - 1] - given_w) * math.exp(-dt_s / tau_s)
+        steady_w[row] = given_w + (steady_w[row - 1] - given_w) * math.exp(-dt_s / balance.time_constant_s)
     return steady_w

@@ -85,7 +85,7 @@ def test_between_its_branches_a_wire_cools_as_the_exponential_says(model: Sensin
     toward_w = 0.5 * cooling_w
     for dt_s in (0.01, 0.05, 0.1):
         found_w, still = advanced(numbers, tables, heating_w, place, 0.0, 1.0, toward_w, dt_s)
-        exact_w = toward_w + (heating_w - toward_w) * math.exp(-dt_s / wire.time_constant_s)
+        exact_w = toward_w + (heating_w - toward_w) * math.exp(-dt_s / wire.balance.time_constant_s)
         assert found_w == pytest.approx(exact_w, abs=2e-3 * (heating_w - toward_w))
         assert still == place
 
@@ -97,7 +97,8 @@ def test_heat_that_is_given_is_lost_or_stored(model: SensingModel, wire: WireMod
     power_w, dt_s = 1.5 * steady_w, 0.001
     after_w, after = advanced(numbers, tables, steady_w, place, 0.0, 1.0, power_w, dt_s)
     assert after > place
-    stored_j = wire.time_constant_s * (after_w - steady_w) + wire.transformation_heat_j * (after - place)
+    tau_s, heat_j, _ = wire.balance
+    stored_j = tau_s * (after_w - steady_w) + heat_j * (after - place)
     assert stored_j == pytest.approx(dt_s * (power_w - steady_w), rel=0.01)
 
 
@@ -186,16 +187,27 @@ def test_from_cold_it_is_valid_from_b_on_and_not_before(model: SensingModel, run
 # Where it does not apply, and other quantities.
 
 
-def test_a_model_without_slow_loop_or_time_constant_is_refused_in_one_line(model: SensingModel) -> None:
+def test_a_model_without_a_whole_slow_loop_is_refused_in_one_line(model: SensingModel) -> None:
     factory = ESTIMATORS.find("filter")
     for lacking, said in (
         (replace(model, slow_loop=()), "needs the slow loop"),
-        (replace(model, gains={}, no_gains="two arrays show no power"), "two arrays show no power"),
         (replace(model, slow_loop=model.slow_loop[-20:]), "from cold to hot and back"),
     ):
         with pytest.raises(CallerError, match=said) as caught:
             factory(EstimatorSetup(lacking, SHUNT_OHM, PERIOD_S))
         assert "\n" not in str(caught.value)
+
+
+def test_a_loop_that_states_no_heat_balance_has_that_of_a_wire_of_its_diameter(
+    model: SensingModel, wire: WireModel, run: Recording
+) -> None:
+    foreign = replace(model, gains={}, no_gains="nothing states the heat balance")
+    found = wire_model_of(foreign).balance
+    assert "0.1 mm" in found.origin
+    assert found.time_constant_s == pytest.approx(wire.balance.time_constant_s, rel=0.4)
+    assert found.transformation_heat_j == pytest.approx(wire.balance.transformation_heat_j, rel=0.6)
+    (ours, _, valid, _), (theirs, _, also, _) = followed(model, samples_of(run)), followed(foreign, samples_of(run))
+    assert np.sqrt(np.mean((ours - theirs)[valid & also] ** 2)) < 0.01 * model.stroke
 
 
 def test_on_a_known_spring_it_follows_the_force(model: SensingModel, run: Recording) -> None:
