@@ -40,8 +40,14 @@ from numpy.typing import NDArray
 import musclewire as mw
 from musclewire.errors import MusclewireError
 from musclewire.experiment import ScaleByB
-from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel
-from musclewire.sensing._filter_estimator import FILTER, FILTER_CONSTANTS, FilterNumbers
+from musclewire.sensing import (
+    ESTIMATORS,
+    FILTER,
+    FILTER_CONSTANTS,
+    EstimatorSetup,
+    FilterNumbers,
+    SensingModel,
+)
 from musclewire.signals import CompiledTick, QuantityEstimate, Reason
 
 FOLDER = Path("filter_runs")

@@ -19,6 +19,9 @@ from ._estimator import EstimatorFactory as EstimatorFactory
 from ._estimator import EstimatorSetup as EstimatorSetup
 from ._estimator import dropout_failure as dropout_failure
 from ._estimator import estimates as estimates
+from ._filter_estimator import FILTER as FILTER
+from ._filter_estimator import FILTER_CONSTANTS as FILTER_CONSTANTS
+from ._filter_estimator import FilterNumbers as FilterNumbers
 from ._fitting import HotEnd as HotEnd
 from ._fitting import fit_branches as fit_branches
 from ._fitting import fit_loop as fit_loop

@@ -44,8 +44,8 @@ NO_RISE = (
     "the slow loop that this model keeps shows no power that rises with the {quantity}, from a cold wire to C: record "
     "it from cold to hot and back, or take --estimator polynomial"
 )
-# Of a wire whose loop states no heat balance: the size that is sold most often, if none is stated, and how warm Flexinol
-# under load is in the middle of its transformation.
+# Of a wire whose loop states no heat balance: the size that is sold most often, if none is stated, and how warm
+# Flexinol under load is in the middle of its transformation.
 TYPICAL_DIAMETER_M, TYPICAL_AIR_K, TYPICAL_MIDDLE_K = 150e-6, 295.15, 350.0
 
 
@@ -184,7 +184,8 @@ def balance_by_diameter(model: FittedCurve) -> HeatBalance:
     loss_w_per_m2_k = convection_coefficient_w_per_m2_k(TYPICAL_MIDDLE_K, TYPICAL_AIR_K, size_m)
     heat_per_m3_k = alloy.density_kg_per_m3.value * alloy.specific_heat_j_per_kg_k.value
     tau_s = 0.25 * size_m * heat_per_m3_k / loss_w_per_m2_k
-    middle_w = float(np.median([power_w for _, power_w, _ in model.slow_loop]))
+    middle_ohm = 0.5 * (model.resistance_min_ohm + model.resistance_max_ohm)
+    middle_w = float(np.median([power_w for _, power_w, ohm in model.slow_loop if ohm < middle_ohm]))
     latent_k = alloy.latent_heat_j_per_kg.value / alloy.specific_heat_j_per_kg_k.value
     origin = f"a wire of {1e3 * size_m:.3g} mm in still air"
     return HeatBalance(tau_s, tau_s * middle_w * latent_k / above_k, origin)

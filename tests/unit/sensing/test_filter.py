@@ -205,7 +205,7 @@ def test_a_loop_that_states_no_heat_balance_has_that_of_a_wire_of_its_diameter(
     found = wire_model_of(foreign).balance
     assert "0.1 mm" in found.origin
     assert found.time_constant_s == pytest.approx(wire.balance.time_constant_s, rel=0.4)
-    assert found.transformation_heat_j == pytest.approx(wire.balance.transformation_heat_j, rel=0.6)
+    assert found.transformation_heat_j == pytest.approx(wire.balance.transformation_heat_j, rel=0.75)
     (ours, _, valid, _), (theirs, _, also, _) = followed(model, samples_of(run)), followed(foreign, samples_of(run))
     assert np.sqrt(np.mean((ours - theirs)[valid & also] ** 2)) < 0.01 * model.stroke
 
