@@ -87,7 +87,7 @@ def judged_s(board: EmulatedBoard, since: float, row: FaultRow) -> float:
         if (axis.size and axis[-1] >= since + row.within_s + 0.05) or time.monotonic() > ends_s:
             break
         time.sleep(0.05)
-    assert axis[-1] > since + row.within_s, "the bench's log ends too early to judge"
+    assert axis[-1] >= since + row.within_s, "the bench's log ends too early to judge"
     driven = axis[(axis > since) & (log[row.judged_by] > OFF_V)]
     return float(driven[-1] - since) if driven.size else 0.0
 
