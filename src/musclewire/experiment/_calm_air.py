@@ -1,7 +1,9 @@
 """Air that takes less heat than still air: found by the power with which a wire passes B, in a slow loop or in a run.
 
 A wire that begins to contract is as warm as its alloy says. If less power has made it so warm than still air needs, it
-loses less heat than the protection counts with: it is in a sleeve, in foam, in a still corner or in warm air.
+loses less heat than the protection counts with: it is in a sleeve, in foam, in a still corner or in warm air. Or its
+first grains turn below the alloy's temperature, as those of most drawn wires do in still air: nothing in a run tells
+the two apart, so the wire counts as the hotter one until its user states the loss.
 """
 
 from __future__ import annotations
@@ -55,7 +57,7 @@ def still_air_b_power_w(rig: Rig) -> float | None:
 def heed_air(rig: Rig, model: SensingModel) -> None:
     """Lower what a rig's protection allows if a model's slow loop passed B with less power than still air needs."""
     needed_w, passed_w, rig.air_is_known = still_air_b_power_w(rig), model.b_power_w, True
-    if needed_w is not None and 0.0 < passed_w < CALM_FRACTION * needed_w:
+    if needed_w is not None and not rig.air_is_stated and 0.0 < passed_w < CALM_FRACTION * needed_w:
         loss_w_per_k = rig.protection_limits.heat_loss_w_per_k * passed_w / needed_w
         rig.lower_heat_loss(loss_w_per_k, passed(passed_w, needed_w, "the model's slow loop"))
 
@@ -69,13 +71,14 @@ class AirWatch:
 
     def __init__(self, rig: Rig) -> None:
         """Begin with a wire that is as warm as its protection takes it to be; say once that still air is assumed."""
-        if rig.paced and not rig.air_is_known and ability(rig, HasTrueState) is None:
+        if rig.paced and not (rig.air_is_known or rig.air_is_stated) and ability(rig, HasTrueState) is None:
             LOGGER.warning(
                 "the wire is protected as a bare one in still air: if it is in a sleeve, in foam or in warmer air, "
                 "state loss_factor or ambient_temperature in the rig file before it is heated"
             )
         rig.air_is_known = True
-        self._rig, self._needed_w, self._shunt_ohm = rig, still_air_b_power_w(rig), rig.shunt_resistance_ohm
+        self._rig, self._shunt_ohm = rig, rig.shunt_resistance_ohm
+        self._needed_w = None if rig.air_is_stated else still_air_b_power_w(rig)
         limits = rig.protection_limits
         self._losses_w_per_k = FRACTIONS * limits.heat_loss_w_per_k
         self._rates_per_s = self._losses_w_per_k / limits.heat_capacity_j_per_k

@@ -56,9 +56,9 @@ GRAVE = (
     Cause.HARDLY_SENSED,
     Cause.MISSED_KNOWN_STRAIN,
     Cause.BAD_CONTACT,
+    Cause.TARGET_MISSED,
+    Cause.WIDE_INTERVAL,
 )
-# What makes it doubtful if it takes more than a part of the time with a target.
-GRAVE_IF_LONG = (Cause.SATURATION, Cause.TARGET_MISSED, Cause.WIDE_INTERVAL)
 # An instrument contradicts an estimate if more than this part of the valid samples are beyond the interval: errors last
 # for a step, and of the paper's eleven steps two are beyond by chance in one run of ten, three in 1.5 %.
 MAX_BEYOND = 0.25
@@ -160,8 +160,8 @@ def any_of(recording: Recording, *, grave: bool) -> npt.NDArray[np.bool_]:
 
 
 def is_grave(cause: Cause, where: npt.NDArray[np.bool_], recording: Recording) -> bool:
-    """Return whether a run with a cause at some samples does not hold."""
-    return cause in GRAVE or (cause in GRAVE_IF_LONG and where.sum() > MAX_MISSED * with_target(recording).sum())
+    """Return whether a run with a cause at some samples does not hold: saturation is grave if it takes long."""
+    return cause in GRAVE or (cause is Cause.SATURATION and where.sum() > MAX_MISSED * with_target(recording).sum())
 
 
 def by_controller(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:

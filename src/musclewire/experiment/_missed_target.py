@@ -25,9 +25,9 @@ from musclewire.signals import Recording
 OF_TARGET, OF_RANGE = 0.03, 0.01
 # An interval hides a miss whose half-width is more than this part of the range: it would not be seen on any step.
 WIDE = 0.1
-# A run does not hold that missed its target for more than this part of the time with one; less than half of that is not
-# said: the first step from cold, and the steps after a change of the supply, take 1 to 4 % in runs that err by 1 %.
-MAX_MISSED, SAID_FROM = 0.1, 0.05
+# A run does not hold that missed its target for more than this part of the time with one; less is not said: the first
+# step from cold, or steps after a change of supply or air, take 5 % and more in one run of twelve that errs below 2 %.
+MAX_MISSED = 0.1
 # A loop may be so much later than the fastest wire [s], by its dead time and as it slows down before a target; and
 # while it runs a miss is said once it has lasted for so long, so that it does not come and go on a page with each drag.
 MAY_LAG_S = SAID_AFTER_S = 1.0
@@ -107,7 +107,7 @@ class MissedTarget:
             sensed_range,
         )
         whole = recording.facts.text_or_none("ended") != "interrupted"
-        few = SAID_FROM * judged.sum()
+        few = MAX_MISSED * judged.sum()
         found = (rows & judged & whole for rows in seen.misses())
         self.rows, self.hidden = (rows & (rows.sum() > few) for rows in found)
 

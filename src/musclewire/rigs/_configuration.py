@@ -579,6 +579,7 @@ def open_rig(
     known = known_kind(configuration.kind) if is_outside(configuration.kind) else DEVICES.find(configuration.kind)
     known_by = f"rig file {Path(rig).resolve()}" if isinstance(rig, str | Path) else None
     opened = GuardedRig(known.open(configuration), known_by, wire_temperature_k)
+    opened.air_is_stated = "loss_factor" in configuration.model_fields_set
     if real_time and not opened.paced:
         opened.close()
         raise CallerError(f"{where} has no clock: leave out " + argument("real_time"))

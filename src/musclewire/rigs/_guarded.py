@@ -119,6 +119,8 @@ class GuardedRig:
         time between a sample and the next drive is the host's computing time, with the protection's.
     air_is_known
         Whether it was said, or judged by a model, what loss to its air the wire is protected by.
+    air_is_stated
+        Whether its user has stated that loss: what a run finds of the air then changes nothing.
 
     Raises
     ------
@@ -176,7 +178,7 @@ class GuardedRig:
         self._silence_s = self._facts.sample_period_s + protection_table().sense_after_s
         self._off_for_good, self._off_confirmed = False, True
         self.drive_at_ns = self.sample_at_ns = 0
-        self.air_is_known = False
+        self.air_is_known = self.air_is_stated = False
         self._watch: IdleWatch | None = None
         # A simulation's clock runs at any speed, and the host's says nothing of its wire.
         self._clocks = TwoClocks() if self._facts.paced and not isinstance(device, HasTrueState) else None
@@ -630,8 +632,12 @@ class GuardedRig:
                 return
             self._limits = self._limits._replace(heat_loss_w_per_k=heat_loss_w_per_k).checked()
             self._protection.rules["heat_loss_w_per_k"] = heat_loss_w_per_k
-        text = "%s: from here on the wire counts as hotter, as with %.2g of its heat loss; state %s in the rig file"
-        LOGGER.warning(text, reason, heat_loss_w_per_k / before, "loss_factor or ambient_temperature")
+        text = (
+            "%s: from here on the wire counts as hotter, as with %.2g of its heat loss; state its loss_factor or "
+            "ambient_temperature in the rig file: loss_factor = 1 if it hangs bare in still air and turns below its "
+            "alloy's temperature"
+        )
+        LOGGER.warning(text, reason, heat_loss_w_per_k / before)
 
     def forget_readings(self) -> None:
         """Start again after a pause, or after the wire was changed: the next reading is not compared with the last."""

@@ -122,6 +122,7 @@ class DisturbedPlant:
     def __init__(self, device: SegmentedDevice, disturbance: Disturbance, lead_drifts: bool, seed: int) -> None:
         """Guard the device."""
         self.rig, self.disturbance = GuardedRig(device), disturbance
+        self.rig.air_is_stated = True  # its user sees that it hangs bare: its grains turn below the alloy's temperature
         self._device, self._lead_drifts, self.seed = device, lead_drifts, seed
         self._instruments, self._leads = device.instruments, 0
 

@@ -32,7 +32,7 @@ class FakeRig:
         0.3, 3.6, 1.0, 1e-3, 0.5, 2.0, 10.0, 25.0, 0.1, 10.0, 10.0, 0.0, 0.02, 0.006, 295.15, 473.15
     )
     protection = ProtectionState(State.ARMED, Event.NONE, drive_voltage_v=0.0, temperature_k=295.15)
-    air_is_known = False
+    air_is_known = air_is_stated = False
     device = None
 
     def __init__(self, *, fails_at: int | None = None, dropouts: range = range(0)) -> None:

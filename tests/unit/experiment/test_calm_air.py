@@ -45,12 +45,22 @@ def test_calm_air_lowers_the_heat_loss_to_no_more_than_it_is(loss: float, caplog
         heed_air(rig, model_in(loss))
         lowered = rig.protection_limits.heat_loss_w_per_k / before.heat_loss_w_per_k
         assert CALM_FRACTION * loss < lowered <= loss
-        assert "loss_factor or ambient_temperature" in caplog.text
+        assert "loss_factor = 1 if it hangs bare" in caplog.text
         caplog.clear()
         heed_air(rig, model_in(loss))  # said once, and nothing raises it
         rig.lower_heat_loss(before.heat_loss_w_per_k, "a test")
         assert rig.protection_limits.heat_loss_w_per_k == lowered * before.heat_loss_w_per_k
         assert not caplog.text
+
+
+def test_a_loss_that_the_user_states_is_not_lowered_by_where_a_wire_passes_b() -> None:
+    """Grains may turn far below the alloy's temperature: in still air, too, B is then passed with half the power."""
+    rig, before = in_still_air()
+    rig.air_is_stated = True
+    with rig:
+        heed_air(rig, model_in(0.5))
+        assert rig.protection_limits == before
+        assert AirWatch(rig)._needed_w is None
 
 
 def test_nothing_is_known_of_a_wire_that_is_not_of_the_catalogue(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -120,7 +130,7 @@ def test_a_run_that_begins_warm_says_nothing_of_its_air() -> None:
 class Lab:
     """A rig with a clock that simulates nothing, for what is said before it is heated."""
 
-    paced, air_is_known, sample_period_s, shunt_resistance_ohm = True, False, 0.05, 1.0
+    paced, air_is_known, air_is_stated, sample_period_s, shunt_resistance_ohm = True, False, False, 0.05, 1.0
 
     def __init__(self, rig: GuardedRig) -> None:
         self.protection_limits, self.protection, self.device = rig.protection_limits, rig.protection, self

@@ -49,6 +49,7 @@ def test_a_drive_at_its_upper_limit_below_the_target_is_saturated_after_a_second
     assert found.cause is Cause.SATURATION
     assert 26.0 <= found.from_s <= 26.2
     assert does_not_hold(run)
+    assert (found.grave, found.answer["grave"]) == (True, True)  # it takes more than a tenth of the time
     assert "; saturation at 26." in health_metadata(run)["health"]
     assert "a slower reference" in health_warnings(run)[1]
 
@@ -67,10 +68,8 @@ def test_cooling_may_take_its_time() -> None:
     cooling = between(20.0, 23.0)
     target = np.where(between(0.0, 20.0), 0.02, 0.015)
     slow = np.where(cooling, 0.02, target)
-    usual = {"drive_voltage_v": np.where(cooling, 0.3, 2.0), "target_strain": target, "estimated_strain": slow}
-    assert findings(loop(**usual, announced_miss=slow - target)) == ()
-    (missed,) = findings(loop(**usual))
-    assert (missed.cause, missed.grave) == (Cause.TARGET_MISSED, False)
+    run = loop(drive_voltage_v=np.where(cooling, 0.3, 2.0), target_strain=target, estimated_strain=slow)
+    assert findings(run) == ()
 
 
 def test_a_wire_that_heats_at_the_limit_while_its_resistance_stands_still_is_stalled() -> None:
@@ -221,15 +220,7 @@ def test_an_estimate_far_from_its_target_for_more_than_a_tenth_of_the_time_misse
     assert found.lasted_s == pytest.approx(4.0)
     assert found.numbers == "11 % of the time, by up to 0.07 %"
     assert does_not_hold(far) == "target missed"
-    shorter = missing_by(np.where(between(10.0, 13.0), 0.0007, 0.0))
-    (found,) = findings(shorter)
-    assert (found.cause, found.grave, found.answer["grave"]) == (Cause.TARGET_MISSED, False, False)
-    assert does_not_hold(shorter) == ""
-
-
-def test_a_miss_that_takes_less_than_a_twentieth_of_the_time_is_not_said() -> None:
-    assert findings(missing_by(np.where(between(10.0, 11.7), 0.0007, 0.0))) == ()
-    assert causes(missing_by(np.where(between(10.0, 11.8), 0.0007, 0.0))) == [Cause.TARGET_MISSED]
+    assert findings(missing_by(np.where(between(10.0, 13.0), 0.0007, 0.0))) == ()
 
 
 def test_an_error_within_tolerance_and_interval_or_in_the_approach_misses_nothing() -> None:
