@@ -39,6 +39,8 @@ OFF_MEDIAN_S, OFF_S, OFF_SHARE, ENDED_S = 0.2, 0.5, 0.98, 3.0
 ENDS, QUICK_ENDS = 50, 5
 # Until the wire is driven a cold machine compiles; then the signal comes within so many seconds.
 PATIENCE_S, WITHIN_S = 120.0, 2.0
+# What a recording says whose end nobody has written.
+UNKNOWN = ("running", "cut off")
 
 
 class Noted(NamedTuple):
@@ -175,11 +177,11 @@ class Bench:
         return max(0.0, found.off_s - sent_s), ended_s - sent_s
 
     def is_kept(self) -> bool:
-        """Return whether the only recording says that it was interrupted, and has the last sample that was taken."""
+        """Return whether the only recording says how it ended, and has the last sample that was taken."""
         (path,) = self.folder.rglob("*.h5")
         recording = mw.read_recording(path)
         last_v = float(recording["drive_voltage_v"][-1])
-        return recording.metadata["ended"] == "interrupted" and last_v == noted(self.notes).sampled_v
+        return recording.metadata["ended"] not in UNKNOWN and last_v == noted(self.notes).sampled_v
 
     def command(self, *arguments: str) -> Callable[[random.Random], End]:
         """Return what runs a command of the command line and interrupts it."""

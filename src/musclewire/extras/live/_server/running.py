@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
+import gc
 import os
 import signal
 import socket
@@ -207,6 +208,8 @@ async def serve_until(
             connections = Connections(max_connections(), session.is_kept)
             turns = Turns()
             server = Server(configuration(session, settings, address, connections, turns), connections, turns)
+            # To walk through all that is loaded by now would hold up pings for as long as a good part of a lease.
+            gc.freeze()
             await until_ended(server, session, listening, ended, lambda: on_ready(running(address, settings.token)))
         finally:
             await session.close()
