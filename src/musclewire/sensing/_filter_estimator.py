@@ -52,7 +52,7 @@ class FilterNumbers(NamedTuple):
         Error of its change in a sample, as a part of it: what the heat balance leaves out.
     shift_std, shift_s
         Shift of the branches by other air: deviation, and the time after which it is forgotten. A run begins with what
-        the walks have become after that time.
+        the walks have become after that time, and learns the noise of readings over it.
     loss_walk
         Random walk of the factor of the heat loss, per square root of a second.
     place_walk
@@ -64,8 +64,6 @@ class FilterNumbers(NamedTuple):
     surprise
         Squared deviations by which a reading may surprise before the state counts as less certain; a second difference
         of readings counts for their noise as no more.
-    noise_s
-        Time over which the noise of a reading is learnt.
     range_std
         What differs from wire to wire, as a part of the range of the quantity.
     """
@@ -80,7 +78,6 @@ class FilterNumbers(NamedTuple):
     cold_std: float = 0.05
     minor_loops: float = 0.45
     surprise: float = 9.0
-    noise_s: float = 10.0
     range_std: float = 0.006
 
 
@@ -222,8 +219,8 @@ def modelled(numbers: Row, tables: FloatArray, steady_w: float, place: float) ->
 
 @compiled_inner
 def is_sensed(numbers: Row, state: Row, covariance: FloatArray) -> bool:
-    """Return whether the place is past B by more than its deviation."""
-    return bool(state.place - math.sqrt(covariance[2]) > numbers.sensed_from)
+    """Return whether all points of the place are past B."""
+    return bool(state.place - AWAY * math.sqrt(covariance[2]) > numbers.sensed_from)
 
 
 @compiled_inner
@@ -330,10 +327,11 @@ def filter_tick(constants: FloatArray, state_array: FloatArray, given: FloatArra
 
 @compiled_inner
 def begin(now: Filtered, read: float, power_w: float, time_s: float) -> None:
-    """Begin with a wire at rest: cold if its power holds no other, else where its resistance is."""
+    """Begin with a wire at rest: cold if power and resistance hold no other, else where its resistance is."""
     numbers, state, covariance, tables = now
     row, last = 0, PLACES - 1
-    if power_w < edges_at(numbers, tables, numbers.sensed_from).cooling_w:
+    enough_w = power_w - edges_at(numbers, tables, numbers.sensed_from).cooling_w
+    if max(enough_w, tables[2] - AWAY * numbers.cold_std - read) < 0.0:
         while row < last and tables[COLUMNS * row] <= power_w:
             row += 1
         state.steady_w = power_w
@@ -361,7 +359,7 @@ def learnt_noise(numbers: Row, state: Row, read: float, dt_s: float, per_volt: f
     state.before_last = state.before
     state.before = read
     if dt_s > 0.0:
-        state.learnt_s = min(state.learnt_s + dt_s, numbers.noise_s)
+        state.learnt_s = min(state.learnt_s + dt_s, numbers.shift_s)
         new_v2 = min(bend_v * bend_v / 6.0, numbers.surprise * state.noise_v2)
         state.noise_v2 += (new_v2 - state.noise_v2) * min(dt_s / state.learnt_s, 1.0)
         state.noise_v2 = max(state.noise_v2, 0.25 * numbers.least_noise_v2)
