@@ -54,7 +54,7 @@ class OptionDefinition(NamedTuple):
 
 # Options that are not called as the argument in Python, and endings of arguments that name a unit.
 CALLED = {"on": "--join", "shunt_resistance_ohm": "--shunt"}
-WITH_UNIT = re.compile("_(n|m|s|v|a|ohm)$")
+WITH_UNIT = re.compile("_(n|m|s|v|a|k|ohm)$")
 # Beyond these a count is a slip of the pen, whose command would never end.
 MAX_COUNT, MAX_CORES = 100_000, 4096
 # What may be stated as a wire's temperature [K]: rigs say the same.

@@ -30,7 +30,6 @@ from musclewire.errors import CallerError
 from musclewire.signals import remove_parts, write_text_whole
 
 STATE_HOME = "MUSCLEWIRE_STATE_HOME"
-HOW = "(wire_temperature_k of open_rig, --wire-temperature where a command heats)"
 # How often the thread looks for a new temperature, and how often it writes one at most [s].
 LOOK_EVERY_S, WRITE_EVERY_S = 0.1, 1.0
 # For how long after an estimate the wire may warm by more than its file says, if the process is killed: until the next
@@ -299,7 +298,7 @@ def opened(
     if why is not None and rest_s(limits) > 0.0:
         temperature_k = max(limits.ambient_temperature_k, limit_k(limits) if stated_k is None else stated_k)
         resting_s = rest_s(limits) if stated_k is None else 0.0
-        rests = f"it rests at its sense voltage for {resting_s:.1f} s before it is heated, unless you state it {HOW}"
+        rests = f"it rests at its sense voltage for {resting_s:.1f} s before it is heated, unless you state it"
         counts = f"it counts as {temperature_k - 273.15:.0f} C, as stated"
         reasons.append(f"how warm the wire is is not known ({why}): {rests if resting_s else counts}")
     try:

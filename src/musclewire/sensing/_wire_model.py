@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, argument
 from musclewire.parameters import load_alloy, load_wire, names
 from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.sensing._branch_equations import evaluate
@@ -38,11 +38,11 @@ HEAT_NOTES = ("thermal_time_constant_s", "transformation_heat_j")
 COLD_PART = 0.3
 NO_LOOP = (
     "the estimator filter needs the slow loop of its wire, and this model keeps none: fit a recording with voltages "
-    "from cold to hot and back, or take --estimator polynomial"
+    "from cold to hot and back, or give "
 )
 NO_RISE = (
     "the slow loop that this model keeps shows no power that rises with the {quantity}, from a cold wire to C: record "
-    "it from cold to hot and back, or take --estimator polynomial"
+    "it from cold to hot and back, or give "
 )
 # Of a wire whose loop states no heat balance: the size that is sold most often, if none is stated, and how warm
 # Flexinol under load is in the middle of its transformation.
@@ -133,7 +133,7 @@ def wire_model_of(model: FittedCurve) -> WireModel:
     Raises CallerError for a model without a slow loop, or with one that does not go through B to C.
     """
     if not model.slow_loop:
-        raise CallerError(NO_LOOP)
+        raise CallerError(NO_LOOP + argument("estimator", "polynomial"))
     balance = heat_balance_of(model)
     largest = model.quantity_max
     heating, cooling = halves_of(model, balance)
@@ -142,7 +142,7 @@ def wire_model_of(model: FittedCurve) -> WireModel:
     risen, rise_w = ((values[-1] - values[heating.sensed]) for values in (heating.quantity, heating.power_w))
     at_b, warmed_w = float(heating.quantity[heating.sensed]), heating.power_w[heating.sensed] - coldest_w
     if not (risen > 0.0 and rise_w > 0.0 and warmed_w > 0.0 and cooling.power_w[cooling.sensed] > coldest_w):
-        raise CallerError(NO_RISE.format(quantity=model.quantity))
+        raise CallerError(NO_RISE.format(quantity=model.quantity) + argument("estimator", "polynomial"))
     first = (at_b - risen / rise_w * warmed_w) / largest
     last = min(float(half.quantity.max()) for half in (heating, cooling)) / largest
     places = np.linspace(first, last, PLACES)
