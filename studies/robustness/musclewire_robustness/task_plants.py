@@ -110,6 +110,8 @@ class ChangedAir:
         Seed of the draughts.
     """
 
+    loss = 1.0  # the wire hangs bare, and its air is still at first
+
     def __init__(self, change: Change, at_s: float, seed: int) -> None:
         """Begin in still air."""
         self._change, self._at_s = change, at_s
