@@ -201,20 +201,20 @@ def rest_s(limits: ProtectionLimits) -> float:
     return REST_TIME_CONSTANTS * limits.heat_capacity_j_per_k / limits.heat_loss_w_per_k
 
 
-def outdated(moment: Moment, now: Moment, limits: ProtectionLimits) -> str | None:
+def outdated(moment: Moment, present: Moment, limits: ProtectionLimits) -> str | None:
     """Return why what was written at a moment says nothing of now, None if it does."""
-    if now.boot != moment.boot or now.awake_s - moment.awake_s < -AHEAD_S:
+    if present.boot != moment.boot or present.awake_s - moment.awake_s < -AHEAD_S:
         return "the machine has been started again since it was known"
-    if abs(now.asleep_s - moment.asleep_s) > SLEEP_S:
+    if abs(present.asleep_s - moment.asleep_s) > SLEEP_S:
         return "the machine has slept since it was known"
-    if now.awake_s - moment.awake_s > rest_s(limits) - AHEAD_S:
+    if present.awake_s - moment.awake_s > rest_s(limits) - AHEAD_S:
         return "it was known too long ago: others may have heated it since"
     return None
 
 
-def cooled_k(stored: WireTemperature, limits: ProtectionLimits, now: Moment) -> float:
+def cooled_k(stored: WireTemperature, limits: ProtectionLimits, present: Moment) -> float:
     """Return how warm a wire is [K] that has had no drive since a moment; one that is still to come counts as now."""
-    passed_s = max(now.awake_s - stored.moment.awake_s, 0.0)
+    passed_s = max(present.awake_s - stored.moment.awake_s, 0.0)
     ambient_k = limits.ambient_temperature_k
     left = exp(-limits.heat_loss_w_per_k * passed_s / limits.heat_capacity_j_per_k)
     return ambient_k + max(stored.temperature_k - ambient_k, 0.0) * left
@@ -277,7 +277,7 @@ class TemperatureKeeper:
 
 
 def opened(
-    identity: str, limits: ProtectionLimits, kept: KeptText, now: Moment | None, stated_k: float | None = None
+    identity: str, limits: ProtectionLimits, kept: KeptText, present: Moment | None, stated_k: float | None = None
 ) -> TemperatureAtOpening:
     """Return how warm a wire counts now, from the text that is kept, and keep that, to see whether it can be done."""
     reasons, why = [], None
@@ -288,12 +288,12 @@ def opened(
     except (OSError, ValueError) as problem:
         why = f"{kept.place} cannot be read: {in_one_line(problem)}"
     else:
-        if now is None:
+        if present is None:
             why = "this system does not say when it was started"
         elif stored is None:
             why = "it is opened for the first time"
-        elif (why := outdated(stored.moment, now, limits)) is None:
-            temperature_k = cooled_k(stored, limits, now)
+        elif (why := outdated(stored.moment, present, limits)) is None:
+            temperature_k = cooled_k(stored, limits, present)
     resting_s = 0.0
     if why is not None and rest_s(limits) > 0.0:
         temperature_k = max(limits.ambient_temperature_k, limit_k(limits) if stated_k is None else stated_k)
@@ -302,8 +302,8 @@ def opened(
         counts = f"it counts as {temperature_k - 273.15:.0f} C, as stated"
         reasons.append(f"how warm the wire is is not known ({why}): {rests if resting_s else counts}")
     try:
-        if now is not None:
-            kept.write(text_of(identity, WireTemperature(temperature_k, now)))
+        if present is not None:
+            kept.write(text_of(identity, WireTemperature(temperature_k, present)))
     except (OSError, CallerError) as problem:
         reasons.append(
             f"{kept.place}: how warm the wire is cannot be kept ({in_one_line(problem)}): let it cool before you open "
@@ -330,7 +330,7 @@ class RememberedTemperature:
         How warm the wire is, if that is not known here [K]; None if that is not stated.
     kept
         Where it is kept; by default in the device's file in the user's state folder.
-    now
+    clock
         Returns this moment.
 
     Attributes
@@ -346,7 +346,7 @@ class RememberedTemperature:
         *,
         stated_k: float | None = None,
         kept: KeptText | None = None,
-        now: Callable[[], Moment | None] | None = None,
+        clock: Callable[[], Moment | None] | None = None,
     ) -> None:
         """Read what is kept, and let a thread keep what is noted; a folder that cannot be used is no error."""
         self._keeper: TemperatureKeeper | None = None
@@ -354,12 +354,12 @@ class RememberedTemperature:
         self.at_opening = TemperatureAtOpening(begins_k, rest_s=0.0, reason=None)
         if identity is None:
             return
-        kept, moment = kept or KeptFile(identity), (now or this_moment)()
+        kept, moment = kept or KeptFile(identity), (clock or this_moment)()
         self.at_opening = opened(identity, limits, kept, moment, stated_k)
         if moment is None:
             return
         boot = moment.boot
-        self._now = now or (lambda: this_moment(boot))
+        self._now = clock or (lambda: this_moment(boot))
         self._keeper = TemperatureKeeper(identity, limits, kept)
         self._thread = Thread(target=self._keeper.run, name="wire temperature", daemon=True)
         self._thread.start()

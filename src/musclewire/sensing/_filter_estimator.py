@@ -286,7 +286,7 @@ def filter_tick(constants: FloatArray, state_array: FloatArray, given: FloatArra
     """Estimate one sample; see ``signals._compiled_tick`` for the arrays."""
     numbers, state = row_in(constants, NUMBERS_ROW), row_in(state_array, STATE_ROW)
     tables = constants[N_CONSTANTS : N_CONSTANTS + N_TABLES]
-    now = Filtered(numbers, state, state_array[FIRST_COVARIANCE:], tables)
+    filtered = Filtered(numbers, state, state_array[FIRST_COVARIANCE:], tables)
     wire_voltage_v, shunt_voltage_v = given[2], given[3]
     resistance_ohm = resistance_of(numbers, wire_voltage_v, shunt_voltage_v)
     answer[6], answer[7], answer[8] = 0.0, state.shift_w, state.loss
@@ -304,15 +304,15 @@ def filter_tick(constants: FloatArray, state_array: FloatArray, given: FloatArra
     # What one volt of noise at the shunt is in normalised resistance.
     per_volt = resistance_ohm * numbers.per_ohm / shunt_voltage_v
     if state.followed == 0.0:
-        begin(now, read, power_w, given[0])
+        begin(filtered, read, power_w, given[0])
     dt_s = given[0] - state.time_s
     state.time_s = given[0]
     noise = learnt_noise(numbers, state, read, dt_s, per_volt)
     if dt_s > 0.0:
-        predict(now, power_w, dt_s)
-    correct(now, read, noise)
-    quantity, variance, part = quantity_of(now, constants[N_CONSTANTS + N_TABLES :], read, noise)
-    sensed = is_sensed(numbers, state, now.covariance)
+        predict(filtered, power_w, dt_s)
+    correct(filtered, read, noise)
+    quantity, variance, part = quantity_of(filtered, constants[N_CONSTANTS + N_TABLES :], read, noise)
+    sensed = is_sensed(numbers, state, filtered.covariance)
     if numbers.stiffness_n_per_m > 0.0:
         add_friction(numbers, state, quantity)
     state.value = quantity + state.friction_n
@@ -326,9 +326,9 @@ def filter_tick(constants: FloatArray, state_array: FloatArray, given: FloatArra
 
 
 @compiled_inner
-def begin(now: Filtered, read: float, power_w: float, time_s: float) -> None:
+def begin(filtered: Filtered, read: float, power_w: float, time_s: float) -> None:
     """Begin with a wire at rest: cold if power and resistance hold no other, else where its resistance is."""
-    numbers, state, covariance, tables = now
+    numbers, state, covariance, tables = filtered
     row, last = 0, PLACES - 1
     enough_w = power_w - edges_at(numbers, tables, numbers.sensed_from).cooling_w
     if max(enough_w, tables[2] - AWAY * numbers.cold_std - read) < 0.0:
@@ -367,9 +367,9 @@ def learnt_noise(numbers: Row, state: Row, read: float, dt_s: float, per_volt: f
 
 
 @compiled_inner
-def predict(now: Filtered, power_w: float, dt_s: float) -> None:
+def predict(filtered: Filtered, power_w: float, dt_s: float) -> None:
     """Take mean and covariance through the heat balance and the play, and add what these leave out."""
-    numbers, state, covariance, tables = now
+    numbers, state, covariance, tables = filtered
     root, powers, places = np.zeros(STATES * STATES), np.empty(POINTS), np.empty(POINTS)
     root_of(covariance, root)
     mean_w = mean_place = 0.0
@@ -409,12 +409,12 @@ def predict(now: Filtered, power_w: float, dt_s: float) -> None:
 
 
 @compiled_inner
-def correct(now: Filtered, read: float, noise: float) -> None:
+def correct(filtered: Filtered, read: float, noise: float) -> None:
     """Correct mean and covariance by a reading; one that they do not explain makes them wider before that.
 
     The resistance is one of power and place alone, so that four of the eight points are in the middle.
     """
-    numbers, state, covariance, tables = now
+    numbers, state, covariance, tables = filtered
     root = np.empty(STATES * STATES)
     root_of(covariance, root)
     steady_w, place = state.steady_w, state.place
@@ -460,9 +460,9 @@ def correct(now: Filtered, read: float, noise: float) -> None:
 
 
 @compiled_inner
-def quantity_of(now: Filtered, coefficients: FloatArray, read: float, noise: float) -> tuple[float, float, float]:
+def quantity_of(filtered: Filtered, coefficients: FloatArray, read: float, noise: float) -> tuple[float, float, float]:
     """Return the quantity, its variance, and the part of the way from the cooling to the heating branch."""
-    numbers, state, covariance, tables = now
+    numbers, state, covariance, tables = filtered
     edges = edges_at(numbers, tables, state.place)
     part = part_between(state.steady_w, edges)
     own = numbers.resistance_std * numbers.resistance_std

@@ -49,7 +49,7 @@ NO_RISE = (
 TYPICAL_DIAMETER_M, TYPICAL_AIR_K, TYPICAL_MIDDLE_K = 150e-6, 295.15, 350.0
 
 
-class HeatBalance(NamedTuple):
+class ThermalResponse(NamedTuple):
     """Heat capacity over heat loss [s], heat [J] of the whole transformation, and in words where both are from."""
 
     time_constant_s: float
@@ -85,7 +85,7 @@ class WireModel:
     heating_resistance: FloatArray
     cooling_resistance: FloatArray
     sensed_from: float
-    balance: HeatBalance
+    balance: ThermalResponse
     phase_resistance: float
 
     @property
@@ -164,18 +164,18 @@ def wire_model_of(model: FittedCurve) -> WireModel:
     )
 
 
-def heat_balance_of(model: FittedCurve) -> HeatBalance:
+def heat_balance_of(model: FittedCurve) -> ThermalResponse:
     """Return a wire's heat balance: that of its gains, that which a model of force was given, or by its diameter."""
     tau_s, per_unit = (model.gains.get(name) for name in ("thermal_time_constant_s", "heat_per_unit"))
     if isinstance(tau_s, float) and isinstance(per_unit, float):
-        return HeatBalance(tau_s, per_unit * model.quantity_max, "the heat balance that its slow loop states")
+        return ThermalResponse(tau_s, per_unit * model.quantity_max, "the heat balance that its slow loop states")
     tau_s, heat_j = (model.wire.get(name) for name in HEAT_NOTES)
     if isinstance(tau_s, float) and isinstance(heat_j, float):
-        return HeatBalance(tau_s, heat_j, "the model that it was made from")
+        return ThermalResponse(tau_s, heat_j, "the model that it was made from")
     return balance_by_diameter(model)
 
 
-def balance_by_diameter(model: FittedCurve) -> HeatBalance:
+def balance_by_diameter(model: FittedCurve) -> ThermalResponse:
     """Return the heat balance of a wire that is known by its diameter at best, in still air (Churchill and Chu)."""
     stated_m = model.wire.get("wire_diameter_m")
     size_m = stated_m if isinstance(stated_m, float) else TYPICAL_DIAMETER_M
@@ -188,10 +188,10 @@ def balance_by_diameter(model: FittedCurve) -> HeatBalance:
     middle_w = float(np.median([power_w for _, power_w, ohm in model.slow_loop if ohm < middle_ohm]))
     latent_k = alloy.latent_heat_j_per_kg.value / alloy.specific_heat_j_per_kg_k.value
     origin = f"a wire of {1e3 * size_m:.3g} mm in still air"
-    return HeatBalance(tau_s, tau_s * middle_w * latent_k / above_k, origin)
+    return ThermalResponse(tau_s, tau_s * middle_w * latent_k / above_k, origin)
 
 
-def halves_of(model: FittedCurve, balance: HeatBalance) -> tuple[Half, Half]:
+def halves_of(model: FittedCurve, balance: ThermalResponse) -> tuple[Half, Half]:
     """Return both halves of a model's slow loop, heating and cooling, each from the cold wire to C."""
     time_s, power_w, resistance_ohm = np.array(model.slow_loop).T
     resistance = (resistance_ohm - model.resistance_min_ohm) / (model.resistance_max_ohm - model.resistance_min_ohm)
@@ -225,7 +225,7 @@ def sensed_row(resistance: FloatArray, sensed_below: float) -> int:
     return int(np.flatnonzero(resistance >= end)[-1])
 
 
-def steady_power_w(time_s: FloatArray, power_w: FloatArray, place: FloatArray, balance: HeatBalance) -> FloatArray:
+def steady_power_w(time_s: FloatArray, power_w: FloatArray, place: FloatArray, balance: ThermalResponse) -> FloatArray:
     """Return the power [W] that would hold each row's temperature: the heat balance along the loop, from its start."""
     steady_w = np.empty_like(power_w)
     steady_w[0] = power_w[0]

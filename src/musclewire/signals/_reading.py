@@ -132,6 +132,8 @@ def import_recording(
         For a NAME in ``columns`` that is no column, a wrong mapping file, or an output that cannot be written.
     MissingExtraError
         For .parquet without pyarrow.
+    CurableError
+        With an output, for a file of a wire whose shunt is not stated: it says what to state.
     """
     wanted = _mapping(mapping, columns, metadata, group)
     plan, tally = _plan(Path(path), wanted), CheckedBlocks()

@@ -241,7 +241,7 @@ def test_a_file_of_somebody_else_that_may_not_be_read_counts_as_the_limit() -> N
 def test_a_folder_that_cannot_be_written_is_said_at_opening_and_raises_nothing_later(error: Exception) -> None:
     kept = kept_at(400.0, 0.0)
     kept.writing = error
-    remembered = RememberedTemperature(BOARD, LIMITS, kept=kept, now=lambda: NOW)
+    remembered = RememberedTemperature(BOARD, LIMITS, kept=kept, clock=lambda: NOW)
     found = remembered.at_opening
     assert (found.temperature_k, found.rest_s) == (pytest.approx(400.0), 0.0)
     assert str(found.reason).startswith("kept.json: how warm the wire is cannot be kept (")
@@ -254,7 +254,7 @@ def test_a_folder_that_cannot_be_written_is_said_at_opening_and_raises_nothing_l
 
 def test_closing_keeps_what_was_noted_last_at_the_time_of_its_note() -> None:
     kept, times = KeptInMemory(), iter([NOW, later(1.0), later(2.0), later(99.0)])
-    remembered = RememberedTemperature(BOARD, LIMITS, kept=kept, now=lambda: next(times))
+    remembered = RememberedTemperature(BOARD, LIMITS, kept=kept, clock=lambda: next(times))
     remembered.note(390.0)
     remembered.note(380.0)
     remembered.close()
@@ -267,7 +267,7 @@ def test_closing_keeps_what_was_noted_last_at_the_time_of_its_note() -> None:
 
 def test_a_rig_that_never_exchanges_leaves_what_it_found_cooled_until_its_opening() -> None:
     kept = kept_at(AMBIENT_K + 100.0, TIME_CONSTANT_S)
-    RememberedTemperature(BOARD, LIMITS, kept=kept, now=lambda: NOW).close()
+    RememberedTemperature(BOARD, LIMITS, kept=kept, clock=lambda: NOW).close()
     assert kept.stored == (pytest.approx(AMBIENT_K + 36.788, abs=1e-3), NOW)
 
 

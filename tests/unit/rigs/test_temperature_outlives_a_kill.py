@@ -106,16 +106,16 @@ def test_the_thread_keeps_what_a_killed_program_has_noted() -> None:
 
 
 def test_a_second_opening_finds_what_the_first_one_left() -> None:
-    first = RememberedTemperature(BOARD, LIMITS, now=lambda: NOW)
+    first = RememberedTemperature(BOARD, LIMITS, clock=lambda: NOW)
     first.note(430.0)
     first.close()
-    second = RememberedTemperature(BOARD, LIMITS, now=lambda: NOW)
+    second = RememberedTemperature(BOARD, LIMITS, clock=lambda: NOW)
     second.close()
     assert second.at_opening.temperature_k == pytest.approx(430.0)
-    third = RememberedTemperature(BOARD, LIMITS, now=lambda: later(0.9))
+    third = RememberedTemperature(BOARD, LIMITS, clock=lambda: later(0.9))
     third.close()
     assert third.at_opening.temperature_k == pytest.approx(AMBIENT_K + (430.0 - AMBIENT_K) * 0.36788, abs=1e-2)
-    assert RememberedTemperature("another board", LIMITS, now=lambda: NOW).at_opening.temperature_k == LIMIT_K
+    assert RememberedTemperature("another board", LIMITS, clock=lambda: NOW).at_opening.temperature_k == LIMIT_K
 
 
 def test_a_program_that_closes_nothing_leaves_no_thread() -> None:

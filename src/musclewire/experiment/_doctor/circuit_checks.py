@@ -23,7 +23,7 @@ USUAL_FACTORS = (0.001, 0.01, 0.1, 0.22, 0.47, 1 / 2.2, 2.2, 4.7, 10.0, 100.0, 1
 NAMED_WITHIN = 0.12
 
 
-class Arriving(NamedTuple):
+class ArrivingFractions(NamedTuple):
     """Least and largest fraction of an order at wire and shunt, and what has shown it: the rig file's ``[arrives]``."""
 
     least: float
@@ -38,7 +38,7 @@ class ExpectedWire(NamedTuple):
     low_ohm: float
     high_ohm: float
     why_unknown: str = ""
-    arriving: Arriving | None = None
+    arriving: ArrivingFractions | None = None
 
 
 def circuit_findings(evidence: Evidence, expected: ExpectedWire) -> Findings:
@@ -67,7 +67,7 @@ def output_at_zero_check(evidence: Evidence) -> RigCheck:
     return RigCheck("output_at_zero_v", ok, volts, "V", advice)
 
 
-def output_gain_check(evidence: Evidence, arriving: Arriving | None) -> RigCheck:
+def output_gain_check(evidence: Evidence, arriving: ArrivingFractions | None) -> RigCheck:
     """Check that the voltage at wire and shunt follows the command, or is what something else has shown to arrive."""
     gain = abs(evidence.wire.slope) + abs(evidence.shunt.slope)
     ok = abs(gain - 1.0) <= GAIN_FRACTION

@@ -17,7 +17,7 @@ from musclewire.experiment._doctor.channel_checks import (
     quiet_checks,
     range_check,
 )
-from musclewire.experiment._doctor.circuit_checks import Arriving, ExpectedWire, circuit_findings
+from musclewire.experiment._doctor.circuit_checks import ArrivingFractions, ExpectedWire, circuit_findings
 from musclewire.experiment._doctor.evidence import (
     LOW_FRACTIONS,
     Evidence,
@@ -162,7 +162,7 @@ def subject_of(rig: Rig) -> ExaminedRig:
         wire, why = None, "several wires share the drive; see the window"
     cold = None if wire is None or length_m is None else wire.resistance_per_metre_ohm_per_m.value * length_m
     by, least = facts.text_or_none("arriving_fraction_by"), facts.positive_or_none("arriving_fraction_least")
-    arriving = None if by is None or least is None else Arriving(least, limits.arriving_fraction, by)
+    arriving = None if by is None or least is None else ArrivingFractions(least, limits.arriving_fraction, by)
     expected = ExpectedWire(cold, limits.resistance_low_ohm, limits.resistance_high_ohm, why, arriving)
     return ExaminedRig(rig, metadata, wire, length_m, limits, expected)
 
