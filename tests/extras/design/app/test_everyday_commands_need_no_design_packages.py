@@ -44,7 +44,7 @@ SIZED = ("design", "pretensioner", "--stiffness", "386.2 N/m")
     ("command", "what"),
     [
         (SIZED, "sizing a part by finite elements"),
-        ((*SIZED, "--drawing", "part.dxf"), "a drawing as DXF"),
+        ((*SIZED, "--drawing", "part.dxf"), "sizing a part by finite elements"),
         (("design", "finger", "--finger", "lan-fan-2010"), "sizing a part by finite elements"),
         (("reproduce", "--only", "fig14", "--seed", "1"), "sizing a part by finite elements"),
     ],
