@@ -26,7 +26,7 @@ OF_TARGET, OF_RANGE = 0.03, 0.01
 # An interval hides a miss whose half-width is more than this part of the range: it would not be seen on any step.
 WIDE = 0.1
 # A run does not hold that missed its target for more than this part of the time with one; less is not said: the first
-# step from cold, or steps after a change of supply or air, take 5 % and more in one run of twelve that errs below 2 %.
+# step from cold, or steps after a change of supply or air, take some of it in runs that err by 1 to 2 % in the mean.
 MAX_MISSED = 0.1
 # A loop may be so much later than the fastest wire [s], by its dead time and as it slows down before a target; and
 # while it runs a miss is said once it has lasted for so long, so that it does not come and go on a page with each drag.
