@@ -85,6 +85,9 @@ class PartFiles:
 
     def require(self, part: str) -> None:
         """Raise CallerError for files of a kind that is not written here or not without an extra, before any work."""
+        # A solid's extra brings what the sizing needs, so one line names all that is missing.
+        if self.solids:
+            require_extra("a solid (STL or STEP)", "cad")
         require_extra("sizing a part by finite elements", "design")
         if self.output is not None:
             if self.output.suffix != ".toml":
@@ -98,6 +101,4 @@ class PartFiles:
             if solid.suffix not in SOLIDS:
                 raise CallerError(f"{solid}: a solid is one of {', '.join(SOLIDS)}: end its name so")
             require_folder(solid)
-        if self.solids:
-            require_extra("a solid (STL or STEP)", "cad")
         require_figure_file(self.plot)
