@@ -34,7 +34,7 @@ from musclewire_robustness.tasks import Change
 RUN_NUMBER, RUN_SEED = 60, 10_000
 RAMP_S, DRAUGHT_S, STRONGEST = 1.0, 3.0, 3.0
 STREAM = 20
-EXAMPLES = Path(__file__).resolve().parents[3] / "examples" / "plants"
+EXAMPLES = Path.cwd() / "examples" / "plants"
 
 
 @dataclass(frozen=True)
@@ -55,12 +55,15 @@ class TaskPlant:
     quantity: str = "strain"
     has_load: bool = False
 
+    def refuse_unless_here(self) -> None:
+        """Raise CallerError for an example of the checkout that is run elsewhere."""
+        if isinstance(self.rig, Path) and not self.rig.exists():
+            raise CallerError(f"{self.rig.stem} is an example of the checkout, and {self.rig} is none: run this there")
+
     def opened(self, seed: int, *, of_task: bool) -> GuardedRig:
-        """Return the rig of a seed as it was characterized, or that on which it does a task. CallerError without it."""
+        """Return the rig of a seed as it was characterized, or that on which it does a task."""
         if self.rig is None:
             return open_plant(drawn_wire(seed), run=RUN_NUMBER if of_task else 1).rig
-        if isinstance(self.rig, Path) and not self.rig.exists():
-            raise CallerError(f"{self.rig.stem} is an example of the checkout: run this there")
         return open_rig(self.rig, seed=seed + RUN_SEED if of_task else seed)
 
     def model_in(self, file: Path, seed: int) -> SensingModel:

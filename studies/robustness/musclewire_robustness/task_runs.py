@@ -67,6 +67,8 @@ class ScoredTask(NamedTuple):
         Fraction of the samples at which the instrument is within it.
     all_pct
         Mean absolute error of all samples, those after a jump, too [%]: what a loop names, it names of these.
+    allowed_pct
+        Mean of tolerance and half-width [% of the target]: an error of less is none that a loop could name.
     seen_pct
         By how much the estimate is farther from the target than tolerance and half-width in their mean [% of it].
     unannounced_pct
@@ -89,6 +91,7 @@ class ScoredTask(NamedTuple):
     half_width_pct: float | None
     inside_share: float | None
     all_pct: float | None
+    allowed_pct: float | None
     seen_pct: float | None
     unannounced_pct: float | None
     announced_share: float | None
@@ -101,7 +104,7 @@ class ScoredTask(NamedTuple):
 
 def not_done(ended: str, code: int) -> ScoredTask:
     """Return the score of a run that did not come to its end."""
-    return ScoredTask(None, None, None, None, None, None, None, None, None, 0, 0, (), code, ended)
+    return ScoredTask(None, None, None, None, None, None, None, None, None, None, 0, 0, (), code, ended)
 
 
 class TaskCase(NamedTuple):
@@ -255,7 +258,8 @@ def loop_score(run: Recording, model: SensingModel, case: TaskCase) -> ScoredTas
     announced = np.convolve(announced, np.ones(lag + 1))[: target.size] > 0.0  # a loop may follow a second later
     mean_pct, largest_pct = followed.errors_pct(rows)
     swinging, holds = followed.swings(case)
-    excess_pct = 100.0 * (away - tolerance - half_width) / np.abs(target)
+    allowed_pct, away_pct = (100.0 * one / np.abs(target) for one in (tolerance + half_width, away))
+    excess_pct = away_pct - allowed_pct
     unannounced = asked & ~announced
     alone = Recording({name: one for name, one in run.columns.items() if name not in OF_INSTRUMENTS}, run.metadata)
     return ScoredTask(
@@ -265,6 +269,7 @@ def loop_score(run: Recording, model: SensingModel, case: TaskCase) -> ScoredTas
         100.0 * float(np.median(half_width[rows])) / sensed,
         float(np.mean(np.abs(error)[rows] <= half_width[rows])),
         followed.errors_pct(asked)[0],
+        float(np.mean(allowed_pct[asked])),
         float(np.mean(excess_pct[asked])),
         float(np.mean(excess_pct[unannounced])) if unannounced.any() else None,
         float(np.mean(announced[asked])),

@@ -79,6 +79,7 @@ class NamedRuns(AnswerModel):
     interval_too_wide: int
     estimate_wrong: int
     interval_too_narrow: int
+    within_tolerance: int
     none_of_these: int
     does: int
     does_named: int
@@ -203,7 +204,7 @@ def task_table(
     Raises
     ------
     CallerError
-        For a part of a name that no row has.
+        For a part of a name that no row has, or plants of examples outside a checkout.
     NumericsError
         If a run has failed.
 
@@ -215,6 +216,8 @@ def task_table(
     """
     began_s = time.perf_counter()
     asked = asked_rows(only, quick=quick)
+    for plant in {row.plant for row in asked}:
+        PLANTS[plant].refuse_unless_here()
     # The runs of one plant and seed follow each other: they have one model.
     cases = sorted((case for row in asked for case in row.cases(quick=quick)), key=lambda case: (case.plant, case.seed))
     plan = read_study(study_of(cases, Path(folder)))
@@ -287,7 +290,7 @@ def is_known(run: ScoredTask) -> bool:
     return run.exit != 0 or (run.unannounced_pct or 0.0) <= 0.0
 
 
-UNSEEN = ("interval_too_wide", "estimate_wrong", "interval_too_narrow", "none_of_these")
+UNSEEN = ("interval_too_wide", "estimate_wrong", "interval_too_narrow", "within_tolerance", "none_of_these")
 
 
 def why_unseen(run: ScoredTask) -> str:
@@ -296,6 +299,7 @@ def why_unseen(run: ScoredTask) -> str:
         (run.half_width_pct or 0.0) > WIDE_PCT,
         (run.estimate_rms_pct or 0.0) > WRONG_PCT,
         (run.inside_share or 0.0) < INSIDE,
+        (run.all_pct or 0.0) <= (run.allowed_pct or 0.0),
     )
     return next((cause for cause, holds in zip(UNSEEN, checks, strict=False) if holds), UNSEEN[-1])
 
@@ -327,6 +331,7 @@ def named_line(of: NamedRuns) -> str:
         f"{of.sees} see it, of which {of.sees_named} end with 1 or were announced"
         f"{not_named}; {of.others} do not "
         f"({of.interval_too_wide} interval too wide, {of.estimate_wrong} estimate wrong, {of.interval_too_narrow} "
-        f"interval too narrow, {of.none_of_these} none of these), of which {of.others_named} end with 1 or were "
-        f"announced. Of {of.does} runs below {DOES_PCT:g} % {of.does_named} are named target_missed"
+        f"interval too narrow, {of.within_tolerance} within tolerance and interval, {of.none_of_these} none of these), "
+        f"of which {of.others_named} end with 1 or were announced. Of {of.does} runs below {DOES_PCT:g} % "
+        f"{of.does_named} are named target_missed"
     )

@@ -1,7 +1,9 @@
 # ruff: noqa: E402 - a package that may be missing is asked for first
 """``musclewire robustness --tasks``: what is asked, how it is judged, and what is named without an instrument."""
 
-from typing import Any
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -14,9 +16,9 @@ from musclewire.errors import CallerError
 
 require_package("musclewire_robustness", "pip install ./studies/robustness")
 
-from musclewire_robustness.task_plants import PLANTS, ChangedAir
+from musclewire_robustness.task_plants import PLANTS, ChangedAir, TaskPlant
 from musclewire_robustness.task_runs import FollowedTargets, TaskCase, case_of
-from musclewire_robustness.task_table import SEEDS, WIRES, asked_rows
+from musclewire_robustness.task_table import SEEDS, WIRES, asked_rows, task_table
 from musclewire_robustness.tasks import CHANGES, IN_CHANGES, STILL, TASKS, Change
 
 TIME_S = np.asarray(0.05 * np.arange(1, 401), dtype=np.float64)
@@ -90,6 +92,16 @@ def test_a_part_of_a_name_that_no_row_has_is_refused() -> None:
 
 
 @pytest.mark.slow
+def test_plants_of_examples_are_refused_outside_a_checkout_before_any_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    elsewhere = replace(PLANTS["Duhem"], rig=tmp_path / "duhem.toml")
+    monkeypatch.setitem(cast(dict[str, TaskPlant], PLANTS), "Duhem", elsewhere)
+    with pytest.raises(CallerError, match="duhem is an example of the checkout.*: run this there"):
+        task_table(["Duhem/staircase/still"], folder=tmp_path / "runs")
+    assert not (tmp_path / "runs").exists()
+
+
 def test_a_row_has_three_controllers_and_names_what_a_user_without_a_sensor_can_see(
     tmp_path: Any, musclewire: Any
 ) -> None:
