@@ -97,7 +97,7 @@ def test_plants_of_examples_are_refused_outside_a_checkout_before_any_run(
 ) -> None:
     elsewhere = replace(PLANTS["Duhem"], rig=tmp_path / "duhem.toml")
     monkeypatch.setitem(cast(dict[str, TaskPlant], PLANTS), "Duhem", elsewhere)
-    with pytest.raises(CallerError, match="duhem is an example of the checkout.*: run this there"):
+    with pytest.raises(CallerError, match=r"duhem is an example of the checkout.*: run this there"):
         task_table(["Duhem/staircase/still"], folder=tmp_path / "runs")
     assert not (tmp_path / "runs").exists()
 
