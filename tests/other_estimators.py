@@ -17,7 +17,7 @@ class DriftingState(NamedTuple):
 class DriftingEstimator:
     """The paper's estimate, plus an offset that grows with every sample that can be read."""
 
-    columns = ("wire_resistance_ohm", "extra_offset")
+    columns = ("wire_resistance_ohm", "offset")
     has_c_form = False
 
     def __init__(self, setup: EstimatorSetup) -> None:

@@ -7,8 +7,9 @@ extras add theirs by their manifests, and so does a package from outside; a scri
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Generic, TypeVar, cast
+import contextlib
+from collections.abc import Callable, Mapping
+from typing import Any, Generic, TypeVar, cast, get_type_hints
 
 from musclewire.errors import CallerError, an_object, nearest_hint
 from musclewire.manifest import absent_part, loaded, offered
@@ -32,11 +33,21 @@ class Registry(Generic[Kind]):
     parts
         Names that what a kind makes must have: a kind is then a class or a function of a setup. None for kinds that are
         used as they are.
+    check
+        Looks at the class of what a kind makes when it is registered, as far as it is known then, and at what a kind
+        has made; gets it, and whose it is in words. It raises CallerError.
     """
 
-    def __init__(self, what: str, field: str, built_in: Mapping[str, str], parts: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self,
+        what: str,
+        field: str,
+        built_in: Mapping[str, str],
+        parts: tuple[str, ...] = (),
+        check: Callable[[Any, str], None] | None = None,
+    ) -> None:
         """Take our own kinds; those of manifests are looked up when a name is needed."""
-        self.what, self.field = what, field
+        self.what, self.field, self._check = what, field, check
         self._built_in, self._parts = dict(built_in), parts
         self._registered: dict[str, Kind] = {}
 
@@ -53,7 +64,8 @@ class Registry(Generic[Kind]):
         Raises
         ------
         CallerError
-            If the name is taken by another kind, or what is registered cannot be called.
+            If the name is taken by another kind, or what is registered cannot be called; if its class, or the class
+            that a function says it returns, names a column that it cannot record.
         """
         if self._parts and not callable(kind):
             raise CallerError(
@@ -63,6 +75,8 @@ class Registry(Generic[Kind]):
         known = self._registered.get(name)
         if (known is not None and known is not kind) or name in self._places:
             raise CallerError(f"there is already {self.article()} {self.what} named '{name}': give yours another name")
+        if self._check is not None:
+            self._check(class_made_by(kind), f"the {self.what} '{name}'")
         self._registered[name] = kind
 
     @property
@@ -120,7 +134,8 @@ class Registry(Generic[Kind]):
         Raises
         ------
         CallerError
-            For an unknown name, and if what was made lacks one of the parts of its kind.
+            For an unknown name, and if what was made lacks one of the parts of its kind, or names a column that it
+            cannot record.
         """
         made = cast(Any, self.find(kind) if isinstance(kind, str) else kind)(setup)
         missing = [name for name in self._parts if not hasattr(made, name)]
@@ -129,6 +144,8 @@ class Registry(Generic[Kind]):
                 f"{type(made).__name__} is no {self.what}: it has no {' and no '.join(missing)}; "
                 f"{self.article()} {self.what} has {', '.join(self._parts)}"
             )
+        if self._check is not None:
+            self._check(made, f"the {self.what} {type(made).__name__}")
         return made
 
     def __repr__(self) -> str:
@@ -146,3 +163,12 @@ class Registry(Generic[Kind]):
     def article(self) -> str:
         """Return "a" or "an", whichever the word needs."""
         return "an" if self.what[0] in "aeiou" else "a"
+
+
+def class_made_by(kind: Any) -> Any:
+    """Return the class of what a kind makes: itself, or what a function says that it returns; None if it does not."""
+    if isinstance(kind, type):
+        return kind
+    with contextlib.suppress(Exception):  # an annotation may be any expression, of names that are not there
+        return get_type_hints(kind).get("return")
+    return None

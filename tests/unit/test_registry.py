@@ -9,6 +9,7 @@ import pytest
 import musclewire as mw
 from musclewire.errors import CallerError
 from musclewire.registry import Registry
+from musclewire.signals import check_columns
 
 
 def registry() -> Registry[object]:
@@ -84,3 +85,36 @@ def test_what_makes_nothing_is_not_registered() -> None:
 
 def test_a_registry_shows_its_names() -> None:
     assert repr(mw.CONTROLLERS) == f"controllers: {', '.join(mw.CONTROLLERS.names())}"
+
+
+class Misnamed:
+    """An estimator whose column no recording can have."""
+
+    columns = ("Play Place",)
+
+
+def misnamed(_setup: object) -> Misnamed:
+    return Misnamed()
+
+
+def unsaid(_setup: object):  # type: ignore[no-untyped-def]
+    return Misnamed()
+
+
+def unresolved(_setup: object) -> "NotThere":  # type: ignore[name-defined]  # noqa: F821, UP037
+    return Misnamed()
+
+
+@pytest.mark.parametrize("kind", [Misnamed, misnamed])
+def test_registering_an_estimator_looks_at_the_columns_of_its_class(kind: Any) -> None:
+    with pytest.raises(CallerError, match="the estimator 'mine' records 'Play Place': a column is named by words in"):
+        mw.ESTIMATORS.register("mine", kind)
+    assert "mine" not in mw.ESTIMATORS
+
+
+@pytest.mark.parametrize("kind", [unsaid, unresolved])
+def test_columns_that_no_class_says_are_looked_at_when_the_estimator_is_made(kind: Any) -> None:
+    kinds: Registry[Any] = Registry("estimator", "nothing", {}, check=check_columns)
+    kinds.register("mine", kind)
+    with pytest.raises(CallerError, match="the estimator Misnamed records 'Play Place'"):
+        kinds.make("mine", None)

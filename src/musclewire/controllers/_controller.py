@@ -18,7 +18,7 @@ from typing import Any, Protocol
 from musclewire.controllers._drive_limits import DriveLimits
 from musclewire.errors import CallerError, NumericsError
 from musclewire.registry import Registry
-from musclewire.signals import ControlStep, QuantityEstimate
+from musclewire.signals import ControlStep, QuantityEstimate, check_columns
 
 PERCENT_STRAIN = 0.01
 
@@ -112,6 +112,7 @@ CONTROLLERS: Registry[ControllerFactory] = Registry(
         "pid": "musclewire.controllers._pid:pid_controller",
     },
     parts=("limits", "columns", "start", "step"),
+    check=check_columns,
 )
 
 

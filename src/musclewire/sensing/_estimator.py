@@ -20,7 +20,7 @@ from typing import Any, Protocol
 from musclewire.registry import Registry
 from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._known_load import KnownSpring
-from musclewire.signals import EstimatorStep, QuantityEstimate, RawSample, WireSample
+from musclewire.signals import EstimatorStep, QuantityEstimate, RawSample, WireSample, check_columns
 from musclewire.wire import WireConstants
 
 # What a closed loop runs unless another is named (docs/explanation/decisions/estimators-in-a-loop.md).
@@ -109,6 +109,7 @@ ESTIMATORS: Registry[EstimatorFactory] = Registry(
         "filter": "musclewire.sensing._filter_estimator:filter_estimator",
     },
     parts=("quantity", "columns", "start", "step"),
+    check=check_columns,
 )
 
 

@@ -2,6 +2,7 @@
 
 from ._columns import COLUMNS as COLUMNS
 from ._columns import ISOBAR_TABLE as ISOBAR_TABLE
+from ._columns import check_columns as check_columns
 from ._columns import columns_called as columns_called
 from ._columns import key_of_header as key_of_header
 from ._compiled_tick import CONTROLLER_ANSWERS as CONTROLLER_ANSWERS

@@ -12,7 +12,7 @@ import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from musclewire.errors import CallerError, nearest_hint
 
@@ -102,9 +102,15 @@ _ALL = (
     Column("strain_cooling", "", "strain on the cooling branch at this resistance", "table"),
 )
 
-# Names of columns of other packages' estimators and controllers begin with this, and end in the unit.
-EXTRA_PREFIX = "extra_"
+# How columns of others' estimators and controllers are named. One of the second kind is known in any program and file,
+# one of the first where the estimator is, and in files that musclewire has written.
+OWN_NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
 EXTRA_NAME = re.compile(r"extra_[a-z0-9]+(?:_[a-z0-9]+)*")
+# What every loop records as well, and the one electrical column that an estimator records, too.
+OF_THE_LOOP = frozenset({"estimate_std", "valid"}) | {
+    f"{what}_{quantity}" for what in ("target", "estimated") for quantity in ("strain", "displacement_m", "force_n")
+}
+OF_THE_ESTIMATE = "wire_resistance_ohm"
 UNIT_ENDINGS = {
     "s": "s",
     "v": "V",
@@ -120,18 +126,20 @@ UNIT_ENDINGS = {
 
 
 class _Columns(dict[str, Column]):
-    """All columns by name; one that begins with ``extra_`` is created when it is looked up, in any process."""
+    """All columns by name; one of others is created when it is looked up, if it is declared or begins with extra_."""
+
+    declared: ClassVar[set[str]] = set()
 
     def __missing__(self, name: str) -> Column:
-        """Return an extra column. Raises KeyError for any other name."""
-        if not (isinstance(name, str) and EXTRA_NAME.fullmatch(name)):
+        """Return a column of others. Raises KeyError for any other name."""
+        if name not in self:
             raise KeyError(name)
-        words = name.removeprefix(EXTRA_PREFIX).split("_")
+        words = name.removeprefix("extra_").split("_")
         unit = UNIT_ENDINGS.get(words[-1], "") if len(words) > 1 else ""
         return Column(name, unit, "recorded by an estimator or controller of another package", "control")
 
     def get(self, name: str, default: Any = None) -> Any:
-        """Return a column by its name, an extra one included, or a default."""
+        """Return a column by its name, one of others included, or a default."""
         try:
             return self[name]
         except KeyError:
@@ -139,7 +147,8 @@ class _Columns(dict[str, Column]):
 
     def __contains__(self, name: object) -> bool:
         """Return whether a recording may have a column of this name."""
-        return super().__contains__(name) or (isinstance(name, str) and EXTRA_NAME.fullmatch(name) is not None)
+        of_others = isinstance(name, str) and (name in self.declared or EXTRA_NAME.fullmatch(name) is not None)
+        return super().__contains__(name) or of_others
 
 
 COLUMNS: Mapping[str, Column] = MappingProxyType(_Columns({column.name: column for column in _ALL}))
@@ -162,6 +171,30 @@ def known_column(name: str) -> Column:
         return COLUMNS[name]
     except KeyError:
         raise CallerError(f"unknown column '{name}'{nearest_hint(str(name), COLUMNS)}") from None
+
+
+def check_columns(kind: Any, whose: str) -> None:
+    """Declare the columns that an estimator or controller records, or its class; CallerError for one that cannot be."""
+    names = getattr(kind, "columns", ())
+    for name in names if isinstance(names, tuple) else ():
+        if not (isinstance(name, str) and OWN_NAME.fullmatch(name)):
+            raise CallerError(
+                f"{whose} records {name!r}: a column is named by words in lower case, joined by _, of which the last "
+                "is its unit if it has one, as play_power_w"
+            )
+        declare_column(name)
+        known = COLUMNS[name]
+        measured = known.kind != "control" and name != OF_THE_ESTIMATE
+        if measured or name in OF_THE_LOOP or names.count(name) > 1:
+            is_taken = "twice" if names.count(name) > 1 else f"which is already the {known.description}"
+            raise CallerError(f"{whose} records '{name}', {is_taken}: give its column a name of its own")
+
+
+def declare_column(name: str) -> bool:
+    """Let recordings of this program have a column of others. Return whether it can be named so."""
+    if name not in COLUMNS and OWN_NAME.fullmatch(name):
+        _Columns.declared.add(name)
+    return name in COLUMNS
 
 
 def key_of_header(text: str) -> str:

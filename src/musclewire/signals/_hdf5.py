@@ -16,7 +16,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.signals._columns import COLUMNS
+from musclewire.signals._columns import COLUMNS, declare_column
 from musclewire.signals._metadata import RESERVED, MetadataValue, checked_metadata
 from musclewire.signals._whole_files import write_whole
 
@@ -132,8 +132,9 @@ def read_hdf5_columns(path: Path) -> tuple[dict[str, FloatArray], dict[str, Meta
     """
     with _open_file(path) as file, _damage_reported(path):
         _check_format(file, path)
-        names = [name for name in str(file.attrs.get("columns", "")).split(",") if name] or sorted(file)
-        columns = {name: _values(file, name, path) for name in names if name in COLUMNS}
+        named = [name for name in str(file.attrs.get("columns", "")).split(",") if declare_column(name)]
+        names = named or [name for name in sorted(file) if name in COLUMNS]
+        columns = {name: _values(file, name, path) for name in names}
         metadata = {key: _from_attribute(file.attrs[key]) for key in file.attrs if key not in RESERVED}
         rows = min([int(file.attrs.get("rows", 2**62)), *(len(values) for values in columns.values())])
     if metadata.get("ended") == "running":

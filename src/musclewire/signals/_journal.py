@@ -19,7 +19,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.signals._columns import COLUMNS
+from musclewire.signals._columns import COLUMNS, declare_column
 from musclewire.signals._metadata import MetadataValue
 
 JOURNAL_SUFFIX = ".journal"
@@ -150,7 +150,7 @@ def _records_begin(data: bytes, path: Path) -> int:
 def _start_of(record: tuple[int, memoryview] | None, path: Path) -> tuple[tuple[str, ...], dict[str, MetadataValue]]:
     kind, body = record or (0, memoryview(b""))
     facts = _facts_of(body, path) if kind == START else {}
-    columns = tuple(name for name in facts.get("columns", ()) if isinstance(name, str) and name in COLUMNS)
+    columns = tuple(name for name in facts.get("columns", ()) if isinstance(name, str) and declare_column(name))
     if not columns or list(columns) != facts["columns"] or len(set(columns)) < len(columns):
         raise _damaged(path)
     return columns, dict(facts.get("metadata", {}))

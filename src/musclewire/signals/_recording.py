@@ -15,7 +15,15 @@ from numpy.typing import ArrayLike
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, require_extra
 from musclewire.pages import notebook_table
-from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, PULSE_TABLE, known_column, needs_no_clock
+from musclewire.signals._columns import (
+    BRANCH_TABLE,
+    COLUMNS,
+    ISOBAR_TABLE,
+    PULSE_TABLE,
+    declare_column,
+    known_column,
+    needs_no_clock,
+)
 from musclewire.signals._metadata import MetadataValue, checked_metadata, fact_in_words
 from musclewire.signals._plots import PLOTS, usual_plot
 from musclewire.signals._run_facts import RunFacts
@@ -127,7 +135,7 @@ class Recording:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Return the parts from which pickle rebuilds a recording: read-only mappings cannot be pickled."""
-        return Recording, (dict(self.columns), dict(self.metadata))
+        return _unpickled, (dict(self.columns), dict(self.metadata))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -350,6 +358,13 @@ def _read_only(name: str, values: ArrayLike) -> FloatArray:
         array = array.copy()
         array.setflags(write=False)
     return array
+
+
+def _unpickled(columns: dict[str, FloatArray], metadata: dict[str, MetadataValue]) -> Recording:
+    """Return a recording of another process, which may know estimators that this one does not."""
+    for name in columns:
+        declare_column(name)
+    return Recording(columns, metadata)
 
 
 def _check_equal_lengths(columns: Mapping[str, FloatArray]) -> None:

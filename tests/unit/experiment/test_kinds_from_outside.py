@@ -22,7 +22,7 @@ from musclewire.signals import ControlStep, Drive, QuantityEstimate, Reason
 class OnOff:
     """Two voltages, and which one is recorded."""
 
-    columns = ("extra_on",)
+    columns = ("on",)
 
     def __init__(self, limits: DriveLimits) -> None:
         self.limits = limits
@@ -85,8 +85,8 @@ def test_after_one_call_each_they_close_the_loop_on_the_simulated_rig(model: Pat
             approach_s=3.0,
         )
     assert (run.metadata["estimator"], run.metadata["controller"]) == ("drifting", "on-off")
-    assert set(run["extra_on"]) == {0.0, 1.0}
-    assert run["extra_offset"].max() > 0.0
+    assert set(run["on"]) == {0.0, 1.0}
+    assert run["offset"].max() > 0.0
     assert "proportional_gain" not in run
     assert run.metrics.valid_share > 0.5
 
