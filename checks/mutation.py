@@ -1,16 +1,22 @@
-"""Mutation testing: how many small faults in the code the tests find. The faults are cosmic-ray's.
+"""Mutation testing: how many small faults in the code the tests find. Those in Python are cosmic-ray's.
 
     python checks/mutation.py [--sample 60] [--seed 1] [--places core protection live] [--tests PATH ...]
                               [--tree CHECKOUT] [--keep FOLDER]
 
 Each place gives an equal part of the sample: the core, the protection with the guard, the live server, the guardian of
-NI's cards. First pytest-cov measures which test runs which line, once with compilation and once, for kernels, without;
+NI's cards, and what the firmware's C keeps safe: protection, loop, commands, host's silence, stand-alone button.
+
+In Python pytest-cov first measures which test runs which line, once with compilation and once, for kernels, without;
 ``--tests`` are measured, slow ones too, and not those that a run without names runs. Each mutant is judged by the
 quickest tests that run its line, together at most BUDGET_S, until one fails; one that no test runs has survived, one
-whose tests do not end is found. The processes that a test starts have the fault, too. Prints every survivor with its
-change. ``--keep`` keeps what was measured for the next call with the same sources and tests; ``--tree`` judges another
-checkout. No exit code judges: read each survivor, and write the test that finds it, by an oracle or a property rather
-than by the number that comes out.
+whose tests do not end is found. The processes that a test starts have the fault, too. ``--keep`` keeps what was
+measured for the next call with the same sources and tests.
+
+In C (c_faults.py) all TESTS_OF_C judge, in a copy of the checkout, which they compile: on this machine first, then for
+an emulated board.
+
+Prints every survivor with its change; ``--tree`` judges another checkout. No exit code judges: read each survivor, and
+write the test that finds it, by an oracle or a property rather than by the number that comes out.
 """
 
 from __future__ import annotations
@@ -21,24 +27,52 @@ import difflib
 import json
 import os
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
+import c_faults
 from cosmic_ray.ast import get_ast
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator
 from coverage import CoverageData
 
 CHECKOUT = Path(__file__).resolve().parents[1]
-PROTECTION = ("controllers/_protection", "rigs/_guarded.py", "rigs/_two_clocks.py")
+PROTECTION = (
+    "controllers/_protection",
+    "rigs/_guarded.py",
+    "rigs/_two_clocks.py",
+    "rigs/_remembered_temperature.py",
+    "experiment/_calm_air.py",
+)
 CORE = ("wire", "sensing", "controllers", "rigs", "signals", "identify", "experiment", "parameters")
 GUARDIAN = ("extras/board/_nidaq/guardian.py",)
-PLACES = {"core": CORE, "protection": PROTECTION, "live": ("extras/live",), "guardian": GUARDIAN}
+FIRMWARE = (
+    *(f"extras/board/c_library/mw_{name}.c" for name in ("protect", "controller", "sensing")),
+    *(f"../../firmware/src/{name}.c" for name in ("application", "control", "framing", "standalone", "main")),
+    *(f"../../firmware/src/{name}.h" for name in ("application", "control")),
+)
+PLACES = {
+    "core": CORE,
+    "protection": PROTECTION,
+    "live": ("extras/live",),
+    "guardian": GUARDIAN,
+    "firmware": FIRMWARE,
+}
+# In this order: what compiles and runs in seconds, then a board in an emulator.
+TESTS_OF_C = (
+    "tests/extras/board/firmware/test_parts_on_the_host.py",
+    "tests/extras/board/export/test_protection_in_c.py",
+    "tests/extras/board/export/test_c_equals_python.py",
+    "tests/extras/board/export/test_gated_in_c.py",
+    "tests/extras/board/firmware/test_the_emulated_board.py",
+)
 # Compiled code cannot be traced: these run it in plain Python, those of them that take at most a few seconds so.
 WITHOUT_COMPILATION = (
     "tests/unit/controllers",
@@ -49,6 +83,8 @@ WITHOUT_COMPILATION = (
 )
 LIMIT_S = 4.0
 BUDGET_S, BEGIN_S = 20.0, 120.0
+# All tests of C take a minute on a quiet machine.
+IN_C_S = 600.0
 NOT_JUDGES = "not full and not browser and not documented and not oracles"
 # As sitecustomize, which Python imports as it begins: the processes that a test starts have the fault, too.
 IN_EVERY_PROCESS = "import sys\nif 'checks.mutated' not in sys.orig_argv:\n    import checks.mutated\n"
@@ -82,14 +118,24 @@ class Measured(NamedTuple):
 def mutants_in(tree: Path, places: tuple[str, ...]) -> Iterator[Mutant]:
     """Yield all mutants of files and folders of the package."""
     for place in places:
-        path = tree / "src/musclewire" / place
+        path = (tree / "src/musclewire" / place).resolve()
         for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
             if places is PLACES["core"] and any(protection in str(file) for protection in PROTECTION):
+                continue
+            if file.suffix != ".py":
+                yield from mutants_in_c(file)
                 continue
             module = get_ast(file.read_text("utf-8"))
             for name in OPERATORS:
                 for occurrence, line in enumerate(lines_changed_by(name, module)):
                     yield Mutant(file, name, occurrence, line)
+
+
+def mutants_in_c(file: Path) -> Iterator[Mutant]:
+    """Yield all mutants of a file in C."""
+    text = file.read_text("utf-8")
+    for occurrence, fault in enumerate(c_faults.faults_in(text)):
+        yield Mutant(file, fault.kind, occurrence, text.count("\n", 0, fault.start) + 1)
 
 
 def lines_changed_by(name: str, module: object) -> Iterator[int]:
@@ -160,27 +206,71 @@ def judges(mutant: Mutant, found: Measured) -> list[str]:
     return chosen
 
 
+def changed(mutant: Mutant) -> str:
+    """Return the text of a mutant's file."""
+    before = mutant.path.read_text("utf-8")
+    if mutant.path.suffix != ".py":
+        return c_faults.changed(before, mutant.occurrence)
+    return str(mutate_code(before, get_operator(f"core/{mutant.operator}")(), mutant.occurrence))
+
+
+def drawn(tree: Path, place: str, count: int, draw: random.Random) -> list[Mutant]:
+    """Draw mutants of a place; in C of those that compile."""
+    every = list(mutants_in(tree, PLACES[place]))
+    if place != "firmware":
+        return draw.sample(every, count)
+    with tempfile.TemporaryDirectory() as folder:
+        compiles = c_faults.compiler(tree, Path(folder))
+        sound = (mutant for mutant in draw.sample(every, len(every)) if compiles(mutant.path, changed(mutant)))
+        return list(islice(sound, count))
+
+
+def judged_in_c(mutant: Mutant, tree: Path) -> tuple[int, str]:
+    """Return the exit code of the tests of C in a copy of the checkout with a fault, and who judged."""
+    listing = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
+    names = subprocess.run(listing, cwd=tree, capture_output=True, text=True, check=True).stdout.split("\0")
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder, tree.name)
+        for name in filter(None, names):
+            (copy / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(tree / name, copy / name)
+        (copy / mutant.path.relative_to(tree)).write_text(changed(mutant), "utf-8")
+        command = [sys.executable, "-m", "pytest", "-xq", "-m", f"{NOT_JUDGES} and not slow", "-p", "no:cacheprovider"]
+        variables = environment(copy, compiled=True)
+        return ended([*command, *TESTS_OF_C], copy, variables, IN_C_S), f"all of {len(TESTS_OF_C)} files of tests pass"
+
+
+def ended(command: list[str], folder: Path, variables: dict[str, str], limit_s: float) -> int:
+    """Return the exit code of tests, 1 if they do not end."""
+    try:
+        return subprocess.run(command, cwd=folder, env=variables, capture_output=True, timeout=limit_s).returncode
+    except subprocess.TimeoutExpired:
+        return 1
+
+
+def judged_in_python(mutant: Mutant, tree: Path, found: dict[bool, Measured]) -> tuple[int, str]:
+    """Return the exit code of the tests that judge a mutant, 0 without any, and who judged."""
+    compiled = not in_kernel(mutant)
+    tests = judges(mutant, found[compiled])
+    if not tests:
+        return 0, "no test runs it"
+    with tempfile.TemporaryDirectory() as folder:
+        text = Path(folder, "changed.py")
+        text.write_text(changed(mutant), "utf-8")
+        Path(folder, "sitecustomize.py").write_text(IN_EVERY_PROCESS, "utf-8")
+        variables = environment(tree, compiled, MUTATED=f"{mutant.path}{os.pathsep}{text}")
+        variables["PYTHONPATH"] = f"{folder}:{variables['PYTHONPATH']}"
+        command = [sys.executable, "-m", "pytest", "-xq", "-p", "checks.mutated", "-p", "no:cacheprovider", *tests]
+        return ended(command, tree, variables, BEGIN_S), f"{len(tests)} tests pass"
+
+
 def survives(mutant: Mutant, tree: Path, found: dict[bool, Measured]) -> str:
     """Return how a mutant survived, with its change; "" if a test found it."""
-    compiled = not in_kernel(mutant)
-    before = mutant.path.read_text("utf-8")
-    after = mutate_code(before, get_operator(f"core/{mutant.operator}")(), mutant.occurrence)
-    tests = judges(mutant, found[compiled])
-    code, how = 0, f"{len(tests)} tests pass" if tests else "no test runs it"
-    if tests:
-        with tempfile.TemporaryDirectory() as folder:
-            text = Path(folder, "changed.py")
-            text.write_text(after, "utf-8")
-            Path(folder, "sitecustomize.py").write_text(IN_EVERY_PROCESS, "utf-8")
-            variables = environment(tree, compiled, MUTATED=f"{mutant.path}{os.pathsep}{text}")
-            variables["PYTHONPATH"] = f"{folder}:{variables['PYTHONPATH']}"
-            command = [sys.executable, "-m", "pytest", "-xq", "-p", "checks.mutated", "-p", "no:cacheprovider", *tests]
-            try:
-                code = subprocess.run(command, cwd=tree, env=variables, capture_output=True, timeout=BEGIN_S).returncode
-            except subprocess.TimeoutExpired:
-                code = 1
-    change = difflib.unified_diff(before.splitlines(), after.splitlines(), lineterm="", n=0)
-    words = "\n    ".join(line for line in change if line[:3] not in ("---", "+++"))
+    in_python = mutant.path.suffix == ".py"
+    code, how = judged_in_python(mutant, tree, found) if in_python else judged_in_c(mutant, tree)
+    before, after = mutant.path.read_text("utf-8").splitlines(), changed(mutant).splitlines()
+    lines = difflib.unified_diff(before, after, lineterm="", n=0)
+    words = "\n    ".join(line for line in lines if line[:3] not in ("---", "+++"))
     return "" if code else f"{mutant.path.relative_to(tree)}:{mutant.line} {mutant.operator}: {how}\n    {words}"
 
 
@@ -198,9 +288,10 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as temporary:
         folder = given.keep or Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
-        found = {compiled: measured(tree, folder, compiled, given.tests) for compiled in (True, False)}
+        modes = (True, False) if set(given.places) != {"firmware"} else ()
+        found = {compiled: measured(tree, folder, compiled, given.tests) for compiled in modes}
         for place in given.places:
-            chosen = draw.sample(list(mutants_in(tree, PLACES[place])), given.sample // len(given.places))
+            chosen = drawn(tree, place, given.sample // len(given.places), draw)
             with ThreadPoolExecutor(os.cpu_count()) as threads:
                 results = list(threads.map(lambda mutant: survives(mutant, tree, found), chosen))
             survivors = [words for words in results if words]
