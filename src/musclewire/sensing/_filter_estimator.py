@@ -50,17 +50,21 @@ class FilterNumbers(NamedTuple):
         Random walk of the steady power, per square root of a second.
     power_part
         Error of its change in a sample, as a part of it: what the heat balance leaves out.
-    shift_std, shift_s
-        Shift of the branches by other air: deviation, and the time after which it is forgotten. A run begins with what
-        the walks have become after that time, and learns the noise of readings over it.
+    shift_std
+        Deviation of the shift of the branches by other air.
     loss_walk
         Random walk of the factor of the heat loss, per square root of a second.
     place_walk
-        Looseness of the play: random walk of the place, per square root of a second.
-    resistance_std, cold_std
-        Error of the model's resistance, and of that before B, where age and leads count as much as the place.
-    minor_loops
+        Random walk of the place, per square root of a second.
+    walked_s
+        A run begins with what the walks have become after this time, and learns the noise of readings over it.
+    resistance_std
+        Error of the model's resistance.
+    phase_lag
         How late between the branches the R-phase's resistance comes: 0 in proportion to the way, 1 with its square.
+    looseness
+        How far between the branches the place goes with the power already, as a part of what the branch ahead has: 0
+        is a play, and with 1 there is none.
     surprise
         Squared deviations by which a reading may surprise before the state counts as less certain; a second difference
         of readings counts for their noise as no more.
@@ -71,12 +75,12 @@ class FilterNumbers(NamedTuple):
     power_walk: float = 0.0135
     power_part: float = 0.35
     shift_std: float = 0.04
-    shift_s: float = 30.0
     loss_walk: float = 0.022
     place_walk: float = 0.0015
+    walked_s: float = 30.0
     resistance_std: float = 0.003
-    cold_std: float = 0.05
-    minor_loops: float = 0.45
+    phase_lag: float = 0.45
+    looseness: float = 0.05
     surprise: float = 9.0
     range_std: float = 0.006
 
@@ -205,7 +209,7 @@ def part_between(steady_w: float, edges: Edges) -> float:
 @compiled_inner
 def sag(numbers: Row, part: float) -> float:
     """Return by how much the resistance between the branches is below the line from one to the other."""
-    return float(numbers.minor_loops * numbers.phase_resistance * part * (1.0 - part))
+    return float(numbers.phase_lag * numbers.phase_resistance * part * (1.0 - part))
 
 
 @compiled_inner
@@ -230,6 +234,15 @@ def lengthened(dt_s: float, loss: float, heat_s: float) -> float:
 
 
 @compiled_inner
+def loose_per_watt(numbers: Row, edges: Edges, steady_w: float, toward_w: float) -> float:
+    """Return by how much the place goes with the power between the branches: the more the nearer the branch ahead."""
+    part, ahead_w = part_between(steady_w, edges), edges.heating_slope_w
+    if toward_w < steady_w:
+        part, ahead_w = 1.0 - part, edges.cooling_slope_w
+    return float(numbers.looseness * part / max(ahead_w, numbers.least_slope_w))
+
+
+@compiled_inner
 def advanced(
     numbers: Row,
     tables: FloatArray,
@@ -246,7 +259,12 @@ def advanced(
     free_w = (tau_s * steady_w + step_s * (power_w + loss * shift_w)) / (tau_s + step_s * loss)
     edges = edges_at(numbers, tables, place)
     if edges.cooling_w <= free_w <= edges.heating_w:
-        return free_w, place
+        per_watt = loose_per_watt(numbers, edges, steady_w, free_w)
+        heat_s = tau_s + (numbers.transformation_heat_j if place > numbers.sensed_from else 0.0) * per_watt
+        step_s = lengthened(dt_s, loss, heat_s)
+        reached_w = (heat_s * steady_w + step_s * (power_w + loss * shift_w)) / (heat_s + step_s * loss)
+        loose = place + per_watt * (reached_w - steady_w)
+        return reached_w, min(max(loose, numbers.first_place), numbers.last_place)
     rises = free_w > edges.heating_w
     at, takes_j, given_j, per_w = place, 0.0, 0.0, 1.0
     for _ in range(2):  # with the slope here, then with that of the cell where it led
@@ -327,11 +345,14 @@ def filter_tick(constants: FloatArray, state_array: FloatArray, given: FloatArra
 
 @compiled_inner
 def begin(filtered: Filtered, read: float, power_w: float, time_s: float) -> None:
-    """Begin with a wire at rest: cold if power and resistance hold no other, else where its resistance is."""
+    """Begin with a wire at rest: cold if power holds no other and resistance is nearer to cold's than to C's.
+
+    Else it is where its resistance is.
+    """
     numbers, state, covariance, tables = filtered
     row, last = 0, PLACES - 1
     enough_w = power_w - edges_at(numbers, tables, numbers.sensed_from).cooling_w
-    if max(enough_w, tables[2] - AWAY * numbers.cold_std - read) < 0.0:
+    if enough_w < 0.0 and read > 0.5 * tables[2]:
         while row < last and tables[COLUMNS * row] <= power_w:
             row += 1
         state.steady_w = power_w
@@ -346,10 +367,10 @@ def begin(filtered: Filtered, read: float, power_w: float, time_s: float) -> Non
     state.noise_v2, state.learnt_s = numbers.least_noise_v2, 1.0
     walk_w, shift_w = numbers.power_walk * numbers.middle_w, numbers.shift_std * numbers.middle_w
     covariance[:] = 0.0
-    covariance[0] = walk_w * walk_w * numbers.shift_s
-    covariance[2] = numbers.place_walk * numbers.place_walk * numbers.shift_s
+    covariance[0] = walk_w * walk_w * numbers.walked_s
+    covariance[2] = numbers.place_walk * numbers.place_walk * numbers.walked_s
     covariance[5] = shift_w * shift_w
-    covariance[9] = numbers.loss_walk * numbers.loss_walk * numbers.shift_s
+    covariance[9] = numbers.loss_walk * numbers.loss_walk * numbers.walked_s
 
 
 @compiled_inner
@@ -359,7 +380,7 @@ def learnt_noise(numbers: Row, state: Row, read: float, dt_s: float, per_volt: f
     state.before_last = state.before
     state.before = read
     if dt_s > 0.0:
-        state.learnt_s = min(state.learnt_s + dt_s, numbers.shift_s)
+        state.learnt_s = min(state.learnt_s + dt_s, numbers.walked_s)
         new_v2 = min(bend_v * bend_v / 6.0, numbers.surprise * state.noise_v2)
         state.noise_v2 += (new_v2 - state.noise_v2) * min(dt_s / state.learnt_s, 1.0)
         state.noise_v2 = max(state.noise_v2, 0.25 * numbers.least_noise_v2)
@@ -401,11 +422,6 @@ def predict(filtered: Filtered, power_w: float, dt_s: float) -> None:
     covariance[0] += walk_w * walk_w * dt_s + part_w * part_w
     covariance[2] += numbers.place_walk * numbers.place_walk * dt_s
     covariance[9] += numbers.loss_walk * numbers.loss_walk * dt_s
-    kept, shift_w = 1.0 / (1.0 + dt_s / numbers.shift_s), numbers.shift_std * numbers.middle_w
-    state.shift_w *= kept
-    for index in (3, 4, 8):
-        covariance[index] *= kept
-    covariance[5] = kept * kept * covariance[5] + (1.0 - kept * kept) * shift_w * shift_w
 
 
 @compiled_inner
@@ -419,7 +435,7 @@ def correct(filtered: Filtered, read: float, noise: float) -> None:
     root_of(covariance, root)
     steady_w, place = state.steady_w, state.place
     middle = modelled(numbers, tables, steady_w, place)
-    own_std = numbers.resistance_std if is_sensed(numbers, state, covariance) else numbers.cold_std
+    own = numbers.resistance_std * numbers.resistance_std
     variance, surprise, by_w, by_place = 1.0, 0.0, 0.0, 0.0
     for _ in range(3):
         hotter = modelled(numbers, tables, steady_w + AWAY * root[0], place + AWAY * root[1])
@@ -429,7 +445,7 @@ def correct(filtered: Filtered, read: float, noise: float) -> None:
         mean = (4.0 * middle + hotter + colder + farther + nearer) / POINTS
         spread = 4.0 * (middle - mean) ** 2 + (hotter - mean) ** 2 + (colder - mean) ** 2
         spread = (spread + (farther - mean) ** 2 + (nearer - mean) ** 2) / POINTS
-        variance = spread + noise + own_std * own_std
+        variance = spread + noise + own
         surprise = read - mean
         by_w, by_place = AWAY * (hotter - colder) / POINTS, AWAY * (farther - nearer) / POINTS
         wider = surprise * surprise / (numbers.surprise * variance)
