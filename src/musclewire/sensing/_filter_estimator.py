@@ -63,7 +63,7 @@ class FilterNumbers(NamedTuple):
     phase_lag
         How late between the branches the R-phase's resistance comes: 0 in proportion to the way, 1 with its square.
     looseness
-        How far between the branches the place goes with the power already, as a part of what the branch ahead has: 0
+        How far the place follows the power between the branches already, as a part of what the branch ahead does: 0
         is a play, and with 1 there is none.
     surprise
         Squared deviations by which a reading may surprise before the state counts as less certain; a second difference
@@ -235,7 +235,7 @@ def lengthened(dt_s: float, loss: float, heat_s: float) -> float:
 
 @compiled_inner
 def loose_per_watt(numbers: Row, edges: Edges, steady_w: float, toward_w: float) -> float:
-    """Return by how much the place goes with the power between the branches: the more the nearer the branch ahead."""
+    """Return by how much the place follows the power between the branches: the more the nearer the branch ahead."""
     part, ahead_w = part_between(steady_w, edges), edges.heating_slope_w
     if toward_w < steady_w:
         part, ahead_w = 1.0 - part, edges.cooling_slope_w
