@@ -32,7 +32,8 @@ def all_conditions() -> str:
 
 def all_tasks() -> str:
     """Return mean and largest errors of controllers at tasks as a table."""
-    rows = json.loads((FOLDER / "tasks.json").read_text("utf-8"))["rows"]
+    data = json.loads((FOLDER / "tasks.json").read_text("utf-8"))
+    rows = data["rows"]
     controllers = list(dict.fromkeys(row["controller"] for row in rows))
     found = {(row["plant"], row["task"], row["condition"], row["controller"]): row for row in rows}
     cells = [
@@ -46,7 +47,12 @@ def all_tasks() -> str:
         for name in dict.fromkeys(key[:3] for key in found)
     ]
     heads = ["plant", "task", "condition", *(f"{name}, %" for name in controllers)]
-    return f"Mean and largest error in percent of the target, medians over seeds.\n\n{table(heads, cells)}"
+    named = " ".join(
+        f"{one['controller']}: {one['sees'] + one['others']} of {one['runs']} runs err by more than 5 % in the mean, "
+        f"{one['sees']} see it themselves, {one['sees_named']} of these end with 1 or were announced."
+        for one in data["named"]
+    )
+    return f"Mean and largest error in percent of the target, medians over seeds. {named}\n\n{table(heads, cells)}"
 
 
 def name_of(row: dict[str, Any]) -> str:
