@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from emulation.exported_library.on_this_machine import HostLibrary
-from tests.extras.board.export.export_parts import Exported
+from tests.extras.board.export.export_parts import Exported, compiled, export, limits_for, usual_model
 
 from musclewire.controllers import Effect, Event, Protection, ProtectionLimits, Signal, State, protection_table
 
@@ -244,3 +246,92 @@ def test_a_sample_that_no_time_stands_behind_trips_instead_of_blinding_the_prote
         outcome = one.sample(0.28, 0.017, tick_s)
         assert (State(outcome.state), Event(outcome.event)) == (State.TRIPPED, Event.CLOCK_BACKWARDS)
         assert outcome.drive_voltage_v == 0.0
+
+
+# A loop's usual drive, the resistance it sees, and the time that a reading covers.
+DRIVE_V, OHM, DT_S = 1.8, 16.0, 0.01
+
+
+def constants_of(one: Exported) -> dict[str, float]:
+    """The numbers of an exported library by their names in C."""
+    text = (one.library.folder / "src" / "mw_constants.h").read_text("utf-8")
+    return {name: float(number) for name, number in re.findall(r"#define MW_(\w+) MW_R\((\S+?)\)", text)}
+
+
+def volts_of(ohm: float, drive_v: float = DRIVE_V, shunt_ohm: float = 1.0) -> tuple[float, float]:
+    """Wire and shunt voltage of a drive."""
+    return drive_v * ohm / (ohm + shunt_ohm), drive_v * shunt_ohm / (ohm + shunt_ohm)
+
+
+def edges(c: dict[str, float]) -> dict[str, tuple[float, Callable[[float], tuple[float, float, float]]]]:
+    """The value at which something is decided, and the reading (drive, wire, shunt) that has such a value."""
+    wire_v, _ = volts_of(OHM)
+    shunt_ohm = c["SHUNT_RESISTANCE_OHM"]
+    return {
+        "driven": (c["DRIVEN_SHARE"] * c["SENSE_VOLTAGE_V"], lambda x: (x, 0.0, 0.0)),
+        "supply": (c["SUPPLY_SHARE"] * DRIVE_V, lambda x: (DRIVE_V, x, 0.0)),
+        "open": (c["OPEN_SHUNT_VOLTAGE_V"], lambda x: (DRIVE_V, wire_v, x)),
+        "low": (c["RESISTANCE_LOW_OHM"] / shunt_ohm * 0.125, lambda x: (DRIVE_V, x, 0.125)),
+        "high": (c["RESISTANCE_HIGH_OHM"] / shunt_ohm * 0.0625, lambda x: (DRIVE_V, x, 0.0625)),
+        "short": (c["SHORT_SHARE"] * c["RESISTANCE_LOW_OHM"] / shunt_ohm * 0.25, lambda x: (DRIVE_V, x, 0.25)),
+        "swapped": (0.0, lambda x: (0.5, x, 0.3)),
+        "swapped at the low end": (0.125 * c["RESISTANCE_LOW_OHM"] / shunt_ohm, lambda x: (DRIVE_V, 0.125, x)),
+        "swapped at the high end": (0.0625 * c["RESISTANCE_HIGH_OHM"] / shunt_ohm, lambda x: (DRIVE_V, 0.0625, x)),
+        "saturated wire": (c["SATURATED_WIRE_V"], lambda x: (DRIVE_V, x, x / OHM)),
+        "saturated shunt": (c["SATURATED_SHUNT_V"], lambda x: (DRIVE_V, wire_v, x)),
+        "current": (c["MAXIMUM_CURRENT_A"] * shunt_ohm, lambda x: (2.2, 2.1, x)),
+        "power": (c["MAXIMUM_POWER_W"] * 4.0, lambda x: (DRIVE_V, x, 0.25 * shunt_ohm)),
+        "stuck": (DRIVE_V + c["STUCK_SHARE"] * c["MAXIMUM_VOLTAGE_V"] - 0.125, lambda x: (DRIVE_V, x, 0.125)),
+        "jump up": ((1.0 + c["JUMP_SHARE"]) * OHM * 0.125, lambda x: (DRIVE_V, x, 0.125)),
+        "jump down": ((1.0 - c["JUMP_SHARE"]) * OHM * 0.125, lambda x: (DRIVE_V, x, 0.125)),
+    }
+
+
+EDGES = (
+    *("driven", "supply", "open", "low", "high", "short", "swapped", "swapped at the low end"),
+    *("swapped at the high end", "saturated wire", "saturated shunt", "current", "power", "stuck"),
+    *("jump up", "jump down"),
+)
+
+
+@pytest.mark.parametrize("name", EDGES)
+def test_on_the_edge_of_a_decision_and_next_to_it_c_decides_as_python_does(
+    exported: Callable[[str], Exported], loaded: Loaded, name: str
+) -> None:
+    edge, reading_of = edges(constants_of(exported("fixed")))[name]
+    both = Both(loaded("fixed", True), exported("fixed").limits, np.random.default_rng(0))
+    decided = set()
+    beside = (math.nextafter(edge, -math.inf), edge, math.nextafter(edge, math.inf))
+    for value in (0.99 * edge - 1e-6, *beside, 1.01 * edge + 1e-6):
+        both.begin()
+        both.command(DRIVE_V)
+        # Long enough for whatever must last, and too short for equal numbers to be a frozen channel.
+        for volts in ((DRIVE_V, OHM * 0.125, 0.125), *(reading_of(value) for _ in range(28))):
+            both.library.reading(*volts, DT_S, volts[0])
+            both.python.reading(*volts, DT_S, volts[0])
+            assert both.agree()
+        decided.add((both.state, both.event))
+    assert len(decided) > 1
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+@pytest.mark.parametrize("frozen", ["wire", "shunt", "both"])
+def test_readings_without_noise_are_frozen_only_if_a_changed_drive_does_not_move_them(
+    tmp_path: Path, frozen: str, share: float
+) -> None:
+    one = export(tmp_path, limits=limits_for(usual_model(), readings_noisy=0.0), rule_base="fixed")
+    both = Both(compiled(one.library, tmp_path, double=True), one.limits, np.random.default_rng(0))
+    constants = constants_of(one)
+    higher_v = DRIVE_V + share * constants["MOVED_SHARE"] * constants["MAXIMUM_VOLTAGE_V"]
+    both.command(DRIVE_V)
+    for number in range(80):
+        wire_v, shunt_v = volts_of(OHM)
+        moves = 1e-4 * (number % 2)
+        volts = wire_v + moves * (frozen == "shunt"), shunt_v + moves * (frozen == "wire")
+        drive_v = DRIVE_V if number < 40 else higher_v
+        for protection in (both.library, both.python):
+            protection.command(drive_v)
+            protection.reading(drive_v, *volts, DT_S, drive_v)
+        assert both.agree()
+        assert both.state is (State.TRIPPED if share > 1.0 and number >= 40 else State.RUN)
+    assert both.event is (Event.CHANNEL_FROZEN if share > 1.0 else Event.NONE)

@@ -210,6 +210,36 @@ TEST(at_the_start_the_output_is_off_and_the_board_says_who_it_is)
     MUST(mw_get_f32(identity.payload + 16) == (float)MW_MAXIMUM_VOLTAGE_V);
 }
 
+/* A stack without what a test before has left there: what is not written then is not right by chance. */
+__attribute__((noinline)) static void forget_the_stack(void)
+{
+    volatile uint8_t bytes[4096];
+    for (size_t i = 0; i < sizeof bytes; i++)
+        bytes[i] = 0xa5u;
+}
+
+TEST(all_that_a_board_says_of_itself_is_where_the_protocol_has_it)
+{
+    mw_message identity;
+    const uint8_t *at = identity.payload;
+    fresh(MW_RESET_BROWN_OUT);
+    forget_the_stack();
+    sent_length = 0;
+    say(MW_HELLO, "", 0);
+    MUST(last_sent(MW_IDENTITY, &identity));
+    MUST(at[MW_AT_IDENTITY_PROTOCOL_VERSION] == MW_PROTOCOL_VERSION);
+    MUST(at[MW_AT_IDENTITY_FIRMWARE_MAJOR] == MW_FIRMWARE_MAJOR && at[MW_AT_IDENTITY_FIRMWARE_MINOR] == MW_FIRMWARE_MINOR);
+    MUST(at[MW_AT_IDENTITY_RESET_CAUSE] == MW_RESET_BROWN_OUT);
+    MUST(mw_get_u32(at + MW_AT_IDENTITY_TICK_PERIOD_US) == MW_TICK_PERIOD_US);
+    MUST(mw_get_u32(at + MW_AT_IDENTITY_CONTROL_PERIOD_US) == MW_TICK_PERIOD_US * (uint32_t)MW_CONTROL_TICKS);
+    MUST(mw_get_f32(at + MW_AT_IDENTITY_SENSE_VOLTAGE_V) == (float)MW_SENSE_VOLTAGE_V);
+    MUST(mw_get_f32(at + MW_AT_IDENTITY_SHUNT_RESISTANCE_OHM) == (float)MW_SHUNT_RESISTANCE_OHM);
+    MUST(mw_get_u16(at + MW_AT_IDENTITY_EXPIRY_MS) == MW_EXPIRY_MS);
+    MUST(strcmp((const char *)at + MW_AT_IDENTITY_BOARD, MW_BOARD_NAME) == 0);
+    MUST(strcmp((const char *)at + MW_AT_IDENTITY_QUANTITY, MW_QUANTITY) == 0);
+    MUST(strcmp((const char *)at + MW_AT_IDENTITY_WIRE, MW_WIRE_NAME) == 0);
+}
+
 TEST(a_drive_before_arming_is_refused)
 {
     fresh(MW_RESET_POWER_ON);
@@ -465,6 +495,179 @@ TEST(memory_of_a_clean_end_is_no_lost_power)
     MUST(app.event_at_reset == MW_EVENT_STOPPED);
 }
 
+/* ---- what keeps a wire safe behind something else that does ------------------------------------------ */
+
+/* Some ticks of a healthy wire whose node, wire and shunt together, moves by so many volts from tick to tick. */
+static void node_moves(int ticks, float volts)
+{
+    const float ohm = 0.5f * ((float)MW_RESISTANCE_LOW_OHM + (float)MW_RESISTANCE_HIGH_OHM);
+    for (int i = 0; i < ticks; i++) {
+        const float noise = 1e-5f * (float)(i % 7);
+        const float shunt = output_v / (ohm + (float)MW_SHUNT_RESISTANCE_OHM) * (float)MW_SHUNT_RESISTANCE_OHM + noise;
+        const mw_board_reading reading = {output_v - shunt + (i % 2 ? volts : 0.0f), shunt, 1u};
+        if (i % ticks_of(0.05f) == 0)
+            say(MW_KEEP, "", 0);
+        mw_application_tick(&app, MW_TICK_READING, &reading);
+    }
+}
+
+TEST(a_node_that_stands_still_while_the_shunt_moves_is_frozen_after_three_tenths_of_a_second)
+{
+    fresh_driven(1.0f);
+    node_moves(ticks_of(0.29f), 0.0f);
+    MUST(output_v == 1.0f);
+    node_moves(ticks_of(0.02f), 0.0f);
+    MUST(output_v == 0.0f && mw_loop_event(&app.loop) == MW_EVENT_CHANNEL_FROZEN);
+}
+
+TEST(a_node_that_moves_by_one_step_of_its_converter_is_not_frozen)
+{
+    fresh_driven(1.0f);
+    node_moves(ticks_of(1.0f), MW_NODE_RANGE_V / (float)MW_CONVERTER_FULL_CODE);
+    MUST(output_v == 1.0f && mw_loop_event(&app.loop) == MW_EVENT_NONE);
+}
+
+TEST(a_node_stands_still_by_the_time_that_its_readings_cover_and_only_while_it_is_driven)
+{
+    const float shunt = 0.05f;
+    mw_board_reading reading = {1.0f - shunt, shunt, 10u};
+    fresh(MW_RESET_POWER_ON);
+    for (int i = 0; i < 100; i++)
+        mw_application_tick(&app, MW_TICK_READING, &reading);
+    say(MW_ARM, "", 0);
+    drive(1.0f);
+    MUST(app.node_still_s == 0.0f);
+    for (int i = 0; i < 20; i++) {
+        reading.shunt_voltage_v = shunt + 1e-5f * (float)(i % 7);
+        reading.wire_voltage_v = 1.0f - reading.shunt_voltage_v;
+        mw_application_tick(&app, MW_TICK_READING, &reading);
+        say(MW_KEEP, "", 0);
+    }
+    MUST(fabsf(app.node_still_s - 0.2f) < 0.011f && output_v == 1.0f);
+}
+
+static void garbage(int frames)
+{
+    const uint8_t bytes[] = {5, 5, 5, 0};
+    for (int frame = 0; frame < frames; frame++)
+        for (size_t i = 0; i < sizeof bytes; i++)
+            mw_application_byte(&app, bytes[i]);
+}
+
+TEST(the_first_frames_after_a_start_may_be_a_storm_from_the_sixteenth_on)
+{
+    fresh_driven(1.0f);
+    garbage(15);
+    MUST(output_v == 1.0f);
+    garbage(1);
+    MUST(output_v == 0.0f && mw_loop_event(&app.loop) == MW_EVENT_LINK_CORRUPTED);
+    fresh_driven(1.0f);
+    live(ticks_of(1.0f)); /* tripped by silence, and armed again: the ticks are no longer near 0 */
+    say(MW_ARM, "", 0);
+    drive(1.0f);
+    garbage(15);
+    MUST(output_v == 1.0f);
+    garbage(1);
+    MUST(output_v == 0.0f);
+}
+
+TEST(sixteen_bad_frames_that_just_fit_into_a_fifth_of_a_second_are_a_storm)
+{
+    fresh_driven(1.0f);
+    for (int frame = 0; frame < 15; frame++) {
+        garbage(1);
+        live(13);
+        drive(1.0f);
+    }
+    MUST(output_v == 1.0f);
+    garbage(1);
+    MUST(output_v == 0.0f && mw_loop_event(&app.loop) == MW_EVENT_LINK_CORRUPTED);
+}
+
+TEST(a_number_that_is_no_state_counts_as_tripped)
+{
+    mw_protection *protection = &app.loop.core.protection;
+    for (unsigned state = MW_STATES; state < 256u; state++) {
+        fresh_driven(2.0f);
+        protection->state = (uint8_t)state; /* memory that has been overwritten */
+        MUST(!mw_state_drives((uint8_t)state) && mw_loop_output(&app.loop) == 0.0f);
+        drive(1.0f);
+        MUST(output_v == 0.0f && acknowledged() == MW_REFUSED);
+        mw_protect_command(protection, MW_R(1.0));
+        MUST(mw_loop_output(&app.loop) == 0.0f);
+        say(MW_ARM, "", 0);
+        MUST(output_v == (float)MW_SENSE_VOLTAGE_V);
+    }
+}
+
+TEST(what_is_off_or_has_tripped_holds_no_drive_that_could_come_out)
+{
+    const mw_protection *protection = &app.loop.core.protection;
+    fresh_driven(2.0f);
+    MUST(protection->drive_voltage_v == MW_R(2.0));
+    mw_loop_trip(&app.loop, MW_EVENT_OVER_CURRENT);
+    MUST(protection->drive_voltage_v == 0);
+    fresh_driven(2.0f);
+    say(MW_OFF, "", 0);
+    MUST(protection->drive_voltage_v == 0);
+}
+
+TEST(a_warmth_that_cannot_be_is_that_of_a_cold_wire_when_it_is_armed)
+{
+    const mw_real wrong[] = {NAN, -INFINITY, MW_R(-100.0), MW_R(-0.5), MW_R(-1e-3)};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        fresh(MW_RESET_POWER_ON);
+        app.loop.core.protection.above_ambient_k = wrong[i];
+        say(MW_ARM, "", 0);
+        MUST(app.loop.core.protection.above_ambient_k == 0);
+    }
+}
+
+/* How warm one reading makes a cold wire, and its closed form for a constant power: P / G (1 - exp(-G t / C)). */
+static double warmed_k(mw_real drive_v, mw_real wire_v, mw_real shunt_v, mw_real dt_s)
+{
+    mw_protection protection;
+    mw_protect_arm(&protection);
+    mw_protect_command(&protection, drive_v);
+    mw_protect_reading(&protection, drive_v, wire_v, shunt_v, drive_v, dt_s);
+    return (double)protection.above_ambient_k;
+}
+
+static bool is_warmed(double above_k, double power_w, double dt_s)
+{
+    const double loss = (double)MW_HEAT_LOSS_W_PER_K, capacity = (double)MW_HEAT_CAPACITY_J_PER_K;
+    const double exact_k = -power_w / loss * expm1(-loss / capacity * dt_s);
+    return fabs(above_k - exact_k) < 1e-4 * exact_k;
+}
+
+TEST(the_wire_of_a_missing_reading_is_heated_by_what_was_ordered)
+{
+    const mw_real missing[][2] = {{NAN, MW_R(0.1)}, {MW_R(1.9), INFINITY}, {0, 0}, {2, 0}};
+    const double ordered_w = (double)MW_LARGEST_W_PER_V2 * 2.0 * 2.0;
+    for (size_t i = 0; i < sizeof missing / sizeof missing[0]; i++)
+        MUST(is_warmed(warmed_k(2, missing[i][0], missing[i][1], MW_R(0.01)), ordered_w, 0.01));
+}
+
+TEST(the_larger_of_read_and_ordered_power_heats_on_a_reversed_channel_too)
+{
+    const double ordered_w = (double)MW_LARGEST_W_PER_V2 * 2.0 * 2.0, read_w = 1.9 * 0.3 / (double)MW_SHUNT_RESISTANCE_OHM;
+    MUST(read_w > ordered_w);
+    MUST(is_warmed(warmed_k(2, MW_R(1.9), MW_R(0.3), MW_R(0.01)), read_w, 0.01));
+    MUST(is_warmed(warmed_k(2, MW_R(-1.9), MW_R(0.3), MW_R(0.01)), read_w, 0.01));
+    MUST(is_warmed(warmed_k(2, MW_R(1.9), MW_R(-0.3), MW_R(0.01)), read_w, 0.01));
+    MUST(is_warmed(warmed_k(2, MW_R(0.5), MW_R(0.03), MW_R(0.01)), ordered_w, 0.01));
+}
+
+TEST(a_wire_that_gets_too_hot_while_its_readings_are_missing_is_off_for_that)
+{
+    mw_protection protection;
+    mw_protect_arm(&protection);
+    mw_protect_command(&protection, 2);
+    protection.above_ambient_k = MW_MAXIMUM_ABOVE_AMBIENT_K + 10;
+    mw_protect_reading(&protection, 2, NAN, NAN, 2, MW_R(0.01));
+    MUST(protection.state == MW_STATE_TRIPPED && protection.event == MW_EVENT_OVER_TEMPERATURE);
+}
+
 #ifdef MW_STANDALONE
 static void press(void)
 {
@@ -517,6 +720,72 @@ TEST(a_host_takes_over_and_its_silence_counts_again)
     MUST(output_v == 1.0f);
     live(ticks_of(0.3f));
     MUST(output_v == 0.0f && mw_loop_event(&app.loop) == MW_EVENT_COMMAND_MISSING);
+}
+
+TEST(alone_a_contact_counts_once_it_has_been_closed_for_thirty_milliseconds)
+{
+    fresh(MW_RESET_POWER_ON);
+    live(ticks_of(0.05f));
+    button = true;
+    live(ticks_of(0.03f) - 1);
+    MUST(output_v == 0.0f);
+    live(1);
+    MUST(output_v >= (float)MW_SENSE_VOLTAGE_V);
+}
+
+TEST(alone_a_button_that_is_held_down_at_the_start_starts_nothing_until_it_is_pressed_again)
+{
+    fresh(MW_RESET_POWER_ON);
+    button = true;
+    live(ticks_of(1.0f));
+    MUST(output_v == 0.0f);
+    button = false;
+    live(ticks_of(1.0f));
+    MUST(output_v == 0.0f);
+    press();
+    MUST(mw_loop_state(&app.loop) == MW_STATE_RUN);
+}
+
+TEST(alone_only_a_clean_start_lets_the_button_heat)
+{
+    const uint8_t causes[] = {MW_RESET_POWER_ON, MW_RESET_EXTERNAL, MW_RESET_WATCHDOG, MW_RESET_BROWN_OUT, 200u};
+    for (size_t i = 0; i < sizeof causes; i++) {
+        fresh(causes[i]);
+        live(ticks_of(0.05f));
+        press();
+        MUST((output_v > 0.0f) == (causes[i] == MW_RESET_POWER_ON || causes[i] == MW_RESET_EXTERNAL));
+    }
+}
+
+TEST(alone_a_reading_of_many_ticks_is_no_silence_of_a_host)
+{
+    fresh(MW_RESET_POWER_ON);
+    live(ticks_of(0.05f));
+    press();
+    const float ohm = 0.5f * ((float)MW_RESISTANCE_LOW_OHM + (float)MW_RESISTANCE_HIGH_OHM);
+    const float current = output_v / (ohm + (float)MW_SHUNT_RESISTANCE_OHM);
+    const mw_board_reading late = {current * ohm, current * (float)MW_SHUNT_RESISTANCE_OHM, 255u};
+    mw_application_tick(&app, MW_TICK_READING, &late);
+    MUST(mw_loop_state(&app.loop) == MW_STATE_RUN && mw_loop_event(&app.loop) == MW_EVENT_NONE);
+}
+
+TEST(alone_the_staircase_goes_up_and_down_in_steps_of_six_seconds_and_begins_again)
+{
+    const float fractions[] = {0.25f, 0.5f, 0.75f, 0.5f, 0.25f, 0.0f, 0.25f};
+    const float stroke = (float)(MW_QUANTITY_MAX - MW_QUANTITY_MIN);
+    mw_standalone standalone;
+    mw_control_loop loop;
+    mw_loop_start(&loop);
+    mw_loop_arm(&loop);
+    mw_standalone_start(&standalone, MW_RESET_POWER_ON);
+    button = false;
+    standalone.running = true;
+    for (int i = 0; i < ticks_of(39.0f); i++) {
+        const float seconds = (float)i * MW_TICK_S, in_step_s = fmodf(seconds, 6.0f);
+        mw_standalone_tick(&standalone, &loop);
+        if (in_step_s > 0.01f && in_step_s < 5.99f) /* but where rounding may fall on either side */
+            MUST(fabsf((loop.target - (float)MW_QUANTITY_MIN) / stroke - fractions[(int)(seconds / 6.0f)]) < 1e-4f);
+    }
 }
 #endif
 
