@@ -190,7 +190,10 @@ class Bench:
             command = [sys.executable, "-m", "musclewire", *arguments, "-o", str(self.folder / "run.h5")]
             with (self.folder / "said").open("w") as said:
                 process = subprocess.Popen(command, stderr=said, stdout=said)
-            off_s, ended_s = self.interrupted(lambda: process.send_signal(signal.SIGINT), process.wait, chance)
+            try:
+                off_s, ended_s = self.interrupted(lambda: process.send_signal(signal.SIGINT), process.wait, chance)
+            except AssertionError as error:
+                raise AssertionError(f"{error}: rc {process.poll()}: " + (self.folder / "said").read_text()) from None
             return End(off_s, ended_s, process.returncode == 128 + signal.SIGINT and self.is_kept())
 
         return end
