@@ -81,6 +81,11 @@ def test_warm_air_counts_as_calm_air() -> None:
         assert rig.protection_limits.heat_loss_w_per_k < 0.5 * before.heat_loss_w_per_k
 
 
+def test_a_wire_in_air_that_is_warmer_than_b_passes_it_without_any_power() -> None:
+    with mw.open_rig("simulated", ambient_temperature_k=420.0) as rig:
+        assert still_air_b_power_w(rig) == 0.0
+
+
 def sleeved(loss: float) -> RigConfiguration:
     return RigConfiguration(surroundings=Surroundings(convection=loss))
 

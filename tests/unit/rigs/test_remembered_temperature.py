@@ -24,6 +24,7 @@ from musclewire.rigs._remembered_temperature import (
     cooled_k,
     file_name_of,
     opened,
+    rest_s,
     state_folder,
     text_of,
     this_moment,
@@ -105,6 +106,7 @@ def test_a_wire_that_its_largest_drive_leaves_below_the_limit_never_rests() -> N
     found = opened(BOARD, harmless, KeptInMemory(), None)
     settled_k = AMBIENT_K + 10.0 / 11.0**2 / LIMITS.heat_loss_w_per_k
     assert found == (pytest.approx(settled_k), 0.0, None)
+    assert rest_s(harmless) == 0.0
 
 
 @pytest.mark.parametrize(("passed", "left"), [(0.0, 1.0), (1.0, 0.36788), (2.0, 0.13534), (3.0, 0.04979)])

@@ -731,6 +731,13 @@ TEST(alone_a_contact_counts_once_it_has_been_closed_for_thirty_milliseconds)
     MUST(output_v == 0.0f);
     live(1);
     MUST(output_v >= (float)MW_SENSE_VOLTAGE_V);
+    button = false; /* at once: it is open, and closed again, after as long */
+    live(ticks_of(0.03f));
+    button = true;
+    live(ticks_of(0.03f) - 1);
+    MUST(output_v >= (float)MW_SENSE_VOLTAGE_V);
+    live(1);
+    MUST(output_v == 0.0f);
 }
 
 TEST(alone_a_button_that_is_held_down_at_the_start_starts_nothing_until_it_is_pressed_again)
