@@ -12,6 +12,8 @@ import httpx
 import pytest
 from tests.extras.live.bench_stand_in import BenchStandIn
 
+from musclewire.controllers import protection_table
+from musclewire.extras.live import _silence
 from musclewire.extras.live._server import application, bench_routes
 from musclewire.extras.live._server import session as server_session
 from musclewire.extras.live._server.access import LEASE_AT_REST_S
@@ -56,6 +58,30 @@ def test_a_lease_is_long_at_rest_and_short_as_soon_as_something_is_done(held: He
     held.handle.change(doing={"experiment": "pulse"})
     assert not held.at(held.now_s).is_held
     assert [what for what, _ in held.handle.told] == ["release"]
+
+
+@pytest.mark.parametrize(("seconds", "doing", "is_held"), [
+    (0.7, {"experiment": "pulse"}, True), (0.8, {"experiment": "pulse"}, False), (4.9, None, True), (5.1, None, False),
+])  # fmt: skip
+def test_a_lease_lasts_as_long_as_the_route_that_gives_it_says(
+    seconds: float, doing: dict[str, str] | None, is_held: bool, held: Held
+) -> None:
+    """Without a sign for 0.75 s, at rest 5 s."""
+    if doing:
+        held.handle.change(doing=doing)
+    assert held.at(seconds).is_held is is_held
+
+
+def test_five_questions_without_an_answer_end_a_lease_and_a_sleep_counts_as_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now_s = [100.0]
+    monkeypatch.setattr(_silence, "time", SimpleNamespace(monotonic=lambda: now_s[0]))
+    clock = _silence.ListeningClock()
+    now_s[0] += 3600.0
+    assert 5.0 * clock.now_s() == pytest.approx(LEASE_S)
+    now_s[0] += 0.1
+    assert clock.now_s() == pytest.approx(LEASE_S / 5.0 + 0.1)
 
 
 def test_only_the_answer_to_a_recent_ping_keeps_a_lease(held: Held) -> None:
@@ -112,6 +138,19 @@ def test_of_messages_that_come_too_fast_only_stops_are_carried_out(
     assert viewer.name == ("viewer 1" if is_too_fast else "stop")
 
 
+@pytest.mark.parametrize(("sent", "taken"), [(100, 100), (1000, 400)])
+def test_a_slider_is_not_too_fast_and_a_thousand_messages_a_second_are(
+    sent: int, taken: int, held: Held, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(application, "time", SimpleNamespace(monotonic=lambda: 0.0))
+    viewer = held.session.enter()
+    assert viewer is not None
+    texts = (f'{{"type": "ask_control", "bench": "simulated", "name": "{number}"}}' for number in range(1, sent + 1))
+    connection: Any = Said(*texts)
+    asyncio.run(application.ViewerConnection(connection, held.session, viewer).run())
+    assert viewer.name == str(taken)
+
+
 class LateStandIn(BenchStandIn):
     """A bench that confirms a stop when the test says so."""
 
@@ -152,6 +191,24 @@ def test_a_stop_that_is_not_confirmed_in_time_is_answered_as_such(monkeypatch: p
             assert (await http.post(f"{BENCH}/stop")).status_code == 202
 
     asyncio.run(run())
+
+
+def test_a_stop_is_answered_a_second_later_at_most_and_not_before_any_protection_is_off(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    waits_s = []
+
+    async def stopped(_bench: object, _who: str, wait_s: float) -> bool:
+        waits_s.append(wait_s)
+        return True
+
+    async def run() -> None:
+        async with http_of(LateStandIn()) as http:
+            await http.post(f"{BENCH}/stop")
+
+    monkeypatch.setattr(server_session.OnlineBench, "stopped", stopped)
+    asyncio.run(run())
+    assert protection_table().trip_after_s < waits_s[0] <= 1.0
 
 
 @pytest.mark.parametrize("is_stopped", [True, False])
