@@ -13,6 +13,7 @@ The compilers are Debian's: gcc-arm-none-eabi with libnewlib-arm-none-eabi, gcc-
 from __future__ import annotations
 
 import argparse
+import re
 import shutil
 import subprocess
 import sys
@@ -23,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from musclewire.controllers import FUZZY_PID_IN_C, DriveLimits, Event
-from musclewire.errors import CallerError, MusclewireError, nearest_hint
+from musclewire.errors import CallerError, MusclewireError, argument, nearest_hint
 from musclewire.experiment import characterize
 from musclewire.extras.board import BOARD_NAMES, write_library
 from musclewire.identify import check_made_for, fit, settings_for
@@ -49,6 +50,8 @@ CIRCUIT = (
 EXPIRY_MS = 250
 # How lines of text show what a model estimates: what a label ends in, and how much larger the number is than in SI.
 TEXT_UNITS = {"strain": ("pct", 100.0), "displacement": ("mm", 1000.0), "force": ("n", 1.0)}
+# How a linker says that a program does not fit.
+OVERFLOW = re.compile(r"region `text' overflowed by (\d+) bytes")
 WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wno-unknown-pragmas", "-Wno-override-init", "-Werror"]
 COMMON = ["-std=gnu99", "-ffp-contract=off", "-ffunction-sections", "-fdata-sections", *WARNINGS]
 M4F = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]
@@ -267,7 +270,15 @@ def build(
     for number, source in enumerate(sources):
         objects.append(str(folder / f"{number:02}-{source.stem}.o"))
         run([compiler, *chain.compile, *includes, *options, "-c", str(source), "-o", objects[-1]])
-    run([compiler, *objects, *link, "-o", str(elf)])
+    try:
+        run([compiler, *objects, *link, "-o", str(elf)])
+    except CallerError as error:
+        if over := OVERFLOW.search(str(error)):
+            raise CallerError(
+                f"with the estimator {estimator} the firmware is {over[1]} bytes too large for board {board}: give "
+                + argument("estimator", PAPER_ESTIMATOR)
+            ) from None
+        raise
     return elf
 
 
@@ -282,7 +293,7 @@ def main() -> int:
     parser.add_argument("--board", default="mps2-an386", help=f"one of: {', '.join(boards())}")
     parser.add_argument("--model", type=Path, default=None, help="sensing model, as musclewire fit writes it")
     parser.add_argument("--wire", default=WIRE, help="the wire on the board: a name of the catalogue, or a file (TOML)")
-    parser.add_argument("--estimator", default=PAPER_ESTIMATOR, help="the board's: polynomial, the paper's, or gated")
+    parser.add_argument("--estimator", default=PAPER_ESTIMATOR, help="the board's: polynomial, gated or filter")
     parser.add_argument("-o", "--output", type=Path, default=None, help="folder; firmware/build/BOARD without it")
     parser.add_argument("--standalone", action="store_true", help="closes the loop by itself, started by a button")
     parser.add_argument(

@@ -9,6 +9,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from musclewire.arrays import FloatArray
 from musclewire.errors import NumericsError
 from musclewire.extras.board import ExerciseRow, ReferenceTick, TickOutcome
 
@@ -65,6 +68,7 @@ void shim_protection(const mw_controller *c, double *out)
     out[2] = mw_protect_allowed(&c->protection); out[3] = c->protection.above_ambient_k;
 }
 double shim_exponential(double x) { return mw_exponential((mw_real)x); }
+double shim_root(double x) { return mw_root((mw_real)x); }
 void shim_infer(double error, double change, double *out)
 {
     mw_ratios r = mw_infer((mw_real)error, (mw_real)change);
@@ -77,6 +81,20 @@ double shim_estimate(double resistance, unsigned char *valid)
     *valid = e.valid;
     return e.value;
 }
+#if defined(MW_FILTER)
+/* A row of voltages and time after another: value, deviation, validity, four states and their covariance. */
+void shim_follow(mw_controller *c, const double *in, unsigned long rows, double *out)
+{
+    const mw_follower *f = &c->follower;
+    for (; rows > 0; rows--, in += 3, out += 17) {
+        const mw_real wire = (mw_real)in[0], shunt = (mw_real)in[1];
+        const mw_estimation e = mw_follow(&c->follower, mw_resistance(wire, shunt), wire, shunt, (mw_real)in[2]);
+        const mw_real found[7] = {e.value, f->std, e.valid, f->steady_w, f->place, f->shift_w, f->loss};
+        for (int i = 0; i < 17; i++)
+            out[i] = i < 7 ? found[i] : f->covariance[i - 7];
+    }
+}
+#endif
 """
 
 
@@ -134,7 +152,7 @@ class HostLibrary:
         """Load it and start."""
         self.double = double
         self._c: Any = ctypes.CDLL(str(shared))
-        for name in ("exponential", "resistance", "estimate"):
+        for name in ("exponential", "root", "resistance", "estimate"):
             getattr(self._c, f"shim_{name}").restype = ctypes.c_double
         self._c.shim_bytes.restype = ctypes.c_ulong
         self._state = ctypes.create_string_buffer(self._c.shim_bytes())
@@ -216,6 +234,17 @@ class HostLibrary:
     def exponential(self, x: float) -> float:
         """Return the library's e^x."""
         return float(self._c.shim_exponential(*_doubles(x)))
+
+    def root(self, x: float) -> float:
+        """Return the library's square root."""
+        return float(self._c.shim_root(*_doubles(x)))
+
+    def follow(self, rows: FloatArray) -> FloatArray:
+        """Return what the exported filter makes of rows of wire's and shunt's voltage [V] and time [s], (n, 17)."""
+        given, found = np.ascontiguousarray(rows), np.empty((len(rows), 17))
+        pointers = [array.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for array in (given, found)]
+        self._c.shim_follow(self._state, pointers[0], ctypes.c_ulong(len(rows)), pointers[1])
+        return found
 
     def resistance(self, wire_voltage_v: float, shunt_voltage_v: float) -> float:
         """Return Eq. 1; 0 for "no current"."""

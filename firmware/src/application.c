@@ -81,10 +81,10 @@ static void send_identity(mw_application *application)
     send(application, &message);
 }
 
-/* What the board's model makes of a resistance. Gated branches have a memory: while the loop is closed it is the loop's. */
+/* What the board's model makes of a resistance; of an estimate that remembers, the loop's own while it is closed. */
 static float estimate_of(const mw_control_loop *loop, mw_real resistance_ohm)
 {
-#if defined(MW_GATED)
+#if defined(MW_FOLLOWS)
     if (loop->closed_loop && loop->core.started)
         return (float)loop->core.estimation.value;
 #else

@@ -22,6 +22,7 @@ from ._estimator import estimates as estimates
 from ._filter_estimator import FILTER as FILTER
 from ._filter_estimator import FILTER_CONSTANTS as FILTER_CONSTANTS
 from ._filter_estimator import FilterNumbers as FilterNumbers
+from ._filter_estimator import filter_numbers as filter_numbers
 from ._fitting import HotEnd as HotEnd
 from ._fitting import fit_branches as fit_branches
 from ._fitting import fit_loop as fit_loop

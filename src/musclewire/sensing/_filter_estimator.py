@@ -518,7 +518,6 @@ class FilterEstimator(CurveEstimator):
     """
 
     columns = ("wire_resistance_ohm", "heating_part", "air_shift_w", "convection_ratio")
-    has_c_form = False
 
     def __init__(
         self,
@@ -528,16 +527,28 @@ class FilterEstimator(CurveEstimator):
         method: FilterNumbers = FILTER,
     ) -> None:
         """Take the numbers; the state of a run is not kept here."""
-        curve, wire = model.curve(), wire_model_of(model)
-        numbers = estimator_numbers(curve, shunt_resistance_ohm, load) | wire_numbers(model, wire, shunt_resistance_ohm)
-        numbers |= method._asdict()
+        curve = model.curve()
+        own, tables = filter_numbers(model, shunt_resistance_ohm, method)
+        numbers = estimator_numbers(curve, shunt_resistance_ohm, load) | own
         first_state = FilterState(curve.quantity_min, numbers["load_friction_n"])
-        row = [*(numbers[name] for name in FILTER_CONSTANTS), *wire.tables.ravel().tolist()]
+        row = [*(numbers[name] for name in FILTER_CONSTANTS), *tables.ravel().tolist()]
         super().__init__(curve, filter_tick, row, first_state)
 
     def compiled_tick(self) -> CompiledTick:
         """Return the tick that ``step`` runs."""
         return self._tick
+
+
+def filter_numbers(
+    model: FittedCurve, shunt_resistance_ohm: float, method: FilterNumbers = FILTER
+) -> tuple[dict[str, float], FloatArray]:
+    """Return wire's and method's numbers by name, those that the tick has as literals too, and the tables.
+
+    The tick's row is made from them, and the header of its form in C.
+    """
+    wire = wire_model_of(model)
+    literals = {"min_variance": MIN_VARIANCE, "min_loss": MIN_LOSS, "margin": MARGIN}
+    return wire_numbers(model, wire, shunt_resistance_ohm) | method._asdict() | literals, wire.tables
 
 
 def wire_numbers(model: FittedCurve, wire: WireModel, shunt_resistance_ohm: float) -> dict[str, float]:

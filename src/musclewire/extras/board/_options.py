@@ -9,7 +9,7 @@ OLD_BOOTLOADER = option(
     "--old-bootloader", help="The board is a Nano of before 2018: its boot loader takes 57600 baud."
 )
 MOUNTED_WIRE = own_help("--wire", "Wire that is mounted, by name: a built firmware keeps its limits.")
-ESTIMATOR_IN_C = own_help("--estimator", "Estimator by name, of those that have a form in C: polynomial or gated.")
+ESTIMATOR_IN_C = own_help("--estimator", "Estimator by name, of those with a form in C: polynomial, gated or filter.")
 DRY_RUN = option("--dry-run", help="Print the loader's command, and write nothing.")
 DOUBLE = option("--double", help="Double precision instead of single.")
 ARDUINO_ZIP = option("--arduino-zip", help="The library as one .zip, too, for 'Add .ZIP Library' of the Arduino IDE.")

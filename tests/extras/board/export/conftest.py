@@ -6,17 +6,21 @@ from collections.abc import Callable
 
 import pytest
 from emulation.exported_library.on_this_machine import HostLibrary
-from tests.extras.board.export.export_parts import Exported, compiled, export
+from tests.extras.board.export.export_parts import SLOW_LOOP, Exported, compiled, export, usual_model
 
 
 @pytest.fixture(scope="session")
 def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Exported]:
-    """A library of the usual model by the name of its rule base, written once."""
+    """A library of the usual model by the name of its rule base, or "filter" for one with that, written once."""
     known: dict[str, Exported] = {}
 
     def of(rule_base: str) -> Exported:
         if rule_base not in known:
-            known[rule_base] = export(tmp_path_factory.mktemp("library"), rule_base=rule_base)
+            folder = tmp_path_factory.mktemp("library")
+            if rule_base == "filter":
+                known[rule_base] = export(folder, model=usual_model(slow_loop=SLOW_LOOP), estimator="filter")
+            else:
+                known[rule_base] = export(folder, rule_base=rule_base)
         return known[rule_base]
 
     return of

@@ -20,6 +20,11 @@ RULE_BASES = ("zhao-1993", "liu-7x7", "liu-7x7-mirrored", "fixed")
 # Polynomials like those of a loop of the simulated wire: order 6, in strain.
 HEATING = (0.0415, -0.0135, 0.0021, -0.0352, 0.0297, -0.0318, 0.0112)
 COOLING = (0.0409, -0.0268, -0.0142, 0.0103, -0.0211, 0.0219, -0.0088)
+# Through B at 0.1 W, and cold again at 0.02 W.
+SLOW_LOOP = (
+    *((0.0, 0.01, 17.2), (10.0, 0.05, 17.3), (20.0, 0.1, 17.5), (30.0, 0.4, 15.2)),
+    *((40.0, 0.05, 16.5), (50.0, 0.02, 17.2)),
+)
 
 
 class Exported(NamedTuple):
@@ -85,11 +90,13 @@ def export(
     limits: ProtectionLimits | None = None,
     rule_base: str = "zhao-1993",
     double: bool = False,
+    estimator: str = "polynomial",
 ) -> Exported:
     chosen = model or usual_model()
     control = settings or FuzzyPidSettings(rule_base=rule_base)
     allowed = limits or limits_for(chosen)
-    library = write_library(chosen, control, drive_limits(allowed), allowed, folder, "wire", double=double)
+    numbers = (chosen, control, drive_limits(allowed), allowed)
+    library = write_library(*numbers, folder, "wire", double=double, estimator=estimator)
     return Exported(library, chosen, control, allowed)
 
 

@@ -33,18 +33,21 @@ def sources(one: Exported) -> list[Path]:
     return sorted((one.library.folder / "src").glob("*.c"))
 
 
+@pytest.mark.parametrize("made", ["zhao-1993", "filter"])
 @pytest.mark.parametrize("double", ["OFF", "ON"], ids=["single", "double"])
-def test_the_cmake_project_builds_and_its_golden_vectors_hold(exported: Libraries, tmp_path: Path, double: str) -> None:
+def test_the_cmake_project_builds_and_its_golden_vectors_hold(
+    exported: Libraries, tmp_path: Path, double: str, made: str
+) -> None:
     require_tool("cmake", "cmake make")
     require_tool("gcc", "gcc libc6-dev")
-    folder = exported("zhao-1993").library.folder
+    folder = exported(made).library.folder
     run("cmake", "-S", folder, "-B", tmp_path, f"-DMW_DOUBLE={double}")
     assert "warning" not in run("cmake", "--build", tmp_path)
     assert "100% tests passed" in run("ctest", "--test-dir", tmp_path, "--output-on-failure")
 
 
 @pytest.mark.parametrize(
-    "rule_base", [RULE_BASES[0], *(pytest.param(name, marks=pytest.mark.slow) for name in RULE_BASES[1:])]
+    "rule_base", [RULE_BASES[0], "filter", *(pytest.param(name, marks=pytest.mark.slow) for name in RULE_BASES[1:])]
 )
 def test_golden_vectors_and_a_long_run_under_sanitizers(exported: Libraries, tmp_path: Path, rule_base: str) -> None:
     gcc = require_tool("gcc", "gcc libc6-dev")
@@ -92,6 +95,7 @@ def test_no_compiler_and_no_optimisation_changes_a_bit(
     assert run(program, SAMPLES).strip() == host_hash(one.library.folder, SAMPLES, double=double)
 
 
+@pytest.mark.parametrize("made", ["zhao-1993", "filter"])
 @pytest.mark.parametrize("double", [False, True], ids=["single", "double"])
 @pytest.mark.parametrize(
     "target",
@@ -101,11 +105,11 @@ def test_no_compiler_and_no_optimisation_changes_a_bit(
     ],
 )
 def test_an_emulated_processor_gives_the_bits_of_this_machine(
-    exported: Libraries, tmp_path: Path, target: object, double: bool
+    exported: Libraries, tmp_path: Path, target: object, double: bool, made: str
 ) -> None:
     require_tool(target.compiler, target.packages)  # type: ignore[attr-defined]
     require_tool(target.emulator, target.emulator_packages)  # type: ignore[attr-defined]
-    folder = exported("zhao-1993").library.folder
+    folder = exported(made).library.folder
     definitions = [f"SAMPLES={SAMPLES}", *(["MW_DOUBLE"] if double else [])]
     program = linked(folder, target, "test/same_bits.c", tmp_path, *definitions)  # type: ignore[arg-type]
     said = emulated(program, target).strip()  # type: ignore[arg-type]
@@ -147,9 +151,10 @@ def test_flags_that_change_results_are_refused(exported: Libraries, tmp_path: Pa
     assert "musclewire: " in done.stderr
 
 
-def test_it_needs_no_library_function_at_all(exported: Libraries, tmp_path: Path) -> None:
+@pytest.mark.parametrize("made", ["zhao-1993", "filter"])
+def test_it_needs_no_library_function_at_all(exported: Libraries, tmp_path: Path, made: str) -> None:
     gcc = require_tool("gcc", "gcc libc6-dev")
-    one = exported("zhao-1993")
+    one = exported(made)
     flags = ["-std=c99", "-O2", "-ffreestanding", "-fno-stack-protector", "-nostdlib", "-r"]
     run(gcc, *flags, f"-I{one.library.folder / 'src'}", *sources(one), "-o", tmp_path / "all.o")
     missing = run("nm", "--undefined-only", tmp_path / "all.o").split()

@@ -41,7 +41,7 @@ from musclewire.controllers import (
 )
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.physics import MINIMUM_CURRENT_A
-from musclewire.sensing import GATES, PAPER_ESTIMATOR, SensingModel, gated_numbers
+from musclewire.sensing import GATES, PAPER_ESTIMATOR, SensingModel, filter_numbers, gated_numbers
 
 Kind = Literal["real", "integer"]
 ACTIONS = {"": 0, "trip": 1, "degrade": 2}
@@ -54,8 +54,11 @@ MODEL_HEADING = "the self-sensing model (Lan and Fan 2010, Eqs. 3 to 5)"
 CONTROLLER_HEADING = "the fuzzy-tuned PID (Eq. 6)"
 RULES_HEADING = "its rule base"
 GATES_HEADING = "the direction-gated branches"
-CONTROL_HEADINGS = (MODEL_HEADING, CONTROLLER_HEADING, RULES_HEADING, GATES_HEADING)
-GATED = "gated"
+FILTER_HEADING = "the filter on the wire's heat balance"
+CONTROL_HEADINGS = (MODEL_HEADING, CONTROLLER_HEADING, RULES_HEADING, GATES_HEADING, FILTER_HEADING)
+GATED, FILTER = "gated", "filter"
+# The one number of the filter that depends on the shunt, so that it is the circuit's and not in the checksum.
+SHUNT_NOISE = "least_noise_v2"
 GATE_NUMBERS = (
     *("turning_fraction", "supporting_fraction", "still_per_s", "driven_per_s", "surprise_per_s", "motion_deviations"),
     *("min_motion_variance", "beyond", "first_variance", "min_noise", "max_power_w", "max_ratio", "max_noise_v2"),
@@ -109,7 +112,7 @@ def collect(
             )
     return CConstants(
         {
-            "circuit and limits of the drive": _circuit(checked),
+            "circuit and limits of the drive": _circuit(checked) + _noise(model, checked, estimator),
             **control_numbers(model, settings, rule_base, estimator).groups,
             "limits of the protection": _protection(checked),
             "the protection table": _table(),
@@ -128,9 +131,11 @@ def control_numbers(
     }
     if estimator == GATED:
         groups[GATES_HEADING] = _gates(model)
+    elif estimator == FILTER:
+        groups[FILTER_HEADING] = _filter(model)
     elif estimator != PAPER_ESTIMATOR:
-        hint = nearest_hint(estimator, (GATED, PAPER_ESTIMATOR))
-        raise CallerError(f"estimator {estimator!r} has no C form{hint}: export {GATED} or {PAPER_ESTIMATOR}")
+        hint = nearest_hint(estimator, (FILTER, GATED, PAPER_ESTIMATOR))
+        raise CallerError(f"estimator {estimator!r} has no C form{hint}: export {FILTER}, {GATED} or {PAPER_ESTIMATOR}")
     return CConstants(groups)
 
 
@@ -138,14 +143,46 @@ def _gates(model: SensingModel) -> list[CConstant]:
     """Return the numbers of the direction-gated branches; their names are those of ``sensing._gated_estimator``."""
     numbers = GATES._asdict() | gated_numbers(model)
     times = {name: value for name, value in numbers.items() if name.endswith("_s") and not name.endswith("_per_s")}
-    own_low_ohm, own_high_ohm = model.own_resistance_ohm
     return [
         _integer("GATED", 1, "the estimate is mw_follow's"),
-        _real("OWN_LOW_OHM", own_low_ohm, "a resistance beyond is another wire's"),
-        _real("OWN_HIGH_OHM", own_high_ohm),
+        *_own_wire(model),
         *(_real(name.upper(), value, "time constant") for name, value in times.items()),
         *(_real(name.upper(), numbers[name]) for name in GATE_NUMBERS),
     ]
+
+
+def _own_wire(model: SensingModel) -> list[CConstant]:
+    low_ohm, high_ohm = model.own_resistance_ohm
+    return [
+        _real("OWN_LOW_OHM", low_ohm, "a resistance beyond is another wire's"),
+        _real("OWN_HIGH_OHM", high_ohm),
+    ]
+
+
+def _filter(model: SensingModel) -> list[CConstant]:
+    """Return the numbers of the filter; their names are those of ``sensing._filter_estimator``."""
+    numbers, tables = filter_numbers(model, 1.0)
+    of_curve = {name: model.numbers[name] for name in ("residual_variance", "scale_variance", "quantity_span")}
+    return [
+        _integer("FILTER", 1, "the estimate is mw_follow's"),
+        *_own_wire(model),
+        *(_real(name.upper(), value) for name, value in (of_curve | numbers).items() if name != SHUNT_NOISE),
+        _integer("PLACES", len(tables)),
+        CConstant(
+            *("PLACE_TABLE", tuple(tables.ravel().tolist())),
+            table=True,
+            columns=tables.shape[1],
+            meaning="steady power on the heating and the cooling branch, and resistance",
+        ),
+    ]
+
+
+def _noise(model: SensingModel, limits: ProtectionLimits, estimator: str) -> list[CConstant]:
+    """Return the least variance of a reading at this shunt, for the filter alone."""
+    if estimator != FILTER:
+        return []
+    numbers, _ = filter_numbers(model, limits.shunt_resistance_ohm)
+    return [_real(SHUNT_NOISE.upper(), numbers[SHUNT_NOISE], "of a reading, referred to the shunt's voltage")]
 
 
 def _circuit(limits: ProtectionLimits) -> list[CConstant]:

@@ -123,8 +123,8 @@ def write_library(
 
     Without ``overwrite`` a file there with another content is left alone, and nothing is written at all.
 
-    ``estimator`` is "polynomial", the paper's, or "gated". ``double`` makes double precision the choice; without
-    it all is checked to survive single precision.
+    ``estimator`` is "polynomial", the paper's, "gated" or "filter". ``double`` makes double precision the choice;
+    without it all is checked to survive single precision.
     Everything is checked before anything is written.
 
     Raises:

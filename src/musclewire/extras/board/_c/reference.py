@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from musclewire.controllers import (
     DriveLimits,
@@ -21,7 +21,7 @@ from musclewire.controllers import (
     protection_table,
 )
 from musclewire.physics import wire_resistance
-from musclewire.sensing import PAPER_ESTIMATOR, GatedEstimator, SensingModel
+from musclewire.sensing import ESTIMATORS, PAPER_ESTIMATOR, Estimator, EstimatorSetup, SensingModel
 from musclewire.signals import QuantityEstimate, Reason, WireSample, drive_voltage_of
 
 TIME_ROUNDING_S = 1e-9
@@ -69,6 +69,7 @@ class ReferenceTick:
         """Build the controller and start."""
         self._shunt_ohm = self.protection_limits.shunt_resistance_ohm
         self._controller = FuzzyPidController(self.settings, self.limits, self.rule_base)
+        self._followers: dict[float, Estimator] = {}
         self.start()
 
     def start(self) -> None:
@@ -77,9 +78,9 @@ class ReferenceTick:
         self._pid: tuple[float, ...] | None = None
         self._mean, self._block = SampleSums(), SampleSums()
         self._resistance_ohm = 0.0
-        self._voltages_v = (0.0, 0.0)
-        self._gates = self._gated(1.0).start()
-        self._estimate, self._valid = self.model.quantity_min, False
+        self._time_s = 0.0
+        self._followed: Any = None
+        self._estimate = QuantityEstimate(self.model.quantity_min, 0.0, False, Reason.NO_CURRENT)
         self._gains: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     @property
@@ -93,8 +94,8 @@ class ReferenceTick:
         protection = self.protection.state
         return TickOutcome(
             self._resistance_ohm,
-            self._estimate,
-            self._valid,
+            self._estimate.value,
+            self._estimate.valid,
             kp,
             ki,
             kd,
@@ -125,18 +126,16 @@ class ReferenceTick:
     def control(self, target: float, dt_s: float) -> TickOutcome:
         """Estimate and control from the mean of the samples since the last control tick."""
         mean, self._mean = self._mean, SampleSums()
-        self._resistance_ohm = 0.0
-        if mean.samples:
-            self._voltages_v = (mean.wire_v / mean.samples, mean.shunt_v / mean.samples)
-            self._resistance_ohm = wire_resistance(*self._voltages_v, self._shunt_ohm).resistance_ohm
+        voltages_v = (mean.wire_v / mean.samples, mean.shunt_v / mean.samples) if mean.samples else (0.0, 0.0)
+        self._resistance_ohm = wire_resistance(*voltages_v, self._shunt_ohm).resistance_ohm
+        self._estimate = self._sensed(voltages_v, dt_s)
         drive_v = self._controlled(target, dt_s) if math.isfinite(target) else -1.0
         self.protection.command(drive_v)
         return self.outcome()
 
     def _controlled(self, target: float, dt_s: float) -> float:
         """Return the controller's drive [V]; before the first estimate, the drive stays as it is."""
-        estimate = self._sensed(dt_s)
-        self._estimate, self._valid = estimate.value, estimate.valid
+        estimate = self._estimate
         if self._pid is None and estimate.reason is Reason.NO_CURRENT:
             self._gains = (0.0, 0.0, 0.0)
             return self.drive_voltage_v
@@ -144,16 +143,21 @@ class ReferenceTick:
         command, self._pid, self._gains = self._controller.step(before, target, estimate, dt_s)
         return drive_voltage_of(command)
 
-    def _sensed(self, dt_s: float) -> QuantityEstimate:
-        """Return the estimate from the last resistance; without current, the previous estimate."""
+    def _sensed(self, voltages_v: tuple[float, float], dt_s: float) -> QuantityEstimate:
+        """Return the estimate from both voltages, dt_s after the last; without current, the previous value."""
+        self._time_s += dt_s
+        if self.estimator != PAPER_ESTIMATOR:
+            follower = self._follower(dt_s)
+            sample = WireSample(self._time_s, self.drive_voltage_v, *voltages_v)
+            estimate, self._followed, _ = follower.step(self._followed or follower.start(), sample)
+            return estimate
         if not self._resistance_ohm > 0.0:
-            return QuantityEstimate(self._estimate, 0.0, False, Reason.NO_CURRENT)
-        if self.estimator == PAPER_ESTIMATOR:
-            return QuantityEstimate(*self.model.estimate(self._resistance_ohm))
-        sample = WireSample(0.0, self.drive_voltage_v, *self._voltages_v)
-        estimate, self._gates, _ = self._gated(dt_s).step(self._gates, sample)
-        return estimate
+            return QuantityEstimate(self._estimate.value, 0.0, False, Reason.NO_CURRENT)
+        return QuantityEstimate(*self.model.estimate(self._resistance_ohm))
 
-    def _gated(self, dt_s: float) -> GatedEstimator:
-        """Return the estimator by gated branches, for a time between two ticks; any goes on from another's state."""
-        return GatedEstimator(self.model, self._shunt_ohm, dt_s)
+    def _follower(self, dt_s: float) -> Estimator:
+        """Return the estimator for a time between two ticks, made once; any goes on from another's state."""
+        if dt_s not in self._followers:
+            setup = EstimatorSetup(self.model, self._shunt_ohm, dt_s)
+            self._followers[dt_s] = ESTIMATORS.find(self.estimator)(setup)
+        return self._followers[dt_s]

@@ -31,19 +31,32 @@ typedef struct {
  * is not finite reads as fully contracted, so that a loop which ignores `valid` cools. */
 mw_estimation mw_estimate(mw_real resistance_ohm);
 
-#if defined(MW_GATED)
-/* ---- direction-gated branches: mw_gated.c, if exported with --estimator gated ------------------------- */
+/* ---- an estimate that remembers: mw_gated.c or mw_filter.c, if exported with --estimator ---------------- */
 
-/* What the estimate remembers of a wire; cleared to zero before its first sample. */
+/* What it remembers of a wire; cleared to zero before its first sample. */
+#if defined(MW_GATED)
+#define MW_FOLLOWS
 typedef struct {
     mw_real value, resistance, lagging, variance, before, before_last, noise_v2, learnt_s, mean_power_w;
     mw_real extreme_power_w, power_variance_w2;
     uint8_t followed, heating, sensing;
-} mw_gates;
+} mw_follower;
+#elif defined(MW_FILTER)
+#define MW_FOLLOWS
+typedef struct {
+    mw_real value, std;                     /* the quantity, and its standard deviation */
+    mw_real steady_w, place, shift_w, loss; /* power that would hold it, place, other air, factor of the heat loss */
+    mw_real covariance[10];                 /* of these four: the lower triangle, row by row */
+    mw_real before, before_last, noise_v2, learnt_s, waited_s;
+    uint8_t followed;
+} mw_follower;
+#endif
 
-/* Quantity after one more reading, dt_s after the one before. A resistance that the model's wire never has leaves the
- * value as it is and is not valid; nor is a wire that is colder than B, or a reading outside the model's range. */
-mw_estimation mw_follow(mw_gates *gates, mw_real resistance_ohm, mw_real wire_voltage_v, mw_real shunt_voltage_v,
+#if defined(MW_FOLLOWS)
+/* Quantity after one more reading, dt_s after the one before; 0 ohm for none. A resistance that the model's wire never
+ * has leaves the value as it is and is not valid; nor is a wire that is colder than B, or a reading outside the model's
+ * range. */
+mw_estimation mw_follow(mw_follower *follower, mw_real resistance_ohm, mw_real wire_voltage_v, mw_real shunt_voltage_v,
                         mw_real dt_s);
 #endif
 
@@ -58,6 +71,9 @@ mw_ratios mw_infer(mw_real error_ratio, mw_real change_ratio);
 
 /* e^x for -4 <= x <= 0 by arithmetic alone, so that every target gives the same bits (libm's differ). */
 mw_real mw_exponential(mw_real x);
+
+/* The square root, rounded to nearest; of what is not a positive normal number 0. */
+mw_real mw_root(mw_real x);
 
 /* ---- fuzzy PID: mw_pid.c ------------------------------------------------------------------------------ */
 
@@ -108,9 +124,8 @@ typedef struct mw_controller {
     uint8_t started;                 /* the PID has seen a first measurement */
     mw_real resistance_ohm;          /* of the last mw_control, 0 without current */
     mw_estimation estimation;
-#if defined(MW_GATED)
-    mw_gates gates;
-    mw_real wire_voltage_v, shunt_voltage_v; /* means of the last mw_control */
+#if defined(MW_FOLLOWS)
+    mw_follower follower;
 #endif
     mw_real kp, ki, kd;              /* gains of the last step, 0 where there was none */
 } mw_controller;

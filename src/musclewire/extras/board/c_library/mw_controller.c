@@ -6,8 +6,8 @@ void mw_start(mw_controller *controller)
 {
     const mw_controller cold = {.estimation = {MW_QUANTITY_MIN, 0}};
     *controller = cold;
-#if defined(MW_GATED)
-    controller->gates.value = MW_QUANTITY_MIN;
+#if defined(MW_FOLLOWS)
+    controller->follower.value = MW_QUANTITY_MIN;
 #endif
     mw_protect_arm(&controller->protection);
 }
@@ -69,16 +69,33 @@ mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real s
     return output_of(controller);
 }
 
-/* Estimate and controller for one reading; returns the drive they command. */
+/* Resistance and estimate from the mean of the samples since the last control tick. */
+static void sense(mw_controller *controller, mw_real dt_s)
+{
+    const mw_real samples = (mw_real)controller->samples;
+    mw_real wire_voltage_v = 0, shunt_voltage_v = 0;
+    if (controller->samples > 0) {
+        wire_voltage_v = controller->wire_sum_v / samples;
+        shunt_voltage_v = controller->shunt_sum_v / samples;
+    }
+    forget_samples(controller);
+    controller->resistance_ohm = mw_resistance(wire_voltage_v, shunt_voltage_v);
+#if defined(MW_FOLLOWS)
+    controller->estimation =
+        mw_follow(&controller->follower, controller->resistance_ohm, wire_voltage_v, shunt_voltage_v, dt_s);
+#else
+    (void)dt_s;
+    if (controller->resistance_ohm > 0)
+        controller->estimation = mw_estimate(controller->resistance_ohm);
+    else
+        controller->estimation.valid = 0;
+#endif
+}
+
+/* The drive that the controller commands for an estimate. */
 static mw_real controlled(mw_controller *controller, mw_real target, mw_real dt_s)
 {
     mw_pid_step step;
-#if defined(MW_GATED)
-    controller->estimation = mw_follow(&controller->gates, controller->resistance_ohm, controller->wire_voltage_v,
-                                       controller->shunt_voltage_v, dt_s);
-#else
-    controller->estimation = mw_estimate(controller->resistance_ohm);
-#endif
     if (!controller->started) {
         mw_fuzzy_pid_start(&controller->pid, mw_protect_allowed(&controller->protection),
                            controller->estimation.value, target);
@@ -94,7 +111,6 @@ static mw_real controlled(mw_controller *controller, mw_real target, mw_real dt_
 /* A tick without a resistance, because no current flows: the drive stays as it is. */
 static mw_real without_current(mw_controller *controller)
 {
-    controller->estimation.valid = 0;
     controller->kp = controller->ki = controller->kd = 0;
     if (!controller->started)
         return mw_protect_allowed(&controller->protection);
@@ -104,21 +120,8 @@ static mw_real without_current(mw_controller *controller)
 
 mw_output mw_control(mw_controller *controller, mw_real target, mw_real dt_s)
 {
-    const mw_real samples = (mw_real)controller->samples;
     mw_real drive_voltage_v = -1; /* refused: what a target that is not a number leads to */
-    controller->resistance_ohm = 0;
-#if defined(MW_GATED)
-    if (controller->samples > 0) {
-        controller->wire_voltage_v = controller->wire_sum_v / samples;
-        controller->shunt_voltage_v = controller->shunt_sum_v / samples;
-        controller->resistance_ohm = mw_resistance(controller->wire_voltage_v, controller->shunt_voltage_v);
-    }
-#else
-    if (controller->samples > 0)
-        controller->resistance_ohm =
-            mw_resistance(controller->wire_sum_v / samples, controller->shunt_sum_v / samples);
-#endif
-    forget_samples(controller);
+    sense(controller, dt_s);
     if (target >= -MW_LARGEST && target <= MW_LARGEST)
         drive_voltage_v =
             controller->resistance_ohm > 0 ? controlled(controller, target, dt_s) : without_current(controller);
@@ -129,6 +132,9 @@ mw_output mw_control(mw_controller *controller, mw_real target, mw_real dt_s)
 mw_output mw_drive(mw_controller *controller, mw_real drive_voltage_v)
 {
     controller->started = 0;
+#if defined(MW_FOLLOWS)
+    controller->follower.followed = 0; /* what it remembers is from before */
+#endif
     forget_samples(controller);
     mw_protect_command(&controller->protection, drive_voltage_v);
     return output_of(controller);

@@ -1,33 +1,13 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* Direction-gated branches: the quantity moves towards the branch of the direction in which power drives the wire. The
  * arithmetic is that of musclewire.sensing._gated_estimator, operation by operation. */
-#include "musclewire.h"
+#include "mw_branches.h"
 
 #if defined(MW_GATED)
 
-typedef struct {
-    mw_real hot, cold;
-} both_branches;
-
-static mw_real within(mw_real number, mw_real low, mw_real high)
+static mw_branches branches_at(mw_real normalised)
 {
-    return number < low ? low : number > high ? high : number;
-}
-
-static both_branches branches_at(mw_real normalised)
-{
-    MW_TABLE mw_real heating_powers[MW_COEFFICIENTS] = MW_HEATING_FALLING;
-    MW_TABLE mw_real cooling_powers[MW_COEFFICIENTS] = MW_COOLING_FALLING;
-    const mw_real inside = within(normalised, MW_NORMALISED_MIN, MW_NORMALISED_MAX);
-    both_branches found;
-    uint8_t index;
-    found.hot = heating_powers[0];
-    found.cold = cooling_powers[0];
-    for (index = 1; index < MW_COEFFICIENTS; index++) {
-        found.hot = found.hot * inside + heating_powers[index];
-        found.cold = found.cold * inside + cooling_powers[index];
-    }
-    return found;
+    return mw_branches_at(mw_within(normalised, MW_NORMALISED_MIN, MW_NORMALISED_MAX));
 }
 
 static mw_real gain(mw_real dt_s, mw_real time_constant_s)
@@ -36,10 +16,10 @@ static mw_real gain(mw_real dt_s, mw_real time_constant_s)
 }
 
 /* The first sample: the mean of both branches, heating; near R_max a wire counts as cold. */
-static void begin(mw_gates *gates, mw_real read, mw_real power_w)
+static void begin(mw_follower *gates, mw_real read, mw_real power_w)
 {
-    const both_branches at = branches_at(read);
-    gates->value = (at.hot + at.cold) / 2;
+    const mw_branches at = branches_at(read);
+    gates->value = (at.heating + at.cooling) / 2;
     gates->resistance = gates->lagging = gates->before = gates->before_last = read;
     gates->variance = MW_FIRST_VARIANCE;
     gates->noise_v2 = 0;
@@ -51,7 +31,7 @@ static void begin(mw_gates *gates, mw_real read, mw_real power_w)
     gates->followed = 1;
 }
 
-static void filter(mw_gates *gates, mw_real read, mw_real noise, mw_real ratio, mw_real dt_s)
+static void filter(mw_follower *gates, mw_real read, mw_real noise, mw_real ratio, mw_real dt_s)
 {
     const mw_real away = read - gates->resistance;
     mw_real variance = gates->variance, surprise = away * away - noise - variance, weight;
@@ -65,7 +45,7 @@ static void filter(mw_gates *gates, mw_real read, mw_real noise, mw_real ratio, 
     gates->lagging += (gates->resistance - gates->lagging) * (weight < MW_MAX_LAGGING ? weight : MW_MAX_LAGGING);
 }
 
-static void learn_noise(mw_gates *gates, mw_real read, mw_real per_volt, mw_real dt_s)
+static void learn_noise(mw_follower *gates, mw_real read, mw_real per_volt, mw_real dt_s)
 {
     const mw_real bend_v = ((read - gates->before) - (gates->before - gates->before_last)) / per_volt;
     const mw_real longest_s = MW_NOISE_SAMPLES * dt_s > MW_NOISE_S ? MW_NOISE_SAMPLES * dt_s : MW_NOISE_S;
@@ -85,26 +65,26 @@ static void learn_noise(mw_gates *gates, mw_real read, mw_real per_volt, mw_real
 }
 
 /* Moves the quantity towards its branch and keeps it within both. */
-static void move(mw_gates *gates, mw_real moved, mw_real support, mw_real dt_s)
+static void move(mw_follower *gates, mw_real moved, mw_real support, mw_real dt_s)
 {
-    const both_branches at = branches_at(gates->resistance);
-    const mw_real branch = gates->heating ? at.hot : at.cold;
+    const mw_branches at = branches_at(gates->resistance);
+    const mw_real branch = gates->heating ? at.heating : at.cooling;
     const mw_real ahead = gates->heating ? branch - gates->value : gates->value - branch;
-    const mw_real low = at.hot < at.cold ? at.hot : at.cold, high = at.hot < at.cold ? at.cold : at.hot;
+    const mw_real low = at.heating < at.cooling ? at.heating : at.cooling, high = at.heating < at.cooling ? at.cooling : at.heating;
     mw_real value = gates->value;
     if (ahead < 0)
-        value += (branch - value) * gain(dt_s, at.hot < at.cold ? MW_CROSSED_RETURN_S : MW_RETURN_S);
+        value += (branch - value) * gain(dt_s, at.heating < at.cooling ? MW_CROSSED_RETURN_S : MW_RETURN_S);
     else if (gates->heating ? moved < 0 : moved > 0)
         value = branch;
     else if (support > MW_SUPPORTING_FRACTION)
         value += (branch - value) * gain(dt_s, MW_APPROACH_S);
-    else if (at.hot >= at.cold)
-        value += ((at.hot + at.cold) / 2 - value) * gain(dt_s, MW_MIDDLE_S);
-    gates->value = within(value, low - MW_BEYOND, high + MW_BEYOND);
+    else if (at.heating >= at.cooling)
+        value += ((at.heating + at.cooling) / 2 - value) * gain(dt_s, MW_MIDDLE_S);
+    gates->value = mw_within(value, low - MW_BEYOND, high + MW_BEYOND);
 }
 
 /* Whether the mean power has left its extreme of this direction for good, however slowly. */
-static uint8_t has_come_back(mw_gates *gates, mw_real away_w, mw_real dt_s)
+static uint8_t has_come_back(mw_follower *gates, mw_real away_w, mw_real dt_s)
 {
     mw_real back_w;
     gates->power_variance_w2 += (away_w * away_w - gates->power_variance_w2) * gain(dt_s, MW_NOISE_S);
@@ -117,7 +97,7 @@ static uint8_t has_come_back(mw_gates *gates, mw_real away_w, mw_real dt_s)
            back_w * back_w > MW_SLOW_TURNING_DEVIATIONS * gates->power_variance_w2;
 }
 
-static void locate(mw_gates *gates, mw_real moved, mw_real power_w, mw_real dt_s)
+static void locate(mw_follower *gates, mw_real moved, mw_real power_w, mw_real dt_s)
 {
     const uint8_t before = gates->sensing;
     const mw_real least_w = power_w < MW_B_POWER_W ? power_w : MW_B_POWER_W;
@@ -144,7 +124,7 @@ static uint8_t on_curve(mw_real read, mw_real noise)
     return !(outside > 0) || outside * outside <= 9 * noise;
 }
 
-mw_estimation mw_follow(mw_gates *gates, mw_real resistance_ohm, mw_real wire_voltage_v, mw_real shunt_voltage_v,
+mw_estimation mw_follow(mw_follower *gates, mw_real resistance_ohm, mw_real wire_voltage_v, mw_real shunt_voltage_v,
                         mw_real dt_s)
 {
     const mw_real read = (resistance_ohm - MW_RESISTANCE_MIN_OHM) * MW_SHARE_PER_OHM;

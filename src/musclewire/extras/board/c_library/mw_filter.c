@@ -1,0 +1,326 @@
+/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
+/* The filter: a Kalman filter on a wire's heat balance with a play behind it, by eight points about its mean. The
+ * arithmetic is that of musclewire.sensing._filter_estimator, operation by operation; what each function does is said
+ * there. */
+#include "mw_branches.h"
+
+#if defined(MW_FILTER)
+
+#define STATES 4
+#define TRIANGLE (STATES * (STATES + 1) / 2)
+#define POINTS 8
+#define AWAY 2 /* deviations of a point from the mean */
+
+/* Steady powers and resistances, heating branch first, a row for each place. */
+enum { HEATING_W, COOLING_W, HEATING, COOLING, COLUMNS };
+MW_TABLE mw_real table[MW_PLACES][COLUMNS] = MW_PLACE_TABLE;
+
+typedef struct {
+    mw_real heating_w, cooling_w, heating_slope_w, cooling_slope_w, heating, cooling;
+} branch_edges;
+
+static branch_edges edges_at(mw_real place)
+{
+    const mw_real at = (place - MW_FIRST_PLACE) * MW_PER_PLACE;
+    const uint8_t left = (uint8_t)mw_within(at, 0, MW_PLACES - 2);
+    const mw_real part = at - (mw_real)left;
+    const MW_FLASH mw_real *row = table[left], *following = table[left + 1];
+    const mw_real rise_w = following[HEATING_W] - row[HEATING_W], fall_w = following[COOLING_W] - row[COOLING_W];
+    branch_edges edges;
+    edges.heating_w = row[HEATING_W] + part * rise_w;
+    edges.cooling_w = row[COOLING_W] + part * fall_w;
+    edges.heating_slope_w = rise_w * MW_PER_PLACE;
+    edges.cooling_slope_w = fall_w * MW_PER_PLACE;
+    edges.heating = row[HEATING] + part * (following[HEATING] - row[HEATING]);
+    edges.cooling = row[COOLING] + part * (following[COOLING] - row[COOLING]);
+    return edges;
+}
+
+static mw_real part_between(mw_real steady_w, const branch_edges *edges)
+{
+    return mw_within((steady_w - edges->cooling_w) / (edges->heating_w - edges->cooling_w), 0, 1);
+}
+
+static mw_real sag(mw_real part)
+{
+    return MW_MINOR_LOOPS * MW_PHASE_RESISTANCE * part * (1 - part);
+}
+
+static mw_real modelled(mw_real steady_w, mw_real place)
+{
+    const branch_edges edges = edges_at(place);
+    const mw_real part = part_between(steady_w, &edges);
+    const mw_real line = edges.cooling + part * (edges.heating - edges.cooling);
+    return place > MW_SENSED_FROM ? line - sag(part) : line;
+}
+
+static uint8_t is_sensed(const mw_follower *filter)
+{
+    return filter->place - AWAY * mw_root(filter->covariance[2]) > MW_SENSED_FROM;
+}
+
+static mw_real lengthened(mw_real dt_s, mw_real loss, mw_real heat_s)
+{
+    return dt_s * (1 + MW_R(0.5) * dt_s * loss / heat_s);
+}
+
+/* One point through the heat balance and the play, in place. */
+static void advance(mw_real *steady_w, mw_real *place, mw_real shift_w, mw_real loss, mw_real power_w, mw_real dt_s)
+{
+    mw_real step_s, given_j, per_w, free_w, takes_j = 0, at = *place;
+    branch_edges edges = edges_at(at);
+    uint8_t rises, turn;
+    if (loss < MW_MIN_LOSS)
+        loss = MW_MIN_LOSS;
+    step_s = lengthened(dt_s, loss, MW_TIME_CONSTANT_S);
+    given_j = MW_TIME_CONSTANT_S * *steady_w + step_s * (power_w + loss * shift_w);
+    per_w = MW_TIME_CONSTANT_S + step_s * loss;
+    free_w = given_j / per_w;
+    if (edges.cooling_w <= free_w && free_w <= edges.heating_w) {
+        *steady_w = free_w;
+        return;
+    }
+    rises = free_w > edges.heating_w;
+    for (turn = 0; turn < 2; turn++) { /* with the slope here, then with that of the cell where it led */
+        const mw_real branch_w = rises ? edges.heating_w : edges.cooling_w;
+        mw_real slope_w = rises ? edges.heating_slope_w : edges.cooling_slope_w, found;
+        if (slope_w < MW_LEAST_SLOPE_W)
+            slope_w = MW_LEAST_SLOPE_W;
+        takes_j = at > MW_SENSED_FROM ? MW_TRANSFORMATION_HEAT_J : 0;
+        step_s = lengthened(dt_s, loss, MW_TIME_CONSTANT_S + takes_j / slope_w);
+        given_j = MW_TIME_CONSTANT_S * *steady_w + step_s * (power_w + loss * shift_w);
+        per_w = MW_TIME_CONSTANT_S + step_s * loss;
+        found = (given_j + takes_j * *place - per_w * (branch_w - slope_w * at)) / (takes_j + per_w * slope_w);
+        if (rises ? found < *place : found > *place)
+            found = *place;
+        at = mw_within(found, MW_FIRST_PLACE, MW_LAST_PLACE);
+        edges = edges_at(at);
+    }
+    *steady_w = (given_j - takes_j * (at - *place)) / per_w;
+    *place = at;
+}
+
+/* An entry of a lower triangle, which is 0 above it. */
+static mw_real entry(const mw_real *triangle, uint8_t row, uint8_t column)
+{
+    return column > row ? 0 : triangle[row * (row + 1) / 2 + column];
+}
+
+static void factor(const mw_real *covariance, mw_real *root)
+{
+    uint8_t row, column, before, at = 0;
+    for (row = 0; row < STATES; row++)
+        for (column = 0; column <= row; column++, at++) {
+            mw_real left = covariance[at];
+            for (before = 0; before < column; before++)
+                left -= entry(root, row, before) * entry(root, column, before);
+            if (row == column)
+                root[at] = mw_root(left > MW_MIN_VARIANCE ? left : MW_MIN_VARIANCE);
+            else
+                root[at] = left / entry(root, column, column);
+        }
+}
+
+static void begin(mw_follower *filter, mw_real read, mw_real power_w)
+{
+    const mw_real walk_w = MW_POWER_WALK * MW_MIDDLE_W, shift_w = MW_SHIFT_STD * MW_MIDDLE_W;
+    const mw_follower fresh = {.value = filter->value, .loss = 1, .learnt_s = 1, .followed = 1};
+    uint8_t row = 0;
+    *filter = fresh;
+    filter->steady_w = power_w;
+    if (power_w < edges_at(MW_SENSED_FROM).cooling_w && read > table[0][HEATING] - AWAY * MW_COLD_STD) {
+        while (row < MW_PLACES - 1 && table[row][HEATING_W] <= power_w)
+            row++;
+    } else {
+        row = MW_PLACES - 1;
+        while (row > 0 && table[row][HEATING] + table[row][COOLING] < 2 * read)
+            row--;
+        filter->steady_w = mw_within(power_w, table[row][COOLING_W], table[row][HEATING_W]);
+    }
+    filter->place = MW_FIRST_PLACE + (mw_real)row / MW_PER_PLACE;
+    filter->before = filter->before_last = read;
+    filter->noise_v2 = MW_LEAST_NOISE_V2;
+    filter->covariance[0] = walk_w * walk_w * MW_SHIFT_S;
+    filter->covariance[2] = MW_PLACE_WALK * MW_PLACE_WALK * MW_SHIFT_S;
+    filter->covariance[5] = shift_w * shift_w;
+    filter->covariance[9] = MW_LOSS_WALK * MW_LOSS_WALK * MW_SHIFT_S;
+}
+
+/* The variance of a reading. */
+static mw_real learnt_noise(mw_follower *filter, mw_real read, mw_real dt_s, mw_real per_volt)
+{
+    const mw_real bend_v = (read - 2 * filter->before + filter->before_last) / per_volt;
+    mw_real new_v2 = bend_v * bend_v / 6, weight;
+    filter->before_last = filter->before;
+    filter->before = read;
+    if (dt_s > 0) {
+        filter->learnt_s += dt_s;
+        if (filter->learnt_s > MW_SHIFT_S)
+            filter->learnt_s = MW_SHIFT_S;
+        if (new_v2 > MW_SURPRISE * filter->noise_v2)
+            new_v2 = MW_SURPRISE * filter->noise_v2;
+        weight = dt_s / filter->learnt_s;
+        filter->noise_v2 += (new_v2 - filter->noise_v2) * (weight < 1 ? weight : 1);
+        if (filter->noise_v2 < MW_R(0.25) * MW_LEAST_NOISE_V2)
+            filter->noise_v2 = MW_R(0.25) * MW_LEAST_NOISE_V2;
+    }
+    return filter->noise_v2 * per_volt * per_volt;
+}
+
+static void predict(mw_follower *filter, mw_real power_w, mw_real dt_s)
+{
+    const mw_real walk_w = MW_POWER_WALK * MW_MIDDLE_W, shift_w = MW_SHIFT_STD * MW_MIDDLE_W;
+    const mw_real kept = 1 / (1 + dt_s / MW_SHIFT_S);
+    mw_real root[TRIANGLE], powers[POINTS], places[POINTS], mean_w = 0, mean_place = 0, part_w;
+    mw_real *covariance = filter->covariance;
+    uint8_t point;
+    factor(covariance, root);
+    for (point = 0; point < POINTS; point++) {
+        const uint8_t column = point / 2;
+        const mw_real away = (mw_real)(point % 2 ? -AWAY : AWAY);
+        powers[point] = filter->steady_w + away * entry(root, 0, column);
+        places[point] = filter->place + away * entry(root, 1, column);
+        advance(&powers[point], &places[point], filter->shift_w + away * entry(root, 2, column),
+                filter->loss + away * entry(root, 3, column), power_w, dt_s);
+        mean_w += powers[point] / POINTS;
+        mean_place += places[point] / POINTS;
+    }
+    part_w = MW_POWER_PART * (mean_w - filter->steady_w);
+    filter->steady_w = mean_w;
+    filter->place = mean_place;
+    covariance[0] = covariance[1] = covariance[2] = covariance[3] = covariance[4] = covariance[6] = covariance[7] = 0;
+    for (point = 0; point < POINTS; point++) {
+        const uint8_t column = point / 2;
+        const mw_real away = (mw_real)(point % 2 ? -AWAY : AWAY) / POINTS;
+        const mw_real off_w = powers[point] - mean_w, off_place = places[point] - mean_place;
+        covariance[0] += off_w * off_w / POINTS;
+        covariance[1] += off_w * off_place / POINTS;
+        covariance[2] += off_place * off_place / POINTS;
+        covariance[3] += off_w * away * entry(root, 2, column);
+        covariance[4] += off_place * away * entry(root, 2, column);
+        covariance[6] += off_w * away * entry(root, 3, column);
+        covariance[7] += off_place * away * entry(root, 3, column);
+    }
+    covariance[0] += walk_w * walk_w * dt_s + part_w * part_w;
+    covariance[2] += MW_PLACE_WALK * MW_PLACE_WALK * dt_s;
+    covariance[9] += MW_LOSS_WALK * MW_LOSS_WALK * dt_s;
+    filter->shift_w *= kept;
+    covariance[3] *= kept;
+    covariance[4] *= kept;
+    covariance[8] *= kept;
+    covariance[5] = kept * kept * covariance[5] + (1 - kept * kept) * shift_w * shift_w;
+}
+
+static mw_real square(mw_real number)
+{
+    return number * number;
+}
+
+static void correct(mw_follower *filter, mw_real read, mw_real noise)
+{
+    const mw_real own_std = is_sensed(filter) ? MW_RESISTANCE_STD : MW_COLD_STD;
+    const mw_real steady_w = filter->steady_w, place = filter->place, middle = modelled(steady_w, place);
+    mw_real root[TRIANGLE], gains[STATES], *covariance = filter->covariance;
+    mw_real variance = 1, surprise = 0, by_w = 0, by_place = 0;
+    branch_edges edges;
+    uint8_t turn, row, column, at = 0;
+    factor(covariance, root);
+    for (turn = 0; turn < 3; turn++) {
+        const mw_real hotter = modelled(steady_w + AWAY * root[0], place + AWAY * root[1]);
+        const mw_real colder = modelled(steady_w - AWAY * root[0], place - AWAY * root[1]);
+        const mw_real farther = modelled(steady_w, place + AWAY * root[2]);
+        const mw_real nearer = modelled(steady_w, place - AWAY * root[2]);
+        const mw_real mean = (4 * middle + hotter + colder + farther + nearer) / POINTS;
+        mw_real spread = 4 * square(middle - mean) + square(hotter - mean) + square(colder - mean), wider;
+        spread = (spread + square(farther - mean) + square(nearer - mean)) / POINTS;
+        variance = spread + noise + own_std * own_std;
+        surprise = read - mean;
+        by_w = AWAY * (hotter - colder) / POINTS;
+        by_place = AWAY * (farther - nearer) / POINTS;
+        wider = surprise * surprise / (MW_SURPRISE * variance);
+        if (wider <= 1)
+            break;
+        for (at = 0; at < 3; at++)
+            covariance[at] *= wider;
+        wider = mw_root(wider);
+        for (at = 0; at < 3; at++)
+            root[at] *= wider;
+        covariance[3] *= wider;
+        covariance[4] *= wider;
+        covariance[6] *= wider;
+        covariance[7] *= wider;
+    }
+    gains[0] = root[0] * by_w;
+    gains[1] = root[1] * by_w + root[2] * by_place;
+    gains[2] = root[3] * by_w + root[4] * by_place;
+    gains[3] = root[6] * by_w + root[7] * by_place;
+    surprise /= variance;
+    filter->place = mw_within(place + gains[1] * surprise, MW_FIRST_PLACE, MW_LAST_PLACE);
+    edges = edges_at(filter->place);
+    filter->steady_w = mw_within(steady_w + gains[0] * surprise, edges.cooling_w, edges.heating_w);
+    filter->shift_w += gains[2] * surprise;
+    filter->loss += gains[3] * surprise;
+    if (filter->loss < MW_MIN_LOSS)
+        filter->loss = MW_MIN_LOSS;
+    for (row = 0, at = 0; row < STATES; row++)
+        for (column = 0; column <= row; column++, at++)
+            covariance[at] -= gains[row] * gains[column] / variance;
+}
+
+/* Quantity and standard deviation of the state and a reading. */
+static void answer(mw_follower *filter, mw_real read, mw_real noise)
+{
+    const branch_edges edges = edges_at(filter->place);
+    const mw_real part = part_between(filter->steady_w, &edges), own = MW_RESISTANCE_STD * MW_RESISTANCE_STD;
+    const mw_real error = modelled(filter->steady_w, filter->place) - read;
+    const mw_real on_line = read + error * noise / (own + noise) + sag(part);
+    const mw_real inside = mw_within(on_line, MW_NORMALISED_MIN, MW_NORMALISED_MAX);
+    const mw_branches at = mw_branches_at(inside);
+    const mw_real gap = at.heating - at.cooling, per_w = gap / (edges.heating_w - edges.cooling_w);
+    const mw_real per_place = -per_w * (edges.cooling_slope_w + part * (edges.heating_slope_w - edges.cooling_slope_w));
+    const mw_real off = on_line - inside, slope = MW_R(0.5) * at.slope, range_std = MW_RANGE_STD * MW_QUANTITY_SPAN;
+    mw_real of_part = per_w * per_w * filter->covariance[0] + per_place * per_place * filter->covariance[2], variance;
+    of_part = mw_within(of_part + 2 * per_w * per_place * filter->covariance[1], 0, gap * gap / 12);
+    variance = of_part + slope * slope * (noise * own / (own + noise) + off * off) + MW_RESIDUAL_VARIANCE +
+               range_std * range_std;
+    filter->value = part * at.heating + (1 - part) * at.cooling;
+    filter->std = mw_root(variance + MW_SCALE_VARIANCE * filter->value * filter->value);
+    if (!(filter->std < MW_QUANTITY_SPAN))
+        filter->std = MW_QUANTITY_SPAN;
+}
+
+mw_estimation mw_follow(mw_follower *filter, mw_real resistance_ohm, mw_real wire_voltage_v, mw_real shunt_voltage_v,
+                        mw_real dt_s)
+{
+    mw_estimation result = {filter->value, 0};
+    mw_real read, per_volt, power_w, noise, outside;
+    if (!(dt_s > 0 && dt_s <= MW_LARGEST))
+        return result;
+    filter->std = MW_QUANTITY_SPAN;
+    filter->waited_s += dt_s;
+    /* No current, or a wire that this model never has: the time until the next reading is predicted then. */
+    if (!(resistance_ohm > 0 && resistance_ohm >= MW_OWN_LOW_OHM && resistance_ohm <= MW_OWN_HIGH_OHM))
+        return result;
+    power_w = wire_voltage_v * wire_voltage_v / resistance_ohm;
+    read = (resistance_ohm - MW_RESISTANCE_MIN_OHM) * MW_SHARE_PER_OHM;
+    per_volt = resistance_ohm * MW_SHARE_PER_OHM / shunt_voltage_v;
+    if (!filter->followed)
+        begin(filter, read, power_w);
+    dt_s = filter->waited_s;
+    filter->waited_s = 0;
+    noise = learnt_noise(filter, read, dt_s, per_volt);
+    if (dt_s > 0)
+        predict(filter, power_w, dt_s);
+    correct(filter, read, noise);
+    answer(filter, read, noise);
+    outside = MW_VALID_FROM - read;
+    if (read - 1 - MW_MARGIN > outside)
+        outside = read - 1 - MW_MARGIN;
+    result.value = filter->value;
+    result.valid = is_sensed(filter) && !(outside > 0 && outside * outside > 9 * noise);
+    return result;
+}
+
+#else
+typedef int mw_no_filter; /* the library was exported with another estimator */
+#endif
