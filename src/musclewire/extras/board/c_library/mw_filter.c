@@ -43,7 +43,7 @@ static mw_real part_between(mw_real steady_w, const branch_edges *edges)
 
 static mw_real sag(mw_real part)
 {
-    return MW_MINOR_LOOPS * MW_PHASE_RESISTANCE * part * (1 - part);
+    return MW_PHASE_LAG * MW_PHASE_RESISTANCE * part * (1 - part);
 }
 
 static mw_real modelled(mw_real steady_w, mw_real place)
@@ -64,28 +64,47 @@ static mw_real lengthened(mw_real dt_s, mw_real loss, mw_real heat_s)
     return dt_s * (1 + MW_R(0.5) * dt_s * loss / heat_s);
 }
 
+static mw_real at_least(mw_real number, mw_real least)
+{
+    return number < least ? least : number;
+}
+
+static mw_real loose_per_watt(const branch_edges *edges, mw_real steady_w, mw_real toward_w)
+{
+    mw_real part = part_between(steady_w, edges), ahead_w = edges->heating_slope_w;
+    if (toward_w < steady_w) {
+        part = 1 - part;
+        ahead_w = edges->cooling_slope_w;
+    }
+    return MW_LOOSENESS * part / at_least(ahead_w, MW_LEAST_SLOPE_W);
+}
+
 /* One point through the heat balance and the play, in place. */
 static void advance(mw_real *steady_w, mw_real *place, mw_real shift_w, mw_real loss, mw_real power_w, mw_real dt_s)
 {
     mw_real step_s, given_j, per_w, free_w, takes_j = 0, at = *place;
     branch_edges edges = edges_at(at);
     uint8_t rises, turn;
-    if (loss < MW_MIN_LOSS)
-        loss = MW_MIN_LOSS;
+    loss = at_least(loss, MW_MIN_LOSS);
     step_s = lengthened(dt_s, loss, MW_TIME_CONSTANT_S);
     given_j = MW_TIME_CONSTANT_S * *steady_w + step_s * (power_w + loss * shift_w);
     per_w = MW_TIME_CONSTANT_S + step_s * loss;
     free_w = given_j / per_w;
     if (edges.cooling_w <= free_w && free_w <= edges.heating_w) {
-        *steady_w = free_w;
+        const mw_real per_watt = loose_per_watt(&edges, *steady_w, free_w);
+        const mw_real heat_s = MW_TIME_CONSTANT_S + (at > MW_SENSED_FROM ? MW_TRANSFORMATION_HEAT_J : 0) * per_watt;
+        mw_real reached_w;
+        step_s = lengthened(dt_s, loss, heat_s);
+        reached_w = (heat_s * *steady_w + step_s * (power_w + loss * shift_w)) / (heat_s + step_s * loss);
+        *place = mw_within(at + per_watt * (reached_w - *steady_w), MW_FIRST_PLACE, MW_LAST_PLACE);
+        *steady_w = reached_w;
         return;
     }
     rises = free_w > edges.heating_w;
     for (turn = 0; turn < 2; turn++) { /* with the slope here, then with that of the cell where it led */
         const mw_real branch_w = rises ? edges.heating_w : edges.cooling_w;
-        mw_real slope_w = rises ? edges.heating_slope_w : edges.cooling_slope_w, found;
-        if (slope_w < MW_LEAST_SLOPE_W)
-            slope_w = MW_LEAST_SLOPE_W;
+        const mw_real slope_w = at_least(rises ? edges.heating_slope_w : edges.cooling_slope_w, MW_LEAST_SLOPE_W);
+        mw_real found;
         takes_j = at > MW_SENSED_FROM ? MW_TRANSFORMATION_HEAT_J : 0;
         step_s = lengthened(dt_s, loss, MW_TIME_CONSTANT_S + takes_j / slope_w);
         given_j = MW_TIME_CONSTANT_S * *steady_w + step_s * (power_w + loss * shift_w);
@@ -115,7 +134,7 @@ static void factor(const mw_real *covariance, mw_real *root)
             for (before = 0; before < column; before++)
                 left -= entry(root, row, before) * entry(root, column, before);
             if (row == column)
-                root[at] = mw_root(left > MW_MIN_VARIANCE ? left : MW_MIN_VARIANCE);
+                root[at] = mw_root(at_least(left, MW_MIN_VARIANCE));
             else
                 root[at] = left / entry(root, column, column);
         }
@@ -128,7 +147,7 @@ static void begin(mw_follower *filter, mw_real read, mw_real power_w)
     uint8_t row = 0;
     *filter = fresh;
     filter->steady_w = power_w;
-    if (power_w < edges_at(MW_SENSED_FROM).cooling_w && read > table[0][HEATING] - AWAY * MW_COLD_STD) {
+    if (power_w < edges_at(MW_SENSED_FROM).cooling_w && read > MW_R(0.5) * table[0][HEATING]) {
         while (row < MW_PLACES - 1 && table[row][HEATING_W] <= power_w)
             row++;
     } else {
@@ -140,10 +159,10 @@ static void begin(mw_follower *filter, mw_real read, mw_real power_w)
     filter->place = MW_FIRST_PLACE + (mw_real)row / MW_PER_PLACE;
     filter->before = filter->before_last = read;
     filter->noise_v2 = MW_LEAST_NOISE_V2;
-    filter->covariance[0] = walk_w * walk_w * MW_SHIFT_S;
-    filter->covariance[2] = MW_PLACE_WALK * MW_PLACE_WALK * MW_SHIFT_S;
+    filter->covariance[0] = walk_w * walk_w * MW_WALKED_S;
+    filter->covariance[2] = MW_PLACE_WALK * MW_PLACE_WALK * MW_WALKED_S;
     filter->covariance[5] = shift_w * shift_w;
-    filter->covariance[9] = MW_LOSS_WALK * MW_LOSS_WALK * MW_SHIFT_S;
+    filter->covariance[9] = MW_LOSS_WALK * MW_LOSS_WALK * MW_WALKED_S;
 }
 
 /* The variance of a reading. */
@@ -155,22 +174,20 @@ static mw_real learnt_noise(mw_follower *filter, mw_real read, mw_real dt_s, mw_
     filter->before = read;
     if (dt_s > 0) {
         filter->learnt_s += dt_s;
-        if (filter->learnt_s > MW_SHIFT_S)
-            filter->learnt_s = MW_SHIFT_S;
+        if (filter->learnt_s > MW_WALKED_S)
+            filter->learnt_s = MW_WALKED_S;
         if (new_v2 > MW_SURPRISE * filter->noise_v2)
             new_v2 = MW_SURPRISE * filter->noise_v2;
         weight = dt_s / filter->learnt_s;
         filter->noise_v2 += (new_v2 - filter->noise_v2) * (weight < 1 ? weight : 1);
-        if (filter->noise_v2 < MW_R(0.25) * MW_LEAST_NOISE_V2)
-            filter->noise_v2 = MW_R(0.25) * MW_LEAST_NOISE_V2;
+        filter->noise_v2 = at_least(filter->noise_v2, MW_R(0.25) * MW_LEAST_NOISE_V2);
     }
     return filter->noise_v2 * per_volt * per_volt;
 }
 
 static void predict(mw_follower *filter, mw_real power_w, mw_real dt_s)
 {
-    const mw_real walk_w = MW_POWER_WALK * MW_MIDDLE_W, shift_w = MW_SHIFT_STD * MW_MIDDLE_W;
-    const mw_real kept = 1 / (1 + dt_s / MW_SHIFT_S);
+    const mw_real walk_w = MW_POWER_WALK * MW_MIDDLE_W;
     mw_real root[TRIANGLE], powers[POINTS], places[POINTS], mean_w = 0, mean_place = 0, part_w;
     mw_real *covariance = filter->covariance;
     uint8_t point;
@@ -204,11 +221,6 @@ static void predict(mw_follower *filter, mw_real power_w, mw_real dt_s)
     covariance[0] += walk_w * walk_w * dt_s + part_w * part_w;
     covariance[2] += MW_PLACE_WALK * MW_PLACE_WALK * dt_s;
     covariance[9] += MW_LOSS_WALK * MW_LOSS_WALK * dt_s;
-    filter->shift_w *= kept;
-    covariance[3] *= kept;
-    covariance[4] *= kept;
-    covariance[8] *= kept;
-    covariance[5] = kept * kept * covariance[5] + (1 - kept * kept) * shift_w * shift_w;
 }
 
 static mw_real square(mw_real number)
@@ -218,7 +230,7 @@ static mw_real square(mw_real number)
 
 static void correct(mw_follower *filter, mw_real read, mw_real noise)
 {
-    const mw_real own_std = is_sensed(filter) ? MW_RESISTANCE_STD : MW_COLD_STD;
+    const mw_real own = MW_RESISTANCE_STD * MW_RESISTANCE_STD;
     const mw_real steady_w = filter->steady_w, place = filter->place, middle = modelled(steady_w, place);
     mw_real root[TRIANGLE], gains[STATES], *covariance = filter->covariance;
     mw_real variance = 1, surprise = 0, by_w = 0, by_place = 0;
@@ -233,7 +245,7 @@ static void correct(mw_follower *filter, mw_real read, mw_real noise)
         const mw_real mean = (4 * middle + hotter + colder + farther + nearer) / POINTS;
         mw_real spread = 4 * square(middle - mean) + square(hotter - mean) + square(colder - mean), wider;
         spread = (spread + square(farther - mean) + square(nearer - mean)) / POINTS;
-        variance = spread + noise + own_std * own_std;
+        variance = spread + noise + own;
         surprise = read - mean;
         by_w = AWAY * (hotter - colder) / POINTS;
         by_place = AWAY * (farther - nearer) / POINTS;
@@ -259,9 +271,7 @@ static void correct(mw_follower *filter, mw_real read, mw_real noise)
     edges = edges_at(filter->place);
     filter->steady_w = mw_within(steady_w + gains[0] * surprise, edges.cooling_w, edges.heating_w);
     filter->shift_w += gains[2] * surprise;
-    filter->loss += gains[3] * surprise;
-    if (filter->loss < MW_MIN_LOSS)
-        filter->loss = MW_MIN_LOSS;
+    filter->loss = at_least(filter->loss + gains[3] * surprise, MW_MIN_LOSS);
     for (row = 0, at = 0; row < STATES; row++)
         for (column = 0; column <= row; column++, at++)
             covariance[at] -= gains[row] * gains[column] / variance;
