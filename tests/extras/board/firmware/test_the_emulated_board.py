@@ -18,7 +18,7 @@ from tests.extras.board.firmware.conftest import ARM, HELLO, IDENTITY, KEEP, OFF
 SENSE_V = 0.3
 # The output's step at the emulated board: 5 V over 14 bits.
 STEP_V = 5.0 / (2**14 - 1)
-WATCHDOG, COMMAND_MISSING = 20, 15
+WATCHDOG, COMMAND_MISSING, POWER_LOST = 20, 15, 21
 # Every fault must end in the safe state within this time [s].
 STATED_S = 0.5
 
@@ -79,6 +79,16 @@ def test_a_board_says_who_it_is_arms_drives_and_goes_off(board: EmulatedBoard, h
     assert log["output_voltage_v"][log["clock_s"] >= since_s].max() == pytest.approx(1.5, abs=STEP_V)
     assert host.command(OFF) == 0
     host.listen(0.05)
+    assert board.log()["output_voltage_v"][-1] == 0.0
+
+
+@pytest.mark.emulated
+def test_a_board_that_restarts_in_a_run_is_off_and_says_so_unasked(board: EmulatedBoard, host: Host) -> None:
+    running(host, 1.5)
+    before = len(host.of_kind(IDENTITY))
+    board.reset()
+    identity = host.wait_for(IDENTITY, before + 1)[-1]
+    assert identity[30] == POWER_LOST
     assert board.log()["output_voltage_v"][-1] == 0.0
 
 

@@ -14,6 +14,7 @@ from tests.extras.live.bench_stand_in import BenchStandIn
 
 from musclewire.controllers import protection_table
 from musclewire.extras.live import _silence
+from musclewire.extras.live._bench.orders import NumberedOrder
 from musclewire.extras.live._server import application, bench_routes
 from musclewire.extras.live._server import session as server_session
 from musclewire.extras.live._server.access import LEASE_AT_REST_S
@@ -24,6 +25,7 @@ from musclewire.extras.live._silence import LEASE_S
 
 BENCH = "http://localhost/api/v1/benches/simulated"
 TURNS = 50
+TOKEN = "a-token-of-the-test-0123"
 
 
 class Held:
@@ -160,11 +162,56 @@ class LateStandIn(BenchStandIn):
         return self.confirmation
 
 
-def http_of(handle: Any) -> httpx.AsyncClient:
+def http_of(handle: Any, token: str | None = None) -> httpx.AsyncClient:
     """Return a client of the whole application, its gate included, without a connection."""
-    session = Session([handle], Path())
-    app = configuration(session, ServerSettings(Path()), ListenAddress(), Connections(8, session.is_kept), Turns()).app
+    session, settings = Session([handle], Path()), ServerSettings(Path(), token=token)
+    app = configuration(session, settings, ListenAddress(), Connections(8, session.is_kept), Turns()).app
     return httpx.AsyncClient(transport=httpx.ASGITransport(app=app))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"), [({}, 401), ({"Authorization": f"Bearer {TOKEN}", "Host": "evil.example"}, 421)]
+)
+def test_only_who_shows_no_token_is_asked_for_one(headers: dict[str, str], status: int) -> None:
+    """An answer 401 names the scheme (RFC 9110, 11.6.1); no other refusal asks for a secret."""
+
+    async def run() -> None:
+        async with http_of(BenchStandIn(), TOKEN) as http:
+            answer = await http.get(BENCH, headers=headers)
+            assert answer.status_code == status
+            assert answer.headers.get("WWW-Authenticate") == ("Bearer" if status == 401 else None)
+
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize(
+    ("path", "enters"),
+    [
+        (f"/?token={TOKEN}", True),
+        ("/?token=another", False),
+        (f"/?token={TOKEN}&token={TOKEN}", False),
+        ("/", False),
+        (f"/api/v1/benches?token={TOKEN}", False),
+        (f"/?token={TOKEN}&" + "&".join("abcdef"), False),
+    ],
+)
+def test_only_the_link_as_it_was_printed_enters(path: str, enters: bool) -> None:
+    async def run() -> None:
+        async with http_of(BenchStandIn(), TOKEN) as http:
+            answer = await http.get(f"http://localhost{path}")
+            assert (answer.status_code, "Set-Cookie" in answer.headers) == ((200, True) if enters else (401, False))
+            foreign = await http.get(f"http://localhost{path}", headers={"Host": "evil.example"})
+            assert (foreign.status_code, "Set-Cookie" in foreign.headers) == (421, False)
+
+    asyncio.run(run())
+
+
+def test_an_order_is_answered_once() -> None:
+    sent: list[object] = []
+    order = NumberedOrder(7, Any, SimpleNamespace(send=sent.append))  # type: ignore[arg-type]
+    order.answer(True)
+    order.answer(False, "too late")
+    assert sent == [{"answer": 7, "accepted": True, "message": ""}]
 
 
 def test_a_stop_is_answered_when_it_is_confirmed_although_the_bench_is_shown_as_stopped_before() -> None:
