@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+import queue
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,12 +13,12 @@ from typing import Any
 
 import pytest
 
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, RigError
 from musclewire.extras.live import _messages as messages
 from musclewire.extras.live import _silence
 from musclewire.extras.live._bench import orders, process, recipes
 from musclewire.extras.live._bench.session import BenchSession
-from musclewire.extras.live._bench_handle import BenchHandle, BenchSettings
+from musclewire.extras.live._bench_handle import BenchHandle, BenchSettings, ended
 from musclewire.extras.live._server import running
 from musclewire.extras.live._silence import LEASE_S, PING_S, ListeningClock
 from musclewire.rigs import open_rig
@@ -178,3 +179,52 @@ def test_a_drive_that_fell_because_the_loop_was_late_is_named_on_the_page() -> N
         rigs.info("sample late for 0.15 s")
     rigs.info("afterwards")
     assert said == [("warning", "missed deadline, at 12.3 s on the plots: sample late for 0.15 s")]
+
+
+@pytest.mark.parametrize(
+    ("command", "stopped_by", "accepted"),
+    [({"do": "switch_on"}, "", False), ({"do": "switch_on"}, "Ann", True), ({"do": "pulse"}, "Ann", False)],
+)
+def test_while_a_run_goes_on_only_switching_on_after_a_stop_may_wait_for_its_end(
+    command: dict[str, object], stopped_by: str, accepted: bool
+) -> None:
+    sent: list[dict[str, object]] = []
+    session = SimpleNamespace(queued="loop", stopped=SimpleNamespace(by=stopped_by), stops=1)
+    taken: Any = object.__new__(orders.OrderQueue)  # without its threads
+    taken._session, taken._outbox = session, SimpleNamespace(send=sent.append)
+    taken._waiting, taken._alive_s, taken._watched_s = queue.SimpleQueue(), 0.0, 0.0
+    taken._take({"command": command, "number": 3})
+    assert taken._waiting.empty() is not accepted
+    assert [message["accepted"] for message in sent] == ([] if accepted else [False])
+
+
+class Stubborn:
+    """A process that ends after so many forces."""
+
+    def __init__(self, ends_after: int) -> None:
+        self.forces: list[str] = []
+        self._ends_after = ends_after
+
+    def terminate(self) -> None:
+        self.forces.append("terminate")
+
+    def kill(self) -> None:
+        self.forces.append("kill")
+        raise ProcessLookupError  # it has ended by itself meanwhile
+
+    async def wait(self) -> int:
+        if len(self.forces) < self._ends_after:
+            await asyncio.Event().wait()
+        return 0
+
+
+@pytest.mark.parametrize("ends_after", [0, 1, 2, 3])
+def test_a_process_is_given_time_then_asked_then_ended_and_said_if_it_still_goes_on(ends_after: int) -> None:
+    process_of_rig: Any = Stubborn(ends_after)
+    forces = (None, process_of_rig.terminate, process_of_rig.kill)
+    if ends_after == 3:
+        with pytest.raises(RigError, match="cut the supply"):
+            asyncio.run(ended(process_of_rig, *forces, max_wait_s=0.01))
+    else:
+        asyncio.run(ended(process_of_rig, *forces, max_wait_s=0.01))
+    assert process_of_rig.forces == ["terminate", "kill"][:ends_after]
