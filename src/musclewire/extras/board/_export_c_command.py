@@ -27,6 +27,9 @@ from musclewire.extras.board._options import ARDUINO_ZIP, DOUBLE, ESTIMATOR_IN_C
 from musclewire.extras.board._serial.device import SerialConfiguration
 from musclewire.rigs import Metadata, RigConfiguration, open_rig, rig_configuration
 
+# The estimator that an Uno's flash does not hold.
+FILTER = "filter"
+
 
 class ExportCAnswer(AnswerModel):
     """Of ``export c``; a limit that there is not is null."""
@@ -113,6 +116,8 @@ def export_text(answer: ExportCAnswer, rig: str) -> str:
         f"{len(answer.files)} files, {answer.golden_rows} golden vectors: "
         f"cmake -S {answer.folder} -B build && cmake --build build && ctest --test-dir build",
     ]
+    if answer.estimator == FILTER:
+        lines.append("an Arduino Uno has no room for the filter with a sketch: export the polynomial or gated for one")
     if answer.arduino_zip is not None:
         lines.append(f"{answer.arduino_zip}: in the Arduino IDE, Sketch, Include Library, Add .ZIP Library")
     return "\n".join(lines)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +20,7 @@ from musclewire.experiment import characterize, control
 from musclewire.extras.board import CLibrary, exercise, golden_ticks, write_library
 from musclewire.identify import fit
 from musclewire.rigs import open_rig
-from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel
+from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel, save_model
 
 SHUNT_OHM, TICKS, RUNS = 1.0, 2_000, 60
 # Times are multiples of this, so that Python's differences of times are exact.
@@ -143,6 +145,15 @@ def test_the_filter_is_part_of_the_checksum_and_the_shunt_is_not(model: SensingM
     sums = {checksum_of(model, tmp_path, estimator, 1.0) for estimator in ("polynomial", "gated", "filter")}
     assert len(sums) == 3
     assert checksum_of(model, tmp_path, "filter", 2.0) in sums
+
+
+def test_the_command_writes_it_and_says_that_an_uno_has_no_room(
+    model: SensingModel, tmp_path: Path, musclewire: Callable[..., Any]
+) -> None:
+    save_model(model, tmp_path / "model.json")
+    said = musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library", "--estimator", "filter").out
+    assert "an Arduino Uno has no room for the filter" in said
+    assert "#define MW_FILTER 1" in (tmp_path / "library/src/mw_constants.h").read_text("utf-8")
 
 
 def test_a_model_without_a_slow_loop_is_refused_in_one_line(model: SensingModel, tmp_path: Path) -> None:
