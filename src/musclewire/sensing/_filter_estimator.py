@@ -98,6 +98,8 @@ OK, COLD = float(Reason.OK), float(Reason.COLD)
 OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
 # Four states have eight points, each two deviations away.
 STATES, POINTS, AWAY = 4, 8, 2.0
+# A cold wire's resistance is at least this part of the model's on the way from C: a scale that is 1 % off takes a tenth.
+COLD_FROM = 0.9
 # Below these no variance is distinct from rounding, and no factor of the heat loss is one.
 MIN_VARIANCE, MIN_LOSS = 1e-16, 0.05
 
@@ -345,14 +347,11 @@ def filter_tick(constants: FloatArray, state_array: FloatArray, given: FloatArra
 
 @compiled_inner
 def begin(filtered: Filtered, read: float, power_w: float, time_s: float) -> None:
-    """Begin with a wire at rest: cold if power holds no other and resistance is nearer to cold's than to C's.
-
-    Else it is where its resistance is.
-    """
+    """Begin with a wire at rest: cold if power holds no other and resistance is not below; else where resistance is."""
     numbers, state, covariance, tables = filtered
     row, last = 0, PLACES - 1
     enough_w = power_w - edges_at(numbers, tables, numbers.sensed_from).cooling_w
-    if enough_w < 0.0 and read > 0.5 * tables[2]:
+    if enough_w < 0.0 and read > COLD_FROM * tables[2]:
         while row < last and tables[COLUMNS * row] <= power_w:
             row += 1
         state.steady_w = power_w
