@@ -98,7 +98,7 @@ OK, COLD = float(Reason.OK), float(Reason.COLD)
 OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
 # Four states have eight points, each two deviations away.
 STATES, POINTS, AWAY = 4, 8, 2.0
-# A cold wire's resistance is at least this part of the model's on the way from C: a scale that is 1 % off takes a tenth.
+# A cold wire reads at least this part of the model's resistance there: a scale that is 1 % off takes a tenth of it.
 COLD_FROM = 0.9
 # Below these no variance is distinct from rounding, and no factor of the heat loss is one.
 MIN_VARIANCE, MIN_LOSS = 1e-16, 0.05
