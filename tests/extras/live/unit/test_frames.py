@@ -28,6 +28,13 @@ def test_at_most_100_rows_a_second_of_the_wall_clock_are_kept_and_every_one_of_a
     assert thinned(time_s, 0.01 * clock_speed, -np.inf).sum() == 5 * kept_per_s
 
 
+@pytest.mark.parametrize(("state", "kept_per_s"), [({}, 100), ({"clock_speed": None}, 100), ({"clock_speed": 10}, 10)])
+def test_a_frame_is_thinned_by_the_speed_of_the_benchs_clock(state: dict[str, float | None], kept_per_s: int) -> None:
+    time_s = np.arange(5000) / 1000.0
+    frame = FrameMaker().frame(0, ("time_s",), time_s[:, np.newaxis], state)
+    assert len(frame.rows) == 5 * kept_per_s
+
+
 @given(st.lists(st.integers(1, 50), min_size=1, max_size=40))
 def test_what_is_kept_does_not_depend_on_the_portions_in_which_rows_come(sizes: list[int]) -> None:
     time_s = 0.3 + np.arange(sum(sizes)) * 0.001

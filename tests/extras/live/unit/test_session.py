@@ -15,6 +15,7 @@ from tests.extras.live.bench_stand_in import BenchStandIn
 from musclewire.controllers import protection_table
 from musclewire.extras.live import _silence
 from musclewire.extras.live._bench.orders import NumberedOrder
+from musclewire.extras.live._client import POLL_S
 from musclewire.extras.live._server import application, bench_routes
 from musclewire.extras.live._server import session as server_session
 from musclewire.extras.live._server.access import LEASE_AT_REST_S
@@ -84,6 +85,10 @@ def test_five_questions_without_an_answer_end_a_lease_and_a_sleep_counts_as_one(
     assert 5.0 * clock.now_s() == pytest.approx(LEASE_S)
     now_s[0] += 0.1
     assert clock.now_s() == pytest.approx(LEASE_S / 5.0 + 0.1)
+
+
+def test_a_program_that_waits_for_control_looks_again_well_within_the_lease_it_may_have_got() -> None:
+    assert 0.0 < 5.0 * POLL_S <= LEASE_S
 
 
 def test_only_the_answer_to_a_recent_ping_keeps_a_lease(held: Held) -> None:
