@@ -140,6 +140,27 @@ def test_silence_leads_to_the_sense_voltage_then_off_and_every_later_command_is_
     assert replies[-1][1] == pytest.approx(0.3)
 
 
+def test_a_silent_host_costs_no_more_time_than_was_ordered(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However the guardian waits: time passes in its waits alone, and at each change of the card it is not late."""
+    guardian, changed_s = bench.guardian(), []
+
+    def select(_lines: object, _write: object, _error: object, wait_s: float) -> tuple[list[object], ...]:
+        bench.clock.now_s += wait_s + 1e-6
+        return [], [], []
+
+    monkeypatch.setattr(module, "select", SimpleNamespace(select=select))
+    guardian._obey(PUT, 2.0)
+    for _ in range(20):
+        before = len(bench.card.out)
+        silent_at_s = guardian._silent_at_s()
+        assert silent_at_s is not None
+        guardian._look(silent_at_s)
+        if len(bench.card.out) > before:
+            changed_s.append(bench.clock.now_s - 100.0)
+    assert changed_s == pytest.approx([ORDERS.sense_after_s, ORDERS.trip_after_s], abs=1e-3)
+    assert bench.card.out[-1] == ("now", OFF_V)
+
+
 def test_a_command_that_came_while_the_guardian_itself_was_delayed_ends_the_silence(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
