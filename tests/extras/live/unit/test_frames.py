@@ -104,6 +104,17 @@ def test_the_inputs_followed_from_recorded_rows_give_the_gains_that_were_recorde
     assert compared > 200
 
 
+def test_no_rule_has_fired_before_two_rows_and_then_those_of_the_inputs_followed() -> None:
+    follower = FiredRules(mw.FuzzyPidSettings(), 0.05)
+    follower.add_sample(0.01, 0.004, held=False)
+    assert follower.rules() == []
+    follower.add_sample(0.01, 0.005, held=False)
+    assert follower.inputs is not None
+    assert follower.rules() == fired(follower.rule_base, follower.inputs) != []
+    follower.forget()
+    assert follower.rules() == []
+
+
 def test_a_frame_has_no_rules_without_a_fuzzy_pid() -> None:
     state = {"rig": {"shunt_resistance_ohm": 2.0, "sample_period_s": 0.05}, "clock_speed": 1.0, "gains": None}
     frame = FrameMaker().frame(1, COLUMNS, np.array([[0.0, 1.0, 0.5], [0.05, 1.0, 0.5]]), state)
