@@ -10,7 +10,7 @@ import math
 import pytest
 from tests.unit.controllers.protected_wire import armed, protect_command, protect_missing, protect_reading
 
-from musclewire.controllers import Event, ProtectionLimits, State, protection_table
+from musclewire.controllers import Event, Protection, ProtectionLimits, State, protection_table
 from musclewire.controllers._protection.row import CONDITION_EVENTS, ProtectionState
 
 LIMITS = ProtectionLimits(
@@ -127,3 +127,15 @@ def test_what_is_missing_for_exactly_its_time_degrades_and_trips_whatever_a_sum_
             states.append(protect_missing(run, Event.SAMPLE_LATE, missing_s).state)
     hold, degraded, tripped = State.HOLD, State.DEGRADED, State.TRIPPED
     assert states == [hold, degraded, degraded, degraded, tripped, tripped]
+
+
+@pytest.mark.parametrize("dt_s", [0.01, 0.02, 0.025, 0.03])
+def test_a_channel_is_frozen_as_soon_as_it_has_repeated_for_three_tenths_of_a_second(dt_s: float) -> None:
+    """As on a board, which counts whole microseconds, whatever the rounding of so many times the period."""
+    protection, readings = Protection(LIMITS), 0
+    protection.command(2.25)
+    while not protection.tripped:
+        protection.reading(2.25, 2.0, 0.25, dt_s)
+        readings += 1
+    assert protection.state.event is Event.CHANNEL_FROZEN
+    assert (readings - 1) * dt_s == pytest.approx(0.3)

@@ -237,13 +237,17 @@ def test_it_asks_to_run_before_others_for_itself_and_goes_on_where_that_is_refus
     assert asked == [0]  # this process
 
 
-def test_a_signal_that_ends_it_leaves_0_v(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("error", [SystemExit(0), ConnectionResetError()], ids=["SIGTERM", "host died"])
+def test_a_signal_that_ends_it_or_a_line_that_breaks_leaves_0_v_and_a_free_card(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, error: BaseException
+) -> None:
     guardian = bench.guardian()
 
     def ended() -> bool:
-        raise SystemExit(0)  # as the handler of SIGTERM does
+        raise error
 
     monkeypatch.setattr(guardian, "_serve", ended)
     assert guardian.run()
     assert bench.card.out[-1] == ("now", OFF_V)
+    assert (bench.card.closed, bench.card.released) == (True, True)
     assert signal.getsignal(signal.SIGTERM) is not signal.SIG_IGN
