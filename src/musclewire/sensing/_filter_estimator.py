@@ -546,7 +546,7 @@ def filter_numbers(
     The tick's row is made from them, and the header of its form in C.
     """
     wire = wire_model_of(model)
-    literals = {"min_variance": MIN_VARIANCE, "min_loss": MIN_LOSS, "margin": MARGIN}
+    literals = {"min_variance": MIN_VARIANCE, "min_loss": MIN_LOSS, "margin": MARGIN, "cold_from": COLD_FROM}
     return wire_numbers(model, wire, shunt_resistance_ohm) | method._asdict() | literals, wire.tables
 
 

@@ -147,7 +147,7 @@ static void begin(mw_follower *filter, mw_real read, mw_real power_w)
     uint8_t row = 0;
     *filter = fresh;
     filter->steady_w = power_w;
-    if (power_w < edges_at(MW_SENSED_FROM).cooling_w && read > MW_R(0.5) * table[0][HEATING]) {
+    if (power_w < edges_at(MW_SENSED_FROM).cooling_w && read > MW_COLD_FROM * table[0][HEATING]) {
         while (row < MW_PLACES - 1 && table[row][HEATING_W] <= power_w)
             row++;
     } else {
