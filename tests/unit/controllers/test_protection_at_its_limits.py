@@ -139,3 +139,16 @@ def test_a_channel_is_frozen_as_soon_as_it_has_repeated_for_three_tenths_of_a_se
         readings += 1
     assert protection.state.event is Event.CHANNEL_FROZEN
     assert (readings - 1) * dt_s == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(("sound_s", "state"), [(0.0, State.DEGRADED), (0.2, State.DEGRADED), (0.28, State.HOLD)])
+def test_sound_readings_make_up_for_a_quarter_of_their_time_that_readings_were_missing(
+    sound_s: float, state: State
+) -> None:
+    """Two gaps of 80 ms are too often within 240 ms: what is missing adds up to 0.1 s then."""
+    protection = Protection(LIMITS)
+    protection.command(2.25)
+    for volts, time_s in (((math.nan, math.nan), 0.08), ((2.0, 0.25), sound_s), ((math.nan, math.nan), 0.08)):
+        for _ in range(round(time_s / 0.01)):
+            protection.reading(2.25, *volts, 0.01)
+    assert protection.state.state is state
