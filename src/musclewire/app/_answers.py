@@ -343,6 +343,14 @@ class EstimateAnswer(EstimateErrors, SampleCount):
     warnings: Words
 
 
+class WireModelNumber(AnswerModel):
+    """One number of a wire: value, standard deviation, and what it is known from."""
+
+    value: float
+    std: float
+    origin: str
+
+
 class FitReport(AnswerModel):
     """A fit and its errors."""
 
@@ -360,6 +368,7 @@ class FitReport(AnswerModel):
     holds: bool
     does_not_hold: str | None
     warnings: Words
+    wire_model: dict[str, WireModelNumber] | None
 
 
 class FitAnswer(EstimateErrors, FitReport):

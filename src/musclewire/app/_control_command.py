@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from musclewire.app._figure_options import FigureOptions
-from musclewire.app._files import require_recording_file
+from musclewire.app._files import opened_model, require_recording_file
 from musclewire.app._home_command import HomeOptions, home_found, home_text
 from musclewire.app._options import (
     APPROACH,
@@ -91,9 +91,8 @@ def control(
     """Closed loop: move the wire by its own resistance; MAE of each step, with --runs for many seeds."""
     from musclewire.identify import known_against
     from musclewire.rigs import open_rig
-    from musclewire.sensing import load_model
 
-    loaded = load_model(model)
+    loaded = opened_model(model)
     refuse_single_run_options(many, single_run_options(loop, timing, figure, output, overwrite) | homing.given())
     load = known_spring(loaded, model, loop.quantity, in_si("--known-stiffness", loop.known_stiffness))
     target = read_reference(loop.reference, loop.quantity, loaded)

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from musclewire.app._output import say
 from musclewire.errors import CallerError
+
+if TYPE_CHECKING:
+    from musclewire.sensing import SensingModel
 
 FIGURES = (".svg", ".png", ".pdf")
 
@@ -33,6 +37,16 @@ def require_recording_file(path: Path, overwrite: bool) -> None:
         )
     refuse_unfinished(path, overwrite)
     require_folder(path)
+
+
+def opened_model(path: Path) -> SensingModel:
+    """Read a model file, and say on stderr what was made of an older one."""
+    from musclewire.sensing import load_model
+
+    found = load_model(path)
+    if found.converted:
+        say(found.converted)
+    return found
 
 
 def require_model_file(path: Path) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from musclewire.app._figure_options import FigureOptions
-from musclewire.app._files import require_model_file, require_recording_file
+from musclewire.app._files import opened_model, require_model_file, require_recording_file
 from musclewire.app._options import (
     AMBIENT,
     CYCLES_MADE,
@@ -103,10 +103,9 @@ def home(
     from musclewire.experiment import home as run_home
     from musclewire.experiment import home_duration_s
     from musclewire.identify import homing_figure
-    from musclewire.sensing import load_model
 
     figure.check()
-    loaded = load_model(model)
+    loaded = opened_model(model)
     require_model_file(output)
     if output.exists() and not overwrite:
         raise CallerError(f"{output} exists: give another name or --overwrite")

@@ -11,7 +11,7 @@ import typer
 
 from musclewire.app._answer import AnswerModel
 from musclewire.app._figure_options import FigureOptions
-from musclewire.app._files import require_free, require_model_file
+from musclewire.app._files import opened_model, require_free, require_model_file
 from musclewire.app._options import (
     BIBTEX,
     CLOSED_LOOP_TIME,
@@ -171,9 +171,8 @@ def estimate(
         require_format(output)
     from musclewire.app._answers import EstimateAnswer
     from musclewire.identify import estimate as run_estimate
-    from musclewire.sensing import load_model
 
-    report = run_estimate(load_model(model), reading.read(recording), estimator=estimator, wire_file=wire_file)
+    report = run_estimate(opened_model(model), reading.read(recording), estimator=estimator, wire_file=wire_file)
     if output is not None:
         report.recording.save(output)
     figure.draw(report.plot)
@@ -327,7 +326,6 @@ def tune(
     """Find a controller's gains from the slow loop, by a published rule; -o keeps them in a .json model or .toml."""
     from musclewire.app._answers import TuneAnswer
     from musclewire.identify import tune as run_tune
-    from musclewire.sensing import load_model
 
     figure.check()
     if output is not None and output.suffix == ".json":
@@ -336,7 +334,7 @@ def tune(
         require_free(output, overwrite or output.resolve() == model.resolve())
     elif output is not None:
         require_free(output, overwrite)
-    loaded = load_model(model)
+    loaded = opened_model(model)
     found = run_tune(
         loaded,
         reading.read(recording),

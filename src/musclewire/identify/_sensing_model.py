@@ -42,14 +42,18 @@ from musclewire.sensing import (
     Estimator,
     EstimatorFactory,
     EstimatorSetup,
+    Rows,
     SensingModel,
+    WireMotion,
     centred_mean,
     estimates,
+    find_loops,
     find_segments,
     fit_branches,
     fit_loop,
     other_wires,
     segment_course,
+    with_wire_model,
 )
 from musclewire.signals import Reason, Recording, WireSample, usable_readings
 from musclewire.wire import WireConstants
@@ -117,6 +121,8 @@ WIRE_NOTES = (
 MIN_RATIO, MAX_RATIO = 0.8, 1.5
 # Rows of the loop that a model keeps for its home moves.
 LOOP_ROWS = 300
+# Rows in which the whole recording shows how fast its wire is, and the last cycles by which its numbers are compared.
+MOTION_ROWS, MAX_CYCLES = 2000, 5
 WITHOUT_INSTRUMENT = "without an instrument name the wire: 'musclewire fit RECORDING --wire WIRE', or fit_resistance"
 # What is said of a wrong average where it is not known which branch the wire is on.
 UNTRIED = (
@@ -239,6 +245,7 @@ def fit(
         against = (*against, f"{OVER_COLD} the {cold_ohm:.4g} ohm of the cold wire")
     else:
         model = with_gains(model, recording)
+    model = with_wire_model(model, *cycles_and_motion(recording, reading, measured, model))
     found = usable_readings(given).findings
     return replace(model, warnings=(*model.warnings, *found, *against), does_not_hold=against_a_loop(model, given))
 
@@ -294,6 +301,33 @@ def power_loop(
     rows = np.stack([recording["time_s"][there], recording["wire_voltage_v"][there] ** 2 / resistance, resistance])
     means = [part.mean(axis=1) for part in np.array_split(rows, min(LOOP_ROWS, there.size), axis=1)]
     return tuple((float(f"{t:.7g}"), float(f"{p:.7g}"), float(f"{r:.7g}")) for t, p, r in means)
+
+
+def cycles_and_motion(
+    recording: Recording, reading: ArrayReading, measured: FloatArray, model: SensingModel
+) -> tuple[list[Rows], WireMotion | None]:
+    """Return the loop of each of the last cycles, and the motion in all of the recording; none without power."""
+    if not model.slow_loop:
+        return [], None
+    cycles = len(find_loops(reading.resistance_ohm, measured, reading.valid))
+    loops = [
+        power_loop(recording, reading, measured, number, model.quantity)
+        for number in range(max(cycles - MAX_CYCLES, 0), cycles)
+    ]
+    there = np.flatnonzero(reading.valid)
+    time_s, resistance_ohm = recording["time_s"][there], reading.resistance_ohm[there]
+    power_w = recording["wire_voltage_v"][there] ** 2 / resistance_ohm
+    span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
+    rows = np.stack(
+        [
+            time_s,
+            power_w,
+            measured[there] / model.quantity_max,
+            (resistance_ohm - model.resistance_min_ohm) / span_ohm,
+        ]
+    )
+    means = [part.mean(axis=1) for part in np.array_split(rows, min(MOTION_ROWS, there.size), axis=1)]
+    return loops, WireMotion(*np.ascontiguousarray(np.array(means).T))
 
 
 def reading_and_quantity(recording: Recording, quantity: str) -> tuple[ArrayReading, FloatArray]:

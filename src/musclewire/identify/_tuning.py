@@ -328,8 +328,8 @@ def heat_balance(facts: RunFacts) -> HeatBalance:
     known = [number for number in stated if number is not None and number > 0.0]
     if len(known) != len(keys):
         raise RecordingError(
-            f"{facts.whose} does not state the wire's heat balance (limit_heat_capacity_j_per_k, "
-            "limit_heat_loss_w_per_k and both temperatures): record the slow loop with 'musclewire characterize'"
+            f"{facts.whose} does not state which rig heats the wire and how warm it may become, by which gains are "
+            "found: record the slow loop on that rig with 'musclewire characterize'"
         )
     capacity, loss, highest_k, air_k = known
     return HeatBalance(capacity, loss, highest_k - air_k)

@@ -23,6 +23,7 @@ from ._filter_estimator import FILTER as FILTER
 from ._filter_estimator import FILTER_CONSTANTS as FILTER_CONSTANTS
 from ._filter_estimator import FilterNumbers as FilterNumbers
 from ._filter_estimator import filter_numbers as filter_numbers
+from ._fit_report import Rows as Rows
 from ._fitting import HotEnd as HotEnd
 from ._fitting import fit_branches as fit_branches
 from ._fitting import fit_loop as fit_loop
@@ -63,3 +64,5 @@ from ._smoothing import smooth as smooth
 from ._smoothing import smooth_slope as smooth_slope
 from ._smoothing import smoothing_window as smoothing_window
 from ._turning_points import turning_points as turning_points
+from ._wire_balance import WireMotion as WireMotion
+from ._wire_model import with_wire_model as with_wire_model

@@ -35,7 +35,8 @@ from musclewire.sensing._curve_estimator import (
 from musclewire.sensing._estimator import EstimatorSetup
 from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._known_load import KnownSpring
-from musclewire.sensing._wire_model import PLACES, WireModel, wire_model_of
+from musclewire.sensing._wire_model import wire_model_of
+from musclewire.sensing._wire_tables import PLACES, WireModel
 from musclewire.signals import CompiledTick, Reason
 
 
@@ -555,10 +556,10 @@ def wire_numbers(model: FittedCurve, wire: WireModel, shunt_resistance_ohm: floa
     _, power_w, resistance_ohm = (float(np.median(column)) for column in np.array(model.slow_loop).T)
     noise_v = model.resistance_noise_ohm / resistance_ohm * math.sqrt(power_w / resistance_ohm) * shunt_resistance_ohm
     return {
-        "time_constant_s": wire.balance.time_constant_s,
-        "transformation_heat_j": wire.balance.transformation_heat_j,
-        "phase_resistance": wire.phase_resistance,
-        "sensed_from": wire.sensed_from,
+        "time_constant_s": wire.time_constant_s.value,
+        "transformation_heat_j": wire.heat_j_per_unit.value * model.quantity_max,
+        "phase_resistance": wire.phase_resistance.value,
+        "sensed_from": wire.sensed_from.value,
         "middle_w": wire.middle_power_w,
         "first_place": wire.first_place,
         "last_place": wire.first_place + wire.place_spacing * (PLACES - 1),

@@ -9,6 +9,7 @@ from statistics import median
 
 from musclewire.sensing._curve import Pairs, ResistanceCurve, require_in_range
 from musclewire.sensing._home_move import DRIFT_FRACTION, HomeMove
+from musclewire.sensing._wire_tables import WireModel
 
 Rows = tuple[tuple[float, float, float], ...]
 GainValue = str | float | tuple[float, ...]
@@ -48,6 +49,11 @@ class FittedCurve(ResistanceCurve):
         Why the fit found no gains; "" if it found them, or did not look.
     measured_stroke
         Largest less cold quantity of the loop, in its unit, as it was measured; 0 if no motion was.
+    wire_model
+        What the loop shows of the wire besides the curve; None if it does not go from cold to hot and back, and for a
+        model that was made without a loop.
+    converted
+        Of a model that is not as its file has it: what was made of an older one, in a sentence; "" otherwise.
     does_not_hold
         Why a closed loop by this model is wrong, as the fit's own recording shows; "" if it shows nothing of the kind.
 
@@ -74,6 +80,8 @@ class FittedCurve(ResistanceCurve):
     no_gains: str = ""
     measured_stroke: float = 0.0
     does_not_hold: str = ""
+    wire_model: WireModel | None = field(default=None, repr=False)
+    converted: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
         """Check the curve and the report."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from musclewire.errors import CallerError
 from musclewire.sensing._model import SensingModel
-from musclewire.sensing._wire_model import HEAT_NOTES, heat_balance_of
+from musclewire.sensing._wire_model import with_wire_model
 
 # Over this travel after a reversal the friction reverses. That of a guide does so within some 20 um, but a
 # displacement read from resistance is uncertain by more, and a loop on a force that jumps within it chatters: four
@@ -66,9 +66,8 @@ def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: flo
         )
     if not (stiffness_n_per_m > 0.0 and leg_length_m > 0.0):
         raise CallerError(f"stiffness {stiffness_n_per_m:g} N/m and length {leg_length_m:g} m must both be above 0")
+    wire = model if model.wire_model else with_wire_model(model)
     per_unit_n = stiffness_n_per_m * (leg_length_m if model.quantity == "strain" else 1.0)
-
-    balance = dict(zip(HEAT_NOTES, heat_balance_of(model)[:2], strict=True)) if model.slow_loop else {}
 
     def scaled(numbers: tuple[float, ...]) -> tuple[float, ...]:
         return tuple(per_unit_n * number for number in numbers)
@@ -87,7 +86,8 @@ def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: flo
         rmse_average=per_unit_n * model.rmse_average,
         offset_std=per_unit_n * model.offset_std,
         measured_stroke=per_unit_n * model.measured_stroke,
-        wire={**model.wire, **balance, "spring_stiffness_n_per_m": stiffness_n_per_m},
+        wire={**model.wire, "spring_stiffness_n_per_m": stiffness_n_per_m},
+        wire_model=wire.wire_model.per(per_unit_n) if wire.wire_model else None,
         gains={},
         no_gains="those of the model that it was made from are for another quantity",
     )

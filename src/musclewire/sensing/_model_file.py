@@ -13,6 +13,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._home_move import HomeMove
+from musclewire.sensing._wire_model import with_wire_model
+from musclewire.sensing._wire_tables import WireModel, WireNumber
 from musclewire.signals import write_text_whole
 from musclewire.small_files import MAX_BYTES, json_of, read_small
 
@@ -20,7 +22,11 @@ if TYPE_CHECKING:
     from os import PathLike
 
 MODEL_FORMAT = "musclewire-sensing-model"
-MODEL_VERSION = 1
+MODEL_VERSION = 2
+# A file of the first version has no wire model; a model with a slow loop gets that which its loop shows.
+FIRST_VERSION = 1
+ITS_WIRE = "its wire model was made from its slow loop"
+NO_WIRE = "it keeps no whole slow loop, so that there is no wire model and the estimator filter cannot run by it"
 
 # The range of the quantity is written for the file's reader; on loading it must agree with the polynomials.
 RANGE_AGREEMENT = 1e-6
@@ -47,7 +53,7 @@ class ModelFile(BaseModel):
     format
         "musclewire-sensing-model".
     version
-        Version of the format, 1.
+        Version of the format, 2; of the first one files have no ``wire_model``.
     quantity
         Strain, displacement or force.
     unit
@@ -100,6 +106,12 @@ class ModelFile(BaseModel):
         Largest less cold quantity of the loop, of which errors are a percentage; 0 if no motion was measured.
     holds, does_not_hold
         Whether a closed loop by this model is right as far as the fit's own recording shows, and why not.
+    wire_model
+        What the loop shows of the wire besides the curve, null without a loop: tables of power [W] and normalised
+        resistance on both branches over the place (the quantity over its largest), ``first_place`` and
+        ``place_spacing`` of their rows; and numbers, each with ``value``, ``std`` and ``origin``: ``time_constant_s``,
+        ``heat_j_per_unit``, ``resistance_noise_ohm``, ``sensed_from`` (the place of B), ``phase_resistance``,
+        ``minor_loops`` (0 a play, 1 scaled copies), ``lowest_power_w``, ``highest_power_w``.
     checksum
         Of all that is computed with: a file whose numbers were altered is refused; ``warnings``, ``source`` and the
         like may be added to.
@@ -143,6 +155,7 @@ class ModelFile(BaseModel):
     measured_stroke: NotNegative = 0.0
     holds: bool = True
     does_not_hold: str = ""
+    wire_model: WireModel | None = None
     checksum: str = ""
 
     def checksum_of_numbers(self) -> str:
@@ -181,6 +194,9 @@ def read_fields(path: str | PathLike[str]) -> dict[str, Any]:
     try:
         fields = _fields(contents)
         _check_derived(FittedCurve(**fields), contents)
+        if contents.version == FIRST_VERSION:
+            fields["wire_model"] = found = with_wire_model(FittedCurve(**fields)).wire_model
+            fields["converted"] = f"{source} is of version {FIRST_VERSION}: {NO_WIRE if found is None else ITS_WIRE}"
     except CallerError as error:
         raise CallerError(f"model file {source}: {error}") from error
     return fields
@@ -197,9 +213,9 @@ def _document(source: Path) -> dict[str, Any]:
     if not isinstance(document, dict) or document.get("format") != MODEL_FORMAT:
         raise CallerError(f'{source} is not a model file: it lacks "format": "{MODEL_FORMAT}"')
     version = document.get("version")
-    if not isinstance(version, int) or isinstance(version, bool) or version != MODEL_VERSION:
+    if not isinstance(version, int) or isinstance(version, bool) or not FIRST_VERSION <= version <= MODEL_VERSION:
         raise CallerError(
-            f"model file {source} has version {version!r} and this musclewire reads {MODEL_VERSION}: "
+            f"model file {source} has version {version!r} and this musclewire reads up to {MODEL_VERSION}: "
             "update musclewire or fit again"
         )
     return document
@@ -218,7 +234,7 @@ def _contents(model: FittedCurve) -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     """Return tuples and mappings as JSON writes them, and numbers of any library as Python's own."""
-    if isinstance(value, HomeMove):
+    if isinstance(value, HomeMove | WireModel | WireNumber):
         return {name: _plain(one) for name, one in vars(value).items()}
     if isinstance(value, tuple | list):
         return [_plain(item) for item in value]
@@ -237,6 +253,7 @@ def _note(value: Any) -> str | float | list[Any]:
 def _fields(contents: ModelFile) -> dict[str, Any]:
     """Return the fields of a model from the keys of its file."""
     fields = {name: value for name, value in contents.model_dump().items() if name not in DERIVED}
+    fields["wire_model"] = contents.wire_model
     found = {name: tuple(value) if isinstance(value, list) else value for name, value in fields.items()}
     gains = {name: tuple(value) if isinstance(value, list) else value for name, value in contents.gains.items()}
     return found | {"home": contents.home, "gains": gains}

@@ -37,7 +37,15 @@ def report(model: FittedCurve) -> dict[str, Any]:
         "holds": model.holds,
         "does_not_hold": model.does_not_hold or None,
         "warnings": list(model.warnings),
+        "wire_model": wire_numbers(model),
     }
+
+
+def wire_numbers(model: FittedCurve) -> dict[str, dict[str, float | str]] | None:
+    """Return value, standard deviation and origin of each number of a model's wire; None if it has none."""
+    if model.wire_model is None:
+        return None
+    return {name: vars(number) for name, number in model.wire_model.numbers.items()}
 
 
 def gains_controller(model: FittedCurve) -> str | None:

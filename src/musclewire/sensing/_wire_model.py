@@ -16,24 +16,30 @@ its largest value from B on, and less than at B before it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, argument
-from musclewire.parameters import load_alloy, load_wire, names
-from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.sensing._branch_equations import evaluate
-from musclewire.sensing._fit_report import FittedCurve
+from musclewire.sensing._fit_report import FittedCurve, Rows
+from musclewire.sensing._wire_balance import (
+    ANY_LAW,
+    HeatBalanceFound,
+    WireMotion,
+    heat_balance_of,
+    law_of_minor_loops,
+    steady_power_w,
+)
+from musclewire.sensing._wire_tables import PLACES, WireModel, WireNumber
 
-# Places in the tables of a wire, evenly spaced: about as many as a slow loop has rows on a branch.
-PLACES = 128
+FittedCurveKind = TypeVar("FittedCurveKind", bound=FittedCurve)
+
 # Branches nearer to each other than this part of the range of power count as that far apart.
 MIN_GAP = 0.02
-# By these notes on its wire a model of force, whose gains are those of another quantity, keeps the heat balance.
-HEAT_NOTES = ("thermal_time_constant_s", "transformation_heat_j")
 # The resistance of a cold wire rises by temperature alone in this part of its way to B.
 COLD_PART = 0.3
 NO_LOOP = (
@@ -44,67 +50,8 @@ NO_RISE = (
     "the slow loop that this model keeps shows no power that rises with the {quantity}, from a cold wire to C: record "
     "it from cold to hot and back, or give "
 )
-# Of a wire whose loop states no heat balance: the size that is sold most often, if none is stated, and how warm
-# Flexinol under load is in the middle of its transformation.
-TYPICAL_DIAMETER_M, TYPICAL_AIR_K, TYPICAL_MIDDLE_K = 150e-6, 295.15, 350.0
-
-
-class ThermalResponse(NamedTuple):
-    """Heat capacity over heat loss [s], heat [J] of the whole transformation, and in words where both are from."""
-
-    time_constant_s: float
-    transformation_heat_j: float
-    origin: str
-
-
-@dataclass(frozen=True, eq=False)
-class WireModel:
-    """What a slow loop shows of a wire besides its resistance curve.
-
-    Parameters
-    ----------
-    first_place, place_spacing
-        The place v of the first row of the tables, and the distance of two rows.
-    heating_power_w, cooling_power_w
-        Power [W] that holds each place on both branches, (n_places,); both rise.
-    heating_resistance, cooling_resistance
-        Normalised resistance of each place on both branches, (n_places,).
-    sensed_from
-        The place of B, from which on resistance shows the quantity.
-    balance
-        Time constant and heat of the transformation, and what they are known from.
-    phase_resistance
-        By how much the cooling branch's resistance at one place and temperature is above the heating branch's: the
-        difference of both, and what the cold wire's resistance rises by with the power between them.
-    """
-
-    first_place: float
-    place_spacing: float
-    heating_power_w: FloatArray
-    cooling_power_w: FloatArray
-    heating_resistance: FloatArray
-    cooling_resistance: FloatArray
-    sensed_from: float
-    balance: ThermalResponse
-    phase_resistance: float
-
-    @property
-    def places(self) -> FloatArray:
-        """The places of the tables, (n_places,)."""
-        last = self.first_place + self.place_spacing * (self.heating_power_w.size - 1)
-        return np.linspace(self.first_place, last, self.heating_power_w.size)
-
-    @property
-    def tables(self) -> FloatArray:
-        """Powers and resistances of both branches, heating first, (n_places, 4)."""
-        return np.column_stack(
-            [self.heating_power_w, self.cooling_power_w, self.heating_resistance, self.cooling_resistance]
-        )
-
-    @property
-    def middle_power_w(self) -> float:
-        """Median power [W] of the heating branch where resistance shows the quantity: what noise is a part of."""
-        return float(np.median(self.heating_power_w[self.places >= self.sensed_from]))
+# Said of a number on which the branches of a slow loop do not depend.
+SLOW_ENOUGH = "; the loop is so slow that its branches need neither time constant nor heat"
 
 
 class Half(NamedTuple):
@@ -128,15 +75,83 @@ class Half(NamedTuple):
 
 
 def wire_model_of(model: FittedCurve) -> WireModel:
-    """Return the model of a wire that its slow loop shows.
+    """Return the model of a wire that its fit found, or that its slow loop shows.
 
     Raises CallerError for a model without a slow loop, or with one that does not go through B to C.
     """
+    return model.wire_model or found_wire_model(model)
+
+
+def with_wire_model(
+    model: FittedCurveKind, loops: Sequence[Rows] = (), motion: WireMotion | None = None
+) -> FittedCurveKind:
+    """Return a model with that of its wire, or without if its slow loop shows none; see ``found_wire_model``."""
+    try:
+        return replace(model, wire_model=found_wire_model(model, loops, motion))
+    except CallerError:
+        return replace(model, wire_model=None)
+
+
+def found_wire_model(model: FittedCurve, loops: Sequence[Rows] = (), motion: WireMotion | None = None) -> WireModel:
+    """Return the model of a wire by its slow loop, other cycles of the recording, and the motion in all of it.
+
+    Deviations of what the tables say are those between the cycles; of one cycle they are the curve's own misfit. What
+    other heat balances would make of the loop comes in addition. Raises CallerError as ``wire_model_of``.
+    """
     if not model.slow_loop:
         raise CallerError(NO_LOOP + argument("estimator", "polynomial"))
-    balance = heat_balance_of(model)
+    known = heat_balance_of(model, motion)
+    tau, heat = known
+    wire = tables_of(model, model.slow_loop, known)
+    changed = [
+        known._replace(time_constant_s=replace(tau, value=tau.value + tau.std)),
+        known._replace(transformation_heat_j=replace(heat, value=heat.value + heat.std)),
+    ]
+    others = [one for one in (tables_or_none(model, model.slow_loop, one) for one in changed) if one]
+    cycles = [one for one in (tables_or_none(model, rows, known) for rows in loops) if one]
+    misfit = model.rmse_average / (model.quantity_max - model.quantity_min)
+
+    def deviated(name: str, unit: float) -> WireNumber:
+        number = wire.numbers[name]
+        values = [one.numbers[name].value for one in cycles]
+        spread = float(np.std(values, ddof=1)) if len(cycles) > 1 else misfit * unit
+        by_balance = [one.numbers[name].value - number.value for one in others]
+        how = f"between {len(cycles)} cycles" if len(cycles) > 1 else "by the curve's misfit"
+        return WireNumber(number.value, math.hypot(spread, *by_balance), f"the slow loop, deviation {how}")
+
+    seen_from = WireNumber(wire.sensed_from.value, misfit, "the slow loop, deviation by the curve's misfit")
+    range_w = wire.heating_power_w[-1] - wire.heating_power_w[0]
+    moved_w = [float(np.abs(one.tables[:, :2] - wire.tables[:, :2]).max()) for one in others]
+    no_need = len(others) == len(changed) and max(moved_w) < MIN_GAP * range_w
+    return replace(
+        wire,
+        phase_resistance=deviated("phase_resistance", 1.0),
+        lowest_power_w=deviated("lowest_power_w", range_w),
+        highest_power_w=deviated("highest_power_w", range_w),
+        sensed_from=seen_from,
+        time_constant_s=said_of_need(wire.time_constant_s, no_need),
+        heat_j_per_unit=said_of_need(wire.heat_j_per_unit, no_need),
+        minor_loops=wire.minor_loops if motion is None else law_of_minor_loops(wire, known, motion),
+    )
+
+
+def said_of_need(number: WireNumber, no_need: bool) -> WireNumber:
+    """Return a number that says if the loop was so slow that its branches do not depend on the heat balance."""
+    return replace(number, origin=f"{number.origin}{SLOW_ENOUGH if no_need else ''}")
+
+
+def tables_or_none(model: FittedCurve, rows: Rows, known: HeatBalanceFound) -> WireModel | None:
+    """Return what one loop shows, None for one that does not go through B to C with such a heat balance."""
+    try:
+        return tables_of(model, rows, known)
+    except CallerError:
+        return None
+
+
+def tables_of(model: FittedCurve, rows: Rows, known: HeatBalanceFound) -> WireModel:
+    """Return what one loop shows of a wire with a heat balance; deviations of what the loop shows are not known yet."""
     largest = model.quantity_max
-    heating, cooling = halves_of(model, balance)
+    heating, cooling = halves_of(model, rows, known)
     coldest_w = float(min(heating.power_w.min(), cooling.power_w.min()))
     # The cold wire is where heating from B backwards comes to it by its own mean slope.
     risen, rise_w = ((values[-1] - values[heating.sensed]) for values in (heating.quantity, heating.power_w))
@@ -151,49 +166,28 @@ def wire_model_of(model: FittedCurve) -> WireModel:
     cooling_w = np.minimum(cooling_w, heating_w - MIN_GAP * (heating_w[-1] - heating_w[0]))
     sensed_from = model.quantity_min / largest
     rises_by = cooling_resistance - heating_resistance + per_watt(heating) * (heating_w - cooling_w)
+    noise_ohm, seen = model.resistance_noise_ohm, "the slow loop"
     return WireModel(
         first_place=float(first),
         place_spacing=float(places[1] - places[0]),
-        heating_power_w=heating_w,
-        cooling_power_w=cooling_w,
-        heating_resistance=heating_resistance,
-        cooling_resistance=cooling_resistance,
-        sensed_from=sensed_from,
-        balance=balance,
-        phase_resistance=float(rises_by[places > sensed_from].mean()),
+        heating_power_w=tuple(heating_w.tolist()),
+        cooling_power_w=tuple(cooling_w.tolist()),
+        heating_resistance=tuple(heating_resistance.tolist()),
+        cooling_resistance=tuple(cooling_resistance.tolist()),
+        time_constant_s=known.time_constant_s,
+        heat_j_per_unit=known.transformation_heat_j.times(1.0 / largest),
+        resistance_noise_ohm=WireNumber(noise_ohm, noise_ohm / math.sqrt(2.0 * max(model.samples, 1)), seen),
+        sensed_from=WireNumber(sensed_from, 0.0, seen),
+        phase_resistance=WireNumber(float(rises_by[places > sensed_from].mean()), 0.0, seen),
+        minor_loops=ANY_LAW,
+        lowest_power_w=WireNumber(float(heating_w[0]), 0.0, seen),
+        highest_power_w=WireNumber(float(heating_w[-1]), 0.0, seen),
     )
 
 
-def heat_balance_of(model: FittedCurve) -> ThermalResponse:
-    """Return a wire's heat balance: that of its gains, that which a model of force was given, or by its diameter."""
-    tau_s, per_unit = (model.gains.get(name) for name in ("thermal_time_constant_s", "heat_per_unit"))
-    if isinstance(tau_s, float) and isinstance(per_unit, float):
-        return ThermalResponse(tau_s, per_unit * model.quantity_max, "the heat balance that its slow loop states")
-    tau_s, heat_j = (model.wire.get(name) for name in HEAT_NOTES)
-    if isinstance(tau_s, float) and isinstance(heat_j, float):
-        return ThermalResponse(tau_s, heat_j, "the model that it was made from")
-    return balance_by_diameter(model)
-
-
-def balance_by_diameter(model: FittedCurve) -> ThermalResponse:
-    """Return the heat balance of a wire that is known by its diameter at best, in still air (Churchill and Chu)."""
-    stated_m = model.wire.get("wire_diameter_m")
-    size_m = stated_m if isinstance(stated_m, float) else TYPICAL_DIAMETER_M
-    name, above_k = str(model.wire.get("wire", "")), TYPICAL_MIDDLE_K - TYPICAL_AIR_K
-    alloy = load_alloy(load_wire(name).alloy if name in names("wire") else "flexinol")
-    loss_w_per_m2_k = convection_coefficient_w_per_m2_k(TYPICAL_MIDDLE_K, TYPICAL_AIR_K, size_m)
-    heat_per_m3_k = alloy.density_kg_per_m3.value * alloy.specific_heat_j_per_kg_k.value
-    tau_s = 0.25 * size_m * heat_per_m3_k / loss_w_per_m2_k
-    middle_ohm = 0.5 * (model.resistance_min_ohm + model.resistance_max_ohm)
-    middle_w = float(np.median([power_w for _, power_w, ohm in model.slow_loop if ohm < middle_ohm]))
-    latent_k = alloy.latent_heat_j_per_kg.value / alloy.specific_heat_j_per_kg_k.value
-    origin = f"a wire of {1e3 * size_m:.3g} mm in still air"
-    return ThermalResponse(tau_s, tau_s * middle_w * latent_k / above_k, origin)
-
-
-def halves_of(model: FittedCurve, balance: ThermalResponse) -> tuple[Half, Half]:
-    """Return both halves of a model's slow loop, heating and cooling, each from the cold wire to C."""
-    time_s, power_w, resistance_ohm = np.array(model.slow_loop).T
+def halves_of(model: FittedCurve, rows: Rows, known: HeatBalanceFound) -> tuple[Half, Half]:
+    """Return both halves of a slow loop, heating and cooling, each from the cold wire to C."""
+    time_s, power_w, resistance_ohm = np.array(rows).T
     resistance = (resistance_ohm - model.resistance_min_ohm) / (model.resistance_max_ohm - model.resistance_min_ohm)
     inside = np.clip(resistance, model.normalised_min, model.normalised_max)
     up, down = (evaluate(one, inside) for one in (model.heating_coefficients, model.cooling_coefficients))
@@ -202,7 +196,8 @@ def halves_of(model: FittedCurve, balance: ThermalResponse) -> tuple[Half, Half]
     last = resistance.size - 1 - sensed_row(resistance[hottest:][::-1], model.normalised_max)
     up[:first], down[last + 1 :] = up[first], down[last]
     quantity = np.where(np.arange(resistance.size) <= hottest, up, down)
-    steady_w = steady_power_w(time_s, power_w, quantity / model.quantity_max, balance)
+    motion = WireMotion(time_s, power_w, quantity / model.quantity_max, resistance)
+    steady_w = steady_power_w(motion, *(number.value for number in known))
     coldest = int(np.argmin(steady_w[: first + 1]))
     up_rows, down_rows = slice(coldest, hottest + 1), slice(None, hottest - 1 if hottest else None, -1)
     return (
@@ -223,14 +218,3 @@ def sensed_row(resistance: FloatArray, sensed_below: float) -> int:
     """Return the first sensed row on the way from a cold wire to C: past B, which on cooling may be a lower maximum."""
     end = min(sensed_below, float(resistance.max()))
     return int(np.flatnonzero(resistance >= end)[-1])
-
-
-def steady_power_w(time_s: FloatArray, power_w: FloatArray, place: FloatArray, balance: ThermalResponse) -> FloatArray:
-    """Return the power [W] that would hold each row's temperature: the heat balance along the loop, from its start."""
-    steady_w = np.empty_like(power_w)
-    steady_w[0] = power_w[0]
-    for row, dt_s in enumerate(np.diff(time_s).tolist(), start=1):
-        taken_w = balance.transformation_heat_j * (place[row] - place[row - 1]) / dt_s
-        given_w = 0.5 * (power_w[row] + power_w[row - 1]) - taken_w
-        steady_w[row] = given_w + (steady_w[row - 1] - given_w) * math.exp(-dt_s / balance.time_constant_s)
-    return steady_w

@@ -24,7 +24,8 @@ from musclewire.sensing._filter_estimator import (
     FilterEstimator,
     advanced,
 )
-from musclewire.sensing._wire_model import WireModel, wire_model_of
+from musclewire.sensing._wire_model import wire_model_of
+from musclewire.sensing._wire_tables import WireModel
 from musclewire.signals import Recording, WireSample
 
 SHUNT_OHM, PERIOD_S = 1.0, 0.05
@@ -78,26 +79,26 @@ def kernel_arguments(model: SensingModel) -> tuple[np.ndarray, np.ndarray]:
 
 def test_between_its_branches_a_wire_cools_as_the_exponential_says(model: SensingModel, wire: WireModel) -> None:
     numbers, tables = kernel_arguments(model)
-    place = 0.5 * (wire.sensed_from + wire.places[-1])
+    place = 0.5 * (wire.sensed_from.value + wire.places[-1])
     heating_w, cooling_w = (
         float(np.interp(place, wire.places, row)) for row in (wire.heating_power_w, wire.cooling_power_w)
     )
     toward_w = 0.5 * cooling_w
     for dt_s in (0.01, 0.05, 0.1):
         found_w, still = advanced(numbers, tables, heating_w, place, 0.0, 1.0, toward_w, dt_s)
-        exact_w = toward_w + (heating_w - toward_w) * math.exp(-dt_s / wire.balance.time_constant_s)
+        exact_w = toward_w + (heating_w - toward_w) * math.exp(-dt_s / wire.time_constant_s.value)
         assert found_w == pytest.approx(exact_w, abs=2e-3 * (heating_w - toward_w))
         assert still == place
 
 
 def test_heat_that_is_given_is_lost_or_stored(model: SensingModel, wire: WireModel) -> None:
     numbers, tables = kernel_arguments(model)
-    place = wire.sensed_from + 0.3
+    place = wire.sensed_from.value + 0.3
     steady_w = float(np.interp(place, wire.places, wire.heating_power_w))
     power_w, dt_s = 1.5 * steady_w, 0.001
     after_w, after = advanced(numbers, tables, steady_w, place, 0.0, 1.0, power_w, dt_s)
     assert after > place
-    tau_s, heat_j, _ = wire.balance
+    tau_s, heat_j = wire.time_constant_s.value, wire.heat_j_per_unit.value * model.quantity_max
     stored_j = tau_s * (after_w - steady_w) + heat_j * (after - place)
     assert stored_j == pytest.approx(dt_s * (power_w - steady_w), rel=0.01)
 
@@ -190,8 +191,8 @@ def test_from_cold_it_is_valid_from_b_on_and_not_before(model: SensingModel, run
 def test_a_model_without_a_whole_slow_loop_is_refused_in_one_line(model: SensingModel) -> None:
     factory = ESTIMATORS.find("filter")
     for lacking, said in (
-        (replace(model, slow_loop=()), "needs the slow loop"),
-        (replace(model, slow_loop=model.slow_loop[-20:]), "from cold to hot and back"),
+        (replace(model, slow_loop=(), wire_model=None), "needs the slow loop"),
+        (replace(model, slow_loop=model.slow_loop[-20:], wire_model=None), "from cold to hot and back"),
     ):
         with pytest.raises(CallerError, match=said) as caught:
             factory(EstimatorSetup(lacking, SHUNT_OHM, PERIOD_S))
@@ -201,11 +202,11 @@ def test_a_model_without_a_whole_slow_loop_is_refused_in_one_line(model: Sensing
 def test_a_loop_that_states_no_heat_balance_has_that_of_a_wire_of_its_diameter(
     model: SensingModel, wire: WireModel, run: Recording
 ) -> None:
-    foreign = replace(model, gains={}, no_gains="nothing states the heat balance")
-    found = wire_model_of(foreign).balance
-    assert "0.1 mm" in found.origin
-    assert found.time_constant_s == pytest.approx(wire.balance.time_constant_s, rel=0.4)
-    assert found.transformation_heat_j == pytest.approx(wire.balance.transformation_heat_j, rel=0.75)
+    foreign = replace(model, gains={}, no_gains="nothing states the heat balance", wire_model=None)
+    found = wire_model_of(foreign)
+    assert "0.1 mm" in found.time_constant_s.origin
+    assert found.time_constant_s.value == pytest.approx(wire.time_constant_s.value, rel=0.4)
+    assert found.heat_j_per_unit.value == pytest.approx(wire.heat_j_per_unit.value, rel=0.75)
     (ours, _, valid, _), (theirs, _, also, _) = followed(model, samples_of(run)), followed(foreign, samples_of(run))
     assert np.sqrt(np.mean((ours - theirs)[valid & also] ** 2)) < 0.01 * model.stroke
 

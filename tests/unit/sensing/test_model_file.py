@@ -64,7 +64,7 @@ def test_a_file_that_is_no_model_is_told_in_one_line(content: bytes, tmp_path: P
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (lambda d: d.update(version=2), "has version 2"),
+        (lambda d: d.update(version=3), "has version 3"),
         (lambda d: d.update(resistance_min_ohms=1), "did you mean 'resistance_min_ohm'"),
         (lambda d: d.pop("resistance_min_ohm"), "key 'resistance_min_ohm' is missing"),
         (lambda d: d.update(resistance_min_ohm=float("nan")), "finite"),

@@ -1,0 +1,278 @@
+"""How fast a wire is: time constant and heat of its transformation, as known before and by its own motion.
+
+Before a recording is looked at, both are known from the heat balance that a rig states, from the wire's diameter, or as
+widely as the diameters that are sold. At both ends of its motion, where it rests, a wire's resistance follows its
+temperature: R = a + b w + c w^2 + d S, with the steady power w(t) of the heat balance along the whole recording. That
+holds on the way there and back for the right time constant alone, so that both are found by least squares (Gauss and
+Newton, each end's a to d eliminated), what was known before counting as a measurement.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from musclewire.arrays import FloatArray
+from musclewire.compiled import compiled
+from musclewire.parameters import load_alloy, load_wire, names
+from musclewire.physics import convection_coefficient_w_per_m2_k
+from musclewire.sensing._fit_report import FittedCurve
+from musclewire.sensing._wire_tables import WireModel, WireNumber
+
+# Of a wire whose loop states no heat balance: the size that is sold most often, if none is stated, those that are sold
+# (Flexinol), and how warm it is under load in the middle of its transformation.
+TYPICAL_DIAMETER_M, SOLD_M = 150e-6, (25e-6, 510e-6)
+TYPICAL_AIR_K, TYPICAL_MIDDLE_K = 295.15, 350.0
+# Of the logarithms: how well correlations of a wire's loss in calm air hold (Churchill and Chu 1975: about 15 %), how
+# far the middle and the air of a wire that no rig knows may be from the typical ones, and by how much the latent
+# heats of alloys differ (DSC of NiTi: 15 to 30 J/g).
+CORRELATION_STD, UNKNOWN_MIDDLE_STD, LATENT_STD = 0.15, 0.25, 0.3
+# The loss per kelvin of one wire differs by so much from its cold to its hot end: no motion shows one time constant
+# better.
+LOSS_STD = 0.1
+# Within this part of the stroke from its ends a wire rests; at an end with fewer rows nothing is looked for.
+AT_REST, FEWEST_ROWS = 0.03, 8
+# No reading is better than this part of the span of resistance, nor a step of Gauss and Newton longer.
+MIN_NOISE, MAX_STEP, STEPS, HALF_DIFFERENCE = 1e-5, 0.5, 20, 0.02
+# They begin at the likeliest of so many time constants, within so many deviations of what was known before.
+BEGINNINGS, BEGUN_WITHIN = 15, 2.0
+MEASURED = "the motion of this recording"
+# A turn counts as one of a minor loop between these places, and what follows if both laws differ by that much.
+TURNS_BETWEEN, TURN, LAWS_DIFFER = (0.15, 0.85), 0.1, 0.02
+# Any law between play (0) and scaled copies (1) is as likely.
+ANY_LAW = WireNumber(0.5, 1.0 / math.sqrt(12.0), "any law is as likely: the recording has no minor loop")
+
+
+class WireMotion(NamedTuple):
+    """A whole recording, each (n_rows,): time [s], power [W], quantity over its largest, normalised resistance."""
+
+    time_s: FloatArray
+    power_w: FloatArray
+    place: FloatArray
+    resistance: FloatArray
+
+
+class HeatBalanceFound(NamedTuple):
+    """Time constant [s] and heat [J] of the whole transformation."""
+
+    time_constant_s: WireNumber
+    transformation_heat_j: WireNumber
+
+
+def heat_balance_of(model: FittedCurve, motion: WireMotion | None = None) -> HeatBalanceFound:
+    """Return a wire's heat balance: that of its gains, or by its diameter and, if there is one, its motion.
+
+    A heat balance that a rig states stays as it is: gains and protection go by it, and must go by the same.
+    """
+    tau_s, per_unit = (model.gains.get(name) for name in ("thermal_time_constant_s", "heat_per_unit"))
+    if isinstance(tau_s, float) and isinstance(per_unit, float):
+        origin = "the heat balance that its slow loop states"
+        return balance(tau_s, per_unit * model.quantity_max, CORRELATION_STD, origin)
+    known = by_diameter(model)
+    return known if motion is None else by_motion(known, motion)
+
+
+def balance(tau_s: float, heat_j: float, std: float, origin: str) -> HeatBalanceFound:
+    """Return a heat balance known before, by the deviation of the logarithm of its time constant."""
+    heat_std = math.hypot(std, LATENT_STD)
+    return HeatBalanceFound(WireNumber(tau_s, std * tau_s, origin), WireNumber(heat_j, heat_std * heat_j, origin))
+
+
+def by_diameter(model: FittedCurve) -> HeatBalanceFound:
+    """Return the heat balance of a wire that is known by its diameter at best, in still air (Churchill and Chu)."""
+    stated_m, name = model.wire.get("wire_diameter_m"), str(model.wire.get("wire", ""))
+    is_stated, is_known = isinstance(stated_m, float), name in names("wire")
+    by_name_m = load_wire(name).diameter_m.value if is_known else TYPICAL_DIAMETER_M
+    size_m = stated_m if isinstance(stated_m, float) else by_name_m
+    alloy = load_alloy(load_wire(name).alloy if is_known else "flexinol")
+    heat_per_m3_k = alloy.density_kg_per_m3.value * alloy.specific_heat_j_per_kg_k.value
+
+    def time_constant_s(diameter_m: float) -> float:
+        loss = convection_coefficient_w_per_m2_k(TYPICAL_MIDDLE_K, TYPICAL_AIR_K, diameter_m)
+        return 0.25 * diameter_m * heat_per_m3_k / loss
+
+    tau_s = time_constant_s(size_m)
+    middle_ohm = 0.5 * (model.resistance_min_ohm + model.resistance_max_ohm)
+    middle_w = float(np.median([power_w for _, power_w, ohm in model.slow_loop if ohm < middle_ohm]))
+    latent_k = alloy.latent_heat_j_per_kg.value / alloy.specific_heat_j_per_kg_k.value
+    heat_j = tau_s * middle_w * latent_k / (TYPICAL_MIDDLE_K - TYPICAL_AIR_K)
+    if is_stated or is_known:
+        std = math.hypot(CORRELATION_STD, UNKNOWN_MIDDLE_STD)
+        return balance(tau_s, heat_j, std, f"a wire of {1e3 * size_m:.3g} mm in still air")
+    min_s, max_s = (time_constant_s(one) for one in SOLD_M)
+    sizes = f"{1e3 * SOLD_M[0]:.3g} to {1e3 * SOLD_M[1]:.3g} mm"
+    return balance(
+        tau_s,
+        heat_j,
+        math.log(max_s / min_s) / math.sqrt(12.0),
+        f"any wire of {sizes} in still air, as no size is stated",
+    )
+
+
+@compiled
+def steady_along(
+    time_s: FloatArray,
+    power_w: FloatArray,
+    place: FloatArray,
+    time_constant_s: float,
+    heat_j: float,
+    steady: FloatArray,
+) -> None:
+    """Write the power [W] that would hold each row's temperature: the heat balance along the rows, from their start.
+
+    Arrays are (n_rows,).
+    """
+    steady[0] = power_w[0]
+    for row in range(1, power_w.size):
+        dt_s = time_s[row] - time_s[row - 1]
+        taken_w = heat_j * (place[row] - place[row - 1]) / dt_s
+        given_w = 0.5 * (power_w[row] + power_w[row - 1]) - taken_w
+        steady[row] = given_w + (steady[row - 1] - given_w) * math.exp(-dt_s / time_constant_s)
+
+
+def steady_power_w(motion: WireMotion, time_constant_s: float, heat_j: float) -> FloatArray:
+    """Return the power [W] that would hold each row's temperature, (n_rows,)."""
+    steady = np.empty(motion.power_w.size)
+    time_s, power_w, place = (np.ascontiguousarray(one) for one in motion[:3])
+    steady_along(time_s, power_w, place, time_constant_s, heat_j, steady)
+    return steady
+
+
+def by_motion(known: HeatBalanceFound, motion: WireMotion) -> HeatBalanceFound:
+    """Return a heat balance by least squares of resistance at both ends of the motion, and what was known before."""
+    ends = rows_at_rest(motion, 3.0 * known.time_constant_s.value)
+    if not ends:
+        return known
+    tau_s, heat_j = (number.value for number in known)
+    tau_std = known.time_constant_s.std / tau_s
+    before = np.diag([tau_std**-2.0, LATENT_STD**-2.0])
+    first = np.log([tau_s, heat_j / tau_s])
+    away = np.linspace(-BEGUN_WITHIN * tau_std, BEGUN_WITHIN * tau_std, BEGINNINGS)
+    found = min(
+        (first + np.array([one, 0.0]) for one in away), key=lambda one: unlikeliness(motion, ends, one, first, before)
+    )
+    bounded, by_rows = 1.0, np.zeros((2, 2))
+    for _ in range(STEPS):
+        left = misfits(motion, ends, found)
+        weights = [weight_of(one) for one in left]
+        slopes = np.column_stack(
+            [
+                weighted(misfits(motion, ends, found + away), weights)
+                - weighted(misfits(motion, ends, found - away), weights)
+                for away in HALF_DIFFERENCE * np.eye(2)
+            ]
+        ) / (2.0 * HALF_DIFFERENCE)
+        by_rows = slopes.T @ slopes
+        bounded = 1.0 / (1.0 + LOSS_STD**2 * by_rows[0, 0])
+        pull = bounded * slopes.T @ weighted(left, weights) + before @ (found - first)
+        step = np.clip(-np.linalg.solve(bounded * by_rows + before, pull), -MAX_STEP, MAX_STEP)
+        found = found + step
+        if np.abs(step).max() < HALF_DIFFERENCE**2:
+            break
+    covariance = np.linalg.inv(bounded * by_rows + before)
+    of_tau, of_heat = covariance[0, 0], covariance.sum()
+    value_s, value_j = math.exp(found[0]), math.exp(found.sum())
+    return HeatBalanceFound(
+        origin_of(known.time_constant_s, value_s, math.sqrt(of_tau)),
+        origin_of(known.transformation_heat_j, value_j, math.sqrt(of_heat)),
+    )
+
+
+def unlikeliness(
+    motion: WireMotion, ends: list[NDArray[np.intp]], at: FloatArray, first: FloatArray, before: FloatArray
+) -> float:
+    """Return minus the logarithm of a heat balance's likelihood, at the scatter that it leaves and as known before."""
+    left = misfits(motion, ends, at)
+    of_rows = sum(independent(one) * math.log(max(float(one @ one) / one.size, MIN_NOISE**2)) for one in left)
+    return 0.5 * (of_rows + float((at - first) @ before @ (at - first)))
+
+
+def origin_of(known: WireNumber, value: float, std: float) -> WireNumber:
+    """Return a number with the origin that shows more of it: the motion, or what was known before."""
+    by_rows = 2.0 * std**2 < (known.std / known.value) ** 2
+    return WireNumber(value, std * value, MEASURED if by_rows else known.origin)
+
+
+def rows_at_rest(motion: WireMotion, settled_s: float) -> list[NDArray[np.intp]]:
+    """Return the rows at the cold and at the hot end of the motion, without those before the balance has settled."""
+    low, high = np.percentile(motion.place, 1.0), motion.place.max()
+    if not high > low:
+        return []
+    part = (motion.place - low) / (high - low)
+    settled = motion.time_s - motion.time_s[0] > settled_s
+    ends = [np.flatnonzero(settled & near) for near in (part < AT_REST, part > 1.0 - AT_REST)]
+    return [rows for rows in ends if rows.size >= FEWEST_ROWS]
+
+
+def misfits(motion: WireMotion, ends: list[NDArray[np.intp]], logarithms: FloatArray) -> list[FloatArray]:
+    """Return what no quadratic in the steady power and no line in the place explains of the resistance, at each end."""
+    steady = steady_power_w(motion, math.exp(logarithms[0]), math.exp(logarithms.sum()))
+    found = []
+    for rows in ends:
+        power, read = steady[rows] / motion.power_w.max(), motion.resistance[rows]
+        explained = np.column_stack([np.ones(rows.size), power, power**2, motion.place[rows]])
+        found.append(read - explained @ np.linalg.lstsq(explained, read, rcond=None)[0])
+    return found
+
+
+def weight_of(left: FloatArray) -> float:
+    """Return the weight of an end's rows: by their scatter, and only as many as change sides independently."""
+    return math.sqrt(independent(left) / left.size / max(float(left @ left) / left.size, MIN_NOISE**2))
+
+
+def independent(left: FloatArray) -> float:
+    """Return how many residuals count: white noise changes its sign at every other row, what is left out seldom."""
+    changes = int(np.count_nonzero(np.diff(np.sign(left))))
+    return float(min(max(2 * changes, 2), left.size))
+
+
+def weighted(left: list[FloatArray], weights: list[float]) -> FloatArray:
+    """Return the residuals of all ends in one array, each by its weight."""
+    return np.concatenate([one * weight for one, weight in zip(left, weights, strict=True)])
+
+
+def law_of_minor_loops(wire: WireModel, balance: HeatBalanceFound, motion: WireMotion) -> WireNumber:
+    """Return where between play and scaled copies the wire's minor loops are, by least squares; any if it has none."""
+    places = wire.places
+    steady = steady_power_w(motion, balance.time_constant_s.value, balance.transformation_heat_j.value)
+    up, down = (np.interp(steady, one, places) for one in (wire.heating_power_w, wire.cooling_power_w))
+    largest, differ, seen = float(places[-1]), [], []
+    turns = turns_of(motion.place)
+    for turn, following in pairwise(turns[1:]):
+        at, rows = float(motion.place[turn]), slice(turn, following)
+        if not TURNS_BETWEEN[0] < at < TURNS_BETWEEN[1]:
+            continue
+        if motion.place[following] < at:
+            play, scaled = np.minimum(at, down[rows]), at * down[rows] / largest
+        else:
+            play, scaled = np.maximum(at, up[rows]), at + (largest - at) * up[rows] / largest
+        differ.append(scaled - play)
+        seen.append(motion.place[rows] - play)
+    apart, moved = (np.concatenate(one) if one else np.empty(0) for one in (differ, seen))
+    differ_enough = np.abs(apart) > LAWS_DIFFER
+    apart, moved = apart[differ_enough], moved[differ_enough]
+    if apart.size < FEWEST_ROWS:
+        return ANY_LAW
+    squares = float(apart @ apart)
+    left = moved - float(apart @ moved) / squares * apart
+    precision = squares * independent(left) / max(float(left @ left), MIN_NOISE**2)
+    before = ANY_LAW.std**-2.0
+    value = (precision * float(apart @ moved) / squares + before * ANY_LAW.value) / (precision + before)
+    return WireNumber(value, (precision + before) ** -0.5, "minor loops of this recording")
+
+
+def turns_of(place: FloatArray) -> list[int]:
+    """Return the rows at which the motion turns, by more than so much, with its first and last."""
+    turns, rising = [0], 0.0
+    for row in range(1, place.size):
+        moved = float(place[row] - place[turns[-1]])
+        if rising * moved > 0.0:
+            turns[-1] = row
+        elif abs(moved) > TURN:
+            turns.append(row)
+            rising = math.copysign(1.0, moved)
+    return [*turns, place.size - 1]
