@@ -129,7 +129,7 @@ def test_a_simulated_wire_is_tuned_alike_without_its_instrument() -> None:
 def test_what_is_missing_is_named() -> None:
     whole = slow_loop()
     bare = Recording(whole.columns, {key: value for key, value in whole.metadata.items() if "limit" not in key})
-    with pytest.raises(RecordingError, match="heat balance"):
+    with pytest.raises(RecordingError, match="which rig heats the wire"):
         tune(MODEL, bare)
     half = Recording({key: row[:900] for key, row in whole.columns.items()}, whole.metadata)
     with pytest.raises(RecordingError, match="both branches"):
