@@ -79,7 +79,7 @@ def wire_model_of(model: FittedCurve) -> WireModel:
 
     Raises CallerError for a model without a slow loop, or with one that does not go through B to C.
     """
-    return model.wire_model or found_wire_model(model)
+    return model.wire_model if model.wire_model and model.slow_loop else found_wire_model(model)
 
 
 def with_wire_model(
