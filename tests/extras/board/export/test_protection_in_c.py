@@ -335,3 +335,18 @@ def test_readings_without_noise_are_frozen_only_if_a_changed_drive_does_not_move
         assert both.agree()
         assert both.state is (State.TRIPPED if share > 1.0 and number >= 40 else State.RUN)
     assert both.event is (Event.CHANNEL_FROZEN if share > 1.0 else Event.NONE)
+
+
+def test_a_wire_of_less_resistance_than_its_shunt_is_not_swapped_with_it(tmp_path: Path) -> None:
+    """Either of the two would fit the window in the other's place."""
+    shunt_ohm = 20.0
+    one = export(tmp_path, limits=limits_for(usual_model(), shunt_ohm), rule_base="fixed")
+    both = Both(compiled(one.library, tmp_path, double=True), one.limits, np.random.default_rng(0))
+    both.command(DRIVE_V)
+    wire_v, shunt_v = volts_of(OHM, DRIVE_V, shunt_ohm)
+    for number in range(20):
+        noise = 1.0 + 1e-6 * (number % 3)
+        for protection in (both.library, both.python):
+            protection.reading(DRIVE_V, wire_v * noise, shunt_v * noise, DT_S, DRIVE_V)
+        assert both.agree()
+    assert both.state is State.RUN

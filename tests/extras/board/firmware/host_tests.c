@@ -623,6 +623,23 @@ TEST(a_warmth_that_cannot_be_is_that_of_a_cold_wire_when_it_is_armed)
     }
 }
 
+TEST(the_loop_on_the_board_starts_anew_from_the_drive_that_is_out_after_a_silence)
+{
+    uint8_t payload[4];
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    mw_put_f32(payload, 0.5f * ((float)MW_QUANTITY_MIN + (float)MW_QUANTITY_MAX));
+    for (int i = 0; i < 4; i++) {
+        say(MW_TARGET, payload, 4);
+        live(ticks_of(0.05f));
+    }
+    MUST(app.loop.core.started);
+    live(ticks_of(0.15f));
+    MUST(output_v == (float)MW_SENSE_VOLTAGE_V && mw_loop_state(&app.loop) == MW_STATE_DEGRADED);
+    say(MW_KEEP, "", 0);
+    MUST(!app.loop.core.started && app.loop.core.samples == 0);
+}
+
 /* How warm one reading makes a cold wire, and its closed form for a constant power: P / G (1 - exp(-G t / C)). */
 static double warmed_k(mw_real drive_v, mw_real wire_v, mw_real shunt_v, mw_real dt_s)
 {
@@ -956,6 +973,9 @@ TEST(numbers_come_25_times_a_second)
     MUST(at && fabsf((float)atof(at + 15) - ohm) < 0.02f * ohm);
     at = strstr((const char *)sent, "drive_v:");
     MUST(at && fabsf((float)atof(at + 8) - (float)MW_SENSE_VOLTAGE_V) < 6e-4f);
+    for (sent_length = 0; sent_length == 0u;)
+        live(1);
+    MUST(app.sums.count == 0u && app.sums.wire_voltage_v == 0.0f && app.sums.shunt_voltage_v == 0.0f);
 }
 
 TEST(a_command_ends_by_itself_at_the_sense_voltage_and_a_board_left_alone_goes_off)

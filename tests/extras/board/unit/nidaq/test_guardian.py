@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import signal
 import socket
 from collections.abc import Iterator
 from dataclasses import dataclass
 from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import pytest
 from tests.extras.board.unit.nidaq.card_in_memory import OFF_V, ORDERS, CardInMemory
@@ -251,3 +253,15 @@ def test_a_signal_that_ends_it_or_a_line_that_breaks_leaves_0_v_and_a_free_card(
     assert bench.card.out[-1] == ("now", OFF_V)
     assert (bench.card.closed, bench.card.released) == (True, True)
     assert signal.getsignal(signal.SIGTERM) is not signal.SIG_IGN
+
+
+@pytest.mark.parametrize("off", [True, False])
+def test_its_exit_code_says_whether_the_card_took_0_v(monkeypatch: pytest.MonkeyPatch, off: bool) -> None:
+    monkeypatch.setattr(module, "go_first", lambda: None)
+    monkeypatch.setattr(module, "sys", SimpleNamespace(stdin=io.StringIO("1 word\norders\n")))
+    monkeypatch.setattr(module.GuardianOrders, "from_text", lambda _text: ORDERS)
+    line = MagicMock()
+    monkeypatch.setattr(module.socket, "create_connection", lambda *_, **__: line)
+    monkeypatch.setattr(module, "OutputGuardian", lambda _orders, _line: SimpleNamespace(run=lambda: off))
+    assert (module.main() == 0) is off
+    line.sendall.assert_called_once_with(b"word")
