@@ -421,7 +421,8 @@ def predict(filtered: Filtered, power_w: float, dt_s: float) -> None:
     walk_w, part_w = numbers.power_walk * numbers.middle_w, numbers.power_part * change_w
     covariance[0] += walk_w * walk_w * dt_s + part_w * part_w
     covariance[2] += numbers.place_walk * numbers.place_walk * dt_s
-    covariance[9] += numbers.loss_walk * numbers.loss_walk * dt_s
+    if covariance[9] < 1.0:  # a factor of two is as much as is not known of a wire that has been cold for hours
+        covariance[9] += numbers.loss_walk * numbers.loss_walk * dt_s
 
 
 @compiled_inner
@@ -436,6 +437,7 @@ def correct(filtered: Filtered, read: float, noise: float) -> None:
     steady_w, place = state.steady_w, state.place
     middle = modelled(numbers, tables, steady_w, place)
     own = numbers.resistance_std * numbers.resistance_std
+    known_w2 = numbers.middle_w * numbers.middle_w
     variance, surprise, by_w, by_place = 1.0, 0.0, 0.0, 0.0
     for _ in range(3):
         hotter = modelled(numbers, tables, steady_w + AWAY * root[0], place + AWAY * root[1])
@@ -451,13 +453,18 @@ def correct(filtered: Filtered, read: float, noise: float) -> None:
         wider = surprise * surprise / (numbers.surprise * variance)
         if wider <= 1.0:
             break
-        for index in (0, 1, 2):
-            covariance[index] *= wider
-        wider = math.sqrt(wider)
-        for index in (0, 1, 2):
-            root[index] *= wider
-        for index in (3, 4, 6, 7):
-            covariance[index] *= wider
+        # No wider than if nothing were known: of the power its middle, of the place the whole way.
+        wide_w = math.sqrt(min(wider, max(known_w2 / (root[0] * root[0]), 1.0)))
+        wide_place = math.sqrt(min(wider, max(1.0 / (root[1] * root[1] + root[2] * root[2]), 1.0)))
+        root[0] *= wide_w
+        covariance[0] *= wide_w * wide_w
+        covariance[1] *= wide_w * wide_place
+        covariance[2] *= wide_place * wide_place
+        for index in (1, 2):
+            root[index] *= wide_place
+        for index in (3, 6):
+            covariance[index] *= wide_w
+            covariance[index + 1] *= wide_place
     gains = (
         root[0] * by_w,
         root[1] * by_w + root[2] * by_place,

@@ -124,6 +124,23 @@ def test_the_covariance_stays_one_whatever_a_wire_does(
         assert step.estimate.std > 0.0
 
 
+def test_a_resistance_that_contradicts_its_power_for_hours_leaves_no_more_than_nothing_known(
+    model: SensingModel, wire: WireModel
+) -> None:
+    high_ohm = model.resistance_max_ohm + 0.1 * (model.resistance_max_ohm - model.resistance_min_ohm)
+    tick = FilterEstimator(model, SHUNT_OHM).compiled_tick()
+    state, answer = tick.state.copy(), np.zeros(16)
+    for row in range(20_000):
+        ohm = high_ohm if row % 40 else model.resistance_min_ohm
+        wire_v = 3.0 * ohm / (ohm + SHUNT_OHM)
+        tick.function(tick.constants, state, np.array([row * 1.0, 3.0, wire_v, 3.0 - wire_v]), answer)
+    power, place, loss = (state[FIRST_COVARIANCE + index] for index in (0, 2, 9))
+    assert np.isfinite(answer).all()
+    assert power < 2.0 * wire.middle_power_w**2
+    assert place < 2.0
+    assert loss < 1.1
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_samples_that_are_missing_hardly_move_the_estimate(model: SensingModel, run: Recording, seed: int) -> None:
     samples = samples_of(run)

@@ -69,6 +69,11 @@ static mw_real at_least(mw_real number, mw_real least)
     return number < least ? least : number;
 }
 
+static mw_real at_most(mw_real number, mw_real most)
+{
+    return number < most ? number : most;
+}
+
 static mw_real loose_per_watt(const branch_edges *edges, mw_real steady_w, mw_real toward_w)
 {
     mw_real part = part_between(steady_w, edges), ahead_w = edges->heating_slope_w;
@@ -220,7 +225,8 @@ static void predict(mw_follower *filter, mw_real power_w, mw_real dt_s)
     }
     covariance[0] += walk_w * walk_w * dt_s + part_w * part_w;
     covariance[2] += MW_PLACE_WALK * MW_PLACE_WALK * dt_s;
-    covariance[9] += MW_LOSS_WALK * MW_LOSS_WALK * dt_s;
+    if (covariance[9] < 1)
+        covariance[9] += MW_LOSS_WALK * MW_LOSS_WALK * dt_s;
 }
 
 static mw_real square(mw_real number)
@@ -243,7 +249,7 @@ static void correct(mw_follower *filter, mw_real read, mw_real noise)
         const mw_real farther = modelled(steady_w, place + AWAY * root[2]);
         const mw_real nearer = modelled(steady_w, place - AWAY * root[2]);
         const mw_real mean = (4 * middle + hotter + colder + farther + nearer) / POINTS;
-        mw_real spread = 4 * square(middle - mean) + square(hotter - mean) + square(colder - mean), wider;
+        mw_real spread = 4 * square(middle - mean) + square(hotter - mean) + square(colder - mean), wider, wide_w, wide_place;
         spread = (spread + square(farther - mean) + square(nearer - mean)) / POINTS;
         variance = spread + noise + own;
         surprise = read - mean;
@@ -252,15 +258,19 @@ static void correct(mw_follower *filter, mw_real read, mw_real noise)
         wider = surprise * surprise / (MW_SURPRISE * variance);
         if (wider <= 1)
             break;
-        for (at = 0; at < 3; at++)
-            covariance[at] *= wider;
-        wider = mw_root(wider);
-        for (at = 0; at < 3; at++)
-            root[at] *= wider;
-        covariance[3] *= wider;
-        covariance[4] *= wider;
-        covariance[6] *= wider;
-        covariance[7] *= wider;
+        /* No wider than if nothing were known: of the power its middle, of the place the whole way. */
+        wide_w = mw_root(at_most(wider, at_least(MW_MIDDLE_W * MW_MIDDLE_W / square(root[0]), 1)));
+        wide_place = mw_root(at_most(wider, at_least(1 / (square(root[1]) + square(root[2])), 1)));
+        root[0] *= wide_w;
+        covariance[0] *= wide_w * wide_w;
+        covariance[1] *= wide_w * wide_place;
+        covariance[2] *= wide_place * wide_place;
+        for (at = 1; at < 3; at++)
+            root[at] *= wide_place;
+        for (at = 3; at < 7; at += 3) {
+            covariance[at] *= wide_w;
+            covariance[at + 1] *= wide_place;
+        }
     }
     gains[0] = root[0] * by_w;
     gains[1] = root[1] * by_w + root[2] * by_place;
