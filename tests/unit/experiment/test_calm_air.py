@@ -13,6 +13,7 @@ from musclewire.controllers import ProtectionLimits
 from musclewire.errors import RigError
 from musclewire.experiment._calm_air import CALM_FRACTION, AirWatch, heed_air, still_air_b_power_w
 from musclewire.rigs import GuardedRig, RigConfiguration, SimulatedDevice, Surroundings
+from musclewire.rigs._air import AirState
 from musclewire.sensing import SensingModel
 
 CONVECTION_FACTOR = 0.817678  # the paper's wire's own
@@ -93,11 +94,11 @@ def sleeved(loss: float) -> RigConfiguration:
 def slow_loop(rig: GuardedRig, **sine: float) -> tuple[float, float]:
     """Heat a wire until the end of its loop or a trip; return its highest true temperature [C] and the loss kept."""
     before, hottest_k = rig.protection_limits.heat_loss_w_per_k, [0.0]
-    assert isinstance(rig.device, SimulatedDevice)
-    state = rig.device.wire_state
+    device = rig.device
+    assert isinstance(device, SimulatedDevice)
 
     def on_sample(_row: object) -> None:
-        hottest_k[0] = max(hottest_k[0], state.temperature_k)
+        hottest_k[0] = max(hottest_k[0], device.wire_state.temperature_k)
 
     with rig, suppress(RigError):
         mw.characterize(rig, cycles=1, on_sample=on_sample, **sine)
@@ -110,10 +111,33 @@ def test_a_run_without_a_model_heats_no_wire_in_a_sleeve_beyond_its_limit(
 ) -> None:
     """The protection knows nothing of the sleeve; without the run's own B it lets this wire get 243 C."""
     hottest_c, kept = slow_loop(mw.open_rig(sleeved(loss)), amplitude_v=3.6, period_s=period_s)
-    assert hottest_c <= 210.0
+    assert 130.0 < hottest_c <= 210.0
     assert CALM_FRACTION * loss < kept <= loss
     assert "the wire passed B with" in caplog.text
     assert "loss_factor or ambient_temperature" in caplog.text
+
+
+class WarmerAir:
+    """Air that is warmer than the rig file says."""
+
+    loss = 1.0
+
+    def after(self, _time_s: float, _dt_s: float) -> AirState:
+        return AirState(warmer_k=40.0, convection_ratio=1.0)
+
+
+@pytest.mark.parametrize("period_s", [20.0, 90.0])
+def test_a_run_without_a_model_heats_no_wire_in_warmer_air_beyond_its_limit(
+    period_s: float, caplog: pytest.LogCaptureFixture
+) -> None:
+    """The protection knows of 22 C and not of 62 C."""
+    rig = mw.open_rig("simulated")
+    assert isinstance(rig.device, SimulatedDevice)
+    rig.device.air = WarmerAir()  # type: ignore[assignment]
+    hottest_c, kept = slow_loop(rig, amplitude_v=3.6, period_s=period_s)
+    assert 100.0 < hottest_c <= 210.0
+    assert kept < CALM_FRACTION
+    assert "the wire passed B with" in caplog.text
 
 
 @pytest.mark.parametrize(("rig", "period_s"), [("simulated", 10.0), ("gripper", 40.0)])
