@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from contextlib import suppress
 from functools import cache
+from typing import NamedTuple
 
 import pytest
 
@@ -13,7 +14,6 @@ from musclewire.controllers import ProtectionLimits
 from musclewire.errors import RigError
 from musclewire.experiment._calm_air import CALM_FRACTION, AirWatch, heed_air, still_air_b_power_w
 from musclewire.rigs import GuardedRig, RigConfiguration, SimulatedDevice, Surroundings
-from musclewire.rigs._air import AirState
 from musclewire.sensing import SensingModel
 
 CONVECTION_FACTOR = 0.817678  # the paper's wire's own
@@ -117,13 +117,18 @@ def test_a_run_without_a_model_heats_no_wire_in_a_sleeve_beyond_its_limit(
     assert "loss_factor or ambient_temperature" in caplog.text
 
 
+class AirNow(NamedTuple):
+    warmer_k: float
+    convection_ratio: float
+
+
 class WarmerAir:
     """Air that is warmer than the rig file says."""
 
     loss = 1.0
 
-    def after(self, _time_s: float, _dt_s: float) -> AirState:
-        return AirState(warmer_k=40.0, convection_ratio=1.0)
+    def after(self, _time_s: float, _dt_s: float) -> AirNow:
+        return AirNow(warmer_k=40.0, convection_ratio=1.0)
 
 
 @pytest.mark.parametrize("period_s", [20.0, 90.0])
