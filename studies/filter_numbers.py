@@ -25,6 +25,7 @@ import argparse
 import itertools
 import math
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -259,10 +260,21 @@ def cases_by_row(seeds: Sequence[int], folder: Path) -> dict[str, list[Case]]:
 def print_table(seeds: Sequence[int], folder: Path) -> None:
     """Print the table of all estimators."""
     cases = cases_by_row(seeds, folder)
+    print(f"a tick takes {', '.join(f'{name} {1e6 * tick_s(name, cases[WARM][0]):.2f} us' for name in NAMES)}")
     print("rms (largest; worst wire), interval holds at half-width (over rms), bias")
     for row, over in cases.items():
         for name in NAMES:
             print(f"{row:26s} {len(over):2d} wires {row_text(name, judged_row(named(name), over))}", flush=True)
+
+
+def tick_s(name: str, case: Case) -> float:
+    """Return the time of a tick [s], the least of some runs over a case."""
+    times_s = []
+    for _ in range(10):
+        began_s = time.perf_counter()
+        named(name)(case)
+        times_s.append((time.perf_counter() - began_s) / len(case.given))
+    return min(times_s)
 
 
 def row_text(name: str, one: Row) -> str:
