@@ -13,6 +13,7 @@ import pytest
 from tests.extras.live.bench_stand_in import BenchStandIn
 
 from musclewire.controllers import protection_table
+from musclewire.errors import RigError
 from musclewire.extras.live import _silence
 from musclewire.extras.live._bench.orders import NumberedOrder
 from musclewire.extras.live._client import POLL_S
@@ -110,6 +111,28 @@ def test_a_bench_is_told_that_somebody_is_there_only_while_its_holder_gives_sign
     held.session.ping()
     assert held.is_held
     assert held.handle.signs_of_life == 1
+
+
+def test_the_end_of_a_session_closes_every_rig_once_whatever_one_of_them_raises() -> None:
+    """A rig's process would also notice the end of its pipe; this is the order that comes before."""
+    closed: list[str] = []
+
+    class Closing(BenchStandIn):
+        async def close(self) -> None:
+            closed.append("closed")
+            if len(closed) == 1:
+                raise RigError("the rig's process cannot be ended: cut the supply")
+
+    async def run() -> None:
+        first, second = Closing(), Closing()
+        second.identifier = "another"
+        session = Session([first, second], Path())
+        with pytest.raises(RigError, match="cut the supply"):
+            await session.close()
+        await session.close()
+
+    asyncio.run(run())
+    assert closed == ["closed", "closed"]
 
 
 class Said:

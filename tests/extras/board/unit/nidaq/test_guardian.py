@@ -74,6 +74,12 @@ def test_it_begins_at_0_v_and_says_the_rate_of_the_cards_clock(bench: Bench) -> 
     assert bench.reply() == (b"A", 20.0, 0, "")
 
 
+def test_a_card_without_a_clock_has_a_rate_of_0(bench: Bench) -> None:
+    guardian = bench.guardian()
+    guardian._obey(BEGIN, 0.0)
+    assert bench.reply() == (b"A", 0.0, 0, "")
+
+
 def test_a_card_that_refuses_0_v_at_the_beginning_is_closed(bench: Bench) -> None:
     bench.card.refuses = ["now"]
     with pytest.raises(DaqFaultError):
