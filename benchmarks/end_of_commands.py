@@ -39,6 +39,8 @@ OFF_MEDIAN_S, OFF_S, OFF_SHARE, ENDED_S = 0.2, 0.5, 0.98, 3.0
 ENDS, QUICK_ENDS = 50, 5
 # Until the wire is driven a cold machine compiles; then the signal comes within so many seconds.
 PATIENCE_S, WITHIN_S = 120.0, 2.0
+# A recording needs two rows; the rig samples every 0.05 s.
+TWO_ROWS_S = 0.2
 # What a recording says whose end nobody has written.
 UNKNOWN = ("running", "cut off")
 
@@ -166,7 +168,7 @@ class Bench:
     ) -> tuple[float, float]:
         """Send a signal at a random moment of a driven run; return when the drive was off and all had ended [s]."""
         wait_until(lambda: noted(self.notes).driven_s > 0.0, "the wire was never driven")
-        time.sleep(WITHIN_S * chance.random())
+        time.sleep(TWO_ROWS_S + WITHIN_S * chance.random())
         wait_until(lambda: not noted(self.notes).off_s, "the wire is not driven any more")
         sent_s = time.monotonic()
         send()
