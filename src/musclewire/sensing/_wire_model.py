@@ -207,11 +207,14 @@ def halves_of(model: FittedCurve, rows: Rows, known: HeatBalanceFound) -> tuple[
 
 
 def per_watt(heating: Half) -> float:
-    """Return by how much the normalised resistance of the cold wire rises with the power that warms it [1/W]."""
+    """Return by how much the cold wire's normalised resistance rises with the power that warms it [1/W].
+
+    It is 0 where the loop shows no cold wire: its resistance is highest where it begins.
+    """
     b = int(np.argmax(heating.resistance))
     warmed_w = heating.power_w[: b + 1] - heating.power_w[0]
     some = int(np.searchsorted(np.maximum.accumulate(warmed_w), COLD_PART * warmed_w[-1]))
-    return float((heating.resistance[some] - heating.resistance[0]) / warmed_w[some])
+    return float((heating.resistance[some] - heating.resistance[0]) / warmed_w[some]) if warmed_w[some] > 0.0 else 0.0
 
 
 def sensed_row(resistance: FloatArray, sensed_below: float) -> int:
