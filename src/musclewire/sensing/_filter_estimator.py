@@ -3,7 +3,7 @@
 The state is the steady power w, the place v of the play, the power d by which today's air shifts both branches, and the
 factor e of today's heat loss:
 
-    tau dw/dt = P - e (w - d) - heat dv/dt,   v rises on w_h(v), falls on w_c(v), and rests between them
+    tau dw/dt = P - e (w - d) - heat dv/dt,   v rises on w_h(v), falls on w_c(v), and hardly moves between
 
 Power drives it, the measured resistance corrects it. How far between the branches the wire is then chooses the quantity
 between both polynomials of the resistance as it was read: an error of the model's level does not count, only one of

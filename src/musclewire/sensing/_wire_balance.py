@@ -128,8 +128,11 @@ def steady_along(
     """
     steady[0] = power_w[0]
     for row in range(1, power_w.size):
-        dt_s = time_s[row] - time_s[row - 1]
-        taken_w = heat_j * (place[row] - place[row - 1]) / dt_s
+        dt_s, taken_j = time_s[row] - time_s[row - 1], heat_j * (place[row] - place[row - 1])
+        if dt_s <= 0.0:  # a clock that is rounded: the limit of what follows
+            steady[row] = steady[row - 1] - taken_j / time_constant_s
+            continue
+        taken_w = taken_j / dt_s
         given_w = 0.5 * (power_w[row] + power_w[row - 1]) - taken_w
         steady[row] = given_w + (steady[row - 1] - given_w) * math.exp(-dt_s / time_constant_s)
 

@@ -141,6 +141,14 @@ def test_a_recording_from_elsewhere_is_as_wide_as_what_is_known_of_its_wire(loop
     assert unknown.time_constant_s.std > 1.5 * sized.time_constant_s.std
 
 
+def test_a_clock_that_is_rounded_to_less_than_its_samples_shows_the_same_wire(loop: Recording) -> None:
+    coarse = of_elsewhere(loop).with_columns(time_s=np.floor(10.0 * loop["time_s"]) / 10.0)
+    exact, found = (fit(one).wire_model for one in (of_elsewhere(loop), coarse))
+    assert exact is not None
+    assert found is not None
+    assert found.time_constant_s.value == pytest.approx(exact.time_constant_s.value, rel=0.05)
+
+
 def test_a_wire_of_no_size_is_any_that_is_sold(model: SensingModel) -> None:
     found = by_diameter(replace(model, wire={}))
     assert "0.025 to 0.51 mm" in found.time_constant_s.origin
