@@ -15,6 +15,8 @@ from musclewire.app import json_schema
 from musclewire.errors import CallerError
 
 require_package("musclewire_robustness", "pip install ./studies/robustness")
+# README's second command does without the package: its tests are of a group that runs where developers' packages are.
+pytestmark = pytest.mark.slow
 
 from musclewire_robustness.task_plants import PLANTS, ChangedAir, TaskPlant
 from musclewire_robustness.task_runs import FollowedTargets, TaskCase, case_of
