@@ -39,6 +39,7 @@ def recover(
     found = recover_recording(recording, output, overwrite=overwrite)
     figure.draw(found.plot)
     written, ended = output or recording_of(recording), found.metadata["ended"]
-    duration_s = found.duration_s if "time_s" in found else None
-    answer = RecoverAnswer(recording=str(written), rows=len(found), duration_s=duration_s, ended=str(ended))
-    return Result(answer, f"{written}: {len(found)} rows, {duration_s or 0.0:g} s, ended: {ended}")
+    whole = found.with_minor_loop
+    duration_s = whole.duration_s if "time_s" in whole else None
+    answer = RecoverAnswer(recording=str(written), rows=len(whole), duration_s=duration_s, ended=str(ended))
+    return Result(answer, f"{written}: {len(whole)} rows, {duration_s or 0.0:g} s, ended: {ended}")

@@ -229,11 +229,12 @@ class ReplayDevice:
 
 
 def as_recorded(path: Path) -> Recording:
-    """Return a recording with its errors: gaps and clocks that run backwards are for the protection to detect.
+    """Return a recording's rows with their errors: gaps and clocks that run backwards are for the protection to detect.
 
     Raises RecordingError for a file that is not a recording.
     """
-    return read_hdf5(path) if path.suffix.lower() in (".h5", ".hdf5") else read_recording(path)
+    recording = read_hdf5(path) if path.suffix.lower() in (".h5", ".hdf5") else read_recording(path)
+    return recording.with_minor_loop
 
 
 def known_of(recording: Recording, given: ReplayConfiguration) -> Metadata:

@@ -58,6 +58,8 @@ from ._reading import proposed_mapping as proposed_mapping
 from ._reading import read_hdf5 as read_hdf5
 from ._reading import read_recording as read_recording
 from ._reading import understand as understand
+from ._recording import MINOR_LOOP_FROM as MINOR_LOOP_FROM
+from ._recording import NO_CYCLE as NO_CYCLE
 from ._recording import Recording as Recording
 from ._recording_writer import RecordingWriter as RecordingWriter
 from ._run_facts import RunFacts as RunFacts

@@ -96,7 +96,7 @@ _ALL = (
     ),
     Column("pulse_duration_s", "s", "length of the pulse that a row is of", "table"),
     Column("cold_resistance_ohm", "ohm", "resistance before the pulse that a row is of", "table"),
-    Column("cycle", "", "number of the cycle this row belongs to", "control"),
+    Column("cycle", "", "number of the cycle this row belongs to; 0 in a minor loop after them", "control"),
     Column("resistance_ohm", "ohm", "resistance at which both branches are given", "table"),
     Column("strain_heating", "", "strain on the heating branch at this resistance", "table"),
     Column("strain_cooling", "", "strain on the cooling branch at this resistance", "table"),

@@ -378,7 +378,7 @@ def _hdf5_table(path: Path, group: str | None) -> SourceTable:
 def _own_table(path: Path) -> SourceTable:
     recording = read_hdf5(path)
     columns = tuple(SourceColumn(name) for name in recording.names)
-    values = tuple(recording[name] for name in recording.names)
+    values = tuple(recording.whole_columns.values())
     return TableInMemory(str(path), "musclewire HDF5", columns, values, recording.metadata)
 
 

@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+# Rows later than this [s] are no part of the cycles: the minor loop that was recorded after them. Where cycles are
+# numbered its rows have none: those of a recording that was put together, with the metadata of its first part, have.
+MINOR_LOOP_FROM, NO_CYCLE = "minor_loop_from_s", 0.0
 # The facts of a run that a person reads first, in this order; .metadata has all.
 READ_FIRST = (
     "experiment",
@@ -63,6 +66,10 @@ class Recording:
     pulses (``is_pulse_table``), a row each: current, length, resistance at its end, largest stroke. Where only the
     order of rows counts and no clock is known, ``time_s`` may be row numbers; the metadata say so,
     ``clock = "row numbers"``.
+
+    The last rows, later than the metadata's ``minor_loop_from_s`` and with 0 in a column ``cycle``, are a segment of
+    their own, :attr:`minor_loop`: columns and number of rows are those of the cycles before it, as if the run had ended
+    with them. Files keep both.
 
     Parameters
     ----------
@@ -97,8 +104,11 @@ class Recording:
         columns = {known_column(name).name: _read_only(name, self.columns[name]) for name in self.columns}
         _check_equal_lengths(columns)
         _check_rows_are_ordered(columns)
-        object.__setattr__(self, "columns", MappingProxyType(columns))
-        object.__setattr__(self, "metadata", checked_metadata(self.metadata))
+        metadata = checked_metadata(self.metadata)
+        rows = _rows_of_cycles(columns, metadata)
+        object.__setattr__(self, "_whole", MappingProxyType(columns))
+        object.__setattr__(self, "columns", MappingProxyType({name: one[:rows] for name, one in columns.items()}))
+        object.__setattr__(self, "metadata", metadata)
 
     def __getitem__(self, name: str) -> FloatArray:
         """Return one column, shape (n_times,), read-only.
@@ -126,8 +136,9 @@ class Recording:
         """Return whether columns and metadata are the same, number by number; NaN equals NaN here."""
         if not isinstance(other, Recording):
             return NotImplemented
+        one, another = self.whole_columns, other.whole_columns
         same_columns = self.names == other.names and all(
-            np.array_equal(self[name], other[name], equal_nan=True) for name in self.names
+            np.array_equal(one[name], another[name], equal_nan=True) for name in self.names
         )
         return same_columns and dict(self.metadata) == dict(other.metadata)
 
@@ -135,12 +146,29 @@ class Recording:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Return the parts from which pickle rebuilds a recording: read-only mappings cannot be pickled."""
-        return _unpickled, (dict(self.columns), dict(self.metadata))
+        return _unpickled, (dict(self.whole_columns), dict(self.metadata))
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the columns, in their order."""
         return tuple(self.columns)
+
+    @property
+    def whole_columns(self) -> Mapping[str, FloatArray]:
+        """The columns as a file has them: the rows of a minor loop after those of the cycles, (n_file_rows,)."""
+        whole: Mapping[str, FloatArray] = self._whole  # type: ignore[attr-defined]  # set with the columns
+        return whole
+
+    @cached_property
+    def minor_loop(self) -> Recording | None:
+        """The minor loop that was recorded after the cycles, on their clock; None without one."""
+        rows = {name: values[len(self) :] for name, values in self.whole_columns.items()}
+        return Recording(rows, _of_cycles(self.metadata)) if next(iter(rows.values())).size else None
+
+    @cached_property
+    def with_minor_loop(self) -> Recording:
+        """All rows as one recording, in which nothing separates the minor loop from the cycles."""
+        return Recording(self.whole_columns, _of_cycles(self.metadata))
 
     @cached_property
     def facts(self) -> RunFacts:
@@ -170,7 +198,7 @@ class Recording:
         return "time_s" not in self and all(name in self for name in PULSE_TABLE)
 
     def with_columns(self, columns: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> Recording:
-        """Return a recording in which columns are added or replaced.
+        """Return a recording in which columns are added or replaced, without a minor loop.
 
         Parameters
         ----------
@@ -184,7 +212,7 @@ class Recording:
         The other recording, with the same metadata.
         """
         added = {**(columns or {}), **more}
-        return Recording({**self.columns, **added}, self.metadata)  # type: ignore[dict-item]
+        return Recording({**self.columns, **added}, _of_cycles(self.metadata))  # type: ignore[dict-item]
 
     def with_metadata(self, metadata: Mapping[str, MetadataValue] | None = None, /, **more: MetadataValue) -> Recording:
         """Return a recording in which metadata are added or replaced.
@@ -200,10 +228,10 @@ class Recording:
         -------
         The other recording, with the same columns.
         """
-        return Recording(self.columns, {**self.metadata, **(metadata or {}), **more})
+        return Recording(self.whole_columns, {**self.metadata, **(metadata or {}), **more})
 
     def between(self, start: int | None = None, stop: int | None = None) -> Recording:
-        """Return some of the rows.
+        """Return some of the rows, without a minor loop.
 
         Parameters
         ----------
@@ -224,10 +252,10 @@ class Recording:
         for row in (start, stop):
             if row is not None and not isinstance(row, (int, np.integer)):
                 raise CallerError(f"between() counts rows, got {row!r}; use numpy.searchsorted on time_s for times")
-        return Recording({name: values[start:stop] for name, values in self.columns.items()}, self.metadata)
+        return Recording({name: values[start:stop] for name, values in self.columns.items()}, _of_cycles(self.metadata))
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return a pandas DataFrame with the metadata in ``attrs``.
+        """Return a pandas DataFrame with the metadata in ``attrs``; a minor loop makes one of its own.
 
         Returns
         -------
@@ -246,7 +274,7 @@ class Recording:
         return frame
 
     def to_xarray(self) -> xr.Dataset:
-        """Return an xarray data set, whose variables carry their units.
+        """Return an xarray data set, whose variables carry their units; a minor loop makes one of its own.
 
         Returns
         -------
@@ -268,7 +296,7 @@ class Recording:
         return xr.Dataset(variables, attrs=attributes)
 
     def save(self, path: str | Path, matlab_version: str | None = None) -> None:
-        """Write the recording, whole or not at all; a file of that name is replaced.
+        """Write the recording with its minor loop, whole or not at all; a file of that name is replaced.
 
         Parameters
         ----------
@@ -286,7 +314,7 @@ class Recording:
         MissingExtraError
             For .parquet without pyarrow, for .xlsx without openpyxl.
         """
-        write_columns(self.columns, self.metadata, Path(path), matlab_version)
+        write_columns(self.whole_columns, self.metadata, Path(path), matlab_version)
 
     def plot(self, kind: str | None = None, *, style: str = "screen") -> Figure:
         """Draw the recording.
@@ -365,6 +393,20 @@ def _unpickled(columns: dict[str, FloatArray], metadata: dict[str, MetadataValue
     for name in columns:
         declare_column(name)
     return Recording(columns, metadata)
+
+
+def _rows_of_cycles(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue]) -> int | None:
+    """Return how many rows come before a minor loop, which ends a recording; None without one."""
+    from_s, time_s = metadata.get(MINOR_LOOP_FROM), columns.get("time_s")
+    if time_s is None or isinstance(from_s, (bool, str)) or from_s is None:
+        return None
+    before = np.flatnonzero(~((time_s > from_s) & (columns.get("cycle", NO_CYCLE) == NO_CYCLE)))
+    return int(before[-1]) + 1 if before.size else None
+
+
+def _of_cycles(metadata: Mapping[str, MetadataValue]) -> dict[str, MetadataValue]:
+    """Return metadata without the beginning of a minor loop: of rows that have none, or a clock of their own."""
+    return {key: value for key, value in metadata.items() if key != MINOR_LOOP_FROM}
 
 
 def _check_equal_lengths(columns: Mapping[str, FloatArray]) -> None:

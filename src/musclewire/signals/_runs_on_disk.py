@@ -107,7 +107,7 @@ def recover_recording(path: str | Path, output: str | Path | None = None, *, ove
 
 def _finish(target: Path, journal: Path, recording: Recording) -> None:
     if not target.exists():
-        replace_journal(target, recording.columns, recording.metadata)
+        replace_journal(target, recording.whole_columns, recording.metadata)
         return
     # A process that was killed between its last two steps leaves both.
     if len(recording) and Recording(*read_hdf5_columns(target)) != recording:
@@ -120,7 +120,7 @@ def _write_beside(output: Path, recording: Recording, overwrite: bool) -> None:
         raise CallerError(
             f"{output} exists: give another name or allow replacing it (" + argument("overwrite", True) + ")"
         )
-    write_columns(recording.columns, recording.metadata, output)
+    write_columns(recording.whole_columns, recording.metadata, output)
 
 
 def _nothing_to_recover(target: Path, journal: Path) -> RecordingError:
