@@ -44,7 +44,7 @@ MEASURED = "the motion of this recording"
 # A turn counts as one of a minor loop between these places, and what follows if both laws differ by that much.
 TURNS_BETWEEN, TURN, LAWS_DIFFER = (0.15, 0.85), 0.1, 0.02
 # Any law between play (0) and scaled copies (1) is as likely.
-ANY_LAW = WireNumber(0.5, 1.0 / math.sqrt(12.0), "any law is as likely: the recording has no minor loop")
+ANY_LAW = WireNumber(0.5, 1.0 / math.sqrt(12.0), "any law is as likely: no minor loop shows it")
 
 
 class WireMotion(NamedTuple):
@@ -239,11 +239,15 @@ def weighted(left: list[FloatArray], weights: list[float]) -> FloatArray:
 
 
 def law_of_minor_loops(wire: WireModel, balance: HeatBalanceFound, motion: WireMotion) -> WireNumber:
-    """Return where between play and scaled copies the wire's minor loops are, by least squares; any if it has none."""
-    places = wire.places
+    """Return where between play and scaled copies the wire's minor loops are, by least squares; any if it has none.
+
+    One number is one law for all turns: by how much they differ is part of its deviation.
+    """
     steady = steady_power_w(motion, balance.time_constant_s.value, balance.transformation_heat_j.value)
+    # Places below 0 are of a cold wire, whose quantity is that at B whatever its power.
+    places = np.maximum(wire.places, 0.0)
     up, down = (np.interp(steady, one, places) for one in (wire.heating_power_w, wire.cooling_power_w))
-    largest, differ, seen = float(places[-1]), [], []
+    largest, ways = float(places[-1]), []
     turns = turns_of(motion.place)
     for turn, following in pairwise(turns[1:]):
         at, rows = float(motion.place[turn]), slice(turn, following)
@@ -253,18 +257,19 @@ def law_of_minor_loops(wire: WireModel, balance: HeatBalanceFound, motion: WireM
             play, scaled = np.minimum(at, down[rows]), at * down[rows] / largest
         else:
             play, scaled = np.maximum(at, up[rows]), at + (largest - at) * up[rows] / largest
-        differ.append(scaled - play)
-        seen.append(motion.place[rows] - play)
-    apart, moved = (np.concatenate(one) if one else np.empty(0) for one in (differ, seen))
-    differ_enough = np.abs(apart) > LAWS_DIFFER
-    apart, moved = apart[differ_enough], moved[differ_enough]
+        differ_enough = np.abs(scaled - play) > LAWS_DIFFER
+        ways.append(np.array([scaled - play, motion.place[rows] - play])[:, differ_enough])
+    apart, moved = np.concatenate(ways, axis=1) if ways else np.empty((2, 0))
     if apart.size < FEWEST_ROWS:
         return ANY_LAW
     squares = float(apart @ apart)
-    left = moved - float(apart @ moved) / squares * apart
-    precision = squares * independent(left) / max(float(left @ left), MIN_NOISE**2)
+    seen = float(apart @ moved) / squares
+    left = moved - seen * apart
+    by_rows = max(float(left @ left), MIN_NOISE**2) / squares / independent(left)
+    by_turns = [float(one @ (other - seen * one)) ** 2 / float(one @ one) for one, other in ways if one.size]
+    precision = 1.0 / (by_rows + sum(by_turns) / squares / max(len(by_turns) - 1, 1))
     before = ANY_LAW.std**-2.0
-    value = (precision * float(apart @ moved) / squares + before * ANY_LAW.value) / (precision + before)
+    value = (precision * seen + before * ANY_LAW.value) / (precision + before)
     return WireNumber(value, (precision + before) ** -0.5, "minor loops of this recording")
 
 
