@@ -90,7 +90,7 @@ def main() -> int:
 def exported(folder: Path, estimator: str) -> tuple[CLibrary, ReferenceTick]:
     """Export the simulated wire's own model with the default controller; also return its reference."""
     with mw.open_rig("simulated") as rig:
-        model = mw.fit(mw.characterize(rig))
+        model = mw.fit(mw.characterize(rig, minor_loop=False))
         limits = rig.protection_limits
     drive = DriveLimits(limits.sense_voltage_v, limits.maximum_voltage_v)
     settings = FuzzyPidSettings()

@@ -31,7 +31,7 @@ def line_of(name: str, seeds: int) -> tuple[str, int]:
     """Return a rig's line, and how many of its runs failed."""
     rig, quantity = RIGS[name]
     with mw.open_rig(rig, seed=1) as opened:
-        model = mw.fit(mw.characterize(opened), quantity=quantity)
+        model = mw.fit(mw.characterize(opened, minor_loop=False), quantity=quantity)
     # Two wires have no compiled loop.
     runs = mw.control_many(
         rig, model, seeds=range(FIRST, FIRST + seeds), keep_recordings=True, in_python=name == "gripper"

@@ -88,7 +88,7 @@ def errors_of_steps(samples: int = 2000) -> dict[str, float]:
 def measured(turns: int, steps: int) -> dict[str, float]:
     """Return steps a second and ratios, medians over turns."""
     with open_rig("simulated") as rig:
-        model = fit(characterize(rig, cycles=1))
+        model = fit(characterize(rig, cycles=1, minor_loop=False))
     kinds = {
         "ours": (stepper(WireVectorEnv(WIRES, episode="random"), (WIRES, 1), steps), WIRES * steps),
         "with estimator": (

@@ -62,7 +62,7 @@ def main() -> int:
     print("wire           changed        without: rms %, held   with it: rms %, held, missed", flush=True)
     for wire in WIRES[:1] if quick else WIRES:
         with opened(wire, FIT_SEED, {}) as rig:
-            loop = mw.characterize(rig)
+            loop = mw.characterize(rig, minor_loop=False)
         model = mw.fit(loop)
         stated = {"ambient_temperature_k": 295.15, **{k: v for k, v in loop.metadata.items() if isinstance(v, float)}}
         cases = [(name, model, {key: by * stated[key] for key, by in rig.items()}) for name, rig in RIGS.items()]

@@ -154,7 +154,7 @@ def main() -> None:
     parser.add_argument("rigs", nargs="*", type=Path, default=[LIANG_ROGERS])
     for rig_file in parser.parse_args().rigs:
         with mw.open_rig(rig_file) as rig:
-            model = mw.fit(mw.characterize(rig))
+            model = mw.fit(mw.characterize(rig, minor_loop=False))
             names = list(CONDITIONS) if hasattr(rig.device, "conditions") else ["none"]
         stroke = model.quantity_max - model.quantity_min
         print(f"{rig_file.name}: stroke {100.0 * stroke:.2f} %, gap {100.0 * model.hysteresis_gap:.2f} %")

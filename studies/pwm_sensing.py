@@ -123,7 +123,7 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="two frequencies and one seed")
     quick = parser.parse_args().quick
     with mw.open_rig(RigConfiguration(), seed=1) as rig:
-        model = mw.fit(mw.characterize(rig))
+        model = mw.fit(mw.characterize(rig, minor_loop=False))
     stroke_of_ohm = 1.0 / (model.resistance_max_ohm - model.resistance_min_ohm)
     print(f"error of sensing, 12 bits over 5 V; R {model.resistance_min_ohm:.2f} to {model.resistance_max_ohm:.2f} ohm")
     bias = sensing_table((200.0, 1000.0) if quick else (200.0, 500.0, 1000.0, 4000.0, 15600.0), stroke_of_ohm)

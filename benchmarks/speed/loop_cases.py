@@ -66,7 +66,7 @@ def loop_cases() -> Iterator[PreparedComparison]:
 def closed_loop_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
     """Return both sides of closed loops; a unit is a sample of one loop."""
     with open_rig("simulated") as rig:
-        model = fit(characterize(rig, cycles=1))
+        model = fit(characterize(rig, cycles=1, minor_loop=False))
     loops, reference = QUICK_LOOPS if quick else LOOPS, staircase()
     samples = round((APPROACH_S + reference.duration_s) / SAMPLE_S)
     seeds = range(1, loops + 1)

@@ -21,7 +21,7 @@ def without_instruments(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("rig")
     with mw.open_rig("simulated", seed=3) as rig:
         loop = mw.characterize(rig, period_s=PERIOD_S, cycles=1)
-    kept = {name: loop[name] for name in loop.names if name not in INSTRUMENTS}
+    kept = {name: values for name, values in loop.whole_columns.items() if name not in INSTRUMENTS}
     Recording(kept, loop.metadata).save(folder / "recorded.h5")
     (folder / "rig.toml").write_text('kind = "replay"\nrecording = "recorded.h5"\n', "utf-8")
     return folder / "rig.toml"

@@ -121,6 +121,7 @@ RIG = option(
 # The slow sine and what is compared by it.
 AMPLITUDE = quantity("--amplitude", "V", "Amplitude of the slow sine, as '3.2 V'.")
 UNTIL_LEVEL = option("--until-level", help="Raise the amplitude until the resistance levels off or a limit is met.")
+NO_MINOR_LOOP = option("--no-minor-loop", help="Leave out the minor loop after the cycles: it takes about one more.")
 PERIOD = quantity("--period", "s", "Period of the slow sine, as '90 s'.", 1.0, 86400.0)
 CYCLES = option("--cycles", help="Cycles of the slow sine; the last is analysed.", min=1)
 MAX_CYCLES = option("--max-cycles", help="Stop after this many cycles at the latest.", min=2, max=MAX_COUNT)

@@ -17,6 +17,7 @@ from musclewire.app._options import (
     AT,
     COMPARED_QUANTITY,
     MAX_CYCLES,
+    NO_MINOR_LOOP,
     OVERWRITE,
     PERIOD,
     SEED,
@@ -97,10 +98,14 @@ def characterize(
     seed: Annotated[int | None, SEED] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     until_level: Annotated[bool, UNTIL_LEVEL] = False,
+    no_minor_loop: Annotated[bool, NO_MINOR_LOOP] = False,
 ) -> Result:
-    """Heat and cool the wire slowly (the slow sine) and record it."""
+    """Heat and cool the wire slowly (the slow sine) and record it.
+
+    A minor loop follows the cycles, a segment of its own: by it a fit knows what the wire does that turns around.
+    """
+    from musclewire.experiment import MINOR_LOOP_CYCLES, run_warnings
     from musclewire.experiment import characterize as run_characterize
-    from musclewire.experiment import run_warnings
 
     period_s = sine.period_s
     require_recording_file(output, overwrite)
@@ -110,13 +115,15 @@ def characterize(
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         amplitude_v = sine.amplitude_v
         refused = timing.apply(opened)
-        with progress_bar("Slow sine", sine.cycles * period_s, opened) as on_sample:
+        cycles = sine.cycles + (0 if no_minor_loop else MINOR_LOOP_CYCLES)
+        with progress_bar("Slow sine", cycles * period_s, opened) as on_sample:
             recording = run_characterize(
                 opened,
                 amplitude_v=amplitude_v,
                 period_s=period_s,
                 cycles=sine.cycles,
                 until_level=until_level,
+                minor_loop=not no_minor_loop,
                 path=output,
                 overwrite=overwrite,
                 on_sample=on_sample,

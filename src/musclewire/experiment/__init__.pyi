@@ -43,11 +43,11 @@ from ._metrics import StepMetrics as StepMetrics
 from ._metrics import control_metrics as control_metrics
 from ._metrics import determined as determined
 from ._metrics import elapsed as elapsed
+from ._minor_loop import MINOR_LOOP_CYCLES as MINOR_LOOP_CYCLES
 from ._missed_target import MissWatch as MissWatch
 from ._odd_resistance import odd_resistance as odd_resistance
 from ._on_board import control_on_board as control_on_board
 from ._open_loop import PAPER_PERIOD_S as PAPER_PERIOD_S
-from ._open_loop import Waveform as Waveform
 from ._open_loop import WaveformPolicy as WaveformPolicy
 from ._open_loop import characterize as characterize
 from ._open_loop import slow_sine as slow_sine
@@ -61,6 +61,7 @@ from ._run import Decision as Decision
 from ._run import OnSample as OnSample
 from ._run import Recorder as Recorder
 from ._run import RunOptions as RunOptions
+from ._run import Waveform as Waveform
 from ._run import file_in as file_in
 from ._run import run_on_rig as run_on_rig
 from ._run import what_protects as what_protects

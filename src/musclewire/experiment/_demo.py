@@ -85,4 +85,12 @@ def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -
 def slow_sine_loop(rig: Rig, amplitude_v: float, path: Path, progress: Progress) -> Recording:
     """Record the slow sine of one amplitude [V]."""
     with progress(f"Slow sine, {amplitude_v:g} V", CYCLES * PAPER_PERIOD_S) as on_sample:
-        return characterize(rig, amplitude_v=amplitude_v, cycles=CYCLES, path=path, overwrite=True, on_sample=on_sample)
+        return characterize(
+            rig,
+            amplitude_v=amplitude_v,
+            cycles=CYCLES,
+            minor_loop=False,  # the paper made none; here loops of two amplitudes are shown instead
+            path=path,
+            overwrite=True,
+            on_sample=on_sample,
+        )

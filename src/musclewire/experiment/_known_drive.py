@@ -47,8 +47,12 @@ class KnownDrivePolicy(Protocol):
 
 
 class TakenRun(NamedTuple):
-    """All samples of a run that was taken in compiled code: columns of the rig by name, and the policy's values."""
+    """All samples of a run that was taken in compiled code: columns of the rig by name, and the policy's values.
 
+    ``start_s`` is the run's start on the rig's clock.
+    """
+
+    start_s: float
     elapsed_s: FloatArray
     columns: dict[str, FloatArray]
     values: FloatArray
@@ -59,17 +63,17 @@ class TakenRun(NamedTuple):
 
 
 @lru_cache(maxsize=16)
-def elapsed_times_s(ends_s: tuple[float, ...], sample_period_s: float) -> tuple[float, ...]:
+def elapsed_times_s(ends_s: tuple[float, ...], start_s: float) -> tuple[float, ...]:
     """Return the ends of samples counted from the run's start [s], rounded as the loop in Python rounds them."""
-    start_s = ends_s[0] - sample_period_s
     return tuple(round(end_s - start_s, 9) for end_s in ends_s)
 
 
-def run_compiled_drive(rig: Rig, policy: object, samples: int) -> TakenRun | str:
+def run_compiled_drive(rig: Rig, policy: object, samples: int, start_s: float | None = None) -> TakenRun | str:
     """Take all samples of a run in compiled code if that is possible, otherwise return why not.
 
-    The reason is empty if the drive is not known, or if no simulation runs: then nobody expects it. The rig is left as
-    the samples leave it, without them as it was.
+    ``start_s`` is the run's start on the rig's clock [s] if it has begun. The reason is empty if the drive is not
+    known, or if no simulation runs: then nobody expects it. The rig is left as the samples leave it, without them as it
+    was.
     """
     if not isinstance(policy, KnownDrivePolicy) or ability(rig, HasTrueState) is None:
         return ""
@@ -80,11 +84,12 @@ def run_compiled_drive(rig: Rig, policy: object, samples: int) -> TakenRun | str
     if reason:
         return reason
     times_s = times_on_rig_s(rig, samples)
-    elapsed_s = elapsed_times_s(tuple(times_s.tolist()), rig.sample_period_s)
+    start_s = float(times_s[0]) - rig.sample_period_s if start_s is None else start_s
+    elapsed_s = elapsed_times_s(tuple(times_s.tolist()), start_s)
     known = policy.known_drive(elapsed_s)
     if known is None:
         return ""
     run = run_known_drive(rig, known.drives_v, known.true_names)
     if run.ended is not CompiledLoopEnd.DONE:
         return f"{run.ended.name.lower().replace('_', ' ')} at sample {run.samples + 1}"
-    return TakenRun(np.array(elapsed_s), run.columns, np.hstack([known.values, run.true]))
+    return TakenRun(start_s, np.array(elapsed_s), run.columns, np.hstack([known.values, run.true]))

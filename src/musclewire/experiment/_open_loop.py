@@ -6,8 +6,7 @@ Its amplitude may be found beforehand: one sweep shows where the resistance has 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import inf
 from typing import NamedTuple, TypedDict, Unpack
 
@@ -18,7 +17,16 @@ from musclewire.controllers import Event
 from musclewire.errors import CallerError, argument
 from musclewire.experiment._home_sweep import HomeSweep, SweepPlan
 from musclewire.experiment._known_drive import KnownDrive
-from musclewire.experiment._run import Decision, OnSample, RunOptions, refuse_unusable, run_on_rig
+from musclewire.experiment._minor_loop import minor_loop_after
+from musclewire.experiment._run import (
+    Decision,
+    Following,
+    OnSample,
+    RunOptions,
+    Waveform,
+    refuse_unusable,
+    run_on_rig,
+)
 from musclewire.identify import shows_c
 from musclewire.parameters import ValidityLimits
 from musclewire.rigs import ProtectionTripError, Rig, refuse_no_rig
@@ -85,7 +93,6 @@ def levelling_amplitude(rig: Rig, on_sample: OnSample | None = None) -> Levellin
     return LevellingAmplitude(min(highest_v, rig.maximum_voltage_v), not sweep.stopped_by, sweep.stopped_by)
 
 
-Waveform = Callable[[float], float]
 PAPER_PERIOD_S = 90.0
 
 
@@ -202,6 +209,7 @@ class SlowSineRun(NamedTuple):
     policy: WaveformPolicy
     duration_s: float
     metadata: dict[str, MetadataValue]
+    waveform: Waveform
 
 
 def slow_sine_run(
@@ -213,7 +221,7 @@ def slow_sine_run(
         raise CallerError(f"cycles is {cycles}: give at least 1")
     waveform = slow_sine(amplitude, rig.sense_voltage_v, period_s)
     metadata: dict[str, MetadataValue] = {"experiment": "slow sine", "amplitude_v": amplitude, "period_s": period_s}
-    return SlowSineRun(WaveformPolicy(waveform, period_s), cycles * period_s, metadata)
+    return SlowSineRun(WaveformPolicy(waveform, period_s), cycles * period_s, metadata, waveform)
 
 
 def way_out(rig: Rig, amplitude_v: float) -> str:
@@ -247,12 +255,15 @@ def characterize(
     period_s: float = PAPER_PERIOD_S,
     cycles: int = 2,
     until_level: bool = False,
+    minor_loop: bool = True,
     **run: Unpack[RunOptions],
 ) -> Recording:
     """Heat and cool the wire slowly and record both voltages and the reference instruments.
 
     This is the loop that a model is fitted to. After the first cycle the wire repeats its loop; the analysis uses the
-    last.
+    last. A minor loop follows, which takes about one cycle more: from cold up to two thirds of the way, back to one
+    third, up again and down. It is a segment of its own, ``Recording.minor_loop``, which no analysis of the cycles
+    sees; by it a fit finds the law of the wire's minor loops. A run that is cut off in it has a whole slow loop.
 
     Parameters
     ----------
@@ -267,6 +278,8 @@ def characterize(
     until_level
         Whether an amplitude that is not given is raised above the rig's own, within its limits, until the fall of the
         resistance levels off; a sweep of half a minute before the slow sine finds it. The metadata say what stopped it.
+    minor_loop
+        Whether a minor loop follows the cycles. A wire whose resistance does not fall in them has none.
     **run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
         may raise to stop the run, ``until`` asked after each whether the run is to end now.
@@ -304,8 +317,12 @@ def characterize(
         if amplitude_v > rig.drive_amplitude_v:
             raised = {"amplitude_raised": "until the fall levelled off" if found.levelled else found.stopped_by}
     sine = slow_sine_run(rig, amplitude_v, period_s, cycles)
+    following: Following | None = None
+    if minor_loop:
+        following = partial(minor_loop_after, waveform=sine.waveform, period_s=period_s, fall=MIN_FALL_FRACTION)
+    metadata = {**sine.metadata, **raised}
     try:
-        recording = run_on_rig(rig, sine.policy, sine.duration_s, metadata={**sine.metadata, **raised}, **run)
+        recording = run_on_rig(rig, sine.policy, sine.duration_s, metadata=metadata, minor_loop=following, **run)
     except ProtectionTripError as trip:
         if trip.event is Event.OVER_TEMPERATURE:
             trip.args = (f"{trip}; " + way_out(rig, float(str(sine.metadata["amplitude_v"]))),)

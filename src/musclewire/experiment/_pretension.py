@@ -300,7 +300,7 @@ def pretension_sweep(
         if on_setting is not None:
             on_setting(pretension)
         path = None if folder is None else file_in(folder, f"pretension-{pretension:.2f}N.h5")
-        recording = characterize(rig, path=path, overwrite=True, on_sample=on_sample, **sine)
+        recording = characterize(rig, path=path, overwrite=True, on_sample=on_sample, minor_loop=False, **sine)
         warnings.extend(f"pretension {pretension:g} N: {warning}" for warning in instrument_warnings(recording))
         try:
             rows.append(row_of(float(pretension), loop_gaps(recording), recording))

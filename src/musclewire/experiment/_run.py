@@ -32,6 +32,7 @@ from musclewire.identify import extrapolation_metadata
 from musclewire.rigs import Rig, SimulationClock, adjustable_clock_of
 from musclewire.signals import (
     ELECTRICAL_COLUMNS,
+    MINOR_LOOP_FROM,
     Command,
     MetadataValue,
     OpenJournal,
@@ -42,6 +43,7 @@ from musclewire.signals import (
 
 OnSample = Callable[[Mapping[str, float]], None]
 Until = Callable[[], bool]
+Waveform = Callable[[float], float]
 Exchange = Callable[[Command], RawSample]
 
 
@@ -104,6 +106,17 @@ class Policy(Protocol):
         ...
 
 
+class FollowingPart(NamedTuple):
+    """What a run goes on with once its time is over: a policy, and for how long [s]."""
+
+    policy: Policy
+    duration_s: float
+
+
+# Chooses how a run goes on by its recording; None if it does not.
+Following = Callable[[Recording], FollowingPart | None]
+
+
 def file_in(folder: str | Path, name: str) -> Path:
     """Return a file in a folder, which is created if missing. Raises CallerError if that fails."""
     try:
@@ -139,6 +152,7 @@ def run_on_rig(
     overwrite: bool = False,
     on_sample: OnSample | None = None,
     until: Until | None = None,
+    minor_loop: Following | None = None,
 ) -> Recording:
     """Drive a rig by a policy for a time and return the recording.
 
@@ -165,6 +179,9 @@ def run_on_rig(
         Gets every recorded row; it may raise to stop the run.
     until
         Asked after each row; True ends the run before its time, as done and not as cut off.
+    minor_loop
+        Asked at the end for a minor loop to go on with, by a policy with the same columns: a segment of its own in the
+        recording. The rig is at its sense voltage in between. None for a run that ends there.
 
     Returns
     -------
@@ -188,7 +205,9 @@ def run_on_rig(
             "most: give a shorter one, or a longer sample period"
         )
     refuse_unusable(path, overwrite)
-    described = {**what_protects(rig), **rig.metadata(), **(metadata or {})}
+    # A run that is killed says when its minor loop was to begin; one that ends, when it began.
+    begins: dict[str, MetadataValue] = {} if minor_loop is None else {MINOR_LOOP_FROM: samples * rig.sample_period_s}
+    described = {**what_protects(rig), **rig.metadata(), **(metadata or {}), **begins}
     timing = LoopTiming(rig.sample_period_s, rig.paced, adjustable_clock_of(rig))
     exchange = timed_exchange(rig, timing, AirWatch(rig))
     try:
@@ -197,16 +216,15 @@ def run_on_rig(
         measured = (*ELECTRICAL_COLUMNS, *rig.reference_columns)
         columns = (*measured, *policy.columns)
         with Recorder(columns, described, path, overwrite=overwrite) as recorder, few_collections():
+            # A callback may look at the rig after each sample: then samples are taken one by one.
+            loop = RunParts(rig, exchange, recorder, measured, timing, on_sample, until)
             taken: TakenRun | str = ""
             try:
-                # A callback may look at the rig after each sample: then samples are taken one by one.
-                alone = on_sample is None and until is None
-                taken = run_compiled_drive(rig, policy, samples) if alone else ""
-                if isinstance(taken, TakenRun):
-                    recorder.append_all(taken.rows(measured))
-                else:
-                    loop = RunParts(policy, exchange, recorder, measured, until)
-                    follow(loop, exchange(command), samples, rig.sample_period_s, timing, on_sample)
+                taken = compiled_part(loop, policy, samples)
+                start_s = take_part(loop, policy, command, samples, taken)
+                if minor_loop is not None and len(recorder) == samples:
+                    recorder.describe({MINOR_LOOP_FROM: recorder.duration_s})
+                    go_on(loop, minor_loop(recorder.recording()), start_s)
             finally:
                 rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
                 # Once more: what a rig counts, lost frames for one, is known only now.
@@ -218,28 +236,59 @@ def run_on_rig(
 
 
 class RunParts(NamedTuple):
-    """What meets in a run: the policy, the rig's exchange, the recorder, its fields of a sample, and an early end."""
+    """What a run has besides its policies: rig, exchange, recorder, its fields of a sample, and who looks at them."""
 
-    policy: Policy
+    rig: Rig
     exchange: Exchange
     recorder: Recorder
     measured: tuple[str, ...]
+    timing: LoopTiming
+    on_sample: OnSample | None = None
     until: Until | None = None
 
 
-def follow(
+def compiled_part(loop: RunParts, policy: Policy, samples: int, start_s: float | None = None) -> TakenRun | str:
+    """Return samples taken by a policy in compiled code, or why they are not; "" if a callback looks at each."""
+    alone = loop.on_sample is None and loop.until is None
+    return run_compiled_drive(loop.rig, policy, samples, start_s) if alone else ""
+
+
+def take_part(
     loop: RunParts,
-    sample: RawSample,
+    policy: Policy,
+    command: Command,
     samples: int,
-    sample_period_s: float,
-    timing: LoopTiming,
-    on_sample: OnSample | None,
-) -> None:
+    taken: TakenRun | str,
+    start_s: float | None = None,
+) -> float:
+    """Record samples by a policy, one by one unless they are taken; return the run's start on the rig's clock [s].
+
+    ``start_s`` is that start if the run has begun.
+    """
+    if isinstance(taken, TakenRun):
+        loop.recorder.append_all(taken.rows(loop.measured))
+        return taken.start_s
+    sample = loop.exchange(command)
+    start_s = sample.time_s - loop.rig.sample_period_s if start_s is None else start_s
+    follow(loop, policy, sample, samples, start_s)
+    return start_s
+
+
+def go_on(loop: RunParts, following: FollowingPart | None, start_s: float) -> None:
+    """Go on with a part of its own, if there is one; the rig is safe in between."""
+    if following is None:
+        return
+    loop.rig.make_safe()
+    policy, samples = following.policy, round(following.duration_s / loop.rig.sample_period_s)
+    taken = compiled_part(loop, policy, samples, start_s)
+    take_part(loop, policy, policy.first_command(), samples, taken, start_s)
+
+
+def follow(loop: RunParts, policy: Policy, sample: RawSample, samples: int, start_s: float) -> None:
     """Hand each sample to the policy, record both, hand the policy's command to the rig; from a first sample on."""
-    policy, exchange, recorder, measured, until = loop
+    _, exchange, recorder, measured, timing, on_sample, until = loop
     # The time comes first and is the run's own.
     fields_of = itemgetter(*(RawSample._fields.index(name) for name in measured[1:]))
-    start_s = sample.time_s - sample_period_s
     for left in range(samples, 0, -1):
         # A recording counts from its own start; rounded, because the difference of clocks is not, and before the policy
         # sees it, so that a replay of the recording shows it the very same time.
@@ -348,6 +397,11 @@ class Recorder:
     def describe(self, metadata: Mapping[str, MetadataValue]) -> None:
         """Add metadata that is known only at the end; the file has it once it is closed."""
         self._metadata.update(metadata)
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the last row [s]; IndexError without rows."""
+        return self._values[(len(self) - 1) * len(self._columns) + self._columns.index("time_s")]
 
     def __len__(self) -> int:
         """Return the number of rows recorded."""

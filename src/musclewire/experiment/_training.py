@@ -123,7 +123,7 @@ def train(
     warnings: tuple[str, ...] = ()
     for number in range(1, max_cycles + 1):
         path = None if folder is None else file_in(folder, f"cycle-{number:03d}.h5")
-        recording = characterize(rig, path=path, overwrite=True, on_sample=on_sample, **sine)
+        recording = characterize(rig, path=path, overwrite=True, on_sample=on_sample, minor_loop=False, **sine)
         warnings = warnings or tuple(f"cycle {number}: {text}" for text in run_warnings(recording))
         cycle = cycle_of(recording, number, cycles)
         cycles.append(cycle)

@@ -245,7 +245,8 @@ def fit(
         against = (*against, f"{OVER_COLD} the {cold_ohm:.4g} ohm of the cold wire")
     else:
         model = with_gains(model, recording)
-    model = with_wire_model(model, *cycles_and_motion(recording, reading, measured, model))
+    loops, motion = cycles_and_motion(recording, reading, measured, model)
+    model = with_wire_model(model, loops, motion, minor_loop_motion(given, cold_ohm, model))
     found = usable_readings(given).findings
     return replace(model, warnings=(*model.warnings, *found, *against), does_not_hold=against_a_loop(model, given))
 
@@ -314,6 +315,23 @@ def cycles_and_motion(
         power_loop(recording, reading, measured, number, model.quantity)
         for number in range(max(cycles - MAX_CYCLES, 0), cycles)
     ]
+    return loops, motion_in(recording, reading, measured, model)
+
+
+def minor_loop_motion(recording: Recording, cold_ohm: float, model: SensingModel) -> WireMotion | None:
+    """Return the motion in the minor loop of a recording; None without one, without power or without the quantity."""
+    if recording.minor_loop is None or not model.slow_loop:
+        return None
+    try:
+        reading, measured = reading_and_quantity(recording.minor_loop, model.quantity)
+    except RecordingError:  # the run was cut off too soon
+        return None
+    reading = reading._replace(resistance_ohm=reading.resistance_ohm / cold_ohm)
+    return motion_in(recording.minor_loop, reading, measured, model)
+
+
+def motion_in(recording: Recording, reading: ArrayReading, measured: FloatArray, model: SensingModel) -> WireMotion:
+    """Return the motion of a wire in a recording, as means over a bounded number of rows."""
     there = np.flatnonzero(reading.valid)
     time_s, resistance_ohm = recording["time_s"][there], reading.resistance_ohm[there]
     power_w = recording["wire_voltage_v"][there] ** 2 / resistance_ohm
@@ -327,7 +345,7 @@ def cycles_and_motion(
         ]
     )
     means = [part.mean(axis=1) for part in np.array_split(rows, min(MOTION_ROWS, there.size), axis=1)]
-    return loops, WireMotion(*np.ascontiguousarray(np.array(means).T))
+    return WireMotion(*np.ascontiguousarray(np.array(means).T))
 
 
 def reading_and_quantity(recording: Recording, quantity: str) -> tuple[ArrayReading, FloatArray]:
@@ -357,8 +375,11 @@ def quantity_to_fit(recording: Recording, quantity: str) -> FloatArray:
 
 
 def not_done(recording: Recording) -> str:
-    """Return a warning if the run of a recording did not reach its end, "" if it did or the file does not state it."""
-    if not recording.facts.was_cut_short:
+    """Return a warning if the run of a recording did not reach its end, "" if it did or the file does not state it.
+
+    In its minor loop all cycles are over.
+    """
+    if not recording.facts.was_cut_short or recording.minor_loop is not None:
         return ""
     return f"this recording was not finished, its run ended with '{recording.facts.text_or_none('ended')}'"
 

@@ -83,20 +83,29 @@ def wire_model_of(model: FittedCurve) -> WireModel:
 
 
 def with_wire_model(
-    model: FittedCurveKind, loops: Sequence[Rows] = (), motion: WireMotion | None = None
+    model: FittedCurveKind,
+    loops: Sequence[Rows] = (),
+    motion: WireMotion | None = None,
+    minor_loop: WireMotion | None = None,
 ) -> FittedCurveKind:
     """Return a model with that of its wire, or without if its slow loop shows none; see ``found_wire_model``."""
     try:
-        return replace(model, wire_model=found_wire_model(model, loops, motion))
+        return replace(model, wire_model=found_wire_model(model, loops, motion, minor_loop))
     except CallerError:
         return replace(model, wire_model=None)
 
 
-def found_wire_model(model: FittedCurve, loops: Sequence[Rows] = (), motion: WireMotion | None = None) -> WireModel:
+def found_wire_model(
+    model: FittedCurve,
+    loops: Sequence[Rows] = (),
+    motion: WireMotion | None = None,
+    minor_loop: WireMotion | None = None,
+) -> WireModel:
     """Return the model of a wire by its slow loop, other cycles of the recording, and the motion in all of it.
 
-    Deviations of what the tables say are those between the cycles; of one cycle they are the curve's own misfit. What
-    other heat balances would make of the loop comes in addition. Raises CallerError as ``wire_model_of``.
+    The law of its minor loops is that of ``minor_loop``, the segment that was recorded for it, or else of those in the
+    motion. Deviations of what the tables say are those between the cycles; of one cycle they are the curve's own
+    misfit. What other heat balances would make of the loop comes in addition. Raises CallerError as ``wire_model_of``.
     """
     if not model.slow_loop:
         raise CallerError(NO_LOOP + argument("estimator", "polynomial"))
@@ -122,6 +131,7 @@ def found_wire_model(model: FittedCurve, loops: Sequence[Rows] = (), motion: Wir
     seen_from = WireNumber(wire.sensed_from.value, misfit, "the slow loop, deviation by the curve's misfit")
     range_w = wire.heating_power_w[-1] - wire.heating_power_w[0]
     moved_w = [float(np.abs(one.tables[:, :2] - wire.tables[:, :2]).max()) for one in others]
+    turning = minor_loop or motion
     no_need = len(others) == len(changed) and max(moved_w) < MIN_GAP * range_w
     return replace(
         wire,
@@ -131,7 +141,7 @@ def found_wire_model(model: FittedCurve, loops: Sequence[Rows] = (), motion: Wir
         sensed_from=seen_from,
         time_constant_s=said_of_need(wire.time_constant_s, no_need),
         heat_j_per_unit=said_of_need(wire.heat_j_per_unit, no_need),
-        minor_loops=wire.minor_loops if motion is None else law_of_minor_loops(wire, known, motion),
+        minor_loops=wire.minor_loops if turning is None else law_of_minor_loops(wire, known, turning),
     )
 
 

@@ -140,7 +140,9 @@ def slow_loop(wire: PopulationWire) -> Recording:
     for ratio in AMPLITUDE_RATIOS:
         try:
             with open_plant(wire, run=1).rig as rig:
-                loop = characterize(rig, amplitude_v=min(ratio * rig.drive_amplitude_v, rig.maximum_voltage_v))
+                loop = characterize(
+                    rig, amplitude_v=min(ratio * rig.drive_amplitude_v, rig.maximum_voltage_v), minor_loop=False
+                )
         except ProtectionTripError as error:  # it would be too hot: a user gives no more
             problem = str(error)
             break

@@ -78,7 +78,7 @@ class TaskPlant:
         if self.rig is None:
             return fit(slow_loop(drawn_wire(seed)), quantity=self.quantity)
         with self.opened(seed, of_task=False) as rig:
-            return fit(characterize(rig), quantity=self.quantity)
+            return fit(characterize(rig, minor_loop=False), quantity=self.quantity)
 
 
 FLEXINOL = RigConfiguration(wire="flexinol-0.15-lt", settings={"pretension_n": 2.5})

@@ -194,8 +194,32 @@ def test_a_minor_loop_shows_its_law(law: float, model: SensingModel, wire: WireM
     assert found.std < ANY_LAW.std
 
 
-def test_a_loop_without_one_may_have_any(wire: WireModel) -> None:
-    assert wire.minor_loops == ANY_LAW
+def test_turns_that_follow_different_laws_make_the_number_less_certain(model: SensingModel, wire: WireModel) -> None:
+    (known, play), (_, scaled) = (minor(wire, model, law) for law in (0.0, 1.0))
+    once = law_of_minor_loops(wire, known, play)
+    later_s = play.time_s[-1] + 100.0
+    places = [np.concatenate([one.place for one in pair]) for pair in ((play, play), (play, scaled))]
+    time_s, power_w = np.concatenate([play.time_s, later_s + play.time_s]), np.tile(play.power_w, 2)
+    alike, unlike = (
+        law_of_minor_loops(wire, known, WireMotion(time_s, power_w, place, np.zeros(place.size))) for place in places
+    )
+    assert alike.std < 2.0 * once.std
+    assert unlike.std > 0.2
+    assert unlike.value == pytest.approx(0.5, abs=0.1)
+
+
+def test_a_cold_end_of_a_minor_loop_says_nothing_of_its_law(model: SensingModel, wire: WireModel) -> None:
+    """Below B the place goes on with the power, the quantity does not."""
+    known, motion = minor(wire, model, 0.0)
+    cold = motion.power_w < 0.05
+    still = motion._replace(place=np.where(cold, wire.sensed_from.value, motion.place))
+    assert law_of_minor_loops(wire, known, still).value == pytest.approx(0.0, abs=0.1)
+
+
+def test_a_loop_without_one_may_have_any(loop: Recording) -> None:
+    found = fit(loop.between()).wire_model
+    assert found is not None
+    assert found.minor_loops == ANY_LAW
 
 
 # Files.

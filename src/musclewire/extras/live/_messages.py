@@ -93,6 +93,7 @@ class Characterize(Record):
     amplitude_v: Positive | None = None
     period_s: Annotated[float, Field(gt=0.0, le=3600.0)] = 90.0
     cycles: Annotated[int, Field(ge=1, le=100)] = 2
+    minor_loop: bool = True
 
 
 class Fit(Record):

@@ -103,7 +103,8 @@ def outcome_of(runs: StudyRuns[CharacterizeOptions], run: StudyRun[CharacterizeO
         numbers = loop_numbers(found.recording, options, runs.keep)
         return {**numbers, **hottest, **runs.overheating(wire, hottest_k)}
     with runs.open(run) as rig, noted_overheating(rig):
-        recording = characterize(rig, amplitude_v=options.amplitude, period_s=options.period, cycles=options.cycles)
+        amplitude_v, period_s, cycles = options.amplitude, options.period, options.cycles
+        recording = characterize(rig, amplitude_v=amplitude_v, period_s=period_s, cycles=cycles, minor_loop=False)
     return loop_numbers(recording, options, runs.keep)
 
 

@@ -124,7 +124,7 @@ def on_rig(runs: StudyRuns[ControlOptions], run: StudyRun[ControlOptions]) -> Ou
 
 def own_model(rig: GuardedRig, options: ControlOptions) -> SensingModel:
     """Return the model of the wire on a rig."""
-    return fit(characterize(rig, period_s=options.period, cycles=options.cycles))
+    return fit(characterize(rig, period_s=options.period, cycles=options.cycles, minor_loop=False))
 
 
 def errors_of(metrics: ControlMetrics) -> dict[str, float]:

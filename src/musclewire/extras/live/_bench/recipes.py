@@ -12,6 +12,7 @@ import numpy as np
 from musclewire.controllers import FuzzyPidSettings, Reference, SteeredReference, sampled_reference, staircase
 from musclewire.errors import CallerError
 from musclewire.experiment import (
+    MINOR_LOOP_CYCLES,
     HeldVoltage,
     LoopChoice,
     MissWatch,
@@ -191,6 +192,7 @@ def record_slow_loop(session: BenchSession, command: messages.Characterize) -> N
         amplitude_v=command.amplitude_v,
         period_s=command.period_s,
         cycles=command.cycles,
+        minor_loop=command.minor_loop,
         path=path,
         on_sample=session.on_sample,
     )
@@ -320,7 +322,9 @@ RECIPES: dict[type, CommandRecipe] = {
     ),
     messages.Pulse: CommandRecipe("First pulse", pulse, duration_s=lambda _session, one: one.duration_s + PULSE_REST_S),
     messages.Characterize: CommandRecipe(
-        "Characterization", record_slow_loop, duration_s=lambda _session, one: one.cycles * one.period_s
+        "Characterization",
+        record_slow_loop,
+        duration_s=lambda _session, one: (one.cycles + one.minor_loop * MINOR_LOOP_CYCLES) * one.period_s,
     ),
     messages.Fit: CommandRecipe("Fit", fit_model, heats=False),
     messages.Home: CommandRecipe(

@@ -71,7 +71,7 @@ class FingerRuns:
     def control_run(self) -> ControlRun:
         """The staircase of Fig. 18, on a rig that has just run its slow sine."""
         rig = self.open()
-        model = fit(characterize(rig, cycles=CYCLES), quantity="displacement")
+        model = fit(characterize(rig, cycles=CYCLES, minor_loop=False), quantity="displacement")
         run = control_compiled(rig, model, staircase_of_fig18(), estimator=PAPER_ESTIMATOR, controller=PAPER_CONTROLLER)
         self._on_run()
         return run

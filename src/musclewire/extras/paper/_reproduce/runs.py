@@ -89,7 +89,7 @@ class RunCache:
         """The staircase of Fig. 11, on a rig that has just run the loop of Fig. 9."""
         pretension = read_published("lan_fan_2010")["loop_100um"]["pretension_n"]
         rig = open_rig("simulated", wire=MAIN_WIRE, seed=self._seed, pretension_n=pretension)
-        model = fit(characterize(rig, cycles=CYCLES))
+        model = fit(characterize(rig, cycles=CYCLES, minor_loop=False))
         run = control_compiled(rig, model, self.staircase, estimator=PAPER_ESTIMATOR, controller=PAPER_CONTROLLER)
         self._on_run()
         return run
