@@ -65,12 +65,16 @@ def loop_and_model(folder: Path) -> None:
     fit(loop).save(folder / "model.json")
 
 
+# Controllers that act by what they know of their wire.
+OF_ITS_WIRE = ("feedforward", "inverse-model")
+
+
 def closed_loop(estimator: str, controller: str) -> Callable[[GuardedRig, Path], Any]:
     """Return a job that goes up and down a little."""
 
     def follow(rig: GuardedRig, folder: Path) -> None:
         model = load_model(folder / "model.json")
-        settings = tune(model, read_recording(folder / "loop.h5")).settings if controller == "feedforward" else None
+        settings = tune(model, read_recording(folder / "loop.h5")).settings if controller in OF_ITS_WIRE else None
         middle = 0.5 * (model.quantity_min + model.quantity_max)
         target = sampled_reference([0.0, 1.0, 2.0], [middle, 1.1 * middle, middle])
         control(rig, model, target, estimator=estimator, controller=controller, settings=settings, approach_s=1.0)
@@ -86,6 +90,7 @@ JOBS: dict[str, Callable[[GuardedRig, Path], Any]] = {
     "gated": closed_loop("gated", "fuzzy-pid"),
     "polynomial": closed_loop("polynomial", "pid"),
     "feedforward": closed_loop("gated", "feedforward"),
+    "inverse-model": closed_loop("filter", "inverse-model"),
 }
 
 

@@ -20,7 +20,7 @@ from musclewire.controllers import (
     FeedforwardSettings,
 )
 from musclewire.errors import CallerError, NumericsError
-from musclewire.signals import COLUMNS, CONTROLLER_ANSWERS, Drive, QuantityEstimate, Reason, declared_tick
+from musclewire.signals import COLUMNS, CONTROLLER_ANSWERS, UNKNOWN_WIRE, Drive, QuantityEstimate, Reason, declared_tick
 
 LIMITS = DriveLimits(0.4, 3.2)
 DT_S = 0.05
@@ -44,6 +44,7 @@ NEEDED: dict[str, Any] = {
         maximum_steady_power_w=0.98,
     )
 }
+NEEDED["inverse-model"] = NEEDED["feedforward"]
 every_controller = pytest.mark.parametrize("name", CONTROLLERS.names())
 strains = st.floats(-0.01, 0.06)
 readings = st.lists(st.one_of(strains, st.none()), min_size=1, max_size=30)
@@ -170,7 +171,7 @@ def test_a_compiled_tick_is_the_step_to_the_bit(
     for target, value in given:
         read = estimate(value)
         command, state, recorded = controller.step(state, target, read, DT_S)
-        inputs = np.array([target, read.value, read.std, float(read.valid), float(read.reason), DT_S])
+        inputs = np.array([target, read.value, read.std, float(read.valid), float(read.reason), DT_S, *UNKNOWN_WIRE])
         tick.function(tick.constants, numbers, inputs, answer)
         assert isinstance(command, Drive)
         assert answer.tolist() == [command.voltage_v, 0.0, *recorded]
@@ -188,8 +189,8 @@ def test_a_compiled_tick_fails_where_the_step_raises(name: str, target: float, v
     state, numbers = controller.start(1.0), tick.state.copy()
     answer = np.zeros(len(CONTROLLER_ANSWERS) + len(controller.columns))
     state = controller.step(state, 0.02, estimate(0.019), DT_S).state
-    tick.function(tick.constants, numbers, np.array([0.02, 0.019, 1e-4, 1.0, 0.0, DT_S]), answer)
+    tick.function(tick.constants, numbers, np.array([0.02, 0.019, 1e-4, 1.0, 0.0, DT_S, *UNKNOWN_WIRE]), answer)
     with pytest.raises((NumericsError, CallerError)):
         controller.step(state, target, QuantityEstimate(value, 1e-4, True), dt_s)
-    tick.function(tick.constants, numbers, np.array([target, value, 1e-4, 1.0, 0.0, dt_s]), answer)
+    tick.function(tick.constants, numbers, np.array([target, value, 1e-4, 1.0, 0.0, dt_s, *UNKNOWN_WIRE]), answer)
     assert answer[1] == 1.0

@@ -20,6 +20,9 @@ from ._gains import Gains as Gains
 from ._gains import controller_of as controller_of
 from ._gains import load_gains as load_gains
 from ._gains import save_gains as save_gains
+from ._inverse_model import INVERSE_MODEL as INVERSE_MODEL
+from ._inverse_model import InverseModelController as InverseModelController
+from ._inverse_model import InverseModelNumbers as InverseModelNumbers
 from ._kernels import FALLING as FALLING
 from ._kernels import RISING as RISING
 from ._kernels import TRIANGLE as TRIANGLE

@@ -109,6 +109,7 @@ CONTROLLERS: Registry[ControllerFactory] = Registry(
     {
         "feedforward": "musclewire.controllers._feedforward:FeedforwardController",
         "fuzzy-pid": "musclewire.controllers._fuzzy_pid:fuzzy_pid_controller",
+        "inverse-model": "musclewire.controllers._inverse_model:InverseModelController",
         "pid": "musclewire.controllers._pid:pid_controller",
     },
     parts=("limits", "columns", "start", "step"),

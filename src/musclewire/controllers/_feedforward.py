@@ -282,7 +282,7 @@ def feedforward_tick(constants: FloatArray, state: FloatArray, given: FloatArray
     """Control by feedforward of power and heat, and by a PI on what that leaves."""
     state_row = row_in(state, STATE)
     wire = KnownWire(row_in(constants, SETTINGS), constants[N_SETTINGS:].reshape(N_TABLES, -1))
-    target, value, std, valid, reason, dt_s = given
+    target, value, std, valid, reason, dt_s = given[:6]
     answer[0], answer[1] = state_row["drive_voltage_v"], 0.0
     answer[2], answer[3] = state_row["steady_w"], state_row["pulse_j"]
     answer[4], answer[5], answer[6] = state_row["gain_factor"], state_row["beyond_c"], state_row["lag_s"]
@@ -586,7 +586,10 @@ class FeedforwardController:
         Without settings, or with those of another controller.
     """
 
-    columns = ("steady_power_w", "pending_heat_j", "gain_factor", "beyond_c", "lag_s", "power_limited")
+    name = "feedforward"
+    columns: tuple[str, ...] = (
+        *("steady_power_w", "pending_heat_j", "gain_factor", "beyond_c", "lag_s", "power_limited"),
+    )
     # The first target is reached from cold within its first second, so it needs no time before the first step.
     approach_s = 0.0
 
@@ -594,7 +597,7 @@ class FeedforwardController:
         """Take limits and settings, and pack them for the tick."""
         if setup.settings is None:
             raise CallerError(
-                "the controller feedforward needs the gains of its wire: fit keeps them in a new model, and for this "
+                f"the controller {self.name} needs the gains of its wire: fit keeps them in a new model, and for this "
                 "one tune finds them: 'musclewire tune MODEL RECORDING', or settings=tune(model, recording).settings"
             )
         self.settings: FeedforwardSettings = settings_of_kind(setup, FeedforwardSettings)
@@ -625,7 +628,7 @@ class FeedforwardController:
     def step(self, state: tuple[float, ...], target: float, estimate: QuantityEstimate, dt_s: float) -> ControlStep:
         """Return the drive for an estimate; without current the last one."""
         numbers, answer = np.array(state), np.zeros(len(CONTROLLER_ANSWERS) + len(self.columns))
-        value, std, valid, reason, _ = estimate
+        value, std, valid, reason = estimate[:4]
         given = np.array((float(target), float(value), float(std), float(valid), float(reason), float(dt_s)))
         feedforward_tick(self._constants, numbers, given, answer)
         drive_voltage_v, failed, *recorded = answer.tolist()

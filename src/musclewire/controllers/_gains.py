@@ -19,7 +19,11 @@ FUZZY_PID_IN_C = (
     "the paper's fuzzy PID drives the wire here, and needs some 12 s from cold: feedforward, whose gains this model "
     "has, has no form in C yet"
 )
-KINDS: dict[str, type[Any]] = {"feedforward": FeedforwardSettings, "fuzzy-pid": FuzzyPidSettings}
+KINDS: dict[str, type[Any]] = {
+    "feedforward": FeedforwardSettings,
+    "fuzzy-pid": FuzzyPidSettings,
+    "inverse-model": FeedforwardSettings,  # what feedforward knows of a wire is what this one asks for
+}
 
 
 def controller_of(settings: Any) -> str:
@@ -54,7 +58,7 @@ class Gains:
     Parameters
     ----------
     controller
-        Name of the controller: "feedforward" or "fuzzy-pid".
+        Name of the controller: "feedforward", "inverse-model" or "fuzzy-pid".
     settings
         Its settings; those of the fuzzy PID name their rule base.
     """
@@ -90,6 +94,10 @@ class Gains:
             return cls(controller, KINDS[controller](**settings))
         except CallerError as error:
             raise CallerError(f"{place}: {error}") from None
+
+    def serve(self, controller: object) -> bool:
+        """Return whether a controller, by its name, takes settings of this kind."""
+        return isinstance(controller, str) and isinstance(self.settings, KINDS.get(controller, ()))
 
     def table(self) -> dict[str, Any]:
         """Return the controller's name and its settings by name, as a model keeps them."""

@@ -319,7 +319,7 @@ class LoopChoice:
         open_to_gains = controller is None
         if controller is None:
             controller = PAPER_CONTROLLER if gains is None or of_force else gains.controller
-        if settings is None and gains is not None and controller == gains.controller:
+        if settings is None and gains is not None and gains.serve(controller):
             settings = gains.settings
         return SettledChoice(
             self.estimator or default_estimator(self.wire_file),

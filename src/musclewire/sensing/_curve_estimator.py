@@ -17,7 +17,15 @@ from musclewire.physics import MINIMUM_CURRENT_A, friction_force_n, series_resis
 from musclewire.sensing._curve import CURVE_NUMBERS, ResistanceCurve, Row
 from musclewire.sensing._estimator import MAX_DROPOUTS, dropout_failure
 from musclewire.sensing._known_load import KnownSpring
-from musclewire.signals import ESTIMATOR_ANSWERS, CompiledTick, EstimatorStep, QuantityEstimate, Reason, WireSample
+from musclewire.signals import (
+    ESTIMATOR_ANSWERS,
+    CompiledTick,
+    EstimatorStep,
+    QuantityEstimate,
+    Reason,
+    WireEstimate,
+    WireSample,
+)
 
 REASONS, VALID = tuple(Reason), Reason.OK
 # The numbers of every such estimator, by name: circuit, own wire, known spring (a stiffness of 0 without one), curve.
@@ -72,7 +80,9 @@ class CurveEstimator:
         value, std, _, number, failed, *recorded = answer.tolist()
         reason, after = REASONS[int(number)], self._state_of(row.tolist())
         failure = self._failure(after, reason, sample, recorded[0]) if failed else ""
-        return EstimatorStep(QuantityEstimate(value, std, reason is VALID, reason, failure), after, tuple(recorded))
+        wire = WireEstimate(*recorded[1:]) if self.columns[1:] == WireEstimate._fields else None
+        estimate = QuantityEstimate(value, std, reason is VALID, reason, failure, wire)
+        return EstimatorStep(estimate, after, tuple(recorded))
 
     def _failure(self, state: Any, reason: Reason, sample: WireSample, resistance_ohm: float) -> str:
         """Return why a run must end; with another wire's resistance it would read as cold and be overheated."""

@@ -37,7 +37,7 @@ from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._known_load import KnownSpring
 from musclewire.sensing._wire_model import wire_model_of
 from musclewire.sensing._wire_tables import PLACES, WireModel
-from musclewire.signals import CompiledTick, Reason
+from musclewire.signals import CompiledTick, Reason, WireEstimate
 
 
 class FilterNumbers(NamedTuple):
@@ -310,7 +310,7 @@ def filter_tick(constants: FloatArray, state_array: FloatArray, given: FloatArra
     filtered = Filtered(numbers, state, state_array[FIRST_COVARIANCE:], tables)
     wire_voltage_v, shunt_voltage_v = given[2], given[3]
     resistance_ohm = resistance_of(numbers, wire_voltage_v, shunt_voltage_v)
-    answer[6], answer[7], answer[8] = 0.0, state.shift_w, state.loss
+    answer_with_wire(state, answer, 0.0, 0.0)
     if resistance_ohm == 0.0:
         answer_without_current(numbers, state, answer)
         return
@@ -343,7 +343,13 @@ def filter_tick(constants: FloatArray, state_array: FloatArray, given: FloatArra
         reason = OUT_OF_RANGE
     std = math.sqrt(variance + numbers.scale_variance * quantity * quantity)
     answer_with(answer, state.value, min(std, numbers.quantity_span), reason, 0.0, resistance_ohm)
-    answer[6], answer[7], answer[8] = part, state.shift_w, state.loss
+    answer_with_wire(state, answer, part, power_w)
+
+
+@compiled_inner
+def answer_with_wire(state: Row, answer: FloatArray, part: float, power_w: float) -> None:
+    """Write what a ``WireEstimate`` has."""
+    answer[6], answer[7], answer[8], answer[9], answer[10] = state.steady_w, part, state.shift_w, state.loss, power_w
 
 
 @compiled_inner
@@ -524,7 +530,7 @@ class FilterEstimator(CurveEstimator):
         For a model without a slow loop, or with one that does not go through B to C.
     """
 
-    columns = ("wire_resistance_ohm", "heating_part", "air_shift_w", "convection_ratio")
+    columns = ("wire_resistance_ohm", *WireEstimate._fields)
 
     def __init__(
         self,

@@ -6,6 +6,7 @@ from ._columns import check_columns as check_columns
 from ._columns import columns_called as columns_called
 from ._columns import key_of_header as key_of_header
 from ._compiled_tick import CONTROLLER_ANSWERS as CONTROLLER_ANSWERS
+from ._compiled_tick import CONTROLLER_INPUTS as CONTROLLER_INPUTS
 from ._compiled_tick import ESTIMATOR_ANSWERS as ESTIMATOR_ANSWERS
 from ._compiled_tick import CompiledTick as CompiledTick
 from ._compiled_tick import declared_tick as declared_tick
@@ -14,6 +15,7 @@ from ._electrical import require_electrical as require_electrical
 from ._electrical import usable_readings as usable_readings
 from ._exchange import ELECTRICAL_COLUMNS as ELECTRICAL_COLUMNS
 from ._exchange import REFERENCE_COLUMNS as REFERENCE_COLUMNS
+from ._exchange import UNKNOWN_WIRE as UNKNOWN_WIRE
 from ._exchange import Command as Command
 from ._exchange import ControlStep as ControlStep
 from ._exchange import Drive as Drive
@@ -22,6 +24,7 @@ from ._exchange import QuantityEstimate as QuantityEstimate
 from ._exchange import RawSample as RawSample
 from ._exchange import Reason as Reason
 from ._exchange import Target as Target
+from ._exchange import WireEstimate as WireEstimate
 from ._exchange import WireSample as WireSample
 from ._exchange import as_command as as_command
 from ._exchange import drive_voltage_of as drive_voltage_of

@@ -61,6 +61,8 @@ _ALL = (
     Column("estimated_temperature_k", "K", "temperature of the wire, estimated by its heat balance", "control"),
     Column("convection_ratio", "", "estimated loss to the air over that of the characterization", "control"),
     Column("air_shift_w", "W", "estimated power that the air takes off what holds each strain", "control"),
+    Column("balance_power_w", "W", "estimated power that would hold the wire's temperature in still air", "control"),
+    Column("wire_power_w", "W", "electrical power in the wire over the sample, as measured", "control"),
     Column("heating_part", "", "where between its branches the wire is: 0 cooling, 1 heating", "control"),
     Column("ambient_change_k", "K", "estimated change of the air's temperature since the characterization", "control"),
     Column("load_change_n", "N", "estimated change of the load's constant force since the characterization", "control"),

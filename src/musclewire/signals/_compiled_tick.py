@@ -12,11 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.signals._exchange import WireEstimate
 
 # What the arrays `given` and `answer` of a tick hold, in this order; the numbers to record follow the answer.
 ESTIMATOR_INPUTS = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
 ESTIMATOR_ANSWERS = ("value", "std", "valid", "reason", "failed")
-CONTROLLER_INPUTS = ("target", "value", "std", "valid", "reason", "dt_s")
+# What an estimator does not record of ``WireEstimate`` is NaN.
+CONTROLLER_INPUTS = ("target", "value", "std", "valid", "reason", "dt_s", *WireEstimate._fields)
 CONTROLLER_ANSWERS = ("drive_voltage_v", "failed")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -183,6 +184,36 @@ class Reason(IntEnum):
     """Explanations that are equally good differ by too much."""
 
 
+class WireEstimate(NamedTuple):
+    """What an estimator knows of the wire besides the quantity, for a controller that can use it.
+
+    An estimator that records these as columns of these names gives them to compiled loops as well.
+
+    Parameters
+    ----------
+    balance_power_w
+        Electrical power [W] that would hold the wire's present temperature in the air of the characterization.
+    heating_part
+        Where between its branches the wire is: 0 on the cooling one, 1 on the heating one.
+    air_shift_w
+        Power [W] by which today's air shifts both branches.
+    convection_ratio
+        Loss to the air over that of the characterization.
+    wire_power_w
+        Electrical power [W] in the wire over the sample, as measured.
+    """
+
+    balance_power_w: float
+    heating_part: float
+    air_shift_w: float
+    convection_ratio: float
+    wire_power_w: float
+
+
+# Of an estimator that knows the quantity alone.
+UNKNOWN_WIRE = WireEstimate(*(math.nan for _ in WireEstimate._fields))
+
+
 class QuantityEstimate(NamedTuple):
     """An estimator's result for one sample.
 
@@ -198,6 +229,8 @@ class QuantityEstimate(NamedTuple):
         Why it is valid or not.
     failure
         Message, in one line, of a run that must end because ``reason`` has lasted too long; "" while it may continue.
+    wire
+        What else is known of the wire; None if nothing is.
     """
 
     value: float
@@ -205,6 +238,7 @@ class QuantityEstimate(NamedTuple):
     valid: bool
     reason: Reason = Reason.OK
     failure: str = ""
+    wire: WireEstimate | None = None
 
 
 class EstimatorStep(NamedTuple):

@@ -15,7 +15,7 @@ from musclewire.arrays import FloatArray, IntArray
 from musclewire.compiled import compiled, compiled_inner
 from musclewire.controllers import State, commanded, judged_sample
 from musclewire.rigs._simulated import read_sample
-from musclewire.signals import CONTROLLER_ANSWERS, ESTIMATOR_ANSWERS
+from musclewire.signals import CONTROLLER_ANSWERS, CONTROLLER_INPUTS, ESTIMATOR_ANSWERS
 from musclewire.wire import Rows, advance_rows, is_resolved
 
 # A `compiled.Callback`, which only compiled code can call.
@@ -39,6 +39,7 @@ class CompiledLoopEnd(IntEnum):
 
 RUN = int(State.RUN)
 N_ESTIMATED, N_CONTROLLED = len(ESTIMATOR_ANSWERS), len(CONTROLLER_ANSWERS)
+N_CONTROLLER_INPUTS = len(CONTROLLER_INPUTS)
 DONE, COMMAND_NOT_SOUND, WIRE_NOT_RESOLVED = (
     int(CompiledLoopEnd.DONE),
     int(CompiledLoopEnd.COMMAND_NOT_SOUND),
@@ -86,6 +87,7 @@ class LoopArrays(NamedTuple):
 
     ``targets`` are those at each sample's end and those that hold after it. In a row of ``rig.shown`` there are, after
     ``RIG_COLUMNS``, the estimator's numbers, target, estimate, its deviation and validity, the controller's numbers.
+    ``wire_places`` says where in the estimator's answer each number of a ``WireEstimate`` is; -1 for none.
     """
 
     rig: RigArrays
@@ -93,6 +95,7 @@ class LoopArrays(NamedTuple):
     estimator_constants: FloatArray
     estimator_state: FloatArray
     estimator_answer: FloatArray
+    wire_places: IntArray
     controller_constants: FloatArray
     controller_state: FloatArray
     controller_answer: FloatArray
@@ -122,7 +125,7 @@ def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: f
     """Run a loop on its arrays; return how it ended and how many samples are complete."""
     rig, estimated, controlled = arrays.rig, arrays.estimator_answer, arrays.controller_answer
     shown, period_s = rig.shown, rig.sample_period_s
-    sample, given = np.empty(4), np.empty(6)
+    sample, given = np.empty(4), np.full(N_CONTROLLER_INPUTS, np.nan)
     target_at = 6 + estimated.shape[0] - N_ESTIMATED
     drive_v = first_drive_v
     for row in range(shown.shape[0]):
@@ -140,6 +143,9 @@ def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: f
             return ESTIMATOR_FAILED, row
         given[0], given[5] = arrays.targets[1, row], period_s
         given[1:5] = estimated[:4]
+        for number, place in enumerate(arrays.wire_places):
+            if place >= 0:
+                given[6 + number] = estimated[place]
         control(arrays.controller_constants, arrays.controller_state, given, controlled)
         if controlled[1] != 0.0:
             return CONTROLLER_FAILED, row

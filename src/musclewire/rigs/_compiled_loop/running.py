@@ -27,7 +27,7 @@ from musclewire.rigs._compiled_loop.kernel import (
 )
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.rigs._simulated import SimulatedDevice
-from musclewire.signals import CONTROLLER_ANSWERS, ELECTRICAL_COLUMNS, ESTIMATOR_ANSWERS, CompiledTick
+from musclewire.signals import CONTROLLER_ANSWERS, ELECTRICAL_COLUMNS, ESTIMATOR_ANSWERS, CompiledTick, WireEstimate
 from musclewire.wire import OneWire, WireState, plan_of
 
 
@@ -172,10 +172,18 @@ def arrays_of(rig: RigArrays, ticks: LoopTicks, targets: FloatArray) -> LoopArra
         estimator_constants=estimator.constants,
         estimator_state=estimator.state.copy(),
         estimator_answer=np.zeros(len(ESTIMATOR_ANSWERS) + len(ticks.estimator_columns)),
+        wire_places=wire_places(ticks.estimator_columns),
         controller_constants=controller.constants,
         controller_state=controller.state.copy(),
         controller_answer=np.zeros(len(CONTROLLER_ANSWERS) + len(ticks.controller_columns)),
     )
+
+
+def wire_places(columns: tuple[str, ...]) -> IntArray:
+    """Return where in an estimator's answer the numbers of a ``WireEstimate`` are; -1 for those that it has not."""
+    first = len(ESTIMATOR_ANSWERS)
+    places = [first + columns.index(name) if name in columns else -1 for name in WireEstimate._fields]
+    return np.array(places, dtype=np.int64)
 
 
 def air_of(model: AirModel | None, device: SimulatedDevice, wire: OneWire, samples: int) -> FloatArray:
