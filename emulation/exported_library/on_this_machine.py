@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import NumericsError
 from musclewire.extras.board import ExerciseRow, ReferenceTick, TickOutcome
 
@@ -30,7 +31,11 @@ SHIMS = """
 static void put(double *out, const mw_controller *c, mw_output o)
 {
     out[0] = o.resistance_ohm; out[1] = o.estimate; out[2] = o.valid;
+#if defined(MW_INVERSE_MODEL)
+    out[3] = c->answer.holding_w; out[4] = c->answer.due_j; out[5] = c->answer.limited;
+#else
     out[3] = c->kp; out[4] = c->ki; out[5] = c->kd;
+#endif
     out[6] = o.drive_voltage_v; out[7] = o.state; out[8] = o.event;
 }
 unsigned long shim_bytes(void) { return sizeof(mw_controller); }
@@ -71,11 +76,13 @@ void shim_protection(const mw_controller *c, double *out)
 }
 double shim_exponential(double x) { return mw_exponential((mw_real)x); }
 double shim_root(double x) { return mw_root((mw_real)x); }
+#if !defined(MW_INVERSE_MODEL)
 void shim_infer(double error, double change, double *out)
 {
     mw_ratios r = mw_infer((mw_real)error, (mw_real)change);
     out[0] = r.kp; out[1] = r.ki; out[2] = r.kd;
 }
+#endif
 double shim_resistance(double wire, double shunt) { return mw_resistance((mw_real)wire, (mw_real)shunt); }
 double shim_estimate(double resistance, unsigned char *valid)
 {
@@ -94,6 +101,32 @@ void shim_follow(mw_controller *c, const double *in, unsigned long rows, double 
         const mw_real found[7] = {e.value, f->std, e.valid, f->steady_w, f->place, f->shift_w, f->loss};
         for (int i = 0; i < 17; i++)
             out[i] = i < 7 ? found[i] : f->covariance[i - 7];
+    }
+}
+#endif
+#if defined(MW_INVERSE_MODEL)
+static void put_inverse_model(double *out, const mw_inverse_model *o, mw_inverse_model_answer a)
+{
+    const mw_real found[13] = {a.drive_voltage_v, a.holding_w, a.due_j, a.limited, o->drive_voltage_v, o->power_w,
+                               o->given_part, o->holding_w, o->target, o->moved, o->balance_w, o->more_w, o->value};
+    for (int i = 0; i < 13; i++)
+        out[i] = found[i];
+}
+/* A step of the inverse of the wire's model after another, from a drive: whether there is current, whether the wire is
+ * cold and whether its state is known, target, value, deviation, time and state; the answer, then what it remembers. */
+void shim_inverse_model(mw_controller *c, double drive, const double *in, unsigned long rows, double *out)
+{
+    mw_inverse_model *own = &c->inverse_model;
+    mw_inverse_model_start(own, (mw_real)drive);
+    for (; rows > 0; rows--, in += 12, out += 13) {
+        const mw_sensed sensed = {
+            (mw_real)in[4], (mw_real)in[5], in[1] != 0, in[2] != 0,
+            (mw_real)in[7], (mw_real)in[8], (mw_real)in[9], (mw_real)in[10], (mw_real)in[11],
+        };
+        if (in[0] != 0)
+            put_inverse_model(out, own, mw_inverse_model_step(own, (mw_real)in[3], &sensed, (mw_real)in[6]));
+        else
+            put_inverse_model(out, own, mw_inverse_model_hold(own));
     }
 }
 #endif
@@ -248,6 +281,17 @@ class HostLibrary:
         self._c.shim_follow(self._state, pointers[0], ctypes.c_ulong(len(rows)), pointers[1])
         return found
 
+    def inverse_model(self, drive_voltage_v: float, rows: FloatArray) -> FloatArray:
+        """Return answers and states, (n, 13), of the inverse of the wire's model, from a drive [V], for rows (n, 12).
+
+        A row has current (1), cold and wire known, target, value, deviation, time [s], and the wire's state.
+        """
+        given, found = np.ascontiguousarray(rows), np.empty((len(rows), 13))
+        pointers = [array.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for array in (given, found)]
+        count = ctypes.c_ulong(len(rows))
+        self._c.shim_inverse_model(self._state, *_doubles(drive_voltage_v), pointers[0], count, pointers[1])
+        return found
+
     def resistance(self, wire_voltage_v: float, shunt_voltage_v: float) -> float:
         """Return Eq. 1; 0 for "no current"."""
         return float(self._c.shim_resistance(*_doubles(wire_voltage_v, shunt_voltage_v)))
@@ -297,13 +341,16 @@ def largest_differences(
 def full_scales(reference: ReferenceTick) -> dict[str, float]:
     """Return the full scale of each number of the outcome."""
     model, settings = reference.model, reference.settings
+    if isinstance(settings, FuzzyPidSettings):
+        recorded = [gains[1] or 1.0 for gains in (settings.kp_range, settings.ki_range, settings.kd_range)]
+    else:
+        most_w = settings.maximum_steady_power_w
+        recorded = [most_w, most_w * settings.thermal_time_constant_s, 1.0]
     return {
         "resistance_ohm": model.resistance_max_ohm,
         "estimate": max(abs(model.quantity_max), abs(model.quantity_min)),
         "valid": 1.0,
-        "kp": settings.kp_range[1] or 1.0,
-        "ki": settings.ki_range[1] or 1.0,
-        "kd": settings.kd_range[1] or 1.0,
+        **dict(zip(("kp", "ki", "kd"), recorded, strict=True)),
         "drive_voltage_v": reference.limits.maximum_voltage_v,
         "state": 1.0,
         "event": 1.0,

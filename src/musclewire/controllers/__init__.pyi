@@ -23,6 +23,7 @@ from ._gains import save_gains as save_gains
 from ._inverse_model import INVERSE_MODEL as INVERSE_MODEL
 from ._inverse_model import InverseModelController as InverseModelController
 from ._inverse_model import InverseModelNumbers as InverseModelNumbers
+from ._inverse_model import inverse_model_numbers as inverse_model_numbers
 from ._kernels import FALLING as FALLING
 from ._kernels import RISING as RISING
 from ._kernels import TRIANGLE as TRIANGLE

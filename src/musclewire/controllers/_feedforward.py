@@ -165,6 +165,17 @@ def smoothed_slope(power_w: tuple[float, ...], levels: FloatArray) -> FloatArray
     return np.asarray(np.clip(slope, FLATTEST * middle, STEEPEST * middle))
 
 
+def known_numbers(settings: FeedforwardSettings) -> dict[str, Any]:
+    """Return what is known of a wire by the names of ``SETTINGS`` and ``TABLES``, without the limits of the drive."""
+    heating_slope, cooling_slope = settings.branch_slopes()
+    return settings.model_dump() | {
+        "response_s": settings.closed_loop_time_s + settings.dead_time_s,
+        "spacing": (settings.highest - settings.lowest) / (len(settings.heating_power_w) - 1),
+        "heating_slope": heating_slope,
+        "cooling_slope": cooling_slope,
+    }
+
+
 # The numbers that the compiled tick reads, then its state, a record that it changes in place.
 SETTINGS = np.dtype(
     [
@@ -607,15 +618,10 @@ class FeedforwardController:
 
     def _packed(self) -> FloatArray:
         """Return limits, settings and tables as the array that the tick reads."""
-        settings = self.settings
-        known = {
-            **settings.model_dump(),
+        known = known_numbers(self.settings) | {
             "sense_voltage_v": self.limits.sense_voltage_v,
             "maximum_voltage_v": self.limits.maximum_voltage_v,
-            "response_s": settings.closed_loop_time_s + settings.dead_time_s,
-            "spacing": (settings.highest - settings.lowest) / (len(settings.heating_power_w) - 1),
         }
-        known["heating_slope"], known["cooling_slope"] = settings.branch_slopes()
         numbers = [known[name] for name in SETTINGS.names or ()]
         return np.concatenate([numbers, *(known[name] for name in TABLES)])
 

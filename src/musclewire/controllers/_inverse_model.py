@@ -36,10 +36,13 @@ from musclewire.controllers._feedforward import (
     N_SETTINGS,
     N_TABLES,
     SETTINGS,
+    TABLES,
     FeedforwardController,
+    FeedforwardSettings,
     KnownWire,
     edge_w,
     heat_per_value,
+    known_numbers,
     power_limits_w,
     power_w,
     set_drive,
@@ -95,6 +98,11 @@ class InverseModelNumbers(NamedTuple):
 
 
 INVERSE_MODEL = InverseModelNumbers()
+# What the tick reads of the gains, besides the tables and what is the rig's: drive limits and shunt.
+OF_THE_WIRE = (
+    *("thermal_time_constant_s", "heat_per_unit", "response_s", "integral_time_s", "maximum_steady_power_w"),
+    *("lowest", "spacing"),
+)
 NUMBERS = np.dtype([(name, np.float64) for name in InverseModelNumbers._fields])
 N_NUMBERS = len(InverseModelNumbers._fields)
 
@@ -228,6 +236,25 @@ def state_of_value(wire: KnownWire, state: Row, value: float, cold: bool, dt_s: 
         part = (held_w - cooling_w) / (heating_w - cooling_w) if heating_w > cooling_w else 0.5
         state["balance_w"] = held_w
     return WireNow(state["balance_w"], part, state["balance_w"] + state["more_w"])
+
+
+def inverse_model_numbers(settings: FeedforwardSettings) -> tuple[dict[str, float], FloatArray]:
+    """Return the numbers of wire and method that the tick reads, by name, and the tables, a row for each level.
+
+    The header of its form in C is made from them; drive limits and shunt are the rig's.
+
+    Parameters
+    ----------
+    settings
+        The gains of the wire.
+
+    Returns
+    -------
+    Numbers by name; heating and cooling power [W], resistance [ohm] and both slopes at each level, (n, 5).
+    """
+    known = known_numbers(settings)
+    numbers = {name: float(known[name]) for name in OF_THE_WIRE}
+    return numbers | INVERSE_MODEL._asdict(), np.column_stack([known[name] for name in TABLES])
 
 
 class InverseModelController(FeedforwardController):

@@ -10,12 +10,13 @@ from hypothesis import assume
 from hypothesis import strategies as st
 from tests.tools import require_tool
 
-from musclewire.controllers import DriveLimits, FuzzyPidSettings, ProtectionLimits
+from musclewire.controllers import DriveLimits, FeedforwardSettings, FuzzyPidSettings, ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.extras.board._c import CLibrary, write_library
 from musclewire.extras.board._c.reference import ReferenceTick
 from musclewire.sensing import SensingModel
 
+SHUNT_OHM = 1.0
 RULE_BASES = ("zhao-1993", "liu-7x7", "liu-7x7-mirrored", "fixed")
 # Polynomials like those of a loop of the simulated wire: order 6, in strain.
 HEATING = (0.0415, -0.0135, 0.0021, -0.0352, 0.0297, -0.0318, 0.0112)
@@ -32,7 +33,7 @@ class Exported(NamedTuple):
 
     library: CLibrary
     model: SensingModel
-    settings: FuzzyPidSettings
+    settings: FuzzyPidSettings | FeedforwardSettings
     limits: ProtectionLimits
 
     def reference(self) -> ReferenceTick:
@@ -52,7 +53,26 @@ def usual_model(**changes: Any) -> SensingModel:
     return SensingModel(**{**values, **changes})
 
 
-def limits_for(model: SensingModel, shunt_ohm: float = 1.0, **changes: float) -> ProtectionLimits:
+def usual_gains() -> FeedforwardSettings:
+    """What the inverse of the model knows of that wire: both branches of its slow loop, in five levels."""
+    return FeedforwardSettings(
+        lowest=0.002,
+        highest=0.038,
+        heating_power_w=(0.12, 0.18, 0.23, 0.29, 0.4),
+        cooling_power_w=(0.06, 0.11, 0.15, 0.22, 0.33),
+        resistance_ohm=(17.3, 16.8, 16.3, 15.8, 15.3),
+        shunt_resistance_ohm=SHUNT_OHM,
+        thermal_time_constant_s=0.8,
+        heat_per_unit=2.5,
+        closed_loop_time_s=0.1,
+        dead_time_s=0.1,
+        integral_time_s=0.8,
+        tolerance=4e-4,
+        maximum_steady_power_w=0.6,
+    )
+
+
+def limits_for(model: SensingModel, shunt_ohm: float = SHUNT_OHM, **changes: float) -> ProtectionLimits:
     """Limits in which the exercise's wire runs: its own window, and room for its currents."""
     most_ohm = model.resistance_max_ohm
     volts = 0.2 * (most_ohm + shunt_ohm)
@@ -86,7 +106,7 @@ def export(
     folder: Path,
     *,
     model: SensingModel | None = None,
-    settings: FuzzyPidSettings | None = None,
+    settings: FuzzyPidSettings | FeedforwardSettings | None = None,
     limits: ProtectionLimits | None = None,
     rule_base: str = "zhao-1993",
     double: bool = False,

@@ -10,31 +10,24 @@ from typing import Any
 import numpy as np
 import pytest
 from emulation.exported_library.on_this_machine import FILTER_DIFFERENCE, HostLibrary, built, largest_differences
-from tests.extras.board.export.export_parts import drive_limits, limits_for
+from tests.extras.board.export.export_parts import SHUNT_OHM, drive_limits, limits_for
 from tests.tools import require_tool
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError
-from musclewire.experiment import characterize, control
+from musclewire.experiment import control
 from musclewire.extras.board import CLibrary, exercise, golden_ticks, write_library
-from musclewire.identify import fit
 from musclewire.rigs import open_rig
 from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel, save_model
 
-SHUNT_OHM, TICKS, RUNS = 1.0, 2_000, 60
+TICKS, RUNS = 2_000, 60
 # Times are multiples of this, so that Python's differences of times are exact.
 GRID_S = 2.0**-10
 # By how much single precision moves value and deviation on a run, as a part of the range: no more than readings do
 # that differ by the rounding of a single. Where power and resistance have nothing to do with one another, as in the
 # rows above, neither has a bound: a point of the mean is on either side of B or of the play.
 SINGLE_RMS, SINGLE_MOST = 5e-4, 5e-3
-
-
-@pytest.fixture(scope="module")
-def model() -> SensingModel:
-    with open_rig("simulated", seed=1) as rig:
-        return fit(characterize(rig))
 
 
 @pytest.fixture(scope="module")

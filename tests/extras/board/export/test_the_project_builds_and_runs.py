@@ -33,7 +33,7 @@ def sources(one: Exported) -> list[Path]:
     return sorted((one.library.folder / "src").glob("*.c"))
 
 
-@pytest.mark.parametrize("made", ["zhao-1993", "filter"])
+@pytest.mark.parametrize("made", ["zhao-1993", "filter", "inverse-model"])
 @pytest.mark.parametrize("double", ["OFF", "ON"], ids=["single", "double"])
 def test_the_cmake_project_builds_and_its_golden_vectors_hold(
     exported: Libraries, tmp_path: Path, double: str, made: str
@@ -47,7 +47,11 @@ def test_the_cmake_project_builds_and_its_golden_vectors_hold(
 
 
 @pytest.mark.parametrize(
-    "rule_base", [RULE_BASES[0], "filter", *(pytest.param(name, marks=pytest.mark.slow) for name in RULE_BASES[1:])]
+    "rule_base",
+    [
+        *(RULE_BASES[0], "filter", "inverse-model"),
+        *(pytest.param(name, marks=pytest.mark.slow) for name in RULE_BASES[1:]),
+    ],
 )
 def test_golden_vectors_and_a_long_run_under_sanitizers(exported: Libraries, tmp_path: Path, rule_base: str) -> None:
     gcc = require_tool("gcc", "gcc libc6-dev")
@@ -95,7 +99,7 @@ def test_no_compiler_and_no_optimisation_changes_a_bit(
     assert run(program, SAMPLES).strip() == host_hash(one.library.folder, SAMPLES, double=double)
 
 
-@pytest.mark.parametrize("made", ["zhao-1993", "filter"])
+@pytest.mark.parametrize("made", ["zhao-1993", "filter", "inverse-model"])
 @pytest.mark.parametrize("double", [False, True], ids=["single", "double"])
 @pytest.mark.parametrize(
     "target",
@@ -128,6 +132,16 @@ def test_a_whole_tick_is_within_2000_instructions_and_8_kib_on_a_cortex_m4f(expo
     assert row == target_figures(exported("zhao-1993").library.folder, target)
 
 
+def test_filter_and_inverse_model_are_within_15000_instructions_and_12_kib_on_a_cortex_m4f(exported: Libraries) -> None:
+    target = next(target for target in TARGETS if target.name == "cortex-m4f")
+    require_tool(target.compiler, target.packages)
+    require_tool(target.emulator, target.emulator_packages)
+    row = target_figures(exported("inverse-model").library.folder, target)
+    assert row["tick_instructions_most"] <= 15_000
+    assert row["flash_bytes"] <= 12 * 1024
+    assert row["ram_bytes"] == 0
+
+
 def test_the_cycles_of_a_tick_on_an_uno_are_counted(exported: Libraries) -> None:
     target = next(target for target in TARGETS if target.name == "atmega328p")
     require_tool(target.compiler, target.packages)
@@ -151,7 +165,7 @@ def test_flags_that_change_results_are_refused(exported: Libraries, tmp_path: Pa
     assert "musclewire: " in done.stderr
 
 
-@pytest.mark.parametrize("made", ["zhao-1993", "filter"])
+@pytest.mark.parametrize("made", ["zhao-1993", "filter", "inverse-model"])
 def test_it_needs_no_library_function_at_all(exported: Libraries, tmp_path: Path, made: str) -> None:
     gcc = require_tool("gcc", "gcc libc6-dev")
     one = exported(made)

@@ -32,10 +32,13 @@ from musclewire.controllers import (
     AllowedDrive,
     DriveLimits,
     Event,
+    FeedforwardSettings,
     FuzzyPidSettings,
     ProtectionLimits,
     RuleBase,
+    inverse_model_numbers,
     largest_power_w_per_v2,
+    load_rule_base,
     packed_rules,
     protection_table,
 )
@@ -55,7 +58,10 @@ CONTROLLER_HEADING = "the fuzzy-tuned PID (Eq. 6)"
 RULES_HEADING = "its rule base"
 GATES_HEADING = "the direction-gated branches"
 FILTER_HEADING = "the filter on the wire's heat balance"
-CONTROL_HEADINGS = (MODEL_HEADING, CONTROLLER_HEADING, RULES_HEADING, GATES_HEADING, FILTER_HEADING)
+INVERSE_HEADING = "the inverse of the wire's model"
+CONTROL_HEADINGS = (
+    *(MODEL_HEADING, CONTROLLER_HEADING, RULES_HEADING, GATES_HEADING, FILTER_HEADING, INVERSE_HEADING),
+)
 GATED, FILTER = "gated", "filter"
 # The one number of the filter that depends on the shunt, so that it is the circuit's and not in the checksum.
 SHUNT_NOISE = "least_noise_v2"
@@ -65,6 +71,10 @@ GATE_NUMBERS = (
     *("ambiguous_above", "noise_samples", "max_lagging", "slow_turning_fraction", "slow_turning_deviations"),
     *("cold_power_w", "cold_above", "b_power_w"),
 )
+
+
+# The settings of a controller say which of both it is: feedforward's are those of the inverse of the wire's model.
+ControllerSettings = FuzzyPidSettings | FeedforwardSettings
 
 
 @dataclass(frozen=True)
@@ -96,13 +106,16 @@ class CConstants:
 
 def collect(
     model: SensingModel,
-    settings: FuzzyPidSettings,
-    rule_base: RuleBase,
+    settings: ControllerSettings,
+    rule_base: RuleBase | None,
     limits: DriveLimits,
     protection: ProtectionLimits,
     estimator: str = PAPER_ESTIMATOR,
 ) -> CConstants:
-    """Return the numbers of a library. Raises CallerError if drive limits and protection disagree."""
+    """Return the numbers of a library; without a rule base by the one that the settings name, if they do.
+
+    Raises CallerError if drive limits and protection disagree.
+    """
     checked = protection.checked()
     for name in ("sense_voltage_v", "maximum_voltage_v"):
         asked, allowed = getattr(limits, name), getattr(checked, name)
@@ -121,14 +134,18 @@ def collect(
 
 
 def control_numbers(
-    model: SensingModel, settings: FuzzyPidSettings, rule_base: RuleBase, estimator: str = PAPER_ESTIMATOR
+    model: SensingModel,
+    settings: ControllerSettings,
+    rule_base: RuleBase | None = None,
+    estimator: str = PAPER_ESTIMATOR,
 ) -> CConstants:
     """Return the numbers of a model, its estimator and its controller: those that the checksum covers."""
-    groups = {
-        MODEL_HEADING: _model(model),
-        CONTROLLER_HEADING: _controller(settings),
-        RULES_HEADING: _rules(rule_base),
-    }
+    groups = {MODEL_HEADING: _model(model)}
+    if isinstance(settings, FeedforwardSettings):
+        groups[INVERSE_HEADING] = _inverse(model, settings, estimator)
+    else:
+        groups[CONTROLLER_HEADING] = _controller(settings)
+        groups[RULES_HEADING] = _rules(rule_base or load_rule_base(settings.rule_base))
     if estimator == GATED:
         groups[GATES_HEADING] = _gates(model)
     elif estimator == FILTER:
@@ -175,6 +192,38 @@ def _filter(model: SensingModel) -> list[CConstant]:
             meaning="steady power on the heating and the cooling branch, and resistance",
         ),
     ]
+
+
+def _inverse(model: SensingModel, settings: FeedforwardSettings, estimator: str) -> list[CConstant]:
+    """Return the numbers of the inverse of the wire's model; their names are ``controllers._inverse_model``'s."""
+    if settings.quantity != model.quantity:
+        raise CallerError(
+            f"the gains are of {settings.quantity}, the model of {model.quantity}: find this model's with "
+            "'musclewire tune MODEL RECORDING -o MODEL'"
+        )
+    numbers, tables = inverse_model_numbers(settings)
+    return [
+        _integer("INVERSE_MODEL", 1, "the controller is mw_inverse_model_step"),
+        *(_real(name.upper(), value) for name, value in numbers.items()),
+        *(_real(name.upper(), value) for name, value in _deviation_numbers(model, estimator).items()),
+        _integer("LEVELS", len(tables)),
+        CConstant(
+            *("LEVEL_TABLE", tuple(tables.ravel().tolist())),
+            table=True,
+            columns=tables.shape[1],
+            meaning="steady power on the heating and the cooling branch, resistance, and the slopes of both powers",
+        ),
+    ]
+
+
+def _deviation_numbers(model: SensingModel, estimator: str) -> dict[str, float]:
+    """Return what an estimate's deviation takes, by name, where the estimator's own numbers do not have it."""
+    if estimator == FILTER:
+        return {}
+    curve = {name: model.numbers[name] for name in ("residual_variance", "scale_variance", "quantity_span")}
+    if estimator == GATED:
+        return curve | {"gap_fraction": GATES.gap_fraction, "min_variance": gated_numbers(model)["min_variance"]}
+    return curve | {"noise_ohm": model.resistance_noise_ohm}
 
 
 def _noise(model: SensingModel, limits: ProtectionLimits, estimator: str) -> list[CConstant]:

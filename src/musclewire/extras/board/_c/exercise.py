@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.extras.board._c.reference import ReferenceTick, TickOutcome
+from musclewire.extras.board._c.reference import GAINS, ReferenceTick, TickOutcome
 from musclewire.parameters import require_seed
 
 # Largest step of the resistance in a control period, as a fraction of the model's span.
@@ -147,7 +147,7 @@ def _single(value: float) -> float:
 SEED = 2010
 # Ticks without faults first, then faults at the control rate, then a converter that is faster than the controller.
 CALM, FAULTY, FAST = 150, 250, 300
-COLUMNS = ("start", "wire_voltage_v", "shunt_voltage_v", "target", "tick_s", "control_s", *TickOutcome._fields)
+INPUTS = ("start", "wire_voltage_v", "shunt_voltage_v", "target", "tick_s", "control_s")
 
 
 def golden_ticks(reference: ReferenceTick) -> list[ExerciseRow]:
@@ -163,7 +163,8 @@ def golden_ticks(reference: ReferenceTick) -> list[ExerciseRow]:
 
 def golden_vectors(reference: ReferenceTick) -> str:
     """Return the golden vectors as comma-separated values; every number reads back as the same double."""
-    lines = [",".join(COLUMNS)]
+    names = dict(zip(GAINS, reference.recorded, strict=True))
+    lines = [",".join((*INPUTS, *(names.get(name, name) for name in TickOutcome._fields)))]
     for tick in golden_ticks(reference):
         values = (*tick[:-1], *tick.outcome)
         lines.append(",".join(_text(value) for value in values))

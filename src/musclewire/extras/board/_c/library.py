@@ -10,7 +10,7 @@ from typing import NamedTuple, TypedDict, Unpack
 
 from musclewire.controllers import DriveLimits, FuzzyPidSettings, ProtectionLimits, RuleBase, load_rule_base
 from musclewire.errors import CallerError, argument
-from musclewire.extras.board._c.constants import CConstants, collect, control_numbers
+from musclewire.extras.board._c.constants import CConstants, ControllerSettings, collect, control_numbers
 from musclewire.extras.board._c.exercise import golden_vectors
 from musclewire.extras.board._c.header import constants_header, model_checksum
 from musclewire.extras.board._c.precision import check_precision, single_error_share
@@ -86,7 +86,7 @@ def loop_checksum(
     estimator: str = PAPER_ESTIMATOR,
 ) -> int:
     """Return the checksum of a library with this model and controller, which a board built with it reports."""
-    return model_checksum(control_numbers(model, settings, rule_base or load_rule_base(settings.rule_base), estimator))
+    return model_checksum(control_numbers(model, settings, rule_base, estimator))
 
 
 def library_license() -> str:
@@ -112,7 +112,7 @@ class LibraryForm(TypedDict, total=False):
 
 def write_library(
     model: SensingModel,
-    settings: FuzzyPidSettings,
+    settings: ControllerSettings,
     limits: DriveLimits,
     protection: ProtectionLimits,
     folder: str | Path,
@@ -123,8 +123,9 @@ def write_library(
 
     Without ``overwrite`` a file there with another content is left alone, and nothing is written at all.
 
-    ``estimator`` is "polynomial", the paper's, "gated" or "filter". ``double`` makes double precision the choice;
-    without it all is checked to survive single precision.
+    ``settings`` say which controller it is: the fuzzy PID by its own, the inverse of the wire's model by the gains of
+    the wire. ``estimator`` is "polynomial", the paper's, "gated" or "filter". ``double`` makes double precision the
+    choice; without it all is checked to survive single precision.
     Everything is checked before anything is written.
 
     Raises:
@@ -136,7 +137,7 @@ def write_library(
     estimator = form.get("estimator", PAPER_ESTIMATOR)
     if not NAME.fullmatch(name):
         raise CallerError(f"the library's name {name!r} must be a C identifier of at most 31 letters, digits and _")
-    rules = load_rule_base(settings.rule_base)
+    rules = load_rule_base(settings.rule_base) if isinstance(settings, FuzzyPidSettings) else None
     constants = collect(model, settings, rules, limits, protection, estimator)
     if not double:
         check_precision(model, constants)
@@ -144,7 +145,7 @@ def write_library(
         constants,
         name=name,
         model=f"{model!r}, {model.source or 'source unknown'}",
-        rules=str(rules),
+        rules=str(rules or "none, the controller is the inverse of the wire's model"),
         quantity=model.quantity,
         double=double,
     )

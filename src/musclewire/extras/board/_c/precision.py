@@ -46,18 +46,39 @@ def _check_products(constants: CConstants) -> None:
     """Check the intermediate products and quotients of a tick: each must stay a normal number at full scale."""
     value = constants.value
     range_ = value("QUANTITY_MAX") - value("QUANTITY_MIN")
-    unit, scale = value("ERROR_UNIT"), value("INPUT_SCALE")
     rate = range_ / MIN_TICK_S
+    of_controller = _fuzzy_products if any(one.name == "INPUT_SCALE" for one in constants.all()) else _inverse_products
     for name, result in {
+        **of_controller(constants, range_, rate),
+        "heat_loss / heat_capacity": value("HEAT_LOSS_W_PER_K") / value("HEAT_CAPACITY_J_PER_K"),
+    }.items():
+        check_single(name, result)
+
+
+def _fuzzy_products(constants: CConstants, range_: float, rate: float) -> dict[str, float]:
+    """Return products and quotients of the fuzzy PID at full scale, each with its name."""
+    value = constants.value
+    unit, scale = value("ERROR_UNIT"), value("INPUT_SCALE")
+    return {
         "the quantity's range / error_unit / error_range": range_ / unit / value("ERROR_RANGE"),
         "the quantity's fastest rate / error_unit / change_range": rate / unit / value("CHANGE_RANGE"),
         "input_scale * kp * the quantity's range": scale * value("KP_MAXIMUM") * range_,
         "input_scale * kp * the quantity's range / error_unit": scale * value("KP_MAXIMUM") * range_ / unit,
         "ki * shortest tick * the quantity's range": value("KI_MAXIMUM") * MIN_TICK_S * range_,
         "kd * the quantity's fastest rate": value("KD_MAXIMUM") * rate,
-        "heat_loss / heat_capacity": value("HEAT_LOSS_W_PER_K") / value("HEAT_CAPACITY_J_PER_K"),
-    }.items():
-        check_single(name, result)
+    }
+
+
+def _inverse_products(constants: CConstants, range_: float, rate: float) -> dict[str, float]:
+    """Return products and quotients of the inverse of the wire's model at full scale, each with its name."""
+    value = constants.value
+    ceiling_w, tau_s = value("MAXIMUM_STEADY_POWER_W"), value("THERMAL_TIME_CONSTANT_S")
+    return {
+        "the square of the quantity's range": range_ * range_,
+        "heat_per_unit * the quantity's fastest rate": value("HEAT_PER_UNIT") * rate,
+        "maximum_steady_power * thermal_time_constant / shortest tick": ceiling_w * tau_s / MIN_TICK_S,
+        "the square of maximum_steady_power": ceiling_w * ceiling_w,
+    }
 
 
 def _check_estimate(model: SensingModel, constants: CConstants) -> None:

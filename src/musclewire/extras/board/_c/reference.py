@@ -11,24 +11,31 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from musclewire.controllers import (
+    ControllerSetup,
     DriveLimits,
     Event,
     FuzzyPidController,
     FuzzyPidSettings,
+    InverseModelController,
     Protection,
     ProtectionLimits,
     RuleBase,
     protection_table,
 )
+from musclewire.extras.board._c.constants import ControllerSettings
 from musclewire.physics import wire_resistance
 from musclewire.sensing import ESTIMATORS, PAPER_ESTIMATOR, Estimator, EstimatorSetup, SensingModel
 from musclewire.signals import QuantityEstimate, Reason, WireSample, drive_voltage_of
 
 TIME_ROUNDING_S = 1e-9
+GAINS = ("kp", "ki", "kd")
 
 
 class TickOutcome(NamedTuple):
-    """The outcome of a library's tick: resistance, estimate, gains, allowed drive and protection state. SI units."""
+    """The outcome of a library's tick: resistance, estimate, gains, allowed drive and protection state. SI units.
+
+    The inverse of the wire's model has no gains: in their place are the three numbers that it records.
+    """
 
     resistance_ohm: float
     estimate: float
@@ -58,7 +65,7 @@ class ReferenceTick:
     """One wire's controller and protection; ``start`` resets both."""
 
     model: SensingModel
-    settings: FuzzyPidSettings
+    settings: ControllerSettings
     limits: DriveLimits
     protection_limits: ProtectionLimits
     rule_base: RuleBase | None = None
@@ -68,7 +75,13 @@ class ReferenceTick:
     def __post_init__(self) -> None:
         """Build the controller and start."""
         self._shunt_ohm = self.protection_limits.shunt_resistance_ohm
-        self._controller = FuzzyPidController(self.settings, self.limits, self.rule_base)
+        self._controller: FuzzyPidController | InverseModelController
+        if isinstance(self.settings, FuzzyPidSettings):
+            self._controller = FuzzyPidController(self.settings, self.limits, self.rule_base)
+        else:
+            # Its power is that of the circuit at hand, whatever shunt the gains were found with.
+            in_circuit = self.settings.model_copy(update={"shunt_resistance_ohm": self._shunt_ohm})
+            self._controller = InverseModelController(ControllerSetup(self.limits, settings=in_circuit))
         self._followers: dict[float, Estimator] = {}
         self.start()
 
@@ -87,6 +100,11 @@ class ReferenceTick:
     def drive_voltage_v(self) -> float:
         """Drive voltage [V] that the protection allows now."""
         return self.protection.allowed_drive_v
+
+    @property
+    def recorded(self) -> tuple[str, ...]:
+        """Names of the three numbers that the controller records, in the place of the gains."""
+        return GAINS if isinstance(self.settings, FuzzyPidSettings) else self._controller.columns
 
     def outcome(self) -> TickOutcome:
         """Return the outcome of the last tick."""

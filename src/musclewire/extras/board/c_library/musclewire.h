@@ -1,8 +1,8 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* musclewire: position a shape-memory-alloy wire by its own electrical resistance, without a sensor.
  *
- * One tick: two voltages -> resistance (Eq. 1) -> estimate (Eqs. 3 to 5) -> fuzzy-tuned PID (Eq. 6) -> limits
- * -> protection -> drive voltage. Equations are those of Lan and Fan 2010. SI units throughout, unit last in the
+ * One tick: two voltages -> resistance (Eq. 1) -> estimate (Eqs. 3 to 5) -> fuzzy-tuned PID (Eq. 6), or the inverse of
+ * the wire's model -> limits -> protection -> drive voltage. Equations are those of Lan and Fan 2010. SI units throughout, unit last in the
  * name. No allocation, no global that is written, no library function: not even libm. All state is in the
  * caller's structures, one for each wire. Numbers of the model, controller, limits and protection are in
  * mw_constants.h, which `musclewire export c` wrote; these files are the same for every model.
@@ -40,6 +40,10 @@ typedef struct {
     mw_real value, resistance, lagging, variance, before, before_last, noise_v2, learnt_s, mean_power_w;
     mw_real extreme_power_w, power_variance_w2;
     uint8_t followed, heating, sensing;
+#if defined(MW_INVERSE_MODEL)
+    mw_real std;  /* standard deviation of the quantity */
+    uint8_t cold; /* before B, where the quantity does not count */
+#endif
 } mw_follower;
 #elif defined(MW_FILTER)
 #define MW_FOLLOWS
@@ -49,6 +53,11 @@ typedef struct {
     mw_real covariance[10];                 /* of these four: the lower triangle, row by row */
     mw_real before, before_last, noise_v2, learnt_s, waited_s;
     uint8_t followed;
+#if defined(MW_INVERSE_MODEL)
+    mw_real part;       /* 0 on the cooling branch, 1 on the heating branch */
+    mw_real measured_w; /* electrical power over the sample */
+    uint8_t cold;       /* before B, where the quantity does not count */
+#endif
 } mw_follower;
 #endif
 
@@ -58,8 +67,65 @@ typedef struct {
  * range. */
 mw_estimation mw_follow(mw_follower *follower, mw_real resistance_ohm, mw_real wire_voltage_v, mw_real shunt_voltage_v,
                         mw_real dt_s);
+#elif defined(MW_INVERSE_MODEL)
+/* Standard deviation of the quantity that mw_estimate returns, for a resistance above 0. */
+mw_real mw_deviation(mw_real resistance_ohm);
 #endif
 
+/* ---- functions without libm: mw_exponential.c, mw_root.c ---------------------------------------------- */
+
+/* e^x for -4 <= x <= 0 by arithmetic alone, so that every target gives the same bits (libm's differ). */
+mw_real mw_exponential(mw_real x);
+
+/* The square root, rounded to nearest; of what is not a positive normal number 0. */
+mw_real mw_root(mw_real x);
+
+#if defined(MW_INVERSE_MODEL)
+/* ---- the inverse of the wire's model: mw_inverse_model.c, if exported with --controller inverse-model -------- */
+
+/* What it remembers; mw_inverse_model_start before the first step. */
+typedef struct {
+    mw_real drive_voltage_v; /* the drive [V] that is applied, */
+    mw_real power_w;         /* and the power [W] that it should give */
+    mw_real given_part;      /* what part of that power the wire is given */
+    mw_real holding_w;       /* the power [W] that holds the wire */
+    mw_real target;          /* the last target, */
+    mw_real moved;           /* and by how much it was another than the one before */
+    mw_real balance_w;       /* for an estimate without a state the steady power [W], */
+    mw_real more_w;          /* by how much more today's air takes [W], */
+    mw_real value;           /* and the last value */
+    uint8_t started;         /* 1 once there has been an estimate */
+} mw_inverse_model;
+
+/* What is known of the wire at a sample with current. */
+typedef struct {
+    mw_real value, std; /* the quantity, and its standard deviation */
+    uint8_t cold;       /* 1 before B, where the quantity does not count */
+    uint8_t wire_known; /* 0 for an estimate that knows the quantity alone: what follows is not read */
+    mw_real balance_w;  /* power that would hold the wire's present temperature in the air of the characterization */
+    mw_real part;       /* 0 on the cooling branch, 1 on the heating branch */
+    mw_real shift_w;    /* power by which today's air shifts both branches */
+    mw_real loss;       /* loss to the air over that of the characterization */
+    mw_real measured_w; /* electrical power over the sample */
+} mw_sensed;
+
+typedef struct {
+    mw_real drive_voltage_v;
+    mw_real holding_w; /* power that holds the wire */
+    mw_real due_j;     /* heat that it has still to be given or, if negative, to let go */
+    uint8_t limited;   /* 1 where the highest permitted temperature holds power back */
+} mw_inverse_model_answer;
+
+/* Take over from the present drive. */
+void mw_inverse_model_start(mw_inverse_model *own, mw_real drive_voltage_v);
+
+/* Advance by dt_s (above 0). Inputs that are not finite leave drive and state as they are. */
+mw_inverse_model_answer mw_inverse_model_step(mw_inverse_model *own, mw_real target, const mw_sensed *sensed, mw_real dt_s);
+
+/* A tick without a measurement: the drive stays. */
+mw_inverse_model_answer mw_inverse_model_hold(const mw_inverse_model *own);
+
+#else
 /* ---- fuzzy inference: mw_fuzzy.c ---------------------------------------------------------------------- */
 
 typedef struct {
@@ -68,12 +134,6 @@ typedef struct {
 
 /* The three gain ratios for an error and its change, each clipped to [-1, 1]. */
 mw_ratios mw_infer(mw_real error_ratio, mw_real change_ratio);
-
-/* e^x for -4 <= x <= 0 by arithmetic alone, so that every target gives the same bits (libm's differ). */
-mw_real mw_exponential(mw_real x);
-
-/* The square root, rounded to nearest; of what is not a positive normal number 0. */
-mw_real mw_root(mw_real x);
 
 /* ---- fuzzy PID: mw_pid.c ------------------------------------------------------------------------------ */
 
@@ -95,6 +155,7 @@ mw_pid_step mw_fuzzy_pid_step(mw_pid *pid, mw_real target, mw_real measured, mw_
 
 /* A tick without a measurement: the drive stays, the rates are cleared. */
 void mw_fuzzy_pid_hold(mw_pid *pid);
+#endif
 
 #ifdef __cplusplus
 }
@@ -116,18 +177,25 @@ typedef struct {
 } mw_block;
 
 typedef struct mw_controller {
+#if defined(MW_INVERSE_MODEL)
+    mw_inverse_model inverse_model;
+    mw_inverse_model_answer answer;  /* of the last step, 0 where there was none */
+#else
     mw_pid pid;
+#endif
     mw_protection protection;
     mw_block block;
     mw_real wire_sum_v, shunt_sum_v; /* of the samples since the last mw_control */
     uint16_t samples;
-    uint8_t started;                 /* the PID has seen a first measurement */
+    uint8_t started;                 /* the controller has seen a first measurement */
     mw_real resistance_ohm;          /* of the last mw_control, 0 without current */
     mw_estimation estimation;
 #if defined(MW_FOLLOWS)
     mw_follower follower;
 #endif
+#if !defined(MW_INVERSE_MODEL)
     mw_real kp, ki, kd;              /* gains of the last step, 0 where there was none */
+#endif
 } mw_controller;
 
 typedef struct {
@@ -149,7 +217,7 @@ void mw_start_again(mw_controller *controller);
  * a number above 0 trips, because the protection's times depend on it. */
 mw_output mw_sample(mw_controller *controller, mw_real wire_voltage_v, mw_real shunt_voltage_v, mw_real tick_s);
 
-/* One control tick of dt_s, with the mean of the samples since the last one: estimate, fuzzy PID, limits. The first one
+/* One control tick of dt_s, with the mean of the samples since the last one: estimate, controller, limits. The first one
  * after mw_start or mw_drive takes over from the present drive. A target that is not a number trips, as does a drive
  * outside 0 to the maximum. */
 mw_output mw_control(mw_controller *controller, mw_real target, mw_real dt_s);

@@ -1,5 +1,5 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
-/* The whole tick: means of the samples, estimate, fuzzy PID, and the protection below them. */
+/* The whole tick: means of the samples, estimate, controller, and the protection below them. */
 #include "musclewire.h"
 
 void mw_start(mw_controller *controller)
@@ -92,6 +92,47 @@ static void sense(mw_controller *controller, mw_real dt_s)
 #endif
 }
 
+#if defined(MW_INVERSE_MODEL)
+/* What is known of the wire; of an estimate that knows the quantity alone only that. */
+static mw_sensed sensed_of(const mw_controller *controller)
+{
+    mw_sensed sensed = {.value = controller->estimation.value};
+#if defined(MW_FOLLOWS)
+    const mw_follower *follower = &controller->follower;
+    sensed.std = follower->std;
+    sensed.cold = follower->cold;
+#else
+    sensed.std = mw_deviation(controller->resistance_ohm);
+#endif
+#if defined(MW_FILTER)
+    sensed.wire_known = 1;
+    sensed.balance_w = follower->steady_w;
+    sensed.part = follower->part;
+    sensed.shift_w = follower->shift_w;
+    sensed.loss = follower->loss;
+    sensed.measured_w = follower->measured_w;
+#endif
+    return sensed;
+}
+
+static mw_real controlled(mw_controller *controller, mw_real target, mw_real dt_s)
+{
+    const mw_sensed sensed = sensed_of(controller);
+    if (!controller->started) {
+        mw_inverse_model_start(&controller->inverse_model, mw_protect_allowed(&controller->protection));
+        controller->started = 1;
+    }
+    controller->answer = mw_inverse_model_step(&controller->inverse_model, target, &sensed, dt_s);
+    return controller->answer.drive_voltage_v;
+}
+
+static mw_real without_current(mw_controller *controller)
+{
+    const mw_inverse_model_answer none = {mw_protect_allowed(&controller->protection), 0, 0, 0};
+    controller->answer = controller->started ? mw_inverse_model_hold(&controller->inverse_model) : none;
+    return controller->answer.drive_voltage_v;
+}
+#else
 /* The drive that the controller commands for an estimate. */
 static mw_real controlled(mw_controller *controller, mw_real target, mw_real dt_s)
 {
@@ -117,6 +158,7 @@ static mw_real without_current(mw_controller *controller)
     mw_fuzzy_pid_hold(&controller->pid);
     return controller->pid.drive_voltage_v;
 }
+#endif
 
 mw_output mw_control(mw_controller *controller, mw_real target, mw_real dt_s)
 {

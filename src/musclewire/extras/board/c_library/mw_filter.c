@@ -307,6 +307,9 @@ static void answer(mw_follower *filter, mw_real read, mw_real noise)
     filter->std = mw_root(variance + MW_SCALE_VARIANCE * filter->value * filter->value);
     if (!(filter->std < MW_QUANTITY_SPAN))
         filter->std = MW_QUANTITY_SPAN;
+#if defined(MW_INVERSE_MODEL)
+    filter->part = part;
+#endif
 }
 
 mw_estimation mw_follow(mw_follower *filter, mw_real resistance_ohm, mw_real wire_voltage_v, mw_real shunt_voltage_v,
@@ -318,6 +321,10 @@ mw_estimation mw_follow(mw_follower *filter, mw_real resistance_ohm, mw_real wir
         return result;
     filter->std = MW_QUANTITY_SPAN;
     filter->waited_s += dt_s;
+#if defined(MW_INVERSE_MODEL)
+    filter->part = filter->measured_w = 0;
+    filter->cold = 0;
+#endif
     /* No current, or a wire that this model never has: the time until the next reading is predicted then. */
     if (!(resistance_ohm > 0 && resistance_ohm >= MW_OWN_LOW_OHM && resistance_ohm <= MW_OWN_HIGH_OHM))
         return result;
@@ -338,6 +345,10 @@ mw_estimation mw_follow(mw_follower *filter, mw_real resistance_ohm, mw_real wir
         outside = read - 1 - MW_MARGIN;
     result.value = filter->value;
     result.valid = is_sensed(filter) && !(outside > 0 && outside * outside > 9 * noise);
+#if defined(MW_INVERSE_MODEL)
+    filter->measured_w = power_w;
+    filter->cold = !is_sensed(filter) && !(outside > 0 && outside * outside > 9 * noise);
+#endif
     return result;
 }
 

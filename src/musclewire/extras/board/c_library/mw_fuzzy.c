@@ -3,6 +3,8 @@
  * compiled. */
 #include "musclewire.h"
 
+#if !defined(MW_INVERSE_MODEL)
+
 #define SETS 7
 #define UNIVERSE_END 3
 
@@ -192,3 +194,7 @@ mw_ratios mw_infer(mw_real error_ratio, mw_real change_ratio)
     return combine(error_grades, change_grades);
 #endif
 }
+
+#else
+typedef int mw_no_fuzzy; /* the library was exported with the inverse of the wire's model */
+#endif

@@ -124,6 +124,21 @@ static uint8_t on_curve(mw_real read, mw_real noise)
     return !(outside > 0) || outside * outside <= 9 * noise;
 }
 
+#if defined(MW_INVERSE_MODEL)
+/* The deviation, at a resistance and its variance, of which the gap between the branches is a part; and whether the wire
+ * is before B. */
+static void judge(mw_follower *gates, mw_real resistance, mw_real variance, mw_real gap_fraction, uint8_t is_on_curve)
+{
+    const mw_branches at = branches_at(resistance);
+    const mw_real inside = mw_within(resistance, MW_NORMALISED_MIN, MW_NORMALISED_MAX);
+    const mw_real gap = gap_fraction * (at.heating - at.cooling), slope = at.slope / 2, off = slope * (resistance - inside);
+    const mw_real of_reading = slope * slope * variance, own = MW_SCALE_VARIANCE * gates->value * gates->value;
+    const mw_real std = mw_root(gap * gap + of_reading + off * off + MW_MIN_VARIANCE + own);
+    gates->std = std < MW_QUANTITY_SPAN ? std : MW_QUANTITY_SPAN;
+    gates->cold = is_on_curve && !gates->sensing;
+}
+#endif
+
 mw_estimation mw_follow(mw_follower *gates, mw_real resistance_ohm, mw_real wire_voltage_v, mw_real shunt_voltage_v,
                         mw_real dt_s)
 {
@@ -132,6 +147,10 @@ mw_estimation mw_follow(mw_follower *gates, mw_real resistance_ohm, mw_real wire
     mw_real noise, power_w = wire_voltage_v * wire_voltage_v / resistance_ohm, ratio, support, moved;
     uint8_t slow_turn;
     mw_estimation result = {gates->value, 0};
+#if defined(MW_INVERSE_MODEL)
+    gates->std = MW_QUANTITY_SPAN;
+    gates->cold = 0;
+#endif
     /* A wire that this model never has: the estimate stays. Written so that a NaN counts as one. */
     if (!(resistance_ohm >= MW_OWN_LOW_OHM && resistance_ohm <= MW_OWN_HIGH_OHM && dt_s > 0 && dt_s <= MW_LARGEST))
         return result;
@@ -141,6 +160,9 @@ mw_estimation mw_follow(mw_follower *gates, mw_real resistance_ohm, mw_real wire
         begin(gates, read, power_w);
         result.value = gates->value;
         result.valid = gates->sensing && read >= MW_VALID_FROM && read <= MW_VALID_TO;
+#if defined(MW_INVERSE_MODEL)
+        judge(gates, read, 0, MW_R(0.5), on_curve(read, 0));
+#endif
         return result;
     }
     noise = gates->noise_v2 * per_volt * per_volt + MW_MIN_NOISE;
@@ -165,6 +187,9 @@ mw_estimation mw_follow(mw_follower *gates, mw_real resistance_ohm, mw_real wire
     locate(gates, moved, power_w, dt_s);
     move(gates, moved, support, dt_s);
     result.value = gates->value;
+#if defined(MW_INVERSE_MODEL)
+    judge(gates, gates->resistance, gates->variance, MW_GAP_FRACTION, result.valid);
+#endif
     result.valid = result.valid && gates->sensing;
     return result;
 }

@@ -3,6 +3,8 @@
  * the order of operations is that of controllers/kernels.py. */
 #include "musclewire.h"
 
+#if !defined(MW_INVERSE_MODEL)
+
 static uint8_t is_number(mw_real value)
 {
     return value >= -MW_LARGEST && value <= MW_LARGEST;
@@ -79,3 +81,7 @@ mw_pid_step mw_fuzzy_pid_step(mw_pid *pid, mw_real target, mw_real measured, mw_
     pid->rates_known = 1;
     return step;
 }
+
+#else
+typedef int mw_no_pid; /* the library was exported with the inverse of the wire's model */
+#endif

@@ -27,3 +27,19 @@ mw_estimation mw_estimate(mw_real resistance_ohm)
     result.value = (at.heating + at.cooling) / 2;
     return result;
 }
+
+#if defined(MW_INVERSE_MODEL) && !defined(MW_FOLLOWS)
+mw_real mw_deviation(mw_real resistance_ohm)
+{
+    const mw_real normalised = (resistance_ohm - MW_RESISTANCE_MIN_OHM) * MW_SHARE_PER_OHM;
+    const mw_real inside = mw_within(normalised, MW_NORMALISED_MIN, MW_NORMALISED_MAX);
+    const mw_branches at = mw_branches_at(inside);
+    const mw_real half_gap = (at.heating - at.cooling) / 2, value = (at.heating + at.cooling) / 2;
+    const mw_real beyond = normalised < inside ? inside - normalised : normalised - inside;
+    const mw_real spread = at.slope / 2 * (beyond + MW_NOISE_OHM * MW_SHARE_PER_OHM);
+    const mw_real variance =
+        half_gap * half_gap + MW_RESIDUAL_VARIANCE + spread * spread + MW_SCALE_VARIANCE * value * value;
+    const mw_real std = mw_root(variance);
+    return std < MW_QUANTITY_SPAN ? std : MW_QUANTITY_SPAN;
+}
+#endif

@@ -21,10 +21,19 @@
 #define ALLOWED 2e-4 /* of full scale */
 #endif
 
-static const char *const names[OUTPUTS] = {"resistance_ohm", "estimate", "valid", "kp", "ki",
-                                           "kd", "drive_voltage_v", "state", "event"};
+#if defined(MW_INVERSE_MODEL)
+#define RECORDED "steady_power_w", "pending_heat_j", "power_limited"
+#define RECORDED_SCALES MW_MAXIMUM_STEADY_POWER_W, MW_MAXIMUM_STEADY_POWER_W * MW_THERMAL_TIME_CONSTANT_S, 1
+#else
+#define RECORDED "kp", "ki", "kd"
+#define RECORDED_SCALES MW_KP_MAXIMUM, MW_KI_MAXIMUM, MW_KD_MAXIMUM
+#endif
+
+static const char *const names[OUTPUTS] = {
+    "resistance_ohm", "estimate", "valid", RECORDED, "drive_voltage_v", "state", "event",
+};
 static const double full_scale[OUTPUTS] = {
-    MW_RESISTANCE_MAX_OHM, MW_QUANTITY_MAX, 1, MW_KP_MAXIMUM, MW_KI_MAXIMUM, MW_KD_MAXIMUM, MW_MAXIMUM_VOLTAGE_V, 1, 1,
+    MW_RESISTANCE_MAX_OHM, MW_QUANTITY_MAX, 1, RECORDED_SCALES, MW_MAXIMUM_VOLTAGE_V, 1, 1,
 };
 
 static double size_of(double value)
@@ -56,9 +65,15 @@ static void tick(mw_controller *controller, const double *inputs, double *output
     outputs[0] = output.resistance_ohm;
     outputs[1] = output.estimate;
     outputs[2] = output.valid;
+#if defined(MW_INVERSE_MODEL)
+    outputs[3] = controller->answer.holding_w;
+    outputs[4] = controller->answer.due_j;
+    outputs[5] = controller->answer.limited;
+#else
     outputs[3] = controller->kp;
     outputs[4] = controller->ki;
     outputs[5] = controller->kd;
+#endif
     outputs[6] = output.drive_voltage_v;
     outputs[7] = output.state;
     outputs[8] = output.event;

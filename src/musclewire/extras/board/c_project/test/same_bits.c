@@ -1,7 +1,7 @@
 /* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
 /* Prints one number that stands for every bit of many ticks: the same on every target, or the target computes otherwise.
  *
- * same_bits [SAMPLES]    prints samples, trips, and FNV-1a (64 bits) over all outputs and gains.
+ * same_bits [SAMPLES]    prints samples, trips, and FNV-1a (64 bits) over all outputs and what the controller records.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -56,9 +56,15 @@ static void add_tick(const mw_controller *controller, mw_output output)
     add(output.drive_voltage_v);
     add(output.resistance_ohm);
     add(output.estimate);
+#if defined(MW_INVERSE_MODEL)
+    add(controller->answer.holding_w);
+    add(controller->answer.due_j);
+    add(controller->answer.limited);
+#else
     add(controller->kp);
     add(controller->ki);
     add(controller->kd);
+#endif
     add(controller->protection.above_ambient_k);
     add((mw_real)output.state);
     add((mw_real)output.event);
