@@ -38,8 +38,8 @@ ESTIMATOR_NUMBERS = (
     "turning_m",
     *CURVE_NUMBERS,
 )
-# Constants, state, sample and answer; the resistance follows what every estimator answers.
-N_ARRAYS, N_ANSWERS = 4, len(ESTIMATOR_ANSWERS) + 1
+# Constants, state, sample and answer.
+N_ARRAYS = 4
 
 
 class CurveEstimator:

@@ -20,6 +20,7 @@ from musclewire.experiment import control
 from musclewire.extras.board import CLibrary, exercise, golden_ticks, write_library
 from musclewire.rigs import open_rig
 from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel, save_model
+from musclewire.signals import ESTIMATOR_ANSWERS
 
 TICKS, RUNS = 2_000, 60
 # Times are multiples of this, so that Python's differences of times are exact.
@@ -63,8 +64,9 @@ def random_rows(model: SensingModel, seed: int) -> FloatArray:
 
 def followed_in_python(model: SensingModel, rows: FloatArray) -> FloatArray:
     """Return what the tick makes of the rows: value, deviation, validity, four states and their covariance."""
-    tick = ESTIMATORS.find("filter")(EstimatorSetup(model, SHUNT_OHM, 0.05)).compiled_tick()
-    state, answer, found = tick.state.copy(), np.empty(9), np.empty((len(rows), 17))
+    estimator = ESTIMATORS.find("filter")(EstimatorSetup(model, SHUNT_OHM, 0.05))
+    tick, answer = estimator.compiled_tick(), np.empty(len(ESTIMATOR_ANSWERS) + len(estimator.columns))
+    state, found = tick.state.copy(), np.empty((len(rows), 17))
     for row, time_s, out in zip(rows, np.cumsum(rows[:, 2]), found, strict=True):
         tick.function(tick.constants, state, np.array([time_s, 0.0, row[0], row[1]]), answer)
         out[:3], out[3:] = answer[:3], state[-14:]
