@@ -3,7 +3,7 @@
     python benchmarks/exported_c.py [--quick]
 
 Exports the simulated wire's model (polynomials of order 6, rule base zhao-1993), with the polynomial, the gated
-branches and the filter, and prints, each with its bar:
+branches and the filter, and with filter and inverse model, and prints, each with its bar:
 
 - one hash over all outputs of 1,000,000 ticks, in single and double precision, on this machine and on emulated
   Cortex-M3, M4F and M7 (--quick: 20,000 ticks);
@@ -38,13 +38,15 @@ from emulation.exported_library.on_this_machine import (
 from emulation.exported_library.targets import TARGETS, missing_tool
 
 import musclewire as mw
-from musclewire.controllers import DriveLimits, FuzzyPidSettings
+from musclewire.controllers import DriveLimits, FeedforwardSettings, FuzzyPidSettings, Gains
 from musclewire.extras.board import CLibrary, ReferenceTick, exercise, golden_ticks, write_library
 
 FULL_SAMPLES, QUICK_SAMPLES = 1_000_000, 20_000
 FULL_RANDOM, QUICK_RANDOM = 200_000, 10_000
 # A whole tick and the library on a Cortex-M4F: instructions, and flash [B].
 MOST = {"polynomial": (2300, 8 * 1024), "gated": (2300, 8 * 1024), "filter": (15_000, 12 * 1024)}
+INVERSE_MODEL = "inverse-model"  # after the filter, in place of the fuzzy PID
+MOST[INVERSE_MODEL] = (15_000, 13 * 1024)
 MAX_GATED_INSTRUCTIONS = 400
 UNO_HZ = 16e6
 EXPONENTIAL_ULPS = 2.0
@@ -70,15 +72,15 @@ def main() -> int:
     held: list[bool] = []
     most: dict[str, int] = {}
     with tempfile.TemporaryDirectory() as name:
-        for estimator in MOST:
-            folder = Path(name) / estimator
+        for made in MOST:
+            folder = Path(name) / made
             folder.mkdir()
-            library, reference = exported(folder / "library", estimator)
+            library, reference = exported(folder / "library", made)
             held += [
                 *same_bits(library, folder, QUICK_SAMPLES if quick else FULL_SAMPLES),
                 *against_python(library, reference, folder, QUICK_RANDOM if quick else FULL_RANDOM),
-                *costs(library, most, estimator),
-                *exponential(library, folder),
+                *costs(library, most, made),
+                *(() if made == INVERSE_MODEL else exponential(library, folder)),
             ]
     added = most["gated"] - most["polynomial"]
     print(f"gated branches: {added} instructions a tick more than the polynomial (bar {MAX_GATED_INSTRUCTIONS})")
@@ -87,14 +89,19 @@ def main() -> int:
     return 0 if all(held) else 1
 
 
-def exported(folder: Path, estimator: str) -> tuple[CLibrary, ReferenceTick]:
-    """Export the simulated wire's own model with the default controller; also return its reference."""
+def exported(folder: Path, made: str) -> tuple[CLibrary, ReferenceTick]:
+    """Export the simulated wire's own model with an estimator or the inverse model; also return its reference."""
     with mw.open_rig("simulated") as rig:
         model = mw.fit(mw.characterize(rig, minor_loop=False))
         limits = rig.protection_limits
     drive = DriveLimits(limits.sense_voltage_v, limits.maximum_voltage_v)
-    settings = FuzzyPidSettings()
-    print(f"model of order {model.order}, rule base {settings.rule_base}, estimator {estimator}")
+    estimator = "filter" if made == INVERSE_MODEL else made
+    settings: FuzzyPidSettings | FeedforwardSettings = FuzzyPidSettings()
+    if made == INVERSE_MODEL:
+        gains = Gains.read(model.gains, "the fitted model").settings
+        assert isinstance(gains, FeedforwardSettings)
+        settings = gains
+    print(f"model of order {model.order}, {made if made == INVERSE_MODEL else 'fuzzy-pid'}, estimator {estimator}")
     library = write_library(model, settings, drive, limits, folder, estimator=estimator)
     return library, ReferenceTick(model, settings, drive, limits, estimator=estimator)
 
@@ -129,13 +136,13 @@ def against_python(library: CLibrary, reference: ReferenceTick, folder: Path, ti
             yield worst <= most
 
 
-def costs(library: CLibrary, most: dict[str, int], estimator: str) -> Iterator[bool]:
+def costs(library: CLibrary, most: dict[str, int], made: str) -> Iterator[bool]:
     """Print flash, memory, instructions or cycles; judge those of the Cortex-M4F."""
     for row in library_figures(library.folder):
         print(", ".join(f"{key} {value}" for key, value in row.items() if value not in (None, "")))
         if row["target"] == "cortex-m4f":
-            most[estimator] = row["tick_instructions_most"]
-            instructions, flash_bytes = MOST[estimator]
+            most[made] = row["tick_instructions_most"]
+            instructions, flash_bytes = MOST[made]
             yield row["tick_instructions_most"] <= instructions
             yield row["flash_bytes"] <= flash_bytes
         elif row["tick_cycles_most"]:

@@ -14,6 +14,7 @@ from ._completion import complete_materials as complete_materials
 from ._completion import complete_rigs as complete_rigs
 from ._completion import complete_rule_bases as complete_rule_bases
 from ._completion import complete_wires as complete_wires
+from ._completion import completion_of as completion_of
 from ._controller_settings import read_settings as read_settings
 from ._core_commands import COMMANDS as COMMANDS
 from ._core_commands import PANELS as PANELS

@@ -6,7 +6,7 @@ was typed so far; what it needs is imported when a shell asks.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 
@@ -57,6 +57,11 @@ def complete_controllers(incomplete: str) -> list[str]:
     from musclewire.controllers import CONTROLLERS
 
     return beginning(CONTROLLERS.names(), incomplete)
+
+
+def completion_of(*names: str) -> Callable[[str], list[str]]:
+    """Return what completes an option that takes no other names than these."""
+    return lambda incomplete: beginning(names, incomplete)
 
 
 def complete_schemas(incomplete: str) -> list[str]:

@@ -75,9 +75,9 @@ def quantity(name: str, unit: str, help: str, low: float = -inf, high: float = i
     return own_help(name, help)
 
 
-def own_help(name: str, help: str) -> Any:
-    """Return a defined option with the help of one command, for which the usual one does not hold."""
-    return typer.Option(*OPTIONS[name].names, help=help, **OPTIONS[name].how)
+def own_help(name: str, help: str, **how: Any) -> Any:
+    """Return a defined option with the help of one command, and ``how``, where the usual ones do not hold."""
+    return typer.Option(*OPTIONS[name].names, help=help, **{**OPTIONS[name].how, **how})
 
 
 # What is written, and how it is shown.

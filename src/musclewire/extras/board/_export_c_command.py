@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,25 +21,37 @@ from musclewire.app import (
     read_settings,
     require_zip_file,
 )
-from musclewire.controllers import FUZZY_PID_IN_C, DriveLimits, Gains, ProtectionLimits
-from musclewire.errors import CallerError
-from musclewire.extras.board._options import ARDUINO_ZIP, DOUBLE, ESTIMATOR_IN_C
+from musclewire.controllers import (
+    DriveLimits,
+    FeedforwardSettings,
+    FuzzyPidSettings,
+    Gains,
+    ProtectionLimits,
+)
+from musclewire.errors import CallerError, Message, argument, nearest_hint
+from musclewire.extras.board._options import ARDUINO_ZIP, CONTROLLER_IN_C, DOUBLE, ESTIMATOR_IN_C
 from musclewire.extras.board._serial.device import SerialConfiguration
 from musclewire.rigs import Metadata, RigConfiguration, open_rig, rig_configuration
+from musclewire.signals import RunFacts
+
+if TYPE_CHECKING:
+    from musclewire.sensing import SensingModel
 
 # The estimator that an Uno's flash does not hold.
 FILTER = "filter"
+FUZZY_PID, INVERSE_MODEL = CONTROLLERS_IN_C = ("fuzzy-pid", "inverse-model")
 
 
 class ExportCAnswer(AnswerModel):
-    """Of ``export c``; a limit that there is not is null."""
+    """Of ``export c``; a limit that there is not is null, and the rule base of a controller without one."""
 
     folder: str
     arduino_zip: str | None
     name: str
     files: tuple[str, ...]
     quantity: str
-    rule_base: str
+    controller: str
+    rule_base: str | None
     estimator: str
     precision: str
     limits: Annotated[ProtectionLimits, AnswerRecord(infinite=...)]
@@ -49,8 +61,9 @@ class ExportCAnswer(AnswerModel):
 
 @dataclass(frozen=True)
 class ControllerOptions:
-    """Settings of the controller that differ from its defaults."""
+    """Which controller, and settings of the fuzzy PID that differ from its defaults."""
 
+    controller: Annotated[str, CONTROLLER_IN_C] = FUZZY_PID
     settings: Annotated[Path | None, SETTINGS] = None
     rules: Annotated[str | None, RULES] = None
 
@@ -68,7 +81,7 @@ def export_c(
 ) -> Result:
     """Model, controller, limits and protection as a self-contained C99 library, with its own test vectors."""
     from musclewire.extras.board._c import write_arduino_zip, write_library
-    from musclewire.identify import check_made_for, settings_for
+    from musclewire.identify import check_made_for
     from musclewire.sensing import load_model
 
     require_zip_file(arduino_zip)
@@ -77,7 +90,7 @@ def export_c(
         Gains.read(loaded.gains, f"model file {model}: gains")  # not used here; but what is wrong is said
     limits, known = limits_of_rig(rig)
     check_made_for(loaded, known, f"rig {rig}", "name the rig with your wire by --rig, or fit one")
-    chosen = settings_for(loaded, read_settings(controller.settings, controller.rules))
+    chosen = settings_of(controller, loaded, model, known)
     library = write_library(
         loaded,
         chosen,
@@ -95,19 +108,62 @@ def export_c(
         chosen,
         folder=str(output),
         arduino_zip=None if arduino_zip is None else str(write_arduino_zip(library, arduino_zip)),
+        controller=controller.controller,
+        rule_base=getattr(chosen, "rule_base", None),
         estimator=estimator,
         precision="double" if double else "single",
         limits=limits,
     )
     text = export_text(answer, rig)
-    return Result(answer, f"{text}\n{FUZZY_PID_IN_C}" if loaded.gains else text)
+    if controller.controller == INVERSE_MODEL:
+        return Result(answer, text if estimator == FILTER else text + WITHOUT_FILTER)
+    return Result(answer, text + BY_FUZZY_PID if loaded.gains else text)
+
+
+BY_FUZZY_PID = Message(
+    "\nthe paper's fuzzy PID drives the wire, and needs some 12 s from cold: this model has gains, and ",
+    argument("controller", INVERSE_MODEL),
+    " takes them",
+)
+WITHOUT_FILTER = Message(
+    "\nthis estimator does not know what holds the wire, so the controller keeps a heat balance itself: ",
+    argument("estimator", FILTER),
+    " knows it",
+)
+
+
+def settings_of(
+    options: ControllerOptions, loaded: SensingModel, file: Path, known: Metadata
+) -> FuzzyPidSettings | FeedforwardSettings:
+    """Return the settings of the controller that is asked for, by the gains of the model if it takes them.
+
+    Raises CallerError for a controller without a form in C, and for a model without its gains.
+    """
+    from musclewire.identify import gains_of, settings_for
+
+    asked = options.controller
+    if asked not in CONTROLLERS_IN_C:
+        raise CallerError(f"controller '{asked}' has no form in C{nearest_hint(asked, CONTROLLERS_IN_C)}")
+    if asked == FUZZY_PID:
+        return settings_for(loaded, read_settings(options.settings, options.rules))
+    if options.settings is not None or options.rules is not None:
+        raise CallerError(f"{INVERSE_MODEL} takes the model's gains: leave out settings and rules of the fuzzy PID")
+    gains = gains_of(loaded, RunFacts(known, "this rig").number_or_none("sample_period_s") or 0.0)
+    if gains is None or not isinstance(gains.settings, FeedforwardSettings):
+        why = f" ({loaded.no_gains})" if loaded.no_gains else ""
+        raise CallerError(
+            f"{INVERSE_MODEL} needs the gains of its wire, and {file} has none{why}: find them in the wire's slow loop "
+            f"by 'musclewire tune {file} LOOP -o {file}'"
+        )
+    return gains.settings
 
 
 def export_text(answer: ExportCAnswer, rig: str) -> str:
     """Return what was written and how it is tested, for people."""
     limits = answer.limits
+    by = "" if answer.rule_base is None else f", rule base {answer.rule_base}"
     lines = [
-        f"{answer.folder}: {answer.quantity} from resistance, rule base {answer.rule_base}, "
+        f"{answer.folder}: {answer.quantity} from resistance, controller {answer.controller}{by}, "
         f"{answer.precision} precision",
         f"limits of rig {rig}: shunt {limits.shunt_resistance_ohm:g} ohm, drive {limits.sense_voltage_v:g} to "
         f"{limits.maximum_voltage_v:g} V, resistance {limits.resistance_low_ohm:.3g} to "

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +20,7 @@ from musclewire.experiment import control_compiled
 from musclewire.extras.board import CLibrary, exercise, golden_ticks, write_library
 from musclewire.parameters import load_bench
 from musclewire.rigs import RigConfiguration, open_rig
-from musclewire.sensing import SensingModel
+from musclewire.sensing import SensingModel, save_model
 from musclewire.signals import Reason
 
 ESTIMATORS = ("filter", "polynomial", "gated")
@@ -208,3 +211,51 @@ def test_gains_of_another_quantity_are_refused(model: SensingModel, gains: Feedf
     other = gains.model_copy(update={"quantity": "displacement"})
     with pytest.raises(CallerError, match="gains are of displacement, the model of strain"):
         export(tmp_path, model=model, settings=other)
+
+
+def test_the_command_writes_it_by_the_model_s_gains(
+    model: SensingModel, tmp_path: Path, musclewire: Callable[..., Any]
+) -> None:
+    file, folder = tmp_path / "model.json", tmp_path / "library"
+    save_model(model, file)
+    asked = ("export", "c", file, "-o", folder, "--controller", "inverse-model", "--estimator", "filter")
+    assert "controller inverse-model" in musclewire(*asked).out
+    header = (folder / "src/mw_constants.h").read_text("utf-8")
+    assert "#define MW_INVERSE_MODEL 1" in header
+    assert "MW_KP_MAXIMUM" not in header
+    answer = musclewire(*asked, "--json").json
+    assert (answer["controller"], answer["rule_base"]) == ("inverse-model", None)
+    assert "steady_power_w,pending_heat_j,power_limited" in (folder / "test/golden_vectors.csv").read_text("utf-8")
+    assert "--estimator filter knows it" in musclewire(*asked[:-2], "--overwrite").out
+
+
+@pytest.mark.parametrize(
+    ("gains", "arguments", "complaint"),
+    [
+        (True, ("--controller", "feedforward"), "controller 'feedforward' has no form in C"),
+        (True, ("--controller", "inverse-model", "--rules", "fixed"), "leave out settings and rules"),
+        (False, ("--controller", "inverse-model"), "has none (two arrays): find them in the wire's slow loop by"),
+    ],
+)
+def test_what_it_cannot_write_is_refused_in_one_line(
+    model: SensingModel,
+    tmp_path: Path,
+    musclewire: Callable[..., Any],
+    gains: bool,
+    arguments: tuple[str, ...],
+    complaint: str,
+) -> None:
+    file = tmp_path / "model.json"
+    save_model(model if gains else replace(model, gains={}, no_gains="two arrays"), file)
+    refused = musclewire("export", "c", file, "-o", tmp_path / "library", *arguments).refusal
+    assert complaint in refused
+    assert gains or f"'musclewire tune {file} LOOP -o {file}'" in refused
+    assert not (tmp_path / "library").exists()
+
+
+def test_the_fuzzy_pid_says_which_controller_takes_the_gains(
+    model: SensingModel, tmp_path: Path, musclewire: Callable[..., Any]
+) -> None:
+    save_model(model, tmp_path / "model.json")
+    said = musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library").out
+    assert "--controller inverse-model takes them" in said

@@ -48,7 +48,7 @@ def controller_contents(
         sources={**library_sources(), "mw_constants.h": header, MODEL_FILE: c_files("c_fmu")[MODEL_FILE]},
         step_s=sample_period_s,
         owners=("caller", "protection"),
-        left_out=(*LEFT_OUT, *((f"feedforward: {FUZZY_PID_IN_C}",) if model.gains else ())),
+        left_out=(*LEFT_OUT, *((f"the model's gains: {FUZZY_PID_IN_C}",) if model.gains else ())),
     )
 
 
