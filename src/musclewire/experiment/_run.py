@@ -221,8 +221,8 @@ def run_on_rig(
             taken: TakenRun | str = ""
             try:
                 taken = compiled_part(loop, policy, samples)
-                start_s = take_part(loop, policy, command, samples, taken)
-                if minor_loop is not None and len(recorder) == samples:
+                start_s, to_its_end = take_part(loop, policy, command, samples, taken)
+                if minor_loop is not None and to_its_end:
                     recorder.describe({MINOR_LOOP_FROM: recorder.duration_s})
                     go_on(loop, minor_loop(recorder.recording()), start_s)
             finally:
@@ -260,18 +260,18 @@ def take_part(
     samples: int,
     taken: TakenRun | str,
     start_s: float | None = None,
-) -> float:
-    """Record samples by a policy, one by one unless they are taken; return the run's start on the rig's clock [s].
+) -> tuple[float, bool]:
+    """Record samples by a policy, one by one unless they are taken.
 
-    ``start_s`` is that start if the run has begun.
+    Returns the run's start on the rig's clock [s], which is ``start_s`` if the run has begun, and whether nobody ended
+    it before its time.
     """
     if isinstance(taken, TakenRun):
         loop.recorder.append_all(taken.rows(loop.measured))
-        return taken.start_s
+        return taken.start_s, True
     sample = loop.exchange(command)
     start_s = sample.time_s - loop.rig.sample_period_s if start_s is None else start_s
-    follow(loop, policy, sample, samples, start_s)
-    return start_s
+    return start_s, follow(loop, policy, sample, samples, start_s)
 
 
 def go_on(loop: RunParts, following: FollowingPart | None, start_s: float) -> None:
@@ -284,8 +284,11 @@ def go_on(loop: RunParts, following: FollowingPart | None, start_s: float) -> No
     take_part(loop, policy, policy.first_command(), samples, taken, start_s)
 
 
-def follow(loop: RunParts, policy: Policy, sample: RawSample, samples: int, start_s: float) -> None:
-    """Hand each sample to the policy, record both, hand the policy's command to the rig; from a first sample on."""
+def follow(loop: RunParts, policy: Policy, sample: RawSample, samples: int, start_s: float) -> bool:
+    """Hand each sample to the policy, record both, hand the policy's command to the rig; from a first sample on.
+
+    Returns whether it went to its end: False if somebody ended it, be it at the last sample.
+    """
     _, exchange, recorder, measured, timing, on_sample, until = loop
     # The time comes first and is the run's own.
     fields_of = itemgetter(*(RawSample._fields.index(name) for name in measured[1:]))
@@ -300,9 +303,10 @@ def follow(loop: RunParts, policy: Policy, sample: RawSample, samples: int, star
             on_sample(row_of(sample, elapsed_s, policy.columns, decision.values))
             timing.called_back(perf_counter_ns() - called_ns)
         if until is not None and until():
-            return
+            return False
         if left > 1:
             sample = exchange(decision.command)
+    return True
 
 
 def how_taken(taken: TakenRun | str, timing: LoopTiming) -> dict[str, MetadataValue]:

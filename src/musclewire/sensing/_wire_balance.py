@@ -241,7 +241,8 @@ def weighted(left: list[FloatArray], weights: list[float]) -> FloatArray:
 def law_of_minor_loops(wire: WireModel, balance: HeatBalanceFound, motion: WireMotion) -> WireNumber:
     """Return where between play and scaled copies the wire's minor loops are, by least squares; any if it has none.
 
-    One number is one law for all turns: by how much they differ is part of its deviation.
+    One number is one law for all turns: by how much they differ is part of its deviation, and of a single one nobody
+    knows it.
     """
     steady = steady_power_w(motion, balance.time_constant_s.value, balance.transformation_heat_j.value)
     # Places below 0 are of a cold wire, whose quantity is that at B whatever its power.
@@ -267,10 +268,13 @@ def law_of_minor_loops(wire: WireModel, balance: HeatBalanceFound, motion: WireM
     left = moved - seen * apart
     by_rows = max(float(left @ left), MIN_NOISE**2) / squares / independent(left)
     by_turns = [float(one @ (other - seen * one)) ** 2 / float(one @ one) for one, other in ways if one.size]
-    precision = 1.0 / (by_rows + sum(by_turns) / squares / max(len(by_turns) - 1, 1))
+    # So many turns of equal weight would know as much: one that is cut off short is hardly a second one. To what they
+    # show of their differences comes one turn's worth of what was known before: that they differ by any law.
+    count = squares**2 / sum(float(one @ one) ** 2 for one, _ in ways)
+    precision = 1.0 / (by_rows + sum(by_turns) / squares / count + (ANY_LAW.std / count) ** 2)
     before = ANY_LAW.std**-2.0
     value = (precision * seen + before * ANY_LAW.value) / (precision + before)
-    return WireNumber(value, (precision + before) ** -0.5, "minor loops of this recording")
+    return WireNumber(min(max(value, 0.0), 1.0), (precision + before) ** -0.5, "minor loops of this recording")
 
 
 def turns_of(place: FloatArray) -> list[int]:

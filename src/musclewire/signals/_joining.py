@@ -402,7 +402,7 @@ def _cut(recording: Recording, low_s: float, high_s: float) -> Recording:
 
 def _resampled(first: Recording, second: Recording, delay_s: float) -> tuple[Recording, tuple[str, ...]]:
     """Return both recordings on the first one's rows, and how that was done."""
-    first_metadata, first, second = first.metadata, first.with_minor_loop, second.with_minor_loop
+    first_metadata, first = first.metadata, first.with_minor_loop
     time_s, other_s = first["time_s"], second["time_s"] - delay_s
     period_s, other_period_s = _period_s(first), _period_s(second)
     names = [name for name in second.names if name != "time_s" and name not in first]

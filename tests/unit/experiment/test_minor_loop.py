@@ -14,6 +14,7 @@ from musclewire.experiment._open_loop import MIN_FALL_FRACTION, characterize, ra
 from musclewire.identify import fit, loop_gaps, resistance_reading
 from musclewire.rigs import open_rig
 from musclewire.sensing import SensingModel
+from musclewire.sensing._wire_balance import ANY_LAW
 from musclewire.signals import MINOR_LOOP_FROM, NO_CYCLE, Drive, Recording
 
 PERIOD_S, SAMPLES = 90.0, 1800
@@ -151,7 +152,21 @@ def test_the_law_is_known_no_better_than_its_turns_agree(loop: Recording) -> Non
     wire = fit(loop).wire_model
     assert wire is not None
     assert 0.0 <= wire.minor_loops.value <= 1.0
-    assert 0.0 < wire.minor_loops.std < 12.0**-0.5  # less than if any law were as likely
+    assert 0.0 < wire.minor_loops.std < ANY_LAW.std
+
+
+@pytest.mark.parametrize("rows", [900, 1000, 1100])
+def test_a_minor_loop_of_one_turn_and_a_part_knows_little(rows: int, loop: Recording) -> None:
+    whole = loop.minor_loop
+    assert whole is not None
+    cut = loop.with_minor_loop.between(0, len(loop) + rows)
+    found = fit(Recording(cut.columns, loop.metadata)).wire_model
+    assert found is not None
+    assert found.minor_loops.std > 0.12
+    before = fit(loop).wire_model
+    assert before is not None
+    assert before.minor_loops.value == pytest.approx(found.minor_loops.value, abs=3.0 * found.minor_loops.std)
+    assert 0.0 <= found.minor_loops.value <= 1.0
 
 
 def stop_at(rows: int, problem: BaseException):
@@ -188,6 +203,12 @@ def test_a_run_that_is_cut_off_before_has_none() -> None:
     asked = iter(range(100))
     ended = characterize(FakeRig(), period_s=10.0, until=lambda: next(asked) == 56)
     assert (len(ended), ended.minor_loop) == (57, None)
+
+
+def test_a_run_that_is_ended_at_the_last_row_of_its_cycles_has_none() -> None:
+    asked = iter(range(1000))
+    ended = characterize(FakeRig(), period_s=10.0, until=lambda: next(asked) == 399)
+    assert (len(ended), ended.minor_loop) == (400, None)
 
 
 def test_a_rig_that_fails_in_it_is_made_safe_and_keeps_the_cycles() -> None:

@@ -176,7 +176,7 @@ def test_a_model_without_a_whole_loop_has_no_wire(model: SensingModel) -> None:
 
 
 def minor(wire: WireModel, model: SensingModel, law: float) -> tuple[HeatBalanceFound, WireMotion]:
-    """Return a slow motion to the middle of the branches and back, by a law."""
+    """Return a slow motion to the middle of the branches and back, by a law, three times."""
     known = heat_balance_of(model)
     places, hours_s = wire.places, 1e5
     drive_w = np.concatenate([np.linspace(0.02, 0.42, 400), np.linspace(0.42, 0.02, 400), np.linspace(0.02, 0.42, 400)])
@@ -184,7 +184,8 @@ def minor(wire: WireModel, model: SensingModel, law: float) -> tuple[HeatBalance
     at = up[399]
     back = (1.0 - law) * np.minimum(at, down[400:800]) + law * at * down[400:800] / places[-1]
     place = np.concatenate([up[:400], back, up[800:]])
-    return known, WireMotion(np.linspace(0.0, hours_s, 1200), drive_w, place, np.zeros(1200))
+    time_s = np.linspace(0.0, 3.0 * hours_s, 3600)
+    return known, WireMotion(time_s, np.tile(drive_w, 3), np.tile(place, 3), np.zeros(3600))
 
 
 @pytest.mark.parametrize("law", [0.0, 0.4, 1.0])
@@ -203,8 +204,9 @@ def test_turns_that_follow_different_laws_make_the_number_less_certain(model: Se
     alike, unlike = (
         law_of_minor_loops(wire, known, WireMotion(time_s, power_w, place, np.zeros(place.size))) for place in places
     )
-    assert alike.std < 2.0 * once.std
-    assert unlike.std > 0.2
+    assert alike.std < once.std  # nobody knows of a single turn how much turns differ
+    assert unlike.std > 0.15
+    assert unlike.std > 3.0 * alike.std
     assert unlike.value == pytest.approx(0.5, abs=0.1)
 
 
