@@ -276,9 +276,10 @@ def settings_of(loop: ControlledLoopOptions) -> tuple[str | None, Any]:
         if loop.rules is not None:
             raise CallerError(f"gains file {loop.gains} names its own rule base: leave out --rules")
         gains = load_gains(loop.gains)
-        if loop.controller not in (None, gains.controller):
+        controller = loop.controller or gains.controller
+        if not gains.serve(controller):
             raise CallerError(f"gains file {loop.gains} is for {gains.controller}: leave out --controller")
-        return gains.controller, gains.settings
+        return controller, gains.settings
     if loop.controller is not None:
         CONTROLLERS.find(loop.controller)
     if loop.rules is None:

@@ -126,7 +126,7 @@ def inverse_model_tick(constants: FloatArray, state: FloatArray, given: FloatArr
     answer[2], answer[3], answer[4] = row["holding_w"], 0.0, 0.0
     if reason == NO_CURRENT:
         return
-    if not math.isfinite(target - value) or not dt_s > 0.0 or not math.isfinite(dt_s):
+    if not math.isfinite(target - value - std) or not dt_s > 0.0 or not math.isfinite(dt_s):
         answer[1] = 1.0
         return
     cold = reason in (COLD, NOT_READY)
@@ -135,7 +135,7 @@ def inverse_model_tick(constants: FloatArray, state: FloatArray, given: FloatArr
     if row["started"] == 0.0:
         take_over(wire, row, target, value)
     wire_now = WireNow(balance_w, part, loss * (balance_w - shift_w))
-    if math.isfinite(measured_w):
+    if measured_w > 0.0:  # a reading of another wire, or none, measures no power
         notice_given_part(method, wire, row, measured_w, dt_s)
     if not math.isfinite(wire_now.holding_w + part):
         wire_now = state_of_value(wire, row, value, cold, dt_s)
@@ -148,7 +148,7 @@ def inverse_model_tick(constants: FloatArray, state: FloatArray, given: FloatArr
     ahead_w = rate * heat_per_value(wire, HEATING_SLOPE if rate > 0.0 else COOLING_SLOPE, target)
     wanted_w = row["holding_w"] + due_j / max(wire.settings["response_s"], dt_s) + ahead_w
     ceiling_w = wire.settings["maximum_steady_power_w"]
-    # With this power the heat balance is at the limit after this sample, not above it.
+    # With this power, of which the wire is given its part, the heat balance is at the limit after this sample.
     warmest_w = wire_now.holding_w + (ceiling_w - wire_now.balance_w) * wire.settings["thermal_time_constant_s"] / dt_s
     lowest_w, highest_w, _ = power_limits_w(wire, value, ceiling_w)
     asked_w = max(min(min(wanted_w, warmest_w) / row["given_part"], highest_w), lowest_w)

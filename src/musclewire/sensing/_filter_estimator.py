@@ -310,7 +310,8 @@ def filter_tick(constants: FloatArray, state_array: FloatArray, given: FloatArra
     filtered = Filtered(numbers, state, state_array[FIRST_COVARIANCE:], tables)
     wire_voltage_v, shunt_voltage_v = given[2], given[3]
     resistance_ohm = resistance_of(numbers, wire_voltage_v, shunt_voltage_v)
-    answer_with_wire(state, answer, 0.0, 0.0)
+    at_rest = part_between(state.steady_w, edges_at(numbers, tables, state.place))
+    answer_with_wire(state, answer, at_rest, 0.0)
     if resistance_ohm == 0.0:
         answer_without_current(numbers, state, answer)
         return

@@ -12,6 +12,7 @@ from tests.unit.controllers.test_feedforward import DT_S, KNOWN, LIMITS, PlayWir
 
 from musclewire.controllers._controller import ControllerSetup
 from musclewire.controllers._inverse_model import STATE, InverseModelController
+from musclewire.errors import NumericsError
 from musclewire.signals import Drive, QuantityEstimate, Reason, WireEstimate
 
 CONTROLLER = InverseModelController(ControllerSetup(LIMITS, settings=KNOWN))
@@ -136,6 +137,24 @@ def test_without_current_the_drive_stays_and_nothing_is_learnt() -> None:
         state = CONTROLLER.step(state, 0.02, resting(), DT_S).state
     after = CONTROLLER.step(state, 0.03, QuantityEstimate(0.02, 0.03, False, Reason.NO_CURRENT), DT_S)
     assert after.state == state
+
+
+def test_a_reading_of_another_wire_is_no_weak_supply() -> None:
+    """It measures no power: the part of the asked power that the wire is given stays as it was."""
+    given_part, state = (STATE.names or ()).index("given_part"), CONTROLLER.start(RESTS_V)
+    for _ in range(3):
+        state = CONTROLLER.step(state, 0.02, resting(), DT_S).state
+    other = QuantityEstimate(0.02, 0.03, False, Reason.MISMATCH, wire=WireEstimate(RESTS_W, 0.5, 0.0, 1.0, 0.0))
+    for _ in range(9):
+        after = CONTROLLER.step(state, 0.02, other, DT_S)
+        assert after.state[given_part] == state[given_part]
+        state = after.state
+
+
+@pytest.mark.parametrize("std", [math.nan, math.inf])
+def test_a_deviation_that_is_no_number_is_refused(std: float) -> None:
+    with pytest.raises(NumericsError):
+        CONTROLLER.step(CONTROLLER.start(1.5), 0.02, resting(std), DT_S)
 
 
 def test_it_has_no_more_numbers_of_state_than_ten() -> None:

@@ -11,7 +11,7 @@ import pytest
 from known_plant import LIMITS, MODEL, plant_settings
 
 import musclewire as mw
-from musclewire.controllers import FuzzyPidSettings, load_gains
+from musclewire.controllers import CONTROLLERS, FuzzyPidSettings, Gains, load_gains
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify._tuning import Tuning, feedback_gains, margins_of, tune, worst_margins
 from musclewire.signals import Recording
@@ -167,3 +167,9 @@ def test_its_text_states_gains_and_margins() -> None:
     axes = found.plot(style="ieee-single")
     assert axes.get_xlabel() == "steady electrical power [W]"
     assert axes.figure.get_size_inches()[0] * 25.4 == pytest.approx(88.9)
+
+
+def test_the_settings_of_feedforward_serve_the_inverse_of_the_model() -> None:
+    gains = Gains("feedforward", plant_settings())
+    assert [name for name in CONTROLLERS.names() if gains.serve(name)] == ["feedforward", "inverse-model"]
+    assert not gains.serve(lambda setup: setup)

@@ -322,7 +322,7 @@ mw_estimation mw_follow(mw_follower *filter, mw_real resistance_ohm, mw_real wir
     filter->std = MW_QUANTITY_SPAN;
     filter->waited_s += dt_s;
 #if defined(MW_INVERSE_MODEL)
-    filter->part = filter->measured_w = 0;
+    filter->measured_w = 0;
     filter->cold = 0;
 #endif
     /* No current, or a wire that this model never has: the time until the next reading is predicted then. */

@@ -165,7 +165,7 @@ mw_inverse_model_answer mw_inverse_model_step(mw_inverse_model *own, mw_real tar
         return answer;
     if (!own->started)
         take_over(own, target, value);
-    if (sensed->wire_known && is_finite(sensed->measured_w))
+    if (sensed->wire_known && sensed->measured_w > 0) /* a reading of another wire measures no power */
         notice_given_part(own, sensed->measured_w, dt_s);
     if (!(sensed->wire_known && is_finite(now.holding_w + now.part)))
         now = state_of_value(own, value, cold, dt_s);
@@ -174,7 +174,7 @@ mw_inverse_model_answer mw_inverse_model_step(mw_inverse_model *own, mw_real tar
     rate = target_rate(own, target, dt_s);
     ahead_w = rate * heat_per_value(rate > 0 ? HEATING_SLOPE : COOLING_SLOPE, target);
     wanted_w = own->holding_w + due_j / most(MW_RESPONSE_S, dt_s) + ahead_w;
-    /* With this power the heat balance is at the limit after this sample, not above it. */
+    /* With this power, of which the wire is given its part, the heat balance is at the limit after this sample. */
     warmest_w = now.holding_w + (MW_MAXIMUM_STEADY_POWER_W - now.balance_w) * MW_THERMAL_TIME_CONSTANT_S / dt_s;
     lowest_w = power_w(MW_SENSE_VOLTAGE_V, value);
     highest_w = power_w(MW_MAXIMUM_VOLTAGE_V, value);
