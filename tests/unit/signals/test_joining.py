@@ -135,11 +135,12 @@ def test_what_is_shared_is_asked_for_if_it_is_not_the_only_column() -> None:
 
 
 def test_a_minor_loop_of_the_second_file_is_no_part_of_the_cycles() -> None:
-    """It is one of the first file only, whose rows and metadata stay."""
+    """It is one of both, on the first one's clock."""
     first, second = two_loggers(steps, 0.0)
     until_s = 0.6 * float(second["time_s"][-1])
     cut = Recording(second.columns, {"minor_loop_from_s": until_s})
     assert cut.minor_loop is not None
-    joined = join_recordings(first, cut, delay_s=0.0).recording
-    assert joined.minor_loop is None
-    assert joined["time_s"][-1] <= until_s
+    joined = join_recordings(first, cut).recording
+    assert joined.minor_loop is not None
+    assert joined["time_s"][-1] == pytest.approx(until_s, abs=0.05)
+    assert joined.minor_loop["time_s"][-1] == pytest.approx(second["time_s"][-1], abs=0.05)
