@@ -121,7 +121,11 @@ def print_table(loops: Mapping[str, Loop], plants: Sequence[str], seeds: Sequenc
             for name, scores in found.items():
                 means[name].append(middle([one.mean_pct for one in scores]))
     for name, values in means.items():
-        print(f"{name:26s} {statistics.geometric_mean(one for one in values if one > 0.0):.3f} % in the geometric mean")
+        there = [one for one in values if one > 0.0]  # not a row whose loops all ended early: it says so itself
+        print(
+            f"{name:26s} {statistics.geometric_mean(there):.3f} % in the geometric mean of {len(there)} of "
+            f"{len(values)} rows"
+        )
 
 
 def moved() -> dict[str, Loop]:

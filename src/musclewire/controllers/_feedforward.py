@@ -48,7 +48,15 @@ from musclewire.compiled import compiled, compiled_inner, row_in
 from musclewire.controllers._controller import ControllerSetup, settings_of_kind, step_error
 from musclewire.controllers._schema import StrictModel
 from musclewire.errors import CallerError
-from musclewire.signals import CONTROLLER_ANSWERS, CompiledTick, ControlStep, Drive, QuantityEstimate, Reason
+from musclewire.signals import (
+    CONTROLLER_ANSWERS,
+    UNKNOWN_WIRE,
+    CompiledTick,
+    ControlStep,
+    Drive,
+    QuantityEstimate,
+    Reason,
+)
 
 Positive = Annotated[float, Field(gt=0.0)]
 # Times of a loop: a day is longer than any; beyond, an integral would be none.
@@ -598,6 +606,7 @@ class FeedforwardController:
     """
 
     name = "feedforward"
+    _tick, _state = staticmethod(feedforward_tick), STATE
     columns: tuple[str, ...] = (
         *("steady_power_w", "pending_heat_j", "gain_factor", "beyond_c", "lag_s", "power_limited"),
     )
@@ -627,19 +636,19 @@ class FeedforwardController:
 
     def start(self, drive_voltage_v: float) -> tuple[float, ...]:
         """Return the state before the first estimate: the applied drive [V], within the limits."""
-        state = np.zeros(1, STATE)
+        state = np.zeros(1, self._state)
         state["drive_voltage_v"] = self.limits.clamp(float(drive_voltage_v))
         return tuple(state.view(np.float64).tolist())
 
     def step(self, state: tuple[float, ...], target: float, estimate: QuantityEstimate, dt_s: float) -> ControlStep:
         """Return the drive for an estimate; without current the last one."""
         numbers, answer = np.array(state), np.zeros(len(CONTROLLER_ANSWERS) + len(self.columns))
-        value, std, valid, reason = estimate[:4]
-        given = np.array((float(target), float(value), float(std), float(valid), float(reason), float(dt_s)))
-        feedforward_tick(self._constants, numbers, given, answer)
+        wire = UNKNOWN_WIRE if estimate.wire is None else estimate.wire
+        given = np.array((target, *estimate[:4], dt_s, *wire), dtype=np.float64)
+        self._tick(self._constants, numbers, given, answer)
         drive_voltage_v, failed, *recorded = answer.tolist()
         if failed:
-            raise step_error(target, value, dt_s)
+            raise step_error(target, estimate.value, dt_s)
         return ControlStep(Drive(drive_voltage_v), tuple(numbers.tolist()), tuple(recorded))
 
     def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:

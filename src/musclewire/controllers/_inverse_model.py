@@ -29,7 +29,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inner, row_in
-from musclewire.controllers._controller import ControllerSetup, step_error
+from musclewire.controllers._controller import ControllerSetup
 from musclewire.controllers._feedforward import (
     COOLING_SLOPE,
     HEATING_SLOPE,
@@ -48,12 +48,7 @@ from musclewire.controllers._feedforward import (
     set_drive,
 )
 from musclewire.signals import (
-    CONTROLLER_ANSWERS,
-    UNKNOWN_WIRE,
     CompiledTick,
-    ControlStep,
-    Drive,
-    QuantityEstimate,
     Reason,
 )
 
@@ -274,6 +269,7 @@ class InverseModelController(FeedforwardController):
     """
 
     name = "inverse-model"
+    _tick, _state = staticmethod(inverse_model_tick), STATE
     columns: tuple[str, ...] = ("steady_power_w", "pending_heat_j", "power_limited")
 
     def __init__(self, setup: ControllerSetup, method: InverseModelNumbers = INVERSE_MODEL) -> None:
@@ -284,23 +280,6 @@ class InverseModelController(FeedforwardController):
     def _packed(self) -> FloatArray:
         """Return numbers, limits, settings and tables as the array that the tick reads."""
         return np.concatenate([self._method, super()._packed()])
-
-    def start(self, drive_voltage_v: float) -> tuple[float, ...]:
-        """Return the state before the first estimate: the applied drive [V], within the limits."""
-        state = np.zeros(1, STATE)
-        state["drive_voltage_v"] = self.limits.clamp(float(drive_voltage_v))
-        return tuple(state.view(np.float64).tolist())
-
-    def step(self, state: tuple[float, ...], target: float, estimate: QuantityEstimate, dt_s: float) -> ControlStep:
-        """Return the drive for an estimate; without current the last one."""
-        numbers, answer = np.array(state), np.zeros(len(CONTROLLER_ANSWERS) + len(self.columns))
-        wire = UNKNOWN_WIRE if estimate.wire is None else estimate.wire
-        given = np.array((target, *estimate[:4], dt_s, *wire), dtype=np.float64)
-        inverse_model_tick(self._constants, numbers, given, answer)
-        drive_voltage_v, failed, *recorded = answer.tolist()
-        if failed:
-            raise step_error(target, estimate.value, dt_s)
-        return ControlStep(Drive(drive_voltage_v), tuple(numbers.tolist()), tuple(recorded))
 
     def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
         """Return ``step`` as a compiled function."""

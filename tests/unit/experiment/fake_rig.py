@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from contextlib import nullcontext
 from time import perf_counter_ns
 from types import TracebackType
@@ -87,3 +88,15 @@ class FakeRig:
 def straight_model() -> SensingModel:
     """The fake wire's own law: 4 % at 13.5 ohm, nothing at 17.5 ohm."""
     return SensingModel(13.5, 17.5, (0.04, -0.04), (0.04, -0.04), 0.0, 1.0)
+
+
+def stop_after(rows: int, problem: BaseException):
+    """Return an ``on_sample`` that raises a problem at a row."""
+    seen: list[Mapping[str, float]] = []
+
+    def on_sample(row: Mapping[str, float]) -> None:
+        seen.append(row)
+        if len(seen) == rows:
+            raise problem
+
+    return on_sample

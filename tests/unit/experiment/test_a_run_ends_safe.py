@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from dataclasses import replace
 from errno import ENOSPC
 from pathlib import Path
 
 import pytest
-from fake_rig import FakeRig, straight_model
+from fake_rig import FakeRig, stop_after, straight_model
 
 from musclewire.controllers import FuzzyPidSettings, sampled_reference, staircase
 from musclewire.errors import CallerError, RigError
@@ -18,17 +17,6 @@ from musclewire.experiment._open_loop import WaveformPolicy, characterize, slow_
 from musclewire.experiment._run import run_on_rig
 from musclewire.experiment._run_warnings import run_warnings
 from musclewire.sensing import SensingModel
-
-
-def stop_after(rows: int, problem: BaseException):
-    seen: list[Mapping[str, float]] = []
-
-    def on_sample(row: Mapping[str, float]) -> None:
-        seen.append(row)
-        if len(seen) == rows:
-            raise problem
-
-    return on_sample
 
 
 @pytest.mark.parametrize(

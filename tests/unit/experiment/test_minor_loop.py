@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import pytest
-from fake_rig import FakeRig
+from fake_rig import FakeRig, stop_after
 
 from musclewire.errors import RigError
 from musclewire.experiment._minor_loop import TURN_BACK, TURN_UP, MinorLoopPolicy, MinorLoopTurns, turns_after
@@ -168,22 +166,11 @@ def test_a_minor_loop_of_one_turn_and_a_part_knows_little(rows: int, loop: Recor
     assert 0.0 <= found.minor_loops.value <= 1.0
 
 
-def stop_at(rows: int, problem: BaseException):
-    seen: list[Mapping[str, float]] = []
-
-    def on_sample(row: Mapping[str, float]) -> None:
-        seen.append(row)
-        if len(seen) == rows:
-            raise problem
-
-    return on_sample
-
-
 @pytest.mark.parametrize("rows", [1, 400])
 def test_a_run_that_is_cut_off_in_it_has_a_whole_slow_loop(rows: int, without: Recording) -> None:
     with open_rig("simulated") as rig:
         with pytest.raises(KeyboardInterrupt) as caught:
-            characterize(rig, on_sample=stop_at(len(without) + rows, KeyboardInterrupt()))
+            characterize(rig, on_sample=stop_after(len(without) + rows, KeyboardInterrupt()))
         assert rig.drive_voltage_v == rig.sense_voltage_v
     cut: Recording = caught.value.recording  # type: ignore[attr-defined]
     assert cut.metadata["ended"] == "interrupted"
@@ -197,7 +184,7 @@ def test_a_run_that_is_cut_off_in_it_has_a_whole_slow_loop(rows: int, without: R
 
 def test_a_run_that_is_cut_off_before_has_none() -> None:
     with pytest.raises(KeyboardInterrupt) as caught:
-        characterize(FakeRig(), period_s=10.0, on_sample=stop_at(57, KeyboardInterrupt()))
+        characterize(FakeRig(), period_s=10.0, on_sample=stop_after(57, KeyboardInterrupt()))
     assert caught.value.recording.minor_loop is None  # type: ignore[attr-defined]
     asked = iter(range(100))
     ended = characterize(FakeRig(), period_s=10.0, until=lambda: next(asked) == 56)
