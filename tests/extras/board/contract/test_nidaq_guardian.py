@@ -54,11 +54,12 @@ def interruptible() -> None:
 class Bench:
     """A card that runs by the clock, and a host process that heats the wire on it."""
 
-    def __init__(self, server: DaqServer, host: subprocess.Popen[str]) -> None:
-        self.server, self.host = server, host
+    def __init__(self, server: DaqServer, rig: Path) -> None:
+        self.server, self.rig = server, rig
+        self.host = heating(server, rig)
 
     def output_v(self) -> float:
-        return self.server.card.outputs_v["ao0"]
+        return output_v(self.server)
 
     def wait_until(self, reached: Callable[[float], bool]) -> None:
         """Wait until the output is as wanted."""
@@ -80,15 +81,19 @@ def name(request: pytest.FixtureRequest) -> str:
 @pytest.fixture
 def bench(name: str, tmp_path: Path) -> Iterator[Bench]:
     with DaqServer(card_of(name, paced=True)) as server:
-        found = heating(server, rig_file(tmp_path, name, server.address))
+        found = Bench(server, rig_file(tmp_path, name, server.address))
         try:
             yield found
         finally:
             ended(found.host)
 
 
-def heating(server: DaqServer, rig: Path) -> Bench:
-    """Return a bench on which a host heats.
+def output_v(server: DaqServer) -> float:
+    return server.card.outputs_v["ao0"]
+
+
+def heating(server: DaqServer, rig: Path) -> subprocess.Popen[str]:
+    """Return a host that heats.
 
     A host that a busy machine makes late before it heats has rightly switched off and ended: another one is started.
     """
@@ -96,10 +101,9 @@ def heating(server: DaqServer, rig: Path) -> Bench:
     while time.monotonic() < until_s:
         command = [sys.executable, "-c", HOST, str(rig)]
         host = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=interruptible)
-        found = Bench(server, host)
         while host.poll() is None and time.monotonic() < until_s:
-            if found.output_v() == DRIVE_V:
-                return found
+            if output_v(server) == DRIVE_V:
+                return host
             time.sleep(0.001)
         said = ended(host)
     raise AssertionError(f"no host heated within {PATIENCE_S} s; the last one said: {said}")
@@ -152,16 +156,23 @@ def test_after_a_killed_host_the_card_is_free_again(bench: Bench, name: str) -> 
 @pytest.mark.emulated
 def test_a_stalled_host_leads_to_the_sense_voltage_and_then_off(bench: Bench, name: str) -> None:
     """The guardian's own record of the silence is at least the 0.25 s of the protection table."""
-    bench.host.send_signal(signal.SIGSTOP)
-    bench.wait_until(lambda volts: volts < DRIVE_V)
-    assert bench.output_v() in (0.0, pytest.approx(wiring_of(name).sense_voltage))
-    bench.wait_until(lambda volts: volts == 0.0)
-    bench.host.send_signal(signal.SIGCONT)
-    said = bench.last_words()
-    silent = re.search(r"no command for ([\d.]+) s: the guardian has switched off", said)
-    assert silent is not None, said  # a host that a busy machine made late has switched off before it was stopped
+    until_s = time.monotonic() + PATIENCE_S
+    while True:
+        bench.host.send_signal(signal.SIGSTOP)
+        bench.wait_until(lambda volts: volts < DRIVE_V)
+        assert bench.output_v() in (0.0, pytest.approx(wiring_of(name).sense_voltage))
+        bench.wait_until(lambda volts: volts == 0.0)
+        bench.host.send_signal(signal.SIGCONT)
+        said = bench.last_words()
+        assert bench.output_v() == 0.0
+        silent = re.search(r"no command for ([\d.]+) s: the guardian has switched off", said)
+        if silent is not None:
+            break
+        # Stopped too late: a busy machine had made it late before, and it had switched off by itself, and says so.
+        assert re.search(r"sample_late|command_missing|clock_leapt", said), said
+        assert time.monotonic() < until_s, said
+        bench.host = heating(bench.server, bench.rig)
     assert float(silent[1]) >= 0.25
-    assert bench.output_v() == 0.0
 
 
 def test_a_host_that_is_interrupted_switches_off_by_itself(bench: Bench) -> None:

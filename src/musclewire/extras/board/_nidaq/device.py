@@ -234,10 +234,10 @@ class NiDaqDevice:
             kept = values[:, max(0, skipped - done) :]
             sums = [total + float(row.sum()) for total, row in zip(sums, kept, strict=True)]
             done += piece
-            if done < span.fetch:
-                with self._writing:
-                    self._require_on()
-                    self._output.keep()
+            # After the last piece too: readings without a drive are a supply's fault only if nobody has switched off.
+            with self._writing:
+                self._require_on()
+                self._output.keep()
         return [total / span.average for total in sums]
 
     def _piece(self) -> int:

@@ -180,13 +180,14 @@ class OutputGuardian:
 
     def _obey(self, what: bytes, drive_v: float) -> bool:
         """Carry out a command of the host; return whether it was END."""
-        if what == KEEP:
-            self._watch.note(time.monotonic())
-            return False
         if what == END:
             return True
         if self._watch.tripped_after_s is not None:
             self._reply(TRIPPED, self._watch.tripped_after_s)
+            return False
+        if what == KEEP:
+            self._watch.note(time.monotonic())
+            self._reply(DONE)
             return False
         try:
             voltage_v = self._scale.voltage_v(drive_v)

@@ -92,11 +92,8 @@ class GuardedOutput:
         self._ask(SAFE, drive_v)
 
     def keep(self) -> None:
-        """Signal that the host is alive while it waits for readings."""
-        try:
-            self._line.sendall(COMMAND.pack(KEEP, 0.0))
-        except OSError:
-            self._lost()
+        """Say that the host is alive. Raises HostStalledError if the guardian has switched off meanwhile."""
+        self._ask(KEEP, 0.0)
 
     def _ask(self, what: bytes, drive_v: float) -> None:
         self._answers_due += 1

@@ -152,9 +152,14 @@ def test_what_the_guardian_says_of_a_command_is_raised() -> None:
 
 
 @pytest.mark.usefixtures("guardian")
-def test_a_sign_of_life_waits_for_no_answer() -> None:
+def test_a_sign_of_life_learns_of_a_guardian_that_has_switched_off() -> None:
     output, process = started()
+    process.line.sendall(DONE)
     output.keep()
+    assert process.heard() == (KEEP, 0.0)
+    process.line.sendall(REPLY.pack(b"T", 0.31, 0, 0))
+    with pytest.raises(HostStalledError, match=r"0\.310 s"):
+        output.keep()
     assert process.heard() == (KEEP, 0.0)
     assert output.close()
     assert process.heard() == (END, 0.0)

@@ -92,8 +92,8 @@ def test_commands_go_out_in_volts_of_the_card_and_end_at_0_v(bench: Bench) -> No
     bench.send((BEGIN, 0.0), (PUT, 2.0), (KEEP, 0.0), (SAFE, 0.3), (END, 0.0))
     assert guardian.run()
     assert bench.card.out[1:] == [("begin", OFF_V), ("edge", 1.1), ("now", 0.25), ("now", OFF_V)]
-    # Its start, three commands that are answered, and the end; a sign of life is not answered.
-    assert [bench.reply()[0] for _ in range(5)] == [b"A"] * 5
+    # Its start, four commands, and the end.
+    assert [bench.reply()[0] for _ in range(6)] == [b"A"] * 6
     assert (bench.card.closed, bench.card.released) == (True, False)
 
 

@@ -11,7 +11,8 @@ import pytest
 from musclewire.controllers import Event
 from musclewire.extras.board._nidaq import device as module
 from musclewire.extras.board._nidaq.device import NiDaqDevice
-from musclewire.rigs import Answer, Missing, rig_configuration
+from musclewire.extras.board._nidaq.output import HostStalledError
+from musclewire.rigs import Answer, DeviceFault, Missing, rig_configuration
 from musclewire.signals import Drive, RawSample
 
 PAUSE_S = 10.0
@@ -76,3 +77,16 @@ def test_a_pause_passes_on_the_devices_clock_although_the_card_has_stopped(
     assert device.sense()
     clock.now_s += PAUSE_S
     assert time_of(device.exchange(Drive(2.0))) - before_s == pytest.approx(PAUSE_S + device.facts.sample_period_s)
+
+
+def test_readings_under_a_guardian_that_has_switched_off_meanwhile_are_no_fault_of_the_supply(
+    at_card: tuple[NiDaqDevice, Card, SimpleNamespace], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def switched_off() -> None:
+        raise HostStalledError(0.31)
+
+    device, card, _ = at_card
+    device.exchange(Drive(2.0))
+    monkeypatch.setattr(card, "keep", switched_off, raising=False)
+    answer = device.exchange(Drive(2.0))
+    assert answer == DeviceFault(Event.COMMAND_MISSING, "no command for 0.310 s: the guardian has switched off")
