@@ -2,8 +2,8 @@
 
     python benchmarks/exported_c.py [--quick]
 
-Exports the simulated wire's model (polynomials of order 6, rule base zhao-1993), with the polynomial, the gated
-branches and the filter, and with filter and inverse model, and prints, each with its bar:
+Exports the simulated wire's model (polynomials of order 6, rule base zhao-1993), with the polynomial and the
+filter, and with filter and inverse model, and prints, each with its bar:
 
 - one hash over all outputs of 1,000,000 ticks, in single and double precision, on this machine and on emulated
   Cortex-M3, M4F and M7 (--quick: 20,000 ticks);
@@ -44,10 +44,9 @@ from musclewire.extras.board import CLibrary, ReferenceTick, exercise, golden_ti
 FULL_SAMPLES, QUICK_SAMPLES = 1_000_000, 20_000
 FULL_RANDOM, QUICK_RANDOM = 200_000, 10_000
 # A whole tick and the library on a Cortex-M4F: instructions, and flash [B].
-MOST = {"polynomial": (2300, 8 * 1024), "gated": (2300, 8 * 1024), "filter": (15_000, 12 * 1024)}
+MOST = {"polynomial": (2300, 8 * 1024), "filter": (15_000, 12 * 1024)}
 INVERSE_MODEL = "inverse-model"  # after the filter, in place of the fuzzy PID
 MOST[INVERSE_MODEL] = (15_000, 13 * 1024)
-MAX_GATED_INSTRUCTIONS = 400
 UNO_HZ = 16e6
 EXPONENTIAL_ULPS = 2.0
 CORTEX_M = [target for target in TARGETS if target.emulator != "simavr"]
@@ -70,7 +69,6 @@ def main() -> int:
         print(*dict.fromkeys(missing), sep="\n", file=sys.stderr)
         return 2
     held: list[bool] = []
-    most: dict[str, int] = {}
     with tempfile.TemporaryDirectory() as name:
         for made in MOST:
             folder = Path(name) / made
@@ -79,12 +77,9 @@ def main() -> int:
             held += [
                 *same_bits(library, folder, QUICK_SAMPLES if quick else FULL_SAMPLES),
                 *against_python(library, reference, folder, QUICK_RANDOM if quick else FULL_RANDOM),
-                *costs(library, most, made),
+                *costs(library, made),
                 *(() if made == INVERSE_MODEL else exponential(library, folder)),
             ]
-    added = most["gated"] - most["polynomial"]
-    print(f"gated branches: {added} instructions a tick more than the polynomial (bar {MAX_GATED_INSTRUCTIONS})")
-    held.append(added <= MAX_GATED_INSTRUCTIONS)
     print(f"{sum(held)} of {len(held)} bars held")
     return 0 if all(held) else 1
 
@@ -136,12 +131,11 @@ def against_python(library: CLibrary, reference: ReferenceTick, folder: Path, ti
             yield worst <= most
 
 
-def costs(library: CLibrary, most: dict[str, int], made: str) -> Iterator[bool]:
+def costs(library: CLibrary, made: str) -> Iterator[bool]:
     """Print flash, memory, instructions or cycles; judge those of the Cortex-M4F."""
     for row in library_figures(library.folder):
         print(", ".join(f"{key} {value}" for key, value in row.items() if value not in (None, "")))
         if row["target"] == "cortex-m4f":
-            most[made] = row["tick_instructions_most"]
             instructions, flash_bytes = MOST[made]
             yield row["tick_instructions_most"] <= instructions
             yield row["flash_bytes"] <= flash_bytes

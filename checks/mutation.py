@@ -70,7 +70,7 @@ TESTS_OF_C = (
     "tests/extras/board/firmware/test_parts_on_the_host.py",
     "tests/extras/board/export/test_protection_in_c.py",
     "tests/extras/board/export/test_c_equals_python.py",
-    "tests/extras/board/export/test_gated_in_c.py",
+    "tests/extras/board/export/test_filter_in_c.py",
     "tests/extras/board/firmware/test_the_emulated_board.py",
 )
 # Compiled code cannot be traced: these run it in plain Python, those of them that take at most a few seconds so.

@@ -158,7 +158,7 @@ JOBS = {
     "export-c": Job(
         (
             "export c ../loop/model.json -o single --json",
-            "export c ../loop/model.json --estimator gated --double -o double --json",
+            "export c ../loop/model.json --estimator filter --double -o double --json",
         ),
         needs=("loop",),
     ),

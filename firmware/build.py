@@ -293,7 +293,7 @@ def main() -> int:
     parser.add_argument("--board", default="mps2-an386", help=f"one of: {', '.join(boards())}")
     parser.add_argument("--model", type=Path, default=None, help="sensing model, as musclewire fit writes it")
     parser.add_argument("--wire", default=WIRE, help="the wire on the board: a name of the catalogue, or a file (TOML)")
-    parser.add_argument("--estimator", default=PAPER_ESTIMATOR, help="the board's: polynomial, gated or filter")
+    parser.add_argument("--estimator", default=PAPER_ESTIMATOR, help="the board's: polynomial or filter")
     parser.add_argument("-o", "--output", type=Path, default=None, help="folder; firmware/build/BOARD without it")
     parser.add_argument("--standalone", action="store_true", help="closes the loop by itself, started by a button")
     parser.add_argument(

@@ -84,7 +84,7 @@ static void send_identity(mw_application *application)
 /* What the board's model makes of a resistance; of an estimate that remembers, the loop's own while it is closed. */
 static float estimate_of(const mw_control_loop *loop, mw_real resistance_ohm)
 {
-#if defined(MW_FOLLOWS)
+#if defined(MW_FILTER)
     if (loop->closed_loop && loop->core.started)
         return (float)loop->core.estimation.value;
 #else

@@ -47,7 +47,7 @@ void mw_loop_trip(mw_control_loop *loop, uint8_t event)
 static void take_over(mw_control_loop *loop)
 {
     loop->core.started = 0;
-#if defined(MW_FOLLOWS)
+#if defined(MW_FILTER)
     loop->core.follower.followed = 0; /* what it remembers is from before */
 #endif
     loop->core.wire_sum_v = loop->core.shunt_sum_v = 0;

@@ -29,12 +29,10 @@ from ._fitting import fit_branches as fit_branches
 from ._fitting import fit_loop as fit_loop
 from ._gaps import hysteresis_gap as hysteresis_gap
 from ._gaps import signed_hysteresis_gap as signed_hysteresis_gap
-from ._gated_estimator import GATES as GATES
 from ._gated_estimator import GatedEstimator as GatedEstimator
 from ._gated_estimator import GatedState as GatedState
 from ._gated_estimator import compile_estimators as compile_estimators
 from ._gated_estimator import gated_estimator as gated_estimator
-from ._gated_estimator import gated_numbers as gated_numbers
 from ._health import CAUSE_TEXT as CAUSE_TEXT
 from ._health import Cause as Cause
 from ._home_move import DRIFT_FRACTION as DRIFT_FRACTION

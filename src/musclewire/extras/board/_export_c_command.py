@@ -173,7 +173,7 @@ def export_text(answer: ExportCAnswer, rig: str) -> str:
         f"cmake -S {answer.folder} -B build && cmake --build build && ctest --test-dir build",
     ]
     if answer.estimator == FILTER:
-        lines.append("an Arduino Uno has no room for the filter with a sketch: export the polynomial or gated for one")
+        lines.append("an Arduino Uno has no room for the filter with a sketch: export the polynomial for one")
     if answer.arduino_zip is not None:
         lines.append(f"{answer.arduino_zip}: in the Arduino IDE, Sketch, Include Library, Add .ZIP Library")
     return "\n".join(lines)

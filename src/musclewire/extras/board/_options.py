@@ -11,8 +11,8 @@ OLD_BOOTLOADER = option(
 MOUNTED_WIRE = own_help("--wire", "Wire that is mounted, by name: a built firmware keeps its limits.")
 ESTIMATOR_IN_C = own_help(
     "--estimator",
-    "Estimator by name, of those with a form in C: polynomial, gated or filter.",
-    autocompletion=completion_of("filter", "gated", "polynomial"),
+    "Estimator by name, of those with a form in C: polynomial or filter.",
+    autocompletion=completion_of("filter", "polynomial"),
 )
 CONTROLLER_IN_C = own_help(
     "--controller",

@@ -137,9 +137,11 @@ def checksum_of(model: SensingModel, folder: Path, estimator: str, shunt_ohm: fl
 
 
 def test_the_filter_is_part_of_the_checksum_and_the_shunt_is_not(model: SensingModel, tmp_path: Path) -> None:
-    sums = {checksum_of(model, tmp_path, estimator, 1.0) for estimator in ("polynomial", "gated", "filter")}
-    assert len(sums) == 3
+    sums = {checksum_of(model, tmp_path, estimator, 1.0) for estimator in ("polynomial", "filter")}
+    assert len(sums) == 2
     assert checksum_of(model, tmp_path, "filter", 2.0) in sums
+    with pytest.raises(CallerError, match="'particle-filter' has no C form; known: filter, polynomial: export"):
+        checksum_of(model, tmp_path, "particle-filter", 1.0)
 
 
 def test_the_command_writes_it_and_says_that_an_uno_has_no_room(

@@ -23,7 +23,7 @@ from musclewire.rigs import RigConfiguration, open_rig
 from musclewire.sensing import SensingModel, save_model
 from musclewire.signals import Reason
 
-ESTIMATORS = ("filter", "polynomial", "gated")
+ESTIMATORS = ("filter", "polynomial")
 STEPS, RUNS, SLOW_RUNS = 2_000, 50, 500
 # Of a whole tick, in parts of full scale: an estimate that the filter has enlarged moves the drive as a step does.
 SINGLE_TICK = 2e-3

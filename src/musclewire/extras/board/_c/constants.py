@@ -44,7 +44,7 @@ from musclewire.controllers import (
 )
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.physics import MINIMUM_CURRENT_A
-from musclewire.sensing import GATES, PAPER_ESTIMATOR, SensingModel, filter_numbers, gated_numbers
+from musclewire.sensing import PAPER_ESTIMATOR, SensingModel, filter_numbers
 
 Kind = Literal["real", "integer"]
 ACTIONS = {"": 0, "trip": 1, "degrade": 2}
@@ -56,21 +56,12 @@ RANGE_ENDS = {f"k{k}_{end}": f"k{k}_range[{i}]" for k in "pid" for i, end in enu
 MODEL_HEADING = "the self-sensing model (Lan and Fan 2010, Eqs. 3 to 5)"
 CONTROLLER_HEADING = "the fuzzy-tuned PID (Eq. 6)"
 RULES_HEADING = "its rule base"
-GATES_HEADING = "the direction-gated branches"
 FILTER_HEADING = "the filter on the wire's heat balance"
 INVERSE_HEADING = "the inverse of the wire's model"
-CONTROL_HEADINGS = (
-    *(MODEL_HEADING, CONTROLLER_HEADING, RULES_HEADING, GATES_HEADING, FILTER_HEADING, INVERSE_HEADING),
-)
-GATED, FILTER = "gated", "filter"
+CONTROL_HEADINGS = (MODEL_HEADING, CONTROLLER_HEADING, RULES_HEADING, FILTER_HEADING, INVERSE_HEADING)
+FILTER = "filter"
 # The one number of the filter that depends on the shunt, so that it is the circuit's and not in the checksum.
 SHUNT_NOISE = "least_noise_v2"
-GATE_NUMBERS = (
-    *("turning_fraction", "supporting_fraction", "still_per_s", "driven_per_s", "surprise_per_s", "motion_deviations"),
-    *("min_motion_variance", "beyond", "first_variance", "min_noise", "max_power_w", "max_ratio", "max_noise_v2"),
-    *("ambiguous_above", "noise_samples", "max_lagging", "slow_turning_fraction", "slow_turning_deviations"),
-    *("cold_power_w", "cold_above", "b_power_w"),
-)
 
 
 # The settings of a controller say which of both it is: feedforward's are those of the inverse of the wire's model.
@@ -146,43 +137,23 @@ def control_numbers(
     else:
         groups[CONTROLLER_HEADING] = _controller(settings)
         groups[RULES_HEADING] = _rules(rule_base or load_rule_base(settings.rule_base))
-    if estimator == GATED:
-        groups[GATES_HEADING] = _gates(model)
-    elif estimator == FILTER:
+    if estimator == FILTER:
         groups[FILTER_HEADING] = _filter(model)
     elif estimator != PAPER_ESTIMATOR:
-        hint = nearest_hint(estimator, (FILTER, GATED, PAPER_ESTIMATOR))
-        raise CallerError(f"estimator {estimator!r} has no C form{hint}: export {FILTER}, {GATED} or {PAPER_ESTIMATOR}")
+        hint = nearest_hint(estimator, (FILTER, PAPER_ESTIMATOR))
+        raise CallerError(f"estimator {estimator!r} has no C form{hint}: export {FILTER} or {PAPER_ESTIMATOR}")
     return CConstants(groups)
-
-
-def _gates(model: SensingModel) -> list[CConstant]:
-    """Return the numbers of the direction-gated branches; their names are those of ``sensing._gated_estimator``."""
-    numbers = GATES._asdict() | gated_numbers(model)
-    times = {name: value for name, value in numbers.items() if name.endswith("_s") and not name.endswith("_per_s")}
-    return [
-        _integer("GATED", 1, "the estimate is mw_follow's"),
-        *_own_wire(model),
-        *(_real(name.upper(), value, "time constant") for name, value in times.items()),
-        *(_real(name.upper(), numbers[name]) for name in GATE_NUMBERS),
-    ]
-
-
-def _own_wire(model: SensingModel) -> list[CConstant]:
-    low_ohm, high_ohm = model.own_resistance_ohm
-    return [
-        _real("OWN_LOW_OHM", low_ohm, "a resistance beyond is another wire's"),
-        _real("OWN_HIGH_OHM", high_ohm),
-    ]
 
 
 def _filter(model: SensingModel) -> list[CConstant]:
     """Return the numbers of the filter; their names are those of ``sensing._filter_estimator``."""
     numbers, tables = filter_numbers(model, 1.0)
+    low_ohm, high_ohm = model.own_resistance_ohm
     of_curve = {name: model.numbers[name] for name in ("residual_variance", "scale_variance", "quantity_span")}
     return [
         _integer("FILTER", 1, "the estimate is mw_follow's"),
-        *_own_wire(model),
+        _real("OWN_LOW_OHM", low_ohm, "a resistance beyond is another wire's"),
+        _real("OWN_HIGH_OHM", high_ohm),
         *(_real(name.upper(), value) for name, value in (of_curve | numbers).items() if name != SHUNT_NOISE),
         _integer("PLACES", len(tables)),
         CConstant(
@@ -221,8 +192,6 @@ def _deviation_numbers(model: SensingModel, estimator: str) -> dict[str, float]:
     if estimator == FILTER:
         return {}
     curve = {name: model.numbers[name] for name in ("residual_variance", "scale_variance", "quantity_span")}
-    if estimator == GATED:
-        return curve | {"gap_fraction": GATES.gap_fraction, "min_variance": gated_numbers(model)["min_variance"]}
     return curve | {"noise_ohm": model.resistance_noise_ohm}
 
 

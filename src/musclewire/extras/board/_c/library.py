@@ -124,7 +124,7 @@ def write_library(
     Without ``overwrite`` a file there with another content is left alone, and nothing is written at all.
 
     ``settings`` say which controller it is: the fuzzy PID by its own, the inverse of the wire's model by the gains of
-    the wire. ``estimator`` is "polynomial", the paper's, "gated" or "filter". ``double`` makes double precision the
+    the wire. ``estimator`` is "polynomial", the paper's, or "filter". ``double`` makes double precision the
     choice; without it all is checked to survive single precision.
     Everything is checked before anything is written.
 

@@ -31,22 +31,10 @@ typedef struct {
  * is not finite reads as fully contracted, so that a loop which ignores `valid` cools. */
 mw_estimation mw_estimate(mw_real resistance_ohm);
 
-/* ---- an estimate that remembers: mw_gated.c or mw_filter.c, if exported with --estimator ---------------- */
+/* ---- an estimate that remembers: mw_filter.c, if exported with --estimator filter ------------------------ */
 
 /* What it remembers of a wire; cleared to zero before its first sample. */
-#if defined(MW_GATED)
-#define MW_FOLLOWS
-typedef struct {
-    mw_real value, resistance, lagging, variance, before, before_last, noise_v2, learnt_s, mean_power_w;
-    mw_real extreme_power_w, power_variance_w2;
-    uint8_t followed, heating, sensing;
-#if defined(MW_INVERSE_MODEL)
-    mw_real std;  /* standard deviation of the quantity */
-    uint8_t cold; /* before B, where the quantity does not count */
-#endif
-} mw_follower;
-#elif defined(MW_FILTER)
-#define MW_FOLLOWS
+#if defined(MW_FILTER)
 typedef struct {
     mw_real value, std;                     /* the quantity, and its standard deviation */
     mw_real steady_w, place, shift_w, loss; /* power that would hold it, place, other air, factor of the heat loss */
@@ -59,9 +47,7 @@ typedef struct {
     uint8_t cold;       /* before B, where the quantity does not count */
 #endif
 } mw_follower;
-#endif
 
-#if defined(MW_FOLLOWS)
 /* Quantity after one more reading, dt_s after the one before; 0 ohm for none. A resistance that the model's wire never
  * has leaves the value as it is and is not valid; nor is a wire that is colder than B, or a reading outside the model's
  * range. */
@@ -190,7 +176,7 @@ typedef struct mw_controller {
     uint8_t started;                 /* the controller has seen a first measurement */
     mw_real resistance_ohm;          /* of the last mw_control, 0 without current */
     mw_estimation estimation;
-#if defined(MW_FOLLOWS)
+#if defined(MW_FILTER)
     mw_follower follower;
 #endif
 #if !defined(MW_INVERSE_MODEL)

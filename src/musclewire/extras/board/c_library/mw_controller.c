@@ -6,7 +6,7 @@ void mw_start(mw_controller *controller)
 {
     const mw_controller cold = {.estimation = {MW_QUANTITY_MIN, 0}};
     *controller = cold;
-#if defined(MW_FOLLOWS)
+#if defined(MW_FILTER)
     controller->follower.value = MW_QUANTITY_MIN;
 #endif
     mw_protect_arm(&controller->protection);
@@ -80,7 +80,7 @@ static void sense(mw_controller *controller, mw_real dt_s)
     }
     forget_samples(controller);
     controller->resistance_ohm = mw_resistance(wire_voltage_v, shunt_voltage_v);
-#if defined(MW_FOLLOWS)
+#if defined(MW_FILTER)
     controller->estimation =
         mw_follow(&controller->follower, controller->resistance_ohm, wire_voltage_v, shunt_voltage_v, dt_s);
 #else
@@ -97,7 +97,7 @@ static void sense(mw_controller *controller, mw_real dt_s)
 static mw_sensed sensed_of(const mw_controller *controller)
 {
     mw_sensed sensed = {.value = controller->estimation.value};
-#if defined(MW_FOLLOWS)
+#if defined(MW_FILTER)
     const mw_follower *follower = &controller->follower;
     sensed.std = follower->std;
     sensed.cold = follower->cold;
@@ -174,7 +174,7 @@ mw_output mw_control(mw_controller *controller, mw_real target, mw_real dt_s)
 mw_output mw_drive(mw_controller *controller, mw_real drive_voltage_v)
 {
     controller->started = 0;
-#if defined(MW_FOLLOWS)
+#if defined(MW_FILTER)
     controller->follower.followed = 0; /* what it remembers is from before */
 #endif
     forget_samples(controller);

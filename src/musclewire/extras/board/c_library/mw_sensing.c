@@ -28,7 +28,7 @@ mw_estimation mw_estimate(mw_real resistance_ohm)
     return result;
 }
 
-#if defined(MW_INVERSE_MODEL) && !defined(MW_FOLLOWS)
+#if defined(MW_INVERSE_MODEL) && !defined(MW_FILTER)
 mw_real mw_deviation(mw_real resistance_ohm)
 {
     const mw_real normalised = (resistance_ohm - MW_RESISTANCE_MIN_OHM) * MW_SHARE_PER_OHM;
