@@ -9,8 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from musclewire.extras.board._c.constants import FILTER
 from musclewire.extras.board._c.reference import GAINS, ReferenceTick, TickOutcome
 from musclewire.parameters import require_seed
+from musclewire.sensing import filter_numbers
 
 # Largest step of the resistance in a control period, as a fraction of the model's span.
 WALK_FRACTION = 0.02
@@ -75,14 +77,14 @@ def exercise(
     ``fault_probability`` is the probability of a fault at each tick. The same seed gives the same ticks.
     """
     random = np.random.default_rng(require_seed(seed))
-    bench = _RandomWalkWire(reference, random)
+    bench = (_WireInAir if reference.estimator == FILTER else _RandomWalkWire)(reference, random)
     start, tripped_for = True, 0
     fault, fault_left = "", 0
     for index in range(ticks):
         if start:
             reference.start()
             fault_left = tripped_for = 0
-        wire_v, shunt_v = bench.read(ticks_a_control)
+        wire_v, shunt_v = bench.read(tick_s, ticks_a_control)
         if fault_left == 0 and random.random() < fault_probability:
             fault = str(random.choice(list(FAULTS)))
             fault_left = int(random.integers(1, max(2, int(MAX_FAULT_S / tick_s))))
@@ -111,14 +113,23 @@ class _RandomWalkWire:
         self._target = _single(0.9 * reference.model.quantity_min + 0.1 * reference.model.quantity_max)
         self.last_wire_v = 0.0
 
-    def read(self, ticks_a_control: int) -> tuple[float, float]:
-        """Return both voltages at the present drive, with noise."""
-        model, limits = self._reference.model, self._reference.protection_limits
+    def _resistance_after(self, tick_s: float, ticks_a_control: int) -> float:
+        """Return the resistance [ohm] a tick later."""
+        del tick_s
         step = WALK_FRACTION / ticks_a_control
         walked = self._normalised_resistance + self._random.uniform(-step, step)
         self._normalised_resistance = min(max(walked, -0.01), 1.01)
+        return self._resistance_ohm()
+
+    def _resistance_ohm(self) -> float:
+        model = self._reference.model
         span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
-        resistance = model.resistance_min_ohm + self._normalised_resistance * span_ohm
+        return model.resistance_min_ohm + self._normalised_resistance * span_ohm
+
+    def read(self, tick_s: float, ticks_a_control: int) -> tuple[float, float]:
+        """Return both voltages a tick later, at the present drive and with noise."""
+        limits = self._reference.protection_limits
+        resistance = self._resistance_after(tick_s, ticks_a_control)
         current = self._reference.drive_voltage_v / (resistance + limits.shunt_resistance_ohm)
         noise = self._random.normal(0.0, NOISE_V, 2)
         return (
@@ -137,6 +148,46 @@ class _RandomWalkWire:
         if self._random.random() < tick_s * TARGET_CHANGES_EACH_S:
             self._target = _single(self._random.uniform(model.quantity_min, model.quantity_max))
         return _single(self._target)
+
+
+class _WireInAir(_RandomWalkWire):
+    """A wire with the heat balance and the play of its model, for a filter that believes in both.
+
+    What power and resistance say that have nothing to do with one another has no bound in single precision: the filter
+    is lost, and which way it is found again hangs on the last digit.
+    """
+
+    def __init__(self, reference: ReferenceTick, random: np.random.Generator) -> None:
+        super().__init__(reference, random)
+        self._numbers, tables = filter_numbers(reference.model, reference.protection_limits.shunt_resistance_ohm)
+        self._heating_w, self._cooling_w, self._heating, self._cooling = tables.T
+        self._places = np.linspace(self._numbers["first_place"], self._numbers["last_place"], len(tables))
+        self._steady_w, self._place = float(self._heating_w[0]), float(self._places[0])
+
+    def _resistance_after(self, tick_s: float, ticks_a_control: int) -> float:
+        """Return the resistance [ohm] a tick later: on a branch the place moves, and takes its heat."""
+        del ticks_a_control
+        resistance_ohm, numbers = self._resistance_ohm(), self._numbers
+        circuit_ohm = resistance_ohm + self._reference.protection_limits.shunt_resistance_ohm
+        power_w = (self._reference.drive_voltage_v / circuit_ohm) ** 2 * resistance_ohm
+        free_w = self._steady_w + (power_w - self._steady_w) * -math.expm1(-tick_s / numbers["time_constant_s"])
+        heat_j = numbers["transformation_heat_j"] if self._place > numbers["sensed_from"] else 0.0
+        taken_w = heat_j / numbers["time_constant_s"] * (self._places - self._place)
+        if free_w > np.interp(self._place, self._places, self._heating_w):
+            branch_w = self._heating_w
+        elif free_w < np.interp(self._place, self._places, self._cooling_w):
+            branch_w = self._cooling_w
+        else:
+            branch_w = None
+        if branch_w is not None:
+            self._place = float(np.interp(free_w, branch_w + taken_w, self._places))
+            free_w = float(np.interp(self._place, self._places, branch_w))
+        self._steady_w = free_w
+        cooling_w, heating_w = (np.interp(self._place, self._places, one) for one in (self._cooling_w, self._heating_w))
+        part = min(max((free_w - cooling_w) / (heating_w - cooling_w), 0.0), 1.0)
+        cooling, heating = (np.interp(self._place, self._places, one) for one in (self._cooling, self._heating))
+        self._normalised_resistance = float(cooling + part * (heating - cooling))
+        return self._resistance_ohm()
 
 
 def _single(value: float) -> float:
