@@ -16,7 +16,9 @@ slow loop be recorded of is left out, and said.
 Percent of the full stroke, pooled over wires: root mean square error, largest error, how many samples the 95 % interval
 holds, its median half-width, and the mean error. On one recording alone the share of valid samples stands in the place
 of the worst wire. ``choose`` goes down the mean of the logarithm of all rows' error and,
-a tenth as much, of their largest one, by steps of 1.5, 1.25 and 1.12 in each number but the interval's.
+a tenth as much, of their largest one, by steps of 1.5, 1.25 and 1.12 in each number but the interval's. It and
+``moves`` have rows of closed loops besides: a wire that follows its own estimate rests where the filter lets it rest.
+They are recorded once, with the numbers of that day.
 """
 
 from __future__ import annotations
@@ -49,7 +51,8 @@ from numpy.typing import NDArray
 
 import musclewire as mw
 from musclewire.errors import MusclewireError
-from musclewire.experiment import ScaleByB
+from musclewire.experiment import ScaleByB, control
+from musclewire.identify import reference_quantity
 from musclewire.sensing import (
     ESTIMATORS,
     FILTER,
@@ -77,6 +80,7 @@ STEPS, LARGEST_WEIGHT = (1.5, 1.25, 1.12), 0.1
 CROSSINGS, STREAM, AFTER_S = 200, 60, 10.0
 # Of a rig that is no drawn wire the first seconds, from cold, are not judged. A loop of a minute is stretched so.
 SETTLED_S, STRETCHES = 4.0, (14.0 / 60.0, 1.0, 10.0, 60.0)
+LOOP_TASKS, LOOP_SEED = ("staircase", "small steps", "random steps", "hold 10 min"), 11
 Array = NDArray[np.float64]
 # What an estimator says over the rows that it is given: value, deviation, validity, and columns of its own.
 Estimate = Callable[["Case"], tuple[Array, Array, NDArray[np.bool_]]]
@@ -193,17 +197,18 @@ def said(tick: CompiledTick, constants: Array, case: Case) -> tuple[Array, Array
     return answers[:, 0], answers[:, 1], answers[:, 2] > 0.0
 
 
+# By estimator and by the identity of the model, which its cases keep.
 TICKS: dict[tuple[str, int], CompiledTick] = {}
 
 
 def tick_of(name: str, case: Case) -> CompiledTick:
     """Return the tick of an estimator for the wire of a case, made once."""
-    if (name, case.seed) not in TICKS:
+    if (name, id(case.model)) not in TICKS:
         facts = case.facts
         setup = EstimatorSetup(case.model, facts["shunt_resistance_ohm"], facts["sample_period_s"])
         made: Any = ESTIMATORS.find(name)(setup)
-        TICKS[name, case.seed] = made.compiled_tick()
-    return TICKS[name, case.seed]
+        TICKS[name, id(case.model)] = made.compiled_tick()
+    return TICKS[name, id(case.model)]
 
 
 def named(name: str) -> Estimate:
@@ -293,7 +298,7 @@ def cost(numbers: FilterNumbers, cases: Mapping[str, list[Case]]) -> float:
 
 def choose(seeds: Sequence[int], folder: Path) -> None:
     """Go down from the present numbers, one number after the other, and print what comes of it."""
-    cases, numbers = cases_by_row(seeds, folder), FILTER
+    cases, numbers = cases_to_choose_by(seeds, folder), FILTER
     least = cost(numbers, cases)
     print(f"{least:.4f} with {numbers}", flush=True)
     for step in STEPS:
@@ -311,7 +316,7 @@ def choose(seeds: Sequence[int], folder: Path) -> None:
 
 def print_moves(seeds: Sequence[int], folder: Path) -> None:
     """Print by how much each number, halved and doubled, moves the row that it moves most."""
-    cases = cases_by_row(seeds, folder)
+    cases = cases_to_choose_by(seeds, folder)
 
     def figures(numbers: FilterNumbers) -> dict[tuple[str, str], float]:
         rows = {row: judged_row(with_numbers(numbers), over) for row, over in cases.items()}
@@ -410,6 +415,30 @@ def print_crossings(seeds: Sequence[int], folder: Path) -> None:
         )
 
 
+def cases_to_choose_by(seeds: Sequence[int], folder: Path) -> dict[str, list[Case]]:
+    """Return the cases of every row of the table, then those of closed loops, a row for each task and kind of plant."""
+    found = cases_by_row(seeds, folder)
+    for task, name in itertools.product(LOOP_TASKS, (name for name in PLANTS if name != "gripper")):
+        of_plant = seeds if name == "wires" else (LOOP_SEED,)
+        found[f"{name}, {task}"] = [loop_case(name, task, seed, folder) for seed in of_plant]
+    return found
+
+
+def loop_case(name: str, task: str, seed: int, folder: Path) -> Case:
+    """Return a task of a rig in a closed loop by the filter, recorded now or before."""
+    plant, path = PLANTS[name], folder / "loops" / f"{name}-{task}-{seed}.npz".replace(" ", "_")
+    model = plant.model_in(folder / "plants" / f"{name}-{seed}.json", seed)
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with plant.opened(seed, of_task=True) as rig:
+            loop = {"estimator": "filter", "controller": "inverse-model"}
+            run = control(rig, model, TASKS[task].reference(model, seed), **loop)
+            columns = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
+            rows = np.column_stack([*(run[one] for one in columns), reference_quantity(run, model.quantity)])
+            np.savez(path, rows=rows, facts=[rig.shunt_resistance_ohm, rig.sample_period_s])
+    return kept_case(path, model, seed)
+
+
 def plant_case(name: str, seed: int, folder: Path) -> Case:
     """Return random steps of a rig by its displacement sensor, recorded now or before."""
     plant, path = PLANTS[name], folder / "plants" / f"{name}-{seed}.npz"
@@ -424,6 +453,11 @@ def plant_case(name: str, seed: int, folder: Path) -> Case:
                 drive_v = servo.drive_v(reference.target_at(index * rig.sample_period_s), measured)
                 rows.append((*sample[:4], measured))
             np.savez(path, rows=np.array(rows), facts=[rig.shunt_resistance_ohm, rig.sample_period_s])
+    return kept_case(path, model, seed)
+
+
+def kept_case(path: Path, model: SensingModel, seed: int) -> Case:
+    """Return the run of a rig that a file keeps, judged where its model senses, from some seconds on."""
     with np.load(path) as kept:
         rows_kept, (shunt_ohm, period_s) = kept["rows"], kept["facts"].tolist()
     measured, zeros = rows_kept[:, 4], np.zeros(len(rows_kept))
@@ -438,7 +472,6 @@ def print_plants(_: Sequence[int], folder: Path) -> None:
     for plant in (name for name in PLANTS if name != "wires"):
         cases = [plant_case(plant, seed, folder) for seed in SEEDS]
         for name in NAMES:
-            TICKS.clear()  # they are kept by seed, and other plants have these seeds, too
             print(f"{plant:18s} {len(cases)} seeds {row_text(name, judged_row(named(name), cases))}", flush=True)
 
 

@@ -54,7 +54,11 @@ class FilterNumbers(NamedTuple):
     shift_std
         Deviation of the shift of the branches by other air.
     loss_walk
-        Random walk of the factor of the heat loss, per square root of a second.
+        Random walk of the factor of the heat loss, per square root of a second, where readings surprise as much as
+        the covariance expects; its variance goes with their squares, so that it is agile in draughts and rests in
+        still air.
+    unrest_s
+        Time over which these squares are taken.
     place_walk
         Random walk of the place, per square root of a second.
     walked_s
@@ -73,15 +77,16 @@ class FilterNumbers(NamedTuple):
         What differs from wire to wire, as a part of the range of the quantity.
     """
 
-    power_walk: float = 0.0135
-    power_part: float = 0.35
+    power_walk: float = 0.0083
+    power_part: float = 0.42
     shift_std: float = 0.04
-    loss_walk: float = 0.022
-    place_walk: float = 0.0015
+    loss_walk: float = 0.02
+    unrest_s: float = 6.0
+    place_walk: float = 0.0007
     walked_s: float = 30.0
-    resistance_std: float = 0.003
-    phase_lag: float = 0.45
-    looseness: float = 0.05
+    resistance_std: float = 0.0035
+    phase_lag: float = 0.5
+    looseness: float = 0.042
     surprise: float = 9.0
     range_std: float = 0.006
 
@@ -126,6 +131,8 @@ class FilterState(NamedTuple):
         The last two readings of the normalised resistance.
     noise_v2, learnt_s
         Variance of a reading, referred to the shunt's voltage [V2], and the time from which it is known [s].
+    unrest
+        By how much readings surprise of late: the mean of the squares, in what the covariance expects.
     steady_w, place, shift_w, loss
         The mean: steady power [W], place, shift of the branches [W], and factor of the heat loss.
     covariance_00, covariance_10, covariance_11, covariance_20, covariance_21, covariance_22
@@ -146,6 +153,7 @@ class FilterState(NamedTuple):
     before_last: float = 0.0
     noise_v2: float = 0.0
     learnt_s: float = 0.0
+    unrest: float = 1.0
     steady_w: float = 0.0
     place: float = 0.0
     shift_w: float = 0.0
@@ -332,7 +340,7 @@ def filter_tick(constants: FloatArray, state_array: FloatArray, given: FloatArra
     noise = learnt_noise(numbers, state, read, dt_s, per_volt)
     if dt_s > 0.0:
         predict(filtered, power_w, dt_s)
-    correct(filtered, read, noise)
+    correct(filtered, read, noise, dt_s)
     quantity, variance, part = quantity_of(filtered, constants[N_CONSTANTS + N_TABLES :], read, noise)
     sensed = is_sensed(numbers, state, filtered.covariance)
     if numbers.stiffness_n_per_m > 0.0:
@@ -429,11 +437,11 @@ def predict(filtered: Filtered, power_w: float, dt_s: float) -> None:
     covariance[0] += walk_w * walk_w * dt_s + part_w * part_w
     covariance[2] += numbers.place_walk * numbers.place_walk * dt_s
     if covariance[9] < 1.0:  # a factor of two is as much as is not known of a wire that has been cold for hours
-        covariance[9] += numbers.loss_walk * numbers.loss_walk * dt_s
+        covariance[9] += numbers.loss_walk * numbers.loss_walk * state.unrest * dt_s
 
 
 @compiled_inner
-def correct(filtered: Filtered, read: float, noise: float) -> None:
+def correct(filtered: Filtered, read: float, noise: float, dt_s: float) -> None:
     """Correct mean and covariance by a reading; one that they do not explain makes them wider before that.
 
     The resistance is one of power and place alone, so that four of the eight points are in the middle.
@@ -446,7 +454,7 @@ def correct(filtered: Filtered, read: float, noise: float) -> None:
     own = numbers.resistance_std * numbers.resistance_std
     known_w2 = numbers.middle_w * numbers.middle_w
     variance, surprise, by_w, by_place = 1.0, 0.0, 0.0, 0.0
-    for _ in range(3):
+    for turn in range(3):
         hotter = modelled(numbers, tables, steady_w + AWAY * root[0], place + AWAY * root[1])
         colder = modelled(numbers, tables, steady_w - AWAY * root[0], place - AWAY * root[1])
         farther = modelled(numbers, tables, steady_w, place + AWAY * root[2])
@@ -457,6 +465,9 @@ def correct(filtered: Filtered, read: float, noise: float) -> None:
         variance = spread + noise + own
         surprise = read - mean
         by_w, by_place = AWAY * (hotter - colder) / POINTS, AWAY * (farther - nearer) / POINTS
+        if turn == 0:
+            unrest = min(surprise * surprise / variance, 1.0)
+            state.unrest += (unrest - state.unrest) * min(dt_s / numbers.unrest_s, 1.0)
         wider = surprise * surprise / (numbers.surprise * variance)
         if wider <= 1.0:
             break

@@ -39,6 +39,7 @@ typedef struct {
     mw_real value, std;                     /* the quantity, and its standard deviation */
     mw_real steady_w, place, shift_w, loss; /* power that would hold it, place, other air, factor of the heat loss */
     mw_real covariance[10];                 /* of these four: the lower triangle, row by row */
+    mw_real unrest; /* by how much readings surprise of late: mean square, in what the covariance expects */
     mw_real before, before_last, noise_v2, learnt_s, waited_s;
     uint8_t followed;
 #if defined(MW_INVERSE_MODEL)

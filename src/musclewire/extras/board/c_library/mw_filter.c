@@ -164,6 +164,7 @@ static void begin(mw_follower *filter, mw_real read, mw_real power_w)
     filter->place = MW_FIRST_PLACE + (mw_real)row / MW_PER_PLACE;
     filter->before = filter->before_last = read;
     filter->noise_v2 = MW_LEAST_NOISE_V2;
+    filter->unrest = 1;
     filter->covariance[0] = walk_w * walk_w * MW_WALKED_S;
     filter->covariance[2] = MW_PLACE_WALK * MW_PLACE_WALK * MW_WALKED_S;
     filter->covariance[5] = shift_w * shift_w;
@@ -226,7 +227,7 @@ static void predict(mw_follower *filter, mw_real power_w, mw_real dt_s)
     covariance[0] += walk_w * walk_w * dt_s + part_w * part_w;
     covariance[2] += MW_PLACE_WALK * MW_PLACE_WALK * dt_s;
     if (covariance[9] < 1)
-        covariance[9] += MW_LOSS_WALK * MW_LOSS_WALK * dt_s;
+        covariance[9] += MW_LOSS_WALK * MW_LOSS_WALK * filter->unrest * dt_s;
 }
 
 static mw_real square(mw_real number)
@@ -234,7 +235,7 @@ static mw_real square(mw_real number)
     return number * number;
 }
 
-static void correct(mw_follower *filter, mw_real read, mw_real noise)
+static void correct(mw_follower *filter, mw_real read, mw_real noise, mw_real dt_s)
 {
     const mw_real own = MW_RESISTANCE_STD * MW_RESISTANCE_STD;
     const mw_real steady_w = filter->steady_w, place = filter->place, middle = modelled(steady_w, place);
@@ -255,6 +256,9 @@ static void correct(mw_follower *filter, mw_real read, mw_real noise)
         surprise = read - mean;
         by_w = AWAY * (hotter - colder) / POINTS;
         by_place = AWAY * (farther - nearer) / POINTS;
+        if (turn == 0)
+            filter->unrest += (at_most(surprise * surprise / variance, 1) - filter->unrest)
+                              * at_most(dt_s / MW_UNREST_S, 1);
         wider = surprise * surprise / (MW_SURPRISE * variance);
         if (wider <= 1)
             break;
@@ -338,7 +342,7 @@ mw_estimation mw_follow(mw_follower *filter, mw_real resistance_ohm, mw_real wir
     noise = learnt_noise(filter, read, dt_s, per_volt);
     if (dt_s > 0)
         predict(filter, power_w, dt_s);
-    correct(filter, read, noise);
+    correct(filter, read, noise, dt_s);
     answer(filter, read, noise);
     outside = MW_VALID_FROM - read;
     if (read - 1 - MW_MARGIN > outside)
