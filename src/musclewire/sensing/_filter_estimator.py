@@ -55,8 +55,8 @@ class FilterNumbers(NamedTuple):
         Deviation of the shift of the branches by other air.
     loss_walk
         Random walk of the factor of the heat loss, per square root of a second, where readings surprise as much as
-        the covariance expects; its variance goes with their squares, so that it is agile in draughts and rests in
-        still air.
+        the covariance expects; its variance is in proportion to their squares, so that it is agile in draughts and
+        rests in still air.
     unrest_s
         Time over which these squares are taken.
     place_walk
