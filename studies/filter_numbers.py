@@ -6,7 +6,7 @@ The runs are recorded once and kept in a folder, so that a table takes minutes. 
 slow loop be recorded of is left out, and said.
 
     python studies/filter_numbers.py record --wires 741-770     record the runs, and the crossings of B
-    python studies/filter_numbers.py table --wires 741-770      filter, gated and polynomial
+    python studies/filter_numbers.py table --wires 741-770      filter and polynomial
     python studies/filter_numbers.py crossings --wires 741-770  200 drawn crossings of B, in 0.3 to 30 s
     python studies/filter_numbers.py plants                     random steps on rigs that are not drawn wires
     python studies/filter_numbers.py labs                       loops as laboratories record them, from 14 s to an hour
@@ -73,7 +73,7 @@ CONDITIONS = (
 MISSING, WARM = "10 % missing", "begun warm"
 ROWS = (*CONDITIONS, MISSING, WARM)
 MISSING_PART, WARM_S = 0.1, 20.0
-NAMES = ("filter", "gated", "polynomial")
+NAMES = ("filter", "polynomial")
 # What the interval is made of is not chosen by the error.
 NOT_BY_ERROR = ("range_std",)
 STEPS, LARGEST_WEIGHT = (1.5, 1.25, 1.12), 0.1
@@ -491,7 +491,7 @@ def print_labs(_: Sequence[int], __: Path) -> None:
         except MusclewireError as error:
             print(f"{title} has no model: {' '.join(str(error).split())[:60]}")
             continue
-        for estimator in NAMES[:2]:
+        for estimator in NAMES:
             print(f"{title} {row_text(estimator, loop_row(model, recording, estimator))}", flush=True)
 
 

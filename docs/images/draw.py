@@ -9,6 +9,7 @@ After a change of the shipped parameters or of the physics, run it once and comm
 - the picture of docs/explanation/turns_and_minor_loops.md and the numbers in it
   (``python docs/images/draw.py turns`` draws and writes these alone),
 - the Bode plot of docs/how-to/tune_a_controller.md (``python docs/images/draw.py margins`` draws it alone),
+- the closed loop on docs/explanation/estimators.md and control.md (``python docs/images/draw.py loop`` draws it alone),
 - point B on docs/explanation/why_resistance_tells_strain.md (``python docs/images/draw.py point_b`` draws it alone).
 
 Pages of which nothing is written by hand are not committed: docs/site/written_pages.py.
@@ -24,6 +25,7 @@ from pathlib import Path
 import alternatives_page
 import balance_numbers
 import balance_picture
+import loop_pictures
 import matplotlib as mpl
 import physics_numbers
 import physics_pictures
@@ -79,6 +81,12 @@ def draw_turns() -> None:
     TURNS_PAGE.write_text(with_blocks(TURNS_PAGE.read_text("utf-8"), turns_numbers.blocks()), encoding="utf-8")
 
 
+def draw_loop() -> None:
+    """Write the picture of the closed loop into this folder."""
+    with mpl.rc_context(STYLE):
+        loop_pictures.loop_figure().savefig(HERE / "loop.png", dpi=DPI)
+
+
 def draw_point_b() -> None:
     """Write the picture of point B into this folder."""
     with mpl.rc_context(STYLE):
@@ -119,6 +127,7 @@ def main() -> None:
 ALONE = {
     "margins": draw_margins,
     "turns": draw_turns,
+    "loop": draw_loop,
     "point_b": draw_point_b,
     "alternatives": write_alternatives,
 }
