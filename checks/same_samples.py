@@ -158,7 +158,7 @@ JOBS = {
     "export-c": Job(
         (
             "export c ../loop/model.json -o single --json",
-            "export c ../loop/model.json --estimator filter --double -o double --json",
+            "export c ../loop/model.json --estimator polynomial --controller fuzzy-pid --double -o double --json",
         ),
         needs=("loop",),
     ),

@@ -14,10 +14,10 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.small_files import toml_text
 
 FORMAT, KEYS = "musclewire-gains", {"format", "controller", "settings"}
-# What is said where a model with gains is driven from C by the fuzzy PID: by firmware, on a board, in an FMU.
+# What is said where a model with gains is driven from C by the fuzzy PID: by firmware, on a board.
 FUZZY_PID_IN_C = (
-    "the paper's fuzzy PID drives the wire here, and needs some 12 s from cold: of the controllers that take this "
-    "model's gains only inverse-model has a form in C, and only 'musclewire export c' writes it yet"
+    "the paper's fuzzy PID drives the wire here, and needs some 12 s from cold: firmware does not take the model's "
+    "gains yet; 'musclewire export c' and 'export fmu' do"
 )
 KINDS: dict[str, type[Any]] = {
     "feedforward": FeedforwardSettings,

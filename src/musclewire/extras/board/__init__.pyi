@@ -9,6 +9,8 @@ from ._c.library import CLibrary as CLibrary
 from ._c.library import library_license as library_license
 from ._c.library import library_sources as library_sources
 from ._c.library import write_library as write_library
+from ._c.loops import ControllerSettings as ControllerSettings
+from ._c.loops import settings_in_c as settings_in_c
 from ._c.numbers import literal as literal
 from ._c.numbers import rows as rows
 from ._c.reference import ReferenceTick as ReferenceTick
@@ -20,6 +22,8 @@ from ._nidaq.configuration import NiDaqConfiguration as NiDaqConfiguration
 from ._nidaq.configuration import Output as Output
 from ._nidaq.configuration import VoltageInput as VoltageInput
 from ._nidaq.device import COLUMNS as COLUMNS
+from ._options import CONTROLLER_IN_C as CONTROLLER_IN_C
+from ._options import ESTIMATOR_IN_C as ESTIMATOR_IN_C
 from ._parts import PartsList as PartsList
 from ._parts import load_parts as load_parts
 from ._parts import parts_names as parts_names

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -21,25 +21,13 @@ from musclewire.app import (
     read_settings,
     require_zip_file,
 )
-from musclewire.controllers import (
-    DriveLimits,
-    FeedforwardSettings,
-    FuzzyPidSettings,
-    Gains,
-    ProtectionLimits,
-)
-from musclewire.errors import CallerError, Message, argument, nearest_hint
+from musclewire.controllers import DriveLimits, FuzzyPidSettings, Gains, ProtectionLimits
+from musclewire.errors import CallerError, Message, argument
+from musclewire.extras.board._c.loops import FILTER, FUZZY_PID, INVERSE_MODEL, settings_in_c
 from musclewire.extras.board._options import ARDUINO_ZIP, CONTROLLER_IN_C, DOUBLE, ESTIMATOR_IN_C
 from musclewire.extras.board._serial.device import SerialConfiguration
 from musclewire.rigs import Metadata, RigConfiguration, open_rig, rig_configuration
 from musclewire.signals import RunFacts
-
-if TYPE_CHECKING:
-    from musclewire.sensing import SensingModel
-
-# The estimator that an Uno's flash does not hold.
-FILTER = "filter"
-FUZZY_PID, INVERSE_MODEL = CONTROLLERS_IN_C = ("fuzzy-pid", "inverse-model")
 
 
 class ExportCAnswer(AnswerModel):
@@ -63,9 +51,15 @@ class ExportCAnswer(AnswerModel):
 class ControllerOptions:
     """Which controller, and settings of the fuzzy PID that differ from its defaults."""
 
-    controller: Annotated[str, CONTROLLER_IN_C] = FUZZY_PID
+    controller: Annotated[str, CONTROLLER_IN_C] = INVERSE_MODEL
     settings: Annotated[Path | None, SETTINGS] = None
     rules: Annotated[str | None, RULES] = None
+
+    def fuzzy_settings(self) -> FuzzyPidSettings | None:
+        """Return the settings of the fuzzy PID, None if nothing is said of them. Raises CallerError."""
+        if self.settings is None and self.rules is None:
+            return None
+        return read_settings(self.settings, self.rules)
 
 
 def export_c(
@@ -74,7 +68,7 @@ def export_c(
     controller: ControllerOptions,
     rig: Annotated[str, RIG] = "simulated",
     double: Annotated[bool, DOUBLE] = False,
-    estimator: Annotated[str, ESTIMATOR_IN_C] = "polynomial",
+    estimator: Annotated[str, ESTIMATOR_IN_C] = FILTER,
     name: Annotated[str, NAME] = "musclewire_wire",
     arduino_zip: Annotated[Path | None, ARDUINO_ZIP] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
@@ -87,10 +81,16 @@ def export_c(
     require_zip_file(arduino_zip)
     loaded = load_model(model)
     if loaded.gains:
-        Gains.read(loaded.gains, f"model file {model}: gains")  # not used here; but what is wrong is said
+        Gains.read(loaded.gains, f"model file {model}: gains")  # whoever uses them: what is wrong is said
     limits, known = limits_of_rig(rig)
     check_made_for(loaded, known, f"rig {rig}", "name the rig with your wire by --rig, or fit one")
-    chosen = settings_of(controller, loaded, model, known)
+    chosen = settings_in_c(
+        loaded,
+        controller.controller,
+        controller.fuzzy_settings(),
+        sample_period_s=RunFacts(known, "this rig").number_or_none("sample_period_s") or 0.0,
+        file=model,
+    )
     library = write_library(
         loaded,
         chosen,
@@ -115,47 +115,21 @@ def export_c(
         limits=limits,
     )
     text = export_text(answer, rig)
-    if controller.controller == INVERSE_MODEL:
-        return Result(answer, text if estimator == FILTER else text + WITHOUT_FILTER)
-    return Result(answer, text + BY_FUZZY_PID if loaded.gains else text)
+    if loaded.gains and controller.controller == FUZZY_PID:
+        text += BY_FUZZY_PID
+    elif estimator != FILTER:
+        text += WITHOUT_FILTER
+    return Result(answer, text)
 
 
 BY_FUZZY_PID = Message(
-    "\nthe paper's fuzzy PID drives the wire, and needs some 12 s from cold: this model has gains, and ",
-    argument("controller", INVERSE_MODEL),
-    " takes them",
+    "\nthe paper's fuzzy PID needs some 12 s from cold: ", argument("controller", INVERSE_MODEL), " does not"
 )
 WITHOUT_FILTER = Message(
     "\nthis estimator does not know what holds the wire, so the controller keeps a heat balance itself: ",
     argument("estimator", FILTER),
     " knows it",
 )
-
-
-def settings_of(
-    options: ControllerOptions, loaded: SensingModel, file: Path, known: Metadata
-) -> FuzzyPidSettings | FeedforwardSettings:
-    """Return the settings of the controller that is asked for, by the gains of the model if it takes them.
-
-    Raises CallerError for a controller without a form in C, and for a model without its gains.
-    """
-    from musclewire.identify import gains_of, settings_for
-
-    asked = options.controller
-    if asked not in CONTROLLERS_IN_C:
-        raise CallerError(f"controller '{asked}' has no form in C{nearest_hint(asked, CONTROLLERS_IN_C)}")
-    if asked == FUZZY_PID:
-        return settings_for(loaded, read_settings(options.settings, options.rules))
-    if options.settings is not None or options.rules is not None:
-        raise CallerError(f"{INVERSE_MODEL} takes the model's gains: leave out settings and rules of the fuzzy PID")
-    gains = gains_of(loaded, RunFacts(known, "this rig").number_or_none("sample_period_s") or 0.0)
-    if gains is None or not isinstance(gains.settings, FeedforwardSettings):
-        why = f" ({loaded.no_gains})" if loaded.no_gains else ""
-        raise CallerError(
-            f"{INVERSE_MODEL} needs the gains of its wire, and {file} has none{why}: find them in the wire's slow loop "
-            f"by 'musclewire tune {file} LOOP -o {file}'"
-        )
-    return gains.settings
 
 
 def export_text(answer: ExportCAnswer, rig: str) -> str:

@@ -11,13 +11,13 @@ OLD_BOOTLOADER = option(
 MOUNTED_WIRE = own_help("--wire", "Wire that is mounted, by name: a built firmware keeps its limits.")
 ESTIMATOR_IN_C = own_help(
     "--estimator",
-    "Estimator by name, of those with a form in C: polynomial or filter.",
+    "Estimator by name, of those with a form in C: filter, or the paper's polynomial.",
     autocompletion=completion_of("filter", "polynomial"),
 )
 CONTROLLER_IN_C = own_help(
     "--controller",
-    "Controller by name, of those with a form in C: fuzzy-pid, or inverse-model by the gains that the model keeps.",
-    autocompletion=completion_of("fuzzy-pid", "inverse-model"),
+    "Controller by name, of those with a form in C: inverse-model, by the model's gains, or the paper's fuzzy-pid.",
+    autocompletion=completion_of("inverse-model", "fuzzy-pid"),
 )
 DRY_RUN = option("--dry-run", help="Print the loader's command, and write nothing.")
 DOUBLE = option("--double", help="Double precision instead of single.")

@@ -10,6 +10,7 @@ import typer
 
 from musclewire.app import NAME, OVERWRITE, RIG, RULES, SETTINGS, AnswerModel, Result, own_help, read_settings
 from musclewire.errors import CallerError
+from musclewire.extras.board import CONTROLLER_IN_C, ESTIMATOR_IN_C
 from musclewire.extras.interfaces._options import SOURCES_ONLY
 
 if TYPE_CHECKING:
@@ -34,9 +35,11 @@ class ExportFmuAnswer(AnswerModel):
 
 @dataclass(frozen=True)
 class ControllerRigOptions:
-    """Whose circuit and limits a controller has, and its settings; of no use to a wire."""
+    """Whose circuit and limits a controller has, which it is, and its settings; of no use to a wire."""
 
     rig: Annotated[str | None, RIG] = None
+    estimator: Annotated[str | None, ESTIMATOR_IN_C] = None
+    controller: Annotated[str | None, CONTROLLER_IN_C] = None
     settings: Annotated[Path | None, SETTINGS] = None
     rules: Annotated[str | None, RULES] = None
 
@@ -63,13 +66,16 @@ def export_fmu(
     given = [option for option, value in vars(controller).items() if value is not None]
     if given and not is_model(source):
         raise CallerError(f"--{given[0]} belongs to a controller, and {source} is a rig: leave it out, or give a model")
+    fuzzy = controller.settings is not None or controller.rules is not None
     answer = fmu_answer(
         write_fmu(
             source,
             output,
             name=name,
             rig=controller.rig or "simulated",
-            settings=read_settings(controller.settings, controller.rules) if is_model(source) else None,
+            estimator=controller.estimator or "filter",
+            controller=controller.controller or "inverse-model",
+            settings=read_settings(controller.settings, controller.rules) if fuzzy else None,
             sources_only=sources_only,
             overwrite=overwrite,
         )

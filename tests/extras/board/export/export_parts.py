@@ -10,7 +10,7 @@ from hypothesis import assume
 from hypothesis import strategies as st
 from tests.tools import require_tool
 
-from musclewire.controllers import DriveLimits, FeedforwardSettings, FuzzyPidSettings, ProtectionLimits
+from musclewire.controllers import DriveLimits, FeedforwardSettings, FuzzyPidSettings, Gains, ProtectionLimits
 from musclewire.errors import CallerError
 from musclewire.extras.board._c import CLibrary, write_library
 from musclewire.extras.board._c.reference import ReferenceTick
@@ -70,6 +70,11 @@ def usual_gains() -> FeedforwardSettings:
         tolerance=4e-4,
         maximum_steady_power_w=0.6,
     )
+
+
+def whole_model(**changes: Any) -> SensingModel:
+    """The usual model with slow loop and gains, as `fit` keeps them: what the defaults in C need."""
+    return usual_model(slow_loop=SLOW_LOOP, gains=Gains("inverse-model", usual_gains()).table(), **changes)
 
 
 def limits_for(model: SensingModel, shunt_ohm: float = SHUNT_OHM, **changes: float) -> ProtectionLimits:

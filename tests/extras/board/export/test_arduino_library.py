@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.extras.board.export.export_parts import usual_model
+from tests.extras.board.export.export_parts import usual_model, whole_model
 
 from musclewire.app import run
 from musclewire.sensing import save_model
@@ -31,7 +31,7 @@ SEMANTIC = re.compile(r"\d+\.\d+(\.\d+)?([-+][0-9A-Za-z.-]+)?")
 def archive(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
     """Return the .zip that the command writes."""
     folder = tmp_path_factory.mktemp("arduino")
-    save_model(usual_model(), folder / "model.json")
+    save_model(whole_model(), folder / "model.json")
     asked = ["export", "c", folder / "model.json", "-o", folder / "library", "--name", "elbow"]
     assert run([str(one) for one in (*asked, "--arduino-zip", folder / "elbow.zip")]) == 0
     return zipfile.ZipFile(folder / "elbow.zip")
@@ -83,7 +83,7 @@ def test_another_ending_is_refused_before_anything_is_written(tmp_path: Path, mu
 def test_gains_that_no_controller_can_have_are_refused_before_anything_is_written(
     tmp_path: Path, musclewire: Callable[..., Any]
 ) -> None:
-    """C does not use them, but whoever edited them has to hear of it."""
+    """Whoever edited them has to hear of it, also where the fuzzy PID takes none."""
     impossible = {"controller": "feedforward", "settings": {"closed_loop_time_s": -1.0}}
     save_model(replace(usual_model(), gains=impossible), tmp_path / "model.json")
     refusal = musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library").refusal

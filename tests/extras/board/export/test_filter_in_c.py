@@ -148,7 +148,7 @@ def test_the_command_writes_it_and_says_that_an_uno_has_no_room(
     model: SensingModel, tmp_path: Path, musclewire: Callable[..., Any]
 ) -> None:
     save_model(model, tmp_path / "model.json")
-    said = musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library", "--estimator", "filter").out
+    said = musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library").out
     assert "an Arduino Uno has no room for the filter" in said
     assert "#define MW_FILTER 1" in (tmp_path / "library/src/mw_constants.h").read_text("utf-8")
 

@@ -218,23 +218,23 @@ def test_the_command_writes_it_by_the_model_s_gains(
 ) -> None:
     file, folder = tmp_path / "model.json", tmp_path / "library"
     save_model(model, file)
-    asked = ("export", "c", file, "-o", folder, "--controller", "inverse-model", "--estimator", "filter")
+    asked = ("export", "c", file, "-o", folder)
     assert "controller inverse-model" in musclewire(*asked).out
     header = (folder / "src/mw_constants.h").read_text("utf-8")
     assert "#define MW_INVERSE_MODEL 1" in header
     assert "MW_KP_MAXIMUM" not in header
     answer = musclewire(*asked, "--json").json
-    assert (answer["controller"], answer["rule_base"]) == ("inverse-model", None)
+    assert (answer["controller"], answer["rule_base"], answer["estimator"]) == ("inverse-model", None, "filter")
     assert "steady_power_w,pending_heat_j,power_limited" in (folder / "test/golden_vectors.csv").read_text("utf-8")
-    assert "--estimator filter knows it" in musclewire(*asked[:-2], "--overwrite").out
+    assert "--estimator filter knows it" in musclewire(*asked, "--estimator", "polynomial", "--overwrite").out
 
 
 @pytest.mark.parametrize(
     ("gains", "arguments", "complaint"),
     [
         (True, ("--controller", "feedforward"), "controller 'feedforward' has no form in C"),
-        (True, ("--controller", "inverse-model", "--rules", "fixed"), "leave out settings and rules"),
-        (False, ("--controller", "inverse-model"), "has none (two arrays): find them in the wire's slow loop by"),
+        (True, ("--rules", "fixed"), "leave out settings and rules of the fuzzy PID, or name it by --controller"),
+        (False, (), "has none (two arrays): find them in the wire's slow loop by"),
     ],
 )
 def test_what_it_cannot_write_is_refused_in_one_line(
@@ -249,13 +249,15 @@ def test_what_it_cannot_write_is_refused_in_one_line(
     save_model(model if gains else replace(model, gains={}, no_gains="two arrays"), file)
     refused = musclewire("export", "c", file, "-o", tmp_path / "library", *arguments).refusal
     assert complaint in refused
-    assert gains or f"'musclewire tune {file} LOOP -o {file}'" in refused
+    assert gains or f"'musclewire tune {file} LOOP -o {file}', or take the paper's --estimator polynomial" in refused
     assert not (tmp_path / "library").exists()
 
 
-def test_the_fuzzy_pid_says_which_controller_takes_the_gains(
+def test_the_paper_s_loop_is_written_by_name_and_says_that_it_is_slow_from_cold(
     model: SensingModel, tmp_path: Path, musclewire: Callable[..., Any]
 ) -> None:
     save_model(model, tmp_path / "model.json")
-    said = musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library").out
-    assert "--controller inverse-model takes them" in said
+    asked = ("--estimator", "polynomial", "--controller", "fuzzy-pid")
+    said = musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library", *asked).out
+    assert "some 12 s from cold: --controller inverse-model does not" in said
+    assert "#define MW_KP_MAXIMUM" in (tmp_path / "library/src/mw_constants.h").read_text("utf-8")

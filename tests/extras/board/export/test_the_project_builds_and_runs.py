@@ -11,7 +11,7 @@ import pytest
 from emulation.exported_library.cost import emulated, linked, target_figures
 from emulation.exported_library.on_this_machine import host_hash
 from emulation.exported_library.targets import TARGETS
-from tests.extras.board.export.export_parts import RULE_BASES, Exported, usual_model
+from tests.extras.board.export.export_parts import RULE_BASES, Exported, usual_model, whole_model
 from tests.tools import require_tool
 
 from musclewire.sensing import save_model
@@ -216,7 +216,7 @@ def test_the_arduino_sketch_builds_for_an_uno_with_the_arduino_core(exported: Li
 def test_the_command_writes_the_library_without_any_compiler(
     tmp_path: Path, musclewire: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    model = usual_model()
+    model = whole_model()
     save_model(model, tmp_path / "model.json")
     monkeypatch.setenv("PATH", "")
     asked = ("export", "c", tmp_path / "model.json", "-o", tmp_path / "library", "--name", "elbow", "--json")
@@ -232,14 +232,14 @@ def test_the_command_writes_the_library_without_any_compiler(
     [
         (("--name", "my wire"), "C identifier"),
         (("--rig", "ni-pci-6229"), "is no board"),
-        (("--rules", "zhao"), "zhao-1993"),
+        (("--rules", "zhao", "--controller", "fuzzy-pid"), "zhao-1993"),
         (("--settings", "SETTINGS"), "did you mean 'kp_range'"),
     ],
 )
 def test_wrong_use_is_one_line_and_nothing_is_written(
-    tmp_path: Path, musclewire: Callable[..., Any], arguments: tuple[str, str], complaint: str
+    tmp_path: Path, musclewire: Callable[..., Any], arguments: tuple[str, ...], complaint: str
 ) -> None:
-    save_model(usual_model(), tmp_path / "model.json")
+    save_model(whole_model(), tmp_path / "model.json")
     (tmp_path / "gains.toml").write_text("kp_rang = [0.0, 0.1]\n")
     given = [str(tmp_path / "gains.toml") if text == "SETTINGS" else text for text in arguments]
     assert complaint in musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library", *given).refusal

@@ -72,6 +72,10 @@ class Slave:
             else:
                 self.fmu.setInteger([variable.valueReference], [value])
 
+    def knows(self, name: str) -> bool:
+        """Return whether it has a variable of this name."""
+        return name in self._by_name
+
     def get(self, name: str) -> float:
         """Return a value by name."""
         variable = self._by_name[name]

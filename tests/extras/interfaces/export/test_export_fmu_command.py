@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.extras.board.export.export_parts import usual_model
+from tests.extras.board.export.export_parts import usual_model, whole_model
 
 from musclewire.sensing import save_model
 
@@ -25,10 +26,22 @@ def test_a_model_gives_a_controller_with_the_settings_and_rules_asked_for(
     save_model(usual_model(), tmp_path / "model.json")
     (tmp_path / "gains.toml").write_text("kp_range = [0.0, 0.05]\n")
     given = ["--settings", tmp_path / "gains.toml", "--rules", "fixed", "--name", "elbow", "--sources-only"]
+    given += ["--estimator", "polynomial", "--controller", "fuzzy-pid"]
     answer = musclewire("export", "fmu", tmp_path / "model.json", "-o", tmp_path, *given, "--json").json
     assert answer["kind"] == "controller"
     assert answer["inputs"] == ["wire_voltage_v", "shunt_voltage_v", "target"]
+    assert {"kp", "ki", "kd"} <= set(answer["outputs"])
     assert (tmp_path / "elbow.fmu").exists()
+
+
+def test_by_default_it_is_the_filter_with_the_inverse_of_the_model(
+    tmp_path: Path, musclewire: Callable[..., Any]
+) -> None:
+    save_model(whole_model(), tmp_path / "model.json")
+    answer = musclewire("export", "fmu", tmp_path / "model.json", "-o", tmp_path, "--sources-only", "--json").json
+    assert {"steady_power_w", "pending_heat_j", "power_limited"} <= set(answer["outputs"])
+    header = zipfile.ZipFile(tmp_path / "controller.fmu").read("sources/mw_constants.h").decode("utf-8")
+    assert "#define MW_FILTER 1" in header
 
 
 @pytest.mark.parametrize(
@@ -40,6 +53,11 @@ def test_a_model_gives_a_controller_with_the_settings_and_rules_asked_for(
         (("simulated", "--name", "my wire"), "C identifier"),
         (("model.json", "--rig", "ni-pci-6229"), "is no board"),
         (("other.json",), "fit one for this wire"),
+        (("model.json",), "needs the gains of its wire, and model.json has none: find them"),
+        (
+            ("model.json", "--rules", "fixed"),
+            "leave out settings and rules of the fuzzy PID, or name it by --controller",
+        ),
     ],
 )
 def test_wrong_use_is_one_line_and_nothing_is_written(

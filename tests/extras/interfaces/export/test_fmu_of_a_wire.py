@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
-from tests.extras.board.export.export_parts import usual_model
+from tests.extras.board.export.export_parts import whole_model
 from tests.extras.interfaces.export.fmu_parts import DISCARD, ERROR, Slave
 from tests.tools import require_oracle, require_tool
 
@@ -431,7 +431,7 @@ def test_nothing_undefined_happens_in_its_c(wires: Callable[[str], Wire], name: 
 @pytest.mark.parametrize("kind", ["wire", "controller"])
 def test_memory_is_kept_in_order_over_a_whole_life(wires: Callable[[str], Wire], tmp_path: Path, kind: str) -> None:
     gcc = require_tool("gcc", "gcc libc6-dev")
-    fmu = wires("finger").fmu if kind == "wire" else export_fmu(usual_model(), tmp_path)
+    fmu = wires("finger").fmu if kind == "wire" else export_fmu(whole_model(), tmp_path)
     folder = unpacked(fmu, tmp_path / "unpacked")
     sources = [*sorted((folder / "sources").glob("*.c")), Path(__file__).with_name("fmu_life.c")]
     watched = [

@@ -10,9 +10,8 @@ from tests.extras.interfaces.export.fmu_parts import Slave
 from tests.tools import require_oracle, require_tool
 
 import musclewire as mw
-from musclewire.extras.board import ReferenceTick, limits_of_rig
+from musclewire.extras.board import ReferenceTick, limits_of_rig, settings_in_c
 from musclewire.extras.interfaces._fmu import export_fmu
-from musclewire.identify import settings_for
 from musclewire.rigs import RigConfiguration, open_simulated
 from musclewire.sensing import SensingModel
 from musclewire.wire import OneWire, advance, resting_state
@@ -35,7 +34,7 @@ def python_loop(model: SensingModel) -> list[tuple[float, float, float]]:
     assert isinstance(wires, OneWire)
     constants = wires.constants
     limits = limits_of_rig("simulated")[0]
-    tick = ReferenceTick(model, settings_for(model), drive_limits(limits), limits)
+    tick = ReferenceTick(model, settings_in_c(model), drive_limits(limits), limits, estimator="filter")
     state, rows = resting_state(constants), []
     for target in TARGETS:
         state, means = advance(state, constants, tick.drive_voltage_v, SAMPLE_S)

@@ -43,6 +43,7 @@ from musclewire.controllers import (
     protection_table,
 )
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.extras.board._c.loops import ESTIMATORS_IN_C, FILTER, ControllerSettings
 from musclewire.physics import MINIMUM_CURRENT_A
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel, filter_numbers
 
@@ -59,13 +60,8 @@ RULES_HEADING = "its rule base"
 FILTER_HEADING = "the filter on the wire's heat balance"
 INVERSE_HEADING = "the inverse of the wire's model"
 CONTROL_HEADINGS = (MODEL_HEADING, CONTROLLER_HEADING, RULES_HEADING, FILTER_HEADING, INVERSE_HEADING)
-FILTER = "filter"
 # The one number of the filter that depends on the shunt, so that it is the circuit's and not in the checksum.
 SHUNT_NOISE = "least_noise_v2"
-
-
-# The settings of a controller say which of both it is: feedforward's are those of the inverse of the wire's model.
-ControllerSettings = FuzzyPidSettings | FeedforwardSettings
 
 
 @dataclass(frozen=True)
@@ -140,7 +136,7 @@ def control_numbers(
     if estimator == FILTER:
         groups[FILTER_HEADING] = _filter(model)
     elif estimator != PAPER_ESTIMATOR:
-        hint = nearest_hint(estimator, (FILTER, PAPER_ESTIMATOR))
+        hint = nearest_hint(estimator, ESTIMATORS_IN_C)
         raise CallerError(f"estimator {estimator!r} has no C form{hint}: export {FILTER} or {PAPER_ESTIMATOR}")
     return CConstants(groups)
 

@@ -6,6 +6,7 @@ import math
 import zlib
 
 from musclewire.extras.board._c.constants import CONTROL_HEADINGS, CConstant, CConstants
+from musclewire.extras.board._c.loops import ControllerSettings, rules_text
 from musclewire.extras.board._c.numbers import literal, rows
 
 START = """/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identifier: BSD-3-Clause (LICENSE) */
@@ -22,14 +23,16 @@ START = """/* Copyright (c) 2026, the musclewire developers. SPDX-License-Identi
 """
 
 
-def constants_header(constants: CConstants, *, name: str, model: str, rules: str, quantity: str, double: bool) -> str:
+def constants_header(
+    constants: CConstants, *, name: str, model: str, settings: ControllerSettings, quantity: str, double: bool
+) -> str:
     """Return the text of ``mw_constants.h``."""
     from importlib.metadata import version
 
     start = START.format(
         version=version("musclewire"),
         model=_comment(model),
-        rules=_comment(rules),
+        rules=_comment(rules_text(settings)),
         double="\n/* chosen at export; -DMW_DOUBLE does the same */\n#ifndef MW_DOUBLE\n#define MW_DOUBLE\n#endif\n"
         if double
         else "",

@@ -10,9 +10,10 @@ from typing import NamedTuple, TypedDict, Unpack
 
 from musclewire.controllers import DriveLimits, FuzzyPidSettings, ProtectionLimits, RuleBase, load_rule_base
 from musclewire.errors import CallerError, argument
-from musclewire.extras.board._c.constants import CConstants, ControllerSettings, collect, control_numbers
+from musclewire.extras.board._c.constants import CConstants, collect, control_numbers
 from musclewire.extras.board._c.exercise import golden_vectors
 from musclewire.extras.board._c.header import constants_header, model_checksum
+from musclewire.extras.board._c.loops import ControllerSettings
 from musclewire.extras.board._c.precision import check_precision, single_error_share
 from musclewire.extras.board._c.reference import ReferenceTick
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
@@ -81,7 +82,7 @@ def project_files(name: str, quantity: str) -> dict[str, str]:
 
 def loop_checksum(
     model: SensingModel,
-    settings: FuzzyPidSettings,
+    settings: ControllerSettings,
     rule_base: RuleBase | None = None,
     estimator: str = PAPER_ESTIMATOR,
 ) -> int:
@@ -145,7 +146,7 @@ def write_library(
         constants,
         name=name,
         model=f"{model!r}, {model.source or 'source unknown'}",
-        rules=str(rules or "none, the controller is the inverse of the wire's model"),
+        settings=settings,
         quantity=model.quantity,
         double=double,
     )

@@ -22,7 +22,7 @@ from musclewire.controllers import (
     RuleBase,
     protection_table,
 )
-from musclewire.extras.board._c.constants import ControllerSettings
+from musclewire.extras.board._c.loops import ControllerSettings
 from musclewire.physics import wire_resistance
 from musclewire.sensing import ESTIMATORS, PAPER_ESTIMATOR, Estimator, EstimatorSetup, SensingModel
 from musclewire.signals import QuantityEstimate, Reason, WireSample, drive_voltage_of

@@ -187,6 +187,7 @@ UNITS = {
     "s": FmuUnit({"s": 1}),
     "1/s": FmuUnit({"s": -1}),
     "J": FmuUnit({"kg": 1, "m": 2, "s": -2}),
+    "W": FmuUnit({"kg": 1, "m": 2, "s": -3}),
     "J/K": FmuUnit({"kg": 1, "m": 2, "s": -2, "K": -1}),
     "W/(m2 K)": FmuUnit({"kg": 1, "s": -3, "K": -1}),
 }

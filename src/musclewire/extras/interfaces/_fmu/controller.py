@@ -1,64 +1,72 @@
-"""The FMU of a controller: a saved model with the fuzzy-tuned PID, drive limits and protection."""
+"""The FMU of a controller: a saved model with its estimator, its controller, drive limits and protection."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from musclewire.controllers import (
-    FUZZY_PID_IN_C,
     DriveLimits,
     Event,
-    FuzzyPidSettings,
     ProtectionLimits,
-    load_rule_base,
     protection_table,
 )
-from musclewire.extras.board import collect, constants_header, library_sources
+from musclewire.extras.board import ControllerSettings, collect, constants_header, library_sources
 from musclewire.extras.interfaces._fmu.contents import FmuContents, FmuVariables, c_files
-from musclewire.sensing import SensingModel
+from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
 
 QUANTITY_UNITS = {"strain": "", "displacement": "m", "force": "N"}
 MODEL_FILE = "mw_controller_model.c"
 LEFT_OUT = (
-    "the tracker that distinguishes a cold wire between A and B from one between B and C",
     "the friction of a known load, and the standard deviation of an estimate",
     "a clock: what arrives late or never is the master's to notice",
 )
+NO_TRACKER = "the tracker that distinguishes a cold wire between A and B from one between B and C"
 
 
-def controller_contents(
-    name: str, model: SensingModel, settings: FuzzyPidSettings, limits: ProtectionLimits, sample_period_s: float
-) -> FmuContents:
-    """Return what is in the FMU of a model with its controller, which ticks every ``sample_period_s``.
+class LoopInFmu(NamedTuple):
+    """A model with its estimator, its controller and that one's settings, and its limits."""
 
-    Raises CallerError for limits that contradict each other.
+    model: SensingModel
+    estimator: str
+    controller: str
+    settings: ControllerSettings
+    limits: ProtectionLimits
+
+
+def controller_contents(name: str, loop: LoopInFmu, sample_period_s: float) -> FmuContents:
+    """Return what is in the FMU of a loop, whose controller ticks every ``sample_period_s``.
+
+    Raises CallerError for limits that contradict each other, and for an estimator that has no form in C.
     """
-    rules = load_rule_base(settings.rule_base)
+    model, settings, limits = loop.model, loop.settings, loop.limits
     drive = DriveLimits(limits.sense_voltage_v, limits.maximum_voltage_v)
-    constants = collect(model, settings, rules, drive, limits)
+    constants = collect(model, settings, None, drive, limits, loop.estimator)
     header = constants_header(
         constants,
         name=name,
         model=f"{model!r}, {model.source or 'source unknown'}",
-        rules=str(rules),
+        settings=settings,
         quantity=model.quantity,
         double=True,
     )
     return FmuContents(
-        title=f"{model.quantity} of a shape-memory-alloy wire from its resistance, with fuzzy-tuned PID and protection",
-        variables=controller_variables(model, limits, sample_period_s),
+        title=f"{model.quantity} of a wire from its resistance, by {loop.controller}, and protection",
+        variables=controller_variables(loop, sample_period_s),
         sources={**library_sources(), "mw_constants.h": header, MODEL_FILE: c_files("c_fmu")[MODEL_FILE]},
         step_s=sample_period_s,
         owners=("caller", "protection"),
-        left_out=(*LEFT_OUT, *((f"the model's gains: {FUZZY_PID_IN_C}",) if model.gains else ())),
+        left_out=(NO_TRACKER, *LEFT_OUT) if loop.estimator == PAPER_ESTIMATOR else LEFT_OUT,
     )
 
 
-def controller_variables(model: SensingModel, limits: ProtectionLimits, sample_period_s: float) -> FmuVariables:
+def controller_variables(loop: LoopInFmu, sample_period_s: float) -> FmuVariables:
     """Return the variables of a controller."""
+    model, limits = loop.model, loop.limits
     unit, full = QUANTITY_UNITS[model.quantity], model.quantity_max
     quantity = {"unit": unit, "nominal": full}
     said = f"{model.quantity} of {model.quantity_min:.4g} to {full:.4g} {unit}".rstrip()
     highest_v = limits.maximum_voltage_v
-    return FmuVariables.from_files("controller").changed(
+    return FmuVariables.from_files("controller", loop.controller).changed(
         {
             "wire_voltage_v": {"nominal": highest_v},
             "shunt_voltage_v": {"nominal": highest_v},

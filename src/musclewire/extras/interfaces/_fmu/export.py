@@ -14,15 +14,15 @@ import tempfile
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError, NumericsError, argument
-from musclewire.extras.board import limits_of_rig
+from musclewire.extras.board import limits_of_rig, settings_in_c
 from musclewire.extras.interfaces._fmu.contents import FmuContents, FmuVariables, Role, fmu_texts
-from musclewire.extras.interfaces._fmu.controller import controller_contents
+from musclewire.extras.interfaces._fmu.controller import LoopInFmu, controller_contents
 from musclewire.extras.interfaces._fmu.wire import wire_contents
-from musclewire.identify import check_made_for, settings_for
+from musclewire.identify import check_made_for
 from musclewire.rigs import RigConfiguration, rig_configuration
 from musclewire.sensing import SensingModel
 from musclewire.signals import RunFacts, write_whole
@@ -187,7 +187,7 @@ class Fmu(NamedTuple):
         return [variable.name for variable in self.variables.ordered if variable.role == role]
 
 
-def is_model(source: object) -> bool:
+def is_model(source: object) -> TypeGuard[str | Path | SensingModel]:
     """Return whether a source is a controller's: a model, or the path of a model file (.json)."""
     return isinstance(source, SensingModel) or (isinstance(source, (str, Path)) and Path(source).suffix == ".json")
 
@@ -198,6 +198,8 @@ def export_fmu(
     *,
     name: str | None = None,
     rig: str | Path = "simulated",
+    estimator: str = "filter",
+    controller: str = "inverse-model",
     settings: FuzzyPidSettings | None = None,
     sources_only: bool = False,
     overwrite: bool = False,
@@ -217,9 +219,12 @@ def export_fmu(
         Name of the FMU and of its file without ``.fmu``: a C identifier. "wire" or "controller" if None.
     rig
         For a controller: the rig whose circuit and limits are taken; the paper's bench by default.
+    estimator
+        For a controller: the one that gives it its estimate, "filter" or the paper's "polynomial".
+    controller
+        Which controller: "inverse-model", by the gains that the model keeps, or the paper's "fuzzy-pid".
     settings
-        For a controller: those of the fuzzy-tuned PID; the paper's by default, with the error unit of the model's
-        quantity.
+        Those of the fuzzy PID, if it is that one; the paper's by default, with the error unit of the model's quantity.
     sources_only
         Leave the binary out: for tools that compile an FMU's sources themselves, and machines without a compiler.
     overwrite
@@ -232,8 +237,9 @@ def export_fmu(
     Raises
     ------
     CallerError
-        For a rig that is not simulated, or with two wires; a model of another wire than the rig's; a name that is no C
-        identifier; another FMU of that name; or if there is no C compiler and ``sources_only`` is not asked for.
+        For a rig that is not simulated, or with two wires; a model of another wire than the rig's, or without what
+        estimator or controller need; a name that is no C identifier; another FMU of that name; or if there is no C
+        compiler and ``sources_only`` is not asked for.
     NumericsError
         If the compiler refuses the sources.
 
@@ -256,7 +262,11 @@ def export_fmu(
     chosen = kind if name is None else name
     if not NAME.fullmatch(chosen):
         raise CallerError(f"the FMU's name {chosen!r} must be a C identifier: letters, digits and _, at most 63")
-    contents = contents_of(source, chosen, rig, settings)
+    if is_model(source):
+        contents = contents_of_model(source, chosen, rig, (estimator, controller, settings))
+    else:
+        assert not isinstance(source, SensingModel)
+        contents = contents_of_wire(source)
     texts = fmu_texts(chosen, contents)
     binary = None if sources_only else compiled_binary(chosen, sources_of(texts))
     files = {path: text.encode("utf-8") for path, text in texts.items()}
@@ -281,21 +291,24 @@ def sources_of(texts: Mapping[str, str]) -> dict[str, str]:
     return {path.removeprefix("sources/"): text for path, text in texts.items() if path.startswith("sources/")}
 
 
-def contents_of(
-    source: str | Path | RigConfiguration | SensingModel,
-    name: str,
-    rig: str | Path,
-    settings: FuzzyPidSettings | None,
+def contents_of_model(
+    source: str | Path | SensingModel, name: str, rig: str | Path, asked: tuple[str, str, FuzzyPidSettings | None]
 ) -> FmuContents:
-    """Return what is in the FMU of a source."""
+    """Return what is in the FMU of a model's controller, by the estimator and controller asked for."""
     from musclewire.sensing import load_model
 
-    if isinstance(source, SensingModel) or is_model(source):
-        model = source if isinstance(source, SensingModel) else load_model(str(source))
-        limits, known = limits_of_rig(rig)
-        check_made_for(model, known)
-        period_s = RunFacts(known, "this rig").sample_period_s
-        return controller_contents(name, model, settings_for(model, settings), limits, period_s)
+    estimator, controller, fuzzy = asked
+    model = source if isinstance(source, SensingModel) else load_model(str(source))
+    limits, known = limits_of_rig(rig)
+    check_made_for(model, known)
+    period_s = RunFacts(known, "this rig").sample_period_s
+    file = None if isinstance(source, SensingModel) else Path(source)
+    settings = settings_in_c(model, controller, fuzzy, sample_period_s=period_s, file=file)
+    return controller_contents(name, LoopInFmu(model, estimator, controller, settings, limits), period_s)
+
+
+def contents_of_wire(source: str | Path | RigConfiguration) -> FmuContents:
+    """Return what is in the FMU of a simulated rig's wire. Raises CallerError for a rig that is not simulated."""
     configuration, where = rig_configuration(source)
     if not isinstance(configuration, RigConfiguration):
         raise CallerError(

@@ -25,9 +25,15 @@ static void show(const mw_controller *controller, mw_output output, mw_values *v
     values->real[MW_REAL_RESISTANCE_OHM] = output.resistance_ohm;
     values->real[MW_REAL_ESTIMATE] = output.estimate;
     values->boolean[MW_BOOLEAN_ESTIMATE_VALID] = output.valid;
+#if defined(MW_INVERSE_MODEL)
+    values->real[MW_REAL_STEADY_POWER_W] = controller->answer.holding_w;
+    values->real[MW_REAL_PENDING_HEAT_J] = controller->answer.due_j;
+    values->boolean[MW_BOOLEAN_POWER_LIMITED] = controller->answer.limited;
+#else
     values->real[MW_REAL_KP] = controller->kp;
     values->real[MW_REAL_KI] = controller->ki;
     values->real[MW_REAL_KD] = controller->kd;
+#endif
     values->real[MW_REAL_ABOVE_AMBIENT_K] = controller->protection.above_ambient_k;
     values->integer[MW_INTEGER_PROTECTION_STATE] = output.state;
     values->integer[MW_INTEGER_PROTECTION_EVENT] = output.event;
