@@ -466,7 +466,7 @@ def correct(filtered: Filtered, read: float, noise: float, dt_s: float) -> None:
         surprise = read - mean
         by_w, by_place = AWAY * (hotter - colder) / POINTS, AWAY * (farther - nearer) / POINTS
         if turn == 0:
-            unrest = min(surprise * surprise / variance, 1.0)
+            unrest = min(surprise * surprise / variance, numbers.surprise)
             state.unrest += (unrest - state.unrest) * min(dt_s / numbers.unrest_s, 1.0)
         wider = surprise * surprise / (numbers.surprise * variance)
         if wider <= 1.0:

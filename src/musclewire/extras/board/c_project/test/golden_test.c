@@ -16,7 +16,7 @@
 #if defined(MW_DOUBLE)
 #define ALLOWED 1e-6 /* of the value; near zero, of a thousandth of full scale */
 #elif defined(MW_FILTER)
-#define ALLOWED 5e-3 /* of full scale: where faults contradict its model, the filter enlarges rounding */
+#define ALLOWED 2e-2 /* of full scale: where faults contradict its model, the filter enlarges rounding */
 #else
 #define ALLOWED 2e-4 /* of full scale */
 #endif
