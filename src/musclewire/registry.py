@@ -14,7 +14,10 @@ from typing import Any, Generic, TypeVar, cast, get_type_hints
 from musclewire.errors import CallerError, an_object, nearest_hint
 from musclewire.manifest import absent_part, loaded, offered
 
-__all__ = ["Registry"]
+__all__ = ["REPLACED", "Registry"]
+
+# Names of our own that went, each with what took its place.
+REPLACED = {"feedforward": "inverse-model", "gated": "filter"}
 
 Kind = TypeVar("Kind")
 
@@ -107,13 +110,15 @@ class Registry(Generic[Kind]):
         Raises
         ------
         CallerError
-            If nothing is known under the name; the message lists the nearest ones.
+            If nothing is known under the name; the message lists the nearest ones, or what took its place.
         """
         if name in self._registered:
             return self._registered[name]
         place = self._places.get(name)
         if place is not None:
             return cast(Kind, loaded(place))
+        if (now := REPLACED.get(name)) in self._places:
+            raise CallerError(f"the {self.what} '{name}' was replaced by {now}: name that one, or none")
         absent = absent_part(self.field, name)
         raise absent or CallerError(f"there is no {self.what} '{name}'{nearest_hint(name, self.names())}")
 

@@ -41,7 +41,7 @@ def test_fit_and_estimate_of_one_file_say_the_same_error(
     assert fitted.code == estimated.code == 0
     last = fitted.out.splitlines()[-1]
     assert last == estimated.out.splitlines()[-1]
-    assert last.startswith("estimator gated: error ")
+    assert last.startswith("estimator filter: error ")
     assert "of the measured stroke; 0.00 % of the samples that count are more than 5 % wrong" in last
     answers = [musclewire(*line, "--json").json for line in (("fit", recording), ("estimate", model, recording))]
     assert len({tuple(one[key] for key in ("rms_pct", "max_pct", "wrong_pct", "valid_share")) for one in answers}) == 1
@@ -52,10 +52,10 @@ def test_a_fit_that_does_not_hold_ends_with_1_and_so_does_a_loop_with_it(
 ) -> None:
     model = tmp_path / "model.json"
     fitted = musclewire("fit", stepped(tmp_path), "-o", model)
-    assert (fitted.code, "this model does not hold: by the estimator gated" in fitted.err) == (1, True)
+    assert (fitted.code, "this model does not hold: by the estimator filter" in fitted.err) == (1, True)
     assert model.exists()
     steps = ("--reference", "1.5 % to 2 % by 0.5 %")
     for more in ((), ("--runs", 1)):
         run = musclewire("control", "simulated", model, *steps, *more)
         assert run.code == 1
-        assert "warning: the model does not hold: by the estimator gated" in run.err.splitlines()[0]
+        assert "warning: the model does not hold: by the estimator filter" in run.err.splitlines()[0]

@@ -39,11 +39,11 @@ def sine(frequency_hz: float) -> SampledReference:
 @pytest.mark.parametrize("frequency_hz", [0.05, 0.5, 1.0])
 @pytest.mark.parametrize("by_gains", [False, True])
 def test_a_run_reaches_the_amplitude_that_was_said_before(wire: Wire, frequency_hz: float, by_gains: bool) -> None:
-    """The bar: within 30 % of what a loop with feedforward reaches."""
+    """The bar: within 30 % of what a loop by the inverse of its model reaches."""
     reference, gains = sine(frequency_hz), wire.settings
     with mw.open_rig("simulated", seed=5) as rig:
         said = mw.speed_limits(rig, wire.model, reference, settings=gains if by_gains else None)
-        run = mw.control(rig, wire.model, reference, controller="feedforward", settings=gains)
+        run = mw.control(rig, wire.model, reference, controller="inverse-model", settings=gains)
     settled = run["displacement_m"][len(run) // 2 :] / 0.07
     reached = 0.5 * float(np.ptp(settled))
     assert said.possible_amplitude == pytest.approx(reached, rel=0.3)

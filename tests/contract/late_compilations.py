@@ -66,7 +66,7 @@ def loop_and_model(folder: Path) -> None:
 
 
 # Controllers that act by what they know of their wire.
-OF_ITS_WIRE = ("feedforward", "inverse-model")
+OF_ITS_WIRE = ("inverse-model",)
 
 
 def closed_loop(estimator: str, controller: str) -> Callable[[GuardedRig, Path], Any]:
@@ -87,9 +87,8 @@ JOBS: dict[str, Callable[[GuardedRig, Path], Any]] = {
     "characterize": lambda rig, _folder: characterize(rig, period_s=4.0, cycles=1),
     "sweep": lambda rig, _folder: pretension_sweep(rig, (1.0, 1.9), cycles=1),
     "home": lambda rig, folder: home(rig, load_model(folder / "model.json")),
-    "gated": closed_loop("gated", "fuzzy-pid"),
+    "filter": closed_loop("filter", "fuzzy-pid"),
     "polynomial": closed_loop("polynomial", "pid"),
-    "feedforward": closed_loop("gated", "feedforward"),
     "inverse-model": closed_loop("filter", "inverse-model"),
 }
 

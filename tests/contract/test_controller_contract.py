@@ -28,7 +28,7 @@ NO_CURRENT = QuantityEstimate(0.02, 0.03, False, Reason.NO_CURRENT)
 # One that has no defaults, because it acts by what it knows of its wire, is given a wire: round numbers of one of
 # 100 micrometres and 14 cm.
 NEEDED: dict[str, Any] = {
-    "feedforward": FeedforwardSettings(
+    "inverse-model": FeedforwardSettings(
         lowest=0.005,
         highest=0.035,
         heating_power_w=(0.35, 0.42, 0.47, 0.55),
@@ -44,7 +44,6 @@ NEEDED: dict[str, Any] = {
         maximum_steady_power_w=0.98,
     )
 }
-NEEDED["inverse-model"] = NEEDED["feedforward"]
 every_controller = pytest.mark.parametrize("name", CONTROLLERS.names())
 strains = st.floats(-0.01, 0.06)
 readings = st.lists(st.one_of(strains, st.none()), min_size=1, max_size=30)

@@ -43,7 +43,7 @@ MODEL = SensingModel(
     resistance_noise_ohm=0.005,
     scale_std=0.03,
     slow_loop=tuple(map(tuple, SLOW_LOOP.tolist())),
-    gains={"controller": "feedforward", "thermal_time_constant_s": 0.8, "heat_per_unit": 2.5},
+    gains={"controller": "inverse-model", "thermal_time_constant_s": 0.8, "heat_per_unit": 2.5},
 )
 PERIOD_S = 0.05
 FACTORIES = {**{name: ESTIMATORS.find(name) for name in ESTIMATORS.names()}, "drifting": DriftingEstimator}

@@ -104,7 +104,7 @@ def test_each_advised_argument_is_an_option_of_a_command() -> None:
         (argument("overwrite", True), "overwrite=True", "--overwrite"),
         (argument("load_n"), "load_n", "--load"),
         (argument("on"), "on", "--join"),
-        (argument("estimator", "gated"), "estimator='gated'", "--estimator gated"),
+        (argument("estimator", "filter"), "estimator='filter'", "--estimator filter"),
         (argument("amplitude_v", 2.5), "amplitude_v=2.5", "--amplitude '2.5 V'"),
         (argument("bench", {"legs": 1}), "bench={'legs': 1}", "--set legs=1"),
         (argument("bench", {"pretension_n": "1.9 N"}), "bench={'pretension_n': '1.9 N'}", "--set pretension_n='1.9 N'"),

@@ -32,10 +32,10 @@ def test_the_error_is_that_of_the_loops_estimator_in_percent_of_the_measured_str
     report = estimate(model, recording)
     moved_m = recording["displacement_m"]
     assert model.measured_stroke == pytest.approx(np.ptp(moved_m), rel=0.01)
-    again = estimate(model, recording, estimator="gated").recording
+    again = estimate(model, recording, estimator="filter").recording
     counted = (again["valid"] > 0.0) & (moved_m >= model.quantity_min)
     off_pct = 100.0 * (again["estimated_displacement_m"] - moved_m)[counted] / model.measured_stroke
-    assert report.estimator == "gated"
+    assert report.estimator == "filter"
     assert report.rms_pct == pytest.approx(np.sqrt(np.mean(off_pct**2)), rel=1e-9)
     assert report.max_pct == pytest.approx(np.abs(off_pct).max(), rel=1e-9)
     assert report.wrong_pct == 0.0

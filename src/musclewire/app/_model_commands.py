@@ -318,7 +318,7 @@ def tune(
     reading: ReadingOptions,
     figure: FigureOptions,
     output: Annotated[Path | None, own_help("--output", "Model (.json) or gains file (.toml) to write.")] = None,
-    controller: Annotated[str, TUNED_CONTROLLER] = "feedforward",
+    controller: Annotated[str, TUNED_CONTROLLER] = "inverse-model",
     rules: Annotated[str | None, RULES] = None,
     closed_loop_time: Annotated[str | None, CLOSED_LOOP_TIME] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,

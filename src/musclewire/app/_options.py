@@ -145,19 +145,19 @@ KNOWN_STIFFNESS = quantity(
 )
 ESTIMATOR = option(
     "--estimator",
-    help="Estimator by name: computes strain, displacement or force from voltages. Default: particle-filter with a "
-    "wire file, else gated; polynomial (the paper's) on a board.",
+    help="Estimator by name: computes strain, displacement or force from voltages. Default: filter; polynomial (the "
+    "paper's) for a model without a slow loop, and on a board.",
     autocompletion=complete_estimators,
 )
 ESTIMATOR_OF_A_RECORDING = own_help(
     "--estimator",
-    "Estimator by name: computes strain, displacement or force from voltages. Default: particle-filter with a wire "
-    "file, else gated; polynomial (the paper's) for a recording without a current.",
+    "Estimator by name: computes strain, displacement or force from voltages. Default: filter; polynomial (the "
+    "paper's) for a model without a slow loop, and for a recording without a current.",
 )
 CONTROLLER = option(
     "--controller",
     help="Controller by name: computes the drive voltage. Default: that of --gains, else that of the gains in the "
-    "model (feedforward); fuzzy-pid for a model without gains, and on a board.",
+    "model (inverse-model); fuzzy-pid for a model without gains, and on a board.",
     autocompletion=complete_controllers,
 )
 TUNED_CONTROLLER = own_help("--controller", "Controller by name, whose gains are found.")
@@ -181,7 +181,8 @@ CLOSED_LOOP_TIME = quantity(
 WIRE_FILE = option(
     "--wire-file",
     metavar="FILE",
-    help="The wire's own file, from 'musclewire calibrate': estimates by physics whatever load and air do.",
+    help="The wire's own file, from 'musclewire calibrate', for --estimator particle-filter: estimates by physics "
+    "whatever load and air do.",
 )
 HOME = option(
     "--home", help="When to make a home move: start (before the run), idle (after it, while the wire cools) or never."

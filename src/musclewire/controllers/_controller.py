@@ -107,7 +107,6 @@ CONTROLLERS: Registry[ControllerFactory] = Registry(
     "controller",
     "controllers",
     {
-        "feedforward": "musclewire.controllers._feedforward:FeedforwardController",
         "fuzzy-pid": "musclewire.controllers._fuzzy_pid:fuzzy_pid_controller",
         "inverse-model": "musclewire.controllers._inverse_model:InverseModelController",
         "pid": "musclewire.controllers._pid:pid_controller",

@@ -11,6 +11,7 @@ from musclewire.controllers._feedforward import FeedforwardSettings
 from musclewire.controllers._fuzzy_pid import FuzzyPidSettings
 from musclewire.controllers._pid import PidSettings
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.registry import REPLACED
 from musclewire.small_files import toml_text
 
 FORMAT, KEYS = "musclewire-gains", {"format", "controller", "settings"}
@@ -20,9 +21,8 @@ FUZZY_PID_IN_C = (
     "gains yet; 'musclewire export c' and 'export fmu' do"
 )
 KINDS: dict[str, type[Any]] = {
-    "feedforward": FeedforwardSettings,
     "fuzzy-pid": FuzzyPidSettings,
-    "inverse-model": FeedforwardSettings,  # what feedforward knows of a wire is what this one asks for
+    "inverse-model": FeedforwardSettings,
 }
 
 
@@ -58,7 +58,7 @@ class Gains:
     Parameters
     ----------
     controller
-        Name of the controller: "feedforward", "inverse-model" or "fuzzy-pid".
+        Name of the controller: "inverse-model" or "fuzzy-pid".
     settings
         Its settings; those of the fuzzy PID name their rule base.
     """
@@ -88,6 +88,7 @@ class Gains:
         """
         settings = dict(kept)
         controller = str(settings.pop("controller", ""))
+        controller = REPLACED.get(controller, controller)  # of an older file
         if controller not in KINDS:
             raise CallerError(f"{place}: no controller '{controller}'{nearest_hint(controller, KINDS)}")
         try:

@@ -35,7 +35,7 @@ from musclewire.identify import (
     FastestWay,
     ZeroOfRoom,
     check_made_for,
-    default_estimator,
+    check_wire_file,
     error_unit_for,
     gains_of,
     load_facts,
@@ -50,6 +50,7 @@ from musclewire.sensing import (
     EstimatorSetup,
     KnownSpring,
     SensingModel,
+    default_estimator,
     force_model,
 )
 from musclewire.signals import Command, Drive, MetadataValue, QuantityEstimate, RawSample, wire_sample
@@ -207,8 +208,8 @@ def control(
         The target over time, in the model's quantity: ``staircase`` and ``sampled_reference`` make one, and a
         :class:`~musclewire.controllers.SteeredReference` is moved while the loop runs. The paper's staircase if None.
     estimator
-        Name of an estimator (``musclewire.sensing.ESTIMATORS``), or a factory of one. None for the default: the
-        particle filter with a ``wire_file``, without one the gated branches; "polynomial" is the paper's.
+        Name of an estimator (``musclewire.sensing.ESTIMATORS``), or a factory of one. None for the default, "filter";
+        for a model that shows no slow loop, on which it is, "polynomial", the paper's.
     controller
         Name of a controller (``musclewire.controllers.CONTROLLERS``), or a factory of one. None for that of the
         settings, or of the model's gains, which ``fit`` finds; "fuzzy-pid", the paper's, for a model without gains, and
@@ -221,11 +222,11 @@ def control(
         through the spring's stiffness.
     approach_s
         Time [s] for which the reference's start is held before the reference begins. By default 0 for a controller that
-        brings a cold wire to its target by itself ("feedforward"), and 12 s for others, enough for a wire to warm up.
+        brings a cold wire to its target by itself ("inverse-model"), and 12 s for others, enough for a wire to warm up.
         The metrics give Eq. 7 from the first target on, which counts the first step without it, and after it; with 0
         both are the same.
     wire_file
-        The wire's own file, as ``calibrate`` writes it, for an estimator on physics.
+        The wire's own file, as ``calibrate`` writes it, for the estimator "particle-filter", or another on physics.
     zero_from
         Where strain counts from: "kept", the cold wire of the characterization, or "today", this run's. From today's, a
         first heating that turns at another resistance than the model's slow loop scales the resistance for the rest of
@@ -248,7 +249,8 @@ def control(
     Raises
     ------
     CallerError
-        If a target is outside the model's range, a name is unknown, or the model is of another wire.
+        If a target is outside the model's range, a name is unknown, the model is of another wire, or the estimator
+        reads no wire file.
     RigError
         If the wire carries no current, or has a resistance that the model's wire never has.
 
@@ -307,9 +309,9 @@ class LoopChoice:
     def settled(self, model: SensingModel, sample_period_s: float) -> SettledChoice:
         """Return the choice with what it leaves open: from the model's gains, else as in the paper.
 
-        Force jumps by twice the friction of its guide where the motion turns. Feedforward does not count that, and
-        swings; so force keeps the fuzzy PID, which errs less after its approach. Raises
-        CallerError for settings that do not say whose they are, and for gains that a model's file has wrong.
+        Force jumps by twice the friction of its guide where the motion turns. The inverse of the model does not count
+        that; so force keeps the fuzzy PID. Raises CallerError for settings that do not say whose they are, for gains
+        that a model's file has wrong, and for a wire file that the estimator does not read.
         """
         gains = None if self.load is not None else gains_of(model, sample_period_s)
         of_force = self.load is not None or model.quantity == "force"
@@ -321,12 +323,15 @@ class LoopChoice:
             controller = PAPER_CONTROLLER if gains is None or of_force else gains.controller
         if settings is None and gains is not None and gains.serve(controller):
             settings = gains.settings
+        estimator, without_filter = (self.estimator, "") if self.estimator else default_estimator(model)
+        check_wire_file(self.wire_file, estimator)
         return SettledChoice(
-            self.estimator or default_estimator(self.wire_file),
+            estimator,
             controller,
             settings,
             approach_of(controller, self.approach_s),
             without_gains(model) if open_to_gains and gains is None and not of_force else "",
+            without_filter,
         )
 
     @property
@@ -342,8 +347,8 @@ class LoopChoice:
             "controller": name_of(settled.controller),
             "zero_from": self.zero_from,
         }
-        if settled.without_gains:
-            known["without_gains"] = settled.without_gains
+        without = {"without_gains": settled.without_gains, "without_filter": settled.without_filter}
+        known |= {name: why for name, why in without.items() if why}
         if self.wire_file is not None:
             known["wire_file"] = Path(self.wire_file).name
         if self.load is not None:
@@ -352,13 +357,14 @@ class LoopChoice:
 
 
 class SettledChoice(NamedTuple):
-    """Estimator and controller of a loop, its settings, the approach [s], and what to say if no gains are known."""
+    """Estimator and controller of a loop, its settings, the approach [s], and why by default not those on the model."""
 
     estimator: str | EstimatorFactory
     controller: str | ControllerFactory
     settings: Any
     approach_s: float
     without_gains: str
+    without_filter: str
 
 
 def without_gains(model: SensingModel) -> str:

@@ -134,7 +134,7 @@ class PretensionSweep:
             f"a smaller gap, {smallest.gap_pct(self.quantity):.2f} %, is at {smallest.pretension_n:.2f} N, but there "
             f"the wire pulls with up to {smallest.largest_force_n:.2f} N in motion, above {limit}. A softer spring "
             f"with more pretension comes nearer to it, a dead weight of up to {self.limit_n:.2f} N nearest; or keep "
-            "this setting and follow each branch, as the estimator 'gated' does, the closed loop's own"
+            "this setting and follow each branch, as the estimator 'filter' does, the closed loop's own"
         )
 
     def plot(self, axes: Axes | None = None, *, style: str = "screen") -> Axes:

@@ -21,6 +21,7 @@ STATED = (
     "other_load",
     "pwm_problem",
     "without_gains",
+    "without_filter",
     "b_not_compared",
     "zero_of_room",
     "held_back",

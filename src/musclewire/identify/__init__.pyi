@@ -60,7 +60,7 @@ from ._tuning import Tuning as Tuning
 from ._tuning import gains_of as gains_of
 from ._tuning import tune as tune
 from ._use_of_model import check_made_for as check_made_for
-from ._use_of_model import default_estimator as default_estimator
+from ._use_of_model import check_wire_file as check_wire_file
 from ._use_of_model import error_unit_for as error_unit_for
 from ._use_of_model import known_against as known_against
 from ._use_of_model import load_facts as load_facts

@@ -32,7 +32,7 @@ from musclewire.identify._recordings import (
     without_loop,
 )
 from musclewire.identify._tuning import with_gains
-from musclewire.identify._use_of_model import DEFAULT_WITH_WIRE_FILE, default_estimator, users_wire
+from musclewire.identify._use_of_model import OF_A_WIRE_FILE, check_wire_file, users_wire
 from musclewire.identify._zero_of_room import NOTE, ROOM, cold_contraction_per_k
 from musclewire.physics import ArrayReading
 from musclewire.sensing import (
@@ -46,6 +46,7 @@ from musclewire.sensing import (
     SensingModel,
     WireMotion,
     centred_mean,
+    default_estimator,
     estimates,
     find_loops,
     find_segments,
@@ -595,12 +596,12 @@ def estimate(
     recording
         Resistance, or both voltages and the shunt; drive and both voltages for another estimator than the default.
     estimator
-        Name or factory of an estimator. The default is that of a closed loop with this model, sample by sample; of a
-        recording without current, which it needs, the paper's. The paper's, "polynomial", processes the whole recording
-        at once, and knows from what follows where the wire passed B.
+        Name or factory of an estimator. The default is that of a closed loop with this model, the filter, sample by
+        sample; the paper's for a model that shows no slow loop, and for a recording without current. The paper's,
+        "polynomial", processes the whole recording at once, and knows from what follows where the wire passed B.
     wire_file
-        The wire's own file, as ``calibrate`` writes it, for an estimator on physics; None without one. Where the
-        particle filter has no valid sample, the estimate is the open-loop simulation of this wire by the recorded
+        The wire's own file, as ``calibrate`` writes it, for the estimator "particle-filter"; None without one. Where it
+        has no valid sample, the estimate is the open-loop simulation of this wire by the recorded
         current, and says so (``fell_back``).
 
     Returns
@@ -610,7 +611,7 @@ def estimate(
     Raises
     ------
     CallerError
-        If no estimator has this name.
+        If no estimator has this name, and for a wire file that the estimator does not read.
     RecordingError
         If no resistance follows from the columns, or none lies in the model's range.
 
@@ -633,14 +634,16 @@ def estimate(
         if wire_file is not None:
             raise CallerError("a wire file has ohms, and this model resistance over the cold wire's: leave one out")
         recording, cold_ohm = over_cold_resistance(recording)
+    without_filter = ""
     if estimator is None:
-        estimator = default_estimator(wire_file) if has_current(recording) else PAPER_ESTIMATOR
+        estimator, without_filter = default_estimator(model) if has_current(recording) else (PAPER_ESTIMATOR, "")
+    check_wire_file(wire_file, estimator)
     whole = estimator == PAPER_ESTIMATOR
     wire = None if wire_file is None else users_wire(wire_file, recording.metadata)
     columns, reasons = at_once(model, recording) if whole else one_by_one(estimator, model, recording, wire)
     suffix = COLUMN_SUFFIX[model.quantity]
     fell_back = ""
-    if wire is not None and estimator == DEFAULT_WITH_WIRE_FILE and not columns["valid"].any():
+    if wire is not None and estimator == OF_A_WIRE_FILE and not columns["valid"].any():
         columns, reasons, fell_back = open_loop_instead(model, recording, wire, reasons)
         estimator, given = OPEN_LOOP, given.with_metadata(estimate_fell_back=fell_back)
     valid, value = columns["valid"] > 0.0, columns[f"estimated_{suffix}"]
@@ -675,6 +678,7 @@ def estimate(
         no_reference=why_no_reference(recording, model.quantity) if counts.any() else ALWAYS_COLD,
         warnings=(
             *found,
+            *filter(None, [without_filter]),
             *(() if rows is None else (said_of_interpolation(given, rows),)),
             *range_warnings(model, reading),
             *recording_defects(recording, model.quantity, CYCLE_PART * model.stroke),

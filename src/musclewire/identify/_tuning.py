@@ -1,6 +1,6 @@
 """Gains of a controller from a slow loop: the plant that the recording shows, and a published rule for its PI.
 
-The plant on a branch is of first order, K = dS/dw and tau_e = tau + lambda K (as feedforward has it), with a dead
+The plant on a branch is of first order, K = dS/dw and tau_e = tau + lambda K (as the wire's model has it), with a dead
 time theta. By SIMC (Skogestad 2003) with tau_c = theta, "tight but robust":
 
     K_c = tau_e / (K (tau_c + theta)),   T_i = min(tau_e, 4 (tau_c + theta))
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers import (
+    CONTROLLERS,
     DEFAULT_RULE_BASE,
     FeedforwardSettings,
     FuzzyPidSettings,
@@ -51,7 +52,7 @@ PULSE_SAMPLES = 3.0
 # An error of this fraction of the full range, or of the estimate's deviation if that is more, lets a standing wire jump
 # over a part of the gap.
 TOLERANCE_FRACTION = 0.012
-TUNED = ("feedforward", "fuzzy-pid")
+TUNED = ("inverse-model", "fuzzy-pid")
 MIDDLE_KP = 0.06
 FREQUENCIES_RAD_PER_S = np.geomspace(1e-2, 1e3, 4000)
 
@@ -81,7 +82,7 @@ class Tuning:
     Parameters
     ----------
     controller
-        Name of the controller: "feedforward" or "fuzzy-pid".
+        Name of the controller: "inverse-model" or "fuzzy-pid".
     settings
         Its settings, for ``control(..., controller=..., settings=...)``.
     plant
@@ -210,7 +211,7 @@ def tune(
     model: SensingModel,
     recording: Recording,
     *,
-    controller: str = "feedforward",
+    controller: str = "inverse-model",
     closed_loop_time_s: float | None = None,
     rule_base: str | None = None,
 ) -> Tuning:
@@ -225,7 +226,7 @@ def tune(
         states. Without a reference instrument the model reads its quantity from the resistance, between B and C on each
         branch.
     controller
-        "feedforward", or "fuzzy-pid" whose one scale is then found from the plant.
+        "inverse-model", or "fuzzy-pid" whose one scale is then found from the plant.
     closed_loop_time_s
         tau_c [s]; the dead time if None, as SIMC recommends. A longer one is slower, with larger margins.
     rule_base
@@ -253,8 +254,9 @@ def tune(
     >>> with mw.open_rig("simulated") as rig:
     ...     slow = mw.characterize(rig)
     >>> mw.tune(mw.fit(slow), slow).controller
-    'feedforward'
+    'inverse-model'
     """
+    CONTROLLERS.find(controller)
     if controller not in TUNED:
         raise CallerError(f"there is no tuning rule for '{controller}'{nearest_hint(controller, TUNED)}")
     if rule_base is not None and controller != "fuzzy-pid":
@@ -265,7 +267,7 @@ def tune(
         raise CallerError(f"closed_loop_time_s is {closed_loop_time_s:g}: give a time above 0 s")
     require_ohms(model)
     plant = identified_plant(model, recording, closed_loop_time_s)
-    settings = plant if controller == "feedforward" else fuzzy_settings(model, plant, rule_base)
+    settings = plant if controller == "inverse-model" else fuzzy_settings(model, plant, rule_base)
     self_sensed = reference_quantity(recording, model.quantity) is None
     return Tuning(controller, settings, plant, worst_margins(plant), self_sensed)
 
@@ -276,7 +278,7 @@ def with_gains(model: SensingModel, recording: Recording) -> SensingModel:
         plant = identified_plant(model, recording, None)
     except (RecordingError, CallerError) as error:
         return replace(model, no_gains=str(error))
-    return replace(model, gains=Gains("feedforward", plant).table())
+    return replace(model, gains=Gains("inverse-model", plant).table())
 
 
 def gains_of(model: SensingModel, sample_period_s: float) -> Gains | None:

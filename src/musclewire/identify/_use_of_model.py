@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import hypot
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,12 +13,18 @@ from musclewire.controllers import PERCENT_STRAIN, FuzzyPidSettings, with_error_
 from musclewire.errors import CallerError, RecordingError, argument
 from musclewire.identify._recordings import DIVIDED_BY
 from musclewire.parameters import bench_known_with, is_wire_file, load_alloy, load_bench, load_wire
-from musclewire.sensing import DEFAULT_ESTIMATOR, KnownSpring, SensingModel, find_resistance_extremes
+from musclewire.sensing import (
+    DEFAULT_ESTIMATOR,
+    PAPER_ESTIMATOR,
+    KnownSpring,
+    SensingModel,
+    find_resistance_extremes,
+)
 from musclewire.signals import MetadataValue, RunFacts
 from musclewire.wire import WireConstants, constants_of, measured_grains
 
-# What takes the place of the default estimator where there is a wire file.
-DEFAULT_WITH_WIRE_FILE = "particle-filter"
+# The estimator that reads a wire file, and our own that read none.
+OF_A_WIRE_FILE, WITHOUT_WIRE_FILE = "particle-filter", (DEFAULT_ESTIMATOR, PAPER_ESTIMATOR)
 # Lengths that differ by less are one length, measured twice.
 SAME_LENGTH_FRACTION = 0.005
 # Loads and springs that differ by less are one, measured twice.
@@ -42,9 +49,14 @@ RANGE_AS_PERCENT_STRAIN = 3.0
 FRICTION_AS_RANGE = 8.0
 
 
-def default_estimator(wire_file: str | Path | None) -> str:
-    """Return the name of the estimator that a loop takes if none is named."""
-    return DEFAULT_ESTIMATOR if wire_file is None else DEFAULT_WITH_WIRE_FILE
+def check_wire_file(wire_file: str | Path | None, estimator: Any) -> None:
+    """Raise CallerError for a wire file beside an estimator of ours, by its name, that reads none."""
+    if wire_file is not None and estimator in WITHOUT_WIRE_FILE:
+        raise CallerError(
+            f"the estimator {estimator} reads no wire file: {OF_A_WIRE_FILE} does, chosen by "
+            + argument("estimator", OF_A_WIRE_FILE)
+            + "; or leave the file out"
+        )
 
 
 def error_unit_for(model: SensingModel, load: KnownSpring | None = None) -> float:

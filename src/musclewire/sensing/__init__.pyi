@@ -10,10 +10,8 @@ from ._branches import single_valued as single_valued
 from ._curve import SHOWN_AS as SHOWN_AS
 from ._curve import ResistanceCurve as ResistanceCurve
 from ._curve import other_wires as other_wires
-from ._estimator import DEFAULT_ESTIMATOR as DEFAULT_ESTIMATOR
 from ._estimator import ESTIMATORS as ESTIMATORS
 from ._estimator import MAX_DROPOUTS as MAX_DROPOUTS
-from ._estimator import PAPER_ESTIMATOR as PAPER_ESTIMATOR
 from ._estimator import Estimator as Estimator
 from ._estimator import EstimatorFactory as EstimatorFactory
 from ._estimator import EstimatorSetup as EstimatorSetup
@@ -21,7 +19,10 @@ from ._estimator import dropout_failure as dropout_failure
 from ._estimator import estimates as estimates
 from ._filter_estimator import FILTER as FILTER
 from ._filter_estimator import FILTER_CONSTANTS as FILTER_CONSTANTS
+from ._filter_estimator import FilterEstimator as FilterEstimator
 from ._filter_estimator import FilterNumbers as FilterNumbers
+from ._filter_estimator import FilterState as FilterState
+from ._filter_estimator import filter_estimator as filter_estimator
 from ._filter_estimator import filter_numbers as filter_numbers
 from ._fit_report import Rows as Rows
 from ._fitting import HotEnd as HotEnd
@@ -63,4 +64,7 @@ from ._smoothing import smooth_slope as smooth_slope
 from ._smoothing import smoothing_window as smoothing_window
 from ._turning_points import turning_points as turning_points
 from ._wire_balance import WireMotion as WireMotion
+from ._wire_model import DEFAULT_ESTIMATOR as DEFAULT_ESTIMATOR
+from ._wire_model import PAPER_ESTIMATOR as PAPER_ESTIMATOR
+from ._wire_model import default_estimator as default_estimator
 from ._wire_model import with_wire_model as with_wire_model

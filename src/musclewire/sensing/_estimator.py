@@ -23,10 +23,6 @@ from musclewire.sensing._known_load import KnownSpring
 from musclewire.signals import EstimatorStep, QuantityEstimate, RawSample, WireSample, check_columns
 from musclewire.wire import WireConstants
 
-# What a closed loop runs unless another is named (docs/explanation/decisions/estimators-in-a-loop.md).
-DEFAULT_ESTIMATOR = "gated"
-# The one with which the paper's figures were made.
-PAPER_ESTIMATOR = "polynomial"
 # A sample without current is bridged by holding the drive; this many in a row are a broken wire or circuit.
 MAX_DROPOUTS = 10
 

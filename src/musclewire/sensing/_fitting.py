@@ -377,7 +377,7 @@ def _fit_warnings(
     if gap > LARGE_GAP:
         warnings.append(
             f"the gap between heating and cooling is {100 * gap:.1f} %, above {100 * LARGE_GAP:.0f} %: "
-            "their average is off by half of it; the estimator 'gated', the closed loop's, follows each branch, and "
+            "their average is off by half of it; the estimator 'filter', the closed loop's, follows each branch, and "
             "'musclewire pretension' shows whether a pretension within the wire's stress has a smaller gap"
         )
     if valid_range != shared:

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from musclewire.pages import notebook_table
+from musclewire.registry import REPLACED
 from musclewire.sensing._branch_equations import evaluate
 from musclewire.sensing._curve import SHOWN_AS
 from musclewire.sensing._fit_report import FittedCurve
+from musclewire.sensing._wire_model import default_estimator
 from musclewire.signals import fact_in_words
 
 if TYPE_CHECKING:
@@ -50,13 +52,15 @@ def wire_numbers(model: FittedCurve) -> dict[str, dict[str, float | str]] | None
 
 def gains_controller(model: FittedCurve) -> str | None:
     """Return the name of the controller whose gains a model keeps, None if it keeps none."""
-    return str(model.gains["controller"]) if "controller" in model.gains else None
+    name = str(model.gains.get("controller", ""))
+    return REPLACED.get(name, name) or None
 
 
 def rows(model: FittedCurve) -> list[tuple[str, str]]:
     """Return the main figures of a model, as pairs of name and text."""
     factor, unit = SHOWN_AS[model.quantity]
     low, high = model.valid_resistance_ohm
+    estimator, without_filter = default_estimator(model)
     errors = {"heating": model.rmse_heating, "cooling": model.rmse_cooling, "average": model.rmse_average}
     return [
         ("quantity", f"{model.quantity} in {unit}"),
@@ -73,6 +77,7 @@ def rows(model: FittedCurve) -> list[tuple[str, str]]:
             ", ".join(f"{name} {factor * error:.4f}" for name, error in errors.items()) + f" {unit}",
         ),
         ("samples", str(model.samples)),
+        ("estimator", without_filter or estimator),
         ("gains", gains_controller(model) or f"none: {model.no_gains or 'not looked for'}"),
         *[fact_in_words(name, value) for name, value in model.wire.items()],
         ("created by", model.created_by),

@@ -1,6 +1,6 @@
 """One model of a wire from its slow loop: power and resistance on both branches, and the heat that a change takes.
 
-A wire in air is a first-order heat balance with a play behind it, as the feedforward controller has it:
+A wire in air is a first-order heat balance with a play behind it, as the controller inverse-model has it:
 
     tau dw/dt = P - w - lambda dS/dt
 
@@ -38,6 +38,10 @@ from musclewire.sensing._wire_tables import PLACES, WireModel, WireNumber
 
 FittedCurveKind = TypeVar("FittedCurveKind", bound=FittedCurve)
 
+# What a closed loop runs unless another is named (docs/explanation/decisions/estimators-in-a-loop.md).
+DEFAULT_ESTIMATOR = "filter"
+# The one with which the paper's figures were made.
+PAPER_ESTIMATOR = "polynomial"
 # Branches nearer to each other than this part of the range of power count as that far apart.
 MIN_GAP = 0.02
 # The resistance of a cold wire rises by temperature alone in this part of its way to B.
@@ -80,6 +84,15 @@ def wire_model_of(model: FittedCurve) -> WireModel:
     Raises CallerError for a model without a slow loop, or with one that does not go through B to C.
     """
     return model.wire_model if model.wire_model and model.slow_loop else found_wire_model(model)
+
+
+def default_estimator(model: FittedCurve) -> tuple[str, str]:
+    """Return the name of the estimator that a model takes if none is named, and why it is the paper's; "" if not."""
+    try:
+        wire_model_of(model)
+    except CallerError as error:
+        return PAPER_ESTIMATOR, f"the paper's estimator, {PAPER_ESTIMATOR}, is taken: {error}"
+    return DEFAULT_ESTIMATOR, ""
 
 
 def with_wire_model(

@@ -44,6 +44,11 @@ def swept(contact_ohm: float = 0.0, air_k: float = 0.0, loops: int = 2) -> Recor
     return Recording(columns, FACTS)
 
 
+def by(wire_file: Path) -> dict[str, Any]:
+    """The particle filter with a wire file."""
+    return {"estimator": "particle-filter", "wire_file": wire_file}
+
+
 @pytest.fixture(scope="module")
 def model() -> SensingModel:
     return mw.fit(swept())
@@ -54,7 +59,7 @@ def test_a_contact_leaves_the_simulation_within_the_deviation_that_it_states(
     model: SensingModel, wire_file: Path, air_k: float
 ) -> None:
     recording = swept(CONTACT_OHM, air_k, loops=1)
-    report = mw.estimate(model, recording, wire_file=wire_file)
+    report = mw.estimate(model, recording, **by(wire_file))
     assert report.estimator == "open-loop simulation"
     assert "100.0 % at resistances that this wire never has" in report.fell_back
     found = report.recording
@@ -69,7 +74,7 @@ def test_a_contact_leaves_the_simulation_within_the_deviation_that_it_states(
 @pytest.mark.parametrize("quantity", ["displacement", "force"])
 def test_displacement_and_force_are_simulated_too(wire_file: Path, quantity: str) -> None:
     model = mw.fit(swept(), quantity=quantity)
-    report = mw.estimate(model, swept(CONTACT_OHM, loops=1), wire_file=wire_file)
+    report = mw.estimate(model, swept(CONTACT_OHM, loops=1), **by(wire_file))
     assert report.fell_back
     assert report.rms_pct is not None
     assert report.rms_pct < 0.5
@@ -78,7 +83,7 @@ def test_displacement_and_force_are_simulated_too(wire_file: Path, quantity: str
 def test_a_sample_now_and_then_is_simulated_on_a_finer_clock(model: SensingModel, wire_file: Path) -> None:
     recording = swept(CONTACT_OHM, loops=1)
     seldom = Recording({name: values[::10] for name, values in recording.columns.items()}, FACTS)
-    report = mw.estimate(model, seldom, wire_file=wire_file)
+    report = mw.estimate(model, seldom, **by(wire_file))
     assert report.fell_back
     assert report.rms_pct is not None
     assert report.rms_pct < 1.0
@@ -88,7 +93,7 @@ def test_an_instrument_that_was_silent_for_a_while_is_not_compared_with(model: S
     recording = swept(CONTACT_OHM, loops=1)
     moved_m = recording["displacement_m"].copy()
     moved_m[100:110] = np.nan
-    report = mw.estimate(model, recording.with_columns({"displacement_m": moved_m}), wire_file=wire_file)
+    report = mw.estimate(model, recording.with_columns({"displacement_m": moved_m}), **by(wire_file))
     assert report.fell_back
     assert report.rms_pct is not None
     assert report.rms_pct < 0.5
@@ -97,9 +102,9 @@ def test_an_instrument_that_was_silent_for_a_while_is_not_compared_with(model: S
 def test_a_filter_with_valid_samples_and_an_estimator_without_a_wire_stay_what_they_are(
     model: SensingModel, wire_file: Path
 ) -> None:
-    assert mw.estimate(model, swept(loops=1), wire_file=wire_file).fell_back == ""
+    assert mw.estimate(model, swept(loops=1), **by(wire_file)).fell_back == ""
     with pytest.raises(RecordingError, match="no sample lies in the model's range"):
-        mw.estimate(model, swept(CONTACT_OHM, loops=1), wire_file=wire_file, estimator="gated")
+        mw.estimate(model, swept(CONTACT_OHM, loops=1), estimator="filter")
 
 
 def test_a_current_that_is_not_known_is_no_simulation(model: SensingModel, wire_file: Path) -> None:
@@ -107,7 +112,7 @@ def test_a_current_that_is_not_known_is_no_simulation(model: SensingModel, wire_
     shunt_v = recording["shunt_voltage_v"].copy()
     shunt_v[200:220] = 9.9e37  # what a meter writes that is overloaded
     with pytest.raises(RecordingError, match=r"nor by simulation: .* not known in 20 rows"):
-        mw.estimate(model, recording.with_columns({"shunt_voltage_v": shunt_v}), wire_file=wire_file)
+        mw.estimate(model, recording.with_columns({"shunt_voltage_v": shunt_v}), **by(wire_file))
 
 
 def test_the_command_writes_it_says_so_and_ends_with_1(
@@ -116,7 +121,8 @@ def test_the_command_writes_it_says_so_and_ends_with_1(
     model_path, recorded, out = tmp_path / "model.json", tmp_path / "contact.h5", tmp_path / "out.h5"
     model.save(model_path)
     swept(CONTACT_OHM, loops=1).save(recorded)
-    run = musclewire("estimate", model_path, recorded, "--wire-file", wire_file, "-o", out, "--json")
+    named = ("--estimator", "particle-filter", "--wire-file", wire_file)
+    run = musclewire("estimate", model_path, recorded, *named, "-o", out, "--json")
     assert run.code == 1
     assert run.json["estimator"] == "open-loop simulation"
     assert run.json["fell_back"].startswith("no sample of the particle filter is valid")

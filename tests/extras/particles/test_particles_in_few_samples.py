@@ -20,7 +20,15 @@ from musclewire.wire import constants_from
 
 PERIOD_S, SHUNT_OHM = 0.05, 1.0
 WIRE = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
-MODEL = SensingModel(13.5, 17.5, (0.0405, -0.04), (0.0395, -0.04), 0.05, 0.95, resistance_noise_ohm=0.005)
+# A slow loop from cold to C and back: time [s], power [W] and resistance [ohm].
+CORNERS = ((0.0, 0.01, 17.1), (20.0, 0.12, 17.5), (50.0, 0.45, 13.5), (80.0, 0.06, 17.4), (90.0, 0.01, 17.1))
+LOOP_S = np.linspace(0.0, 90.0, 181)
+SLOW_LOOP = np.column_stack([LOOP_S, *(np.interp(LOOP_S, *np.array(CORNERS)[:, [0, k]].T) for k in (1, 2))])
+MODEL = SensingModel(
+    *(13.5, 17.5, (0.0405, -0.04), (0.0395, -0.04), 0.05, 0.95),
+    resistance_noise_ohm=0.005,
+    slow_loop=tuple(map(tuple, SLOW_LOOP.tolist())),
+)
 # Snapshots after 4 samples, hypotheses started again from them after 8.
 FEW = ParticleSettings(hypotheses=10, snapshot=4, restart_time_s=0.2, restarts=2)
 
@@ -96,7 +104,7 @@ def test_without_current_the_power_follows_from_the_drive_and_the_value_is_kept(
 def test_value_and_deviation_are_in_the_unit_of_the_model(quantity: str) -> None:
     scale = {"force": 100.0, "displacement": WIRE.leg_length_m}[quantity]
     curves = [tuple(scale * number for number in row) for row in ((0.0405, -0.04), (0.0395, -0.04))]
-    model = SensingModel(13.5, 17.5, curves[0], curves[1], 0.05, 0.95, quantity=quantity)
+    model = replace(MODEL, heating_coefficients=curves[0], cooling_coefficients=curves[1], quantity=quantity)
     last = followed(filter_of(model=model), WARMING[:4])[-1].estimate
     full = model.quantity_max - model.quantity_min
     assert model.quantity_min - full <= last.value <= model.quantity_max + full
@@ -104,8 +112,6 @@ def test_value_and_deviation_are_in_the_unit_of_the_model(quantity: str) -> None
 
 
 def test_a_model_of_a_fingers_endpoint_is_refused() -> None:
-    model = SensingModel(
-        13.5, 17.5, (0.0405, -0.04), (0.0395, -0.04), 0.05, 0.95, quantity="displacement", wire={"finger": "lan-fan"}
-    )
+    model = replace(MODEL, quantity="displacement", wire={"finger": "lan-fan"})
     with pytest.raises(CallerError, match="of a finger's endpoint"):
         filter_of(model=model)

@@ -23,7 +23,7 @@ def apart(loop: Recording, columns, model) -> str:
     last = loop["cycle"] == loop["cycle"].max()
     assert model.measured_stroke == pytest.approx(np.ptp(strain[last]), rel=0.01)
     return (
-        f"estimator gated: error {np.sqrt(np.mean(off_pct**2)):.3f} % rms, {np.abs(off_pct).max():.3f} % largest, of "
+        f"estimator filter: error {np.sqrt(np.mean(off_pct**2)):.3f} % rms, {np.abs(off_pct).max():.3f} % largest, of "
         f"the measured stroke; {100 * np.mean(np.abs(off_pct) > 5.0):.2f} % of the samples that count are more than "
         "5 % wrong"
     )
@@ -33,7 +33,7 @@ def judge(seed: int) -> None:
     loop = slow_loop(drawn_wire(seed))
     model = fit(loop)
     report = estimate(model, loop)
-    assert report.summary().splitlines()[-1] == apart(loop, estimate(model, loop, estimator="gated").columns, model)
+    assert report.summary().splitlines()[-1] == apart(loop, estimate(model, loop, estimator="filter").columns, model)
     # A loop holds each of these wires.
     assert model.holds
     assert report.wrong_pct == 0.0

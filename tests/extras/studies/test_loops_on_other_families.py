@@ -48,7 +48,7 @@ def loops_on(plant: str, count: int, **keys: str) -> list[ControlRun]:
     for seed in range(501, 501 + count):
         with opened(plant, seed, **keys) as rig:
             reference = staircase_within(model)
-            runs.append(mw.control(rig, model, reference, controller="feedforward", settings=gains))
+            runs.append(mw.control(rig, model, reference, controller="inverse-model", settings=gains))
     return runs
 
 
@@ -117,7 +117,7 @@ def test_a_wire_beyond_c_is_not_heated_on_and_on() -> None:
     gains = mw.tune(model, slow).settings
     with opened("duhem", 501) as rig:
         steps = mw.staircase(below, top, (top - below) / 2.0, hold_s=8.0)
-        run = mw.control(rig, model, steps, controller="feedforward", settings=gains)
+        run = mw.control(rig, model, steps, controller="inverse-model", settings=gains)
         limit_v = rig.maximum_voltage_v
     at_top = (run["target_strain"] > 0.99 * top) & (run["time_s"] > 20.0)
     assert np.all(run["drive_voltage_v"][at_top] < 0.95 * limit_v)

@@ -35,13 +35,13 @@ def test_fit_keeps_the_gains_that_tune_finds() -> None:
     model = mw.fit(loop)
     gains = gains_of(model, PERIOD_S)
     assert gains is not None
-    assert (gains.controller, gains.settings) == ("feedforward", mw.tune(model, loop).settings)
+    assert (gains.controller, gains.settings) == ("inverse-model", mw.tune(model, loop).settings)
 
 
 def test_nobody_has_to_choose_and_the_wire_follows_from_cold(model: SensingModel) -> None:
     with mw.open_rig("simulated", seed=4) as rig:
         run = control(rig, model)
-    assert (run.metadata["controller"], run.metadata["approach_s"]) == ("feedforward", 0.0)
+    assert (run.metadata["controller"], run.metadata["approach_s"]) == ("inverse-model", 0.0)
     assert run.metrics.start == pytest.approx(0.0, abs=1e-3)  # cold
     assert run.metrics.mae_max_pct is not None
     assert run.metrics.mae_max_pct <= 2.62  # the paper's largest, after an approach
@@ -95,9 +95,9 @@ def test_a_zero_that_there_is_not_is_refused_with_the_nearest(model: SensingMode
 @pytest.mark.parametrize(
     ("chosen", "controller", "kind", "approach_s"),
     [
-        ({}, "feedforward", FeedforwardSettings, 0.0),
-        ({"approach_s": 3.0}, "feedforward", FeedforwardSettings, 3.0),
-        ({"controller": "feedforward"}, "feedforward", FeedforwardSettings, 0.0),
+        ({}, "inverse-model", FeedforwardSettings, 0.0),
+        ({"approach_s": 3.0}, "inverse-model", FeedforwardSettings, 3.0),
+        ({"controller": "inverse-model"}, "inverse-model", FeedforwardSettings, 0.0),
         ({"controller": "fuzzy-pid"}, "fuzzy-pid", type(None), 12.0),
         ({"settings": FuzzyPidSettings()}, "fuzzy-pid", FuzzyPidSettings, 12.0),
         ({"settings": PidSettings()}, "pid", PidSettings, 12.0),

@@ -48,7 +48,7 @@ def found_on(name: str) -> Found:
     swings = []
     for outcome in runs.outcomes:
         assert outcome.run is not None
-        assert outcome.run.metadata["controller"] == "feedforward"
+        assert outcome.run.metadata["controller"] == "inverse-model"
         time_s, drive_v = outcome.run["time_s"] - outcome.run["time_s"][0], outcome.run["drive_voltage_v"]
         for index in range(len(runs.steps)):
             last = (time_s >= 6.0 * index + 3.0) & (time_s < 6.0 * index + 5.9)

@@ -87,8 +87,8 @@ def test_friction_that_holds_the_wire_is_said_by_both(model: SensingModel) -> No
     assert shown == tuple(f"in 1 of 2 loops, the first of them that of seed 1: {text}" for text in fast.warnings)
 
 
-# The feedforward controller needs its wire's gains.
-WITH_DEFAULTS = [name for name in CONTROLLERS.names() if name != "feedforward"]
+# It needs its wire's gains.
+WITH_DEFAULTS = [name for name in CONTROLLERS.names() if name != "inverse-model"]
 any_rig = st.fixed_dictionaries(
     {
         "pretension_n": st.floats(1.6, 2.2),

@@ -63,7 +63,7 @@ def test_what_is_best_keeps_the_wire_within_its_vendors_stress_while_it_contract
     assert sweep.largest_n == pytest.approx(1.3)
     assert sweep.advice.startswith("a smaller gap, 1.20 %, is at 2.50 N, but there the wire pulls with up to 4.10 N")
     assert "softer spring" in sweep.advice
-    assert "'gated'" in sweep.advice
+    assert "'filter'" in sweep.advice
 
 
 def test_where_the_smallest_gap_is_within_the_limit_or_none_is_known_there_is_no_advice() -> None:

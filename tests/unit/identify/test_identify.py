@@ -205,7 +205,7 @@ def test_gated_runs_on_what_other_programs_record(loop: Recording, kept: tuple[s
     )
     theirs = Recording({"time_s": loop["time_s"], "displacement_m": loop["displacement_m"], **columns}, facts)
     model = fit(loop)
-    ours, found = (estimate(model, one, estimator="gated") for one in (loop, theirs))
+    ours, found = (estimate(model, one, estimator="filter") for one in (loop, theirs))
     assert found.rms_pct == pytest.approx(ours.rms_pct, rel=1e-6)
 
 
@@ -213,4 +213,4 @@ def test_gated_says_what_a_resistance_alone_lacks(loop: Recording) -> None:
     resistance_ohm = resistance_reading(loop).resistance_ohm
     alone = Recording({"time_s": loop["time_s"], "wire_resistance_ohm": resistance_ohm}, {})
     with pytest.raises(RecordingError, match="add the column wire_current_a or wire_voltage_v, or choose"):
-        estimate(fit(loop), alone, estimator="gated")
+        estimate(fit(loop), alone, estimator="filter")

@@ -43,7 +43,7 @@ def drawn_out(recording: Recording, rows: int) -> Recording:
 
 
 @pytest.mark.parametrize("rows", [20 * (POINTS - 1) + 1, 20 * POINTS - 7, 8 * POINTS + 3])
-@pytest.mark.parametrize("estimator", ["gated", "polynomial"])
+@pytest.mark.parametrize("estimator", ["filter", "polynomial"])
 def test_a_loop_that_was_drawn_out_is_estimated_like_its_measured_rows(
     loop: Recording, model: SensingModel, rows: int, estimator: str
 ) -> None:

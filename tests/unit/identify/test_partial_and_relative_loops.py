@@ -131,7 +131,7 @@ def test_a_recording_that_begins_warm_gives_no_ratio(loop: Recording, known: str
         estimate(relative, Recording(columns, loop.metadata))
 
 
-@pytest.mark.parametrize("estimator", ["gated", "particle-filter"])
+@pytest.mark.parametrize("estimator", ["filter", "particle-filter"])
 def test_a_recording_of_one_row_is_refused_in_one_line(loop: Recording, model: SensingModel, estimator: str) -> None:
     one = Recording({name: values[300:301] for name, values in loop.columns.items()}, loop.metadata)
     with pytest.raises(RecordingError, match="has fewer than two rows: an estimator takes two") as refused:

@@ -208,7 +208,7 @@ def test_all_that_a_fit_lacks_is_named_at_once(loop: Recording) -> None:
         fit(bare)
 
 
-@pytest.mark.parametrize("estimator", ["polynomial", "gated"])
+@pytest.mark.parametrize("estimator", ["polynomial", "filter"])
 def test_volts_and_current_or_resistance_and_current_serve_as_both_voltages_do(loop: Recording, estimator: str) -> None:
     model = fit(loop)
     expected = estimate(model, loop, estimator=estimator).recording["estimated_strain"]

@@ -83,7 +83,7 @@ def test_the_fuzzy_pid_keeps_its_ranges_and_gets_a_scale() -> None:
     assert 5.0 < found.input_scale < 100.0
 
 
-@pytest.mark.parametrize("controller", ["feedforward", "fuzzy-pid"])
+@pytest.mark.parametrize("controller", ["inverse-model", "fuzzy-pid"])
 def test_a_gains_file_holds_what_was_found(controller: str, tmp_path: Path) -> None:
     found = tune(MODEL, slow_loop(), controller=controller)
     found.save(tmp_path / "gains.toml")
@@ -139,7 +139,8 @@ def test_what_is_missing_is_named() -> None:
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        ({"controller": "feedfoward"}, "'feedforward'"),
+        ({"controller": "inverse-modell"}, "'inverse-model'"),
+        ({"controller": "feedforward"}, "replaced by inverse-model"),
         ({"rule_base": "fixed"}, "rule base"),
         ({"closed_loop_time_s": 0.0}, "above 0 s"),
     ],
@@ -151,8 +152,8 @@ def test_what_cannot_be_tuned_is_refused(asked: dict[str, Any], said: str) -> No
 
 def test_files_that_are_no_gains_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "gains.toml"
-    path.write_text('format = "musclewire-gains"\ncontroller = "feedforwad"\n[settings]\n')
-    with pytest.raises(CallerError, match="did you mean 'feedforward'"):
+    path.write_text('format = "musclewire-gains"\ncontroller = "inverse-modell"\n[settings]\n')
+    with pytest.raises(CallerError, match="did you mean 'inverse-model'"):
         load_gains(path)
     path.write_text("a = 1\n")
     with pytest.raises(CallerError, match="not a gains file"):
@@ -169,7 +170,8 @@ def test_its_text_states_gains_and_margins() -> None:
     assert axes.figure.get_size_inches()[0] * 25.4 == pytest.approx(88.9)
 
 
-def test_the_settings_of_feedforward_serve_the_inverse_of_the_model() -> None:
-    gains = Gains("feedforward", plant_settings())
-    assert [name for name in CONTROLLERS.names() if gains.serve(name)] == ["feedforward", "inverse-model"]
+def test_gains_of_a_controller_that_was_replaced_are_those_of_the_one_in_its_place() -> None:
+    gains = Gains.read({"controller": "feedforward", **plant_settings().model_dump()}, "an older file")
+    assert gains == Gains("inverse-model", plant_settings())
+    assert [name for name in CONTROLLERS.names() if gains.serve(name)] == ["inverse-model"]
     assert not gains.serve(lambda setup: setup)

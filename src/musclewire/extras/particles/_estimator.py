@@ -21,7 +21,7 @@ from musclewire.extras.particles._kernel import (
     follow_sample,
 )
 from musclewire.extras.particles._settings import EXPLANATIONS, UNKNOWNS, ParticleSettings
-from musclewire.sensing import EstimatorSetup, GatedEstimator, GatedState, HomeMove, gated_estimator
+from musclewire.sensing import EstimatorSetup, FilterEstimator, FilterState, HomeMove, filter_estimator
 from musclewire.signals import EstimatorStep, QuantityEstimate, Reason, WireSample
 from musclewire.wire import WireConstants, resting_state
 
@@ -53,11 +53,11 @@ UNEXPLAINED_MISFIT = 3.0
 class ParticleState(NamedTuple):
     """The estimator's state.
 
-    That of the gated branches, which say whether a sample is valid; the last time; hypotheses of and evidence for each
-    explanation; for how long something has changed; and the last value.
+    That of the filter on the model, which says whether a sample is valid; the last time; hypotheses of and evidence for
+    each explanation; for how long something has changed; and the last value.
     """
 
-    branches: GatedState
+    modelled: FilterState
     time_s: float | None
     hypotheses: tuple[bytes, ...]
     evidence: tuple[float, ...]
@@ -70,45 +70,35 @@ class ParticleFilter:
 
     Each hypothesis is a wire of the user's wire file under its own load and air, driven by the measured power; the
     measured resistance weighs them. A filter follows each of three explanations: only the air has changed, only the
-    load has, or both. With an unchanged load the gated branches know the strain, too, whatever the air does: the value
-    is then the mean of both. They also say which samples are valid.
+    load has, or both. With an unchanged load the filter on the model knows the strain, too, whatever the air does: the
+    value is then the mean of both. It also says which samples are valid.
 
     Parameters
     ----------
-    branches
-        The estimator by gated branches: it reads the voltages, bridges dropouts and knows the valid range.
+    modelled
+        The filter on the wire's model: it reads the voltages, bridges dropouts and knows the valid range.
     wire
         The calibrated wire on its load.
     setup
         Shunt, period and model.
     settings
         What is taken for possible.
-
-    Raises
-    ------
-    CallerError
-        For a model of an endpoint's displacement, which a wire file does not describe.
     """
 
     columns = PARTICLE_COLUMNS
     has_c_form = False
 
     def __init__(
-        self, branches: GatedEstimator, wire: WireConstants, setup: EstimatorSetup, settings: ParticleSettings
+        self, modelled: FilterEstimator, wire: WireConstants, setup: EstimatorSetup, settings: ParticleSettings
     ) -> None:
         """Take the numbers; the state of a run is not kept here."""
-        self.quantity = branches.quantity
+        self.quantity = modelled.quantity
         home = getattr(setup.model, "home", None)
         settings, wire = after_home(settings, wire, home)
         self._scale, self._offset_ohm = resistance_after(home)
-        self._branches, self._wire, self._settings = branches, wire, settings
-        if setup.model.wire.get("finger") and branches.quantity == "displacement":
-            raise CallerError(
-                "estimator 'particle-filter': this model is of a finger's endpoint, which a wire file does not "
-                "describe: fit a model of strain, or choose " + argument("estimator", "gated")
-            )
+        self._modelled, self._wire, self._settings = modelled, wire, settings
         self._shunt_ohm, self._period_s = setup.shunt_resistance_ohm, setup.sample_period_s
-        self._range = branches.curve.quantity_max - branches.curve.quantity_min
+        self._range = modelled.curve.quantity_max - modelled.curve.quantity_min
         self._max_power_w = MAX_RATE_K_PER_S * wire.heat_capacity_j_per_k
         derived, cells, load = wire.step_arrays()
         self._arrays = HypothesisWire(derived.copy(), cells, load)
@@ -116,7 +106,7 @@ class ParticleFilter:
         rest = state_of(cloud_at_rest(resting_state(wire), settings, self._period_s))
         n = len(EXPLANATIONS)
         self._start = ParticleState(
-            branches.start(), None, (rest,) * n, (0.0,) * n, ChangeState(), branches.curve.quantity_min
+            modelled.start(), None, (rest,) * n, (0.0,) * n, ChangeState(), modelled.curve.quantity_min
         )
         self.step(self._start, WireSample(self._period_s, 0.0, 0.0, 0.0))  # compiles it, as of every estimator
 
@@ -126,7 +116,7 @@ class ParticleFilter:
 
     def step(self, state: ParticleState, sample: WireSample) -> EstimatorStep:
         """Return the estimate of one sample."""
-        seen, branches, (resistance_ohm,) = self._branches.step(state.branches, sample)
+        seen, modelled, (resistance_ohm, *_) = self._modelled.step(state.modelled, sample)
         readable = seen.reason not in (Reason.NO_CURRENT, Reason.MISMATCH)
         measured = self._measured(state, sample, resistance_ohm if readable else None)
         hypotheses, answers = self._followed(state, measured)
@@ -143,7 +133,7 @@ class ParticleFilter:
         change = after_evidence(state.change, self._evidence(recorded, reason), measured.duration_s)
         return EstimatorStep(
             QuantityEstimate(value, std, reason is Reason.OK, reason, seen.failure),
-            ParticleState(branches, sample.time_s, hypotheses, evidence, change, value),
+            ParticleState(modelled, sample.time_s, hypotheses, evidence, change, value),
             (*recorded, float(change_of(change))),
         )
 
@@ -159,7 +149,7 @@ class ParticleFilter:
         return tuple(after), answers
 
     def _opinions(self, answers: list[FloatArray], seen: QuantityEstimate | None) -> list[ExplanationEstimate]:
-        """Return what each explanation says; ``seen`` is the estimate of the gated branches where it is valid.
+        """Return what each explanation says; ``seen`` is that of the filter on the model where it is valid.
 
         Little distinguishes a change of load from one of load and air: both filters then have half a vote.
         """
@@ -172,19 +162,19 @@ class ParticleFilter:
 
     def _opinion(self, answer: FloatArray) -> ExplanationEstimate:
         """Return value and standard deviation by one explanation, in the model's quantity."""
-        own_std = math.hypot(self._settings.structural_strain * self._range, self._branches.curve.offset_std)
+        own_std = math.hypot(self._settings.structural_strain * self._range, self._modelled.curve.offset_std)
         factor, value, std = 1.0, answer[SUMMARY.contraction], answer[SUMMARY.contraction_std]
         if self.quantity == "force":
             value, std = answer[SUMMARY.force_n], answer[SUMMARY.force_std_n]
         elif self.quantity == "displacement":
             factor = self._wire.leg_length_m
         # A filter whose explanation is wrong goes astray; beyond these bounds it says nothing more.
-        low, high = self._branches.curve.quantity_min - self._range, self._branches.curve.quantity_max + self._range
+        low, high = self._modelled.curve.quantity_min - self._range, self._modelled.curve.quantity_max + self._range
         std = min(math.hypot(factor * std, own_std), self._range)
         return ExplanationEstimate(min(max(factor * float(value), low), high), std)
 
     def _doubts(self, misfit: float, std: float) -> Reason:
-        """Return why a sample that the branches can sense is not valid after all, or OK."""
+        """Return why a sample that the model can sense is not valid after all, or OK."""
         if abs(misfit) > UNEXPLAINED_MISFIT:
             return Reason.UNEXPLAINED
         return Reason.UNCERTAIN if std > self._settings.largest_std * self._range else Reason.OK
@@ -201,7 +191,7 @@ class ParticleFilter:
             return ParticleSample(
                 min(power_w, self._max_power_w), calibrated_ohm, abs(sample.shunt_voltage_v), duration_s
             )
-        usual_ohm = self._branches.curve.resistance_max_ohm
+        usual_ohm = self._modelled.curve.resistance_max_ohm
         current_a = sample.drive_voltage_v / (usual_ohm + self._shunt_ohm)
         return ParticleSample(min(current_a * current_a * usual_ohm, self._max_power_w), 0.0, 0.0, duration_s)
 
@@ -291,13 +281,19 @@ def particle_filter(setup: EstimatorSetup, settings: ParticleSettings | None = N
     Raises
     ------
     CallerError
-        Without a wire file, or for a model of an endpoint's displacement.
+        Without a wire file, for a model of an endpoint's displacement, which a wire file does not describe, and for one
+        without a slow loop.
     """
     if setup.wire is None:
         raise CallerError(
             "estimator 'particle-filter' needs a wire file: musclewire calibrate makes one of a recording, and "
             + argument("wire_file")
             + " names it; without one choose "
-            + argument("estimator", "gated")
+            + argument("estimator", "filter")
         )
-    return ParticleFilter(gated_estimator(setup), setup.wire, setup, settings or ParticleSettings())
+    if setup.model.wire.get("finger") and setup.model.quantity == "displacement":
+        raise CallerError(
+            "estimator 'particle-filter': this model is of a finger's endpoint, which a wire file does not "
+            "describe: fit a model of strain, or choose " + argument("estimator", "filter")
+        )
+    return ParticleFilter(filter_estimator(setup), setup.wire, setup, settings or ParticleSettings())

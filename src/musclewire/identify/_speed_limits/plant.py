@@ -1,6 +1,6 @@
 """How fast a wire moves along its branches, from its slow loop and its circuit.
 
-One heat balance, as feedforward has it: tau dw/dt = P - w - lambda dS/dt. On a branch w is known over S, so
+One heat balance, as the wire's model has it: tau dw/dt = P - w - lambda dS/dt. On a branch w is known over S, so
 a constant P moves the wire from S_0 to S_1 in
 
     t = (tau (w_1 - w_0) + lambda (S_1 - S_0)) / e,   e the logarithmic mean of P - w over the way

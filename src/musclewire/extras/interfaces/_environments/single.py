@@ -20,7 +20,7 @@ from musclewire.extras.interfaces._environments.spaces import (
 )
 from musclewire.physics import wire_resistance
 from musclewire.rigs import GuardedRig, ProtectionTripError, RigConfiguration, open_rig, simulated_configuration
-from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel
+from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel, default_estimator
 from musclewire.signals import Drive, RawSample, wire_sample
 
 
@@ -46,7 +46,7 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
     model
         Model of the wire, or the path of its file; adds the estimator's strain to the observation. None adds nothing.
     estimator
-        Name of the estimator that uses the model.
+        Name of the estimator that uses the model; that of a closed loop with it if None.
     render_mode
         None: there is nothing to render.
     settings
@@ -67,7 +67,7 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
         *,
         episode: Episode | str | dict[str, Any] = "staircase",
         model: SensingModel | str | Path | None = None,
-        estimator: str = "polynomial",
+        estimator: str | None = None,
         render_mode: str | None = None,
         **settings: float | str,
     ) -> None:
@@ -78,7 +78,7 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
         self._episode, self._model = episode_from(episode), strain_model(model)
         self._rig, self._running = self._opened(0), False
         if self._model is not None:
-            self._estimator = ESTIMATORS.find(estimator)(
+            self._estimator = ESTIMATORS.find(estimator or default_estimator(self._model)[0])(
                 EstimatorSetup(self._model, self._rig.shunt_resistance_ohm, self._rig.sample_period_s)
             )
         self._limits = self._rig.protection_limits

@@ -76,7 +76,7 @@ export class ControllerPanel {
     const strongest = rules?.[0];
     setText(this.parts["rules-words"], strongest
       ? `Strongest rule, weight ${fixed(strongest.weight, 2)}: error ${SET_WORDS[strongest.error] ?? strongest.error}, change ${SET_WORDS[strongest.change] ?? strongest.change}; Kp ${strongest.kp}, Ki ${strongest.ki}, Kd ${strongest.kd}.`
-      : "By default the gains in the model close the loop (feedforward). With the controller fuzzy-pid its gains and rules show here: rows are the error, columns its change.");
+      : "By default the gains in the model close the loop (inverse-model). With the controller fuzzy-pid its gains and rules show here: rows are the error, columns its change.");
   }
 
   /** Show the gains of the newest row in their ranges. */
