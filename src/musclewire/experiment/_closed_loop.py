@@ -53,7 +53,7 @@ from musclewire.sensing import (
     default_estimator,
     force_model,
 )
-from musclewire.signals import Command, Drive, MetadataValue, QuantityEstimate, RawSample, wire_sample
+from musclewire.signals import Command, Drive, MetadataValue, QuantityEstimate, RawSample, WireSample, wire_sample
 
 # A wire at rest is cold, where resistance does not determine strain. A controller that does not say how long it needs
 # gets this long to come to the first target before the first step begins. Eq. 7 is given from the first target on, and
@@ -143,13 +143,15 @@ class SelfSensingPolicy:
         """Return the controller's answer to one sample. Raises RigError if the estimator cannot continue."""
         # The sample that has just ended is judged by the target that held while it was taken.
         taken_s = elapsed_s - self._sample_period_s
-        estimate, sensed, scaled_by = self._estimated(sample, taken_s)
+        # Its time is that of the recording: whoever estimates that, or replays it, finds the same to the bit.
+        read = wire_sample(sample)._replace(time_s=elapsed_s)
+        own_std, estimate, sensed, scaled_by = self._estimated(read, taken_s)
         if estimate.failure:
             raise RigError(estimate.failure)
         judged = self._reference.target_at(max(taken_s - self._approach_s, 0.0))
         target = self._reference.target_at(max(elapsed_s - self._approach_s, 0.0))
         command, self._controller_state, controlled = self._controller.step(
-            self._controller_state, target, estimate, self._sample_period_s
+            self._controller_state, target, estimate._replace(std=own_std), self._sample_period_s
         )
         announced = () if self._fastest is None else (self._fastest.miss(judged),)
         seen = (judged, estimate.value, estimate.std, float(estimate.valid))
@@ -157,15 +159,20 @@ class SelfSensingPolicy:
         return Decision(command, values)
 
     def _estimated(
-        self, sample: RawSample, taken_s: float
-    ) -> tuple[QuantityEstimate, Sequence[float], tuple[float, ...]]:
-        """Return the estimate of a sample, the values of the estimator's columns, and the factor on its reading."""
-        scale, by_strain, read = self._scale, self._by_strain, wire_sample(sample)
+        self, read: WireSample, taken_s: float
+    ) -> tuple[float, QuantityEstimate, Sequence[float], tuple[float, ...]]:
+        """Return the estimate of a sample, the values of the estimator's columns, and the factor on its reading.
+
+        Its own deviation comes first, to which errors of the controller are compared: what widens the interval is one
+        error for the whole run, and no reason to follow slowly.
+        """
+        scale, by_strain = self._scale, self._by_strain
         given, factor = read, 1.0
         for one in (scale, by_strain):
             if one is not None:
                 given, factor = one.scaled(given), factor * one.factor
         estimate, self._estimator_state, sensed = self._estimator.step(self._estimator_state, given)
+        own_std = estimate.std
         if scale is not None:
             estimate = scale.judged(estimate)
         if self._zero is not None:
@@ -176,7 +183,7 @@ class SelfSensingPolicy:
         if scale is not None:
             # Looked at last: the recording's own resistance is as it was read until B has been passed.
             scale.watch(read)
-        return estimate, sensed, () if scale is None and by_strain is None else (factor,)
+        return own_std, estimate, sensed, () if scale is None and by_strain is None else (factor,)
 
 
 def control(

@@ -212,7 +212,7 @@ def control_compiled(
     choice = LoopChoice(estimator, controller, settings, load, approach_s)
     with rig:
         loop = compiled_loop_on(rig, model, reference, choice)
-        run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
+        run = run_compiled(rig, loop.ticks, loop.elapsed_s, loop.targets, loop.first_drive_v)
         if run.ended is CompiledLoopEnd.DONE:
             return control_run(rig, loop, run)
         return control(rig, model, loop.prepared.reference, **choice.options)
@@ -308,7 +308,7 @@ def ticks_of(prepared: PreparedLoop, first_drive_v: float) -> LoopTicks:
 def outcome_on(rig: GuardedRig, loop: CompiledLoop, seed: int) -> LoopOutcome:
     """Return the outcome of a compiled loop on a rig, or that of ``control`` where something unusual happened."""
     heed_air(rig, loop.model)
-    run = run_compiled(rig, loop.ticks, loop.targets, loop.first_drive_v)
+    run = run_compiled(rig, loop.ticks, loop.elapsed_s, loop.targets, loop.first_drive_v)
     if run.ended is CompiledLoopEnd.DONE:
         whole = control_run(rig, loop, run)
         return LoopOutcome(seed, "done", True, whole.metrics, whole, run_warnings(whole), does_not_hold(whole))

@@ -85,12 +85,14 @@ class RigArrays(NamedTuple):
 class LoopArrays(NamedTuple):
     """All arrays of one closed loop; those that change are its own.
 
-    ``targets`` are those at each sample's end and those that hold after it. In a row of ``rig.shown`` there are, after
-    ``RIG_COLUMNS``, the estimator's numbers, target, estimate, its deviation and validity, the controller's numbers.
+    ``elapsed_s`` is the time of each sample in the recording, by which the estimator goes. ``targets`` are those at
+    each sample's end and those that hold after it. In a row of ``rig.shown`` there are, after ``RIG_COLUMNS``, the
+    estimator's numbers, target, estimate, its deviation and validity, the controller's numbers.
     ``wire_places`` says where in the estimator's answer each number of a ``WireEstimate`` is; -1 for none.
     """
 
     rig: RigArrays
+    elapsed_s: FloatArray
     targets: FloatArray
     estimator_constants: FloatArray
     estimator_state: FloatArray
@@ -134,7 +136,7 @@ def run_loop(estimate: Tick, control: Tick, arrays: LoopArrays, first_drive_v: f
             return COMMAND_NOT_SOUND, row
         if not exchange(rig, row, drive_v):
             return WIRE_NOT_RESOLVED, row
-        sample[:] = shown[row, :4]
+        sample[0], sample[1:] = arrays.elapsed_s[row], shown[row, 1:4]
         ordered_v = max(drive_v, sample[1])
         if not judged_sample(rig.protection, rig.rules, 0, sample[1], sample[2], sample[3], ordered_v, period_s):
             return READING_NOT_SOUND, row

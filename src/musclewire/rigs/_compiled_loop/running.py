@@ -100,12 +100,18 @@ def sample_times_s(wire: OneWire, sample_period_s: float, samples: int) -> Float
 
 
 def run_compiled(
-    rig: GuardedRig, ticks: LoopTicks, targets: FloatArray, first_drive_v: float, true_names: Sequence[str] = ()
+    rig: GuardedRig,
+    ticks: LoopTicks,
+    elapsed_s: FloatArray,
+    targets: FloatArray,
+    first_drive_v: float,
+    true_names: Sequence[str] = (),
 ) -> CompiledRun:
     """Run a closed loop from the present state of a rig, and leave the rig as these samples leave it.
 
-    A rig to which something unusual happens on the way is left as it was before. ``targets``, (2, n_samples), are those
-    that held while each sample was taken and those that hold after it. The interpreter is free meanwhile: loops of
+    A rig to which something unusual happens on the way is left as it was before. ``elapsed_s``, (n_samples,), are the
+    times of the samples in the recording; ``targets``, (2, n_samples), those that held while each sample was taken and
+    those that hold after it. The interpreter is free meanwhile: loops of
     several rigs run in threads. Raises CallerError for a rig whose loop has no compiled form.
     """
     device, wire = parts_of(rig)
@@ -138,7 +144,7 @@ def run_compiled(
         shown=np.empty((samples, len(names))),
     )
     functions = (callback(ticks.estimator.function, 4), callback(ticks.controller.function, 4))
-    ended, complete = run_loop(*functions, arrays_of(own, ticks, targets), first_drive_v)
+    ended, complete = run_loop(*functions, arrays_of(own, ticks, elapsed_s, targets), first_drive_v)
     columns = dict(zip(names, np.ascontiguousarray(own.shown.T), strict=True))
     run = with_endpoint(CompiledRun(CompiledLoopEnd(ended), complete, columns, own.true), own, device)
     if run.ended is CompiledLoopEnd.DONE:
@@ -153,7 +159,8 @@ def run_known_drive(rig: GuardedRig, drives_v: FloatArray, true_names: Sequence[
     """Hold each drive for a sample; for the rest as :func:`run_compiled`, without the columns of ticks."""
     schedule = CompiledTick(scheduled_drive, drives_v, np.zeros(1))
     ticks = LoopTicks(CompiledTick(no_estimate, np.zeros(1), np.zeros(1)), schedule, (), ())
-    return run_compiled(rig, ticks, np.zeros((2, drives_v.size)), float(drives_v[0]), true_names)
+    targets = np.zeros((2, drives_v.size))
+    return run_compiled(rig, ticks, targets[0], targets, float(drives_v[0]), true_names)
 
 
 def places_of(state: WireState, names: Sequence[str]) -> IntArray:
@@ -163,11 +170,12 @@ def places_of(state: WireState, names: Sequence[str]) -> IntArray:
     return np.array([fields[name][1] // state.numbers.itemsize for name in names], dtype=np.int64)
 
 
-def arrays_of(rig: RigArrays, ticks: LoopTicks, targets: FloatArray) -> LoopArrays:
+def arrays_of(rig: RigArrays, ticks: LoopTicks, elapsed_s: FloatArray, targets: FloatArray) -> LoopArrays:
     """Return the arrays of a loop; those that it changes are copies."""
     estimator, controller = ticks.estimator, ticks.controller
     return LoopArrays(
         rig=rig,
+        elapsed_s=elapsed_s,
         targets=targets,
         estimator_constants=estimator.constants,
         estimator_state=estimator.state.copy(),
