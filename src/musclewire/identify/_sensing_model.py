@@ -562,6 +562,25 @@ def outside_range(model: SensingModel, reading: ArrayReading) -> RecordingError:
     )
 
 
+def nothing_valid(
+    model: SensingModel, recording: Recording, reading: ArrayReading, reasons: list[int]
+) -> RecordingError:
+    """Return the error that no estimate of a recording is valid: by its resistance, or why else, with its defects."""
+    low, high = model.valid_resistance_ohm
+    there = reading.resistance_ohm[reading.valid]
+    if not ((there >= low) & (there <= high)).any():
+        return outside_range(model, reading)
+    against = recording_defects(recording, model.quantity, CYCLE_PART * model.stroke)
+    return RecordingError("; ".join([f"no estimate is valid: {why_not_counted(recording, reasons)}", *against]))
+
+
+def why_not_counted(recording: Recording, reasons: list[int]) -> str:
+    """Return in words why none of a recording's samples counts."""
+    every = np.ones(len(recording), dtype=np.bool_)
+    fractions = fractions_not_counted(reasons, ~every, ~every, usable_readings(recording).usable)
+    return ", ".join(f"{100 * fraction:.1f} % {reason}" for reason, fraction in fractions.items())
+
+
 def range_warnings(model: SensingModel, reading: ArrayReading) -> tuple[str, ...]:
     """Return a warning if readings of a recording lie outside the range that its model senses; none otherwise."""
     there = reading.resistance_ohm[reading.valid]
@@ -649,7 +668,7 @@ def estimate(
     valid, value = columns["valid"] > 0.0, columns[f"estimated_{suffix}"]
     reading = resistance_reading(recording)
     if not valid.any():
-        raise outside_range(model, reading)
+        raise nothing_valid(model, recording, reading, reasons)
     measured = reference_quantity(recording, model.quantity)
     # A simulation begins nowhere: it is judged from the cold wire on.
     least = -np.inf if fell_back else model.quantity_min
@@ -696,14 +715,13 @@ def open_loop_instead(
 ) -> tuple[dict[str, FloatArray], list[int], str]:
     """Return columns and reasons of the open-loop simulation, and in words why it takes the filter's place."""
     every = np.ones(len(recording), dtype=np.bool_)
-    fractions = fractions_not_counted(reasons, ~every, ~every, usable_readings(recording).usable)
-    why = ", ".join(f"{100 * fraction:.1f} % {reason}" for reason, fraction in fractions.items())
     try:
         value, std = open_loop_estimate(model, recording, wire, air_temperature_k(recording))
     except RecordingError as error:
         never = outside_range(model, resistance_reading(recording))
         raise RecordingError(f"{never}; nor by simulation: {error}") from None
     mean_pct, max_pct = (100.0 * float(part) / model.stroke for part in (std.mean(), std.max()))
+    why = why_not_counted(recording, reasons)
     said = (
         f"no sample of the particle filter is valid ({why}): the estimate is the open-loop simulation of the wire file "
         "by the recorded current, from a cold wire, which reads no resistance; its standard deviation is "
