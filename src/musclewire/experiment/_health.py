@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -26,9 +25,6 @@ NAMES = {
     Cause.CHANGED_AIR: "changed air",
     Cause.OTHER_WIRE: "wrong or aged wire",
     Cause.STALLED: "stalled or slack",
-    Cause.OSCILLATION: "oscillation",
-    Cause.BEYOND_C: "beyond C",
-    Cause.LATE: "late",
     Cause.CONTRADICTED: "contradicted",
     Cause.OTHER_HEIGHT_OF_B: "changed load or resistance",
     Cause.HARDLY_SENSED: "hardly sensed",
@@ -49,8 +45,6 @@ GRAVE = (
     Cause.CHANGED_LOAD,
     Cause.OTHER_WIRE,
     Cause.STALLED,
-    Cause.OSCILLATION,
-    Cause.BEYOND_C,
     Cause.CONTRADICTED,
     Cause.OTHER_HEIGHT_OF_B,
     Cause.HARDLY_SENSED,
@@ -64,11 +58,6 @@ GRAVE = (
 MAX_BEYOND = 0.25
 # A closed loop with a smaller part of valid samples was not closed.
 MIN_VALID_FRACTION = 0.8
-# A wire is late that was seen to follow later than expected by more than this [s]; those of our own benches are 0.03 to
-# 0.15 s late, by samples and by the estimator's filter.
-LATE_S = 0.15
-# The oscillation that lowered a gain is described by the drive of so long before [s].
-SWUNG_S = 3.0
 
 
 class TimedFinding(NamedTuple):
@@ -112,7 +101,7 @@ def findings(recording: Recording) -> tuple[TimedFinding, ...]:
             float(recording["time_s"][np.argmax(where)]),
             float(where.sum()) * period_s,
             is_grave(cause, where, recording),
-            numbers_of(cause, recording, int(np.argmax(where))),
+            numbers_of(cause, recording),
         )
         for cause, where in marks_of(recording).items()
         if where.any()
@@ -139,7 +128,7 @@ def marks_of(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:
     if "health" in recording:
         for cause in (Cause.CHANGED_LOAD, Cause.CHANGED_AIR, Cause.OTHER_WIRE):
             marked[cause] = recording["health"] == float(cause)
-    return marked | by_controller(recording)
+    return marked
 
 
 def flagged(recording: Recording) -> npt.NDArray[np.bool_]:
@@ -164,20 +153,8 @@ def is_grave(cause: Cause, where: npt.NDArray[np.bool_], recording: Recording) -
     return cause in GRAVE or (cause is Cause.SATURATION and where.sum() > MAX_MISSED * with_target(recording).sum())
 
 
-def by_controller(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:
-    """Return the samples at which the controller has noticed something, by cause; none of one that notices nothing."""
-    marks: dict[Cause, tuple[str, Callable[[FloatArray], npt.NDArray[np.bool_]]]] = {
-        Cause.OSCILLATION: ("gain_factor", lambda gain: gain < 1.0),
-        Cause.BEYOND_C: ("beyond_c", lambda beyond: beyond > 0.0),
-        Cause.LATE: ("lag_s", lambda lag_s: lag_s > LATE_S),
-    }
-    return {cause: mark(recording[column]) for cause, (column, mark) in marks.items() if column in recording}
-
-
-def numbers_of(cause: Cause, recording: Recording, row: int) -> str:
-    """Return the numbers of a finding from its first row on, in words; "" for a cause that has none."""
-    if cause is Cause.LATE:
-        return f"by up to {recording['lag_s'].max():.2f} s"
+def numbers_of(cause: Cause, recording: Recording) -> str:
+    """Return the numbers of a finding in words; "" for a cause that has none."""
     if cause is Cause.CONTRADICTED:
         return contradiction_in_words(recording, sensed_suffix(recording))
     if cause is Cause.OTHER_HEIGHT_OF_B:
@@ -194,13 +171,7 @@ def numbers_of(cause: Cause, recording: Recording, row: int) -> str:
         return miss_in_words(recording)
     if cause is Cause.HARDLY_SENSED:
         return f"{100.0 * valid_share(recording):.0f} % of the samples could be sensed"
-    if cause is not Cause.OSCILLATION:
-        return ""
-    period_s = period_of(recording)
-    drive_v = recording["drive_voltage_v"][max(row - round(SWUNG_S / period_s), 0) : row + 1]
-    swings = np.flatnonzero(np.diff(np.sign(drive_v - drive_v.mean())))
-    half_s = float(np.mean(np.diff(swings))) * period_s if swings.size > 1 else SWUNG_S / 2.0
-    return f"{np.ptp(drive_v):.1f} V peak to peak, period {2.0 * half_s:.1f} s"
+    return ""
 
 
 def health_metadata(recording: Recording) -> dict[str, str]:
@@ -311,7 +282,7 @@ def missed_in_words(recording: Recording) -> str:
     missed = MissedTarget(recording, suffix, with_target(recording))
     rows, below, none = missed.rows, missed.away < 0.0, np.zeros(len(recording), dtype=np.bool_)
     known = {
-        "beyond C": by_controller(recording).get(Cause.BEYOND_C, none),
+        "the protection": below & at_lower_limit(recording),
         "no valid estimate": below & (recording["valid"] == 0.0) if "valid" in recording else none,
         "the supply": below & at_upper_limit(recording),
         "the power that holds the highest temperature": below & power_limited(recording),
@@ -349,7 +320,8 @@ def hardly_sensed(recording: Recording) -> npt.NDArray[np.bool_]:
 def saturated(recording: Recording, suffix: str) -> npt.NDArray[np.bool_]:
     """Return the samples from which on the drive has been at a limit for too long without reaching the target."""
     above, below = beyond_target(recording, suffix)
-    heating = (at_upper_limit(recording) | power_limited(recording)) & below
+    # A drive at its lower limit though the wire is to heat is what the protection gave instead.
+    heating = (at_upper_limit(recording) | at_lower_limit(recording) | power_limited(recording)) & below
     cooling = above & at_lower_limit(recording)
     period_s = period_of(recording)
     return lasting(heating, round(HEATING_S / period_s)) | lasting(cooling, round(COOLING_S / period_s))

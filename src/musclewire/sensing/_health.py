@@ -19,12 +19,6 @@ class Cause(IntEnum):
     """The resistance is not that of the wire of the model: another wire, or one that has aged."""
     STALLED = 5
     """The drive is at its upper limit and the resistance does not follow: a tendon is slack or something blocks."""
-    OSCILLATION = 6
-    """The drive swung to and fro at one target, and the controller has lowered its gain."""
-    BEYOND_C = 7
-    """More power made the estimate fall back: the wire was beyond C, where resistance rises with temperature."""
-    LATE = 8
-    """The wire follows later than the controller's gains expect."""
     CONTRADICTED = 9
     """The reference instrument is too often beyond the interval that the estimate states."""
     OTHER_HEIGHT_OF_B = 10
@@ -44,20 +38,14 @@ class Cause(IntEnum):
 
 
 CAUSE_TEXT = {
-    Cause.SATURATION: "the drive is at its limit, or at the power that holds the highest temperature, and the target "
-    "is not reached: a slower reference, a smaller step, calmer air, or for heating a higher maximum_voltage within "
-    "the wire's limits",
+    Cause.SATURATION: "the drive is at its limit, at the power that holds the highest temperature or at what the "
+    "protection gives instead, and the target is not reached: a slower reference, a smaller step, calmer air, or for "
+    "heating a higher maximum_voltage within the wire's limits",
     Cause.CHANGED_LOAD: "the load is not that of the characterization: put it back, or characterize with this one",
     Cause.CHANGED_AIR: "the air is warmer, colder, calmer or faster than at the characterization",
     Cause.OTHER_WIRE: "not the resistance of this model's wire: another wire, or an aged one (musclewire home)",
     Cause.STALLED: "the drive is at its upper limit and the resistance does not follow: the tendon is slack, or "
     "something blocks the wire",
-    Cause.OSCILLATION: "the drive swung to and fro at one target, and the gain was lowered for the rest of the run: "
-    "the gains are not this wire's, fit again on this rig or tune for a longer closed-loop time",
-    Cause.BEYOND_C: "more power made the estimate fall back, so the wire was beyond C, where resistance rises with "
-    "temperature, and the drive was lowered: give a lower highest target",
-    Cause.LATE: "the wire follows later than its gains expect, by a coating, a filter or a slow link: each step takes "
-    "as much longer",
     Cause.CONTRADICTED: "the reference instrument is too often beyond the 95 % interval of the estimate: load, "
     "resistance or air are not those of the characterization, or the instrument counts from another zero",
     Cause.OTHER_HEIGHT_OF_B: "the resistance was not where the model's slow loop has it: the load or "

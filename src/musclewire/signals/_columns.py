@@ -80,10 +80,10 @@ _ALL = (
     Column("derivative_gain", "", "derivative gain at this tick", "control"),
     Column("steady_power_w", "W", "steady power by which the controller holds the wire", "control"),
     Column("pending_heat_j", "J", "heat that the controller has still to give, or to let go", "control"),
-    Column("gain_factor", "", "part of its gain that the controller uses: below 1 after an oscillation", "control"),
-    Column("beyond_c", "", "1 while the drive is lowered, since resistance rose with power", "control"),
+    Column("gain_factor", "", "part of its gain that a controller of versions before 0.2 used", "control"),
+    Column("beyond_c", "", "1 while a controller of versions before 0.2 lowered the drive", "control"),
     Column("power_limited", "", "1 while no more power is given, since that holds the highest temperature", "control"),
-    Column("lag_s", "s", "by how much later than its gains expect the wire was seen to follow", "control"),
+    Column("lag_s", "s", "by how much later than expected a wire followed, in versions before 0.2", "control"),
     Column(
         "resistance_factor",
         "",

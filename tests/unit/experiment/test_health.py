@@ -93,32 +93,6 @@ def test_what_the_estimator_has_found_counts() -> None:
     assert not does_not_hold(loop(health=np.where(between(10.0, 12.0), 3.0, 0.0)))
 
 
-def test_an_oscillation_is_named_with_its_swing_and_period_and_does_not_hold() -> None:
-    time_s = PERIOD_S * np.arange(1, 801)
-    swinging = between(21.0, 24.0)
-    run = loop(
-        drive_voltage_v=np.where(swinging, 2.0 + np.sin(2.0 * np.pi * time_s), 2.0),
-        gain_factor=np.where(time_s > 24.0, 0.5, 1.0),
-    )
-    (found,) = findings(run)
-    assert found.cause is Cause.OSCILLATION
-    assert found.numbers == "2.0 V peak to peak, period 1.0 s"
-    assert "oscillation at 24.05 s" in health_metadata(run)["health"]
-    assert does_not_hold(run)
-
-
-def test_a_wire_beyond_c_is_named() -> None:
-    run = loop(beyond_c=between(30.0, 32.0).astype(float))
-    assert [one.cause for one in findings(run)] == [Cause.BEYOND_C]
-    assert does_not_hold(run)
-
-
-def test_a_late_wire_is_named_with_its_lateness_and_holds() -> None:
-    run = loop(lag_s=np.where(between(10.0, 40.0), 0.21, 0.05))
-    assert "late from 10.1 s on, 30.0 s in total (by up to 0.21 s)" in health_warnings(run)[0]
-    assert not does_not_hold(run)
-
-
 def judged(error: np.ndarray) -> Recording:
     """A loop whose instrument differs from the estimate by an error, of which the estimate states 0.01 % of strain."""
     target = np.where(between(0.0, 20.0), 0.015, 0.02)
@@ -250,7 +224,6 @@ def test_what_the_speed_limits_announced_is_no_miss_as_long_and_on_the_side_that
     [
         ({"drive_voltage_v": np.where(between(10.0, 30.0), 3.6, 2.0)}, "the supply"),
         ({"power_limited": between(10.0, 30.0).astype(float)}, "the power that holds the highest temperature"),
-        ({"beyond_c": between(10.0, 30.0).astype(float)}, "beyond C"),
         ({"valid": np.where(between(10.0, 30.0), 0.0, 1.0)}, "no valid estimate"),
         ({"health": np.where(between(10.0, 30.0), float(Cause.CHANGED_AIR), 0.0)}, "the air"),
     ],
