@@ -132,10 +132,10 @@ JOBS = {
         ),
         needs=("loop", "calibrate"),
     ),
-    "feedforward": Job(
+    "inverse-model": Job(
         (
             "tune ../loop/model.json ../loop/loop.h5 -o gains.toml --json",
-            f"{CONTROL} --controller feedforward --gains gains.toml -o run.h5",
+            f"{CONTROL} --controller inverse-model --gains gains.toml -o run.h5",
         ),
         needs=("loop",),
     ),

@@ -3,7 +3,7 @@
 Tasks of ``musclewire robustness --tasks`` on drawn wires, on rigs that ship, and on plants that are not ours, in still
 and in changed air; each loop senses by the filter. Choose on seeds below 700, report on those from 741 on.
 
-    python studies/controller_numbers.py table --seeds 741-743     beside feedforward and the paper's fuzzy PID
+    python studies/controller_numbers.py table --seeds 741-743     beside the paper's fuzzy PID
     python studies/controller_numbers.py moves --seeds 1-3         each number halved and doubled
 
 A line a row: medians over the seeds of mean and largest error in percent of the target, the error of the estimate in
@@ -59,8 +59,7 @@ def by_numbers(numbers: InverseModelNumbers) -> Loop:
 
 LOOPS = {
     "inverse-model": Loop("inverse-model", "filter"),
-    "feedforward, gated": Loop("feedforward", "gated"),
-    "fuzzy-pid, gated": Loop("fuzzy-pid", "gated"),
+    "fuzzy-pid": Loop("fuzzy-pid", "filter"),
 }
 
 

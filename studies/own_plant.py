@@ -31,7 +31,7 @@ from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel, estimat
 from musclewire.signals import RawSample, wire_sample
 
 LIANG_ROGERS = Path(__file__).resolve().parents[1] / "examples" / "plants" / "liang_rogers.toml"
-NAMES = ("polynomial", "gated")
+NAMES = ("polynomial", "filter")
 PERIOD_S, CHANGE_S, RAMP_S, JUDGED_S = 100.0, 20.0, 1.0, 31.0
 LOW, HIGH = 0.1, 0.9
 # PI controller of the heating power on the measured strain, both per error in strokes.

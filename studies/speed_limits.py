@@ -28,7 +28,7 @@ def main() -> None:
         reference = mw.sampled_reference(time_s, MIDDLE + AMPLITUDE * np.sin(2.0 * math.pi * frequency_hz * time_s))
         with mw.open_rig("simulated", seed=2) as rig:
             said = mw.speed_limits(rig, model, reference)
-            run = mw.control(rig, model, reference, controller="feedforward", settings=gains)
+            run = mw.control(rig, model, reference, controller="inverse-model", settings=gains)
         settled = run["displacement_m"][len(run) // 2 :] / LEG_LENGTH_M
         print(f"{frequency_hz:14.2f}  {100 * said.possible_amplitude:12.2f}  {50 * float(np.ptp(settled)):20.2f}")
         if frequency_hz == 0.5:

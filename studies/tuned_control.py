@@ -3,10 +3,8 @@
 Each wire is characterized by its own slow loop; model and gains are found from that recording alone, by ``mw.fit`` and
 ``mw.tune``. Then it follows the staircase of Fig. 11 from cold, without an approach. A disturbance has come before the
 run and after the characterization. Errors are Eq. 7, in percent of each step's target, the first second left out; of a
-disturbed run the steps from 10 s on count. The wire's true temperature is the simulator's. Some 25
-variants of the controller were tried on seeds 1 and 2, undisturbed and in a draught; the tolerance, the jump over the
-gap, its pulse time and the time of the closed loop follow from that. None of these seeds is among those here. Where a
-load or an ambient temperature has changed before the run, zero and pretension are those of the changed rig.
+disturbed run the steps from 10 s on count. The wire's true temperature is the simulator's. Where a load or an ambient
+temperature has changed before the run, zero and pretension are those of the changed rig.
 
 Run: python studies/tuned_control.py [--seeds N] [--estimator NAME]; it ends with 1 if a bar is missed.
 """
@@ -157,10 +155,10 @@ def main() -> int:
     """Print the table; return 1 if a bar is missed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--estimator", default="gated")
+    parser.add_argument("--estimator", default="filter")
     options = parser.parse_args()
     seeds = range(FIRST_SEED, FIRST_SEED + options.seeds)
-    print(f"seeds {seeds.start} to {seeds.stop - 1}, estimator {options.estimator}, controller feedforward by SIMC")
+    print(f"seeds {seeds.start} to {seeds.stop - 1}, estimator {options.estimator}, controller inverse-model by SIMC")
     print(
         f"{'':26} {'mean':>6} {'worst':>6} {'first':>6} {'other':>6} {'estimate':>8} {'rise s':>6} {'T C':>6} "
         f"{'P W':>6}"

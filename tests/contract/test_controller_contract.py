@@ -40,7 +40,6 @@ NEEDED: dict[str, Any] = {
         closed_loop_time_s=0.1,
         dead_time_s=0.1,
         integral_time_s=0.8,
-        tolerance=2e-4,
         maximum_steady_power_w=0.98,
     )
 }

@@ -213,7 +213,7 @@ def loop_of(choice: LoopChoice, loop: ControlledLoopOptions, loaded: SensingMode
 
         return partial(control_on_host, **choice.options)
     named = choice.controller not in (None, FUZZY_PID)
-    if loop.estimator not in (None, "polynomial", "gated", "filter") or named or loop.wire_file is not None:
+    if loop.estimator not in (None, "polynomial", "filter") or named or loop.wire_file is not None:
         raise CallerError(
             "--on-board runs the firmware's own estimator and controller: leave both names and --wire-file out"
         )

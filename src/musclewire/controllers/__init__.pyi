@@ -6,7 +6,6 @@ from ._controller import Controller as Controller
 from ._controller import ControllerFactory as ControllerFactory
 from ._controller import ControllerSetup as ControllerSetup
 from ._drive_limits import DriveLimits as DriveLimits
-from ._feedforward import FeedforwardSettings as FeedforwardSettings
 from ._fuzzy import infer_ratios as infer_ratios
 from ._fuzzy import infer_surface as infer_surface
 from ._fuzzy import packed_rules as packed_rules
@@ -29,6 +28,7 @@ from ._kernels import RISING as RISING
 from ._kernels import TRIANGLE as TRIANGLE
 from ._kernels import UNIVERSE_POINTS as UNIVERSE_POINTS
 from ._kernels import gain_from_ratio as gain_from_ratio
+from ._known_wire import FeedforwardSettings as FeedforwardSettings
 from ._pid import PidSettings as PidSettings
 from ._pid import pid_controller as pid_controller
 from ._plots import plot_rule_surfaces as plot_rule_surfaces

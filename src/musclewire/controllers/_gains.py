@@ -7,14 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from musclewire.controllers._feedforward import FeedforwardSettings
 from musclewire.controllers._fuzzy_pid import FuzzyPidSettings
+from musclewire.controllers._known_wire import FeedforwardSettings
 from musclewire.controllers._pid import PidSettings
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.registry import REPLACED
 from musclewire.small_files import toml_text
 
 FORMAT, KEYS = "musclewire-gains", {"format", "controller", "settings"}
+# Settings that older files have and nothing reads any more.
+OF_OLDER_FILES = ("pulse_time_s", "tolerance", "gap_fraction")
 # What is said where a model with gains is driven from C by the fuzzy PID: by firmware, on a board.
 FUZZY_PID_IN_C = (
     "the paper's fuzzy PID drives the wire here, and needs some 12 s from cold: firmware does not take the model's "
@@ -89,6 +91,8 @@ class Gains:
         settings = dict(kept)
         controller = str(settings.pop("controller", ""))
         controller = REPLACED.get(controller, controller)  # of an older file
+        for name in OF_OLDER_FILES:
+            settings.pop(name, None)
         if controller not in KINDS:
             raise CallerError(f"{place}: no controller '{controller}'{nearest_hint(controller, KINDS)}")
         try:

@@ -29,26 +29,30 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inner, row_in
-from musclewire.controllers._controller import ControllerSetup
-from musclewire.controllers._feedforward import (
+from musclewire.controllers._controller import ControllerSetup, settings_of_kind, step_error
+from musclewire.controllers._known_wire import (
     COOLING_SLOPE,
     HEATING_SLOPE,
     N_SETTINGS,
     N_TABLES,
     SETTINGS,
     TABLES,
-    FeedforwardController,
     FeedforwardSettings,
     KnownWire,
     edge_w,
     heat_per_value,
     known_numbers,
-    power_limits_w,
     power_w,
     set_drive,
 )
+from musclewire.errors import CallerError
 from musclewire.signals import (
+    CONTROLLER_ANSWERS,
+    UNKNOWN_WIRE,
     CompiledTick,
+    ControlStep,
+    Drive,
+    QuantityEstimate,
     Reason,
 )
 
@@ -145,7 +149,8 @@ def inverse_model_tick(constants: FloatArray, state: FloatArray, given: FloatArr
     ceiling_w = wire.settings["maximum_steady_power_w"]
     # With this power, of which the wire is given its part, the heat balance is at the limit after this sample.
     warmest_w = wire_now.holding_w + (ceiling_w - wire_now.balance_w) * wire.settings["thermal_time_constant_s"] / dt_s
-    lowest_w, highest_w, _ = power_limits_w(wire, value, ceiling_w)
+    lowest_w = power_w(wire, wire.settings["sense_voltage_v"], value)
+    highest_w = power_w(wire, wire.settings["maximum_voltage_v"], value)
     asked_w = max(min(min(wanted_w, warmest_w) / row["given_part"], highest_w), lowest_w)
     set_drive(wire, row, value, asked_w, lowest_w, highest_w)
     row["value"] = value
@@ -252,8 +257,8 @@ def inverse_model_numbers(settings: FeedforwardSettings) -> tuple[dict[str, floa
     return numbers | INVERSE_MODEL._asdict(), np.column_stack([known[name] for name in TABLES])
 
 
-class InverseModelController(FeedforwardController):
-    """Gives the power that holds the wire, and the heat that its error takes by the wire's model.
+class InverseModelController:
+    """Gives the power that holds the wire, and the heat that its error takes; brings a cold wire to its first target.
 
     Parameters
     ----------
@@ -268,18 +273,43 @@ class InverseModelController(FeedforwardController):
         Without settings, or with those of another controller.
     """
 
-    name = "inverse-model"
-    _tick, _state = staticmethod(inverse_model_tick), STATE
     columns: tuple[str, ...] = ("steady_power_w", "pending_heat_j", "power_limited")
+    # The first target is reached from cold within its first second, so it needs no time before the first step.
+    approach_s = 0.0
 
     def __init__(self, setup: ControllerSetup, method: InverseModelNumbers = INVERSE_MODEL) -> None:
         """Take limits, settings and numbers, and pack them for the tick."""
-        self._method = method
-        super().__init__(setup)
+        if setup.settings is None:
+            raise CallerError(
+                "the controller inverse-model needs the gains of its wire: fit keeps them in a new model, and for this "
+                "one tune finds them: 'musclewire tune MODEL RECORDING', or settings=tune(model, recording).settings"
+            )
+        self.settings: FeedforwardSettings = settings_of_kind(setup, FeedforwardSettings)
+        self.limits = setup.limits
+        known = known_numbers(self.settings) | {
+            "sense_voltage_v": self.limits.sense_voltage_v,
+            "maximum_voltage_v": self.limits.maximum_voltage_v,
+        }
+        numbers = [known[name] for name in SETTINGS.names or ()]
+        self._constants = np.concatenate([method, numbers, *(known[name] for name in TABLES)])
+        self.step(self.start(self.limits.sense_voltage_v), 0.0, QuantityEstimate(0.0, 0.0, True), 1.0)
 
-    def _packed(self) -> FloatArray:
-        """Return numbers, limits, settings and tables as the array that the tick reads."""
-        return np.concatenate([self._method, super()._packed()])
+    def start(self, drive_voltage_v: float) -> tuple[float, ...]:
+        """Return the state before the first estimate: the applied drive [V], within the limits."""
+        state = np.zeros(1, STATE)
+        state["drive_voltage_v"] = self.limits.clamp(float(drive_voltage_v))
+        return tuple(state.view(np.float64).tolist())
+
+    def step(self, state: tuple[float, ...], target: float, estimate: QuantityEstimate, dt_s: float) -> ControlStep:
+        """Return the drive for an estimate; without current the last one."""
+        numbers, answer = np.array(state), np.zeros(len(CONTROLLER_ANSWERS) + len(self.columns))
+        wire = UNKNOWN_WIRE if estimate.wire is None else estimate.wire
+        given = np.array((target, *estimate[:4], dt_s, *wire), dtype=np.float64)
+        inverse_model_tick(self._constants, numbers, given, answer)
+        drive_voltage_v, failed, *recorded = answer.tolist()
+        if failed:
+            raise step_error(target, estimate.value, dt_s)
+        return ControlStep(Drive(drive_voltage_v), tuple(numbers.tolist()), tuple(recorded))
 
     def compiled_tick(self, drive_voltage_v: float) -> CompiledTick:
         """Return ``step`` as a compiled function."""

@@ -122,7 +122,7 @@ def speed_limits(
 
     References
     ----------
-    Heat balance and branches: ``musclewire.controllers._feedforward``.
+    Heat balance and branches: ``musclewire.controllers._known_wire``.
 
     Examples
     --------

@@ -48,10 +48,6 @@ SMOOTHING_S = 1.0
 # From a command to its effect on the estimate: one sample until it is measured, half a sample of the hold, and half a
 # sample of the estimator's filter.
 DEAD_SAMPLES = 2.0
-PULSE_SAMPLES = 3.0
-# An error of this fraction of the full range, or of the estimate's deviation if that is more, lets a standing wire jump
-# over a part of the gap.
-TOLERANCE_FRACTION = 0.012
 TUNED = ("inverse-model", "fuzzy-pid")
 MIDDLE_KP = 0.06
 FREQUENCIES_RAD_PER_S = np.geomspace(1e-2, 1e3, 4000)
@@ -380,8 +376,6 @@ def identified_plant(
         closed_loop_time_s=response_s - dead_s,
         dead_time_s=dead_s,
         integral_time_s=min(slowest_s, 4.0 * response_s),
-        pulse_time_s=PULSE_SAMPLES * facts.sample_period_s,
-        tolerance=TOLERANCE_FRACTION * span,
         maximum_steady_power_w=balance.loss_w_per_k * balance.warmest_k,
     )
 
@@ -408,7 +402,6 @@ def at_period(plant: FeedforwardSettings, sample_period_s: float) -> Feedforward
         "dead_time_s": dead_s,
         "closed_loop_time_s": response_s - dead_s,
         "integral_time_s": plant.integral_time_s * response_s / (plant.closed_loop_time_s + plant.dead_time_s),
-        "pulse_time_s": max(plant.pulse_time_s, PULSE_SAMPLES * sample_period_s),
     }
     return plant.model_copy(update=slower)
 

@@ -50,12 +50,12 @@ FRICTION_AS_RANGE = 8.0
 
 
 def check_wire_file(wire_file: str | Path | None, estimator: Any) -> None:
-    """Raise CallerError for a wire file beside an estimator of ours, by its name, that reads none."""
+    """Raise CallerError for a wire file with an estimator of ours, by its name, that reads none."""
     if wire_file is not None and estimator in WITHOUT_WIRE_FILE:
         raise CallerError(
-            f"the estimator {estimator} reads no wire file: {OF_A_WIRE_FILE} does, chosen by "
-            + argument("estimator", OF_A_WIRE_FILE)
-            + "; or leave the file out"
+            f"the estimator {estimator} reads no wire file, and particle-filter does: give "
+            + argument("estimator", "particle-filter")
+            + ", or leave the file out"
         )
 
 

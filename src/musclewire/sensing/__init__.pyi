@@ -10,6 +10,7 @@ from ._branches import single_valued as single_valued
 from ._curve import SHOWN_AS as SHOWN_AS
 from ._curve import ResistanceCurve as ResistanceCurve
 from ._curve import other_wires as other_wires
+from ._curve_estimator import compile_estimators as compile_estimators
 from ._estimator import ESTIMATORS as ESTIMATORS
 from ._estimator import MAX_DROPOUTS as MAX_DROPOUTS
 from ._estimator import Estimator as Estimator
@@ -30,10 +31,6 @@ from ._fitting import fit_branches as fit_branches
 from ._fitting import fit_loop as fit_loop
 from ._gaps import hysteresis_gap as hysteresis_gap
 from ._gaps import signed_hysteresis_gap as signed_hysteresis_gap
-from ._gated_estimator import GatedEstimator as GatedEstimator
-from ._gated_estimator import GatedState as GatedState
-from ._gated_estimator import compile_estimators as compile_estimators
-from ._gated_estimator import gated_estimator as gated_estimator
 from ._health import CAUSE_TEXT as CAUSE_TEXT
 from ._health import Cause as Cause
 from ._home_move import DRIFT_FRACTION as DRIFT_FRACTION

@@ -101,7 +101,6 @@ ESTIMATORS: Registry[EstimatorFactory] = Registry(
     "estimators",
     {
         "polynomial": "musclewire.sensing._polynomial_estimator:polynomial_estimator",
-        "gated": "musclewire.sensing._gated_estimator:gated_estimator",
         "filter": "musclewire.sensing._filter_estimator:filter_estimator",
     },
     parts=("quantity", "columns", "start", "step"),

@@ -120,13 +120,6 @@ class FittedCurve(ResistanceCurve):
         return median(heating_ohm[: heating_ohm.index(max(heating_ohm)) // 2 + 1])
 
     @property
-    def cold_power_w(self) -> float:
-        """Power [W] at which the slow loop cooled to the cold resistance; 0 without a loop, or if it ends before."""
-        cold_ohm = self.cold_resistance_ohm
-        cooling = self.slow_loop[self._hottest_row :]
-        return next((power_w for _, power_w, resistance_ohm in cooling if resistance_ohm >= cold_ohm), 0.0)
-
-    @property
     def b_power_w(self) -> float:
         """Power [W] at which the slow loop, while it heated, had its highest resistance; 0 without a loop."""
         heating = self.slow_loop[: self._hottest_row + 1]

@@ -8,12 +8,56 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.unit.controllers.test_feedforward import DT_S, KNOWN, LIMITS, PlayWire
 
 from musclewire.controllers._controller import ControllerSetup
+from musclewire.controllers._drive_limits import DriveLimits
 from musclewire.controllers._inverse_model import STATE, InverseModelController
-from musclewire.errors import NumericsError
+from musclewire.controllers._known_wire import FeedforwardSettings
+from musclewire.errors import CallerError, NumericsError
 from musclewire.signals import Drive, QuantityEstimate, Reason, WireEstimate
+
+LIMITS = DriveLimits(0.3, 3.6)
+DT_S = 0.05
+KNOWN = FeedforwardSettings(
+    lowest=0.005,
+    highest=0.035,
+    heating_power_w=(0.35, 0.40, 0.45, 0.50),
+    cooling_power_w=(0.25, 0.30, 0.35, 0.40),
+    resistance_ohm=(17.4, 17.4 - 2.2 / 3.0, 15.2 + 2.2 / 3.0, 15.2),
+    shunt_resistance_ohm=1.0,
+    thermal_time_constant_s=0.8,
+    heat_per_unit=2.5,
+    closed_loop_time_s=0.1,
+    dead_time_s=0.1,
+    integral_time_s=0.8,
+    maximum_steady_power_w=0.98,
+)
+SLOPE_W = 5.0  # of both branches, per unit strain
+
+
+class PlayWire:
+    """A wire with straight branches 0.1 W apart; ``loss`` scales its loss to the air, cold below 0.5 %."""
+
+    def __init__(self, loss: float = 1.0) -> None:
+        self.loss, self.balance_w, self.strain, self.warmest_w = loss, 0.0, 0.0, 0.0
+
+    def after(self, drive_v: float) -> QuantityEstimate:
+        for _ in range(50):
+            resistance = 17.4 - 2.2 / 0.03 * min(max(self.strain - 0.005, 0.0), 0.03)
+            power = (drive_v / (resistance + 1.0)) ** 2 * resistance
+            heating = self.balance_w > 0.35 + SLOPE_W * (self.strain - 0.005)
+            cooling = self.balance_w < 0.25 + SLOPE_W * (self.strain - 0.005) and self.strain > 0.0
+            tau_s = 0.8 + (2.5 / SLOPE_W if heating or cooling else 0.0)
+            change = 0.001 * (power - self.loss * self.balance_w) / tau_s
+            self.balance_w += change
+            if heating:
+                self.strain = max(self.strain, 0.005 + (self.balance_w - 0.35) / SLOPE_W)
+            elif cooling:
+                self.strain = max(min(self.strain, 0.005 + (self.balance_w - 0.25) / SLOPE_W), 0.0)
+            self.warmest_w = max(self.warmest_w, self.balance_w)
+        cold = self.strain < 0.005
+        return QuantityEstimate(self.strain if not cold else 0.006, 1e-4, not cold, Reason.COLD if cold else Reason.OK)
+
 
 CONTROLLER = InverseModelController(ControllerSetup(LIMITS, settings=KNOWN))
 CENTRE_W = 0.30  # of the gap between both branches at the lowest level, which is 0.1 W wide everywhere
@@ -40,12 +84,18 @@ class SeenWire(PlayWire):
         return read._replace(wire=wire)
 
 
-def followed(wire: SeenWire, targets: list[float], *, state_is_known: bool = True) -> tuple[np.ndarray, np.ndarray]:
+def followed(
+    wire: SeenWire,
+    targets: list[float],
+    *,
+    state_is_known: bool = True,
+    controller: InverseModelController = CONTROLLER,
+) -> tuple[np.ndarray, np.ndarray]:
     """Return strain and drive over the samples of a loop from cold."""
-    state, drive_v, rows = CONTROLLER.start(LIMITS.sense_voltage_v), LIMITS.sense_voltage_v, []
+    state, drive_v, rows = controller.start(LIMITS.sense_voltage_v), LIMITS.sense_voltage_v, []
     for target in targets:
         read = wire.seen_after(drive_v)
-        step = CONTROLLER.step(state, target, read if state_is_known else read._replace(wire=None), DT_S)
+        step = controller.step(state, target, read if state_is_known else read._replace(wire=None), DT_S)
         assert isinstance(step.command, Drive)
         state, drive_v = step.state, step.command.voltage_v
         rows.append((wire.strain, drive_v))
@@ -74,6 +124,36 @@ def test_any_steps_end_within_one_percent(known: bool, levels: list[float]) -> N
 def test_other_air_is_answered(known: bool, loss: float) -> None:
     strain, _ = followed(SeenWire(loss), [0.02] * 200, state_is_known=known)
     assert strain[100:] == pytest.approx(0.02, rel=0.015)
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["state", "quantity alone"])
+def test_a_step_of_the_paper_is_done_within_half_a_second_and_back_within_one(known: bool) -> None:
+    strain, _ = followed(
+        SeenWire(), [level for level in (0.015, 0.018, 0.015) for _ in range(120)], state_is_known=known
+    )
+    ten = round(0.5 / DT_S)
+    assert strain[120 + ten] >= 0.015 + 0.9 * 0.003
+    assert strain[240 + 2 * ten] <= 0.018 - 0.9 * 0.003
+
+
+@given(st.floats(0.006, 0.06), st.floats(0.3, 0.6))
+def test_a_wire_never_becomes_warmer_than_the_highest_steady_power_holds(target: float, limit_w: float) -> None:
+    settings = KNOWN.model_copy(update={"maximum_steady_power_w": limit_w})
+    wire, controller = SeenWire(), InverseModelController(ControllerSetup(LIMITS, settings=settings))
+    followed(wire, [target] * 80, controller=controller)
+    # A drive is held for a sample, while resistance falls by a few percent and power rises by as much.
+    assert wire.warmest_w <= 1.03 * limit_w
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["state", "quantity alone"])
+@pytest.mark.parametrize("loss", [0.9, 1.0, 1.1])
+def test_a_slow_sine_is_followed_though_the_wire_loses_more_heat_than_is_known(known: bool, loss: float) -> None:
+    times_s = np.arange(0.0, 90.0, DT_S)
+    targets = 0.02 + 0.008 * np.sin(2.0 * np.pi * times_s / 30.0)
+    strain, _ = followed(SeenWire(loss), targets.tolist(), state_is_known=known)
+    error = (np.abs(strain - targets) / targets)[times_s > 2.0]
+    assert float(error.mean()) < 0.02
+    assert float(error.max()) < 0.1
 
 
 def test_a_weak_supply_is_noticed_by_the_measured_power() -> None:
@@ -160,3 +240,21 @@ def test_a_deviation_that_is_no_number_is_refused(std: float) -> None:
 def test_it_has_no_more_numbers_of_state_than_ten() -> None:
     assert len(STATE.names or ()) == 10
     assert math.isfinite(sum(CONTROLLER.start(1.0)))
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"cooling_power_w": (0.4, 0.45, 0.5, 0.55)}, "swapped"),
+        ({"resistance_ohm": (17.0, 16.0, 15.0)}, "one length"),
+        ({"highest": 0.001}, "above lowest"),
+        ({"heating_power_w": (0.35, 0.34, 0.45, 0.5)}, "must not fall"),
+        *(({name: 1e5}, name) for name in FeedforwardSettings.model_fields if name.endswith("time_s")),
+        ({"dead_time": 1e-4}, "did you mean 'dead_time_s'"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused(changed: dict[str, object], message: str) -> None:
+    with pytest.raises(CallerError, match=message):
+        FeedforwardSettings(**{**KNOWN.model_dump(), **changed})
+    with pytest.raises(CallerError, match="fit keeps them in a new model"):
+        InverseModelController(ControllerSetup(LIMITS))

@@ -35,7 +35,6 @@ def plant_settings(**changed: Any) -> FeedforwardSettings:
         "closed_loop_time_s": 0.1,
         "dead_time_s": 0.1,
         "integral_time_s": 0.8,
-        "tolerance": 2e-4,
         "maximum_steady_power_w": 0.98,
     }
     return FeedforwardSettings(**{**known, **changed})
