@@ -1,5 +1,5 @@
 # ruff: noqa: E402 - a package that may be missing is asked for first
-"""Wires of the population swept in 14 s to an hour: the gated branches err alike at 20 Hz and at 71 samples a loop.
+"""Wires of the population swept in 14 s to an hour: the filter errs alike at 20 Hz and at 71 samples a loop.
 
 And where these were drawn out twentyfold by straight lines. Every valid sample counts.
 """

@@ -22,7 +22,7 @@ MODEL = SensingModel(15.0, 17.5, (0.035, -0.03), (0.035, -0.03), 0.0, 1.0)
 
 
 def plant_settings(**changed: Any) -> FeedforwardSettings:
-    """Return the feedforward settings of the wire, with some of them changed."""
+    """Return the gains of the wire, with some of them changed."""
     known: dict[str, Any] = {
         "lowest": 0.005,
         "highest": 0.035,

@@ -194,7 +194,7 @@ def test_a_recording_is_given_alone(loop: Recording) -> None:
 
 
 @pytest.mark.parametrize("kept", [("wire_voltage_v", "shunt_voltage_v"), ("wire_voltage_v", "a"), ("r", "a")])
-def test_gated_runs_on_what_other_programs_record(loop: Recording, kept: tuple[str, ...]) -> None:
+def test_the_filter_runs_on_what_other_programs_record(loop: Recording, kept: tuple[str, ...]) -> None:
     """Without the drive, with a current in the place of a shunt, with an ohmmeter in the place of a voltmeter."""
     wire_v, shunt_v = loop["wire_voltage_v"], loop["shunt_voltage_v"]
     offered = {"wire_voltage_v": wire_v, "shunt_voltage_v": shunt_v, "a": shunt_v, "r": wire_v / shunt_v}
@@ -209,7 +209,7 @@ def test_gated_runs_on_what_other_programs_record(loop: Recording, kept: tuple[s
     assert found.rms_pct == pytest.approx(ours.rms_pct, rel=1e-6)
 
 
-def test_gated_says_what_a_resistance_alone_lacks(loop: Recording) -> None:
+def test_the_filter_says_what_a_resistance_alone_lacks(loop: Recording) -> None:
     resistance_ohm = resistance_reading(loop).resistance_ohm
     alone = Recording({"time_s": loop["time_s"], "wire_resistance_ohm": resistance_ohm}, {})
     with pytest.raises(RecordingError, match="add the column wire_current_a or wire_voltage_v, or choose"):

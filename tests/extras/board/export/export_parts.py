@@ -67,7 +67,6 @@ def usual_gains() -> FeedforwardSettings:
         closed_loop_time_s=0.1,
         dead_time_s=0.1,
         integral_time_s=0.8,
-        tolerance=4e-4,
         maximum_steady_power_w=0.6,
     )
 

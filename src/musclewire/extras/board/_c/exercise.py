@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from musclewire.extras.board._c.constants import FILTER
+from musclewire.extras.board._c.loops import FILTER
 from musclewire.extras.board._c.reference import GAINS, ReferenceTick, TickOutcome
 from musclewire.parameters import require_seed
 from musclewire.sensing import filter_numbers
