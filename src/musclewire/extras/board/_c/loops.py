@@ -38,7 +38,7 @@ def settings_in_c(
     if fuzzy is not None:
         raise CallerError(
             f"{INVERSE_MODEL} takes the model's gains: leave out settings and rules of the fuzzy PID, or name it by "
-            + argument("controller", FUZZY_PID)
+            + argument("controller", "fuzzy-pid")
         )
     gains = gains_of(model, sample_period_s)
     if gains is None or not isinstance(gains.settings, FeedforwardSettings):
@@ -49,7 +49,7 @@ def settings_in_c(
             f"find them in the wire's slow loop by 'musclewire tune {place} LOOP -o {place}', or take the paper's "
             + argument("estimator", PAPER_ESTIMATOR)
             + " with "
-            + argument("controller", FUZZY_PID)
+            + argument("controller", "fuzzy-pid")
         )
     return gains.settings
 
