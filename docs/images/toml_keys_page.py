@@ -88,7 +88,7 @@ SECTIONS: dict[str, tuple[type[BaseModel], str]] = {
         "A gains file has `format`, `controller` and `[settings]`; written by `musclewire tune`: "
         "[how to](../how-to/tune_a_controller.md).",
     ),
-    "`[settings]` of gains for `feedforward`": (FeedforwardSettings, ""),
+    "`[settings]` of gains for `inverse-model`": (FeedforwardSettings, ""),
     "Rule base": (RuleBase, "How to write one: [rule bases and gains](rules.md)."),
     "`[input_sets]` and `[output_sets]` of a rule base": (MembershipSet, ""),
     '`[rules]` with `inference = "product-weighted-sum"`': (ZhaoRules, ""),
