@@ -395,7 +395,6 @@ class TuneAnswer(AnswerModel):
     gain_margin: float
     phase_margin_deg: float
     delay_margin_s: float
-    self_sensed: bool
     gains: str | None
 
 

@@ -95,9 +95,9 @@ def speed_limits(
     Parameters
     ----------
     rig
-        The rig, open: voltages, heat capacity and heat loss are those of its protection.
+        The rig, open: its voltages are those of its protection.
     model
-        The model of its wire, with the power through its slow loop, as ``fit`` keeps it.
+        The model of its wire, with the power through its slow loop and its heat balance, as ``fit`` keeps them.
     reference
         The targets over time, in the model's quantity; the paper's staircase if None.
     settings
@@ -118,7 +118,7 @@ def speed_limits(
     CallerError
         If a target is outside the model's range.
     RecordingError
-        If the model has no power through its loop, or the rig does not state its heat balance.
+        If the model has no power through its loop, or the rig does not state its limits.
 
     References
     ----------

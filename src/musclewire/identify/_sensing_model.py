@@ -31,7 +31,7 @@ from musclewire.identify._recordings import (
     why_no_reference,
     without_loop,
 )
-from musclewire.identify._tuning import with_gains
+from musclewire.identify._tuning import stated_heat_balance, with_gains
 from musclewire.identify._use_of_model import OF_A_WIRE_FILE, check_wire_file, users_wire
 from musclewire.identify._zero_of_room import NOTE, ROOM, cold_contraction_per_k
 from musclewire.physics import ArrayReading
@@ -241,13 +241,16 @@ def fit(
         why = without_loop(error, recording) if isinstance(error, RecordingError) else error
         raise (type(why)(f"{why} ({'; '.join(against)})") if against else why) from None
     model = replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity))
+    stated = None
     if relative_resistance:
         model = replace(model, no_gains=NO_OHMS)
         against = (*against, f"{OVER_COLD} the {cold_ohm:.4g} ohm of the cold wire")
     else:
-        model = with_gains(model, recording)
+        stated = stated_heat_balance(model, recording.facts)
     loops, motion = cycles_and_motion(recording, reading, measured, model)
-    model = with_wire_model(model, loops, motion, minor_loop_motion(given, cold_ohm, model))
+    model = with_wire_model(model, loops, motion, minor_loop_motion(given, cold_ohm, model), stated)
+    if not relative_resistance:
+        model = with_gains(model, recording.facts)
     found = usable_readings(given).findings
     return replace(model, warnings=(*model.warnings, *found, *against), does_not_hold=against_a_loop(model, given))
 

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from markupsafe import Markup
-from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers import (
@@ -30,21 +29,17 @@ from musclewire.controllers import (
     save_gains,
 )
 from musclewire.errors import CallerError, RecordingError, nearest_hint
-from musclewire.identify._recordings import reference_quantity, resistance_reading
 from musclewire.identify._use_of_model import error_unit_for, require_ohms
 from musclewire.parameters import Alloy, load_alloy, load_wire, names
-from musclewire.sensing import SHOWN_AS, SensingModel, evaluate, smooth, smooth_slope
+from musclewire.sensing import SHOWN_AS, SensingModel, wire_model_of
 from musclewire.signals import Recording, RunFacts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 LEVELS = 33
-# Samples within this many spacings of a level determine it, by a straight line through them; where they are sparse, the
-# nearest few do, up to so many spacings away.
-NEAR_SPACINGS, FEWEST_SAMPLES, FAR_SPACINGS = 0.8, 4, 3.0
-# The derivatives of a slow loop are taken over a second of it.
-SMOOTHING_S = 1.0
+# No steady power is less [W]: tables and gains are of powers above 0.
+MIN_POWER_W = 1e-6
 # From a command to its effect on the estimate: one sample until it is measured, half a sample of the hold, and half a
 # sample of the estimator's filter.
 DEAD_SAMPLES = 2.0
@@ -85,15 +80,12 @@ class Tuning:
         The identified plant: branches, time constants and heat, with the gains of SIMC.
     margins
         Gain margin, phase margin [rad] and delay margin [s] of the PI that SIMC gives.
-    self_sensed
-        True if the recording has no instrument for the model's quantity, which the model then reads from resistance.
     """
 
     controller: str
     settings: FeedforwardSettings | FuzzyPidSettings
     plant: FeedforwardSettings
     margins: StabilityMargins
-    self_sensed: bool = False
 
     @property
     def gains(self) -> Gains:
@@ -176,7 +168,6 @@ class Tuning:
             "gain_margin": self.margins.gain,
             "phase_margin_deg": math.degrees(self.margins.phase_rad),
             "delay_margin_s": self.margins.delay_s,
-            "self_sensed": self.self_sensed,
         }
 
     def _repr_html_(self) -> str:
@@ -188,10 +179,9 @@ class Tuning:
         plant, gains = self.plant, feedback_gains(self.plant)
         factor, unit = SHOWN_AS[plant.quantity]
         low, high = (float(f(f(row) for row in gains)) / factor for f in (min, max))
-        by = f", {plant.quantity} by the model's own branches" if self.self_sensed else ""
         return "\n".join(
             [
-                f"controller {self.controller}, PI by SIMC (Skogestad 2003) on the plant of the slow loop{by}",
+                f"controller {self.controller}, PI by SIMC (Skogestad 2003) on the plant of the slow loop",
                 f"steady power {plant.cooling_power_w[0]:.3g} to {plant.heating_power_w[-1]:.3g} W, time constant "
                 f"{plant.thermal_time_constant_s:.3g} s in air, "
                 f"{plant.heat_per_unit / factor:.3g} J/{unit} to transform",
@@ -211,16 +201,15 @@ def tune(
     closed_loop_time_s: float | None = None,
     rule_base: str | None = None,
 ) -> Tuning:
-    """Find the gains of a controller from the slow loop that characterized a wire.
+    """Find the gains of a controller from what the slow loop that characterized a wire shows of it.
 
     Parameters
     ----------
     model
-        The model fitted to the recording: its quantity and its range are the controller's.
+        The model of the wire, with its steady power on both branches; quantity and range are the controller's.
     recording
-        The slow loop (``characterize``), with the wire's heat capacity and heat loss in its metadata, which every rig
-        states. Without a reference instrument the model reads its quantity from the resistance, between B and C on each
-        branch.
+        The slow loop that it was fitted to (``characterize``): its metadata state sample period and shunt, and the
+        wire's heat capacity and heat loss, as every rig states them.
     controller
         "inverse-model", or "fuzzy-pid" whose one scale is then found from the plant.
     closed_loop_time_s
@@ -235,9 +224,10 @@ def tune(
     Raises
     ------
     CallerError
-        For a controller that has no rule here, a rule base without the fuzzy PID, or a time that is not above 0.
+        For a controller that has no rule here, a rule base without the fuzzy PID, a time that is not above 0, or a
+        model without the power through its loop.
     RecordingError
-        If the recording lacks the heat balance of its wire, a voltage, or a loop.
+        If the recording does not state the heat balance of its wire.
 
     References
     ----------
@@ -262,16 +252,15 @@ def tune(
     if closed_loop_time_s is not None and not closed_loop_time_s > 0.0:
         raise CallerError(f"closed_loop_time_s is {closed_loop_time_s:g}: give a time above 0 s")
     require_ohms(model)
-    plant = identified_plant(model, recording, closed_loop_time_s)
+    plant = identified_plant(model, recording.facts, closed_loop_time_s)
     settings = plant if controller == "inverse-model" else fuzzy_settings(model, plant, rule_base)
-    self_sensed = reference_quantity(recording, model.quantity) is None
-    return Tuning(controller, settings, plant, worst_margins(plant), self_sensed)
+    return Tuning(controller, settings, plant, worst_margins(plant))
 
 
-def with_gains(model: SensingModel, recording: Recording) -> SensingModel:
-    """Return a model with the gains of its slow loop, as ``tune`` finds them, or with why there are none."""
+def with_gains(model: SensingModel, facts: RunFacts) -> SensingModel:
+    """Return a model with the gains of its wire, as ``tune`` finds them, or with why there are none."""
     try:
-        plant = identified_plant(model, recording, None)
+        plant = identified_plant(model, facts)
     except (RecordingError, CallerError) as error:
         return replace(model, no_gains=str(error))
     return replace(model, gains=Gains("inverse-model", plant).table())
@@ -339,37 +328,40 @@ def alloy_of(model: SensingModel) -> Alloy:
     return load_alloy(load_wire(name).alloy if name in names("wire") else "flexinol")
 
 
-def heat_of_transformation_j(model: SensingModel, balance: HeatBalance) -> float:
-    """Return the heat [J] of the whole transformation: the alloy's latent over specific heat, times the capacity."""
+def stated_heat_balance(model: SensingModel, facts: RunFacts) -> tuple[float, float] | None:
+    """Return time constant [s] and heat [J] of the whole transformation by what a rig states; None if it does not."""
+    try:
+        stated = heat_balance(facts)
+    except RecordingError:
+        return None
     alloy = alloy_of(model)
-    return balance.capacity_j_per_k * alloy.latent_heat_j_per_kg.value / alloy.specific_heat_j_per_kg_k.value
+    heat_j = stated.capacity_j_per_k * alloy.latent_heat_j_per_kg.value / alloy.specific_heat_j_per_kg_k.value
+    return stated.capacity_j_per_k / stated.loss_w_per_k, heat_j
 
 
 def identified_plant(
-    model: SensingModel, recording: Recording, closed_loop_time_s: float | None
+    model: SensingModel, facts: RunFacts, closed_loop_time_s: float | None = None
 ) -> FeedforwardSettings:
-    """Return the plant of a slow loop with the gains of SIMC."""
-    balance, facts = heat_balance(recording.facts), recording.facts
-    tau_s = balance.capacity_j_per_k / balance.loss_w_per_k
+    """Return the plant that the model of a wire states, for a rig that heats it, with the gains of SIMC.
+
+    Raises CallerError for a model without that of its wire, RecordingError for a rig without its heat balance.
+    """
+    balance, wire = heat_balance(facts), wire_model_of(model)
+    levels = np.linspace(model.quantity_min, model.quantity_max, LEVELS)
+    steady = steady_levels(model, levels)
+    tau_s, heat = wire.time_constant_s.value, wire.heat_j_per_unit.value
     span = model.quantity_max - model.quantity_min
-    heat = heat_of_transformation_j(model, balance) / model.quantity_max
-    loop = steady_loop(model, recording, tau_s, heat)
     dead_s = DEAD_SAMPLES * facts.sample_period_s
     response_s = dead_s + (dead_s if closed_loop_time_s is None else closed_loop_time_s)
-    slopes_w = [float(np.median(np.diff(row))) * (LEVELS - 1) / span for row in (loop.heating_w, loop.cooling_w)]
-    if not min(slopes_w) > 0.0:
-        raise RecordingError(
-            f"the power that holds the {model.quantity} does not rise with it: record the slow loop more slowly, from "
-            "cold to the largest drive and back"
-        )
-    slowest_s = tau_s + heat / min(slopes_w)
+    slopes_w = [float(np.median(np.diff(row))) * (LEVELS - 1) / span for row in (steady.heating_w, steady.cooling_w)]
+    slowest_s = tau_s + heat / max(min(slopes_w), MIN_POWER_W / span)
     return FeedforwardSettings(
         quantity=model.quantity,
         lowest=model.quantity_min,
         highest=model.quantity_max,
-        heating_power_w=tuple(loop.heating_w.tolist()),
-        cooling_power_w=tuple(loop.cooling_w.tolist()),
-        resistance_ohm=tuple(loop.resistance_ohm.tolist()),
+        heating_power_w=tuple(steady.heating_w.tolist()),
+        cooling_power_w=tuple(steady.cooling_w.tolist()),
+        resistance_ohm=tuple(steady.resistance_ohm.tolist()),
         shunt_resistance_ohm=facts.shunt_resistance_ohm,
         thermal_time_constant_s=tau_s,
         heat_per_unit=heat,
@@ -406,87 +398,23 @@ def at_period(plant: FeedforwardSettings, sample_period_s: float) -> Feedforward
     return plant.model_copy(update=slower)
 
 
-class SteadyLoop(NamedTuple):
-    """Power [W] that holds each level on both branches, and the wire's resistance [ohm] there."""
+class SteadyLevels(NamedTuple):
+    """Power [W] that holds each level on both branches, and the wire's resistance [ohm] there, (n_levels,) each."""
 
     heating_w: FloatArray
     cooling_w: FloatArray
     resistance_ohm: FloatArray
 
 
-def steady_loop(model: SensingModel, recording: Recording, tau_s: float, heat_per_unit: float) -> SteadyLoop:
-    """Return the steady loop: that of the last cycle, without what its slow changes take and give."""
-    reading, rows = resistance_reading(recording), last_cycle(recording)
-    resistance = np.where(reading.valid, reading.resistance_ohm, np.nan)
-    measured = reference_quantity(recording, model.quantity)
-    quantity, usable = quantity_by_branches(model, resistance, rows) if measured is None else (measured, True)
-    power = recording["shunt_voltage_v"] / recording.facts.shunt_resistance_ohm * recording["wire_voltage_v"]
-    smooth, power_rate = smoothed(power, recording.facts.sample_period_s)
-    moved, rate = smoothed(quantity, recording.facts.sample_period_s)
-    steady = smooth - tau_s * power_rate - heat_per_unit * rate
-    moved = np.where(usable, moved, np.nan)
-    top = rows.start + int(np.argmax(smooth[rows]))
-    levels = np.linspace(model.quantity_min, model.quantity_max, LEVELS)
-    halves = [slice(rows.start, top), slice(top, rows.stop)]
-    powers = [np.maximum.accumulate(by_level(moved[half], steady[half], levels)) for half in halves]
-    ohms = [by_level(moved[half], resistance[half], levels) for half in halves]
-    heating = np.maximum(powers[0], 1e-6)
-    return SteadyLoop(heating, np.clip(powers[1], 1e-6, heating), np.asarray(0.5 * (ohms[0] + ohms[1])))
-
-
-def quantity_by_branches(
-    model: SensingModel, resistance_ohm: FloatArray, rows: slice
-) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Return the model's quantity in a cycle from cold to hot and back, and where it holds: between B and C."""
-    low, high = model.valid_resistance_ohm
-    row = np.arange(len(resistance_ohm))
-    at_c = rows.start + int(np.argmin(np.nan_to_num(resistance_ohm[rows], nan=np.inf)))
-    in_cycle = (row >= rows.start) & (row < rows.stop)
-    # Cold of B the resistance falls again: what is before the last row above the model's range, and after the first.
-    cold = row[in_cycle & (resistance_ohm > high)]
-    first = max(cold[cold < at_c], default=rows.start)
-    last = min(cold[cold > at_c], default=rows.stop)
-    known = np.clip(np.nan_to_num(resistance_ohm, nan=low), low, high)
-    fraction = (known - model.resistance_min_ohm) / (model.resistance_max_ohm - model.resistance_min_ohm)
-    by_branch = (evaluate(one, fraction) for one in (model.heating_coefficients, model.cooling_coefficients))
-    return np.where(row < at_c, *by_branch), (row > first) & (row < last) & (known == resistance_ohm)
-
-
-def smoothed(values: FloatArray, period_s: float) -> tuple[FloatArray, FloatArray]:
-    """Return values and their rate [1/s], smoothed over a second. Raises RecordingError for few samples."""
-    window = max(2 * round(0.5 * SMOOTHING_S / period_s) + 1, 5)
-    if len(values) < 4 * window:
-        raise RecordingError(
-            f"the recording has {len(values)} samples: a slow loop is needed, from cold to hot and back"
-        )
-    return smooth(values, window), smooth_slope(values, window) / period_s
-
-
-def last_cycle(recording: Recording) -> slice:
-    """Return the rows of the last cycle; all of them in a recording without cycles."""
-    if "cycle" not in recording:
-        return slice(0, len(recording))
-    rows = np.flatnonzero(recording["cycle"] == recording["cycle"].max())
-    return slice(int(rows[0]), int(rows[-1]) + 1)
-
-
-def by_level(quantity: FloatArray, values: FloatArray, levels: FloatArray) -> FloatArray:
-    """Return values at levels of the quantity, by a line through the samples near each. Raises RecordingError."""
-    spacing = levels[1] - levels[0]
-    found = np.full(len(levels), np.nan)
-    for index, level in enumerate(levels):
-        away = np.where(np.isfinite(values), np.abs(quantity - level), np.inf)
-        fewest_away = float(np.sort(away)[:FEWEST_SAMPLES][-1]) if away.size >= FEWEST_SAMPLES else math.inf
-        rows = away <= max(NEAR_SPACINGS * spacing, fewest_away)
-        if fewest_away < FAR_SPACINGS * spacing:
-            found[index] = np.polyfit(quantity[rows] - level, values[rows], 1)[1]
-    known = np.isfinite(found)
-    if known.sum() < len(levels) // 2:
-        raise RecordingError(
-            "the recording does not pass through the model's range on both branches: tune on the slow loop that the "
-            "model was fitted to"
-        )
-    return np.asarray(np.interp(levels, levels[known], found[known]))
+def steady_levels(model: SensingModel, levels: FloatArray) -> SteadyLevels:
+    """Return what the model of a wire says of levels of its quantity."""
+    wire = wire_model_of(model)
+    heating_w, cooling_w, heating, cooling = (
+        np.interp(levels / model.quantity_max, wire.places, column) for column in wire.tables.T
+    )
+    ohm = model.resistance_min_ohm + 0.5 * (heating + cooling) * (model.resistance_max_ohm - model.resistance_min_ohm)
+    heating_w = np.maximum(heating_w, MIN_POWER_W)
+    return SteadyLevels(heating_w, np.clip(cooling_w, MIN_POWER_W, heating_w), ohm)
 
 
 def feedback_gains(plant: FeedforwardSettings) -> tuple[FloatArray, FloatArray]:

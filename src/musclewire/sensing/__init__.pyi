@@ -57,11 +57,11 @@ from ._smoothing import centred_mean as centred_mean
 from ._smoothing import lagged as lagged
 from ._smoothing import noise_level as noise_level
 from ._smoothing import smooth as smooth
-from ._smoothing import smooth_slope as smooth_slope
 from ._smoothing import smoothing_window as smoothing_window
 from ._turning_points import turning_points as turning_points
 from ._wire_balance import WireMotion as WireMotion
 from ._wire_model import DEFAULT_ESTIMATOR as DEFAULT_ESTIMATOR
 from ._wire_model import PAPER_ESTIMATOR as PAPER_ESTIMATOR
 from ._wire_model import default_estimator as default_estimator
+from ._wire_model import wire_model_of as wire_model_of
 from ._wire_model import with_wire_model as with_wire_model

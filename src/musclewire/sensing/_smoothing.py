@@ -113,22 +113,6 @@ def smooth(values: FloatArray, window: int) -> FloatArray:
     return result + level
 
 
-def smooth_slope(values: FloatArray, window: int) -> FloatArray:
-    """Return by how much a local parabola rises from one sample to the next, at each sample.
-
-    ``values`` and the result have shape (n,). The first and last half window are taken from one parabola each.
-    """
-    half = window // 2
-    offset = np.arange(-half, half + 1, dtype=np.float64)
-    result = np.empty_like(values)
-    result[half:-half] = np.convolve(values, -offset / (offset @ offset), mode="valid")
-    basis = np.vander(offset, 3)
-    rises = np.column_stack([2.0 * offset, np.ones_like(offset)]) @ np.linalg.pinv(basis)[:2]
-    result[:half] = (rises @ values[:window])[:half]
-    result[-half:] = (rises @ values[-window:])[-half:]
-    return result
-
-
 def lagged(values: FloatArray, gain: float, before: float) -> FloatArray:
     """Return values behind a first-order lag.
 

@@ -63,15 +63,19 @@ class HeatBalanceFound(NamedTuple):
     transformation_heat_j: WireNumber
 
 
-def heat_balance_of(model: FittedCurve, motion: WireMotion | None = None) -> HeatBalanceFound:
-    """Return a wire's heat balance: that of its gains, or by its diameter and, if there is one, its motion.
+def heat_balance_of(
+    model: FittedCurve, motion: WireMotion | None = None, stated: tuple[float, float] | None = None
+) -> HeatBalanceFound:
+    """Return a wire's heat balance: what its rig states, or by its diameter and, if there is one, its motion.
 
-    A heat balance that a rig states stays as it is: gains and protection go by it, and must go by the same.
+    ``stated`` are time constant [s] and heat [J] of the whole transformation; without them they are those of the gains
+    that a model keeps. They stay as they are: the protection is by the same.
     """
     tau_s, per_unit = (model.gains.get(name) for name in ("thermal_time_constant_s", "heat_per_unit"))
-    if isinstance(tau_s, float) and isinstance(per_unit, float):
-        origin = "the heat balance that its slow loop states"
-        return balance(tau_s, per_unit * model.quantity_max, CORRELATION_STD, origin)
+    if stated is None and isinstance(tau_s, float) and isinstance(per_unit, float):
+        stated = tau_s, per_unit * model.quantity_max
+    if stated is not None:
+        return balance(*stated, CORRELATION_STD, "the heat balance that its slow loop states")
     known = by_diameter(model)
     return known if motion is None else by_motion(known, motion)
 

@@ -100,10 +100,11 @@ def with_wire_model(
     loops: Sequence[Rows] = (),
     motion: WireMotion | None = None,
     minor_loop: WireMotion | None = None,
+    stated: tuple[float, float] | None = None,
 ) -> FittedCurveKind:
     """Return a model with that of its wire, or without if its slow loop shows none; see ``found_wire_model``."""
     try:
-        return replace(model, wire_model=found_wire_model(model, loops, motion, minor_loop))
+        return replace(model, wire_model=found_wire_model(model, loops, motion, minor_loop, stated))
     except CallerError:
         return replace(model, wire_model=None)
 
@@ -113,6 +114,7 @@ def found_wire_model(
     loops: Sequence[Rows] = (),
     motion: WireMotion | None = None,
     minor_loop: WireMotion | None = None,
+    stated: tuple[float, float] | None = None,
 ) -> WireModel:
     """Return the model of a wire by its slow loop, other cycles of the recording, and the motion in all of it.
 
@@ -122,7 +124,7 @@ def found_wire_model(
     """
     if not model.slow_loop:
         raise CallerError(NO_LOOP + argument("estimator", "polynomial"))
-    known = heat_balance_of(model, motion)
+    known = heat_balance_of(model, motion, stated)
     tau, heat = known
     wire = tables_of(model, model.slow_loop, known)
     changed = [

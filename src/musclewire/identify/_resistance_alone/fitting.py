@@ -34,7 +34,7 @@ from musclewire.identify._resistance_alone.possible_curves import (
     what_helps,
 )
 from musclewire.identify._sensing_model import loop_notes, power_loop
-from musclewire.identify._tuning import with_gains
+from musclewire.identify._tuning import stated_heat_balance, with_gains
 from musclewire.parameters import Bench, Parameter, bench_known_with, load_spreads, priors_around, require_seed
 from musclewire.sensing import SensingModel, find_segments, fit_loop, with_wire_model
 from musclewire.signals import Recording
@@ -369,7 +369,8 @@ def anchored(
         wire=notes | {"strain_from": f"the prior of {assumed.wire}, and resistance alone"},
         source=recording.facts.text_or_none("source") or "",
     )
-    return with_wire_model(with_gains(model, electrical))
+    stated = stated_heat_balance(model, electrical.facts)
+    return with_gains(with_wire_model(model, stated=stated), electrical.facts)
 
 
 def doubts(assumed: AssumedWire, wires: PosteriorWires, stroke_std: float) -> list[str]:

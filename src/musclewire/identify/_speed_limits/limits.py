@@ -324,7 +324,7 @@ def speed_limits_of(
     CallerError
         If the settings are of another quantity.
     RecordingError
-        If the model has no power through its loop, or the rig does not state its heat balance.
+        If the model has no power through its loop, or the rig does not state its limits.
     """
     if settings is not None and settings.quantity != model.quantity:
         raise CallerError(f"the gains are for {settings.quantity}, the model for {model.quantity}: tune this model")
@@ -364,7 +364,7 @@ class FastestWay:
     Raises
     ------
     RecordingError
-        If the model has no power through its loop, or the rig does not state its heat balance.
+        If the model has no power through its loop, or the rig does not state its limits.
     """
 
     def __init__(

@@ -17,16 +17,13 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers import FeedforwardSettings
-from musclewire.errors import RecordingError
-from musclewire.identify._tuning import LEVELS, heat_balance, heat_of_transformation_j, smoothed
-from musclewire.sensing import SensingModel, evaluate
+from musclewire.errors import CallerError, RecordingError
+from musclewire.identify._tuning import LEVELS, steady_levels
+from musclewire.sensing import SensingModel, wire_model_of
 from musclewire.signals import RunFacts
 
 # Power [W] that a wire must at least give to the air, or take, to move at all.
 MIN_EXCESS_W = 1e-9
-# A branch at or below the air's temperature is an error of the slow loop.
-MIN_POWER_W = 1e-6
-NEAREST_ROWS = 6
 
 
 class SpeedPlant(NamedTuple):
@@ -108,54 +105,17 @@ def plant_of_gains(settings: FeedforwardSettings, facts: RunFacts) -> SpeedPlant
 
 
 def plant_of_model(model: SensingModel, facts: RunFacts) -> SpeedPlant:
-    """Return the plant that the slow loop in a model shows, in the circuit of a rig.
+    """Return the plant that a model states, in the circuit of a rig.
 
-    Raises RecordingError if the model has no slow loop with power, or the rig does not state its heat balance.
+    Raises RecordingError for a model without the power through its loop, and for unstated limits.
     """
-    if not model.slow_loop:
-        raise RecordingError("the model has no power through its loop: fit it again, from voltages")
-    balance = heat_balance(facts)
-    tau_s = balance.capacity_j_per_k / balance.loss_w_per_k
-    heat = heat_of_transformation_j(model, balance) / model.quantity_max
-    time_s, power_w, resistance = (np.array(column) for column in zip(*model.slow_loop, strict=True))
-    top = int(np.argmax(power_w))
-    fraction = (resistance - model.resistance_min_ohm) / (model.resistance_max_ohm - model.resistance_min_ohm)
-    inside = np.clip(fraction, model.normalised_min, model.normalised_max)
-    both = (evaluate(model.heating_coefficients, inside), evaluate(model.cooling_coefficients, inside))
-    period_s = float(np.median(np.diff(time_s)))
-    power, power_rate = smoothed(power_w, period_s)
-    moved, rate = smoothed(np.where(np.arange(len(time_s)) < top, *both), period_s)
-    steady = np.where(fraction == inside, power - tau_s * power_rate - heat * rate, np.nan)
-    # Below B the resistance falls again as the wire gets colder; there it does not determine the quantity.
-    last = top + int(np.argmax(resistance[top:])) + 1
-    halves = slice(int(np.argmax(resistance[:top])), top), slice(top, last)
+    try:
+        wire = wire_model_of(model)
+    except CallerError:
+        raise RecordingError("the model has no power through its loop: fit it again, from voltages") from None
     levels = np.linspace(model.quantity_min, model.quantity_max, LEVELS)
-    rows = [np.maximum.accumulate(nearest_rows(moved[half], steady[half], levels)) for half in halves]
-    heating = np.maximum(rows[0], MIN_POWER_W)
-    cooling = np.clip(rows[1], MIN_POWER_W, heating)
-    return in_circuit(levels, heating, cooling, np.asarray(model.resistance_ohm(levels)), (tau_s, heat), facts)
-
-
-def nearest_rows(quantity: FloatArray, values: FloatArray, levels: FloatArray) -> FloatArray:
-    """Return values at levels by a line through the few rows nearest to each, as a model's loop has few.
-
-    Raises RecordingError for fewer rows than a line needs.
-    """
-    known = np.isfinite(values)
-    if int(known.sum()) < NEAREST_ROWS:
-        raise RecordingError(
-            f"the loop in the model has {int(known.sum())} rows within its range, {NEAREST_ROWS} are needed: fit it "
-            "again"
-        )
-    there, steady = quantity[known], values[known]
-    found = np.empty(len(levels))
-    for index, level in enumerate(levels):
-        rows = np.argsort(np.abs(there - level))[:NEAREST_ROWS]
-        away, mean = there[rows] - level, float(steady[rows].mean())
-        spread = float(np.var(away))
-        slope = 0.0 if spread == 0.0 else float(np.mean((away - away.mean()) * (steady[rows] - mean))) / spread
-        found[index] = np.clip(mean - slope * float(away.mean()), steady[rows].min(), steady[rows].max())
-    return found
+    heat = wire.time_constant_s.value, wire.heat_j_per_unit.value
+    return in_circuit(levels, *steady_levels(model, levels), heat, facts)
 
 
 def in_circuit(
