@@ -13,7 +13,7 @@ from benchmarks.speed.easier_wire import SENSE_V, ScipyLoop
 from benchmarks.speed.measuring import PreparedComparison, TimedProgram
 
 from musclewire.controllers import staircase
-from musclewire.experiment import APPROACH_S, characterize, control_many
+from musclewire.experiment import characterize, control_many
 from musclewire.identify import fit
 from musclewire.rigs import open_rig
 
@@ -50,7 +50,7 @@ def loop_cases() -> Iterator[PreparedComparison]:
     """Yield the comparison of closed loops, and that of a vector of environments."""
     work = (
         f"50 ms of one of {LOOPS} closed loops (--quick: {QUICK_LOOPS}), all cores; ours has noise, protection, "
-        "estimator and fuzzy PID, theirs a PID on the true state of an easier wire"
+        "filter and the inverse of the model, theirs a PID on the true state of an easier wire"
     )
     other = "a loop in Python: solve_ivp and a PID for each sample"
     yield PreparedComparison("closed_loops", work, other, closed_loop_sides, clock=perf_counter)
@@ -68,7 +68,7 @@ def closed_loop_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
     with open_rig("simulated") as rig:
         model = fit(characterize(rig, cycles=1, minor_loop=False))
     loops, reference = QUICK_LOOPS if quick else LOOPS, staircase()
-    samples = round((APPROACH_S + reference.duration_s) / SAMPLE_S)
+    samples = round(reference.duration_s / SAMPLE_S)
     seeds = range(1, loops + 1)
     targets = [0.3 if number % 200 < 100 else 0.7 for number in range(THEIR_STEPS)]
 
@@ -77,7 +77,7 @@ def closed_loop_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
             loop.sample(target)
 
     def ours(_: object) -> None:
-        control_many("simulated", model, reference, seeds=seeds, controller="fuzzy-pid")
+        control_many("simulated", model, reference, seeds=seeds)
 
     return (
         TimedProgram(ours, loops * samples),
