@@ -329,7 +329,7 @@ def alloy_of(model: SensingModel) -> Alloy:
 
 
 def stated_heat_balance(model: SensingModel, facts: RunFacts) -> tuple[float, float] | None:
-    """Return time constant [s] and heat [J] of the whole transformation by what a rig states; None if it does not."""
+    """Return time constant [s] and heat [J] of the whole transformation as a rig states them; None if it does not."""
     try:
         stated = heat_balance(facts)
     except RecordingError:
