@@ -142,9 +142,11 @@ class EmulatedBoard:
         mounted = mounted_wire(wire)
         circuit = {"shunt_resistance_ohm": mounted.shunt, "pretension_n": mounted.pretension}
         self._log, self._messages = folder / "log.bin", folder / "emulator.txt"
+        circuit_file = tomllib.loads((FIRMWARE / "boards" / board / "circuit.toml").read_text(encoding="utf-8"))
+        self._lockstep, self._tick_s = pace == "lockstep", float(circuit_file["tick_period_s"])
         self._start(
             {
-                "board": tomllib.loads((FIRMWARE / "boards" / board / "circuit.toml").read_text(encoding="utf-8")),
+                "board": circuit_file,
                 "machine": board,
                 "wire": wire,
                 "seed": seed,
@@ -267,8 +269,15 @@ class EmulatedBoard:
     def press(self, duration_s: float = 0.2) -> None:
         """Press the button of a board that has one."""
         self._say({"do": "button", "down": True})
-        time.sleep(duration_s)
+        self.pass_time(duration_s)
         self._say({"do": "button", "down": False})
+
+    def pass_time(self, duration_s: float) -> None:
+        """Let time pass without a command: the bench's in lockstep, else the clock's."""
+        if self._lockstep:
+            self.release(round(duration_s / self._tick_s))
+        else:
+            time.sleep(duration_s)
 
     def turn_knob(self, fraction: float) -> None:
         """Turn the knob of a board that has one: 0 to 1."""

@@ -23,11 +23,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from musclewire.controllers import FUZZY_PID_IN_C, DriveLimits, Event
+from musclewire.controllers import DriveLimits, Event
 from musclewire.errors import CallerError, MusclewireError, argument, nearest_hint
-from musclewire.experiment import characterize
-from musclewire.extras.board import BOARD_NAMES, write_library
-from musclewire.identify import check_made_for, fit, settings_for
+from musclewire.experiment import characterize, staircase_within
+from musclewire.extras.board import BOARD_NAMES, settings_in_c, write_library
+from musclewire.identify import check_made_for, fit
 from musclewire.parameters import validated
 from musclewire.rigs import MountedWire, numbers_given, open_rig, own_circuit
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel, load_model
@@ -172,6 +172,7 @@ def board_constants(board: str, description: dict[str, Any], model: SensingModel
     full_code = (2 ** description["converter_bits"] - 1) * description.get("readings_per_tick", 1)
     span = model.quantity_max - model.quantity_min
     tick_s = description["tick_period_s"]
+    staircase = staircase_within(model)
     numbers = {
         "BOARD_NAME": f'"{description["name"]}"',
         "WIRE_NAME": f'"{wire.known_wire().name}"',
@@ -190,6 +191,8 @@ def board_constants(board: str, description: dict[str, Any], model: SensingModel
         "BOARD_HAS_BUTTON": f"{int(description['has_button'])}",
         "BOARD_HAS_KNOB": f"{int(description['has_knob'])}",
         "DRIVE_AMPLITUDE_V": f"{wire.drive_amplitude!r}f",
+        "STAIRCASE": f"{{{', '.join(f'{level!r}f' for level in staircase.levels)}}}",
+        "STAIRCASE_TICKS": f"{round(staircase.hold_s / tick_s)}u",
         **text_constants(model, wire),
     }
     lines = [f"#define MW_{name} {value}" for name, value in numbers.items()]
@@ -204,9 +207,13 @@ def write_sources(
     *,
     wire: str | Path = WIRE,
     model_file: Path | None = None,
-    estimator: str = PAPER_ESTIMATOR,
+    estimator: str | None = None,
+    controller: str | None = None,
 ) -> SensingModel:
-    """Write the exported controller and the board's constants into a folder; return the model. Raises CallerError."""
+    """Write the exported controller and the board's constants into a folder; return the model. Raises CallerError.
+
+    Without names of estimator and controller they are the board's own, by what its processor holds.
+    """
     description, mounted = board_description(board), mounted_wire(wire)
     require_fit(board, description, mounted)
     model = model_of(mounted, model_file)
@@ -218,7 +225,13 @@ def write_sources(
     )
     constants = board_constants(board, description, model, mounted)
     drive = DriveLimits(mounted.sense_voltage, mounted.maximum_voltage)
-    write_library(model, settings_for(model), drive, limits, folder, estimator=estimator)
+    settings = settings_in_c(
+        model,
+        controller or description["controller"],
+        sample_period_s=description["control_period_s"],
+        file=model_file,
+    )
+    write_library(model, settings, drive, limits, folder, estimator=estimator or description["estimator"])
     (folder / "src" / "board_constants.h").write_text(constants, encoding="utf-8")
     return model
 
@@ -247,7 +260,8 @@ def build(
     *,
     model_file: Path | None = None,
     wire: str | Path = WIRE,
-    estimator: str = PAPER_ESTIMATOR,
+    estimator: str | None = None,
+    controller: str | None = None,
     options: Sequence[str] = (),
 ) -> Path:
     """Build the firmware and return its ELF file. ``options`` go to the compiler, such as ``-DMW_STANDALONE``.
@@ -257,9 +271,7 @@ def build(
     description = board_description(board)
     chain = TOOLCHAINS[description["processor"]]
     compiler = tool(chain, "gcc")
-    model = write_sources(board, folder, wire=wire, model_file=model_file, estimator=estimator)
-    if model_file is not None and model.gains:
-        print(f"note: {FUZZY_PID_IN_C}")
+    write_sources(board, folder, wire=wire, model_file=model_file, estimator=estimator, controller=controller)
     places = [FIRMWARE / "src", FIRMWARE / "boards" / board, folder / "src"]
     sources = [file for place in places for file in sorted(place.glob("*.c"))]
     includes = [f"-I{place}" for place in places]
@@ -275,8 +287,8 @@ def build(
     except CallerError as error:
         if over := OVERFLOW.search(str(error)):
             raise CallerError(
-                f"with the estimator {estimator} the firmware is {over[1]} bytes too large for board {board}: give "
-                + argument("estimator", PAPER_ESTIMATOR)
+                f"with the estimator {estimator or description['estimator']} the firmware is {over[1]} bytes too large "
+                f"for board {board}: give " + argument("estimator", PAPER_ESTIMATOR)
             ) from None
         raise
     return elf
@@ -293,9 +305,13 @@ def main() -> int:
     parser.add_argument("--board", default="mps2-an386", help=f"one of: {', '.join(boards())}")
     parser.add_argument("--model", type=Path, default=None, help="sensing model, as musclewire fit writes it")
     parser.add_argument("--wire", default=WIRE, help="the wire on the board: a name of the catalogue, or a file (TOML)")
-    parser.add_argument("--estimator", default=PAPER_ESTIMATOR, help="the board's: polynomial or filter")
+    parser.add_argument("--estimator", default=None, help="filter or polynomial; else what the board's flash holds")
+    parser.add_argument("--controller", default=None, help="inverse-model, the boards' own, or the paper's fuzzy-pid")
     parser.add_argument("-o", "--output", type=Path, default=None, help="folder; firmware/build/BOARD without it")
     parser.add_argument("--standalone", action="store_true", help="closes the loop by itself, started by a button")
+    parser.add_argument(
+        "--staircase", action="store_true", help="so along the paper's staircase, on a board with a knob, too"
+    )
     parser.add_argument(
         "--serial-plotter", action="store_true", help="begins with lines of text for a serial monitor and plotter"
     )
@@ -306,7 +322,8 @@ def main() -> int:
     given.board = board_name(given.board)
     folder = given.output or FIRMWARE / "build" / given.board
     flags = {
-        "-DMW_STANDALONE": given.standalone,
+        "-DMW_STANDALONE": given.standalone or given.staircase,
+        "-DMW_STAIRCASE_ALONE": given.staircase,
         "-DMW_FAULT_INJECTION": given.fault_injection,
         "-DMW_TEXT_AT_START": given.serial_plotter,
     }
@@ -319,6 +336,7 @@ def main() -> int:
             model_file=given.model,
             wire=given.wire,
             estimator=given.estimator,
+            controller=given.controller,
             options=options,
         )
         print(size_of(given.board, elf), end="")

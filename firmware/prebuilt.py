@@ -1,4 +1,7 @@
-"""Build the firmware images that ship with musclewire, and their manifest: `python firmware/prebuilt.py`.
+"""Build the firmware images that ship with musclewire, and their manifest.
+
+    python firmware/prebuilt.py               the images, of the models that are there
+    python firmware/prebuilt.py --models      first the models of the simulated wires, firmware/models/*.json, too
 
 One image for each wire of firmware/models on each board that people flash; the wire's limits and model are compiled in.
 The same sources and the compilers that the manifest names give the same bytes: a test builds them again.
@@ -6,14 +9,16 @@ The same sources and the compilers that the manifest names give the same bytes: 
 
 from __future__ import annotations
 
+import argparse
 import hashlib
 import sys
 import tempfile
 from pathlib import Path
 
-from firmware.build import TOOLCHAINS, board_description, build, mounted_wire, run, tool
+from firmware.build import MODELS, TOOLCHAINS, board_description, build, mounted_wire, run, simulated_model, tool
 
 from musclewire.extras.board import FOLDER
+from musclewire.sensing import save_model
 
 WIRES = ("paper-100um", "flexinol-0.10-lt")
 # File name's end and objcopy's format for each board.
@@ -55,7 +60,12 @@ def entry(board: str, wire: str, image: Path) -> str:
 
 
 def main() -> int:
-    """Build every image into the package, and write the manifest."""
+    """Build every image into the package, and write the manifest; the models first, where that is asked for."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--models", action="store_true", help="fit the models of the simulated wires anew")
+    if parser.parse_args().models:
+        for wire in WIRES:
+            save_model(simulated_model(mounted_wire(wire)), MODELS / f"{wire}.json")
     texts = ["# Written by firmware/prebuilt.py: the images next to this file, and what is compiled into them.\n"]
     with tempfile.TemporaryDirectory() as temporary:
         for board in FORMATS:

@@ -4,21 +4,22 @@
 #include "messages.h"
 
 #ifdef MW_STANDALONE
-/* The staircase in fractions of the stroke: up and down again, each step long enough for a wire in still air. */
-#define STEP_S 6.0f
-static const float staircase[] = {0.25f, 0.5f, 0.75f, 0.5f, 0.25f, 0.0f};
+#if !MW_BOARD_HAS_KNOB || defined(MW_STAIRCASE_ALONE)
+/* The paper's staircase in the model's quantity: up and down again, and from the beginning. */
+static const float staircase[] = MW_STAIRCASE;
+#define STEPS (sizeof staircase / sizeof staircase[0])
+#endif
 /* Contacts bounce for some milliseconds. */
 #define BOUNCING_S 0.03f
-#define STEPS (sizeof staircase / sizeof staircase[0])
 
-static float fraction_of_stroke(const mw_standalone *standalone)
+static float target_now(const mw_standalone *standalone)
 {
-#if MW_BOARD_HAS_KNOB
-    (void)standalone;
-    return board_knob();
+#if !MW_BOARD_HAS_KNOB || defined(MW_STAIRCASE_ALONE)
+    return staircase[standalone->tick / MW_STAIRCASE_TICKS % STEPS];
 #else
-    const uint32_t step = standalone->tick / (uint32_t)(STEP_S / MW_TICK_S);
-    return staircase[step % STEPS];
+    const float stroke = (float)(MW_QUANTITY_MAX - MW_QUANTITY_MIN);
+    (void)standalone;
+    return (float)MW_QUANTITY_MIN + stroke * board_knob();
 #endif
 }
 
@@ -69,8 +70,7 @@ void mw_standalone_tick(mw_standalone *standalone, mw_control_loop *loop)
         standalone->tick = 0;
     }
     if (standalone->running && mw_loop_armed(loop)) {
-        const float stroke = (float)(MW_QUANTITY_MAX - MW_QUANTITY_MIN);
-        const float target = (float)MW_QUANTITY_MIN + stroke * fraction_of_stroke(standalone);
+        const float target = target_now(standalone);
         /* At the knob's far end, rounding must not exceed the range: that would trip. */
         (void)mw_loop_target(loop, target < (float)MW_TARGET_HIGHEST ? target : (float)MW_TARGET_HIGHEST);
         standalone->tick++;

@@ -1,7 +1,8 @@
 /* MPS2 board with a Cortex-M4F, as QEMU emulates it. UART0 is the host's line.
  *
  * UART1 replaces converter and output stage. From the bench: 0xa5, node code, shunt code, number, check: a finished
- * conversion; 0x5a: the next one takes up to a second, and no time passes until then. To the bench: 0x3c (0x3d: the board
+ * conversion; 0x5a: the next one takes up to a second, and no time passes until then; 0xb7 and a byte: the button is down
+ * (1) or up. To the bench: 0x3c (0x3d: the board
  * has just started), output code, number of the conversion that it answers, check. Codes are 16 bit, low byte first; the
  * check is the exclusive or of all bytes before it.
  */
@@ -17,6 +18,7 @@
 
 #define CONVERSION 0xa5u
 #define CONVERTING 0x5au
+#define BUTTON 0xb7u
 #define OUTPUT 0x3cu
 #define OUTPUT_AT_START 0x3du
 #define CONVERSION_BYTES 7u
@@ -42,6 +44,7 @@ static bool first = true;
 static uint32_t heard;   /* when a byte of the converter last came, in counts of the time base */
 static uint32_t patience = LATE;
 static uint8_t packet[CONVERSION_BYTES], packet_length;
+static bool button_follows, button_down;
 
 static const mw_channels channels = {MW_CONVERTER_FULL_CODE, MW_NODE_RANGE_V, MW_SHUNT_RANGE_V};
 
@@ -166,7 +169,13 @@ void board_set_drive(float drive_voltage_v)
 /* Takes one byte of the converter; returns true if `packet` holds a complete conversion or one is announced. */
 static bool converter_spoke(uint8_t byte, mw_board_tick *tick)
 {
+    if (button_follows) {
+        button_follows = false;
+        button_down = byte == 1u;
+        return false;
+    }
     if (packet_length == 0u && byte != CONVERSION) {
+        button_follows = byte == BUTTON;
         *tick = MW_TICK_PENDING;
         return byte == CONVERTING;
     }
@@ -258,7 +267,7 @@ void board_watchdog_feed(void)
 
 bool board_button(void)
 {
-    return false;
+    return button_down;
 }
 
 float board_knob(void)

@@ -36,7 +36,7 @@ from musclewire.app._options import (
     in_si,
     own_help,
 )
-from musclewire.app._output import Result, progress_bar, say, warn
+from musclewire.app._output import Result, progress_bar, warn
 from musclewire.app._rig_options import TimingOptions
 from musclewire.app._stopping import stops_between_samples
 from musclewire.errors import CallerError, MusclewireError, RecordingError, nearest_hint
@@ -106,7 +106,7 @@ def control(
             said_of_speed(opened, loaded, follows, settled, load)
         return run_many_loops(rig, seed, many, loaded, choice, follows, settled.approach_s + follows.duration_s)
     check_files(figure, output, overwrite)
-    follow = loop_of(choice, loop, loaded)
+    follow = loop_of(choice, loop)
     homed: Homing | None = None
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
         said = [*timing.apply(opened), *warn(known_against(loaded, opened.metadata()).values())]
@@ -203,8 +203,8 @@ def single_run_options(
     }
 
 
-def loop_of(choice: LoopChoice, loop: ControlledLoopOptions, loaded: SensingModel) -> Callable[..., ControlRun]:
-    """Return what runs the closed loop: on the host, or on the board that was built for this model and controller.
+def loop_of(choice: LoopChoice, loop: ControlledLoopOptions) -> Callable[..., ControlRun]:
+    """Return what runs the closed loop: on the host, or on a board that was built for this model.
 
     Raises CallerError for options that change the host's numbers if the firmware's are to run.
     """
@@ -212,8 +212,7 @@ def loop_of(choice: LoopChoice, loop: ControlledLoopOptions, loaded: SensingMode
         from musclewire.experiment import control as control_on_host
 
         return partial(control_on_host, **choice.options)
-    named = choice.controller not in (None, FUZZY_PID)
-    if loop.estimator not in (None, "polynomial", "filter") or named or loop.wire_file is not None:
+    if loop.estimator is not None or choice.controller not in (None, FUZZY_PID) or loop.wire_file is not None:
         raise CallerError(
             "--on-board runs the firmware's own estimator and controller: leave both names and --wire-file out"
         )
@@ -221,18 +220,9 @@ def loop_of(choice: LoopChoice, loop: ControlledLoopOptions, loaded: SensingMode
         raise CallerError(
             "--on-board runs by the firmware's own numbers: leave out --known-stiffness, --zero-from and --known-strain"
         )
-    from musclewire.controllers import FUZZY_PID_IN_C
-    from musclewire.experiment import APPROACH_S, control_on_board
-    from musclewire.sensing import PAPER_ESTIMATOR
+    from musclewire.experiment import control_on_board
 
-    if loaded.gains:
-        say(f"musclewire: {FUZZY_PID_IN_C}")
-    return partial(
-        control_on_board,
-        settings=choice.settings,
-        estimator=loop.estimator or PAPER_ESTIMATOR,
-        approach_s=APPROACH_S if choice.approach_s is None else choice.approach_s,
-    )
+    return partial(control_on_board, settings=choice.settings, approach_s=choice.approach_s)
 
 
 def choice_of(loop: ControlledLoopOptions, load: KnownSpring | None) -> LoopChoice:

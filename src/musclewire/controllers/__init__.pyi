@@ -14,7 +14,6 @@ from ._fuzzy_pid import GAIN_COLUMNS as GAIN_COLUMNS
 from ._fuzzy_pid import FuzzyPidController as FuzzyPidController
 from ._fuzzy_pid import FuzzyPidSettings as FuzzyPidSettings
 from ._fuzzy_pid import with_error_unit as with_error_unit
-from ._gains import FUZZY_PID_IN_C as FUZZY_PID_IN_C
 from ._gains import Gains as Gains
 from ._gains import controller_of as controller_of
 from ._gains import load_gains as load_gains

@@ -17,11 +17,6 @@ from musclewire.small_files import toml_text
 FORMAT, KEYS = "musclewire-gains", {"format", "controller", "settings"}
 # Settings that older files have and nothing reads any more.
 OF_OLDER_FILES = ("pulse_time_s", "tolerance", "gap_fraction")
-# What is said where a model with gains is driven from C by the fuzzy PID: by firmware, on a board.
-FUZZY_PID_IN_C = (
-    "the paper's fuzzy PID drives the wire here, and needs some 12 s from cold: firmware does not take the model's "
-    "gains yet; 'musclewire export c' and 'export fmu' do"
-)
 KINDS: dict[str, type[Any]] = {
     "fuzzy-pid": FuzzyPidSettings,
     "inverse-model": FeedforwardSettings,

@@ -1,22 +1,23 @@
 """The closed loop on the board: the host sends targets, the firmware senses, controls and protects, the host records.
 
-The loop is the same as on the host, in C, with the numbers the firmware was built with. A board that was built for
-another model is refused by its checksum.
+The loop is the same as on the host, in C, with the numbers the firmware was built with. By its checksum a board shows
+which loop of a model it runs; one that was built for another model is refused.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Unpack
+from contextlib import suppress
+from typing import NamedTuple, Unpack
 
-from musclewire.controllers import FuzzyPidSettings, Reference
+from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, Reference
 from musclewire.errors import CallerError
 from musclewire.experiment._calm_air import heed_air
 from musclewire.experiment._closed_loop import APPROACH_S
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
 from musclewire.experiment._speed_limits import check_targets, fastest_way, followed, speed_metadata
-from musclewire.identify import COLUMN_SUFFIX, FastestWay, check_made_for, load_facts, settings_for
+from musclewire.identify import COLUMN_SUFFIX, FastestWay, check_made_for, gains_of, load_facts, settings_for
 from musclewire.rigs import HasOnBoardLoop, Rig, ability
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
 from musclewire.signals import Command, RawSample, Target
@@ -75,14 +76,46 @@ class TargetPolicy:
         return Target(self._reference.target_at(time_s), self._model.quantity)
 
 
+# What firmware is built with: estimators, and controllers by the kind of their settings.
+ESTIMATORS_ON_BOARDS = ("filter", PAPER_ESTIMATOR)
+Settings = FuzzyPidSettings | FeedforwardSettings
+
+
+class LoopOnBoard(NamedTuple):
+    """Names of the estimator and the controller that a board runs."""
+
+    estimator: str
+    controller: str
+
+
+def loop_of_board(
+    board: HasOnBoardLoop, model: SensingModel, settings: Settings | None, sample_period_s: float
+) -> LoopOnBoard:
+    """Return which of a model's loops a board runs: the one by whose numbers it has its checksum.
+
+    Without ``settings`` it may be by the model's gains or by the fuzzy PID's own. Raises CallerError if it is none.
+    """
+    gains = gains_of(model, sample_period_s)
+    known: list[Settings] = [] if gains is None else [gains.settings]
+    for tried in [*known, settings_for(model)] if settings is None else [settings]:
+        for estimator in ESTIMATORS_ON_BOARDS:
+            with suppress(CallerError):  # a model without a slow loop has no filter
+                if board.checksum_of(model, tried, estimator) == board.model_checksum:
+                    fuzzy = isinstance(tried, FuzzyPidSettings)
+                    return LoopOnBoard(estimator, "fuzzy-pid" if fuzzy else "inverse-model")
+    raise CallerError(
+        f"the board's firmware was built for another model or controller (checksum {board.model_checksum:08x}, "
+        "which no loop of this model has): build it with this model (firmware/build.py --model) and flash it"
+    )
+
+
 def control_on_board(
     rig: Rig,
     model: SensingModel,
     reference: Reference | None = None,
     *,
-    settings: FuzzyPidSettings | None = None,
-    estimator: str = PAPER_ESTIMATOR,
-    approach_s: float = APPROACH_S,
+    settings: Settings | None = None,
+    approach_s: float | None = None,
     **run: Unpack[RunOptions],
 ) -> ControlRun:
     """Let a board's firmware move the wire along a reference.
@@ -96,11 +129,11 @@ def control_on_board(
     reference
         Targets in the model's quantity; if None the paper's staircase within the model's range.
     settings
-        Settings of the fuzzy PID that the firmware was built with; by default those of the model's quantity.
-    estimator
-        Name of the estimator that it was built with.
+        Settings of the controller that the firmware was built with; by default the model's gains, or those of the fuzzy
+        PID for the model's quantity.
     approach_s
-        Time [s] for which the reference's start is held before the reference begins.
+        Time [s] for which the reference's start is held before the reference begins; by default none, 12 s for the
+        fuzzy PID.
     **run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
         may raise to stop the run, ``until`` asked after each whether the run is to end now.
@@ -118,13 +151,11 @@ def control_on_board(
     loop = ability(rig, HasOnBoardLoop)
     if loop is None:
         raise CallerError("only a board with musclewire's firmware closes the loop itself: this rig has none")
-    checksum = loop.checksum_of(model, settings_for(model, settings or FuzzyPidSettings()), estimator)
-    if loop.model_checksum != checksum:
-        raise CallerError(
-            f"the board's firmware was built for another model or controller (checksum "
-            f"{loop.model_checksum:08x}, this model's is {checksum:08x}): build it with this model "
-            "(firmware/build.py --model) and flash it"
-        )
+    if isinstance(settings, FuzzyPidSettings):
+        settings = settings_for(model, settings)
+    runs = loop_of_board(loop, model, settings, rig.sample_period_s)
+    if approach_s is None:
+        approach_s = APPROACH_S if runs.controller == "fuzzy-pid" else 0.0
     chosen = followed(model, reference)
     check_targets(model, chosen, rig.sample_period_s)
     check_made_for(model, rig.metadata())
@@ -143,6 +174,7 @@ def control_on_board(
         metadata={
             "experiment": "closed loop on the board",
             "quantity": model.quantity,
+            **runs._asdict(),
             **load_facts(model, rig.metadata()),
             "approach_s": approach_s,
             **speed_metadata(rig, model, chosen, None),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
-from musclewire.controllers import Event, FuzzyPidSettings, ProtectionLimits
+from musclewire.controllers import Event, FeedforwardSettings, FuzzyPidSettings, ProtectionLimits
 from musclewire.sensing import SensingModel
 from musclewire.signals import Command, RawSample
 
@@ -259,7 +259,7 @@ class HasOnBoardLoop(Protocol):
         """Checksum of the model and controller that the device was built with."""
         ...
 
-    def checksum_of(self, model: SensingModel, settings: FuzzyPidSettings, estimator: str) -> int:
+    def checksum_of(self, model: SensingModel, settings: FuzzyPidSettings | FeedforwardSettings, estimator: str) -> int:
         """Return the checksum that the device would have if it were built with a model and controller.
 
         Parameters

@@ -700,7 +700,7 @@ TEST(alone_a_button_starts_and_stops_the_staircase)
     live(ticks_of(0.05f));
     MUST(output_v == 0.0f);
     press();
-    MUST(fabsf(app.loop.target - 0.75f * (float)MW_QUANTITY_MIN - 0.25f * (float)MW_QUANTITY_MAX) < 1e-6f);
+    MUST(fabsf(app.loop.target - 0.015f) < 1e-6f);
     live(ticks_of(2.0f)); /* no host, no expiry */
     MUST(mw_loop_state(&app.loop) == MW_STATE_RUN && output_v >= (float)MW_SENSE_VOLTAGE_V);
     press();
@@ -793,10 +793,9 @@ TEST(alone_a_reading_of_many_ticks_is_no_silence_of_a_host)
     MUST(mw_loop_state(&app.loop) == MW_STATE_RUN && mw_loop_event(&app.loop) == MW_EVENT_NONE);
 }
 
-TEST(alone_the_staircase_goes_up_and_down_in_steps_of_six_seconds_and_begins_again)
+TEST(alone_the_papers_staircase_goes_up_and_down_in_steps_of_six_seconds_and_begins_again)
 {
-    const float fractions[] = {0.25f, 0.5f, 0.75f, 0.5f, 0.25f, 0.0f, 0.25f};
-    const float stroke = (float)(MW_QUANTITY_MAX - MW_QUANTITY_MIN);
+    const float levels[] = {1.5f, 1.8f, 2.1f, 2.4f, 2.7f, 3.0f, 2.7f, 2.4f, 2.1f, 1.8f, 1.5f, 1.5f};
     mw_standalone standalone;
     mw_control_loop loop;
     mw_loop_start(&loop);
@@ -804,11 +803,11 @@ TEST(alone_the_staircase_goes_up_and_down_in_steps_of_six_seconds_and_begins_aga
     mw_standalone_start(&standalone, MW_RESET_POWER_ON);
     button = false;
     standalone.running = true;
-    for (int i = 0; i < ticks_of(39.0f); i++) {
+    for (int i = 0; i < ticks_of(69.0f); i++) {
         const float seconds = (float)i * MW_TICK_S, in_step_s = fmodf(seconds, 6.0f);
         mw_standalone_tick(&standalone, &loop);
         if (in_step_s > 0.01f && in_step_s < 5.99f) /* but where rounding may fall on either side */
-            MUST(fabsf((loop.target - (float)MW_QUANTITY_MIN) / stroke - fractions[(int)(seconds / 6.0f)]) < 1e-4f);
+            MUST(fabsf(100.0f * loop.target - levels[(int)(seconds / 6.0f)]) < 1e-4f);
     }
 }
 #endif

@@ -12,7 +12,7 @@ from typing import Annotated, Literal, NoReturn
 
 from pydantic import Field
 
-from musclewire.controllers import Event, FuzzyPidSettings, State
+from musclewire.controllers import Event, FeedforwardSettings, FuzzyPidSettings, State
 from musclewire.errors import CallerError, RigError
 from musclewire.extras.board._serial.board import Board, BoardOffMeanwhileError, LinkStormError
 from musclewire.extras.board._serial.line import LineLostError, open_line
@@ -190,7 +190,7 @@ class SerialDevice:
         """Identity that the board has reported."""
         return self._identity
 
-    def checksum_of(self, model: SensingModel, settings: FuzzyPidSettings, estimator: str) -> int:
+    def checksum_of(self, model: SensingModel, settings: FuzzyPidSettings | FeedforwardSettings, estimator: str) -> int:
         """Return the checksum that firmware reports which was built with a model and controller.
 
         Parameters
@@ -198,7 +198,7 @@ class SerialDevice:
         model
             The model.
         settings
-            Settings of the fuzzy PID.
+            Settings of the controller, which say which it is.
         estimator
             Name of the estimator.
 

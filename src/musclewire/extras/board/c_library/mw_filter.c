@@ -271,7 +271,7 @@ static void correct(mw_follower *filter, mw_real read, mw_real noise, mw_real dt
         covariance[2] *= wide_place * wide_place;
         for (at = 1; at < 3; at++)
             root[at] *= wide_place;
-        for (at = 3; at < 7; at += 3) {
+        for (at = 3; at < 7; at = (uint8_t)(at + 3)) {
             covariance[at] *= wide_w;
             covariance[at + 1] *= wide_place;
         }
