@@ -104,7 +104,7 @@ def test_a_wire_of_another_family_is_held_quietly_from_cold(plant: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("plant", "dead_time_s", "hysteresis_k"), map(as_it_is, drawn(6)))
+@pytest.mark.parametrize(("plant", "dead_time_s", "hysteresis_k"), [as_it_is(one) for one in drawn(6)])
 def test_dead_time_and_a_wide_gap_give_no_limit_cycle(plant: str, dead_time_s: float, hysteresis_k: float) -> None:
     run = loop_on(plant, dead_time=f"{dead_time_s:.3f} s", hysteresis=f"{hysteresis_k:.1f} K")
     assert longest_cycle_s(run) <= LONGEST_CYCLE_S
