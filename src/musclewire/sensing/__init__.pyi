@@ -10,7 +10,6 @@ from ._branches import single_valued as single_valued
 from ._curve import SHOWN_AS as SHOWN_AS
 from ._curve import ResistanceCurve as ResistanceCurve
 from ._curve import other_wires as other_wires
-from ._curve_estimator import compile_estimators as compile_estimators
 from ._estimator import ESTIMATORS as ESTIMATORS
 from ._estimator import MAX_DROPOUTS as MAX_DROPOUTS
 from ._estimator import Estimator as Estimator
@@ -23,6 +22,7 @@ from ._filter_estimator import FILTER_CONSTANTS as FILTER_CONSTANTS
 from ._filter_estimator import FilterEstimator as FilterEstimator
 from ._filter_estimator import FilterNumbers as FilterNumbers
 from ._filter_estimator import FilterState as FilterState
+from ._filter_estimator import compile_estimators as compile_estimators
 from ._filter_estimator import filter_estimator as filter_estimator
 from ._filter_estimator import filter_numbers as filter_numbers
 from ._fit_report import Rows as Rows

@@ -95,15 +95,6 @@ class CurveEstimator:
         )
 
 
-def compile_estimators() -> None:
-    """Compile the ticks of the estimators on a curve, for a program that makes them later, with a rig switched on."""
-    from musclewire.sensing._filter_estimator import filter_tick
-    from musclewire.sensing._polynomial_estimator import polynomial_tick
-
-    for tick in (polynomial_tick, filter_tick):
-        callback(tick, N_ARRAYS)
-
-
 def estimator_numbers(
     curve: ResistanceCurve, shunt_resistance_ohm: float, load: KnownSpring | None
 ) -> dict[str, float]:

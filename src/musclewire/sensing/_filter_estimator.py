@@ -21,10 +21,11 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled, compiled_inner, row_in
+from musclewire.compiled import callback, compiled, compiled_inner, row_in
 from musclewire.sensing._curve import MARGIN, Row, branches, row_type
 from musclewire.sensing._curve_estimator import (
     ESTIMATOR_NUMBERS,
+    N_ARRAYS,
     CurveEstimator,
     add_friction,
     answer_with,
@@ -35,6 +36,7 @@ from musclewire.sensing._curve_estimator import (
 from musclewire.sensing._estimator import EstimatorSetup
 from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._known_load import KnownSpring
+from musclewire.sensing._polynomial_estimator import polynomial_tick
 from musclewire.sensing._wire_model import wire_model_of
 from musclewire.sensing._wire_tables import PLACES, WireModel
 from musclewire.signals import CompiledTick, Reason, WireEstimate
@@ -592,6 +594,12 @@ def wire_numbers(model: FittedCurve, wire: WireModel, shunt_resistance_ohm: floa
         "least_slope_w": 1e-3 * float(np.ptp(wire.heating_power_w)),
         "least_noise_v2": noise_v * noise_v,
     }
+
+
+def compile_estimators() -> None:
+    """Compile the ticks of the estimators on a curve, for a program that makes them later, with a rig switched on."""
+    for tick in (polynomial_tick, filter_tick):
+        callback(tick, N_ARRAYS)
 
 
 def filter_estimator(setup: EstimatorSetup) -> FilterEstimator:
