@@ -13,6 +13,7 @@ from musclewire.experiment._known_strain import MissedBy, missed_known_strain
 from musclewire.experiment._metrics import judged_for_sensing, since_first_sensed, valid_share
 from musclewire.experiment._missed_target import MAX_MISSED, MissedTarget
 from musclewire.experiment._odd_resistance import odd_resistance
+from musclewire.experiment._oscillation import Oscillation
 from musclewire.experiment._overshoot import Overshoot
 from musclewire.experiment._scale_by_b import TODAY, WITHIN_STD, what_followed
 from musclewire.identify import COLUMN_SUFFIX, reference_quantity
@@ -25,6 +26,7 @@ NAMES = {
     Cause.CHANGED_AIR: "changed air",
     Cause.OTHER_WIRE: "wrong or aged wire",
     Cause.STALLED: "stalled or slack",
+    Cause.OSCILLATION: "oscillation",
     Cause.CONTRADICTED: "contradicted",
     Cause.OTHER_HEIGHT_OF_B: "changed load or resistance",
     Cause.HARDLY_SENSED: "hardly sensed",
@@ -121,6 +123,7 @@ def marks_of(recording: Recording) -> dict[Cause, npt.NDArray[np.bool_]]:
     marked[Cause.OTHER_HEIGHT_OF_B] = from_row_on(recording, seen_at_b(recording)) | since_first(recording, odd.above)
     marked[Cause.BAD_CONTACT] = since_first(recording, odd.jumps)
     marked[Cause.OVERSHOOT] = Overshoot(recording, suffix).rows
+    marked[Cause.OSCILLATION] = Oscillation(recording, suffix).rows
     missed = MissedTarget(recording, suffix, with_target(recording))
     marked[Cause.TARGET_MISSED], marked[Cause.WIDE_INTERVAL] = missed.rows, missed.hidden
     marked[Cause.HARDLY_SENSED] = hardly_sensed(recording)
@@ -165,6 +168,8 @@ def numbers_of(cause: Cause, recording: Recording) -> str:
         return f"{often}, by up to {odd.largest_jump_pct:.0f} % of the span from B to C"
     if cause is Cause.OVERSHOOT:
         return str(Overshoot(recording, sensed_suffix(recording)))
+    if cause is Cause.OSCILLATION:
+        return str(Oscillation(recording, sensed_suffix(recording)))
     if cause is Cause.TARGET_MISSED:
         return missed_in_words(recording)
     if cause is Cause.MISSED_KNOWN_STRAIN:

@@ -19,6 +19,8 @@ class Cause(IntEnum):
     """The resistance is not that of the wire of the model: another wire, or one that has aged."""
     STALLED = 5
     """The drive is at its upper limit and the resistance does not follow: a tendon is slack or something blocks."""
+    OSCILLATION = 6
+    """The drive swings to and fro while one target holds."""
     CONTRADICTED = 9
     """The reference instrument is too often beyond the interval that the estimate states."""
     OTHER_HEIGHT_OF_B = 10
@@ -46,6 +48,8 @@ CAUSE_TEXT = {
     Cause.OTHER_WIRE: "not the resistance of this model's wire: another wire, or an aged one (musclewire home)",
     Cause.STALLED: "the drive is at its upper limit and the resistance does not follow: the tendon is slack, or "
     "something blocks the wire",
+    Cause.OSCILLATION: "the drive swings to and fro while the target holds: the wire follows later than its gains "
+    "expect, by a coating, a filter or a slow link, or the air moves; tune for a longer closed-loop time",
     Cause.CONTRADICTED: "the reference instrument is too often beyond the 95 % interval of the estimate: load, "
     "resistance or air are not those of the characterization, or the instrument counts from another zero",
     Cause.OTHER_HEIGHT_OF_B: "the resistance was not where the model's slow loop has it: the load or "

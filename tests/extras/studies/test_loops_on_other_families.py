@@ -111,6 +111,13 @@ def test_dead_time_and_a_wide_gap_give_no_limit_cycle(plant: str, dead_time_s: f
 
 
 @pytest.mark.slow
+def test_a_drive_that_swings_for_its_dead_time_is_named() -> None:
+    plant, dead_time_s, hysteresis_k = next(one for one in drawn(6) if one[1] > TOO_LATE_S)
+    run = loop_on(plant, dead_time=f"{dead_time_s:.3f} s", hysteresis=f"{hysteresis_k:.1f} K")
+    assert "oscillation at" in str(run.metadata["health"])
+
+
+@pytest.mark.slow
 @pytest.mark.xfail(
     strict=True,
     reason="the largest drive, 3.6 V and 0.74 W where the highest temperature is that of 0.98 W, is held while the "

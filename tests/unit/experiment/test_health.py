@@ -251,3 +251,26 @@ def test_an_interval_too_wide_to_show_a_miss_is_named_itself() -> None:
     assert causes(wide) == [Cause.WIDE_INTERVAL]
     assert does_not_hold(wide) == "interval too wide"
     assert findings(missing_by(np.full(800, 0.0005), estimate_std=np.full(800, 0.0016))) == ()
+
+
+@pytest.mark.parametrize(
+    ("swing_v", "period_s", "is_one"), [(0.8, 1.2, True), (0.8, 2.4, True), (0.4, 1.2, False), (0.8, 6.0, False)]
+)
+def test_a_drive_that_swings_quickly_at_one_target_is_named_with_swing_and_period(
+    swing_v: float, period_s: float, is_one: bool
+) -> None:
+    time_s = PERIOD_S * np.arange(1, 801)
+    swings = 0.5 * swing_v * np.sin(2.0 * np.pi * time_s / period_s)
+    run = loop(drive_voltage_v=2.0 + np.where(between(25.0, 34.0), swings, 0.0))
+    named = [one for one in findings(run) if one.cause is Cause.OSCILLATION]
+    assert bool(named) is is_one
+    assert not does_not_hold(run)
+    if named:
+        assert named[0].numbers == f"{swing_v:.1f} V peak to peak, period {period_s:.1f} s"
+        assert 25.0 <= named[0].from_s <= 25.0 + period_s
+
+
+def test_a_step_of_the_target_takes_the_drive_to_and_fro_and_is_no_oscillation() -> None:
+    time_s = PERIOD_S * np.arange(1, 801)
+    run = loop(drive_voltage_v=2.0 + np.where(between(20.0, 20.8), np.sin(2.0 * np.pi * time_s / 0.4), 0.0))
+    assert findings(run) == ()
