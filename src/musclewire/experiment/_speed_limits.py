@@ -133,7 +133,7 @@ def speed_limits(
     >>> with mw.open_rig("simulated") as rig:
     ...     model = mw.fit(mw.characterize(rig))
     ...     limits = mw.speed_limits(rig, model, fast)
-    >>> limits.findings[1].direction, limits.possible_amplitude < limits.asked_amplitude
+    >>> limits.findings[0].direction, limits.possible_amplitude < limits.asked_amplitude
     ('cooling', True)
     """
     if load is not None:

@@ -47,7 +47,7 @@ def settings_in_c(
         raise CallerError(
             f"{INVERSE_MODEL} needs the gains of its wire, and {'this model' if file is None else file} has none{why}: "
             f"find them in the wire's slow loop by 'musclewire tune {place} LOOP -o {place}', or take the paper's "
-            + argument("estimator", PAPER_ESTIMATOR)
+            + argument("estimator", "polynomial")
             + " with "
             + argument("controller", "fuzzy-pid")
         )
