@@ -26,8 +26,9 @@ CALM_FRACTION = 0.75
 # In a run B is past when the resistance has fallen by this fraction, for the wire's own noise moves it by less. By then
 # still air needs more power than at B.
 FALL = 0.03
-# A wire is cold, and the next B is one, when its power has been this fraction of that at B for long enough.
-COLD_FRACTION = 0.05
+# A wire is cold, and the next B is one, when its power has been this fraction of that at B for long enough: less than
+# the least heat loss below needs there, and so much that the noise of a reading, less at more current, is no fall.
+COLD_FRACTION = 0.15
 # Of the resistance a mean is taken over about so many samples.
 SMOOTHED_OVER = 4.0
 # Fractions of the heat loss whose temperatures are followed through a run, the protection's own last.
