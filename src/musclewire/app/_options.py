@@ -146,7 +146,7 @@ KNOWN_STIFFNESS = quantity(
 ESTIMATOR = option(
     "--estimator",
     help="Estimator by name: computes strain, displacement or force from voltages. Default: filter; polynomial (the "
-    "paper's) for a model without a slow loop, and on a board.",
+    "paper's) for a model without a slow loop; on a board the firmware's own.",
     autocompletion=complete_estimators,
 )
 ESTIMATOR_OF_A_RECORDING = own_help(
@@ -157,7 +157,7 @@ ESTIMATOR_OF_A_RECORDING = own_help(
 CONTROLLER = option(
     "--controller",
     help="Controller by name: computes the drive voltage. Default: that of --gains, else that of the gains in the "
-    "model (inverse-model); fuzzy-pid for a model without gains, and on a board.",
+    "model (inverse-model); fuzzy-pid for a model without gains; on a board the firmware's own.",
     autocompletion=complete_controllers,
 )
 TUNED_CONTROLLER = own_help("--controller", "Controller by name, whose gains are found.")

@@ -344,7 +344,8 @@ def identified_plant(
 ) -> FeedforwardSettings:
     """Return the plant that the model of a wire states, for a rig that heats it, with the gains of SIMC.
 
-    Raises CallerError for a model without that of its wire, RecordingError for a rig without its heat balance.
+    Raises CallerError for a model without that of its wire, RecordingError for a rig without its heat balance,
+    and for a loop whose power does not rise.
     """
     balance, wire = heat_balance(facts), wire_model_of(model)
     levels = np.linspace(model.quantity_min, model.quantity_max, LEVELS)
@@ -354,7 +355,12 @@ def identified_plant(
     dead_s = DEAD_SAMPLES * facts.sample_period_s
     response_s = dead_s + (dead_s if closed_loop_time_s is None else closed_loop_time_s)
     slopes_w = [float(np.median(np.diff(row))) * (LEVELS - 1) / span for row in (steady.heating_w, steady.cooling_w)]
-    slowest_s = tau_s + heat / max(min(slopes_w), MIN_POWER_W / span)
+    if not min(slopes_w) > 0.0:
+        raise RecordingError(
+            f"the power that holds the {model.quantity} does not rise with it: record the slow loop more slowly, from "
+            "cold to the largest drive and back"
+        )
+    slowest_s = tau_s + heat / min(slopes_w)
     return FeedforwardSettings(
         quantity=model.quantity,
         lowest=model.quantity_min,
