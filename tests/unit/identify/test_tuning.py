@@ -71,7 +71,9 @@ def test_the_branches_of_a_slow_loop_are_found() -> None:
     wanted = 0.1 + 5.0 * found.levels
     assert np.array(found.heating_power_w)[inside] == pytest.approx(wanted[inside] + 0.1, abs=2e-3)
     assert np.array(found.cooling_power_w)[inside] == pytest.approx(wanted[inside], abs=2e-3)
-    assert np.array(found.resistance_ohm) == pytest.approx(17.5 - 2.5 * np.linspace(0, 1, 33), abs=0.03)
+    assert np.array(found.resistance_ohm)[inside] == pytest.approx(
+        (17.5 - 2.5 * np.linspace(0, 1, 33))[inside], abs=1e-9
+    )
     assert found.thermal_time_constant_s == pytest.approx(0.8)
     assert found.maximum_steady_power_w == pytest.approx(0.0055 * 178.0)
 
