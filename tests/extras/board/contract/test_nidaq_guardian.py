@@ -239,7 +239,7 @@ def test_a_forgotten_rig_is_switched_off() -> None:
 @pytest.mark.emulated
 def test_a_server_that_is_cut_off_is_a_lost_device_and_does_not_hang_the_program(name: str) -> None:
     """A stopped server answers as a cut network does: not at all."""
-    command = [sys.executable, "-m", "emulation.daq_server", "--card", name]
+    command = [sys.executable, "-m", "emulation.daq_server", "--card", name, "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         try:
             at_server = wiring_of(name).model_copy(update={"grpc": address_of(server)})
