@@ -20,7 +20,7 @@ from musclewire.extras.interfaces._environments.vector import facts_of
 from musclewire.extras.interfaces._simulated_wire import simulated_wire
 from musclewire.identify import fit
 from musclewire.rigs import RigConfiguration, open_rig
-from musclewire.sensing import SensingModel
+from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel
 
 pytestmark = pytest.mark.slow
 
@@ -78,10 +78,10 @@ def test_an_observation_holds_what_a_rig_reads_and_no_more() -> None:
             assert reward == -100.0 * abs(0.015 - info["measured_strain"])
 
 
-def test_a_wire_in_the_vector_is_the_wire_of_the_single_environment(model: SensingModel) -> None:
-    # The vector's compiled form has the paper's polynomials alone.
-    single = WireEnv(episode=SHORT, model=model, estimator="polynomial", **QUIET)
-    vector = WireVectorEnv(3, episode=SHORT, model=model, **QUIET)
+@pytest.mark.parametrize("estimator", [None, "polynomial"])
+def test_a_wire_in_the_vector_is_the_wire_of_the_single_environment(model: SensingModel, estimator: str | None) -> None:
+    single = WireEnv(episode=SHORT, model=model, estimator=estimator, **QUIET)
+    vector = WireVectorEnv(3, episode=SHORT, model=model, estimator=estimator, **QUIET)
     alone, _ = single.reset(seed=1)
     together, _ = vector.reset(seed=2)
     np.testing.assert_allclose(together[1], alone, rtol=1e-9, atol=1e-12)
@@ -93,6 +93,15 @@ def test_a_wire_in_the_vector_is_the_wire_of_the_single_environment(model: Sensi
         assert infos["measured_strain"][1] == pytest.approx(info["measured_strain"], rel=1e-9, abs=1e-12)
         assert (ended[1], cut[1]) == (terminated, truncated)
     assert truncated
+
+
+def test_an_estimator_of_the_vector_has_a_compiled_tick(model: SensingModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = type(ESTIMATORS.make("filter", EstimatorSetup(model, 1.0, 0.05)))
+    monkeypatch.delattr(plain, "compiled_tick")
+    with pytest.raises(CallerError, match="take WireEnv"):
+        WireVectorEnv(2, model=model)
+    with pytest.raises(CallerError, match="polynomial"):
+        WireVectorEnv(2, model=model, estimator="polinomial")
 
 
 def test_the_vectors_noise_is_that_of_the_rigs_instruments() -> None:

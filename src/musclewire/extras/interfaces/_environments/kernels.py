@@ -141,6 +141,34 @@ def read_lanes(
 
 
 @compiled
+def estimate_lanes(
+    tick: Any,
+    constants: FloatArray,
+    states: FloatArray,
+    time_s: FloatArray,
+    drive_v: FloatArray,
+    ends: Rows,
+    answer: FloatArray,
+    observed: FloatArray,
+) -> int:
+    """Write what an estimator says into the last column of what is observed, of all lanes that are still driven.
+
+    ``constants`` and ``states`` are those of its tick, a row for each lane. Returns a lane in which it failed, else -1.
+    """
+    given, failed = np.empty(4), -1
+    for lane in range(drive_v.shape[0]):
+        if ends[lane]["event"] != 0:
+            continue
+        given[0], given[1] = time_s[lane], drive_v[lane]
+        given[2], given[3] = ends[lane]["wire_voltage_v"], ends[lane]["shunt_voltage_v"]
+        tick(constants[lane], states[lane], given, answer)
+        observed[lane, 5] = answer[0]
+        if answer[4] != 0.0:
+            failed = lane
+    return failed
+
+
+@compiled
 def judge_lanes(
     rules: Rows,
     memory: Rows,

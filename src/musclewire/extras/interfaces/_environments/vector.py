@@ -13,6 +13,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
+from musclewire.compiled import callback
 from musclewire.controllers import (
     Event,
     Protection,
@@ -27,6 +28,7 @@ from musclewire.extras.interfaces._environments.kernels import (
     MEMORY,
     draw_levels,
     drive_lanes,
+    estimate_lanes,
     judge_lanes,
     read_lanes,
 )
@@ -39,7 +41,8 @@ from musclewire.extras.interfaces._environments.spaces import (
 )
 from musclewire.extras.interfaces._simulated_wire import SimulatedWire, simulated_wire
 from musclewire.rigs import RigConfiguration
-from musclewire.sensing import ResistanceCurve, SensingModel
+from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel, default_estimator
+from musclewire.signals import ESTIMATOR_ANSWERS, declared_tick
 from musclewire.wire import WireBatch, fixed_steps
 
 # Longest step of the simulation, and that as a fraction of the quickest wire's time constant: with both a jump of the
@@ -69,14 +72,17 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
     episode
         "staircase", "random", an :class:`Episode`, or its numbers by name.
     model
-        Model of the wire, or the path of its file; adds the strain by the paper's polynomials to the observation.
+        Model of the wire, or the path of its file; adds the estimator's strain to the observation. None adds nothing.
+    estimator
+        Name of the estimator that uses the model; that of a closed loop with it if None.
     **settings
         Numbers of wire and bench by name, as ``mw.open_rig`` takes them.
 
     Raises
     ------
     CallerError
-        For a rig that this environment cannot simulate, an unknown name, and a model that does not estimate strain.
+        For a rig that this environment cannot simulate, an unknown name, a model that does not estimate strain, and an
+        estimator without a compiled tick.
     """
 
     # As the base class declares it, whose makers read it of the class.
@@ -89,6 +95,7 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         *,
         episode: Episode | str | dict[str, Any] = "staircase",
         model: SensingModel | str | Path | None = None,
+        estimator: str | None = None,
         **settings: float | str,
     ) -> None:
         """Make the wires; they are cold."""
@@ -100,11 +107,11 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         self.num_envs = num_envs
         self._episode = episode_from(episode)
         known = strain_model(model)
-        self._curve = None if known is None else known.curve()
         lanes = [wires[lane % len(wires)] for lane in range(num_envs)]
         self._step_s, self._period_s = step_s_of(wires, period_s), period_s
         self._wires = WireBatch([wire.constants for wire in lanes], stepping=fixed_steps(self._step_s))
         own = np.arange(num_envs) % len(wires)
+        self._estimating = None if known is None else LaneEstimators(known, estimator, wires, own)
         self._facts = np.concatenate([facts_of(wire) for wire in wires])[own]
         protections = [Protection(wire.limits) for wire in wires]
         self._rules = np.concatenate([protection.rules for protection in protections])[own]
@@ -190,17 +197,9 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         ends = np.zeros(self.num_envs, ENDS)
         read_lanes(self._facts, *lanes, self._seed, means, ends)
         judge_lanes(self._rules, self._memory, self._targets, self._level_of_sample, ends, self._observed)
-        if self._curve is not None:
-            self._estimate(self._curve, ends)
+        if self._estimating is not None:
+            self._estimating.observe(self._memory["sample"] * self._period_s, self._drive_v, ends, self._observed)
         return ends
-
-    def _estimate(self, curve: ResistanceCurve, ends: NDArray[np.void]) -> None:
-        """Observe the strain by the model's polynomials, of all that are still driven."""
-        driven = ends["event"] == 0
-        with np.errstate(divide="ignore", invalid="ignore"):  # without current: the curve says how it reads that
-            ratio = ends["wire_voltage_v"][driven] / ends["shunt_voltage_v"][driven]
-        resistance_ohm = ratio * self._rules["shunt_resistance_ohm"][driven]
-        self._observed[driven, 5] = curve.estimate(resistance_ohm).value
 
     def _restart(self, lanes: Mask) -> None:
         """Begin the next episode of some wires: cold, with new targets."""
@@ -209,6 +208,8 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         self._protections[lanes] = self._armed[lanes]
         self._memory["sample"][lanes] = 0
         self._memory["episode"][lanes] += 1
+        if self._estimating is not None:
+            self._estimating.restart(lanes)
         draws = np.empty((int(lanes.sum()), self._episode.levels))
         for row, lane in enumerate(np.flatnonzero(lanes).tolist()):
             draw_levels(self._seed, lane, int(self._memory["episode"][lane]), draws[row])
@@ -223,6 +224,37 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
                 f"steps of {1e3 * self._step_s:.3g} ms do not resolve what a wire of this environment does: give it a "
                 f"time_step_s that is a fraction of that ({str(error).partition(';')[0]})"
             ) from None
+
+
+class LaneEstimators:
+    """One estimator for each lane: the compiled tick of all, with constants and state of each."""
+
+    def __init__(
+        self, model: SensingModel, name: str | None, wires: Sequence[SimulatedWire], own: NDArray[np.intp]
+    ) -> None:
+        """Make one for each rig, of which lane ``i`` has that of ``own[i]``. Raises CallerError without a tick."""
+        chosen = name or default_estimator(model)[0]
+        setups = [EstimatorSetup(model, wire.limits.shunt_resistance_ohm, wire.sample_period_s) for wire in wires]
+        estimators = [ESTIMATORS.find(chosen)(setup) for setup in setups]
+        ticks = [tick for tick in map(declared_tick, estimators) if tick is not None]
+        if len(ticks) < len(wires):
+            raise CallerError(f"the estimator {chosen} has no compiled tick, which many wires need: take WireEnv")
+        self._answer = np.empty(len(ESTIMATOR_ANSWERS) + len(estimators[0].columns))
+        self._tick = callback(ticks[0].function, 4)
+        self._constants = np.stack([tick.constants for tick in ticks])[own]
+        self._first_states = np.stack([tick.state for tick in ticks])[own]
+        self._states = self._first_states.copy()
+
+    def restart(self, lanes: Mask) -> None:
+        """Begin anew in some lanes."""
+        self._states[lanes] = self._first_states[lanes]
+
+    def observe(self, time_s: FloatArray, drive_v: FloatArray, ends: NDArray[np.void], observed: FloatArray) -> None:
+        """Observe the strain in each lane that is still driven. Raises NumericsError where the estimator failed."""
+        lanes = self._constants, self._states, time_s, drive_v, ends
+        failed = estimate_lanes(self._tick, *lanes, self._answer, observed)
+        if failed >= 0:
+            raise NumericsError(f"the estimator failed at wire {failed}: WireEnv with the same drives says why")
 
 
 def step_s_of(wires: Sequence[SimulatedWire], period_s: float) -> float:
