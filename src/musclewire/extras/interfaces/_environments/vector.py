@@ -246,11 +246,11 @@ class LaneEstimators:
         self._states = self._first_states.copy()
 
     def restart(self, lanes: Mask) -> None:
-        """Begin anew in some lanes."""
+        """Begin an episode in some lanes."""
         self._states[lanes] = self._first_states[lanes]
 
     def observe(self, time_s: FloatArray, drive_v: FloatArray, ends: NDArray[np.void], observed: FloatArray) -> None:
-        """Observe the strain in each lane that is still driven. Raises NumericsError where the estimator failed."""
+        """Observe the strain in each lane that is still driven. Raises NumericsError if the estimator failed."""
         lanes = self._constants, self._states, time_s, drive_v, ends
         failed = estimate_lanes(self._tick, *lanes, self._answer, observed)
         if failed >= 0:
