@@ -8,7 +8,6 @@ from ._branches import MAX_WINDOW_FRACTION as MAX_WINDOW_FRACTION
 from ._branches import Branch as Branch
 from ._branches import single_valued as single_valued
 from ._curve import SHOWN_AS as SHOWN_AS
-from ._curve import ResistanceCurve as ResistanceCurve
 from ._curve import other_wires as other_wires
 from ._estimator import ESTIMATORS as ESTIMATORS
 from ._estimator import MAX_DROPOUTS as MAX_DROPOUTS
