@@ -57,8 +57,9 @@ class FilterNumbers(NamedTuple):
         Deviation of the shift of the branches by other air.
     loss_walk
         Random walk of the factor of the heat loss, per square root of a second, where readings surprise as much as
-        the covariance expects; its variance is in proportion to their squares, so that it is agile in draughts and
-        rests in still air.
+        the covariance expects; it is in proportion to the mean of their squares, so that it is agile in draughts and
+        rests in still air. A run begins without any surprise, and so a first rise that is a little faster than the
+        model's is not taken for calmer air.
     unrest_s
         Time over which these squares are taken.
     place_walk
@@ -155,7 +156,7 @@ class FilterState(NamedTuple):
     before_last: float = 0.0
     noise_v2: float = 0.0
     learnt_s: float = 0.0
-    unrest: float = 1.0
+    unrest: float = 0.0
     steady_w: float = 0.0
     place: float = 0.0
     shift_w: float = 0.0
@@ -381,7 +382,7 @@ def begin(filtered: Filtered, read: float, power_w: float, time_s: float) -> Non
     state.place = numbers.first_place + row / numbers.per_place
     state.followed, state.time_s, state.shift_w, state.loss = 1.0, time_s, 0.0, 1.0
     state.before = state.before_last = read
-    state.noise_v2, state.learnt_s = numbers.least_noise_v2, 1.0
+    state.noise_v2, state.learnt_s, state.unrest = numbers.least_noise_v2, 1.0, 0.0
     walk_w, shift_w = numbers.power_walk * numbers.middle_w, numbers.shift_std * numbers.middle_w
     covariance[:] = 0.0
     covariance[0] = walk_w * walk_w * numbers.walked_s
@@ -439,7 +440,8 @@ def predict(filtered: Filtered, power_w: float, dt_s: float) -> None:
     covariance[0] += walk_w * walk_w * dt_s + part_w * part_w
     covariance[2] += numbers.place_walk * numbers.place_walk * dt_s
     if covariance[9] < 1.0:  # a factor of two is as much as is not known of a wire that has been cold for hours
-        covariance[9] += numbers.loss_walk * numbers.loss_walk * state.unrest * dt_s
+        walk = numbers.loss_walk * state.unrest
+        covariance[9] += walk * walk * dt_s
 
 
 @compiled_inner

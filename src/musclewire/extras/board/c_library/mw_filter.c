@@ -74,6 +74,11 @@ static mw_real at_most(mw_real number, mw_real most)
     return number < most ? number : most;
 }
 
+static mw_real square(mw_real number)
+{
+    return number * number;
+}
+
 static mw_real loose_per_watt(const branch_edges *edges, mw_real steady_w, mw_real toward_w)
 {
     mw_real part = part_between(steady_w, edges), ahead_w = edges->heating_slope_w;
@@ -164,7 +169,6 @@ static void begin(mw_follower *filter, mw_real read, mw_real power_w)
     filter->place = MW_FIRST_PLACE + (mw_real)row / MW_PER_PLACE;
     filter->before = filter->before_last = read;
     filter->noise_v2 = MW_LEAST_NOISE_V2;
-    filter->unrest = 1;
     filter->covariance[0] = walk_w * walk_w * MW_WALKED_S;
     filter->covariance[2] = MW_PLACE_WALK * MW_PLACE_WALK * MW_WALKED_S;
     filter->covariance[5] = shift_w * shift_w;
@@ -227,12 +231,7 @@ static void predict(mw_follower *filter, mw_real power_w, mw_real dt_s)
     covariance[0] += walk_w * walk_w * dt_s + part_w * part_w;
     covariance[2] += MW_PLACE_WALK * MW_PLACE_WALK * dt_s;
     if (covariance[9] < 1)
-        covariance[9] += MW_LOSS_WALK * MW_LOSS_WALK * filter->unrest * dt_s;
-}
-
-static mw_real square(mw_real number)
-{
-    return number * number;
+        covariance[9] += square(MW_LOSS_WALK * filter->unrest) * dt_s;
 }
 
 static void correct(mw_follower *filter, mw_real read, mw_real noise, mw_real dt_s)
