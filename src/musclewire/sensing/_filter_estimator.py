@@ -366,14 +366,30 @@ def answer_with_wire(state: Row, answer: FloatArray, part: float, power_w: float
 
 @compiled_inner
 def begin(filtered: Filtered, read: float, power_w: float, time_s: float) -> None:
-    """Begin with a wire at rest: cold if power holds no other and resistance is not below; else where resistance is."""
+    """Begin with a wire at rest: cold if power holds no other and resistance is not below; else where resistance is.
+
+    If power would hold another and resistance is not below, the drive may just have come: the wire is somewhere
+    between cold and B, and how far is as uncertain as that.
+    """
     numbers, state, covariance, tables = filtered
     row, last = 0, PLACES - 1
-    enough_w = power_w - edges_at(numbers, tables, numbers.sensed_from).cooling_w
-    if enough_w < 0.0 and read > COLD_FROM * tables[2]:
-        while row < last and tables[COLUMNS * row] <= power_w:
-            row += 1
+    at_b = edges_at(numbers, tables, numbers.sensed_from)
+    walk_w, shift_w = numbers.power_walk * numbers.middle_w, numbers.shift_std * numbers.middle_w
+    covariance[:] = 0.0
+    covariance[0] = walk_w * walk_w * numbers.walked_s
+    covariance[2] = numbers.place_walk * numbers.place_walk * numbers.walked_s
+    covariance[5] = shift_w * shift_w
+    covariance[9] = numbers.loss_walk * numbers.loss_walk * numbers.walked_s
+    if read > COLD_FROM * tables[2]:
         state.steady_w = power_w
+        if power_w >= at_b.cooling_w:
+            state.steady_w = 0.5 * at_b.heating_w
+            way = numbers.sensed_from - numbers.first_place
+            covariance[0] += at_b.heating_w * at_b.heating_w / 12.0
+            covariance[1] = at_b.heating_w * way / 12.0
+            covariance[2] += way * way / 12.0
+        while row < last and tables[COLUMNS * row] <= state.steady_w:
+            row += 1
     else:
         row = last
         while row > 0 and tables[COLUMNS * row + 2] + tables[COLUMNS * row + 3] < 2.0 * read:
@@ -383,12 +399,6 @@ def begin(filtered: Filtered, read: float, power_w: float, time_s: float) -> Non
     state.followed, state.time_s, state.shift_w, state.loss = 1.0, time_s, 0.0, 1.0
     state.before = state.before_last = read
     state.noise_v2, state.learnt_s, state.unrest = numbers.least_noise_v2, 1.0, 0.0
-    walk_w, shift_w = numbers.power_walk * numbers.middle_w, numbers.shift_std * numbers.middle_w
-    covariance[:] = 0.0
-    covariance[0] = walk_w * walk_w * numbers.walked_s
-    covariance[2] = numbers.place_walk * numbers.place_walk * numbers.walked_s
-    covariance[5] = shift_w * shift_w
-    covariance[9] = numbers.loss_walk * numbers.loss_walk * numbers.walked_s
 
 
 @compiled_inner

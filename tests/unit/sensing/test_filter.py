@@ -152,6 +152,18 @@ def test_samples_that_are_missing_hardly_move_the_estimate(model: SensingModel, 
     assert np.sqrt(np.mean(apart**2)) < 0.005 * model.stroke
 
 
+@pytest.mark.parametrize("late", [1, 2, 5, 12, 18])
+def test_a_recording_that_begins_after_the_drive_came_is_followed(
+    model: SensingModel, run: Recording, late: int
+) -> None:
+    """The first sample's power would hold a hot wire, and its resistance is that of a cold one: it is being heated."""
+    value, std, valid, _ = followed(model, samples_of(run)[late:])
+    error = (value - run["displacement_m"][late:] / run.facts.leg_length_m)[valid]
+    assert valid[20:].all()
+    assert np.mean(np.abs(error) <= 1.96 * std[valid]) > 0.95
+    assert np.sqrt(np.mean(error[20:] ** 2)) < 0.004 * model.stroke
+
+
 def test_half_the_time_step_gives_nearly_the_same(model: SensingModel, run: Recording) -> None:
     samples = samples_of(run)
     held = [one._replace(time_s=one.time_s - 0.5 * PERIOD_S) for one in samples[1:]]

@@ -156,9 +156,21 @@ static void begin(mw_follower *filter, mw_real read, mw_real power_w)
     const mw_follower fresh = {.value = filter->value, .loss = 1, .learnt_s = 1, .followed = 1};
     uint8_t row = 0;
     *filter = fresh;
-    filter->steady_w = power_w;
-    if (power_w < edges_at(MW_SENSED_FROM).cooling_w && read > MW_COLD_FROM * table[0][HEATING]) {
-        while (row < MW_PLACES - 1 && table[row][HEATING_W] <= power_w)
+    filter->covariance[0] = walk_w * walk_w * MW_WALKED_S;
+    filter->covariance[2] = MW_PLACE_WALK * MW_PLACE_WALK * MW_WALKED_S;
+    filter->covariance[5] = shift_w * shift_w;
+    filter->covariance[9] = MW_LOSS_WALK * MW_LOSS_WALK * MW_WALKED_S;
+    if (read > MW_COLD_FROM * table[0][HEATING]) {
+        const branch_edges at_b = edges_at(MW_SENSED_FROM);
+        filter->steady_w = power_w;
+        if (power_w >= at_b.cooling_w) {
+            const mw_real way = MW_SENSED_FROM - MW_FIRST_PLACE;
+            filter->steady_w = (mw_real)0.5 * at_b.heating_w;
+            filter->covariance[0] += at_b.heating_w * at_b.heating_w / 12;
+            filter->covariance[1] = at_b.heating_w * way / 12;
+            filter->covariance[2] += way * way / 12;
+        }
+        while (row < MW_PLACES - 1 && table[row][HEATING_W] <= filter->steady_w)
             row++;
     } else {
         row = MW_PLACES - 1;
@@ -169,10 +181,6 @@ static void begin(mw_follower *filter, mw_real read, mw_real power_w)
     filter->place = MW_FIRST_PLACE + (mw_real)row / MW_PER_PLACE;
     filter->before = filter->before_last = read;
     filter->noise_v2 = MW_LEAST_NOISE_V2;
-    filter->covariance[0] = walk_w * walk_w * MW_WALKED_S;
-    filter->covariance[2] = MW_PLACE_WALK * MW_PLACE_WALK * MW_WALKED_S;
-    filter->covariance[5] = shift_w * shift_w;
-    filter->covariance[9] = MW_LOSS_WALK * MW_LOSS_WALK * MW_WALKED_S;
 }
 
 /* The variance of a reading. */
