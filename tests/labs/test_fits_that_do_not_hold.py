@@ -88,7 +88,6 @@ def test_sound_fits_end_with_0(musclewire: Command, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="38 of 40: two loops by the filter have more than 0.5 % of samples above 5 %")
 def test_all_but_one_of_40_sound_fits_end_with_0(musclewire: Command, tmp_path: Path) -> None:
     ended_with_0, _ = fitted(musclewire, tmp_path, [sound(number) for number in range(40)])
     assert ended_with_0 >= 39

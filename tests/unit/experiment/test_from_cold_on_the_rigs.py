@@ -82,7 +82,7 @@ def test_what_a_sound_wire_has_not_is_not_named(name: str) -> None:
 
 
 SWINGS = pytest.mark.xfail(
-    strict=True, reason="21 % of the holds swing by more than 0.5 V, up to 1.2 V, with the gains of the wire's model"
+    strict=True, reason="16 % of the holds swing by more than 0.5 V, up to 1.2 V, with the gains of the wire's model"
 )
 
 
