@@ -108,7 +108,7 @@ void shim_follow(mw_controller *c, const double *in, unsigned long rows, double 
 static void put_inverse_model(double *out, const mw_inverse_model *o, mw_inverse_model_answer a)
 {
     const mw_real found[13] = {a.drive_voltage_v, a.holding_w, a.due_j, a.limited, o->drive_voltage_v, o->power_w,
-                               o->given_part, o->holding_w, o->target, o->moved, o->balance_w, o->more_w, o->value};
+                               o->given_part, o->holding_w, o->target, o->moved, o->balance_w, o->loss, o->value};
     for (int i = 0; i < 13; i++)
         out[i] = found[i];
 }

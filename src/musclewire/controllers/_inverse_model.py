@@ -17,7 +17,8 @@ An error counts as far as it is distinct from the estimate's deviation. A turn t
 an estimate is worth less, and a wire that was turned for nothing has to be turned again.
 
 An estimator without such a state (a user's own, a sensor) is served by the same code: the heat balance of the slow
-loop's air gives w, held between both branches by where the quantity is; as much as it is held, today's air takes more.
+loop's air gives w, held between both branches by where the quantity is; as far as it is held, today's air takes more or
+less, in proportion to w.
 """
 
 from __future__ import annotations
@@ -68,7 +69,7 @@ STATE = np.dtype(
             "target",  # the last target,
             "moved",  # and by how much it was another than the one before
             "balance_w",  # for an estimator without a state the steady power [W],
-            "more_w",  # by how much more today's air takes [W],
+            "loss",  # how much heat today's air takes, in that of still air,
             "value",  # and the last value
         )
     ]
@@ -89,11 +90,14 @@ class InverseModelNumbers(NamedTuple):
         So many deviations turn the wire half: fewer are quicker, and turn it for less than a turn costs.
     min_part
         A wire is never taken to be given less than this part of the power that is asked for: less is a broken supply.
+    min_heat_loss
+        Air is never taken to take less than this part of the heat that still air does: less is a wrong estimate.
     """
 
     near: float = 0.5
     turn: float = 4.0
     min_part: float = 0.5
+    min_heat_loss: float = 0.05
 
 
 INVERSE_MODEL = InverseModelNumbers()
@@ -137,7 +141,7 @@ def inverse_model_tick(constants: FloatArray, state: FloatArray, given: FloatArr
     if measured_w > 0.0:  # a reading of another wire, or none, measures no power
         notice_given_part(method, wire, row, measured_w, dt_s)
     if not math.isfinite(wire_now.holding_w + part):
-        wire_now = state_of_value(wire, row, value, cold, dt_s)
+        wire_now = state_of_value(method, wire, row, value, cold, dt_s)
     if cold:
         trust, due_j = 1.0, due_from_cold_j(wire, wire_now, target)
     else:
@@ -193,7 +197,7 @@ def due_from_cold_j(wire: KnownWire, wire_now: WireNow, target: float) -> float:
 @compiled_inner
 def take_over(wire: KnownWire, state: Row, target: float, value: float) -> None:
     """Start from the drive that is applied, as one that has been there for long."""
-    state["started"] = state["given_part"] = 1.0
+    state["started"] = state["given_part"] = state["loss"] = 1.0
     state["power_w"] = power_w(wire, state["drive_voltage_v"], value)
     state["holding_w"] = state["balance_w"] = state["power_w"]
     state["target"], state["value"] = target, value
@@ -220,22 +224,23 @@ def notice_given_part(method: Row, wire: KnownWire, state: Row, measured_w: floa
 
 
 @compiled_inner
-def state_of_value(wire: KnownWire, state: Row, value: float, cold: bool, dt_s: float) -> WireNow:
+def state_of_value(method: Row, wire: KnownWire, state: Row, value: float, cold: bool, dt_s: float) -> WireNow:
     """Return the wire's state by its quantity alone: a heat balance, held between the branches."""
-    tau_s = wire.settings["thermal_time_constant_s"]
+    tau_s, loss = wire.settings["thermal_time_constant_s"], state["loss"]
     taken_j = 0.0 if cold else wire.settings["heat_per_unit"] * (value - state["value"])
-    free_w = state["balance_w"] + (dt_s * (state["power_w"] - state["more_w"] - state["balance_w"]) - taken_j) / (
-        tau_s + dt_s
-    )
-    state["balance_w"], part = free_w, 1.0
+    lag_s = tau_s + dt_s * loss
+    free_w = (tau_s * state["balance_w"] + dt_s * state["power_w"] - taken_j) / lag_s
+    # A cold wire is at most as warm as on the way to B.
+    cooling_w, heating_w = 0.0 if cold else edge_w(wire, -1.0, value), edge_w(wire, 1.0, value)
+    held_w, part = min(max(free_w, cooling_w), heating_w), 1.0
+    if held_w != free_w:
+        lacking = (free_w - held_w) * lag_s / (dt_s * held_w)
+        loss += lacking * min(dt_s / wire.settings["integral_time_s"], 1.0)
+        state["loss"] = max(loss, method["min_heat_loss"])
     if not cold:
-        cooling_w, heating_w = edge_w(wire, -1.0, value), edge_w(wire, 1.0, value)
-        held_w = min(max(free_w, cooling_w), heating_w)
-        lacking_w = (free_w - held_w) * (tau_s + dt_s) / dt_s
-        state["more_w"] += lacking_w * min(dt_s / wire.settings["integral_time_s"], 1.0)
         part = (held_w - cooling_w) / (heating_w - cooling_w) if heating_w > cooling_w else 0.5
-        state["balance_w"] = held_w
-    return WireNow(state["balance_w"], part, state["balance_w"] + state["more_w"])
+    state["balance_w"] = held_w
+    return WireNow(state["balance_w"], part, state["loss"] * state["balance_w"])
 
 
 def inverse_model_numbers(settings: FeedforwardSettings) -> tuple[dict[str, float], FloatArray]:

@@ -219,6 +219,25 @@ def test_without_current_the_drive_stays_and_nothing_is_learnt() -> None:
     assert after.state == state
 
 
+class WronglySeenWire(SeenWire):
+    """The wire, of which the first estimates are wrong."""
+
+    def __init__(self, wrong: list[float]) -> None:
+        super().__init__()
+        self.wrong = list(wrong)
+
+    def seen_after(self, drive_v: float) -> QuantityEstimate:
+        read = super().seen_after(drive_v)
+        return read._replace(value=self.wrong.pop(0), valid=True, reason=Reason.OK) if self.wrong else read
+
+
+@given(wrong=st.lists(st.floats(0.0, 0.04), min_size=1, max_size=5))
+def test_wrong_estimates_of_a_cold_wire_do_not_keep_it_cold(wrong: list[float]) -> None:
+    """What they say of the air is corrected by a wire that stays cold where it should have contracted."""
+    strain, _ = followed(WronglySeenWire(wrong), [0.02] * 160, state_is_known=False)
+    assert strain[120:] == pytest.approx(0.02, rel=0.05)
+
+
 def test_a_reading_of_another_wire_is_no_weak_supply() -> None:
     """It measures no power: the part of the asked power that the wire is given stays as it was."""
     given_part, state = (STATE.names or ()).index("given_part"), CONTROLLER.start(RESTS_V)

@@ -79,7 +79,7 @@ typedef struct {
     mw_real target;          /* the last target, */
     mw_real moved;           /* and by how much it was another than the one before */
     mw_real balance_w;       /* for an estimate without a state the steady power [W], */
-    mw_real more_w;          /* by how much more today's air takes [W], */
+    mw_real loss;            /* how much heat today's air takes, in that of still air, */
     mw_real value;           /* and the last value */
     uint8_t started;         /* 1 once there has been an estimate */
 } mw_inverse_model;

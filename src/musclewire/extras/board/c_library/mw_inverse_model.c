@@ -71,7 +71,7 @@ mw_inverse_model_answer mw_inverse_model_hold(const mw_inverse_model *own)
 static void take_over(mw_inverse_model *own, mw_real target, mw_real value)
 {
     own->started = 1;
-    own->given_part = 1;
+    own->given_part = own->loss = 1;
     own->power_w = power_w(own->drive_voltage_v, value);
     own->holding_w = own->balance_w = own->power_w;
     own->target = target;
@@ -106,20 +106,21 @@ typedef struct {
 
 static wire_now state_of_value(mw_inverse_model *own, mw_real value, uint8_t cold, mw_real dt_s)
 {
-    const mw_real tau_s = MW_THERMAL_TIME_CONSTANT_S;
+    const mw_real tau_s = MW_THERMAL_TIME_CONSTANT_S, lag_s = tau_s + dt_s * own->loss;
     const mw_real taken_j = cold ? 0 : MW_HEAT_PER_UNIT * (value - own->value);
-    const mw_real free_w = own->balance_w + (dt_s * (own->power_w - own->more_w - own->balance_w) - taken_j) / (tau_s + dt_s);
-    wire_now now = {free_w, 1, 0};
-    if (!cold) {
-        const mw_real cooling_w = level_value(COOLING_W, value), heating_w = level_value(HEATING_W, value);
-        const mw_real held_w = mw_within(free_w, cooling_w, heating_w);
-        const mw_real lacking_w = (free_w - held_w) * (tau_s + dt_s) / dt_s;
-        own->more_w += lacking_w * least(dt_s / MW_INTEGRAL_TIME_S, 1);
-        now.part = heating_w > cooling_w ? (held_w - cooling_w) / (heating_w - cooling_w) : MW_R(0.5);
-        now.balance_w = held_w;
+    const mw_real free_w = (tau_s * own->balance_w + dt_s * own->power_w - taken_j) / lag_s;
+    /* A cold wire is at most as warm as on the way to B. */
+    const mw_real cooling_w = cold ? 0 : level_value(COOLING_W, value), heating_w = level_value(HEATING_W, value);
+    const mw_real held_w = mw_within(free_w, cooling_w, heating_w);
+    wire_now now = {held_w, 1, 0};
+    if (held_w != free_w) {
+        const mw_real lacking = (free_w - held_w) * lag_s / (dt_s * held_w);
+        own->loss = most(own->loss + lacking * least(dt_s / MW_INTEGRAL_TIME_S, 1), MW_MIN_HEAT_LOSS);
     }
-    own->balance_w = now.balance_w;
-    now.holding_w = own->balance_w + own->more_w;
+    if (!cold)
+        now.part = heating_w > cooling_w ? (held_w - cooling_w) / (heating_w - cooling_w) : MW_R(0.5);
+    own->balance_w = held_w;
+    now.holding_w = own->loss * own->balance_w;
     return now;
 }
 
