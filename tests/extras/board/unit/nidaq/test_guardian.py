@@ -267,7 +267,9 @@ def test_its_exit_code_says_whether_the_card_took_0_v(monkeypatch: pytest.Monkey
     monkeypatch.setattr(module, "sys", SimpleNamespace(stdin=io.StringIO("1 word\norders\n")))
     monkeypatch.setattr(module.GuardianOrders, "from_text", lambda _text: ORDERS)
     line = MagicMock()
-    monkeypatch.setattr(module.socket, "create_connection", lambda *_, **__: line)
+    # Of this module alone: the process may have other threads that open connections.
+    own = SimpleNamespace(**{**vars(socket), "create_connection": lambda *_, **__: line})
+    monkeypatch.setattr(module, "socket", own)
     monkeypatch.setattr(module, "OutputGuardian", lambda _orders, _line: SimpleNamespace(run=lambda: off))
     assert (module.main() == 0) is off
     line.sendall.assert_called_once_with(b"word")
