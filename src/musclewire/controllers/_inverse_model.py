@@ -90,14 +90,11 @@ class InverseModelNumbers(NamedTuple):
         So many deviations turn the wire half: fewer are quicker, and turn it for less than a turn costs.
     min_part
         A wire is never taken to be given less than this part of the power that is asked for: less is a broken supply.
-    min_heat_loss
-        Air is never taken to take less than this part of the heat that still air does: less is a wrong estimate.
     """
 
     near: float = 0.5
     turn: float = 4.0
     min_part: float = 0.5
-    min_heat_loss: float = 0.05
 
 
 INVERSE_MODEL = InverseModelNumbers()
@@ -141,7 +138,7 @@ def inverse_model_tick(constants: FloatArray, state: FloatArray, given: FloatArr
     if measured_w > 0.0:  # a reading of another wire, or none, measures no power
         notice_given_part(method, wire, row, measured_w, dt_s)
     if not math.isfinite(wire_now.holding_w + part):
-        wire_now = state_of_value(method, wire, row, value, cold, dt_s)
+        wire_now = state_of_value(wire, row, value, cold, dt_s)
     if cold:
         trust, due_j = 1.0, due_from_cold_j(wire, wire_now, target)
     else:
@@ -224,7 +221,7 @@ def notice_given_part(method: Row, wire: KnownWire, state: Row, measured_w: floa
 
 
 @compiled_inner
-def state_of_value(method: Row, wire: KnownWire, state: Row, value: float, cold: bool, dt_s: float) -> WireNow:
+def state_of_value(wire: KnownWire, state: Row, value: float, cold: bool, dt_s: float) -> WireNow:
     """Return the wire's state by its quantity alone: a heat balance, held between the branches."""
     tau_s, loss = wire.settings["thermal_time_constant_s"], state["loss"]
     taken_j = 0.0 if cold else wire.settings["heat_per_unit"] * (value - state["value"])
@@ -236,7 +233,7 @@ def state_of_value(method: Row, wire: KnownWire, state: Row, value: float, cold:
     if held_w != free_w:
         lacking = (free_w - held_w) * lag_s / (dt_s * held_w)
         loss += lacking * min(dt_s / wire.settings["integral_time_s"], 1.0)
-        state["loss"] = max(loss, method["min_heat_loss"])
+        state["loss"] = max(loss, 0.0)  # air gives no heat
     if not cold:
         part = (held_w - cooling_w) / (heating_w - cooling_w) if heating_w > cooling_w else 0.5
     state["balance_w"] = held_w

@@ -59,7 +59,8 @@ class FilterNumbers(NamedTuple):
         Random walk of the factor of the heat loss, per square root of a second, where readings surprise as much as
         the covariance expects; it is in proportion to the mean of their squares, so that it is agile in draughts and
         rests in still air. A run begins without any surprise, and so a first rise that is a little faster than the
-        model's is not taken for calmer air.
+        model's is not taken for calmer air. By estimates alone half of it is as good; loops in draughts are better
+        with it.
     unrest_s
         Time over which these squares are taken.
     place_walk
@@ -109,6 +110,8 @@ OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
 STATES, POINTS, AWAY = 4, 8, 2.0
 # A cold wire reads at least this part of the model's resistance there: a scale that is 1 % off takes a tenth of it.
 COLD_FROM = 0.9
+# From B to C the resistance falls by 1 over places of about 1: where a table is flatter than this it says no place.
+LEAST_FALL = 0.1
 # Below these no variance is distinct from rounding, and no factor of the heat loss is one.
 MIN_VARIANCE, MIN_LOSS = 1e-16, 0.05
 
@@ -366,35 +369,37 @@ def answer_with_wire(state: Row, answer: FloatArray, part: float, power_w: float
 
 @compiled_inner
 def begin(filtered: Filtered, read: float, power_w: float, time_s: float) -> None:
-    """Begin with a wire at rest: cold if power holds no other and resistance is not below; else where resistance is.
+    """Begin where resistance is, anywhere between the branches; or cold, if power holds no other.
 
-    If power would hold another and resistance is not below, the drive may just have come: the wire is somewhere
-    between cold and B, and how far is as uncertain as that.
+    Where resistance may be that of a cold wire and power would hold another, the drive may just have come: the wire is
+    anywhere on the way from cold. How far is as uncertain as that, and with the power the place.
     """
     numbers, state, covariance, tables = filtered
-    row, last = 0, PLACES - 1
-    at_b = edges_at(numbers, tables, numbers.sensed_from)
-    walk_w, shift_w = numbers.power_walk * numbers.middle_w, numbers.shift_std * numbers.middle_w
-    covariance[:] = 0.0
-    covariance[0] = walk_w * walk_w * numbers.walked_s
-    covariance[2] = numbers.place_walk * numbers.place_walk * numbers.walked_s
-    covariance[5] = shift_w * shift_w
-    covariance[9] = numbers.loss_walk * numbers.loss_walk * numbers.walked_s
+    row, gap_w, way = PLACES - 1, 0.0, 0.0
+    while row > 0 and tables[COLUMNS * row + 2] + tables[COLUMNS * row + 3] < 2.0 * read:
+        row -= 1
+    there = numbers.first_place + row / numbers.per_place
     if read > COLD_FROM * tables[2]:
         state.steady_w = power_w
-        if power_w >= at_b.cooling_w:
-            state.steady_w = 0.5 * at_b.heating_w
-            way = numbers.sensed_from - numbers.first_place
-            covariance[0] += at_b.heating_w * at_b.heating_w / 12.0
-            covariance[1] = at_b.heating_w * way / 12.0
-            covariance[2] += way * way / 12.0
-        while row < last and tables[COLUMNS * row] <= state.steady_w:
+        if power_w >= edges_at(numbers, tables, numbers.sensed_from).cooling_w:
+            way = max(there, numbers.sensed_from) - numbers.first_place
+            gap_w = edges_at(numbers, tables, numbers.first_place + way).heating_w
+            state.steady_w = 0.5 * gap_w
+        row = 0
+        while row < PLACES - 1 and tables[COLUMNS * row] <= state.steady_w:
             row += 1
     else:
-        row = last
-        while row > 0 and tables[COLUMNS * row + 2] + tables[COLUMNS * row + 3] < 2.0 * read:
-            row -= 1
-        state.steady_w = min(max(power_w, tables[COLUMNS * row + 1]), tables[COLUMNS * row])
+        edges, further = edges_at(numbers, tables, there), edges_at(numbers, tables, there + 1.0 / numbers.per_place)
+        fall = 0.5 * (edges.heating + edges.cooling - further.heating - further.cooling) * numbers.per_place
+        gap_w, way = edges.heating_w - edges.cooling_w, (edges.heating - edges.cooling) / max(fall, LEAST_FALL)
+        state.steady_w = min(max(power_w, edges.cooling_w), edges.heating_w)
+    walk_w, shift_w = numbers.power_walk * numbers.middle_w, numbers.shift_std * numbers.middle_w
+    covariance[:] = 0.0
+    covariance[0] = walk_w * walk_w * numbers.walked_s + gap_w * gap_w / 12.0
+    covariance[1] = gap_w * way / 12.0
+    covariance[2] = numbers.place_walk * numbers.place_walk * numbers.walked_s + way * way / 12.0
+    covariance[5] = shift_w * shift_w
+    covariance[9] = numbers.loss_walk * numbers.loss_walk * numbers.walked_s
     state.place = numbers.first_place + row / numbers.per_place
     state.followed, state.time_s, state.shift_w, state.loss = 1.0, time_s, 0.0, 1.0
     state.before = state.before_last = read
@@ -586,7 +591,13 @@ def filter_numbers(
     The tick's row is made from them, and the header of its form in C.
     """
     wire = wire_model_of(model)
-    literals = {"min_variance": MIN_VARIANCE, "min_loss": MIN_LOSS, "margin": MARGIN, "cold_from": COLD_FROM}
+    literals = {
+        "min_variance": MIN_VARIANCE,
+        "min_loss": MIN_LOSS,
+        "margin": MARGIN,
+        "cold_from": COLD_FROM,
+        "least_fall": LEAST_FALL,
+    }
     return wire_numbers(model, wire, shunt_resistance_ohm) | method._asdict() | literals, wire.tables
 
 

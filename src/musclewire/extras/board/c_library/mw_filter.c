@@ -154,30 +154,33 @@ static void begin(mw_follower *filter, mw_real read, mw_real power_w)
 {
     const mw_real walk_w = MW_POWER_WALK * MW_MIDDLE_W, shift_w = MW_SHIFT_STD * MW_MIDDLE_W;
     const mw_follower fresh = {.value = filter->value, .loss = 1, .learnt_s = 1, .followed = 1};
-    uint8_t row = 0;
+    mw_real there, gap_w = 0, way = 0;
+    uint8_t row = MW_PLACES - 1;
     *filter = fresh;
-    filter->covariance[0] = walk_w * walk_w * MW_WALKED_S;
-    filter->covariance[2] = MW_PLACE_WALK * MW_PLACE_WALK * MW_WALKED_S;
-    filter->covariance[5] = shift_w * shift_w;
-    filter->covariance[9] = MW_LOSS_WALK * MW_LOSS_WALK * MW_WALKED_S;
+    while (row > 0 && table[row][HEATING] + table[row][COOLING] < 2 * read)
+        row--;
+    there = MW_FIRST_PLACE + (mw_real)row / MW_PER_PLACE;
     if (read > MW_COLD_FROM * table[0][HEATING]) {
-        const branch_edges at_b = edges_at(MW_SENSED_FROM);
         filter->steady_w = power_w;
-        if (power_w >= at_b.cooling_w) {
-            const mw_real way = MW_SENSED_FROM - MW_FIRST_PLACE;
-            filter->steady_w = (mw_real)0.5 * at_b.heating_w;
-            filter->covariance[0] += at_b.heating_w * at_b.heating_w / 12;
-            filter->covariance[1] = at_b.heating_w * way / 12;
-            filter->covariance[2] += way * way / 12;
+        if (power_w >= edges_at(MW_SENSED_FROM).cooling_w) {
+            way = at_least(there, MW_SENSED_FROM) - MW_FIRST_PLACE;
+            gap_w = edges_at(MW_FIRST_PLACE + way).heating_w;
+            filter->steady_w = (mw_real)0.5 * gap_w;
         }
-        while (row < MW_PLACES - 1 && table[row][HEATING_W] <= filter->steady_w)
+        for (row = 0; row < MW_PLACES - 1 && table[row][HEATING_W] <= filter->steady_w;)
             row++;
     } else {
-        row = MW_PLACES - 1;
-        while (row > 0 && table[row][HEATING] + table[row][COOLING] < 2 * read)
-            row--;
-        filter->steady_w = mw_within(power_w, table[row][COOLING_W], table[row][HEATING_W]);
+        const branch_edges edges = edges_at(there), further = edges_at(there + 1 / (mw_real)MW_PER_PLACE);
+        const mw_real fall = (mw_real)0.5 * (edges.heating + edges.cooling - further.heating - further.cooling) * MW_PER_PLACE;
+        gap_w = edges.heating_w - edges.cooling_w;
+        way = (edges.heating - edges.cooling) / at_least(fall, MW_LEAST_FALL);
+        filter->steady_w = mw_within(power_w, edges.cooling_w, edges.heating_w);
     }
+    filter->covariance[0] = walk_w * walk_w * MW_WALKED_S + gap_w * gap_w / 12;
+    filter->covariance[1] = gap_w * way / 12;
+    filter->covariance[2] = MW_PLACE_WALK * MW_PLACE_WALK * MW_WALKED_S + way * way / 12;
+    filter->covariance[5] = shift_w * shift_w;
+    filter->covariance[9] = MW_LOSS_WALK * MW_LOSS_WALK * MW_WALKED_S;
     filter->place = MW_FIRST_PLACE + (mw_real)row / MW_PER_PLACE;
     filter->before = filter->before_last = read;
     filter->noise_v2 = MW_LEAST_NOISE_V2;

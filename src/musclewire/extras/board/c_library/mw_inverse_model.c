@@ -115,7 +115,7 @@ static wire_now state_of_value(mw_inverse_model *own, mw_real value, uint8_t col
     wire_now now = {held_w, 1, 0};
     if (held_w != free_w) {
         const mw_real lacking = (free_w - held_w) * lag_s / (dt_s * held_w);
-        own->loss = most(own->loss + lacking * least(dt_s / MW_INTEGRAL_TIME_S, 1), MW_MIN_HEAT_LOSS);
+        own->loss = most(own->loss + lacking * least(dt_s / MW_INTEGRAL_TIME_S, 1), 0);
     }
     if (!cold)
         now.part = heating_w > cooling_w ? (held_w - cooling_w) / (heating_w - cooling_w) : MW_R(0.5);
