@@ -111,7 +111,7 @@ STATES, POINTS, AWAY = 4, 8, 2.0
 # A cold wire reads at least this part of the model's resistance there: a scale that is 1 % off takes a tenth of it.
 COLD_FROM = 0.9
 # From B to C the resistance falls by 1 over places of about 1: where a table is flatter than this it says no place.
-LEAST_FALL = 0.1
+MIN_FALL = 0.1
 # Below these no variance is distinct from rounding, and no factor of the heat loss is one.
 MIN_VARIANCE, MIN_LOSS = 1e-16, 0.05
 
@@ -391,7 +391,7 @@ def begin(filtered: Filtered, read: float, power_w: float, time_s: float) -> Non
     else:
         edges, further = edges_at(numbers, tables, there), edges_at(numbers, tables, there + 1.0 / numbers.per_place)
         fall = 0.5 * (edges.heating + edges.cooling - further.heating - further.cooling) * numbers.per_place
-        gap_w, way = edges.heating_w - edges.cooling_w, (edges.heating - edges.cooling) / max(fall, LEAST_FALL)
+        gap_w, way = edges.heating_w - edges.cooling_w, (edges.heating - edges.cooling) / max(fall, MIN_FALL)
         state.steady_w = min(max(power_w, edges.cooling_w), edges.heating_w)
     walk_w, shift_w = numbers.power_walk * numbers.middle_w, numbers.shift_std * numbers.middle_w
     covariance[:] = 0.0
@@ -596,7 +596,7 @@ def filter_numbers(
         "min_loss": MIN_LOSS,
         "margin": MARGIN,
         "cold_from": COLD_FROM,
-        "least_fall": LEAST_FALL,
+        "min_fall": MIN_FALL,
     }
     return wire_numbers(model, wire, shunt_resistance_ohm) | method._asdict() | literals, wire.tables
 

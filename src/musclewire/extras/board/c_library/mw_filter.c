@@ -173,7 +173,7 @@ static void begin(mw_follower *filter, mw_real read, mw_real power_w)
         const branch_edges edges = edges_at(there), further = edges_at(there + 1 / (mw_real)MW_PER_PLACE);
         const mw_real fall = (mw_real)0.5 * (edges.heating + edges.cooling - further.heating - further.cooling) * MW_PER_PLACE;
         gap_w = edges.heating_w - edges.cooling_w;
-        way = (edges.heating - edges.cooling) / at_least(fall, MW_LEAST_FALL);
+        way = (edges.heating - edges.cooling) / at_least(fall, MW_MIN_FALL);
         filter->steady_w = mw_within(power_w, edges.cooling_w, edges.heating_w);
     }
     filter->covariance[0] = walk_w * walk_w * MW_WALKED_S + gap_w * gap_w / 12;
