@@ -110,6 +110,8 @@ OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
 STATES, POINTS, AWAY = 4, 8, 2.0
 # A cold wire reads at least this part of the model's resistance there: a scale that is 1 % off takes a tenth of it.
 COLD_FROM = 0.9
+# Of a mean of surprises one reading is no more than this part: of loops of minutes with few samples one would decide.
+MAX_WEIGHT = 0.1
 # From B to C the resistance falls by 1 over places of about 1: where a table is flatter than this it says no place.
 MIN_FALL = 0.1
 # Below these no variance is distinct from rounding, and no factor of the heat loss is one.
@@ -486,7 +488,7 @@ def correct(filtered: Filtered, read: float, noise: float, dt_s: float) -> None:
         by_w, by_place = AWAY * (hotter - colder) / POINTS, AWAY * (farther - nearer) / POINTS
         if turn == 0:
             unrest = min(surprise * surprise / variance, numbers.surprise)
-            state.unrest += (unrest - state.unrest) * min(dt_s / numbers.unrest_s, 1.0)
+            state.unrest += (unrest - state.unrest) * min(dt_s / numbers.unrest_s, MAX_WEIGHT)
         wider = surprise * surprise / (numbers.surprise * variance)
         if wider <= 1.0:
             break
@@ -597,6 +599,7 @@ def filter_numbers(
         "margin": MARGIN,
         "cold_from": COLD_FROM,
         "min_fall": MIN_FALL,
+        "max_weight": MAX_WEIGHT,
     }
     return wire_numbers(model, wire, shunt_resistance_ohm) | method._asdict() | literals, wire.tables
 

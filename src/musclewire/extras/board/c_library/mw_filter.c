@@ -268,7 +268,7 @@ static void correct(mw_follower *filter, mw_real read, mw_real noise, mw_real dt
         by_place = AWAY * (farther - nearer) / POINTS;
         if (turn == 0)
             filter->unrest += (at_most(surprise * surprise / variance, MW_SURPRISE) - filter->unrest)
-                              * at_most(dt_s / MW_UNREST_S, 1);
+                              * at_most(dt_s / MW_UNREST_S, MW_MAX_WEIGHT);
         wider = surprise * surprise / (MW_SURPRISE * variance);
         if (wider <= 1)
             break;
