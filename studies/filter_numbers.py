@@ -51,8 +51,8 @@ from numpy.typing import NDArray
 
 import musclewire as mw
 from musclewire.errors import MusclewireError
-from musclewire.experiment import ScaleByB, control
-from musclewire.identify import reference_quantity
+from musclewire.experiment import control
+from musclewire.judge import ScaleByB
 from musclewire.sensing import (
     ESTIMATORS,
     FILTER,
@@ -61,7 +61,7 @@ from musclewire.sensing import (
     FilterNumbers,
     SensingModel,
 )
-from musclewire.signals import CompiledTick, QuantityEstimate, Reason
+from musclewire.signals import CompiledTick, QuantityEstimate, Reason, reference_quantity
 
 FOLDER = Path("filter_runs")
 REFERENCE = "random steps"

@@ -12,11 +12,11 @@ from matplotlib.figure import Figure
 from musclewire.arrays import FloatArray
 from musclewire.controllers import sampled_reference
 from musclewire.experiment import characterize, control
-from musclewire.identify import fit, reference_quantity
+from musclewire.identify import fit
 from musclewire.pages import AVERAGE, COOLING, HEATING, TARGET
 from musclewire.rigs import RigConfiguration, open_rig
 from musclewire.sensing import SensingModel
-from musclewire.signals import Recording
+from musclewire.signals import Recording, reference_quantity
 
 SEED, DEVIATIONS = 11, 2.0
 # Strain targets [%], and for how long each is held [s].

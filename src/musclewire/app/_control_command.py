@@ -132,7 +132,8 @@ def control_answer(
 ) -> ControlRunAnswer:
     """Return the answer of a closed loop; its warnings are also printed, but for those that were ``said`` before."""
     from musclewire.app._answers import ControlRunAnswer
-    from musclewire.experiment import findings, run_warnings, timing_json
+    from musclewire.experiment import run_warnings, timing_json
+    from musclewire.judge import findings
 
     facts = {"health": "", **run.metadata}
     return ControlRunAnswer.of_run(
@@ -180,7 +181,7 @@ def said_of_speed(
 
 def why_not(run: ControlRun) -> MusclewireError | None:
     """Return why the result of a run does not hold, None if it does."""
-    from musclewire.experiment import does_not_hold
+    from musclewire.judge import does_not_hold
 
     return MusclewireError("this does not hold: see the warnings above") if does_not_hold(run) else None
 
@@ -284,8 +285,8 @@ def known_spring(loaded: SensingModel, path: Path, quantity: str, stiffness: flo
 
     Raises CallerError if the model does not sense the quantity, directly or by a stiffness.
     """
-    from musclewire.identify import QUANTITIES
     from musclewire.sensing import KnownSpring
+    from musclewire.signals import QUANTITIES
 
     if quantity not in QUANTITIES:
         raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
@@ -316,9 +317,8 @@ def read_reference(reference: str, quantity: str, loaded: SensingModel) -> Refer
     """Return the steps that the text describes, or the targets in a recording file; None for the built-in staircase."""
     from musclewire.controllers import sampled_reference, staircase
     from musclewire.experiment import check_targets
-    from musclewire.identify import COLUMN_SUFFIX
     from musclewire.sensing import SHOWN_AS
-    from musclewire.signals import parse_quantity, read_recording
+    from musclewire.signals import COLUMN_SUFFIX, parse_quantity, read_recording
 
     if reference == "staircase":
         return None

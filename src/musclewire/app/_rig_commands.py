@@ -54,7 +54,8 @@ def demo(
     started = time.perf_counter()
     from musclewire.app._answers import DemoAnswer
     from musclewire.app._report.page import write_report
-    from musclewire.experiment import friction_warnings, health_warnings, run_demo, run_warnings, step_warnings
+    from musclewire.experiment import friction_warnings, run_demo, run_warnings, step_warnings
+    from musclewire.judge import health_warnings
 
     figure.check()
     report = output / "report.html"
@@ -159,7 +160,8 @@ def loop_answer(measured: Recording, **facts: Any) -> CharacterizeAnswer:
     Without an instrument for the movement there is nothing to show, which is no problem: ``note`` says how to go on.
     """
     from musclewire.app._answers import CharacterizeAnswer
-    from musclewire.identify import loop_gaps, reference_quantity
+    from musclewire.identify import loop_gaps
+    from musclewire.signals import reference_quantity
 
     if reference_quantity(measured, "strain") is None and "displacement_m" not in measured:
         return CharacterizeAnswer(**facts, note=NO_INSTRUMENT)

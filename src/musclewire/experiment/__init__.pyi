@@ -23,10 +23,6 @@ from ._drive import PulseTrain as PulseTrain
 from ._drive import WithTruth as WithTruth
 from ._drive import drive_wire as drive_wire
 from ._drive import pulses_of as pulses_of
-from ._health import GRAVE as GRAVE
-from ._health import does_not_hold as does_not_hold
-from ._health import findings as findings
-from ._health import health_warnings as health_warnings
 from ._home import home as home
 from ._home import home_duration_s as home_duration_s
 from ._home import plan_for as plan_for
@@ -44,8 +40,6 @@ from ._metrics import control_metrics as control_metrics
 from ._metrics import determined as determined
 from ._metrics import elapsed as elapsed
 from ._minor_loop import MINOR_LOOP_CYCLES as MINOR_LOOP_CYCLES
-from ._missed_target import MissWatch as MissWatch
-from ._odd_resistance import odd_resistance as odd_resistance
 from ._on_board import control_on_board as control_on_board
 from ._open_loop import PAPER_PERIOD_S as PAPER_PERIOD_S
 from ._open_loop import WaveformPolicy as WaveformPolicy
@@ -68,7 +62,6 @@ from ._run import what_protects as what_protects
 from ._run_warnings import friction_warnings as friction_warnings
 from ._run_warnings import run_warnings as run_warnings
 from ._run_warnings import step_warnings as step_warnings
-from ._scale_by_b import ScaleByB as ScaleByB
 from ._speed_limits import check_targets as check_targets
 from ._speed_limits import speed_limits as speed_limits
 from ._speed_limits import staircase_within as staircase_within

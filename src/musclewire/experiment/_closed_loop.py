@@ -25,13 +25,10 @@ from musclewire.controllers import (
 )
 from musclewire.errors import CallerError, RigError, nearest_hint
 from musclewire.experiment._calm_air import heed_air
-from musclewire.experiment._known_strain import ScaleByKnownStrain, known_strain_in
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig, what_protects
-from musclewire.experiment._scale_by_b import KEPT, TODAY, ZEROS, ScaleByB
 from musclewire.experiment._speed_limits import check_targets, fastest_way, followed, speed_metadata
 from musclewire.identify import (
-    COLUMN_SUFFIX,
     FastestWay,
     ZeroOfRoom,
     check_made_for,
@@ -42,6 +39,7 @@ from musclewire.identify import (
     users_wire,
     zero_of_room,
 )
+from musclewire.judge import KEPT, TODAY, ZEROS, ScaleByB, ScaleByKnownStrain, known_strain_in
 from musclewire.rigs import Rig, refuse_no_rig
 from musclewire.sensing import (
     ESTIMATORS,
@@ -53,7 +51,16 @@ from musclewire.sensing import (
     default_estimator,
     force_model,
 )
-from musclewire.signals import Command, Drive, MetadataValue, QuantityEstimate, RawSample, WireSample, wire_sample
+from musclewire.signals import (
+    COLUMN_SUFFIX,
+    Command,
+    Drive,
+    MetadataValue,
+    QuantityEstimate,
+    RawSample,
+    WireSample,
+    wire_sample,
+)
 
 # A wire at rest is cold, where resistance does not determine strain. A controller that does not say how long it needs
 # gets this long to come to the first target before the first step begins. Eq. 7 is given from the first target on, and

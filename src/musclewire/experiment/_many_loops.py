@@ -22,14 +22,13 @@ from musclewire.errors import CallerError, NumericsError, RigError, argument
 from musclewire.experiment._calm_air import heed_air
 from musclewire.experiment._closed_loop import LoopChoice, PreparedLoop, control, prepared_loop
 from musclewire.experiment._endings import cause_of, software_version
-from musclewire.experiment._health import does_not_hold, health_metadata
 from musclewire.experiment._loop_outcomes import LoopOutcome, ManyControlRuns
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import what_protects
 from musclewire.experiment._run_warnings import run_warnings
-from musclewire.experiment._scale_by_b import KEPT
 from musclewire.experiment._timing_facts import NO_CLOCK
-from musclewire.identify import COLUMN_SUFFIX, extrapolation_metadata
+from musclewire.identify import extrapolation_metadata
+from musclewire.judge import KEPT, does_not_hold, health_metadata
 from musclewire.rigs import (
     CompiledLoopEnd,
     CompiledRun,
@@ -42,7 +41,7 @@ from musclewire.rigs import (
     times_on_rig_s,
 )
 from musclewire.sensing import EstimatorFactory, KnownSpring, SensingModel
-from musclewire.signals import MetadataValue, Recording, declared_tick
+from musclewire.signals import COLUMN_SUFFIX, MetadataValue, Recording, declared_tick
 
 
 class LoopCase(NamedTuple):

@@ -17,10 +17,10 @@ from musclewire.experiment._closed_loop import APPROACH_S
 from musclewire.experiment._metrics import ControlRun, control_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
 from musclewire.experiment._speed_limits import check_targets, fastest_way, followed, speed_metadata
-from musclewire.identify import COLUMN_SUFFIX, FastestWay, check_made_for, gains_of, load_facts, settings_for
+from musclewire.identify import FastestWay, check_made_for, gains_of, load_facts, settings_for
 from musclewire.rigs import HasOnBoardLoop, Rig, ability
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
-from musclewire.signals import Command, RawSample, Target
+from musclewire.signals import COLUMN_SUFFIX, Command, RawSample, Target
 
 
 class TargetPolicy:

@@ -14,10 +14,10 @@ from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.experiment._open_loop import SlowSine, characterize
 from musclewire.experiment._run import OnSample, file_in
 from musclewire.experiment._run_warnings import instrument_warnings
-from musclewire.identify import QUANTITIES, LoopGaps, extrapolation_warnings, loop_gaps, reached_in, whole_section_m2
+from musclewire.identify import LoopGaps, extrapolation_warnings, loop_gaps, reached_in, whole_section_m2
 from musclewire.parameters import ValidityLimits, exceeds
 from musclewire.rigs import HasStage, Rig, ability
-from musclewire.signals import MetadataValue, Recording, RunFacts
+from musclewire.signals import QUANTITIES, MetadataValue, Recording, RunFacts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

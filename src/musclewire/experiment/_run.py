@@ -25,10 +25,10 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingNotWrittenError
 from musclewire.experiment._calm_air import AirWatch
 from musclewire.experiment._endings import cause_of, first_line, rescued, software_version
-from musclewire.experiment._health import health_metadata
 from musclewire.experiment._known_drive import TakenRun, run_compiled_drive
 from musclewire.experiment._timing_facts import NO_CLOCK, RunPacing, timing_metadata
 from musclewire.identify import extrapolation_metadata
+from musclewire.judge import health_metadata
 from musclewire.rigs import Rig, SimulationClock, adjustable_clock_of
 from musclewire.signals import (
     ELECTRICAL_COLUMNS,

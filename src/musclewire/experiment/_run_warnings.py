@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from musclewire.experiment._first_heating import not_compared
-from musclewire.experiment._health import health_warnings
-from musclewire.experiment._known_strain import known_strain_unused
 from musclewire.identify import extrapolation_warnings
+from musclewire.judge import health_warnings, known_strain_unused, not_compared
 from musclewire.sensing import noise_level
 from musclewire.signals import Recording
 

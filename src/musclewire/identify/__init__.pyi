@@ -34,9 +34,6 @@ from ._physical.candidates import candidate_constants as candidate_constants
 from ._physical.observations import contraction_force_n as contraction_force_n
 from ._physical.search import SearchSettings as SearchSettings
 from ._physical.search import settings_of_effort as settings_of_effort
-from ._recordings import COLUMN_SUFFIX as COLUMN_SUFFIX
-from ._recordings import QUANTITIES as QUANTITIES
-from ._recordings import reference_quantity as reference_quantity
 from ._recordings import required_quantity as required_quantity
 from ._recordings import resistance_reading as resistance_reading
 from ._resistance_alone.fitting import ResistanceFit as ResistanceFit

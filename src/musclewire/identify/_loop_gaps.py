@@ -8,10 +8,10 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.identify._recordings import reference_quantity, required_quantity, resistance_reading, without_loop
+from musclewire.identify._recordings import required_quantity, resistance_reading, without_loop
 from musclewire.physics import ArrayReading
 from musclewire.sensing import LoopSegments, find_segments, hysteresis_gap, noise_level
-from musclewire.signals import Recording
+from musclewire.signals import Recording, reference_quantity
 
 # A force rises with the contraction if it rises by more than this many standard deviations of the load cell's noise,
 NOISES = 4.0

@@ -14,9 +14,9 @@ from scipy.special import stdtrit
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.identify._recordings import circuit_readings, has_current, reference_quantity, resistance_reading
+from musclewire.identify._recordings import circuit_readings, has_current, resistance_reading
 from musclewire.sensing import SHOWN_AS, hysteresis_gap, noise_level, turning_points
-from musclewire.signals import Recording
+from musclewire.signals import Recording, reference_quantity
 
 Rows = NDArray[np.intp]
 

@@ -8,14 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
-from musclewire.errors import CallerError, RecordingError, argument, nearest_hint
+from musclewire.errors import RecordingError, argument
 from musclewire.physics import ArrayReading, wire_resistance, wire_resistance_from_current
 from musclewire.sensing import noise_level
-from musclewire.signals import ElectricalSource, Recording, require_electrical, usable_readings
+from musclewire.signals import ElectricalSource, Recording, reference_quantity, require_electrical, usable_readings
 
-QUANTITIES = ("strain", "displacement", "force")
-# Endings of the columns of each quantity: target_strain, estimated_displacement_m, target_force_n.
-COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
 # What a current that was not measured by a shunt is taken to flow through, so that its volts are its amperes.
 VIRTUAL_SHUNT_OHM = 1.0
 # The cold wire's resistance is the median of so many readings at the beginning of a recording.
@@ -188,49 +185,6 @@ def circuit_readings(recording: Recording) -> CircuitReadings:
     wire_v, shunt_v = np.where(usable, wire_v, 0.0), np.where(usable, shunt_v, 0.0)
     drive_v = recording["drive_voltage_v"] if "drive_voltage_v" in recording else wire_v + shunt_v
     return CircuitReadings(np.asarray(drive_v), np.asarray(wire_v), np.asarray(shunt_v), shunt_ohm)
-
-
-def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatArray | None:
-    """Return the measured strain, displacement [m] or contraction force [N] of a recording.
-
-    Displacement is that of a finger's endpoint if it was measured, else that of the wire's connector.
-    Contraction force is F = F_T - F_p, with F_p the recording's pretension or, without one, the smallest force in it.
-
-    Parameters
-    ----------
-    recording
-        A recording of a rig with reference instruments.
-    quantity
-        "strain", "displacement" or "force".
-
-    Returns
-    -------
-    The quantity, (n_times,); None if the recording lacks the instrument for it.
-
-    Raises
-    ------
-    CallerError
-        For an unknown quantity.
-
-    References
-    ----------
-    Lan and Fan 2010, Eq. 8.
-    """
-    if quantity not in QUANTITIES:
-        raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")
-    if quantity == "force":
-        if "force_n" not in recording:
-            return None
-        pretension_n = recording.facts.number_or_none("pretension_n")
-        return np.asarray(recording["force_n"] - (recording["force_n"].min() if pretension_n is None else pretension_n))
-    if quantity == "displacement":
-        return recording.columns.get("endpoint_displacement_m", recording.columns.get("displacement_m"))
-    if "reference_strain" in recording:
-        return recording["reference_strain"]
-    length = recording.facts.leg_length_or_none_m
-    if "displacement_m" in recording and length is not None:
-        return np.asarray(recording["displacement_m"] / length)
-    return None
 
 
 def required_quantity(recording: Recording, quantity: str = "strain") -> FloatArray:

@@ -20,12 +20,10 @@ from musclewire.identify._loop_gaps import guide_friction_n
 from musclewire.identify._open_loop_estimate import open_loop_estimate
 from musclewire.identify._recording_defects import CYCLE_PART, recording_defects
 from musclewire.identify._recordings import (
-    COLUMN_SUFFIX,
     DIVIDED_BY,
     circuit_readings,
     has_current,
     over_cold_resistance,
-    reference_quantity,
     required_quantity,
     resistance_reading,
     why_no_reference,
@@ -56,7 +54,7 @@ from musclewire.sensing import (
     segment_course,
     with_wire_model,
 )
-from musclewire.signals import Reason, Recording, WireSample, usable_readings
+from musclewire.signals import COLUMN_SUFFIX, Reason, Recording, WireSample, reference_quantity, usable_readings
 from musclewire.wire import WireConstants
 
 if TYPE_CHECKING:

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import hypot
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from musclewire.controllers import PERCENT_STRAIN, FuzzyPidSettings, with_error_unit
-from musclewire.errors import CallerError, RecordingError, argument
+from musclewire.errors import CallerError, argument
 from musclewire.identify._recordings import DIVIDED_BY
+from musclewire.judge import height_of_b
 from musclewire.parameters import bench_known_with, is_wire_file, load_alloy, load_bench, load_wire
 from musclewire.sensing import (
     DEFAULT_ESTIMATOR,
     PAPER_ESTIMATOR,
     KnownSpring,
     SensingModel,
-    find_resistance_extremes,
 )
 from musclewire.signals import MetadataValue, RunFacts
 from musclewire.wire import WireConstants, constants_of, measured_grains
@@ -29,19 +26,8 @@ OF_A_WIRE_FILE, WITHOUT_WIRE_FILE = "particle-filter", (DEFAULT_ESTIMATOR, PAPER
 SAME_LENGTH_FRACTION = 0.005
 # Loads and springs that differ by less are one, measured twice.
 SAME_LOAD_FRACTION = 0.02
-# The highest resistance of a loop is that of the mean of so many readings.
-MEAN_SAMPLES = 5
 # What of a load a model and a rig may both state, in words and with its unit.
 STATED_LOAD = {"pretension_n": ("a pretension", "N"), "spring_stiffness_n_per_m": ("a spring", "N/m")}
-# Why a run's first heating is not compared with that of the model.
-NO_LOOP = (
-    "this model does not state its slow loop, so that a load or a resistance that has changed since is not noticed at "
-    "the start: fit a recording with voltages again"
-)
-NO_MAXIMUM = (
-    "resistance has no maximum in this model's slow loop, so that a load or a resistance that has changed since is not "
-    "noticed at the start"
-)
 # What the whole range of a quantity other than strain counts as, in the controller's unit of percent strain.
 RANGE_AS_PERCENT_STRAIN = 3.0
 # Where friction reverses, force changes steeply with strain: this multiple of the friction counts as range, or the loop
@@ -171,29 +157,6 @@ def load_facts(model: SensingModel, known: Mapping[str, MetadataValue]) -> dict[
     """
     sensed = {"sensed_range": model.quantity_max - model.quantity_min}
     return {**known_against(model, known), **height_of_b(model), **sensed}
-
-
-def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
-    """Return the height of B in a model's slow loop, which a run's first heating is compared with, or why it is not.
-
-    B, C, the highest of the whole loop and the rise from the cold wire to B [ohm], and the standard deviation [ohm]
-    with which B repeats: by the drift that a trained wire has, and the noise of a reading.
-    """
-    resistance_ohm = np.array([row[2] for row in model.slow_loop])
-    try:
-        seen = find_resistance_extremes(resistance_ohm)
-    except RecordingError:
-        return {"b_not_compared": NO_LOOP}
-    if not seen.saw_b:
-        return {"b_not_compared": NO_MAXIMUM}
-    means_ohm = np.convolve(resistance_ohm, np.full(MEAN_SAMPLES, 1.0 / MEAN_SAMPLES), "valid")
-    return {
-        "model_b_ohm": model.resistance_max_ohm,
-        "model_c_ohm": model.resistance_min_ohm,
-        "model_highest_ohm": max(model.resistance_max_ohm, float(means_ohm.max())),
-        "model_rise_ohm": model.resistance_max_ohm - model.cold_resistance_ohm,
-        "model_b_std_ohm": hypot(model.drift_resistance_ohm, model.resistance_noise_ohm),
-    }
 
 
 # Numbers of the bench that a rig or a recording may state; they count before those of the wire file.

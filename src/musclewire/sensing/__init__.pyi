@@ -30,8 +30,6 @@ from ._fitting import fit_branches as fit_branches
 from ._fitting import fit_loop as fit_loop
 from ._gaps import hysteresis_gap as hysteresis_gap
 from ._gaps import signed_hysteresis_gap as signed_hysteresis_gap
-from ._health import CAUSE_TEXT as CAUSE_TEXT
-from ._health import Cause as Cause
 from ._home_move import DRIFT_FRACTION as DRIFT_FRACTION
 from ._home_move import HomeMove as HomeMove
 from ._known_load import KnownSpring as KnownSpring

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire import ESTIMATORS, EstimatorSetup, FloatArray, SensingModel, WireSample
-from musclewire.experiment import ScaleByB, odd_resistance
 from musclewire.identify import load_facts
+from musclewire.judge import ScaleByB, odd_resistance
 from musclewire.sensing import EstimatorFactory, KnownSpring, estimates
 from musclewire.signals import Recording
 from musclewire.wire import WireConstants

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire import FloatArray
-from musclewire.experiment import GRAVE
+from musclewire.judge import GRAVE
 from musclewire_robustness.characterizing import UsersKnowledge
 from musclewire_robustness.estimating import EstimatedRun
 from musclewire_robustness.recorded_run import RecordedRun

@@ -27,10 +27,11 @@ from musclewire import (
 )
 from musclewire.controllers import Reference
 from musclewire.errors import NumericsError
-from musclewire.experiment import APPROACH_S, control_compiled, does_not_hold, findings
+from musclewire.experiment import APPROACH_S, control_compiled
 from musclewire.extras.studies import KindOptions, Outcome, Quantity, RunKind, StudyRuns, each
-from musclewire.identify import COLUMN_SUFFIX, reference_quantity
+from musclewire.judge import does_not_hold, findings
 from musclewire.rigs import SimulatedDevice
+from musclewire.signals import COLUMN_SUFFIX, reference_quantity
 from musclewire_robustness.recording_runs import StrainServo
 from musclewire_robustness.store import FOLDER
 from musclewire_robustness.task_plants import PLANTS, changed

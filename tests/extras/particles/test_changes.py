@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from musclewire.extras.particles._changes import ChangeEvidence, ChangeState, after_evidence, change_of
-from musclewire.sensing import CAUSE_TEXT, Cause
+from musclewire.judge import CAUSE_TEXT, Cause
 from musclewire.signals import Reason
 
 NOTHING = ChangeEvidence(0.0, 0.0, 1.0, 0.0, 0.0, 1.0, Reason.OK)

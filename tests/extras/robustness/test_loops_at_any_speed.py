@@ -19,9 +19,9 @@ from musclewire_robustness.plant import open_plant
 from musclewire_robustness.population import drawn_wire
 
 from musclewire.experiment import characterize
-from musclewire.identify import estimate, fit, reference_quantity
+from musclewire.identify import estimate, fit
 from musclewire.sensing import SensingModel
-from musclewire.signals import Recording
+from musclewire.signals import Recording, reference_quantity
 
 # Samples of a loop that is written down by hand, or by a logger that is slow; and how many are made of one.
 SPARSE, DRAWN_OUT = 71, 20

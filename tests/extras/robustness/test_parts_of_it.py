@@ -34,7 +34,7 @@ from musclewire_robustness.table_text import bar_lines
 from musclewire_robustness.verdicts import verdicts_of
 
 from musclewire.errors import CallerError
-from musclewire.sensing import Cause
+from musclewire.judge import Cause
 
 
 def condition(name):

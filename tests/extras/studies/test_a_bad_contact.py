@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import musclewire as mw
-from musclewire.experiment import does_not_hold
+from musclewire.judge import does_not_hold
 
 pytestmark = pytest.mark.slow
 RIG = 'kind = "segmented"\nsegments = 4\n'

@@ -13,10 +13,10 @@ import musclewire as mw
 from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, PidSettings, staircase
 from musclewire.errors import CallerError
 from musclewire.experiment import LoopChoice, control, run_warnings
-from musclewire.experiment._health import does_not_hold, findings
 from musclewire.experiment._metrics import control_metrics
 from musclewire.identify import gains_of
-from musclewire.sensing import Cause, KnownSpring, SensingModel
+from musclewire.judge import Cause, does_not_hold, findings
+from musclewire.sensing import KnownSpring, SensingModel
 from musclewire.signals import Recording
 
 PERIOD_S = 0.05

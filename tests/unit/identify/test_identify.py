@@ -6,10 +6,10 @@ import pytest
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment import characterize, pretension_sweep
 from musclewire.identify._loop_gaps import loop_gaps
-from musclewire.identify._recordings import COLUMN_SUFFIX, reference_quantity, resistance_reading
+from musclewire.identify._recordings import resistance_reading
 from musclewire.identify._sensing_model import estimate, fit
 from musclewire.rigs import RigConfiguration, open_rig
-from musclewire.signals import Recording
+from musclewire.signals import COLUMN_SUFFIX, Recording, reference_quantity
 
 
 @pytest.fixture(scope="module")

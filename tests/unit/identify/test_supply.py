@@ -11,10 +11,10 @@ from known_plant import LIMITS, MODEL, TAU_S, plant_settings
 
 import musclewire as mw
 from musclewire.controllers import FeedforwardSettings, staircase
-from musclewire.identify import reference_quantity, speed_limits_of
+from musclewire.identify import speed_limits_of
 from musclewire.identify._speed_limits.plant import plant_of_gains
 from musclewire.identify._speed_limits.supply import LATE_PCT, min_errors_pct, warming_s
-from musclewire.signals import RunFacts
+from musclewire.signals import RunFacts, reference_quantity
 
 PERIOD_S = 0.05
 

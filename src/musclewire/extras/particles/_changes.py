@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from musclewire.sensing import Cause
+from musclewire.judge import Cause
 from musclewire.signals import Reason
 
 # A change is named from this probability on, if it is also this large: what is smaller does no harm.

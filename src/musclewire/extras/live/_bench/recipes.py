@@ -15,7 +15,6 @@ from musclewire.experiment import (
     MINOR_LOOP_CYCLES,
     HeldVoltage,
     LoopChoice,
-    MissWatch,
     characterize,
     control,
     examination_s,
@@ -36,10 +35,11 @@ from musclewire.extras.live._bench.descriptions import (
     described_sweep,
 )
 from musclewire.extras.live._bench.session import BenchSession
-from musclewire.identify import COLUMN_SUFFIX, fit
+from musclewire.identify import fit
+from musclewire.judge import MissWatch
 from musclewire.rigs import GuardedRig, HasStage, ability
 from musclewire.sensing import SensingModel, load_model
-from musclewire.signals import Recording
+from musclewire.signals import COLUMN_SUFFIX, Recording
 
 # A drawn path may last this long [s].
 MAX_DURATION_S = 3600.0

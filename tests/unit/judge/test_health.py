@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.experiment._health import does_not_hold, findings, health_metadata, health_warnings
-from musclewire.sensing import Cause
+from musclewire.judge._cause import Cause
+from musclewire.judge._health import does_not_hold, findings, health_metadata, health_warnings
 from musclewire.signals import Recording
 
 PERIOD_S = 0.05

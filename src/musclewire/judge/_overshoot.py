@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from musclewire.experiment._metrics import since_first_sensed
-from musclewire.experiment._scale_by_b import WITHIN_STD
+from musclewire.judge._scale_by_b import WITHIN_STD
+from musclewire.judge._sensed import since_first_sensed
 from musclewire.signals import Recording
 
 # Beyond the target by more than this part of all that the wire moves, and than the interval of the estimate, in at

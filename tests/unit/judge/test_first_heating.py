@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.experiment._first_heating import seen_at_b
-from musclewire.experiment._health import does_not_hold, findings, health_metadata
-from musclewire.experiment._run_warnings import run_warnings
-from musclewire.sensing import Cause
+from musclewire.experiment import run_warnings
+from musclewire.judge._cause import Cause
+from musclewire.judge._first_heating import seen_at_b
+from musclewire.judge._health import does_not_hold, findings, health_metadata
 from musclewire.signals import Recording
 
 PERIOD_S = 0.05

@@ -13,8 +13,8 @@ import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 
 from musclewire.arrays import FloatArray
-from musclewire.experiment._first_heating import LIMIT_STDS, NOISY, KnownB
-from musclewire.experiment._metrics import since_first_sensed
+from musclewire.judge._first_heating import LIMIT_STDS, MEAN_SAMPLES, NOISY, KnownB
+from musclewire.judge._sensed import since_first_sensed
 from musclewire.signals import Recording
 
 # A rise is a jump from this part of the span from B to C on, and from so many standard deviations of a reading at its
@@ -27,8 +27,6 @@ MOVES = 4.0
 # switched turns, and a reading at another current may have another error: their drives lie within this factor, and no
 # row is missing between them.
 BEFORE, STEADY_SAMPLES, STEADY_PART = 4, 8, 0.8
-# Above the slow loop counts what the mean of so many readings is, as the highest of that loop is one.
-MEAN_SAMPLES = 5
 # Of normally distributed noise the median size of a second difference of readings is so many standard deviations.
 BEND_PER_STD = 0.6745 * 6.0**0.5
 NO_ROWS = np.zeros(0, dtype=np.intp)

@@ -14,7 +14,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.controllers import Reference
 from musclewire.errors import CallerError
-from musclewire.experiment._scale_by_b import LEFT_PCT, LEFT_PER_PCT, WITHIN_STD
+from musclewire.judge._scale_by_b import LEFT_PCT, LEFT_PER_PCT, WITHIN_STD
 from musclewire.physics import wire_resistance
 from musclewire.sensing import SHOWN_AS, SensingModel
 from musclewire.signals import MetadataValue, QuantityEstimate, Recording, RunFacts, WireSample

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from musclewire.experiment import MissWatch
+from musclewire.judge import MissWatch
 
 PERIOD_S = 0.05
 

@@ -11,8 +11,7 @@ from array import array
 
 import numpy as np
 
-from musclewire.experiment._first_heating import NOISY, KnownB, SeenAtB
-from musclewire.identify import load_facts
+from musclewire.judge._first_heating import NOISY, KnownB, SeenAtB, height_of_b
 from musclewire.physics import wire_resistance
 from musclewire.sensing import SensingModel
 from musclewire.signals import QuantityEstimate, Reason, RunFacts, WireSample
@@ -55,7 +54,7 @@ class ScaleByB:
     @classmethod
     def of_model(cls, model: SensingModel, sense_voltage_v: float, shunt_resistance_ohm: float) -> ScaleByB:
         """Return what scales the readings of a model's wire, on a rig of a sense voltage [V] and a shunt [ohm]."""
-        stated = RunFacts({**load_facts(model, {}), "limit_sense_voltage_v": sense_voltage_v})
+        stated = RunFacts({**height_of_b(model), "limit_sense_voltage_v": sense_voltage_v})
         return cls(KnownB.stated_in(stated), model.stroke, shunt_resistance_ohm)
 
     @property

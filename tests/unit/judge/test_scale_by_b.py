@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.experiment._first_heating import KnownB
-from musclewire.experiment._scale_by_b import ScaleByB
+from musclewire.judge._first_heating import KnownB
+from musclewire.judge._scale_by_b import ScaleByB
 from musclewire.signals import QuantityEstimate, Reason, WireSample
 
 SHUNT_OHM, CURRENT_A, PERIOD_S, STROKE = 1.0, 0.15, 0.05, 0.03

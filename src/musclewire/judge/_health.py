@@ -8,17 +8,17 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
-from musclewire.experiment._first_heating import SeenAtB, seen_at_b
-from musclewire.experiment._known_strain import MissedBy, missed_known_strain
-from musclewire.experiment._metrics import judged_for_sensing, since_first_sensed, valid_share
-from musclewire.experiment._missed_target import MAX_MISSED, MissedTarget
-from musclewire.experiment._odd_resistance import odd_resistance
-from musclewire.experiment._oscillation import Oscillation
-from musclewire.experiment._overshoot import Overshoot
-from musclewire.experiment._scale_by_b import TODAY, WITHIN_STD, what_followed
-from musclewire.identify import COLUMN_SUFFIX, reference_quantity
-from musclewire.sensing import CAUSE_TEXT, SHOWN_AS, Cause
-from musclewire.signals import Recording
+from musclewire.judge._cause import CAUSE_TEXT, Cause
+from musclewire.judge._first_heating import SeenAtB, seen_at_b
+from musclewire.judge._known_strain import MissedBy, missed_known_strain
+from musclewire.judge._missed_target import MAX_MISSED, MissedTarget
+from musclewire.judge._odd_resistance import odd_resistance
+from musclewire.judge._oscillation import Oscillation
+from musclewire.judge._overshoot import Overshoot
+from musclewire.judge._scale_by_b import TODAY, WITHIN_STD, what_followed
+from musclewire.judge._sensed import judged_for_sensing, since_first_sensed, valid_share
+from musclewire.sensing import SHOWN_AS
+from musclewire.signals import COLUMN_SUFFIX, Recording, reference_quantity
 
 NAMES = {
     Cause.SATURATION: "saturation",

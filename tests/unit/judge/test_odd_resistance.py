@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.experiment._first_heating import KnownB
-from musclewire.experiment._health import does_not_hold, findings, health_warnings
-from musclewire.experiment._odd_resistance import odd_resistance
-from musclewire.sensing import Cause
+from musclewire.judge._cause import Cause
+from musclewire.judge._first_heating import KnownB
+from musclewire.judge._health import does_not_hold, findings, health_warnings
+from musclewire.judge._odd_resistance import odd_resistance
 from musclewire.signals import Recording
 
 KNOWN = KnownB(b_ohm=20.0, c_ohm=17.0, rise_ohm=0.2, std_ohm=0.012, highest_ohm=20.0, sense_voltage_v=0.3)

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 import musclewire as mw
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError
-from musclewire.experiment import control, does_not_hold, run_warnings
-from musclewire.experiment._known_strain import (
+from musclewire.experiment import control, run_warnings
+from musclewire.judge._health import does_not_hold
+from musclewire.judge._known_strain import (
     COMPARED_S,
     KnownStrain,
     ScaleByKnownStrain,

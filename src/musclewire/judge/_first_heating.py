@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.sensing import first_maximum, noise_level
-from musclewire.signals import Recording, RunFacts
+from musclewire.errors import RecordingError
+from musclewire.sensing import SensingModel, find_resistance_extremes, first_maximum, noise_level
+from musclewire.signals import MetadataValue, Recording, RunFacts
 
 # B counts as moved beyond so many of the standard deviations with which the model says that it repeats.
 LIMIT_STDS = 4.0
@@ -26,6 +27,17 @@ HOT_FRACTION = 0.15
 # A drive of up to this many times the sense voltage does not heat; a maximum at one of up to so many is noise, of a
 # resistance that is read with little current.
 NOT_HEATED, NOISY = 1.5, 2.0
+# The highest resistance of a loop is that of the mean of so many readings.
+MEAN_SAMPLES = 5
+# Why a run's first heating is not compared with that of the model.
+NO_LOOP = (
+    "this model does not state its slow loop, so that a load or a resistance that has changed since is not noticed at "
+    "the start: fit a recording with voltages again"
+)
+NO_MAXIMUM = (
+    "resistance has no maximum in this model's slow loop, so that a load or a resistance that has changed since is not "
+    "noticed at the start"
+)
 
 
 class SeenAtB(NamedTuple):
@@ -115,6 +127,29 @@ class KnownB(NamedTuple):
         percent = 100.0 / span_ohm
         std_ohm = hypot(self.std_ohm, noise_at(at, resistance_ohm, drive_voltage_v))
         return SeenAtB(at, percent * (seen_ohm - self.b_ohm), percent * LIMIT_STDS * std_ohm)
+
+
+def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
+    """Return the height of B in a model's slow loop, which a run's first heating is compared with, or why it is not.
+
+    B, C, the highest of the whole loop and the rise from the cold wire to B [ohm], and the standard deviation [ohm]
+    with which B repeats: by the drift that a trained wire has, and the noise of a reading.
+    """
+    resistance_ohm = np.array([row[2] for row in model.slow_loop])
+    try:
+        seen = find_resistance_extremes(resistance_ohm)
+    except RecordingError:
+        return {"b_not_compared": NO_LOOP}
+    if not seen.saw_b:
+        return {"b_not_compared": NO_MAXIMUM}
+    means_ohm = np.convolve(resistance_ohm, np.full(MEAN_SAMPLES, 1.0 / MEAN_SAMPLES), "valid")
+    return {
+        "model_b_ohm": model.resistance_max_ohm,
+        "model_c_ohm": model.resistance_min_ohm,
+        "model_highest_ohm": max(model.resistance_max_ohm, float(means_ohm.max())),
+        "model_rise_ohm": model.resistance_max_ohm - model.cold_resistance_ohm,
+        "model_b_std_ohm": hypot(model.drift_resistance_ohm, model.resistance_noise_ohm),
+    }
 
 
 def noise_at(row: int, resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> float:

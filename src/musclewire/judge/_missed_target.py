@@ -17,7 +17,7 @@ import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 
 from musclewire.arrays import FloatArray
-from musclewire.experiment._scale_by_b import WITHIN_STD
+from musclewire.judge._scale_by_b import WITHIN_STD
 from musclewire.signals import Recording
 
 # A target is missed by more than this part of it, a little more than the paper's largest error on its staircase, and by
