@@ -9,8 +9,9 @@ Power drives it, the measured resistance corrects it. How far between the branch
 between both polynomials of the resistance as it was read: an error of the model's level does not count, only one of
 that part. Before B the resistance rises with the place and after it it falls; that is in the tables, and B is passed as
 any other place is. A reading that the state does not explain makes place and power as uncertain as it takes, so that a
-wire that is lost is found again. Eight points about the mean say what a change does (cubature, Arasaratnam and Haykin
-2009, doi 10.1109/TAC.2009.2019800), and not a slope at it, which a play does not have at a branch.
+wire that is lost is found again; and the heat loss, too, if it says that the wire goes against its power. Eight points
+about the mean say what a change does (cubature, Arasaratnam and Haykin 2009, doi 10.1109/TAC.2009.2019800), and not a
+slope at it, which a play does not have at a branch.
 """
 
 from __future__ import annotations
@@ -253,6 +254,13 @@ def lengthened(dt_s: float, loss: float, heat_s: float) -> float:
 
 
 @compiled_inner
+def warmed(steady_w: float, heat_s: float, given_w: float, loss: float, dt_s: float) -> float:
+    """Return the steady power after a time, where a watt of it takes this heat."""
+    step_s = lengthened(dt_s, loss, heat_s)
+    return (heat_s * steady_w + step_s * given_w) / (heat_s + step_s * loss)
+
+
+@compiled_inner
 def loose_per_watt(numbers: Row, edges: Edges, steady_w: float, toward_w: float) -> float:
     """Return by how much the place follows the power between the branches: the more the nearer the branch ahead."""
     part, ahead_w = part_between(steady_w, edges), edges.heating_slope_w
@@ -274,14 +282,13 @@ def advanced(
 ) -> tuple[float, float]:
     """Return steady power and place after a time at a power: an implicit step, on a branch that it meets."""
     tau_s, loss = numbers.time_constant_s, max(loss, MIN_LOSS)
-    step_s = lengthened(dt_s, loss, tau_s)
-    free_w = (tau_s * steady_w + step_s * (power_w + loss * shift_w)) / (tau_s + step_s * loss)
+    given_w = power_w + loss * shift_w
+    free_w = warmed(steady_w, tau_s, given_w, loss, dt_s)
     edges = edges_at(numbers, tables, place)
     if edges.cooling_w <= free_w <= edges.heating_w:
         per_watt = loose_per_watt(numbers, edges, steady_w, free_w)
         heat_s = tau_s + (numbers.transformation_heat_j if place > numbers.sensed_from else 0.0) * per_watt
-        step_s = lengthened(dt_s, loss, heat_s)
-        reached_w = (heat_s * steady_w + step_s * (power_w + loss * shift_w)) / (heat_s + step_s * loss)
+        reached_w = warmed(steady_w, heat_s, given_w, loss, dt_s)
         loose = place + per_watt * (reached_w - steady_w)
         return reached_w, min(max(loose, numbers.first_place), numbers.last_place)
     rises = free_w > edges.heating_w
@@ -293,7 +300,7 @@ def advanced(
         slope_w = max(slope_w, numbers.least_slope_w)
         takes_j = numbers.transformation_heat_j if at > numbers.sensed_from else 0.0
         step_s = lengthened(dt_s, loss, tau_s + takes_j / slope_w)
-        given_j = tau_s * steady_w + step_s * (power_w + loss * shift_w)
+        given_j = tau_s * steady_w + step_s * given_w
         per_w = tau_s + step_s * loss
         found = (given_j + takes_j * place - per_w * (branch_w - slope_w * at)) / (takes_j + per_w * slope_w)
         found = max(found, place) if rises else min(found, place)
@@ -346,9 +353,8 @@ def filter_tick(constants: FloatArray, state_array: FloatArray, given: FloatArra
     dt_s = given[0] - state.time_s
     state.time_s = given[0]
     noise = learnt_noise(numbers, state, read, dt_s, per_volt)
-    if dt_s > 0.0:
-        predict(filtered, power_w, dt_s)
-    correct(filtered, read, noise, dt_s)
+    change_w = predict(filtered, power_w, dt_s) if dt_s > 0.0 else 0.0
+    correct(filtered, read, noise, dt_s, change_w)
     quantity, variance, part = quantity_of(filtered, constants[N_CONSTANTS + N_TABLES :], read, noise)
     sensed = is_sensed(numbers, state, filtered.covariance)
     if numbers.stiffness_n_per_m > 0.0:
@@ -423,8 +429,8 @@ def learnt_noise(numbers: Row, state: Row, read: float, dt_s: float, per_volt: f
 
 
 @compiled_inner
-def predict(filtered: Filtered, power_w: float, dt_s: float) -> None:
-    """Take mean and covariance through the heat balance and the play, and add what these leave out."""
+def predict(filtered: Filtered, power_w: float, dt_s: float) -> float:
+    """Take mean and covariance through the heat balance and the play, add what these leave out; return the change."""
     numbers, state, covariance, tables = filtered
     root, powers, places = np.zeros(STATES * STATES), np.empty(POINTS), np.empty(POINTS)
     root_of(covariance, root)
@@ -459,16 +465,25 @@ def predict(filtered: Filtered, power_w: float, dt_s: float) -> None:
     if covariance[9] < 1.0:  # a factor of two is as much as is not known of a wire that has been cold for hours
         walk = numbers.loss_walk * state.unrest
         covariance[9] += walk * walk * dt_s
+    return change_w
 
 
 @compiled_inner
-def correct(filtered: Filtered, read: float, noise: float, dt_s: float) -> None:
+def widened(wider: float, known: float) -> float:
+    """Return by how much a deviation is wider, if its variance is by this and no wider than what is known."""
+    return math.sqrt(min(wider, max(known, 1.0)))
+
+
+@compiled_inner
+def correct(filtered: Filtered, read: float, noise: float, dt_s: float, change_w: float) -> None:
     """Correct mean and covariance by a reading; one that they do not explain makes them wider before that.
 
-    The resistance is one of power and place alone, so that four of the eight points are in the middle.
+    A play follows its power. Where the reading takes the place against the change of the power, the heat balance that
+    predicted the change does not hold, and the heat loss is made as uncertain. The resistance is one of power and place
+    alone, so that four of the eight points are in the middle.
     """
     numbers, state, covariance, tables = filtered
-    root = np.empty(STATES * STATES)
+    root, wide = np.empty(STATES * STATES), np.ones(STATES)
     root_of(covariance, root)
     steady_w, place = state.steady_w, state.place
     middle = modelled(numbers, tables, steady_w, place)
@@ -493,17 +508,15 @@ def correct(filtered: Filtered, read: float, noise: float, dt_s: float) -> None:
         if wider <= 1.0:
             break
         # No wider than if nothing were known: of the power its middle, of the place the whole way.
-        wide_w = math.sqrt(min(wider, max(known_w2 / (root[0] * root[0]), 1.0)))
-        wide_place = math.sqrt(min(wider, max(1.0 / (root[1] * root[1] + root[2] * root[2]), 1.0)))
-        root[0] *= wide_w
-        covariance[0] *= wide_w * wide_w
-        covariance[1] *= wide_w * wide_place
-        covariance[2] *= wide_place * wide_place
-        for index in (1, 2):
-            root[index] *= wide_place
-        for index in (3, 6):
-            covariance[index] *= wide_w
-            covariance[index + 1] *= wide_place
+        wide[0] = widened(wider, known_w2 / (root[0] * root[0]))
+        wide[1] = widened(wider, 1.0 / (root[1] * root[1] + root[2] * root[2]))
+        wide[3] = 1.0
+        if surprise * (root[1] * by_w + root[2] * by_place) * change_w < 0.0:
+            wide[3] = widened(wider, 1.0 / covariance[9])
+        for row in range(STATES):
+            for column in range(row + 1):
+                root[row * (row + 1) // 2 + column] *= wide[row]
+                covariance[row * (row + 1) // 2 + column] *= wide[row] * wide[column]
     gains = (
         root[0] * by_w,
         root[1] * by_w + root[2] * by_place,

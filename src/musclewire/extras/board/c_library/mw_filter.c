@@ -89,23 +89,26 @@ static mw_real loose_per_watt(const branch_edges *edges, mw_real steady_w, mw_re
     return MW_LOOSENESS * part / at_least(ahead_w, MW_LEAST_SLOPE_W);
 }
 
+/* The steady power after a time, where a watt of it takes this heat. */
+static mw_real warmed(mw_real steady_w, mw_real heat_s, mw_real given_w, mw_real loss, mw_real dt_s)
+{
+    const mw_real step_s = lengthened(dt_s, loss, heat_s);
+    return (heat_s * steady_w + step_s * given_w) / (heat_s + step_s * loss);
+}
+
 /* One point through the heat balance and the play, in place. */
 static void advance(mw_real *steady_w, mw_real *place, mw_real shift_w, mw_real loss, mw_real power_w, mw_real dt_s)
 {
-    mw_real step_s, given_j, per_w, free_w, takes_j = 0, at = *place;
+    mw_real given_w, step_s, given_j, per_w, free_w, takes_j = 0, at = *place;
     branch_edges edges = edges_at(at);
     uint8_t rises, turn;
     loss = at_least(loss, MW_MIN_LOSS);
-    step_s = lengthened(dt_s, loss, MW_TIME_CONSTANT_S);
-    given_j = MW_TIME_CONSTANT_S * *steady_w + step_s * (power_w + loss * shift_w);
-    per_w = MW_TIME_CONSTANT_S + step_s * loss;
-    free_w = given_j / per_w;
+    given_w = power_w + loss * shift_w;
+    free_w = warmed(*steady_w, MW_TIME_CONSTANT_S, given_w, loss, dt_s);
     if (edges.cooling_w <= free_w && free_w <= edges.heating_w) {
         const mw_real per_watt = loose_per_watt(&edges, *steady_w, free_w);
         const mw_real heat_s = MW_TIME_CONSTANT_S + (at > MW_SENSED_FROM ? MW_TRANSFORMATION_HEAT_J : 0) * per_watt;
-        mw_real reached_w;
-        step_s = lengthened(dt_s, loss, heat_s);
-        reached_w = (heat_s * *steady_w + step_s * (power_w + loss * shift_w)) / (heat_s + step_s * loss);
+        const mw_real reached_w = warmed(*steady_w, heat_s, given_w, loss, dt_s);
         *place = mw_within(at + per_watt * (reached_w - *steady_w), MW_FIRST_PLACE, MW_LAST_PLACE);
         *steady_w = reached_w;
         return;
@@ -117,13 +120,14 @@ static void advance(mw_real *steady_w, mw_real *place, mw_real shift_w, mw_real 
         mw_real found;
         takes_j = at > MW_SENSED_FROM ? MW_TRANSFORMATION_HEAT_J : 0;
         step_s = lengthened(dt_s, loss, MW_TIME_CONSTANT_S + takes_j / slope_w);
-        given_j = MW_TIME_CONSTANT_S * *steady_w + step_s * (power_w + loss * shift_w);
+        given_j = MW_TIME_CONSTANT_S * *steady_w + step_s * given_w;
         per_w = MW_TIME_CONSTANT_S + step_s * loss;
         found = (given_j + takes_j * *place - per_w * (branch_w - slope_w * at)) / (takes_j + per_w * slope_w);
         if (rises ? found < *place : found > *place)
             found = *place;
         at = mw_within(found, MW_FIRST_PLACE, MW_LAST_PLACE);
-        edges = edges_at(at);
+        if (turn == 0)
+            edges = edges_at(at);
     }
     *steady_w = (given_j - takes_j * (at - *place)) / per_w;
     *place = at;
@@ -137,17 +141,19 @@ static mw_real entry(const mw_real *triangle, uint8_t row, uint8_t column)
 
 static void factor(const mw_real *covariance, mw_real *root)
 {
-    uint8_t row, column, before, at = 0;
-    for (row = 0; row < STATES; row++)
-        for (column = 0; column <= row; column++, at++) {
-            mw_real left = covariance[at];
+    uint8_t row, column, before;
+    mw_real *of_row = root;
+    for (row = 0; row < STATES; row++) {
+        const mw_real *of_column = root;
+        for (column = 0; column <= row; column++) {
+            mw_real left = *covariance++;
             for (before = 0; before < column; before++)
-                left -= entry(root, row, before) * entry(root, column, before);
-            if (row == column)
-                root[at] = mw_root(at_least(left, MW_MIN_VARIANCE));
-            else
-                root[at] = left / entry(root, column, column);
+                left -= of_row[before] * of_column[before];
+            of_row[column] = row == column ? mw_root(at_least(left, MW_MIN_VARIANCE)) : left / of_column[column];
+            of_column += column + 1;
         }
+        of_row += row + 1;
+    }
 }
 
 static void begin(mw_follower *filter, mw_real read, mw_real power_w)
@@ -194,22 +200,19 @@ static mw_real learnt_noise(mw_follower *filter, mw_real read, mw_real dt_s, mw_
     filter->before_last = filter->before;
     filter->before = read;
     if (dt_s > 0) {
-        filter->learnt_s += dt_s;
-        if (filter->learnt_s > MW_WALKED_S)
-            filter->learnt_s = MW_WALKED_S;
-        if (new_v2 > MW_SURPRISE * filter->noise_v2)
-            new_v2 = MW_SURPRISE * filter->noise_v2;
-        weight = dt_s / filter->learnt_s;
-        filter->noise_v2 += (new_v2 - filter->noise_v2) * (weight < 1 ? weight : 1);
+        filter->learnt_s = at_most(filter->learnt_s + dt_s, MW_WALKED_S);
+        new_v2 = at_most(new_v2, MW_SURPRISE * filter->noise_v2);
+        weight = at_most(dt_s / filter->learnt_s, 1);
+        filter->noise_v2 += (new_v2 - filter->noise_v2) * weight;
         filter->noise_v2 = at_least(filter->noise_v2, MW_R(0.25) * MW_LEAST_NOISE_V2);
     }
     return filter->noise_v2 * per_volt * per_volt;
 }
 
-static void predict(mw_follower *filter, mw_real power_w, mw_real dt_s)
+static mw_real predict(mw_follower *filter, mw_real power_w, mw_real dt_s)
 {
     const mw_real walk_w = MW_POWER_WALK * MW_MIDDLE_W;
-    mw_real root[TRIANGLE], powers[POINTS], places[POINTS], mean_w = 0, mean_place = 0, part_w;
+    mw_real root[TRIANGLE], powers[POINTS], places[POINTS], mean_w = 0, mean_place = 0, change_w, part_w;
     mw_real *covariance = filter->covariance;
     uint8_t point;
     factor(covariance, root);
@@ -223,7 +226,8 @@ static void predict(mw_follower *filter, mw_real power_w, mw_real dt_s)
         mean_w += powers[point] / POINTS;
         mean_place += places[point] / POINTS;
     }
-    part_w = MW_POWER_PART * (mean_w - filter->steady_w);
+    change_w = mean_w - filter->steady_w;
+    part_w = MW_POWER_PART * change_w;
     filter->steady_w = mean_w;
     filter->place = mean_place;
     covariance[0] = covariance[1] = covariance[2] = covariance[3] = covariance[4] = covariance[6] = covariance[7] = 0;
@@ -231,21 +235,30 @@ static void predict(mw_follower *filter, mw_real power_w, mw_real dt_s)
         const uint8_t column = point / 2;
         const mw_real away = (mw_real)(point % 2 ? -AWAY : AWAY) / POINTS;
         const mw_real off_w = powers[point] - mean_w, off_place = places[point] - mean_place;
+        const mw_real by_w = off_w * away, by_place = off_place * away;
+        const mw_real of_shift = entry(root, 2, column), of_loss = entry(root, 3, column);
         covariance[0] += off_w * off_w / POINTS;
         covariance[1] += off_w * off_place / POINTS;
         covariance[2] += off_place * off_place / POINTS;
-        covariance[3] += off_w * away * entry(root, 2, column);
-        covariance[4] += off_place * away * entry(root, 2, column);
-        covariance[6] += off_w * away * entry(root, 3, column);
-        covariance[7] += off_place * away * entry(root, 3, column);
+        covariance[3] += by_w * of_shift;
+        covariance[4] += by_place * of_shift;
+        covariance[6] += by_w * of_loss;
+        covariance[7] += by_place * of_loss;
     }
     covariance[0] += walk_w * walk_w * dt_s + part_w * part_w;
     covariance[2] += MW_PLACE_WALK * MW_PLACE_WALK * dt_s;
     if (covariance[9] < 1)
         covariance[9] += square(MW_LOSS_WALK * filter->unrest) * dt_s;
+    return change_w;
 }
 
-static void correct(mw_follower *filter, mw_real read, mw_real noise, mw_real dt_s)
+/* By how much a deviation is wider, if its variance is by this and no wider than what is known. */
+static mw_real widened(mw_real wider, mw_real known)
+{
+    return mw_root(at_most(wider, at_least(known, 1)));
+}
+
+static void correct(mw_follower *filter, mw_real read, mw_real noise, mw_real dt_s, mw_real change_w)
 {
     const mw_real own = MW_RESISTANCE_STD * MW_RESISTANCE_STD;
     const mw_real steady_w = filter->steady_w, place = filter->place, middle = modelled(steady_w, place);
@@ -260,7 +273,8 @@ static void correct(mw_follower *filter, mw_real read, mw_real noise, mw_real dt
         const mw_real farther = modelled(steady_w, place + AWAY * root[2]);
         const mw_real nearer = modelled(steady_w, place - AWAY * root[2]);
         const mw_real mean = (4 * middle + hotter + colder + farther + nearer) / POINTS;
-        mw_real spread = 4 * square(middle - mean) + square(hotter - mean) + square(colder - mean), wider, wide_w, wide_place;
+        mw_real spread = 4 * square(middle - mean) + square(hotter - mean) + square(colder - mean), wider;
+        mw_real wide[STATES] = {1, 1, 1, 1};
         spread = (spread + square(farther - mean) + square(nearer - mean)) / POINTS;
         variance = spread + noise + own;
         surprise = read - mean;
@@ -273,18 +287,16 @@ static void correct(mw_follower *filter, mw_real read, mw_real noise, mw_real dt
         if (wider <= 1)
             break;
         /* No wider than if nothing were known: of the power its middle, of the place the whole way. */
-        wide_w = mw_root(at_most(wider, at_least(MW_MIDDLE_W * MW_MIDDLE_W / square(root[0]), 1)));
-        wide_place = mw_root(at_most(wider, at_least(1 / (square(root[1]) + square(root[2])), 1)));
-        root[0] *= wide_w;
-        covariance[0] *= wide_w * wide_w;
-        covariance[1] *= wide_w * wide_place;
-        covariance[2] *= wide_place * wide_place;
-        for (at = 1; at < 3; at++)
-            root[at] *= wide_place;
-        for (at = 3; at < 7; at = (uint8_t)(at + 3)) {
-            covariance[at] *= wide_w;
-            covariance[at + 1] *= wide_place;
-        }
+        wide[0] = widened(wider, MW_MIDDLE_W * MW_MIDDLE_W / square(root[0]));
+        wide[1] = widened(wider, 1 / (square(root[1]) + square(root[2])));
+        /* A play follows its power: against it, the heat balance does not hold. */
+        if (surprise * (root[1] * by_w + root[2] * by_place) * change_w < 0)
+            wide[3] = widened(wider, 1 / covariance[9]);
+        for (row = 0, at = 0; row < STATES; row++)
+            for (column = 0; column <= row; column++, at++) {
+                root[at] *= wide[row];
+                covariance[at] *= wide[row] * wide[column];
+            }
     }
     gains[0] = root[0] * by_w;
     gains[1] = root[1] * by_w + root[2] * by_place;
@@ -350,9 +362,7 @@ mw_estimation mw_follow(mw_follower *filter, mw_real resistance_ohm, mw_real wir
     dt_s = filter->waited_s;
     filter->waited_s = 0;
     noise = learnt_noise(filter, read, dt_s, per_volt);
-    if (dt_s > 0)
-        predict(filter, power_w, dt_s);
-    correct(filter, read, noise, dt_s);
+    correct(filter, read, noise, dt_s, dt_s > 0 ? predict(filter, power_w, dt_s) : 0);
     answer(filter, read, noise);
     outside = MW_VALID_FROM - read;
     if (read - 1 - MW_MARGIN > outside)
