@@ -11,6 +11,7 @@ import sys
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from threading import RLock
 from types import ModuleType
 from typing import Any
 
@@ -20,6 +21,8 @@ from musclewire.rigs._kinds import DeviceConfiguration, DeviceKind
 from musclewire.rigs._mounted_wire import MountedWire
 
 FORM = re.compile(r"python:([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*):([A-Za-z_]\w*)")
+# Of two threads that open the same plant the second waits until the first has run its module.
+IMPORTING = RLock()
 # Kinds whose modules were imported for a rig file that the user named; nothing else fills it.
 imported: dict[str, DeviceKind[Any]] = {}
 
@@ -50,7 +53,8 @@ def imported_kind(kind: str, folder: Path) -> DeviceKind[Any]:
     if form is None:
         raise CallerError(f"kind '{kind}' is not of the form \"python:module:Class\"")
     name, class_name = form.groups()
-    module = imported_module(name, folder)
+    with IMPORTING:
+        module = imported_module(name, folder)
     plant = getattr(module, class_name, None)
     if plant is None:
         classes = [each for each, value in vars(module).items() if isinstance(value, type)]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
+import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 
 import numpy as np
@@ -124,6 +126,21 @@ def test_a_rig_file_opens_the_class_of_a_module_next_to_it(tmp_path: Path) -> No
         sample = rig.exchange(1.8)
     assert sample.wire_voltage_v / sample.shunt_voltage_v == pytest.approx(17.0)
     assert rig.metadata()["rig"] == "resistor"
+
+
+def test_a_thread_waits_until_another_has_run_the_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    begun, go_on = threading.Event(), threading.Event()
+    monkeypatch.setattr(threading, "gate_of_this_test", (begun, go_on), raising=False)
+    held = "import threading\nthreading.gate_of_this_test[0].set()\nassert threading.gate_of_this_test[1].wait(60.0)\n"
+    file = rig_file(tmp_path, "python:my_plant:Resistor", plant=held + PLANT)
+    with ThreadPoolExecutor(2) as both:
+        first = both.submit(open_rig, file)
+        assert begun.wait(60.0)
+        second = both.submit(open_rig, file)
+        wait([second], 0.2)  # long enough for one that does not wait to find a module without its class
+        go_on.set()
+        for opening in (first, second):
+            opening.result().close()
 
 
 def test_an_installed_module_serves_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
