@@ -25,7 +25,7 @@ from musclewire.controllers import (
 )
 from musclewire.errors import CallerError, RigError, nearest_hint
 from musclewire.experiment._calm_air import heed_air
-from musclewire.experiment._metrics import ControlRun, control_metrics
+from musclewire.experiment._metrics import ControlRun, with_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig, what_protects
 from musclewire.experiment._speed_limits import check_targets, fastest_way, followed, speed_metadata
 from musclewire.identify import (
@@ -300,8 +300,7 @@ def control(
     metadata = loop.metadata | beforehand
     with rig.holding_back():
         recording = run_on_rig(rig, policy, loop.duration_s, metadata=metadata, **run)
-    metrics = control_metrics(recording, loop.model.quantity, loop.reference)
-    return ControlRun(recording.columns, recording.metadata, metrics)
+    return with_metrics(recording, loop.model.quantity, loop.reference)
 
 
 @dataclass(frozen=True)

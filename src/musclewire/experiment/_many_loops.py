@@ -23,12 +23,11 @@ from musclewire.experiment._calm_air import heed_air
 from musclewire.experiment._closed_loop import LoopChoice, PreparedLoop, control, prepared_loop
 from musclewire.experiment._endings import cause_of, software_version
 from musclewire.experiment._loop_outcomes import LoopOutcome, ManyControlRuns
-from musclewire.experiment._metrics import ControlRun, control_metrics
+from musclewire.experiment._metrics import ControlRun, with_metrics
 from musclewire.experiment._run import what_protects
-from musclewire.experiment._run_warnings import run_warnings
+from musclewire.experiment._run_warnings import found_in, run_warnings
 from musclewire.experiment._timing_facts import NO_CLOCK
-from musclewire.identify import extrapolation_metadata
-from musclewire.judge import KEPT, does_not_hold, health_metadata
+from musclewire.judge import KEPT, judged
 from musclewire.rigs import (
     CompiledLoopEnd,
     CompiledRun,
@@ -41,7 +40,7 @@ from musclewire.rigs import (
     times_on_rig_s,
 )
 from musclewire.sensing import EstimatorFactory, KnownSpring, SensingModel
-from musclewire.signals import COLUMN_SUFFIX, MetadataValue, Recording, declared_tick
+from musclewire.signals import COLUMN_SUFFIX, MetadataValue, Recording, declared_tick, with_answers_of
 
 
 class LoopCase(NamedTuple):
@@ -310,15 +309,13 @@ def outcome_on(rig: GuardedRig, loop: CompiledLoop, seed: int) -> LoopOutcome:
     run = run_compiled(rig, loop.ticks, loop.elapsed_s, loop.targets, loop.first_drive_v)
     if run.ended is CompiledLoopEnd.DONE:
         whole = control_run(rig, loop, run)
-        return LoopOutcome(seed, "done", True, whole.metrics, whole, run_warnings(whole), does_not_hold(whole))
+        return LoopOutcome(seed, "done", True, whole.metrics, whole, run_warnings(whole), judged(whole).does_not_hold)
     return outcome_in_python(rig, loop.model, loop.prepared.reference, loop.choice, seed)
 
 
 def control_run(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> ControlRun:
     """Return a compiled loop that reached its end as ``control`` returns it."""
-    recording = recording_of(rig, loop, run)
-    metrics = control_metrics(recording, loop.prepared.model.quantity, loop.prepared.reference)
-    return ControlRun(recording.columns, recording.metadata, metrics)
+    return with_metrics(recording_of(rig, loop, run), loop.prepared.model.quantity, loop.prepared.reference)
 
 
 def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Recording:
@@ -339,7 +336,7 @@ def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Recor
     if loop.announced_miss is not None:
         columns["announced_miss"] = loop.announced_miss
     recording = Recording({**columns, "time_s": loop.elapsed_s}, metadata)
-    return recording.with_metadata({**extrapolation_metadata(recording), **health_metadata(recording)})
+    return with_answers_of(recording.with_metadata(found_in(recording)), recording)
 
 
 def outcome_in_python(
@@ -350,4 +347,4 @@ def outcome_in_python(
         run = control(rig, model, reference, **choice.options)
     except (RigError, NumericsError) as error:
         return LoopOutcome(seed, cause_of(error), False, None, getattr(error, "recording", None))
-    return LoopOutcome(seed, "done", False, run.metrics, run, run_warnings(run), does_not_hold(run))
+    return LoopOutcome(seed, "done", False, run.metrics, run, run_warnings(run), judged(run).does_not_hold)

@@ -23,10 +23,10 @@ from markupsafe import Markup
 from musclewire.arrays import FloatArray
 from musclewire.controllers import Reference, Staircase, Step
 from musclewire.errors import RecordingError
-from musclewire.judge import SETTLE_S, after_approach, valid_share
+from musclewire.judge import SETTLE_S, JudgedLoop
 from musclewire.parameters import read_published
 from musclewire.sensing import SHOWN_AS
-from musclewire.signals import COLUMN_SUFFIX, Recording, reference_quantity
+from musclewire.signals import COLUMN_SUFFIX, Recording, reference_quantity, with_answers_of
 
 # The two readings of Eq. 7 in words, as they stand next to a number.
 FROM_FIRST_TARGET, APPROACHED = "from the first target on", "after the approach"
@@ -312,7 +312,8 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
     rows = tuple(step_metrics(step, elapsed_s, estimated, measured, approach_s) for step in steps)
     largest, mean = largest_and_mean([row.mae_pct for row in rows])
     largest_approached, mean_approached = largest_and_mean([row.mae_approached_pct for row in rows])
-    judged = after_approach(elapsed_s, approach_s)
+    loop = JudgedLoop(recording)
+    judged = loop.counted
     target = recording[f"target_{suffix}"][judged]
     per = float(np.abs(target).max()) or 1.0
     true = None if measured is None else measured[judged]
@@ -328,8 +329,14 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
         mae_mean_approached_pct=mean_approached,
         approach_s=approach_s,
         start=None if measured is None or not np.isfinite(measured[0]) else float(measured[0]),
-        valid_share=valid_share(recording),
+        valid_share=loop.valid_share,
     )
+
+
+def with_metrics(recording: Recording, quantity: str, reference: Reference) -> ControlRun:
+    """Return a closed loop's recording with its metrics, and with what has been found in it."""
+    metrics = control_metrics(recording, quantity, reference)
+    return with_answers_of(ControlRun(recording.columns, recording.metadata, metrics), recording)
 
 
 def largest_and_mean(errors_pct: Sequence[float | None]) -> tuple[float | None, float | None]:

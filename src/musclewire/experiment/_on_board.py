@@ -14,7 +14,7 @@ from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, Refere
 from musclewire.errors import CallerError
 from musclewire.experiment._calm_air import heed_air
 from musclewire.experiment._closed_loop import APPROACH_S
-from musclewire.experiment._metrics import ControlRun, control_metrics
+from musclewire.experiment._metrics import ControlRun, with_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
 from musclewire.experiment._speed_limits import check_targets, fastest_way, followed, speed_metadata
 from musclewire.identify import FastestWay, check_made_for, gains_of, load_facts, settings_for
@@ -181,4 +181,4 @@ def control_on_board(
         },
         **run,
     )
-    return ControlRun(recording.columns, recording.metadata, control_metrics(recording, model.quantity, chosen))
+    return with_metrics(recording, model.quantity, chosen)

@@ -26,9 +26,8 @@ from musclewire.errors import CallerError, RecordingNotWrittenError
 from musclewire.experiment._calm_air import AirWatch
 from musclewire.experiment._endings import cause_of, first_line, rescued, software_version
 from musclewire.experiment._known_drive import TakenRun, run_compiled_drive
+from musclewire.experiment._run_warnings import found_in
 from musclewire.experiment._timing_facts import NO_CLOCK, RunPacing, timing_metadata
-from musclewire.identify import extrapolation_metadata
-from musclewire.judge import health_metadata
 from musclewire.rigs import Rig, SimulationClock, adjustable_clock_of
 from musclewire.signals import (
     ELECTRICAL_COLUMNS,
@@ -39,6 +38,7 @@ from musclewire.signals import (
     RawSample,
     Recording,
     refuse_unfinished,
+    with_answers_of,
 )
 
 OnSample = Callable[[Mapping[str, float]], None]
@@ -229,10 +229,11 @@ def run_on_rig(
                 rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
                 # Once more: what a rig counts, lost frames for one, is known only now.
                 recorder.describe({**rig.metadata(), **(metadata or {}), **how_taken(taken, timing)})
-            recorder.describe({**extrapolation_metadata(recorder.recording()), **health_metadata(recorder.recording())})
+            whole = recorder.recording()
+            recorder.describe(found_in(whole))
     finally:
         rig.make_safe()
-    return recorder.recording()
+    return with_answers_of(recorder.recording(), whole)
 
 
 class RunParts(NamedTuple):

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from musclewire.identify import extrapolation_warnings
-from musclewire.judge import health_warnings, known_strain_unused, not_compared
+from musclewire.judge import judged
 from musclewire.sensing import noise_level
-from musclewire.signals import Recording
+from musclewire.signals import Recording, asked_once
 
 # Friction counts as holding the wire from this fraction of a leg's length on: 0.01 points of strain.
 HELD_FRACTION = 1e-4
 # A step's error counts from here on: twenty times the tolerance of chosen steps. From 2 K on the rig itself refuses.
 STEP_ERROR_K = 0.1
-# What a recording may say of itself.
+# What a recording may say of itself: another load, pulses read at a wrong time, what a model lacks.
 STATED = (
     "model_does_not_hold",
     "other_load",
@@ -28,14 +28,16 @@ STATED = (
 
 def run_warnings(recording: Recording) -> tuple[str, ...]:
     """Return the warnings of a run, the most dangerous first; none for a run without any."""
-    own = (*friction_warnings(recording), *step_warnings(recording), *stated_warnings(recording))
-    return (*force_warnings(recording), *extrapolation_warnings(recording), *health_warnings(recording), *own)
+    beyond, found = asked_once(recording, extrapolation_warnings), judged(recording)
+    said = filter(None, map(recording.facts.text_or_none, STATED))
+    own = (*friction_warnings(recording), *step_warnings(recording), *said, *found.not_compared)
+    return (*force_warnings(recording), *beyond, *found.warnings, *own)
 
 
-def stated_warnings(recording: Recording) -> tuple[str, ...]:
-    """Return what a recording says of itself: another load, pulses read at a wrong time, what a model lacks."""
-    said = (recording.facts.text_or_none(name) for name in STATED)
-    return tuple(one for one in (*said, not_compared(recording), known_strain_unused(recording)) if one)
+def found_in(recording: Recording) -> dict[str, str]:
+    """Return what is found in a run, for its own metadata: limits of the alloy, and of a loop what is wrong with it."""
+    beyond = asked_once(recording, extrapolation_warnings)
+    return {**({"extrapolation": "; ".join(beyond)} if beyond else {}), **judged(recording).metadata}
 
 
 def instrument_warnings(recording: Recording) -> tuple[str, ...]:

@@ -1,7 +1,6 @@
 """The list of names that other rooms may use."""
 
 from ._error_causes import ErrorGroup as ErrorGroup
-from ._extrapolation import extrapolation_metadata as extrapolation_metadata
 from ._extrapolation import extrapolation_warnings as extrapolation_warnings
 from ._extrapolation import reached_in as reached_in
 from ._extrapolation import whole_section_m2 as whole_section_m2

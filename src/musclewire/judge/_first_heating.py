@@ -12,8 +12,9 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
+from musclewire.judge._loop import JudgedLoop
 from musclewire.sensing import SensingModel, find_resistance_extremes, first_maximum, noise_level
-from musclewire.signals import MetadataValue, Recording, RunFacts
+from musclewire.signals import MetadataValue, RunFacts
 
 # B counts as moved beyond so many of the standard deviations with which the model says that it repeats.
 LIMIT_STDS = 4.0
@@ -160,19 +161,20 @@ def noise_at(row: int, resistance_ohm: FloatArray, drive_voltage_v: FloatArray) 
     return noise_level(resistance_ohm[:row], drive_voltage_v[:row] / drive_voltage_v[row])
 
 
-def seen_at_b(recording: Recording) -> SeenAtB | None:
+def seen_at_b(loop: JudgedLoop) -> SeenAtB | None:
     """Return B of a run's first heating; None if its model states none, or the wire did not come from cold."""
-    known = KnownB.stated_in(recording.facts)
-    if known is None or "wire_resistance_ohm" not in recording:
+    known = KnownB.stated_in(loop.facts)
+    if known is None or "wire_resistance_ohm" not in loop.recording:
         return None
-    rows = np.flatnonzero(recording["wire_resistance_ohm"] > 0.0)
-    seen = known.seen_in(recording["wire_resistance_ohm"][rows], recording["drive_voltage_v"][rows])
+    resistance_ohm = loop.recording["wire_resistance_ohm"]
+    rows = np.flatnonzero(resistance_ohm > 0.0)
+    seen = known.seen_in(resistance_ohm[rows], loop.drive_voltage_v[rows])
     return None if seen is None else seen._replace(row=int(rows[seen.row]))
 
 
-def not_compared(recording: Recording) -> str:
+def not_compared(loop: JudgedLoop) -> str:
     """Return in words that a run's first heating has not been compared with its model's; "" if it has, or need not."""
-    if recording.facts.number_or_none("model_b_ohm") is None or seen_at_b(recording) is not None:
+    if loop.facts.number_or_none("model_b_ohm") is None or loop.once(seen_at_b) is not None:
         return ""
     return (
         "the wire did not pass B from cold, so that it is not known whether load and resistance are still those of the "

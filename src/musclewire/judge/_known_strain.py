@@ -14,10 +14,11 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.controllers import Reference
 from musclewire.errors import CallerError
+from musclewire.judge._loop import Found, JudgedLoop
 from musclewire.judge._scale_by_b import LEFT_PCT, LEFT_PER_PCT, WITHIN_STD
 from musclewire.physics import wire_resistance
 from musclewire.sensing import SHOWN_AS, SensingModel
-from musclewire.signals import MetadataValue, QuantityEstimate, Recording, RunFacts, WireSample
+from musclewire.signals import MetadataValue, QuantityEstimate, RunFacts, WireSample
 
 # The estimate is compared as the mean of so long before the moment.
 COMPARED_S = 1.0
@@ -137,34 +138,35 @@ class ScaleByKnownStrain:
             self._min_std = left / WITHIN_STD
 
 
-def missed_known_strain(recording: Recording) -> MissedBy | None:
-    """Return by how much a run's estimate missed the strain that was known; None without one, or without an estimate.
-
-    Parameters
-    ----------
-    recording
-        A closed loop whose metadata state a known strain.
-
-    Returns
-    -------
-    Row, difference and standard deviation, in the quantity's unit.
-    """
-    known = stated_in(recording.facts)
-    suffix = next((name for name in recording.names if name.startswith("estimated_")), "")
-    if known is None or not suffix or not len(recording):
+def compared_with_known(loop: JudgedLoop) -> MissedBy | None:
+    """Return by how much a run's estimate missed the strain that was known; None without one or the other."""
+    known = stated_in(loop.facts)
+    if known is None or not loop.suffix or "estimate_std" not in loop.recording:
         return None
     # The first row is of the first sample; a recording that was cut still counts from the beginning of the run.
-    elapsed_s = recording["time_s"] - min(float(recording["time_s"][0]), recording.facts.sample_period_s)
+    elapsed_s = loop.time_s - min(float(loop.time_s[0]), loop.facts.sample_period_s)
     rows = np.flatnonzero(elapsed_s <= known.at_s)
     if not rows.size:
         return None
     row = int(rows[-1])
-    there = rows[(elapsed_s[rows] >= elapsed_s[row] - COMPARED_S) & (recording["valid"][rows] > 0.0)]
-    std = float(recording["estimate_std"][row])
-    if row + 1 == len(recording) or not recording["valid"][row] > 0.0:
+    there = rows[(elapsed_s[rows] >= elapsed_s[row] - COMPARED_S) & loop.valid[rows]]
+    std = float(loop.std[row])
+    if row + 1 == len(loop.recording) or not loop.valid[row]:
         return None
-    (value,) = held_mean(recording[suffix][there][:, None], std)
+    (value,) = held_mean(loop.estimate[there][:, None], std)
     return MissedBy(row, float(value) - known.value, std)
+
+
+def missed_known_strain(loop: JudgedLoop) -> Found:
+    """Return the samples since the estimate missed a known strain, by how much, and what followed."""
+    missed = loop.once(compared_with_known)
+    if missed is None or not missed.is_away:
+        return Found(loop.since(None))
+    factor, unit = loop.shown_as
+    side = "above" if missed.above > 0.0 else "below"
+    by = f"by {factor * abs(missed.above):.2g} {unit} {side}, beyond +-{factor * WITHIN_STD * missed.std:.2g} {unit}"
+    scaled_by = loop.recording["resistance_factor"][-1]
+    return Found(loop.since(missed.row), lambda: f"{by}; the resistance is scaled by {scaled_by:.4f}")
 
 
 def held_mean(rows: FloatArray, std: float) -> FloatArray:
@@ -182,10 +184,10 @@ def stated_in(facts: RunFacts) -> KnownStrain | None:
     return None if value is None or at_s is None else KnownStrain(value, at_s)
 
 
-def known_strain_unused(recording: Recording) -> str:
+def known_strain_unused(loop: JudgedLoop) -> str:
     """Return in words that a known strain was not compared; "" if it was, or there is none."""
-    known = stated_in(recording.facts)
-    if known is None or missed_known_strain(recording) is not None:
+    known = stated_in(loop.facts)
+    if known is None or loop.once(compared_with_known) is not None:
         return ""
     why = "no estimate was valid then, or the recording has no such time"
     return f"the strain that is known at {known.at_s:g} s was not compared: {why}"

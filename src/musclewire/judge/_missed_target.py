@@ -13,12 +13,10 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
-from numpy.lib.stride_tricks import sliding_window_view
 
 from musclewire.arrays import FloatArray
+from musclewire.judge._loop import Cause, Found, JudgedLoop, Mask, in_windows
 from musclewire.judge._scale_by_b import WITHIN_STD
-from musclewire.signals import Recording
 
 # A target is missed by more than this part of it, a little more than the paper's largest error on its staircase, and by
 # more than this part of the range in which the model senses, beyond the interval.
@@ -51,12 +49,12 @@ class SeenLoop(NamedTuple):
     target: FloatArray | float
     estimate: FloatArray | float
     std: FloatArray | float
-    valid: FloatArray | float
+    valid: Mask | float
     announced_low: FloatArray | float
     announced_high: FloatArray | float
     sensed_range: float
 
-    def misses(self) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    def misses(self) -> tuple[Mask, Mask]:
         """Return where the target is missed, and where the interval is too wide to say whether it is."""
         away = np.subtract(self.estimate, self.target)
         above = away - np.maximum(self.announced_high, 0.0)
@@ -68,54 +66,73 @@ class SeenLoop(NamedTuple):
         return np.asarray(seen), np.asarray(hidden)
 
 
-class MissedTarget:
+class MissedTarget(NamedTuple):
     """Where the estimate of a closed loop was too far from its target.
 
     Parameters
     ----------
-    recording
-        A closed loop with target and estimate.
-    suffix
-        The ending of the columns of its quantity.
-    judged
-        The samples with a target, (n_times,): those after the approach.
-
-    Attributes
-    ----------
-    away
-        By how much the estimate is above the target, (n_times,), in the quantity's unit.
     rows
         The samples at which the target was missed, (n_times,); none of an interrupted run, or if they are few.
     hidden
         Those at which it may have been, but the interval is too wide to say, likewise.
     """
 
-    def __init__(self, recording: Recording, suffix: str, judged: npt.NDArray[np.bool_]) -> None:
-        """Look at every sample."""
-        target, estimate = recording[f"target_{suffix}"], recording[f"estimated_{suffix}"]
-        self.away: FloatArray = estimate - target
-        sensed_range = recording.facts.number_or_none("sensed_range") or float(np.abs(target).max())
-        time_s = recording["time_s"]
-        per_s = 1.0 / float(np.median(np.diff(time_s))) if time_s.size > 1 else 1.0
-        announced = recording.columns.get("announced_miss", np.zeros(target.size))
-        seen = SeenLoop(
-            target,
-            estimate,
-            recording.columns.get("estimate_std", 0.0),
-            recording.columns.get("valid", 1.0),
-            *within_last(round(MAY_LAG_S * per_s), announced),
-            sensed_range,
-        )
-        whole = recording.facts.text_or_none("ended") != "interrupted"
-        few = MAX_MISSED * judged.sum()
-        found = (rows & judged & whole for rows in seen.misses())
-        self.rows, self.hidden = (rows & (rows.sum() > few) for rows in found)
+    rows: Mask
+    hidden: Mask
+
+
+def missed_target(loop: JudgedLoop) -> MissedTarget:
+    """Return where the estimate was too far from its target, after the approach."""
+    seen = SeenLoop(
+        loop.target,
+        loop.estimate,
+        loop.std,
+        loop.valid,
+        *within_last(round(MAY_LAG_S / loop.period_s), loop.column("announced_miss", 0.0)),
+        loop.facts.number_or_none("sensed_range") or float(np.abs(loop.target).max()),
+    )
+    judged, few = loop.with_target, MAX_MISSED * loop.with_target.sum()
+    if loop.facts.text_or_none("ended") == "interrupted":
+        judged = loop.since(None)
+    found = (rows & judged for rows in seen.misses())
+    return MissedTarget(*(rows & (rows.sum() > few) for rows in found))
+
+
+def target_missed(loop: JudgedLoop) -> Found:
+    """Return the samples at which the target was missed, for how much of the time, by how much, and why, if known."""
+    rows = loop.once(missed_target).rows
+    return Found(rows, lambda: missed_in_words(loop, rows))
+
+
+def interval_too_wide(loop: JudgedLoop) -> Found:
+    """Return the samples at which the target may have been missed, and the interval is too wide to say."""
+    return Found(loop.once(missed_target).hidden)
+
+
+def missed_in_words(loop: JudgedLoop, rows: Mask) -> str:
+    """Return in words for how much of the time and by how much a target was missed, and the cause, where it is known.
+
+    Known is what was there at more than half of the samples that miss.
+    """
+    below = loop.away < 0.0
+    known = {
+        "the protection": below & loop.at_lower_limit,
+        "no valid estimate": below & ~loop.valid,
+        "the supply": below & loop.at_upper_limit,
+        "the power that holds the highest temperature": below & loop.power_limited,
+        "cooling": ~below & loop.at_lower_limit,
+        "the air": loop.recorded(Cause.CHANGED_AIR),
+    }
+    why = next((f": {name}" for name, there in known.items() if (there & rows).sum() > 0.5 * rows.sum()), "")
+    factor, unit = loop.shown_as
+    missed_pct = 100.0 * rows.sum() / loop.with_target.sum()
+    return f"{missed_pct:.0f} % of the time, by up to {factor * np.abs(loop.away[rows]).max():.2g} {unit}{why}"
 
 
 def within_last(length: int, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the smallest and the largest of each value and so many before it, (n_times,) each."""
-    seen = sliding_window_view(np.concatenate([np.full(length, values[0]), values]), length + 1)
-    return seen.min(axis=1), seen.max(axis=1)
+    seen = np.concatenate([np.full(length, values[0]), values])
+    return in_windows(np.minimum, seen, length + 1), in_windows(np.maximum, seen, length + 1)
 
 
 class MissWatch:

@@ -13,9 +13,9 @@ import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 
 from musclewire.arrays import FloatArray
-from musclewire.judge._first_heating import LIMIT_STDS, MEAN_SAMPLES, NOISY, KnownB
-from musclewire.judge._sensed import since_first_sensed
-from musclewire.signals import Recording
+from musclewire.judge._first_heating import LIMIT_STDS, MEAN_SAMPLES, NOISY, KnownB, seen_at_b
+from musclewire.judge._loop import Found, JudgedLoop, in_windows
+from musclewire.judge._scale_by_b import TODAY, what_followed
 
 # A rise is a jump from this part of the span from B to C on, and from so many standard deviations of a reading at its
 # drive, beyond what the wire moves before and after it.
@@ -53,33 +53,45 @@ class OddResistance(NamedTuple):
     above_pct: float = 0.0
 
 
-def odd_resistance(recording: Recording) -> OddResistance:
-    """Return where a run's resistance is none of the model's wire, once it is sensed; nowhere if no B is known of it.
-
-    Parameters
-    ----------
-    recording
-        A run with time, drive and resistance, and ``valid`` if it has an estimate.
-
-    Returns
-    -------
-    The rows.
-    """
-    known = KnownB.stated_in(recording.facts)
-    if known is None or "wire_resistance_ohm" not in recording or not known.b_ohm > known.c_ohm:
+def odd_resistance(loop: JudgedLoop) -> OddResistance:
+    """Return where a run's resistance is none of the model's wire, once it is sensed; nowhere if it knows no B."""
+    known = KnownB.stated_in(loop.facts)
+    if known is None or "wire_resistance_ohm" not in loop.recording or not known.b_ohm > known.c_ohm:
         return OddResistance()
-    resistance_ohm = recording["wire_resistance_ohm"]
-    read = np.isfinite(resistance_ohm) & (resistance_ohm > 0.0) & since_first_sensed(recording)
+    resistance_ohm, drive_v = loop.recording["wire_resistance_ohm"], loop.drive_voltage_v
+    read = np.isfinite(resistance_ohm) & (resistance_ohm > 0.0) & loop.sensed
     resistance_ohm = np.where(read, resistance_ohm, np.nan)
-    drive_v = recording["drive_voltage_v"]
     noise_ohm = reading_noise_ohm(resistance_ohm, drive_v)
     percent = 100.0 / (known.b_ohm - known.c_ohm)
     limit_ohm = np.maximum(JUMP_PART * (known.b_ohm - known.c_ohm), JUMP_NOISES * noise_ohm)
-    jumps, by_ohm = jumps_in(resistance_ohm, steady_rows(recording["time_s"], drive_v), limit_ohm)
+    jumps, by_ohm = jumps_in(resistance_ohm, steady_rows(loop.time_s, drive_v), limit_ohm)
     above, above_ohm = above_the_loop(known, resistance_ohm, drive_v, noise_ohm)
     return OddResistance(
         jumps, percent * float(by_ohm.max(initial=0.0)), above, percent * float(above_ohm.max(initial=0.0))
     )
+
+
+def bad_contact(loop: JudgedLoop) -> Found:
+    """Return the samples from the first jump of the resistance at a steady drive on."""
+    odd = loop.once(odd_resistance)
+    often = "once" if odd.jumps.size == 1 else f"{odd.jumps.size} times"
+    said = f"{often}, by up to {odd.largest_jump_pct:.0f} % of the span from B to C"
+    return Found(loop.since_first(odd.jumps), lambda: said)
+
+
+def other_height_of_b(loop: JudgedLoop) -> Found:
+    """Return the samples from another B than the model's on, or from a resistance above all of the slow loop's on.
+
+    In words where B is, and what a run from today's zero has made of it; of one at the model's height, or that was not
+    seen, how far above the slow loop the resistance was.
+    """
+    seen, odd = loop.once(seen_at_b), loop.once(odd_resistance)
+    above = loop.since_first(odd.above)
+    if seen is None or not seen.is_away:
+        said = f"up to {odd.above_pct:.0f} % of the span from B to C above all that the model's slow loop showed"
+        return Found(above, lambda: said)
+    from_today = loop.facts.text_or_none("zero_from") == TODAY
+    return Found(above | loop.since(seen.row), lambda: f"{seen}; {what_followed(seen)}" if from_today else str(seen))
 
 
 def reading_noise_ohm(resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> FloatArray:
@@ -98,10 +110,10 @@ def steady_rows(time_s: FloatArray, drive_voltage_v: FloatArray) -> npt.NDArray[
     """Return the rows about which the drive is steady and no row is missing: ``BEFORE`` before, the rest from it on."""
     if time_s.size < STEADY_SAMPLES:
         return NO_ROWS
-    drives_v = sliding_window_view(drive_voltage_v, STEADY_SAMPLES)
+    lowest_v, highest_v = (in_windows(one, drive_voltage_v, STEADY_SAMPLES) for one in (np.minimum, np.maximum))
     steps_s = np.diff(time_s)
-    whole = sliding_window_view(steps_s, STEADY_SAMPLES - 1).max(axis=1) <= 1.5 * float(np.median(steps_s))
-    return np.flatnonzero(whole & (drives_v.min(axis=1) >= STEADY_PART * drives_v.max(axis=1))) + BEFORE
+    whole = in_windows(np.maximum, steps_s, STEADY_SAMPLES - 1) <= 1.5 * float(np.median(steps_s))
+    return np.flatnonzero(whole & (lowest_v >= STEADY_PART * highest_v)) + BEFORE
 
 
 def jumps_in(
@@ -117,6 +129,8 @@ def jumps_in(
     moving_ohm = np.maximum(np.maximum(before[1] - before[0], after[1] - after[0]), 0.0)
     by_ohm = np.minimum(*after) - np.maximum(*before) - MOVES * moving_ohm
     found = by_ohm > limit_ohm[rows]
+    if not found.any():
+        return NO_ROWS, np.zeros(0)
     # A jump between two rows is seen at both.
     first = found & ~np.isin(rows - 1, rows[found])
     return rows[first], by_ohm[first]

@@ -67,6 +67,8 @@ from ._reading import understand as understand
 from ._recording import MINOR_LOOP_FROM as MINOR_LOOP_FROM
 from ._recording import NO_CYCLE as NO_CYCLE
 from ._recording import Recording as Recording
+from ._recording import asked_once as asked_once
+from ._recording import with_answers_of as with_answers_of
 from ._recording_writer import RecordingWriter as RecordingWriter
 from ._run_facts import RunFacts as RunFacts
 from ._runs_on_disk import recover_recording as recover_recording

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+Answer = TypeVar("Answer")
+Known = TypeVar("Known", bound="Recording")
 # Rows later than this [s] are no part of the cycles: the minor loop that was recorded after them. Where cycles are
 # numbered its rows have none: those of a recording that was put together, with the metadata of its first part, have.
 MINOR_LOOP_FROM, NO_CYCLE = "minor_loop_from_s", 0.0
@@ -368,6 +370,21 @@ class Recording:
         if rest := len(self.metadata) - len(shown):
             facts += f"{'; ' if facts else ''}{rest} more in .metadata"
         return notebook_table(f"Recording ({self._summary()})", ("column", "unit", "minimum", "maximum"), rows, facts)
+
+
+def asked_once(recording: Recording, question: Callable[[Recording], Answer]) -> Answer:
+    """Return what a function says of a recording, asked once: it never changes. No answer may hold the recording."""
+    answers: dict[Callable[[Recording], Any], Any] = vars(recording).setdefault("_answers", {})
+    if question not in answers:
+        answers[question] = question(recording)
+    answer: Answer = answers[question]
+    return answer
+
+
+def with_answers_of(recording: Known, other: Recording) -> Known:
+    """Return a recording with the answers to what was asked of another, the same but for facts that no answer reads."""
+    vars(recording)["_answers"] = vars(other).setdefault("_answers", {})
+    return recording
 
 
 def _attributes(name: str) -> dict[str, str]:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from musclewire import ESTIMATORS, EstimatorSetup, FloatArray, SensingModel, WireSample
 from musclewire.identify import load_facts
-from musclewire.judge import ScaleByB, odd_resistance
+from musclewire.judge import JudgedLoop, ScaleByB, odd_resistance
 from musclewire.sensing import EstimatorFactory, KnownSpring, estimates
 from musclewire.signals import Recording
 from musclewire.wire import WireConstants
@@ -113,7 +113,7 @@ def since_first_odd(run: RecordedRun, model: SensingModel, valid: npt.NDArray[np
         "valid": valid.astype(np.float64),
     }
     stated = {**load_facts(model, {}), "limit_sense_voltage_v": run.facts["sense_voltage_v"]}
-    odd = odd_resistance(Recording(columns, {**stated, "sample_period_s": run.facts["sample_period_s"]}))
+    odd = odd_resistance(JudgedLoop(Recording(columns, {**stated, "sample_period_s": run.facts["sample_period_s"]})))
     marked = np.zeros(valid.size, dtype=np.bool_)
     for rows in (odd.jumps, odd.above):
         marked[rows[0] if rows.size else valid.size :] = True

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import musclewire as mw
-from musclewire.judge import does_not_hold
+from musclewire.judge import judged
 
 pytestmark = pytest.mark.slow
 RIG = 'kind = "segmented"\nsegments = 4\n'
@@ -27,6 +27,6 @@ def test_a_contact_that_comes_loose_is_named_and_a_good_one_is_not(seed: int, tm
     for path in (rig, loose):
         with mw.open_rig(str(path), seed=seed + 10) as opened:
             runs.append(mw.control(opened, model, steps))
-    assert "bad contact" not in does_not_hold(runs[0])
-    assert "bad contact" in does_not_hold(runs[1])
+    assert "bad contact" not in judged(runs[0]).does_not_hold
+    assert "bad contact" in judged(runs[1]).does_not_hold
     assert "by up to" in runs[1].metadata["health"]

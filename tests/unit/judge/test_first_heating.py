@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from musclewire.experiment import run_warnings
-from musclewire.judge._cause import Cause
-from musclewire.judge._first_heating import seen_at_b
-from musclewire.judge._health import does_not_hold, findings, health_metadata
+from musclewire.judge._findings import judged
+from musclewire.judge._first_heating import SeenAtB, seen_at_b
+from musclewire.judge._loop import JudgedLoop
 from musclewire.signals import Recording
 
 PERIOD_S = 0.05
@@ -37,9 +37,13 @@ def heated(
     return Recording(columns, {**FACTS, **MODEL, **stated})
 
 
+def at_b(run: Recording) -> SeenAtB | None:
+    return seen_at_b(JudgedLoop(run))
+
+
 @pytest.mark.parametrize("per_s", [0.4, 4.0, 12.0], ids=["slow", "as by default", "three samples around B"])
 def test_a_scale_of_the_resistance_is_read_off_b_however_fast_the_wire_is_heated(per_s: float) -> None:
-    same, other = seen_at_b(heated(per_s=per_s)), seen_at_b(heated(1.005, per_s=per_s))
+    same, other = at_b(heated(per_s=per_s)), at_b(heated(1.005, per_s=per_s))
     assert same is not None
     assert other is not None
     assert not same.is_away
@@ -52,13 +56,13 @@ def test_a_scale_of_the_resistance_is_read_off_b_however_fast_the_wire_is_heated
 def test_a_cold_reading_that_noise_has_raised_does_not_make_a_cold_wire_warm() -> None:
     run = heated()
     ohm = run["wire_resistance_ohm"] + np.where(np.arange(400) == 2, 0.15, 0.0)
-    assert seen_at_b(Recording({**run.columns, "wire_resistance_ohm": ohm}, run.metadata)) == seen_at_b(run)
+    assert at_b(Recording({**run.columns, "wire_resistance_ohm": ohm}, run.metadata)) == at_b(run)
 
 
 def test_a_reading_of_little_current_above_b_is_noise_and_not_b() -> None:
     run = heated(resting=8)
     ohm = run["wire_resistance_ohm"] + np.where(np.arange(400) == 5, 0.5, 0.0)
-    noisy, clean = seen_at_b(Recording({**run.columns, "wire_resistance_ohm": ohm}, run.metadata)), seen_at_b(run)
+    noisy, clean = at_b(Recording({**run.columns, "wire_resistance_ohm": ohm}, run.metadata)), at_b(run)
     assert noisy is not None
     assert clean is not None
     assert noisy[:2] == clean[:2]
@@ -67,7 +71,7 @@ def test_a_reading_of_little_current_above_b_is_noise_and_not_b() -> None:
 def test_a_noisy_run_knows_its_b_less_well() -> None:
     run, noise = heated(resting=20), np.random.default_rng(1).standard_normal(400)
     at_drive_ohm = 0.03 * noise * 3.0 / run["drive_voltage_v"]
-    noisy = seen_at_b(
+    noisy = at_b(
         Recording({**run.columns, "wire_resistance_ohm": run["wire_resistance_ohm"] + at_drive_ohm}, run.metadata)
     )
     assert noisy is not None
@@ -79,20 +83,20 @@ def test_a_noisy_run_knows_its_b_less_well() -> None:
 @pytest.mark.parametrize("scale", [0.99, 1.01])
 def test_a_b_at_another_height_is_named_with_its_number_and_does_not_hold(scale: float) -> None:
     run = heated(scale)
-    (found,) = findings(run)
-    assert found.cause is Cause.OTHER_HEIGHT_OF_B
+    (found,) = judged(run).findings
+    assert found.key == "other_height_of_b"
     assert found.from_s == pytest.approx(0.4, abs=0.1)
-    assert does_not_hold(run)
+    assert judged(run).does_not_hold
     side = "above" if scale > 1.0 else "below"
-    assert health_metadata(run)["health"].startswith("changed load or resistance at 0.4")
+    assert judged(run).metadata["health"].startswith("changed load or resistance at 0.4")
     assert f"% of the span from B to C {side} the model's, and repeats within 1.6 %" in run_warnings(run)[0]
 
 
 def test_what_the_bench_repeats_to_is_no_finding() -> None:
     run = heated(1.002)
-    assert findings(run) == ()
+    assert judged(run).findings == ()
     assert run_warnings(run) == ()
-    assert not does_not_hold(run)
+    assert not judged(run).does_not_hold
 
 
 @pytest.mark.parametrize(
@@ -105,17 +109,17 @@ def test_what_the_bench_repeats_to_is_no_finding() -> None:
     ids=lambda given: given if isinstance(given, str) else "",
 )
 def test_a_run_that_did_not_pass_b_from_cold_says_that_it_is_not_compared(run: Recording, why: str) -> None:
-    assert seen_at_b(run) is None, why
-    assert findings(run) == ()
+    assert at_b(run) is None, why
+    assert judged(run).findings == ()
     assert "the wire did not pass B from cold" in run_warnings(run)[0]
-    assert not does_not_hold(run)
+    assert not judged(run).does_not_hold
 
 
 def test_a_rise_without_heat_is_a_cooling_wire_and_no_b() -> None:
     cooling = heated(0.97, resting=3)
     drive_v = np.where(cooling["time_s"] < 0.45, 0.3, 3.0)
     run = Recording({**cooling.columns, "drive_voltage_v": drive_v}, cooling.metadata)
-    assert seen_at_b(run) is None
+    assert at_b(run) is None
 
 
 def test_a_model_that_states_no_b_is_quoted_and_compared_with_nothing() -> None:

@@ -13,27 +13,22 @@ import musclewire as mw
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError
 from musclewire.experiment import control, run_warnings
-from musclewire.judge._health import does_not_hold
+from musclewire.judge._findings import judged
 from musclewire.judge._known_strain import (
     COMPARED_S,
     KnownStrain,
+    MissedBy,
     ScaleByKnownStrain,
-    missed_known_strain,
+    compared_with_known,
 )
+from musclewire.judge._loop import JudgedLoop
 from musclewire.sensing import SensingModel
-from musclewire.signals import QuantityEstimate, Reason, WireSample
+from musclewire.signals import QuantityEstimate, Reason, Recording, WireSample
 
 # 4 % at 13.5 ohm, nothing at 17.5 ohm.
 STRAIGHT = SensingModel(13.5, 17.5, (0.04, -0.04), (0.04, -0.04), 0.05, 0.95)
 SHUNT_OHM, AT_S, CURRENT_A = 1.0, 2.0, 0.2
 STEPS = staircase(0.015, 0.021, 0.003, 4.0)
-
-
-@pytest.fixture(scope="module")
-def model() -> SensingModel:
-    """A model of the simulated wire with the gains that ``fit`` finds."""
-    with mw.open_rig("simulated", seed=3) as rig:
-        return mw.fit(mw.characterize(rig))
 
 
 def sample(time_s: float, ohm: float) -> WireSample:
@@ -97,11 +92,15 @@ def test_a_loop_whose_resistance_is_a_hundredth_off_is_right_after_one_known_str
     assert np.sqrt(np.mean(error_pct[late] ** 2)) < 1.5
     assert run["resistance_factor"][0] == 1.0
     assert run["resistance_factor"][-1] == pytest.approx(1.0 / 1.01, abs=2e-3)
-    assert "known strain missed" in does_not_hold(run)
+    assert "known strain missed" in judged(run).does_not_hold
     assert "the resistance is scaled by 0.9" in str(run.metadata["health"])
     # Cut at its beginning, the recording counts from the beginning of the run all the same.
-    assert missed_known_strain(run.between(40)) == missed_known_strain(run)._replace(row=30)  # type: ignore[union-attr]
-    assert missed_known_strain(run.between(80)) is None
+    assert missed_in(run.between(40)) == missed_in(run)._replace(row=30)  # type: ignore[union-attr]
+    assert missed_in(run.between(80)) is None
+
+
+def missed_in(run: Recording) -> MissedBy | None:
+    return compared_with_known(JudgedLoop(run))
 
 
 def test_a_known_strain_that_agrees_is_no_finding(model: SensingModel) -> None:
@@ -110,7 +109,7 @@ def test_a_known_strain_that_agrees_is_no_finding(model: SensingModel) -> None:
     known = float(np.interp(3.5, before["time_s"] - before["time_s"][0], before["displacement_m"])) / leg_m
     with mw.open_rig("simulated", seed=4) as rig:
         run = control(rig, model, STEPS, known_strain=(known, 3.5))
-    assert not does_not_hold(run)
+    assert not judged(run).does_not_hold
     assert run.metadata["known_strain_at_s"] == 3.5
 
 
@@ -138,7 +137,7 @@ def test_a_true_strain_of_a_wire_that_has_just_moved_is_no_finding(model: Sensin
     known = float(np.interp(at_s, before["time_s"] - before["time_s"][0], before["displacement_m"])) / leg_m
     with mw.open_rig("simulated", seed=4) as rig:
         run = control(rig, model, STEPS, known_strain=[known, at_s])
-    assert not does_not_hold(run)
+    assert not judged(run).does_not_hold
     assert run["resistance_factor"][-1] == pytest.approx(1.0, abs=3e-3)
 
 

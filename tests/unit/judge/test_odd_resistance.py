@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.judge._cause import Cause
+from musclewire.judge._findings import judged
 from musclewire.judge._first_heating import KnownB
-from musclewire.judge._health import does_not_hold, findings, health_warnings
+from musclewire.judge._loop import JudgedLoop
 from musclewire.judge._odd_resistance import odd_resistance
 from musclewire.signals import Recording
 
@@ -61,7 +61,7 @@ def loop(resistance_ohm: np.ndarray, drive_v: np.ndarray, known: KnownB = KNOWN,
 
 
 def odd(resistance_ohm: np.ndarray, drive_v: np.ndarray, known: KnownB = KNOWN) -> tuple[list[int], float, int, float]:
-    found = odd_resistance(loop(resistance_ohm, drive_v, known))
+    found = odd_resistance(JudgedLoop(loop(resistance_ohm, drive_v, known)))
     return found.jumps.tolist(), found.largest_jump_pct, found.above.size, found.above_pct
 
 
@@ -112,7 +112,7 @@ def test_nothing_is_compared_across_rows_that_are_missing() -> None:
     run = loop(resistance_ohm, drive)
     lost = Recording({name: values[there] for name, values in run.columns.items()}, run.metadata)
     silent = loop(np.where(there, resistance_ohm, 0.0), drive)
-    assert [odd_resistance(one).jumps.size for one in (lost, silent)] == [0, 0]
+    assert [odd_resistance(JudgedLoop(one)).jumps.size for one in (lost, silent)] == [0, 0]
 
 
 def test_noise_hides_a_jump_and_is_none() -> None:
@@ -143,15 +143,15 @@ def test_few_rows_or_no_span_show_nothing() -> None:
 def test_a_loop_names_the_contact_from_its_first_jump_on_and_does_not_hold() -> None:
     resistance_ohm, drive = followed()
     twice = contact(contact(resistance_ohm, 0.12, 23.2, 23.9), 0.1, 44.0, 44.2)
-    (found,) = findings(loop(twice, drive))
-    assert (found.cause, round(found.from_s)) == (Cause.BAD_CONTACT, 23)
-    assert "2 times, by up to 12 %" in health_warnings(loop(twice, drive))[0]
-    assert does_not_hold(loop(twice, drive)) == "bad contact"
-    assert not does_not_hold(loop(resistance_ohm, drive))
+    (found,) = judged(loop(twice, drive)).findings
+    assert (found.key, round(found.from_s)) == ("bad_contact", 23)
+    assert "2 times, by up to 12 %" in judged(loop(twice, drive)).warnings[0]
+    assert judged(loop(twice, drive)).does_not_hold == "bad contact"
+    assert not judged(loop(resistance_ohm, drive)).does_not_hold
 
 
 def test_a_loop_above_its_slow_loop_names_load_or_resistance() -> None:
     resistance_ohm, drive = followed()
     run = loop(resistance_ohm + np.clip(0.2 * (TIME_S - 12.0), 0.0, 2.0), drive)
-    assert does_not_hold(run) == "changed load or resistance"
-    assert "above all that the model's slow loop showed" in health_warnings(run)[0]
+    assert judged(run).does_not_hold == "changed load or resistance"
+    assert "above all that the model's slow loop showed" in judged(run).warnings[0]

@@ -1,0 +1,70 @@
+"""What every loop is judged by first: is its drive at a limit, is the wire sensed, does the instrument agree."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from musclewire.judge._loop import Found, JudgedLoop, Mask
+from musclewire.judge._scale_by_b import WITHIN_STD
+
+# How long [s] heating and cooling may be at their limit: cooling takes its time, and no drive shortens it.
+HEATING_S, COOLING_S = 1.0, 4.0
+# The resistance of a wire that heats at the upper limit follows by more than this fraction within that time.
+FOLLOWS = 0.005
+# An instrument contradicts an estimate if more than this part of the valid samples are beyond the interval: errors last
+# for a step, and of the paper's eleven steps two are beyond by chance in one run of ten, three in 1.5 %.
+MAX_BEYOND = 0.25
+# A closed loop with a smaller part of valid samples was not closed.
+MIN_VALID_FRACTION = 0.8
+
+
+def saturation(loop: JudgedLoop) -> Found:
+    """Return the samples from which on the drive has been at a limit for too long without reaching the target."""
+    above, below = loop.off_target > 0.0, loop.off_target < 0.0
+    # A drive at its lower limit though the wire is to heat is what the protection gave instead.
+    heating = (loop.at_upper_limit | loop.at_lower_limit | loop.power_limited) & below
+    cooling = loop.at_lower_limit & above
+    rows = lasting(heating, round(HEATING_S / loop.period_s)) | lasting(cooling, round(COOLING_S / loop.period_s))
+    return Found(rows & ~loop.once(stalled).rows)
+
+
+def stalled(loop: JudgedLoop) -> Found:
+    """Return the samples at which the drive is at its upper limit and the resistance has not followed for a while."""
+    length = max(round(HEATING_S / loop.period_s), 1)
+    ohm = loop.recording.columns.get("wire_resistance_ohm", np.zeros(0))
+    if ohm.size <= 2 * length:
+        return Found(loop.since(None))
+    moved = np.full(ohm.size, np.inf)
+    moved[length:] = np.abs(ohm[length:] - ohm[:-length]) / np.maximum(ohm[length:], 1e-9)
+    return Found(lasting(loop.at_upper_limit & (loop.off_target < 0.0) & (moved < FOLLOWS), 2 * length))
+
+
+def lasting(marked: Mask, length: int) -> Mask:
+    """Return the marked samples before which at least ``length`` have been marked without a gap."""
+    place = np.arange(marked.size)
+    since = place - np.maximum.accumulate(np.where(marked, -1, place))
+    return np.asarray(marked & (since >= length))
+
+
+def contradicted(loop: JudgedLoop) -> Found:
+    """Return the samples at which the instrument is beyond the estimate's interval, if they are too many; else none."""
+    error, judged = loop.error, loop.valid & loop.sensed
+    if error is None:
+        return Found(loop.since(None))
+    beyond = judged & (np.abs(error) > WITHIN_STD * loop.std)
+    if beyond.sum() <= MAX_BEYOND * judged.sum():
+        return Found(loop.since(None))
+    stroke = max(float(np.ptp(loop.estimate - error)), float(np.ptp(loop.estimate)))
+    said = f"{100.0 * beyond.mean():.0f} % of the samples"
+    if stroke > 0.0:
+        rms_pct = 100.0 * float(np.sqrt(np.mean(error[beyond] ** 2))) / stroke
+        said += f", by {rms_pct:.1f} % rms of the stroke"
+    return Found(beyond, lambda: said)
+
+
+def hardly_sensed(loop: JudgedLoop) -> Found:
+    """Return the samples that could not be sensed, if they are too many; else none."""
+    if loop.valid.all() or loop.valid_share >= MIN_VALID_FRACTION:
+        return Found(loop.since(None))
+    said = f"{100.0 * loop.valid_share:.0f} % of the samples could be sensed"
+    return Found(loop.counted & loop.sensed & ~loop.valid, lambda: said)
