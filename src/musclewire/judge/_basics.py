@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from musclewire.judge._loop import Found, JudgedLoop, Mask
+from musclewire.judge._loop import DetectedRows, JudgedLoop, Mask
 from musclewire.judge._scale_by_b import WITHIN_STD
 
 # How long [s] heating and cooling may be at their limit: cooling takes its time, and no drive shortens it.
@@ -18,25 +18,25 @@ MAX_BEYOND = 0.25
 MIN_VALID_FRACTION = 0.8
 
 
-def saturation(loop: JudgedLoop) -> Found:
+def saturation(loop: JudgedLoop) -> DetectedRows:
     """Return the samples from which on the drive has been at a limit for too long without reaching the target."""
     above, below = loop.off_target > 0.0, loop.off_target < 0.0
     # A drive at its lower limit though the wire is to heat is what the protection gave instead.
     heating = (loop.at_upper_limit | loop.at_lower_limit | loop.power_limited) & below
     cooling = loop.at_lower_limit & above
     rows = lasting(heating, round(HEATING_S / loop.period_s)) | lasting(cooling, round(COOLING_S / loop.period_s))
-    return Found(rows & ~loop.once(stalled).rows)
+    return DetectedRows(rows & ~loop.once(stalled).rows)
 
 
-def stalled(loop: JudgedLoop) -> Found:
+def stalled(loop: JudgedLoop) -> DetectedRows:
     """Return the samples at which the drive is at its upper limit and the resistance has not followed for a while."""
     length = max(round(HEATING_S / loop.period_s), 1)
     ohm = loop.recording.columns.get("wire_resistance_ohm", np.zeros(0))
     if ohm.size <= 2 * length:
-        return Found(loop.since(None))
+        return DetectedRows(loop.since(None))
     moved = np.full(ohm.size, np.inf)
     moved[length:] = np.abs(ohm[length:] - ohm[:-length]) / np.maximum(ohm[length:], 1e-9)
-    return Found(lasting(loop.at_upper_limit & (loop.off_target < 0.0) & (moved < FOLLOWS), 2 * length))
+    return DetectedRows(lasting(loop.at_upper_limit & (loop.off_target < 0.0) & (moved < FOLLOWS), 2 * length))
 
 
 def lasting(marked: Mask, length: int) -> Mask:
@@ -46,25 +46,25 @@ def lasting(marked: Mask, length: int) -> Mask:
     return np.asarray(marked & (since >= length))
 
 
-def contradicted(loop: JudgedLoop) -> Found:
+def contradicted(loop: JudgedLoop) -> DetectedRows:
     """Return the samples at which the instrument is beyond the estimate's interval, if they are too many; else none."""
     error, judged = loop.error, loop.valid & loop.sensed
     if error is None:
-        return Found(loop.since(None))
+        return DetectedRows(loop.since(None))
     beyond = judged & (np.abs(error) > WITHIN_STD * loop.std)
     if beyond.sum() <= MAX_BEYOND * judged.sum():
-        return Found(loop.since(None))
+        return DetectedRows(loop.since(None))
     stroke = max(float(np.ptp(loop.estimate - error)), float(np.ptp(loop.estimate)))
     said = f"{100.0 * beyond.mean():.0f} % of the samples"
     if stroke > 0.0:
         rms_pct = 100.0 * float(np.sqrt(np.mean(error[beyond] ** 2))) / stroke
         said += f", by {rms_pct:.1f} % rms of the stroke"
-    return Found(beyond, lambda: said)
+    return DetectedRows(beyond, lambda: said)
 
 
-def hardly_sensed(loop: JudgedLoop) -> Found:
+def hardly_sensed(loop: JudgedLoop) -> DetectedRows:
     """Return the samples that could not be sensed, if they are too many; else none."""
     if loop.valid.all() or loop.valid_share >= MIN_VALID_FRACTION:
-        return Found(loop.since(None))
+        return DetectedRows(loop.since(None))
     said = f"{100.0 * loop.valid_share:.0f} % of the samples could be sensed"
-    return Found(loop.counted & loop.sensed & ~loop.valid, lambda: said)
+    return DetectedRows(loop.counted & loop.sensed & ~loop.valid, lambda: said)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from musclewire.judge._basics import contradicted, hardly_sensed, saturation, stalled
 from musclewire.judge._first_heating import not_compared
 from musclewire.judge._known_strain import known_strain_unused, missed_known_strain
-from musclewire.judge._loop import Cause, Found, JudgedLoop
+from musclewire.judge._loop import Cause, DetectedRows, JudgedLoop
 from musclewire.judge._missed_target import MAX_MISSED, interval_too_wide, target_missed
 from musclewire.judge._odd_resistance import bad_contact, other_height_of_b
 from musclewire.judge._steps import oscillation, overshoot
@@ -46,12 +46,12 @@ class Finding(NamedTuple):
     key: str
     name: str
     grave_beyond: float
-    detect: Callable[[JudgedLoop], Found] | None
+    detect: Callable[[JudgedLoop], DetectedRows] | None
     recorded: Cause = Cause.NONE
 
-    def found_in(self, loop: JudgedLoop) -> Found:
+    def found_in(self, loop: JudgedLoop) -> DetectedRows:
         """Return the samples at which it is found."""
-        return Found(loop.recorded(self.recorded)) if self.detect is None else loop.once(self.detect)
+        return DetectedRows(loop.recorded(self.recorded)) if self.detect is None else loop.once(self.detect)
 
     @property
     def remedy(self) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.controllers import Reference
 from musclewire.errors import CallerError
-from musclewire.judge._loop import Found, JudgedLoop
+from musclewire.judge._loop import DetectedRows, JudgedLoop
 from musclewire.judge._scale_by_b import LEFT_PCT, LEFT_PER_PCT, WITHIN_STD
 from musclewire.physics import wire_resistance
 from musclewire.sensing import SHOWN_AS, SensingModel
@@ -157,16 +157,16 @@ def compared_with_known(loop: JudgedLoop) -> MissedBy | None:
     return MissedBy(row, float(value) - known.value, std)
 
 
-def missed_known_strain(loop: JudgedLoop) -> Found:
+def missed_known_strain(loop: JudgedLoop) -> DetectedRows:
     """Return the samples since the estimate missed a known strain, by how much, and what followed."""
     missed = loop.once(compared_with_known)
     if missed is None or not missed.is_away:
-        return Found(loop.since(None))
+        return DetectedRows(loop.since(None))
     factor, unit = loop.shown_as
     side = "above" if missed.above > 0.0 else "below"
     by = f"by {factor * abs(missed.above):.2g} {unit} {side}, beyond +-{factor * WITHIN_STD * missed.std:.2g} {unit}"
     scaled_by = loop.recording["resistance_factor"][-1]
-    return Found(loop.since(missed.row), lambda: f"{by}; the resistance is scaled by {scaled_by:.4f}")
+    return DetectedRows(loop.since(missed.row), lambda: f"{by}; the resistance is scaled by {scaled_by:.4f}")
 
 
 def held_mean(rows: FloatArray, std: float) -> FloatArray:

@@ -25,7 +25,7 @@ AT_LIMIT, NOT_REACHED = 0.01, 0.05
 
 
 def in_windows(extreme: np.ufunc, values: FloatArray, length: int) -> FloatArray:
-    """Return the minimum or maximum of each value and those after it, so many in all, (n_times - length + 1,).
+    """Return the minimum or maximum of each value and those after it, so many in total, (n_times - length + 1,).
 
     In windows of twice the length each time: of a view of all windows NumPy takes ten times as long.
     """
@@ -48,7 +48,7 @@ class Cause(IntEnum):
     """The resistance is not that of the wire of the model: another wire, or one that has aged."""
 
 
-class Found(NamedTuple):
+class DetectedRows(NamedTuple):
     """What a detector has found: the samples, (n_times,), and what says their numbers in words; "" for none."""
 
     rows: Mask
@@ -118,7 +118,7 @@ class JudgedLoop:
 
     @cached_property
     def std(self) -> FloatArray:
-        """Its standard deviation; 0 where none is recorded."""
+        """Its standard deviation; 0 without one."""
         return self.column("estimate_std", 0.0)
 
     @cached_property

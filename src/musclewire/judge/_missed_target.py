@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.judge._loop import Cause, Found, JudgedLoop, Mask, in_windows
+from musclewire.judge._loop import Cause, DetectedRows, JudgedLoop, Mask, in_windows
 from musclewire.judge._scale_by_b import WITHIN_STD
 
 # A target is missed by more than this part of it, a little more than the paper's largest error on its staircase, and by
@@ -98,15 +98,15 @@ def missed_target(loop: JudgedLoop) -> MissedTarget:
     return MissedTarget(*(rows & (rows.sum() > few) for rows in found))
 
 
-def target_missed(loop: JudgedLoop) -> Found:
+def target_missed(loop: JudgedLoop) -> DetectedRows:
     """Return the samples at which the target was missed, for how much of the time, by how much, and why, if known."""
     rows = loop.once(missed_target).rows
-    return Found(rows, lambda: missed_in_words(loop, rows))
+    return DetectedRows(rows, lambda: missed_in_words(loop, rows))
 
 
-def interval_too_wide(loop: JudgedLoop) -> Found:
+def interval_too_wide(loop: JudgedLoop) -> DetectedRows:
     """Return the samples at which the target may have been missed, and the interval is too wide to say."""
-    return Found(loop.once(missed_target).hidden)
+    return DetectedRows(loop.once(missed_target).hidden)
 
 
 def missed_in_words(loop: JudgedLoop, rows: Mask) -> str:

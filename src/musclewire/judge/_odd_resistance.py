@@ -14,7 +14,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from musclewire.arrays import FloatArray
 from musclewire.judge._first_heating import LIMIT_STDS, MEAN_SAMPLES, NOISY, KnownB, seen_at_b
-from musclewire.judge._loop import Found, JudgedLoop, in_windows
+from musclewire.judge._loop import DetectedRows, JudgedLoop, in_windows
 from musclewire.judge._scale_by_b import TODAY, what_followed
 
 # A rise is a jump from this part of the span from B to C on, and from so many standard deviations of a reading at its
@@ -71,15 +71,15 @@ def odd_resistance(loop: JudgedLoop) -> OddResistance:
     )
 
 
-def bad_contact(loop: JudgedLoop) -> Found:
+def bad_contact(loop: JudgedLoop) -> DetectedRows:
     """Return the samples from the first jump of the resistance at a steady drive on."""
     odd = loop.once(odd_resistance)
     often = "once" if odd.jumps.size == 1 else f"{odd.jumps.size} times"
     said = f"{often}, by up to {odd.largest_jump_pct:.0f} % of the span from B to C"
-    return Found(loop.since_first(odd.jumps), lambda: said)
+    return DetectedRows(loop.since_first(odd.jumps), lambda: said)
 
 
-def other_height_of_b(loop: JudgedLoop) -> Found:
+def other_height_of_b(loop: JudgedLoop) -> DetectedRows:
     """Return the samples from another B than the model's on, or from a resistance above all of the slow loop's on.
 
     In words where B is, and what a run from today's zero has made of it; of one at the model's height, or that was not
@@ -89,9 +89,11 @@ def other_height_of_b(loop: JudgedLoop) -> Found:
     above = loop.since_first(odd.above)
     if seen is None or not seen.is_away:
         said = f"up to {odd.above_pct:.0f} % of the span from B to C above all that the model's slow loop showed"
-        return Found(above, lambda: said)
+        return DetectedRows(above, lambda: said)
     from_today = loop.facts.text_or_none("zero_from") == TODAY
-    return Found(above | loop.since(seen.row), lambda: f"{seen}; {what_followed(seen)}" if from_today else str(seen))
+    return DetectedRows(
+        above | loop.since(seen.row), lambda: f"{seen}; {what_followed(seen)}" if from_today else str(seen)
+    )
 
 
 def reading_noise_ohm(resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
-from musclewire.judge._loop import Found, JudgedLoop
+from musclewire.judge._loop import DetectedRows, JudgedLoop
 from musclewire.judge._scale_by_b import WITHIN_STD
 
 # The drive oscillates that turns so often at one target, each time by more than this swing [V] and within this time [s]
@@ -25,7 +25,7 @@ MAX_BEYOND, MIN_STEPS = 0.1, 3
 HELD_S = 1.0
 
 
-def overshoot(loop: JudgedLoop) -> Found:
+def overshoot(loop: JudgedLoop) -> DetectedRows:
     """Return the samples at which the estimate is too far beyond the target; none if steps with such are too few."""
     target, value, time_s = loop.target, loop.estimate, loop.time_s
     judged = loop.sensed & np.isfinite(value) & loop.valid
@@ -44,10 +44,12 @@ def overshoot(loop: JudgedLoop) -> Found:
             rows[step] = too_far
     if len(beyond) < MIN_STEPS:
         rows[:] = False
-    return Found(rows, lambda: f"at {len(beyond)} of {n_steps} steps, by up to {max(beyond):.0f} % of the motion")
+    return DetectedRows(
+        rows, lambda: f"at {len(beyond)} of {n_steps} steps, by up to {max(beyond):.0f} % of the motion"
+    )
 
 
-def oscillation(loop: JudgedLoop) -> Found:
+def oscillation(loop: JudgedLoop) -> DetectedRows:
     """Return the samples between the turns of a drive that swings at a target that holds."""
     drive_v, time_s, rows = loop.drive_voltage_v, loop.time_s, loop.since(None)
     half_s: list[float] = []
@@ -64,7 +66,7 @@ def oscillation(loop: JudgedLoop) -> Found:
             rows[among[0] : among[-1] + 1] = True
             swings_v.append(float(np.ptp(drive_v[among])))
             half_s.extend(np.diff(time_s[among]).tolist())
-    return Found(rows, lambda: f"{max(swings_v):.1f} V peak to peak, period {2.0 * np.mean(half_s):.1f} s")
+    return DetectedRows(rows, lambda: f"{max(swings_v):.1f} V peak to peak, period {2.0 * np.mean(half_s):.1f} s")
 
 
 def turns_of(values: FloatArray, swing: float) -> npt.NDArray[np.intp]:
