@@ -3,7 +3,7 @@
     python -m benchmarks.speed [--only NAME] [--quick] [--json]
 
 Ours and theirs run in one process, in turns, and who is first changes from turn to turn: whatever else the machine does
-falls on both. Rows of one thread are timed by the thread's processor time, the others by the wall clock. After one run
+falls on both. Rows of one thread are timed by processor time, the others by the wall clock. After one run
 of each that is not counted, shown are the medians of the times and of the turns' ratios, with the smallest and largest
 ratio: where these are far apart, the machine was busy. A minute, or with --quick a quarter of it, on a machine with
 little else to do. Only first_step starts processes.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 from importlib.util import find_spec
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,10 @@ from benchmarks.speed.easier_wire import SENSE_V, ScipyLoop
 from benchmarks.speed.measuring import PreparedComparison, TimedProgram
 
 from musclewire.controllers import staircase
-from musclewire.experiment import characterize, control_many
+from musclewire.experiment import characterize, control_many, run_warnings
 from musclewire.identify import fit
 from musclewire.rigs import open_rig
+from musclewire.signals import Recording
 
 __all__ = ["PlainLoop", "loop_cases"]
 
@@ -54,6 +55,9 @@ def loop_cases() -> Iterator[PreparedComparison]:
     )
     other = "a loop in Python: solve_ivp and a PID for each sample"
     yield PreparedComparison("closed_loops", work, other, closed_loop_sides, clock=perf_counter)
+    work = "50 ms of a closed loop; ours finds in its recording what is wrong and what to warn of, as theirs does, too"
+    other = f"control_many with {LOOPS} loops (--quick: {QUICK_LOOPS}), one thread: rigs, loops, metrics and judging"
+    yield PreparedComparison("judging", work, other, judging_sides, clock=process_time)
     work = (
         f"50 ms of one of {WIRES:,} environments (--quick: {QUICK_WIRES}), one thread; ours has noise, protection, "
         "reward and restarts; theirs is an easier wire"
@@ -82,6 +86,25 @@ def closed_loop_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
     return (
         TimedProgram(ours, loops * samples),
         TimedProgram(theirs, THEIR_STEPS, PlainLoop),
+    )
+
+
+def judging_sides(quick: bool) -> tuple[TimedProgram, TimedProgram]:
+    """Return both sides of judging; a unit is a sample of the loop."""
+    with open_rig("simulated") as rig:
+        model = fit(characterize(rig, cycles=1, minor_loop=False))
+    seeds = range(1, 1 + (QUICK_LOOPS if quick else LOOPS))
+    loop = control_many("simulated", model, seeds=[1], keep_recordings=True).outcomes[0].run
+    assert loop is not None
+
+    def fresh() -> list[Recording]:
+        # What a recording was asked before it keeps.
+        return [Recording(loop.columns, loop.metadata) for _ in seeds]
+
+    units = len(seeds) * len(loop)
+    return (
+        TimedProgram(lambda runs: [run_warnings(run) for run in runs], units, fresh),
+        TimedProgram(lambda _: control_many("simulated", model, seeds=seeds, threads=1), units),
     )
 
 

@@ -80,5 +80,6 @@ def test_json_is_one_document_with_the_keys_that_programs_read(capsys: pytest.Ca
 def test_every_kind_of_row_is_there_and_no_name_twice() -> None:
     names = [case.name for case in cases()]
     assert len(set(names)) == len(names)
-    assert {"step", "slow_loop", "closed_loop_period", "exchange", "batch", "closed_loops", "vector_environment",
-            "fuzzy_pid_tick", "first_step"} == {name.partition("[")[0] for name in names}  # fmt: skip
+    assert {"step", "slow_loop", "closed_loop_period", "exchange", "batch", "closed_loops", "judging",
+            "vector_environment", "fuzzy_pid_tick",
+            "first_step"} == {name.partition("[")[0] for name in names}  # fmt: skip
