@@ -4,25 +4,29 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
-from types import CodeType, FrameType
+from types import FunctionType
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.lib.stride_tricks import sliding_window_view
+from tests.places import DOCS
 
 import musclewire as mw
 from musclewire.app import run
-from musclewire.judge._findings import FINDINGS, GRAVE, judged, remedies
+from musclewire.experiment import run_warnings
+from musclewire.judge._findings import ALWAYS, FINDINGS, GRAVE, NEVER, judged, remedies
 from musclewire.judge._first_heating import seen_at_b
 from musclewire.judge._known_strain import compared_with_known
-from musclewire.judge._loop import Cause, in_windows
-from musclewire.judge._missed_target import missed_target
+from musclewire.judge._loop import Cause, JudgedLoop, in_windows
+from musclewire.judge._missed_target import MAX_MISSED, missed_target
 from musclewire.judge._odd_resistance import odd_resistance
+from musclewire.sensing import SensingModel
 
-SHARED = (seen_at_b, compared_with_known, missed_target, odd_resistance)
+SHARED = {seen_at_b, compared_with_known, missed_target, odd_resistance}
+DETECTORS = SHARED | {one.detect for one in FINDINGS if one.detect}
 
 
 def test_every_finding_has_a_key_a_name_and_a_remedy_of_its_own() -> None:
@@ -37,6 +41,14 @@ def test_what_an_estimator_records_is_a_finding_without_a_detector() -> None:
     assert GRAVE == (Cause.CHANGED_LOAD, Cause.OTHER_WIRE)
 
 
+def test_the_page_on_estimators_has_each_finding_and_whether_a_command_ends_with_1() -> None:
+    page = (DOCS / "explanation" / "estimators.md").read_text("utf-8")
+    rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("|")]
+    ends = {ALWAYS: "yes", NEVER: "no", MAX_MISSED: "above a tenth of the time"}
+    on_page = {cells[0]: cells[-1] for cells in rows}
+    assert {one.name: ends[one.grave_beyond] for one in FINDINGS}.items() <= on_page.items()
+
+
 @pytest.mark.parametrize("length", range(1, 12))
 def test_windows_of_any_length_have_the_extremes_of_all_their_values(length: int) -> None:
     values = np.random.default_rng(length).standard_normal(30)
@@ -46,41 +58,50 @@ def test_windows_of_any_length_have_the_extremes_of_all_their_values(length: int
     np.testing.assert_array_equal(in_windows(np.maximum, values, length), seen.max(axis=1))
 
 
-@contextmanager
-def calls() -> Iterator[Counter[CodeType]]:
-    """How often each function was called."""
-    counted: Counter[CodeType] = Counter()
+@pytest.fixture
+def looks(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
+    """How often each detector looks at a recording: wherever one stands, what counts and calls it stands."""
+    counted: Counter[str] = Counter()
 
-    def called(frame: FrameType, event: str, _: object) -> None:
-        if event == "call":
-            counted[frame.f_code] += 1
+    def counting(detect: Callable[[JudgedLoop], Any]) -> Callable[[JudgedLoop], Any]:
+        def look(loop: JudgedLoop) -> Any:
+            counted[detect.__name__] += 1
+            return detect(loop)
 
-    before = sys.getprofile()
-    sys.setprofile(called)
-    try:
-        yield counted
-    finally:
-        sys.setprofile(before)
+        return look
+
+    spies = {detect: counting(detect) for detect in DETECTORS}
+    for module in [one for name, one in sys.modules.items() if name.startswith("musclewire.judge._")]:
+        for name, value in list(vars(module).items()):
+            if isinstance(value, FunctionType) and value in spies:
+                monkeypatch.setattr(module, name, spies[value])
+    rows = tuple(one._replace(detect=spies.get(one.detect)) for one in FINDINGS)
+    monkeypatch.setattr("musclewire.judge._findings.FINDINGS", rows)
+    return counted
 
 
-def test_in_one_command_with_figure_file_and_answer_each_detector_looks_once(tmp_path: Path) -> None:
-    with mw.open_rig("simulated", seed=1) as rig:
-        mw.fit(mw.characterize(rig, cycles=1, minor_loop=False)).save(tmp_path / "model.json")
-    options = [
-        "--reference",
-        "1.5 % to 1.8 % by 0.3 %",
-        "--known-strain",
-        "1.5 % at 3 s",
-        "--zero-from",
-        "today",
-        "--json",
-    ]
+def test_in_one_loop_with_its_metrics_and_warnings_each_detector_looks_once(
+    model: SensingModel, looks: Counter[str]
+) -> None:
+    with mw.open_rig("simulated", seed=4) as rig:
+        loop = mw.control(rig, model, mw.staircase(0.015, 0.018, 0.003, 1.5), known_strain=(0.015, 1.0))
+    assert run_warnings(loop)[-1:] == judged(loop).warnings[-1:]
+    assert looks == {one.__name__: 1 for one in DETECTORS}
+    (outcome,) = mw.control_many("simulated", model, seeds=[4]).outcomes
+    assert outcome.compiled
+    assert looks == {one.__name__: 2 for one in DETECTORS}
+
+
+@pytest.mark.slow
+def test_in_one_command_with_figure_file_and_answer_each_detector_looks_once(
+    tmp_path: Path, model: SensingModel, looks: Counter[str]
+) -> None:
+    model.save(tmp_path / "model.json")
+    options = ["--reference", "1.5 % to 1.8 % by 0.3 % for 1.5 s", "--known-strain", "1.5 % at 1 s", "--zero-from"]
+    options += ["today", "--json"]
     files = ["--plot", tmp_path / "run.png", "-o", tmp_path / "run.h5"]
-    with calls() as counted:
-        code = run(list(map(str, ["control", "simulated", tmp_path / "model.json", *options, *files])))
-    assert code in (0, 1)
-    detectors = {one.detect for one in FINDINGS if one.detect} | set(SHARED)
-    assert {one.__name__: counted[one.__code__] for one in detectors} == {one.__name__: 1 for one in detectors}
+    assert run(list(map(str, ["control", "simulated", tmp_path / "model.json", *options, *files]))) in (0, 1)
+    assert looks == {one.__name__: 1 for one in DETECTORS}
     assert (tmp_path / "run.png").stat().st_size > 0
 
 
