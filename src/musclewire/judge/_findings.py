@@ -149,18 +149,7 @@ class Judgement:
 
 
 def judged(recording: Recording) -> Judgement:
-    """Return what is wrong in a closed loop; however often it is asked, each detector looks at a recording once.
-
-    Parameters
-    ----------
-    recording
-        A closed loop with drive, target and estimate; with the column ``health``, what its estimator has found counts,
-        too.
-
-    Returns
-    -------
-    The judgement.
-    """
+    """Return what is wrong in a closed loop; however often it is asked, each detector looks at a recording once."""
     return asked_once(recording, judgement_of)
 
 

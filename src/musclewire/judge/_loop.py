@@ -77,8 +77,7 @@ class JudgedLoop:
     @cached_property
     def suffix(self) -> str:
         """The ending of the columns of the quantity that was controlled; "" of what is no closed loop."""
-        found = (one for one in COLUMN_SUFFIX.values() if f"target_{one}" in self.recording)
-        suffix = next(found, "")
+        suffix = next((one for one in COLUMN_SUFFIX.values() if f"target_{one}" in self.recording), "")
         return suffix if len(self.recording) and f"estimated_{suffix}" in self.recording else ""
 
     @cached_property

@@ -91,10 +91,8 @@ def missed_target(loop: JudgedLoop) -> MissedTarget:
         *within_last(round(MAY_LAG_S / loop.period_s), loop.column("announced_miss", 0.0)),
         loop.facts.number_or_none("sensed_range") or float(np.abs(loop.target).max()),
     )
-    judged, few = loop.with_target, MAX_MISSED * loop.with_target.sum()
-    if loop.facts.text_or_none("ended") == "interrupted":
-        judged = loop.since(None)
-    found = (rows & judged for rows in seen.misses())
+    whole, few = loop.facts.text_or_none("ended") != "interrupted", MAX_MISSED * loop.with_target.sum()
+    found = (rows & loop.with_target & whole for rows in seen.misses())
     return MissedTarget(*(rows & (rows.sum() > few) for rows in found))
 
 
