@@ -76,6 +76,9 @@ class RunFacts:
     period_s = NumberFact("period of the slow sine")
     approach_s = NumberFact("time before the reference of a closed loop begins", may_be_zero=True)
     closing_s = NumberFact("time in which a grip closes")
+    limit_heat_capacity_j_per_k = NumberFact("heat capacity of the wire")
+    limit_heat_loss_w_per_k = NumberFact("heat loss of the wire to the air")
+    limit_ambient_temperature_k = NumberFact("temperature of the air")
     time_step_s = NumberFact("fixed step of the simulation; 0 for chosen steps", may_be_zero=True)
 
     @property

@@ -9,7 +9,6 @@ from ._batch import drive_many as drive_many
 from ._building import SHAPE as SHAPE
 from ._building import constants_from as constants_from
 from ._building import constants_of as constants_of
-from ._building import convection_table as convection_table
 from ._building import cooled_wire as cooled_wire
 from ._building import measured_grains as measured_grains
 from ._building import resting_state as resting_state
@@ -24,6 +23,10 @@ from ._distribution import tabulated_distribution as tabulated_distribution
 from ._distribution import two_populations as two_populations
 from ._fronts import shakedown_of as shakedown_of
 from ._fronts import thresholds_at as thresholds_at
+from ._heat_balance import HeatBalance as HeatBalance
+from ._heat_balance import approached as approached
+from ._heat_balance import convection_table as convection_table
+from ._heat_balance import warmed_k as warmed_k
 from ._loads import ConnectorLoad as ConnectorLoad
 from ._loads import ElasticObject as ElasticObject
 from ._loads import spring_load as spring_load

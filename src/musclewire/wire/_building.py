@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
 
 import numpy as np
 
-from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.parameters import Alloy, Bench, Numbers, Wire
-from musclewire.physics import REFERENCE_TEMPERATURE_K, convection_coefficient_w_per_m2_k
+from musclewire.physics import REFERENCE_TEMPERATURE_K
 from musclewire.wire._distribution import (
     ONE_CLASS,
     BarrierClass,
@@ -20,24 +18,16 @@ from musclewire.wire._distribution import (
     quantile_distribution,
     two_population_distribution,
 )
+from musclewire.wire._heat_balance import TABLE_START_K, TABLE_STEP_K, convection_table
 from musclewire.wire._loads import ConnectorLoad, spring_load
 from musclewire.wire._prescribed import cool_from_hot
-from musclewire.wire._row import CONVECTION_POINTS, WireConstants, WireState
+from musclewire.wire._row import WireConstants, WireState
 
 # Stresses at which the spreads must be positive: none, and about the strength of the wire.
 STRESSES_PA = (0.0, 1e9)
 MIN_SPREAD_K = 1e-3
 # Numbers of an alloy that say how its grains are distributed.
 SHAPE = ("grain_skew", "grain_tail", "early_fraction", "early_width")
-TABLE_START_K = 200.0
-TABLE_STEP_K = 2.0
-
-
-@lru_cache(maxsize=64)
-def convection_table(diameter_m: float, ambient_temperature_k: float) -> FloatArray:
-    """Return the convection coefficient every 2 K from 200 K to 800 K at one ambient temperature, (301,)."""
-    walls_k = (TABLE_START_K + TABLE_STEP_K * place for place in range(CONVECTION_POINTS))
-    return np.array([convection_coefficient_w_per_m2_k(k, ambient_temperature_k, diameter_m) for k in walls_k])
 
 
 def constants_from(

@@ -33,6 +33,7 @@ from musclewire.controllers._protection.table import (
     Signal,
     State,
 )
+from musclewire.wire import warmed_k
 
 # A voltage counts as saturated from this fraction of its range.
 SATURATED_FRACTION = 0.999
@@ -263,20 +264,6 @@ def highest_within_delay_v(row: Row, rules: Row, ordered_voltage_v: float, dt_s:
 
 
 @compiled_inner
-def heat(row: Row, rules: Row, read_power_w: float, ordered_voltage_v: float, dt_s: float) -> None:
-    """Let the power in the wire act on the estimated temperature: second order, and stable for any ``dt_s``.
-
-    The larger of two counts: what was read, and what the ordered drive gives the smallest resistance that this wire can
-    have. Either source may be wrong.
-    """
-    power_w = max(read_power_w, rules["largest_w_per_v2"] * ordered_voltage_v * ordered_voltage_v)
-    rate = rules["heat_loss_w_per_k"] / rules["heat_capacity_j_per_k"] * dt_s
-    rise_k = dt_s * power_w / rules["heat_capacity_j_per_k"] * (1.0 + 0.5 * rate)
-    ambient_k = rules["ambient_temperature_k"]
-    row["temperature_k"] = ambient_k + (row["temperature_k"] - ambient_k + rise_k) / (1.0 + rate + 0.5 * rate * rate)
-
-
-@compiled_inner
 def is_swapped(rules: Row, wire_voltage_v: float, shunt_voltage_v: float, resistance_ohm: float) -> bool:
     """Whether a channel is reversed, or the two would fit the window if they changed places."""
     if resistance_ohm < 0.0:
@@ -318,12 +305,16 @@ def judged_reading(
     highest_v = highest_within_delay_v(row, rule, ordered_voltage_v, dt_s)
     driven = drive_voltage_v >= DRIVEN_FRACTION * rule["sense_voltage_v"]
     missing = missing_event(rule, driven, drive_voltage_v, wire_voltage_v, shunt_voltage_v)
+    # The larger of two powers heats the wire, as either source may be wrong: what the ordered drive gives the smallest
+    # resistance that it can have, and what was read. A channel that is reversed heats it all the same.
+    power_w = rule["largest_w_per_v2"] * ordered_voltage_v * ordered_voltage_v
+    if missing == NO_EVENT:
+        power_w = max(abs(wire_voltage_v * (shunt_voltage_v / rule["shunt_resistance_ohm"])), power_w)
+    air_k, capacity, loss = rule["ambient_temperature_k"], rule["heat_capacity_j_per_k"], rule["heat_loss_w_per_k"]
+    row["temperature_k"] = air_k + warmed_k(row["temperature_k"] - air_k, power_w, dt_s, capacity, loss)
     if missing != NO_EVENT:
-        miss_reading(row, rule, missing, ordered_voltage_v, dt_s)
+        miss_reading(row, rule, missing, dt_s)
         return False
-    # A channel that is reversed heats the wire all the same.
-    read_power_w = abs(wire_voltage_v * (shunt_voltage_v / rule["shunt_resistance_ohm"]))
-    heat(row, rule, read_power_w, ordered_voltage_v, dt_s)
     row["often_missing_s"] = max(0.0, row["often_missing_s"] - MADE_UP_FRACTION * dt_s)
     seen = conditions_in(row, rule, driven, drive_voltage_v, wire_voltage_v, shunt_voltage_v, highest_v, dt_s)
     if row["often_missing_s"] > rule["sense_after_s"] - TIME_ROUNDING_S:
@@ -334,9 +325,8 @@ def judged_reading(
 
 
 @compiled_inner
-def miss_reading(row: Row, rules: Row, event: int, ordered_voltage_v: float, dt_s: float) -> None:
-    """Take a reading that is missing: the wire counts as heated by its ordered drive, and nothing else is known."""
-    heat(row, rules, 0.0, ordered_voltage_v, dt_s)
+def miss_reading(row: Row, rules: Row, event: int, dt_s: float) -> None:
+    """Take a reading that is missing: of the wire nothing else is known than its ordered drive."""
     # A gap that lasts counts until the sense voltage is out; then only further gaps do.
     if row["missing_s"] < rules["sense_after_s"] - TIME_ROUNDING_S:
         max_s = MAX_OFTEN_MISSING * rules["sense_after_s"]

@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.errors import CallerError
+from musclewire.wire import HeatBalance
 
 
 class ProtectionLimits(NamedTuple):
@@ -55,6 +56,11 @@ class ProtectionLimits(NamedTuple):
     ambient_temperature_k: float
     maximum_temperature_k: float
     arriving_fraction: float = 1.0
+
+    @property
+    def heat(self) -> HeatBalance:
+        """The heat balance of the wire, with a constant loss."""
+        return HeatBalance(self.heat_capacity_j_per_k, self.heat_loss_w_per_k, self.ambient_temperature_k)
 
     def checked(self) -> ProtectionLimits:
         """Return the limits themselves. Raises CallerError if they cannot belong to a wire."""
