@@ -20,7 +20,7 @@ import time
 import weakref
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from math import exp, inf, isfinite
+from math import inf, isfinite
 from pathlib import Path
 from threading import Event, Thread
 from typing import NamedTuple, Protocol
@@ -198,7 +198,7 @@ def rest_s(limits: ProtectionLimits) -> float:
     """Return how long a wire rests until it is cold, however warm it was [s]; 0 for one that no drive makes too hot."""
     if warmest_k(limits.ambient_temperature_k, limits, inf) < limit_k(limits):
         return 0.0
-    return REST_TIME_CONSTANTS * limits.heat_capacity_j_per_k / limits.heat_loss_w_per_k
+    return REST_TIME_CONSTANTS * limits.heat.lag_s
 
 
 def outdated(moment: Moment, present: Moment, limits: ProtectionLimits) -> str | None:
@@ -215,9 +215,7 @@ def outdated(moment: Moment, present: Moment, limits: ProtectionLimits) -> str |
 def cooled_k(stored: WireTemperature, limits: ProtectionLimits, present: Moment) -> float:
     """Return how warm a wire is [K] that has had no drive since a moment; one that is still to come counts as now."""
     passed_s = max(present.awake_s - stored.moment.awake_s, 0.0)
-    ambient_k = limits.ambient_temperature_k
-    left = exp(-limits.heat_loss_w_per_k * passed_s / limits.heat_capacity_j_per_k)
-    return ambient_k + max(stored.temperature_k - ambient_k, 0.0) * left
+    return limits.heat.after_k(max(stored.temperature_k, limits.ambient_temperature_k), 0.0, passed_s)
 
 
 def limit_k(limits: ProtectionLimits) -> float:
@@ -228,9 +226,7 @@ def limit_k(limits: ProtectionLimits) -> float:
 def warmest_k(temperature_k: float, limits: ProtectionLimits, within_s: float) -> float:
     """Return how warm the largest drive makes a wire [K] within a time, as far as the protection lets it."""
     power_w = limits.maximum_voltage_v**2 * largest_power_w_per_v2(limits)
-    settled_k = limits.ambient_temperature_k + power_w / limits.heat_loss_w_per_k
-    left = exp(-limits.heat_loss_w_per_k * within_s / limits.heat_capacity_j_per_k)
-    return max(temperature_k, min(settled_k + (temperature_k - settled_k) * left, limit_k(limits)))
+    return max(temperature_k, min(limits.heat.after_k(temperature_k, power_w, within_s), limit_k(limits)))
 
 
 class TemperatureKeeper:
