@@ -48,8 +48,6 @@ from ._speed_limits.limits import SufficientChanges as SufficientChanges
 from ._speed_limits.limits import TooFast as TooFast
 from ._speed_limits.limits import speed_limits_of as speed_limits_of
 from ._speed_limits.supply import WeakSupply as WeakSupply
-from ._steady_temperature import convective_loss_w_per_m as convective_loss_w_per_m
-from ._steady_temperature import steady_temperature_k as steady_temperature_k
 from ._time_figures import halves as halves
 from ._time_figures import mark_points as mark_points
 from ._tuning import Tuning as Tuning

@@ -15,7 +15,8 @@ from typing import NamedTuple
 
 from musclewire.errors import CallerError
 from musclewire.parameters import Alloy, Parameter, Wire, bench_known_with, load_alloy, load_bench, load_wire
-from musclewire.physics import REFERENCE_TEMPERATURE_K, convection_coefficient_w_per_m2_k
+from musclewire.physics import REFERENCE_TEMPERATURE_K
+from musclewire.wire import HeatBalance
 
 # Flexinol's isobars (maestrolab/calibrating) end there: nothing is gained beyond, and 60 K remain to the protection's
 # limit for what a wire's file, its clamps and its air leave open.
@@ -39,8 +40,9 @@ SENSE_FRACTION = 0.125
 
 
 class HotWire(NamedTuple):
-    """What the heat balance of a hot wire needs, in SI; ``in_series`` and ``in_parallel`` count like wires."""
+    """A hot wire behind its shunt and leads, in SI; ``in_series`` and ``in_parallel`` count like wires."""
 
+    alloy: Alloy
     diameter_m: float
     wire_length_m: float
     series_ohm: float
@@ -48,9 +50,13 @@ class HotWire(NamedTuple):
     in_parallel: int
     ambient_temperature_k: float
     convection_factor: float
-    austenite_resistivity_ohm_m: float
-    austenite_resistivity_per_k: float
-    largest_strain: float
+    resistivity_factor: float
+
+    @property
+    def heat(self) -> HeatBalance:
+        """The heat balance of one wire in still air, with a loss that grows with temperature."""
+        air_k, factor = self.ambient_temperature_k, self.convection_factor
+        return HeatBalance.of_wire(self.alloy, self.diameter_m, self.wire_length_m, air_k, factor)
 
 
 class OwnVoltages(NamedTuple):
@@ -88,8 +94,9 @@ def hot_wire(
     in_series: int = 1,
     in_parallel: int = 1,
 ) -> HotWire:
-    """Return what the heat balance of a wire behind its shunt and leads, ``series_ohm`` together, needs."""
+    """Return a hot wire behind its shunt and leads, ``series_ohm`` together."""
     return HotWire(
+        alloy=alloy,
         diameter_m=wire["diameter_m"],
         wire_length_m=wire_length_m,
         series_ohm=series_ohm,
@@ -97,25 +104,18 @@ def hot_wire(
         in_parallel=in_parallel,
         ambient_temperature_k=ambient_temperature_k,
         convection_factor=wire["convection_factor"],
-        austenite_resistivity_ohm_m=alloy["austenite_resistivity_ohm_m"] * wire["resistivity_factor"],
-        austenite_resistivity_per_k=alloy["austenite_resistivity_per_k"],
-        largest_strain=alloy["strain_saturated"],
+        resistivity_factor=wire["resistivity_factor"],
     )
 
 
 def austenite_ohm(hot: HotWire, temperature_k: float) -> tuple[float, float]:
     """Return the resistance [ohm] of austenite that contracted by the alloy's whole strain, and of one that did not."""
-    per_kelvin = 1.0 + hot.austenite_resistivity_per_k * (temperature_k - REFERENCE_TEMPERATURE_K)
-    stretched = hot.austenite_resistivity_ohm_m * per_kelvin / (0.25 * math.pi * hot.diameter_m**2) * hot.wire_length_m
+    alloy = hot.alloy
+    per_kelvin = 1.0 + alloy["austenite_resistivity_per_k"] * (temperature_k - REFERENCE_TEMPERATURE_K)
+    ohm_m = alloy["austenite_resistivity_ohm_m"] * hot.resistivity_factor * per_kelvin
+    stretched = ohm_m / (0.25 * math.pi * hot.diameter_m**2) * hot.wire_length_m
     # A contracted wire is shorter and, at the same volume, thicker.
-    return stretched / (1.0 + hot.largest_strain) ** 2, stretched
-
-
-def loss_w(hot: HotWire, temperature_k: float) -> float:
-    """Return what a wire at a temperature gives off to still air [W]."""
-    coefficient = convection_coefficient_w_per_m2_k(temperature_k, hot.ambient_temperature_k, hot.diameter_m)
-    surface = math.pi * hot.diameter_m * hot.wire_length_m
-    return hot.convection_factor * coefficient * surface * (temperature_k - hot.ambient_temperature_k)
+    return stretched / (1.0 + alloy["strain_saturated"]) ** 2, stretched
 
 
 def holding_voltage_v(hot: HotWire, temperature_k: float) -> float:
@@ -127,7 +127,7 @@ def holding_voltage_v(hot: HotWire, temperature_k: float) -> float:
     lowest, highest = austenite_ohm(hot, temperature_k)
     rest = hot.series_ohm * hot.in_parallel / hot.in_series
     ohm = min(max(rest, lowest), highest)
-    return math.sqrt(loss_w(hot, temperature_k) / ohm) * (ohm + rest) * hot.in_series
+    return math.sqrt(hot.heat.power_w(temperature_k) / ohm) * (ohm + rest) * hot.in_series
 
 
 @lru_cache(maxsize=256)
@@ -279,7 +279,7 @@ def own_circuit(wire: str, *, wire_length_m: float, legs: int = 2, ambient_tempe
     bare = hot_wire_on(wire, wire_length_m, 0.0, ambient_temperature_k)
     lowest, highest = austenite_ohm(bare, OVERHEATED_K)
     # A current heats a stretched wire most; a voltage sends more through a contracted one, and the shunt reads that.
-    loss = loss_w(bare, OVERHEATED_K)
+    loss = bare.heat.power_w(OVERHEATED_K)
     shunt_ohm = shunt_for(math.sqrt(loss / lowest))
     amplitude_v, maximum_v = voltages_of_circuit(
         GivenVoltages(),

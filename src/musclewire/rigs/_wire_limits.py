@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
 from musclewire.controllers import ProtectionLimits
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters import Alloy, Wire, validity_of
-from musclewire.physics import convection_coefficient_w_per_m2_k
+from musclewire.wire import HeatBalance
 
 # A wire's resistance by the maker's ohm per metre is within 15 %, and falls by up to a fifth when it contracts.
 WINDOW_LOW, WINDOW_HIGH = 0.85 * 0.8, 1.5
@@ -21,8 +20,6 @@ OPEN_FRACTION = 0.1
 JUMP_FRACTION, JUMP_PERIOD_S, MAX_JUMP_FRACTION = 0.1, 0.05, 0.5
 # For an alloy whose file does not state annealing_temperature: that of Flexinol's.
 MAXIMUM_TEMPERATURE_K = 473.15
-# Temperature at which the loss to the air is computed: that of a contracted wire.
-HOT_K = 373.15
 
 
 class WireCircuit(NamedTuple):
@@ -60,7 +57,9 @@ def limits_of(
     low_ohm = known.get("resistance_low_ohm", low_ohm)
     high_ohm = known.get("resistance_high_ohm", high_ohm)
     lowest_v = min(circuit.sense_voltage_v, circuit.maximum_voltage_v)
-    capacity, loss = heat_of(wire, alloy, circuit)
+    air_k, wires = circuit.ambient_temperature_k, circuit.in_series * circuit.in_parallel
+    factor = circuit.loss_factor * wire["convection_factor"]
+    heat = HeatBalance.of_wire(alloy, wire["diameter_m"], circuit.wire_length_m, air_k, factor, wires=wires)
     limits = ProtectionLimits(
         sense_voltage_v=circuit.sense_voltage_v,
         maximum_voltage_v=circuit.maximum_voltage_v,
@@ -74,8 +73,8 @@ def limits_of(
         wire_range_v=circuit.wire_range_v,
         shunt_range_v=circuit.shunt_range_v,
         readings_noisy=float(circuit.readings_noisy),
-        heat_capacity_j_per_k=capacity,
-        heat_loss_w_per_k=loss,
+        heat_capacity_j_per_k=heat.capacity_j_per_k,
+        heat_loss_w_per_k=heat.loss_w_per_k,
         ambient_temperature_k=circuit.ambient_temperature_k,
         maximum_temperature_k=highest_temperature_k(alloy),
     )
@@ -88,14 +87,3 @@ def limits_of(
 def highest_temperature_k(alloy: Alloy) -> float:
     """Return the highest temperature [K] that the protection allows a wire of an alloy if no file says another."""
     return validity_of(alloy).annealing_temperature_k or MAXIMUM_TEMPERATURE_K
-
-
-def heat_of(wire: Wire, alloy: Alloy, circuit: WireCircuit) -> tuple[float, float]:
-    """Return heat capacity [J/K] and loss [W/K] to what surrounds them of all wires on the drive together."""
-    diameter, length = wire.diameter_m.value, circuit.wire_length_m
-    wires = circuit.in_series * circuit.in_parallel
-    volume = math.pi / 4.0 * diameter**2 * length * wires
-    ambient = circuit.ambient_temperature_k
-    coefficient = float(convection_coefficient_w_per_m2_k(max(HOT_K, ambient + 50.0), ambient, diameter))
-    loss = circuit.loss_factor * wire.convection_factor.value * coefficient * math.pi * diameter * length * wires
-    return volume * alloy.density_kg_per_m3.value * alloy.specific_heat_j_per_kg_k.value, loss

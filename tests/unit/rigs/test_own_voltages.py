@@ -29,7 +29,6 @@ from musclewire.rigs._own_voltages import (
     holding_voltage_v,
     hot_wire,
     hot_wire_on,
-    loss_w,
     own_circuit,
 )
 
@@ -139,7 +138,7 @@ def test_what_a_wire_is_given_on_a_board_fits_the_boards_range_and_its_own_limit
     hot = hot_wire_on(wire, 0.14, own.shunt_ohm, 295.15)
     # For long: a current through a stretched wire, and the highest voltage at a contracted one, settle it at 150 C.
     contracted_ohm, stretched_ohm = austenite_ohm(hot, OVERHEATED_K)
-    assert own.lasting_current_a**2 * stretched_ohm == pytest.approx(loss_w(hot, OVERHEATED_K))
+    assert own.lasting_current_a**2 * stretched_ohm == pytest.approx(hot.heat.power_w(OVERHEATED_K))
     assert held_temperature_k(hot, own.maximum_v) <= OVERHEATED_K + 0.1
     read_v = own.shunt_ohm * own.maximum_v / (contracted_ohm + own.shunt_ohm)
     assert 0.6 * SHUNT_RANGE_V < read_v <= 0.96 * SHUNT_RANGE_V

@@ -7,8 +7,8 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.controllers import ProtectionLimits
 from musclewire.experiment._doctor.evidence import Evidence, Findings, RigCheck, SkippedCheck, VoltageLevel
-from musclewire.identify import steady_temperature_k
-from musclewire.parameters import Wire
+from musclewire.parameters import Wire, load_alloy
+from musclewire.wire import HeatBalance
 
 # The sense voltage must not heat the wire by more.
 MAX_RISE_K = 8.0
@@ -32,7 +32,9 @@ def warmth_findings(
             (drift,), (SkippedCheck("sense_warming_k", "the rig names no wire that is known, or no length"),)
         )
     power_w = float(np.mean(at_sense.wire_voltage_v * at_sense.shunt_voltage_v)) / evidence.shunt_resistance_ohm
-    rise = steady_temperature_k(max(power_w, 0.0) / length_m, wire, ambient_k) - ambient_k
+    alloy, factor = load_alloy(wire.alloy), wire["convection_factor"]
+    heat = HeatBalance.of_wire(alloy, wire["diameter_m"], length_m, ambient_k, factor)
+    rise = heat.steady_k(max(power_w, 0.0)) - ambient_k
     ok = rise <= MAX_RISE_K
     advice = f"by {1e3 * power_w:.2g} mW in still air, computed from the wire file, not measured"
     if not ok:

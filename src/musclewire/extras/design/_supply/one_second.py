@@ -11,9 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.errors import NumericsError
-from musclewire.identify import convective_loss_w_per_m
 from musclewire.parameters import Alloy, Bench, Wire
-from musclewire.wire import DrivenPath, WireConstants, WireState, constants_from, drive_path, resting_state
+from musclewire.wire import DrivenPath, HeatBalance, WireConstants, WireState, constants_from, drive_path, resting_state
 
 # A wire counts as contracted at this fraction of its full stroke.
 CONTRACTED_FRACTION = 0.9
@@ -93,15 +92,14 @@ def one_second_current(
     stroke = full_stroke(constants)
     current_a = contracting_current_a(constants, seconds, fraction * stroke * constants.leg_length_m)
     path, state = heat(constants, current_a, seconds)
-    power_w = constants.wire_length_m * convective_loss_w_per_m(
-        state.temperature_k, wire, constants.ambient_temperature_k
-    )
+    air_k, factor = constants.ambient_temperature_k, wire["convection_factor"]
+    balance = HeatBalance.of_wire(alloy, wire["diameter_m"], constants.wire_length_m, air_k, factor)
     return OneSecondDrive(
         current_a,
         float(path.wire_voltage_v.max()),
         stroke,
         state.temperature_k,
-        math.sqrt(power_w / state.resistance_ohm),
+        math.sqrt(balance.power_w(state.temperature_k) / state.resistance_ohm),
     )
 
 

@@ -28,7 +28,7 @@ from musclewire.experiment import (
 from musclewire.extras.design._supply.catalogue_check import PULL_STRESS_PA, UNCOUNTED_STRAIN, run_catalogue_test
 from musclewire.extras.design._supply.one_second import OneSecondDrive, one_second_current, relaxation_time_s
 from musclewire.extras.design._supply.wire_table import ShuntChoice, rated_shunt
-from musclewire.identify import extrapolation_warnings, steady_temperature_k
+from musclewire.identify import extrapolation_warnings
 from musclewire.parameters import (
     Bench,
     CatalogueRow,
@@ -54,6 +54,7 @@ from musclewire.rigs import (
     with_settings,
 )
 from musclewire.signals import Recording
+from musclewire.wire import HeatBalance
 
 BENCH = "dead-weight"
 DEFAULT_LENGTH_M = 0.14
@@ -299,7 +300,9 @@ def size_supply(
     best = usable_one_second_current(wire, bench, request.ambient_k)
     recording = simulated_drive(plan, path, overwrite, on_sample)
     numbers = drive_numbers(recording, request.on_s, best.stroke, plan.pulses.period)
-    settled = steady_temperature_k(numbers.power_end_w / request.length_m, wire, request.ambient_k)
+    alloy, factor = load_alloy(wire.alloy), wire["convection_factor"]
+    heat = HeatBalance.of_wire(alloy, wire["diameter_m"], request.length_m, request.ambient_k, factor)
+    settled = heat.steady_k(numbers.power_end_w)
     shunt = rated_shunt(own_circuit_of(request), best.current_a)
     warnings = (
         *warnings_for(plan, numbers, settled),
