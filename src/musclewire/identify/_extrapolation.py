@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
-from musclewire.arrays import FloatArray
+from musclewire.errors import RecordingError
 from musclewire.parameters import ReachedConditions, ValidityLimits, beyond_validity, exceeds, section_m2
-from musclewire.physics import convection_coefficient_w_per_m2_k
-from musclewire.sensing import HotEnd, lagged, noise_level
+from musclewire.sensing import HotEnd, noise_level
 from musclewire.signals import Recording, RunFacts
+from musclewire.wire import HeatBalance
 
 # Readings of a load cell are taken for as many standard deviations of its noise less extreme than they are.
 NOISES = 4.0
-# The protection's loss is that of a wire at 100 C; a hotter one loses more. Between these temperatures [K above
-# the air] the ratio of both is interpolated; and how often it is put in: each time a tenth of the error is left.
-HOT_K, ABOVE_K, ROUNDS = 373.15, (1.0, 5.0, 10.0, 20.0, 40.0, 70.0, 100.0, 150.0, 250.0, 500.0, 1000.0), 6
 # Nearer than this [K] to the temperature up to which the alloy was measured there is no room for more drive.
 ROOM_K = 5.0
 ZERO_CELSIUS_K = 273.15
@@ -68,41 +63,19 @@ def whole_section_m2(facts: RunFacts) -> float | None:
 def temperature_k(recording: Recording) -> float | None:
     """Return the highest temperature of a run: of the column, or of the power by the protection's heat balance.
 
-    None if the recording has neither. The balance is that of a wire in still air, C dT/dt = P - loss (T - ambient); its
-    loss grows with temperature as the correlation has it, where the recording states the wire's diameter.
+    None if the recording has neither. The wire begins cold; its loss grows with temperature as that to still air does,
+    where the recording states the wire's diameter.
     """
     if "wire_temperature_k" in recording and len(recording):
         return float(np.nanmax(recording["wire_temperature_k"]))
     facts = recording.facts
-    names = ("limit_heat_capacity_j_per_k", "limit_heat_loss_w_per_k", "limit_ambient_temperature_k")
-    capacity, loss, ambient = (facts.number_or_none(name) for name in names)
-    shunt, period = facts.number_or_none("shunt_resistance_ohm"), facts.number_or_none("sample_period_s")
-    if capacity is None or not loss or ambient is None or not shunt or period is None or not len(recording):
+    try:
+        heat = HeatBalance.stated_in(facts)._replace(diameter_m=facts.positive_or_none("wire_diameter_m"))
+        power = recording["wire_voltage_v"] * recording["shunt_voltage_v"] / facts.shunt_resistance_ohm
+    except RecordingError:
         return None
-    if "wire_voltage_v" not in recording or "shunt_voltage_v" not in recording:
-        return None
-    power = np.nan_to_num(recording["wire_voltage_v"] * recording["shunt_voltage_v"] / shunt)
-    rate = period * loss / capacity
-
-    def above_k(power_w: FloatArray) -> FloatArray:
-        """Return how far a constant loss lets a power heat the wire above the air [K], (n_times,)."""
-        return lagged(power_w / loss, rate / (1.0 + rate), 0.0)
-
-    above = above_k(power)
-    diameter = facts.positive_or_none("wire_diameter_m")
-    for _ in range(0 if diameter is None else ROUNDS):
-        more = np.interp(above, ABOVE_K, more_loss(diameter or 0.0, ambient)) * loss
-        above = np.maximum(above_k(power - more * above), 0.0)
-    return ambient + float(np.max(above))
-
-
-@lru_cache(maxsize=64)
-def more_loss(diameter_m: float, ambient_temperature_k: float) -> tuple[float, ...]:
-    """Return by which fraction a wire loses more per kelvin than at 100 C, at each of ``ABOVE_K`` above the air."""
-    air_k = ambient_temperature_k
-    reference = convection_coefficient_w_per_m2_k(max(HOT_K, air_k + 50.0), air_k, diameter_m)
-    found = (convection_coefficient_w_per_m2_k(air_k + above_k, air_k, diameter_m) for above_k in ABOVE_K)
-    return tuple(coefficient / reference - 1.0 for coefficient in found)
+    power = np.nan_to_num(power)
+    return float(heat.along_k(recording["time_s"], power, power, 0.0, heat.air_k).max(initial=heat.air_k))
 
 
 def hot_end(recording: Recording) -> HotEnd:
