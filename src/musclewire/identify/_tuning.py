@@ -33,6 +33,7 @@ from musclewire.identify._use_of_model import error_unit_for, require_ohms
 from musclewire.parameters import Alloy, load_alloy, load_wire, names
 from musclewire.sensing import SHOWN_AS, SensingModel, wire_model_of
 from musclewire.signals import Recording, RunFacts
+from musclewire.wire import HeatBalance
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -300,28 +301,6 @@ def fuzzy_settings(model: SensingModel, plant: FeedforwardSettings, rule_base: s
     return FuzzyPidSettings(input_scale=fuzzy_scale(model, plant), error_unit=error_unit_for(model), rule_base=rules)
 
 
-class HeatBalance(NamedTuple):
-    """Heat balance of a wire in still air: capacity [J/K], loss [W/K], and its warmest [K above the air]."""
-
-    capacity_j_per_k: float
-    loss_w_per_k: float
-    warmest_k: float
-
-
-def heat_balance(facts: RunFacts) -> HeatBalance:
-    """Return the heat balance that a rig states. Raises RecordingError if it does not."""
-    keys = ("heat_capacity_j_per_k", "heat_loss_w_per_k", "maximum_temperature_k", "ambient_temperature_k")
-    stated = [facts.number_or_none(f"limit_{key}") for key in keys]
-    known = [number for number in stated if number is not None and number > 0.0]
-    if len(known) != len(keys):
-        raise RecordingError(
-            f"{facts.whose} does not state which rig heats the wire and how warm it may become, by which gains are "
-            "found: record the slow loop on that rig with 'musclewire characterize'"
-        )
-    capacity, loss, highest_k, air_k = known
-    return HeatBalance(capacity, loss, highest_k - air_k)
-
-
 def alloy_of(model: SensingModel) -> Alloy:
     """Return the alloy of a model's wire, Flexinol's for a wire that is not known by name."""
     name = str(model.wire.get("wire", ""))
@@ -331,12 +310,12 @@ def alloy_of(model: SensingModel) -> Alloy:
 def stated_heat_balance(model: SensingModel, facts: RunFacts) -> tuple[float, float] | None:
     """Return time constant [s] and heat [J] of the whole transformation as a rig states them; None if it does not."""
     try:
-        stated = heat_balance(facts)
+        stated = HeatBalance.stated_in(facts)
     except RecordingError:
         return None
     alloy = alloy_of(model)
     heat_j = stated.capacity_j_per_k * alloy.latent_heat_j_per_kg.value / alloy.specific_heat_j_per_kg_k.value
-    return stated.capacity_j_per_k / stated.loss_w_per_k, heat_j
+    return stated.lag_s, heat_j
 
 
 def identified_plant(
@@ -347,7 +326,15 @@ def identified_plant(
     Raises CallerError for a model without that of its wire, RecordingError for a rig without its heat balance,
     and for a loop whose power does not rise.
     """
-    balance, wire = heat_balance(facts), wire_model_of(model)
+    try:
+        highest_k = facts.number("limit_maximum_temperature_k", "highest temperature of the wire")
+        maximum_w = HeatBalance.stated_in(facts).power_w(highest_k)
+    except RecordingError:
+        raise RecordingError(
+            f"{facts.whose} does not state which rig heats the wire and how warm it may become, by which gains are "
+            "found: record the slow loop on that rig with 'musclewire characterize'"
+        ) from None
+    wire = wire_model_of(model)
     levels = np.linspace(model.quantity_min, model.quantity_max, LEVELS)
     steady = steady_levels(model, levels)
     tau_s, heat = wire.time_constant_s.value, wire.heat_j_per_unit.value
@@ -374,7 +361,7 @@ def identified_plant(
         closed_loop_time_s=response_s - dead_s,
         dead_time_s=dead_s,
         integral_time_s=min(slowest_s, 4.0 * response_s),
-        maximum_steady_power_w=balance.loss_w_per_k * balance.warmest_k,
+        maximum_steady_power_w=maximum_w,
     )
 
 

@@ -17,11 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
-from musclewire.compiled import compiled
 from musclewire.parameters import load_alloy, load_wire, names
-from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._wire_tables import WireModel, WireNumber
+from musclewire.wire import HeatBalance
 
 # Of a wire whose loop states no heat balance: the size that is sold most often, if none is stated, those that are sold
 # (Flexinol), and how warm it is under load in the middle of its transformation.
@@ -93,13 +92,10 @@ def by_diameter(model: FittedCurve) -> HeatBalanceFound:
     by_name_m = load_wire(name).diameter_m.value if is_known else TYPICAL_DIAMETER_M
     size_m = stated_m if isinstance(stated_m, float) else by_name_m
     alloy = load_alloy(load_wire(name).alloy if is_known else "flexinol")
-    heat_per_m3_k = alloy.density_kg_per_m3.value * alloy.specific_heat_j_per_kg_k.value
-
-    def time_constant_s(diameter_m: float) -> float:
-        loss = convection_coefficient_w_per_m2_k(TYPICAL_MIDDLE_K, TYPICAL_AIR_K, diameter_m)
-        return 0.25 * diameter_m * heat_per_m3_k / loss
-
-    tau_s = time_constant_s(size_m)
+    tau_s, min_s, max_s = (
+        HeatBalance.of_wire(alloy, one_m, 1.0, TYPICAL_AIR_K).with_loss_at(TYPICAL_MIDDLE_K).lag_s
+        for one_m in (size_m, *SOLD_M)
+    )
     middle_ohm = 0.5 * (model.resistance_min_ohm + model.resistance_max_ohm)
     middle_w = float(np.median([power_w for _, power_w, ohm in model.slow_loop if ohm < middle_ohm]))
     latent_k = alloy.latent_heat_j_per_kg.value / alloy.specific_heat_j_per_kg_k.value
@@ -107,7 +103,6 @@ def by_diameter(model: FittedCurve) -> HeatBalanceFound:
     if is_stated or is_known:
         std = math.hypot(CORRELATION_STD, UNKNOWN_MIDDLE_STD)
         return balance(tau_s, heat_j, std, f"a wire of {1e3 * size_m:.3g} mm in still air")
-    min_s, max_s = (time_constant_s(one) for one in SOLD_M)
     sizes = f"{1e3 * SOLD_M[0]:.3g} to {1e3 * SOLD_M[1]:.3g} mm"
     return balance(
         tau_s,
@@ -117,36 +112,12 @@ def by_diameter(model: FittedCurve) -> HeatBalanceFound:
     )
 
 
-@compiled
-def steady_along(
-    time_s: FloatArray,
-    power_w: FloatArray,
-    place: FloatArray,
-    time_constant_s: float,
-    heat_j: float,
-    steady: FloatArray,
-) -> None:
-    """Write the power [W] that would hold each row's temperature: the heat balance along the rows, from their start.
-
-    Arrays are (n_rows,).
-    """
-    steady[0] = power_w[0]
-    for row in range(1, power_w.size):
-        dt_s, taken_j = time_s[row] - time_s[row - 1], heat_j * (place[row] - place[row - 1])
-        if dt_s <= 0.0:  # a clock that is rounded: the limit of what follows
-            steady[row] = steady[row - 1] - taken_j / time_constant_s
-            continue
-        taken_w = taken_j / dt_s
-        given_w = 0.5 * (power_w[row] + power_w[row - 1]) - taken_w
-        steady[row] = given_w + (steady[row - 1] - given_w) * math.exp(-dt_s / time_constant_s)
-
-
 def steady_power_w(motion: WireMotion, time_constant_s: float, heat_j: float) -> FloatArray:
-    """Return the power [W] that would hold each row's temperature, (n_rows,)."""
-    steady = np.empty(motion.power_w.size)
-    time_s, power_w, place = (np.ascontiguousarray(one) for one in motion[:3])
-    steady_along(time_s, power_w, place, time_constant_s, heat_j, steady)
-    return steady
+    """Return the power [W] that would hold each row's temperature, (n_rows,): the heat balance, from a steady start."""
+    # Where a kelvin loses a watt, temperatures above the air are the powers that hold them.
+    time_s, power_w, place, _ = motion
+    in_watts = HeatBalance(time_constant_s, loss_w_per_k=1.0, air_k=0.0)
+    return in_watts.along_k(time_s, power_w, place, heat_j, float(power_w[0]))
 
 
 def by_motion(known: HeatBalanceFound, motion: WireMotion) -> HeatBalanceFound:

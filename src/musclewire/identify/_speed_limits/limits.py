@@ -23,7 +23,7 @@ from musclewire.identify._speed_limits.plant import (
     towards,
 )
 from musclewire.identify._speed_limits.supply import LATE_PCT, WeakSupply, min_errors_pct, warming_s
-from musclewire.identify._tuning import alloy_of, heat_balance
+from musclewire.identify._tuning import alloy_of
 from musclewire.parameters import Alloy, section_m2, validity_of
 from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.sensing import SHOWN_AS, SensingModel
@@ -120,7 +120,7 @@ def stress_pa(follows: Callable[[float], bool], model: SensingModel, facts: RunF
     ``follows`` takes the power [W] by which the branch is warmer: stress over C_M (Clausius-Clapeyron), times the loss.
     """
     alloy = alloy_of(model)
-    per_pa = heat_balance(facts).loss_w_per_k / alloy.martensite_stress_rate_pa_per_k.value
+    per_pa = facts.limit_heat_loss_w_per_k / alloy.martensite_stress_rate_pa_per_k.value
     room_pa = room_for_stress_pa(alloy, facts)
     factor = smallest(lambda x: follows((x - 1.0) * room_pa * per_pa), 2.0)
     return None if factor is None else (factor - 1.0) * room_pa

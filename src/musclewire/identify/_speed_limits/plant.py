@@ -21,6 +21,7 @@ from musclewire.errors import CallerError, RecordingError
 from musclewire.identify._tuning import LEVELS, steady_levels
 from musclewire.sensing import SensingModel, wire_model_of
 from musclewire.signals import RunFacts
+from musclewire.wire import approached
 
 # Power [W] that a wire must at least give to the air, or take, to move at all.
 MIN_EXCESS_W = 1e-9
@@ -196,7 +197,7 @@ def towards(branch: TimedBranch, level: float, power_w: float, way: tuple[float,
     waits_s = branch.time_to(power_w, level, time_constant_s)
     if waits_s >= period_s:
         drive = float(np.interp(level, branch.levels, branch.drive_w))
-        return level, drive + (power_w - drive) * math.exp(-period_s / time_constant_s)
+        return level, float(approached(power_w, drive, period_s / time_constant_s))
     moves_s = period_s - waits_s
     reached = branch.after(level, moves_s if rising else -moves_s)
     level = min(target, reached) if rising else max(target, reached)
