@@ -16,9 +16,10 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify._home.overlay import LATENT_K
-from musclewire.identify._home.warming import STEPS_PER_LAG, WireHeat, course_of
+from musclewire.identify._home.warming import course_of
 from musclewire.sensing import SHOWN_AS, SensingModel
 from musclewire.signals import MetadataValue, QuantityEstimate, Recording, RunFacts
+from musclewire.wire import HeatBalance
 
 # The note of a model: contraction that is left for each kelvin of warmer air, in the quantity's unit.
 NOTE = "cold_contraction_per_k"
@@ -61,23 +62,18 @@ def cold_contraction_per_k(recording: Recording, moved: FloatArray) -> float | N
     The slope over the cold end of the last cooling, in the unit of ``moved`` per kelvin; None if the recording does not
     state the heat balance, does not cool that far, or shows nothing that is left.
     """
-    facts = recording.facts
-    capacity = facts.positive_or_none("limit_heat_capacity_j_per_k")
-    loss = facts.positive_or_none("limit_heat_loss_w_per_k")
     finite = np.isfinite(moved)
-    if capacity is None or loss is None or not finite.any():
+    if not finite.any():
         return None
     try:
-        course = course_of(recording)
+        heat, course = HeatBalance.stated_in(recording.facts), course_of(recording)
     except RecordingError:
         return None
-    heat = WireHeat(capacity, loss)
-    even = course.evenly(heat.lag_s / STEPS_PER_LAG)
-    span_ohm = float(np.ptp(even.resistance_ohm))
-    at = np.interp(even.time_s, recording["time_s"][finite], moved[finite])
+    span_ohm = float(np.ptp(course.resistance_ohm))
+    at = np.interp(course.time_s, recording["time_s"][finite], moved[finite])
     if span_ohm == 0.0:
         return None
-    warming_k = even.warming_k(heat, LATENT_K / span_ohm)
+    warming_k = course.warming_k(heat, LATENT_K / span_ohm)
     last_hot = int(np.flatnonzero(at >= 0.5 * (at.min() + at.max()))[-1])
     cold = last_hot + np.flatnonzero(warming_k[last_hot:] <= COLD_END_K)
     if cold.size < MIN_POINTS or warming_k[cold].min() > MIN_COLD_K:

@@ -51,7 +51,6 @@ from ._segments import find_loops as find_loops
 from ._segments import find_segments as find_segments
 from ._segments import readings_first as readings_first
 from ._smoothing import centred_mean as centred_mean
-from ._smoothing import lagged as lagged
 from ._smoothing import noise_level as noise_level
 from ._smoothing import smooth as smooth
 from ._smoothing import smoothing_window as smoothing_window

@@ -1,4 +1,4 @@
-"""Noise of a sampled curve, smoothers that leave a curve without noise unchanged, and a first-order lag."""
+"""Noise of a sampled curve, and smoothers that leave a curve without noise unchanged."""
 
 from __future__ import annotations
 
@@ -16,8 +16,6 @@ MIN_WINDOW = 5
 # Standard deviation of a fourth difference of unit white noise: sqrt(1 + 16 + 36 + 16 + 1).
 FOURTH_DIFFERENCE_STD = sqrt(70.0)
 MEDIAN_TO_STD = 0.6744897501960817
-# Samples of a lag that are computed at once.
-LAG_BLOCK = 128
 
 
 def noise_level(values: FloatArray, weights: FloatArray | None = None) -> float:
@@ -111,35 +109,3 @@ def smooth(values: FloatArray, window: int) -> FloatArray:
     result[:half] = (project @ centred[:window])[:half]
     result[-half:] = (project @ centred[-window:])[-half:]
     return result + level
-
-
-def lagged(values: FloatArray, gain: float, before: float) -> FloatArray:
-    """Return values behind a first-order lag.
-
-    Block by block, the samples of one at once: nothing is compiled for it at the end of a run.
-
-    Parameters
-    ----------
-    values
-        Evenly sampled values, shape (n,), all finite.
-    gain
-        The fraction of what is left that the lag takes up in one sample, in (0, 1].
-    before
-        What the lag had reached one sample before the first.
-
-    Returns
-    -------
-    What it has reached at each sample, shape (n,).
-    """
-    size = min(LAG_BLOCK, max(values.size, 1))
-    left = (1.0 - gain) ** np.arange(size + 1)
-    behind = np.subtract.outer(np.arange(size), np.arange(size))
-    response = gain * np.where(behind >= 0, left[np.maximum(behind, 0)], 0.0)
-    padded = np.zeros(-(-values.size // size) * size)
-    padded[: values.size] = values
-    blocks = padded.reshape(-1, size) @ response.T
-    reached = before
-    for block in blocks:
-        block += left[1:] * reached
-        reached = block[-1]
-    return np.asarray(blocks.reshape(-1)[: values.size])

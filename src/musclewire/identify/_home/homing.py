@@ -10,10 +10,11 @@ import numpy as np
 
 from musclewire.errors import CallerError, FitRejectedError, RecordingError, argument
 from musclewire.identify._home.overlay import Overlay, overlay_of
-from musclewire.identify._home.warming import HeatCourse, SeenPoints, course_of, seen_points, wire_heat_of
+from musclewire.identify._home.warming import HeatCourse, SeenPoints, course_of, seen_points
 from musclewire.identify._use_of_model import SAME_LOAD_FRACTION
 from musclewire.sensing import DRIFT_FRACTION, SHOWN_AS, HomeMove, SensingModel
 from musclewire.signals import Recording
+from musclewire.wire import HeatBalance
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -127,7 +128,7 @@ def homed_model(
     """
     assumed_n = require_load(model, load_n)
     before = loop_of(model)
-    sweep, heat = course_of(recording), wire_heat_of(recording)
+    sweep, heat = course_of(recording), HeatBalance.stated_in(recording.facts)
     seen = seen_points(sweep)
     b_ohm = require_complete(model, seen)
     air = SweepAirTemperature.from_recording(model, recording, ambient_k)

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.identify._home.warming import STEPS_PER_LAG, HeatCourse, WireHeat, heating_branch
+from musclewire.identify._home.warming import STEPS_PER_LAG, HeatCourse, heating_branch
+from musclewire.wire import HeatBalance
 
 # Latent heat of NiTi wire, 10 to 20 kJ/kg (published_ranges), as the warming that the whole fall takes up.
 LATENT_K = 20.0
@@ -69,7 +70,7 @@ class Fall(NamedTuple):
     resistance_ohm: FloatArray
 
     @classmethod
-    def of_course(cls, course: HeatCourse, heat: WireHeat, latent_k_per_ohm: float) -> Fall:
+    def of_course(cls, course: HeatCourse, heat: HeatBalance, latent_k_per_ohm: float) -> Fall:
         """Return the fall of a course."""
         even = course.evenly(heat.lag_s / STEPS_PER_LAG)
         warming_k, resistance_ohm = heating_branch(even, even.warming_k(heat, latent_k_per_ohm))
@@ -83,7 +84,7 @@ class Fall(NamedTuple):
 
 
 def overlay_of(
-    loop: HeatCourse, sweep: HeatCourse, heat: WireHeat, span_ohm: float, b_ohm: tuple[float, float]
+    loop: HeatCourse, sweep: HeatCourse, heat: HeatBalance, span_ohm: float, b_ohm: tuple[float, float]
 ) -> Overlay:
     """Lay a loop's fall over that of a sweep by least squares.
 

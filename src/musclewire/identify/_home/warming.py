@@ -1,7 +1,7 @@
-"""Warming of a wire from its electrical power: a lag, and latent heat by its resistance; which points of it are seen.
+"""Warming of a wire from its electrical power and, by its resistance, its latent heat; which points of it are seen.
 
-One heat balance, C dT/dt = P - h (T - T_air) - L dx/dt, with the transformed fraction x read from the resistance, which
-falls with it (Lan and Fan 2010, Fig. 3b). Nothing else of the wire enters.
+By the heat balance, less L dx/dt, with the transformed fraction x read from the resistance, which falls with it (Lan
+and Fan 2010, Fig. 3b). Nothing else of the wire enters.
 """
 
 from __future__ import annotations
@@ -13,35 +13,16 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify._recordings import resistance_reading
-from musclewire.sensing import ResistanceExtremes, find_resistance_extremes, lagged
+from musclewire.sensing import ResistanceExtremes, find_resistance_extremes
 from musclewire.signals import Recording
+from musclewire.wire import HeatBalance
 
 # Grid of a branch over its warming: finer than the error of the warming itself.
 BRANCH_POINTS = 160
-# A course is resampled to this fraction of the lag, at which the exponential filter is exact enough.
+# A course is resampled to this fraction of the lag.
 STEPS_PER_LAG = 6.0
 MAX_GRID = 4000
 MIN_SAMPLES = 40
-
-
-class WireHeat(NamedTuple):
-    """Heat capacity and loss to still air of a wire, by which its power becomes a warming.
-
-    Parameters
-    ----------
-    capacity_j_per_k
-        Heat capacity [J/K].
-    loss_w_per_k
-        Loss to still air [W/K], by the wire's nominal convection.
-    """
-
-    capacity_j_per_k: float
-    loss_w_per_k: float
-
-    @property
-    def lag_s(self) -> float:
-        """Thermal time constant in still air [s]."""
-        return self.capacity_j_per_k / self.loss_w_per_k
 
 
 class HeatCourse(NamedTuple):
@@ -70,13 +51,10 @@ class HeatCourse(NamedTuple):
             grid, np.interp(grid, self.time_s, self.power_w), np.interp(grid, self.time_s, self.resistance_ohm)
         )
 
-    def warming_k(self, heat: WireHeat, latent_k_per_ohm: float) -> FloatArray:
-        """Return the wire's temperature above the air [K], (n_times,), of a course on an even grid, by nominal loss."""
-        step_s = float(self.time_s[1] - self.time_s[0])
-        gain = 1.0 - float(np.exp(-step_s / heat.lag_s))
-        steady_k = lagged(self.power_w, gain, self.power_w[0]) / heat.loss_w_per_k
-        behind_ohm = lagged(self.resistance_ohm, gain, self.resistance_ohm[0])
-        return steady_k + latent_k_per_ohm * (self.resistance_ohm - behind_ohm)
+    def warming_k(self, heat: HeatBalance, latent_k_per_ohm: float) -> FloatArray:
+        """Return the wire's temperature above the air [K], (n_times,), by its nominal loss."""
+        begins_k, heat_j_per_ohm = heat.steady_k(float(self.power_w[0])), -heat.capacity_j_per_k * latent_k_per_ohm
+        return heat.along_k(self.time_s, self.power_w, self.resistance_ohm, heat_j_per_ohm, begins_k) - heat.air_k
 
 
 def heating_branch(course: HeatCourse, warming_k: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -107,15 +85,6 @@ def course_of(recording: Recording) -> HeatCourse:
     resistance = reading.resistance_ohm[there]
     power = recording["wire_voltage_v"][there] ** 2 / resistance
     return HeatCourse(recording["time_s"][there], power, resistance)
-
-
-def wire_heat_of(recording: Recording) -> WireHeat:
-    """Return heat capacity and loss by which a recording's rig was protected. Raises RecordingError without them."""
-    facts = recording.facts
-    return WireHeat(
-        facts.number("limit_heat_capacity_j_per_k", "heat capacity of the wire"),
-        facts.number("limit_heat_loss_w_per_k", "loss of the wire to still air"),
-    )
 
 
 # The resistance has levelled off where it falls with power by less than this fraction of its steepest fall. The shipped

@@ -1,4 +1,4 @@
-"""The first-order lag and the local parabola, against SciPy's filters and against what is known exactly."""
+"""The local parabola, against SciPy's filter and against what is known exactly."""
 
 from __future__ import annotations
 
@@ -6,16 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.signal import lfilter, savgol_filter
+from scipy.signal import savgol_filter
 
-from musclewire.sensing import lagged, smooth
-
-
-@given(st.floats(1e-4, 1.0), st.floats(-5.0, 5.0), st.integers(0, 2**31))
-def test_a_lag_is_the_filter_of_first_order(gain: float, before: float, seed: int) -> None:
-    values = np.random.default_rng(seed).normal(size=200)
-    expected, _ = lfilter([gain], [1.0, gain - 1.0], values, zi=[(1.0 - gain) * before])
-    np.testing.assert_allclose(lagged(values, gain, before), expected, rtol=0.0, atol=1e-11)
+from musclewire.sensing import smooth
 
 
 @given(st.integers(2, 20), st.integers(0, 2**31))
