@@ -18,6 +18,7 @@ from musclewire.parameters import load_alloy, load_wire
 from musclewire.rigs import HasTrueState, Rig, ability
 from musclewire.sensing import SensingModel
 from musclewire.signals import RawSample
+from musclewire.wire import approached
 
 LOGGER = logging.getLogger("musclewire.rigs")
 # Below this fraction of the power that still air needs, B was passed in calmer or warmer air. By the alloy's numbers
@@ -52,7 +53,7 @@ def still_air_b_power_w(rig: Rig) -> float | None:
     stress_pa = leg_force_n / (0.25 * math.pi * wire.diameter_m.value**2)
     balance_k = alloy.martensite_temperature_k.value + wire.temperature_shift_k.value
     balance_k += stress_pa / alloy.martensite_stress_rate_pa_per_k.value
-    return limits.heat_loss_w_per_k * max(0.0, balance_k - limits.ambient_temperature_k)
+    return max(0.0, limits.heat.power_w(balance_k))
 
 
 def heed_air(rig: Rig, model: SensingModel) -> None:
@@ -96,7 +97,7 @@ class AirWatch:
         if self._needed_w is None or not (wire_v > 0.0 and shunt_v > 0.0):
             return
         ohm, settled_k = wire_v / shunt_v * self._shunt_ohm, wire_v * shunt_v / self._shunt_ohm / self._losses_w_per_k
-        self._warmer_k = settled_k + (self._warmer_k - settled_k) * np.exp(-self._rates_per_s * passed_s)
+        self._warmer_k = approached(self._warmer_k, settled_k, self._rates_per_s * passed_s)
         self._ohm += (ohm - self._ohm) / SMOOTHED_OVER
         power_w = float(self._losses_w_per_k[-1] * self._warmer_k[-1])
         if power_w <= COLD_FRACTION * self._needed_w:

@@ -70,10 +70,10 @@ class SweepPlan(NamedTuple):
         """Return the plan for a wire on a rig, which by its power stays below a temperature [K], too."""
         limits = rig.protection_limits
         highest_w, because = OVERDRIVE * loop_power_w, f"the power was at {OVERDRIVE:g} times the usual one"
-        lag_s = max(MIN_LAG_S, limits.heat_capacity_j_per_k / limits.heat_loss_w_per_k)
+        lag_s = max(MIN_LAG_S, limits.heat.lag_s)
         protected_k = limits.maximum_temperature_k - BELOW_LIMIT_K
         allowed_k = min(protected_k, highest_k)
-        thermal_w = (allowed_k - limits.ambient_temperature_k) * limits.heat_loss_w_per_k
+        thermal_w = limits.heat.power_w(allowed_k)
         if thermal_w < highest_w:
             why = "near the protection's limit" if allowed_k == protected_k else "up to which the alloy was measured"
             highest_w, because = (

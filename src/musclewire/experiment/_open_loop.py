@@ -236,11 +236,10 @@ def way_out(rig: Rig, amplitude_v: float) -> str:
         f"at an amplitude of {amplitude_v:.3g} V the protection's estimate was {estimated_k - ZERO_CELSIUS_K:.0f} C, "
         f"its limit is {limits.maximum_temperature_k - ZERO_CELSIUS_K:.0f} C"
     )
-    excess_k = within_k - limits.ambient_temperature_k
-    if excess_k <= 0.0:
+    if within_k <= limits.ambient_temperature_k:
         return said
     ohm, shunt_ohm = limits.resistance_low_ohm, limits.shunt_resistance_ohm
-    held_v = math.sqrt(limits.heat_loss_w_per_k * excess_k / ohm) * (ohm + shunt_ohm)
+    held_v = math.sqrt(limits.heat.power_w(within_k) / ohm) * (ohm + shunt_ohm)
     # Less than what tripped in any case, whatever a fault has done to the estimate.
     within_v = math.floor(STEPS_PER_VOLT * min(held_v, LESS * amplitude_v)) / STEPS_PER_VOLT
     if within_v <= rig.sense_voltage_v:

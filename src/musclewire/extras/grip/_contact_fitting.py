@@ -14,8 +14,8 @@ from musclewire.extras.grip._contact_detection import AirDisturbance, ContactDet
 from musclewire.extras.grip._grip_force import GripCurve
 from musclewire.identify import resistance_reading
 from musclewire.parameters import load_alloy
-from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.signals import Recording
+from musclewire.wire import HeatBalance
 
 # Between these normalised resistances the slope is steep enough to locate a closing. Below, the grains that transform
 # last take much heat for little resistance: with 0.08 free closings of the wire 'finger-100um' raise alarms there,
@@ -66,9 +66,7 @@ class GripperClosing:
 
 def thermal_time_s(diameter_m: float, alloy: str = "flexinol") -> float:
     """Return a wire's thermal time constant by convection [s]: rho c d / (4 h), with h of Churchill and Chu."""
-    metal = load_alloy(alloy)
-    heat = metal.density_kg_per_m3.value * metal.specific_heat_j_per_kg_k.value * diameter_m / 4.0
-    return heat / float(convection_coefficient_w_per_m2_k(WALL_K, AIR_K, diameter_m))
+    return HeatBalance.of_wire(load_alloy(alloy), diameter_m, 1.0, AIR_K).with_loss_at(WALL_K).lag_s
 
 
 def electrical(recording: Recording) -> tuple[FloatArray, FloatArray]:

@@ -259,7 +259,7 @@ class LaneEstimators:
 
 def step_s_of(wires: Sequence[SimulatedWire], period_s: float) -> float:
     """Return the fixed step of all wires [s]: that of the first one's bench, or what suits the quickest wire."""
-    quickest_s = min(wire.limits.heat_capacity_j_per_k / wire.limits.heat_loss_w_per_k for wire in wires)
+    quickest_s = min(wire.limits.heat.lag_s for wire in wires)
     steps = math.ceil(period_s / min(MAX_STEP_S, MAX_STEP_FRACTION * quickest_s) - 1e-9)
     return wires[0].stepping.fixed_s or period_s / steps
 
