@@ -465,7 +465,7 @@ def predict(filtered: Filtered, power_w: float, dt_s: float) -> float:
     if covariance[9] < 1.0:  # a factor of two is as much as is not known of a wire that has been cold for hours
         walk = numbers.loss_walk * state.unrest
         covariance[9] += walk * walk * dt_s
-    return change_w
+    return float(change_w)
 
 
 @compiled_inner
