@@ -124,6 +124,7 @@ class SelfSensingPolicy:
         self._sample_period_s, self._approach_s = sample_period_s, approach_s
         self._scale, self._zero, self._by_strain, self._fastest = scale, zero, by_strain, fastest
         self._first = Drive(controller.limits.clamp(first_drive_voltage_v))
+        self._factor = 1.0
         self._estimator_state, self._controller_state = estimator.start(), controller.start(self._first.voltage_v)
         suffix = COLUMN_SUFFIX[estimator.quantity]
         self._columns = (
@@ -178,6 +179,9 @@ class SelfSensingPolicy:
         for one in (scale, by_strain):
             if one is not None:
                 given, factor = one.scaled(given), factor * one.factor
+        if factor != self._factor:
+            # Before, it has followed another resistance: what contradicts that now is neither motion nor air.
+            self._factor, self._estimator_state = factor, self._estimator.start()
         estimate, self._estimator_state, sensed = self._estimator.step(self._estimator_state, given)
         own_std = estimate.std
         if scale is not None:
