@@ -23,12 +23,6 @@ def extrapolation_warnings(recording: Recording) -> tuple[str, ...]:
     return beyond_validity(limits, reached_in(recording)) if limits.facts() else ()
 
 
-def extrapolation_metadata(recording: Recording) -> dict[str, str]:
-    """Return the warnings of a run for its own metadata, under ``extrapolation``; nothing within all limits."""
-    found = extrapolation_warnings(recording)
-    return {"extrapolation": "; ".join(found)} if found else {}
-
-
 def reached_in(recording: Recording) -> ReachedConditions:
     """Return the stresses and the temperature of a run, as far as instruments and metadata show them.
 

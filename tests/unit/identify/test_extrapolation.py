@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from musclewire import characterize, open_rig
-from musclewire.identify._extrapolation import extrapolation_metadata, extrapolation_warnings, reached_in
+from musclewire.identify._extrapolation import extrapolation_warnings, reached_in
 from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.signals import Recording
 
@@ -59,7 +59,6 @@ def test_a_run_states_its_extrapolation_in_its_metadata() -> None:
     (text,) = extrapolation_warnings(recording)
     assert "below the 45 MPa" in text
     assert recording.metadata["extrapolation"] == text
-    assert extrapolation_metadata(run_of()) == {}
 
 
 def test_the_temperature_by_the_power_is_that_of_the_simulated_wire_where_it_is_hottest() -> None:
