@@ -479,8 +479,9 @@ def correct(filtered: Filtered, read: float, noise: float, dt_s: float, change_w
     """Correct mean and covariance by a reading; one that they do not explain makes them wider before that.
 
     A play follows its power. Where the reading takes the place against the change of the power, the heat balance that
-    predicted the change does not hold, and the heat loss is made as uncertain. The resistance is one of power and place
-    alone, so that four of the eight points are in the middle.
+    predicted the change does not hold, and the heat loss is made as uncertain; not before B, where a resistance that is
+    a hundredth off goes either way. The resistance is one of power and place alone, so that four of the eight points
+    are in the middle.
     """
     numbers, state, covariance, tables = filtered
     root, wide = np.empty(STATES * STATES), np.ones(STATES)
@@ -490,6 +491,7 @@ def correct(filtered: Filtered, read: float, noise: float, dt_s: float, change_w
     own = numbers.resistance_std * numbers.resistance_std
     known_w2 = numbers.middle_w * numbers.middle_w
     variance, surprise, by_w, by_place = 1.0, 0.0, 0.0, 0.0
+    sensed = is_sensed(numbers, state, covariance)
     for turn in range(3):
         hotter = modelled(numbers, tables, steady_w + AWAY * root[0], place + AWAY * root[1])
         colder = modelled(numbers, tables, steady_w - AWAY * root[0], place - AWAY * root[1])
@@ -511,7 +513,7 @@ def correct(filtered: Filtered, read: float, noise: float, dt_s: float, change_w
         wide[0] = widened(wider, known_w2 / (root[0] * root[0]))
         wide[1] = widened(wider, 1.0 / (root[1] * root[1] + root[2] * root[2]))
         wide[3] = 1.0
-        if surprise * (root[1] * by_w + root[2] * by_place) * change_w < 0.0:
+        if sensed and surprise * (root[1] * by_w + root[2] * by_place) * change_w < 0.0:
             wide[3] = widened(wider, 1.0 / covariance[9])
         for row in range(STATES):
             for column in range(row + 1):

@@ -265,6 +265,7 @@ static void correct(mw_follower *filter, mw_real read, mw_real noise, mw_real dt
     mw_real root[TRIANGLE], gains[STATES], *covariance = filter->covariance;
     mw_real variance = 1, surprise = 0, by_w = 0, by_place = 0;
     branch_edges edges;
+    const uint8_t sensed = is_sensed(filter);
     uint8_t turn, row, column, at = 0;
     factor(covariance, root);
     for (turn = 0; turn < 3; turn++) {
@@ -289,8 +290,8 @@ static void correct(mw_follower *filter, mw_real read, mw_real noise, mw_real dt
         /* No wider than if nothing were known: of the power its middle, of the place the whole way. */
         wide[0] = widened(wider, MW_MIDDLE_W * MW_MIDDLE_W / square(root[0]));
         wide[1] = widened(wider, 1 / (square(root[1]) + square(root[2])));
-        /* A play follows its power: against it, the heat balance does not hold. */
-        if (surprise * (root[1] * by_w + root[2] * by_place) * change_w < 0)
+        /* A play follows its power: against it, the heat balance does not hold. Before B resistance goes either way. */
+        if (sensed && surprise * (root[1] * by_w + root[2] * by_place) * change_w < 0)
             wide[3] = widened(wider, 1 / covariance[9]);
         for (row = 0, at = 0; row < STATES; row++)
             for (column = 0; column <= row; column++, at++) {
