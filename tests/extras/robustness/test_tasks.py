@@ -131,3 +131,12 @@ def test_a_wire_that_goes_against_its_power_is_one_of_another_heat_loss(model: m
     """
     scores = scores_of(TaskCase("simulated", "staircase", "twice the heat loss", 741), model)
     assert scores["default"].mean_pct < min(20.0, scores["fuzzy-pid"].mean_pct)
+
+
+def test_a_wire_whose_resistance_is_a_hundredth_low_is_not_taken_for_cold(tmp_path: Any, musclewire: Any) -> None:
+    """Its reading falls before B, though the power rises; that was another heat loss, and the wire cold to the end."""
+    only = ("--condition", "R -1 %, zeroed again", "--track", "random steps", "--estimators", "filter")
+    answer = musclewire("robustness", "--wires", "105", *only, "-o", tmp_path / "out", "--workers", "1", "--json")
+    (row,) = [one for one in answer.json["rows"] if one["disturbance"] == "R" and one["estimator"] == "filter"]
+    assert row["valid_share"] == 1.0
+    assert row["estimate_rms_pct"] < 1.0
