@@ -37,6 +37,7 @@ from musclewire.wire import (
     ConnectorLoad,
     ElasticObject,
     GrippedObject,
+    HeatBalance,
     OneWire,
     PairConnection,
     StepControl,
@@ -399,12 +400,14 @@ class SimulatedDevice:
             )
 
     def compile_exchange(self) -> None:
-        """Compile all that an exchange runs, by a sample of copies at 0 V."""
+        """Compile all that an exchange and the end of a run need, by a sample of copies at 0 V."""
         wires = deepcopy(self.wires)
         means = wires.advance(0.0, self._facts.sample_period_s, self.stepping)
         wires.require_resolved()
         instruments = BenchInstruments(self.spool.bench, self._seed, at_endpoint=self.mechanism.tendon is not None)
         instruments.sample(means.wire_voltage_v, means.shunt_voltage_v, means.displacement_m, means.force_n)
+        # How warm a run was is asked at its end, when it may still be heated.
+        HeatBalance(1.0, 1.0, 0.0).along_k(np.zeros(2), np.zeros(2), np.zeros(2), 0.0, 0.0)
 
     def exchange(self, command: Command) -> Answer:
         """Hold a drive voltage for one sample period and return the averaged readings at its end."""

@@ -105,7 +105,8 @@ class HeatBalance(NamedTuple):
         table = np.ones(CONVECTION_POINTS) if self.diameter_m is None else convection_table(self.diameter_m, self.air_k)
         losses_w_per_k = self.with_loss_at(TABLE_START_K).loss_w_per_k * (table / table[0])
         along_k = np.full(time_s.size, begins_k)
-        columns = tuple(np.ascontiguousarray(one) for one in (time_s, power_w, place))
+        # Copies: a recording's columns are read-only, which would be compiled apart.
+        columns = tuple(np.array(one) for one in (time_s, power_w, place))
         follow(columns, (heat_j, self.capacity_j_per_k, self.air_k), losses_w_per_k, along_k)
         return along_k
 
