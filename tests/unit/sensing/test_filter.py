@@ -190,21 +190,6 @@ def test_a_run_that_is_read_from_its_middle_on_is_read_as_from_cold(model: Sensi
     assert np.abs(late - whole[begun:])[100:].max() < 0.01 * model.stroke
 
 
-@pytest.mark.parametrize("factor", [0.985, 0.99, 1.01])
-def test_a_resistance_that_is_a_hundredth_off_before_b_is_no_other_air(
-    model: SensingModel, run: Recording, factor: float
-) -> None:
-    """Scaled back once B has been passed, as a run from today's zero does, it is followed as ever."""
-    samples, ratio = samples_of(run), FilterEstimator.columns.index("convection_ratio")
-    passed = int(np.argmax(followed(model, samples)[2])) + 10
-    off = [one._replace(wire_voltage_v=factor * one.wire_voltage_v) for one in samples[:passed]] + samples[passed:]
-    value, _, valid, recorded = followed(model, off)
-    true = run["contraction_strain"] if "contraction_strain" in run else followed(model, samples)[0]
-    assert valid[passed + 100 :].all()
-    assert recorded[passed + 100 :, ratio].max() < 2.0
-    assert np.abs(value - true)[passed + 100 :].max() < 0.05 * model.stroke
-
-
 # What it finds.
 
 
