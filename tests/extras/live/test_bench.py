@@ -16,6 +16,14 @@ from musclewire.signals import read_recording
 pytestmark = pytest.mark.slow
 
 
+async def frozen(pid: int) -> None:
+    """Stop a process, and wait until it is: a thread of it that runs meanwhile can still confirm an order."""
+    os.kill(pid, signal.SIGSTOP)
+    async with asyncio.timeout(MAX_WAIT_S):
+        while Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "T":
+            await asyncio.sleep(0.001)
+
+
 def drive_v(handle: object, rows: list) -> float:  # type: ignore[type-arg]
     """Return the last drive voltage in rows."""
     last = rows[-1]
@@ -111,7 +119,7 @@ def test_a_frozen_bench_is_given_up_within_two_seconds_and_says_so(tmp_path: Pat
             assert (await ask(handle, do="switch_on")).accepted
             process = handle._process
             assert process is not None
-            os.kill(process.pid, signal.SIGSTOP)
+            await frozen(process.pid)
             waiting = asyncio.create_task(ask(handle, do="pulse"))
             await asyncio.sleep(0.0)  # it is sent
             began_s = time.monotonic()

@@ -48,8 +48,22 @@ def drives(samples: int, lanes: int = 1) -> np.ndarray:
 
 @pytest.mark.parametrize("episode", ["staircase", "random"])
 def test_gymnasium_finds_nothing_wrong(episode: str, model: SensingModel) -> None:
-    check_env(gymnasium.make(ENVIRONMENT, episode=episode).unwrapped)
-    check_env(gymnasium.make(ENVIRONMENT, episode=episode, model=model).unwrapped)
+    for known in (None, model):
+        env = gymnasium.make(ENVIRONMENT, episode=episode, model=known).unwrapped
+        env.action_space.seed(1)
+        check_env(env)
+
+
+@pytest.mark.parametrize("part", [0.0, 1.0])
+def test_an_estimate_on_either_branch_is_in_the_space(part: float, model: SensingModel) -> None:
+    """A filter that knows the branch is at its end beyond the range of the mean curve."""
+    ends_ohm = np.array(model.valid_resistance_ohm)
+    on_branch = part * model.strain_heating(ends_ohm) + (1.0 - part) * model.strain_cooling(ends_ohm)
+    env = WireEnv(episode=SHORT, model=model)
+    env.reset(seed=1)
+    low, high = env.observation_space.low[5], env.observation_space.high[5]
+    assert (on_branch >= low).all()
+    assert (on_branch <= high).all()
 
 
 def test_the_registry_makes_both_kinds() -> None:

@@ -16,8 +16,10 @@ from musclewire.sensing import SensingModel, load_model
 
 # The drive that is out is the commanded one in the amplifier's steps, which may round it up.
 DRIVE_ROUNDING = 1.01
-# An estimate at the end of the model's range may be beyond it by this fraction of the range: it is a sum of powers.
+# An estimate at the end of a branch may be beyond it by this fraction of the range: it is a sum of powers.
 ROUNDING = 1e-9
+# Resistances at which the gap between the branches is asked for; a gap is a polynomial, and changes little between two.
+N_RESISTANCES = 1001
 
 
 def action_space() -> Any:
@@ -36,10 +38,21 @@ def observation_space(limits: ProtectionLimits, episode: Episode, model: Sensing
         episode.high,
     ]
     if model is not None:
-        rounding = ROUNDING * (model.quantity_max - model.quantity_min)
-        low.append(model.quantity_min - rounding)
-        high.append(model.quantity_max + rounding)
+        least, most = range_of_branches(model)
+        low.append(least)
+        high.append(most)
     return gymnasium.spaces.Box(np.array(low), np.array(high), dtype=np.float64)
+
+
+def range_of_branches(model: SensingModel) -> tuple[float, float]:
+    """Return the least and the largest strain that an estimate between the heating and the cooling branch can have.
+
+    The model's own range is that of their mean, which a filter that knows the branch leaves by half of the gap.
+    """
+    resistance_ohm = np.linspace(*model.valid_resistance_ohm, N_RESISTANCES)
+    half_gap = 0.5 * np.abs(model.strain_heating(resistance_ohm) - model.strain_cooling(resistance_ohm)).max()
+    beyond = float(half_gap) + ROUNDING * (model.quantity_max - model.quantity_min)
+    return model.quantity_min - beyond, model.quantity_max + beyond
 
 
 def strain_model(given: SensingModel | str | Path | None) -> SensingModel | None:
