@@ -39,7 +39,8 @@ import numpy as np
 
 import musclewire as mw
 from musclewire.errors import MusclewireError
-from musclewire.identify import CandidateParameters, WireValues, resistance_reading
+from musclewire.identify import CandidateParameters, WireValues
+from musclewire.judge import resistance_reading
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_spreads, load_wire, priors_around
 from musclewire.rigs import Contact, GuardedRig, SimulatedDevice, SimulatedSpool, Spring
 from musclewire.sensing import find_loops

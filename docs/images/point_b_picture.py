@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 
 from musclewire.arrays import FloatArray
 from musclewire.experiment import characterize
-from musclewire.identify import LoopGaps, loop_gaps, mark_points, required_quantity, resistance_reading
+from musclewire.identify import LoopGaps, loop_gaps, mark_points, required_quantity
+from musclewire.judge import resistance_reading
 from musclewire.pages import AVERAGE, COOLING, HEATING
 from musclewire.rigs import open_rig
 from musclewire.sensing import MAX_WINDOW_FRACTION, noise_level, smooth, smoothing_window

@@ -18,7 +18,8 @@ from musclewire.experiment import (
     StepSpread,
     TrainingCycle,
 )
-from musclewire.identify import ErrorGroup, HelpfulMeasurement, SufficientChanges, TooFast, VarianceShare, WeakSupply
+from musclewire.identify import HelpfulMeasurement, SufficientChanges, TooFast, VarianceShare, WeakSupply
+from musclewire.judge import ErrorGroup
 from musclewire.sensing import HomeMove
 from musclewire.signals import IgnoredHeader, MatchedHeader, MetadataValue, UndecidedHeader
 

@@ -84,9 +84,7 @@ def since_start(on_row: Any) -> OnProbe:
 
 def refuse_to_write(found: Examination) -> None:
     """Raise CallerError if offsets mean nothing: the wiring is wrong in a way that no calibration corrects."""
-    from musclewire.experiment import STOPPING
-
-    blocking = sorted(found.findings.failed & (STOPPING - {"wire_resistance_ohm", "output_gain"}))
+    blocking = sorted(found.blocks_calibration)
     if found.trouble is not None:
         raise found.trouble
     if blocking or not found.calibration:

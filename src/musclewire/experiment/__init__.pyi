@@ -10,7 +10,6 @@ from ._demo import run_demo as run_demo
 from ._doctor.evidence import OnProbe as OnProbe
 from ._doctor.evidence import RigCheck as RigCheck
 from ._doctor.evidence import SkippedCheck as SkippedCheck
-from ._doctor.examine import STOPPING as STOPPING
 from ._doctor.examine import Examination as Examination
 from ._doctor.examine import examination_s as examination_s
 from ._doctor.examine import examine as examine

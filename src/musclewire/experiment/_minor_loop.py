@@ -21,7 +21,7 @@ import numpy as np
 from musclewire.errors import RecordingError
 from musclewire.experiment._known_drive import KnownDrive
 from musclewire.experiment._run import Decision, FollowingPart, Waveform
-from musclewire.identify import resistance_reading
+from musclewire.judge import resistance_reading
 from musclewire.sensing import centred_mean
 from musclewire.signals import NO_CYCLE, Command, Drive, RawSample, Recording
 

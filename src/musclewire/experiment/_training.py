@@ -15,7 +15,8 @@ from musclewire.errors import CallerError
 from musclewire.experiment._open_loop import SlowSine, characterize
 from musclewire.experiment._run import OnSample, file_in
 from musclewire.experiment._run_warnings import run_warnings
-from musclewire.identify import required_quantity, resistance_reading
+from musclewire.identify import required_quantity
+from musclewire.judge import resistance_reading
 from musclewire.rigs import Rig
 from musclewire.sensing import find_segments
 from musclewire.signals import Recording

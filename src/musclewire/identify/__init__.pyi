@@ -1,6 +1,5 @@
 """The list of names that other rooms may use."""
 
-from ._error_causes import ErrorGroup as ErrorGroup
 from ._extrapolation import extrapolation_warnings as extrapolation_warnings
 from ._extrapolation import reached_in as reached_in
 from ._extrapolation import whole_section_m2 as whole_section_m2
@@ -34,7 +33,6 @@ from ._physical.observations import contraction_force_n as contraction_force_n
 from ._physical.search import SearchSettings as SearchSettings
 from ._physical.search import settings_of_effort as settings_of_effort
 from ._recordings import required_quantity as required_quantity
-from ._recordings import resistance_reading as resistance_reading
 from ._resistance_alone.fitting import ResistanceFit as ResistanceFit
 from ._resistance_alone.fitting import fit_resistance as fit_resistance
 from ._resistance_alone.observation import Marks as Marks

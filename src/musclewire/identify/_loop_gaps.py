@@ -8,7 +8,8 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.identify._recordings import required_quantity, resistance_reading, without_loop
+from musclewire.identify._recordings import required_quantity, without_loop
+from musclewire.judge import resistance_reading
 from musclewire.physics import ArrayReading
 from musclewire.sensing import LoopSegments, find_segments, hysteresis_gap, noise_level
 from musclewire.signals import Recording, reference_quantity

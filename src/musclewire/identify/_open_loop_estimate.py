@@ -10,9 +10,9 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.identify._recordings import circuit_readings
+from musclewire.judge import JudgedRecording
 from musclewire.sensing import SensingModel
-from musclewire.signals import Recording, usable_readings
+from musclewire.signals import Recording, asked_once
 from musclewire.wire import WireConstants, drive_path, resting_state
 
 # The simulated clock: the recording's own, and no slower than this, so that a sample a minute still has a course.
@@ -49,7 +49,7 @@ def open_loop_estimate(
     RecordingError
         If the current is not known in some rows.
     """
-    unknown = ~usable_readings(recording).usable
+    unknown = ~asked_once(recording, JudgedRecording).measured[0]
     if unknown.any():
         raise RecordingError(f"the current, and so what heated the wire, is not known in {int(unknown.sum())} rows")
     wire = wire if air_k is None else wire.replace(ambient_temperature_k=air_k)
@@ -66,7 +66,7 @@ def open_loop_estimate(
 
 def simulated(quantity: str, recording: Recording, wire: WireConstants, cold: WireConstants) -> FloatArray:
     """Return a quantity of a wire under the recorded current, (n_times,), from the rest of the wire that was cold."""
-    time_s, read = recording["time_s"], circuit_readings(recording)
+    time_s, read = recording["time_s"], asked_once(recording, JudgedRecording).circuit
     sample_s = min(float(np.median(np.diff(time_s))), MAX_SAMPLE_S)
     clock_s = np.arange(time_s[0], time_s[-1] + sample_s, sample_s)
     current_a = np.interp(clock_s, time_s, np.abs(read.shunt_v) / read.shunt_ohm)

@@ -1,20 +1,17 @@
-"""Quantities from the columns of a recording: resistance by Eq. 1, strain, displacement or contraction force."""
+"""What moved in a recording: strain, displacement or contraction force; and its resistance over the cold wire's."""
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument
-from musclewire.physics import ArrayReading, wire_resistance, wire_resistance_from_current
+from musclewire.judge import JudgedRecording, resistance_reading
+from musclewire.physics import ArrayReading
 from musclewire.sensing import noise_level
-from musclewire.signals import ElectricalSource, Recording, reference_quantity, require_electrical, usable_readings
+from musclewire.signals import Recording, asked_once, reference_quantity
 
-# What a current that was not measured by a shunt is taken to flow through, so that its volts are its amperes.
-VIRTUAL_SHUNT_OHM = 1.0
 # The cold wire's resistance is the median of so many readings at the beginning of a recording.
 COLD_READINGS = 9
 # It was colder later where power or contraction come down by more than this part of their range below its beginning;
@@ -25,50 +22,6 @@ WARM_PART, OUTER_PERCENT = 0.05, 2.0
 NOISES, HEATED_TIMES, SAME_POWER_PART = 20.0, 2.0, 0.5
 # Where a recording and a model state by which cold resistance [ohm] all others were divided.
 DIVIDED_BY = "divided_by_ohm"
-
-
-def resistance_reading(recording: Recording) -> ArrayReading:
-    """Return resistance [ohm] and validity of every sample, from whichever electrical columns there are (Eq. 1).
-
-    Parameters
-    ----------
-    recording
-        A recording with wire voltage and shunt voltage, wire voltage and current, or resistance.
-
-    Returns
-    -------
-    Resistance [ohm] and whether it is valid, both (n_times,); a sample without current is not valid, nor is one whose
-    readings are no measurements, as at the end of an instrument's range.
-
-    Raises
-    ------
-    RecordingError
-        If no resistance follows from the columns, two of them contradict each other, or no sample can be used.
-
-    References
-    ----------
-    Lan and Fan 2010, Eq. 1.
-    """
-    source, judged = require_electrical(recording), usable_readings(recording)
-    if source is ElectricalSource.SHUNT:
-        shunt_ohm = recording.facts.shunt_resistance_ohm
-        reading = wire_resistance(recording["wire_voltage_v"], recording["shunt_voltage_v"], shunt_ohm)
-    elif source is ElectricalSource.CURRENT:
-        reading = wire_resistance_from_current(recording["wire_voltage_v"], recording["wire_current_a"])
-    else:
-        resistance = recording["wire_resistance_ohm"]
-        reading = ArrayReading(resistance, resistance > 0.0)
-    if judged.found:
-        valid = reading.valid & judged.usable
-        reading = ArrayReading(np.where(valid, reading.resistance_ohm, 0.0), valid)
-    if not reading.valid.any():
-        if judged.found:
-            raise RecordingError(f"none of {len(recording)} samples can be used: {'; '.join(judged.findings)}")
-        raise RecordingError(
-            f"no current: none of {len(recording)} samples has 1 mA or more through the wire ({source}); "
-            "check the columns and their units"
-        )
-    return reading
 
 
 def over_cold_resistance(recording: Recording) -> tuple[Recording, float]:
@@ -106,10 +59,8 @@ def cold_rows(recording: Recording, reading: ArrayReading) -> NDArray[np.intp]:
 
 def power_in(recording: Recording) -> FloatArray | None:
     """Return the electrical power [W] in a wire, (n_times,); None without a current."""
-    if not has_current(recording):
-        return None
-    read = circuit_readings(recording)
-    return read.wire_v * read.shunt_v / read.shunt_ohm
+    judged = asked_once(recording, JudgedRecording)
+    return judged.circuit.wire_v * judged.circuit.shunt_v / judged.circuit.shunt_ohm if judged.has_current else None
 
 
 def begins_warm(recording: Recording, reading: ArrayReading, rows: NDArray[np.intp]) -> str:
@@ -130,61 +81,6 @@ def begins_warm(recording: Recording, reading: ArrayReading, rows: NDArray[np.in
     if not moves or above <= WARM_PART:
         return ""
     return f"{what} there is {100 * above:.0f} % of its range above the least that comes later"
-
-
-def has_current(recording: Recording) -> bool:
-    """Return whether a recording has the current with the resistance, as an estimator in a loop requires."""
-    return require_electrical(recording) is not ElectricalSource.RESISTANCE or "wire_current_a" in recording
-
-
-class CircuitReadings(NamedTuple):
-    """What a board would have read in a recording: voltages [V], each (n_times,), and the shunt's resistance [ohm]."""
-
-    drive_v: FloatArray
-    wire_v: FloatArray
-    shunt_v: FloatArray
-    shunt_ohm: float
-
-
-def circuit_readings(recording: Recording) -> CircuitReadings:
-    """Return the readings of wire and shunt that an estimator takes, sample by sample, from whatever was recorded.
-
-    A current that was measured otherwise is that through a shunt of 1 ohm. The drive is wire and shunt together if it
-    was not recorded.
-
-    Parameters
-    ----------
-    recording
-        A recording with wire voltage and shunt voltage, wire voltage and current, or resistance and current.
-
-    Returns
-    -------
-    The readings.
-
-    Raises
-    ------
-    RecordingError
-        If they do not follow from the columns; the message says which column is wanted.
-    """
-    source = require_electrical(recording)
-    if source is ElectricalSource.SHUNT:
-        wire_v, shunt_v = recording["wire_voltage_v"], recording["shunt_voltage_v"]
-        shunt_ohm = recording.facts.shunt_resistance_ohm
-    elif has_current(recording):
-        shunt_v, shunt_ohm = recording["wire_current_a"], VIRTUAL_SHUNT_OHM
-        by_resistance = source is ElectricalSource.RESISTANCE
-        wire_v = recording["wire_resistance_ohm"] * shunt_v if by_resistance else recording["wire_voltage_v"]
-    else:
-        raise RecordingError(
-            f"{recording.facts.whose} has the wire's resistance and no current, so there is no power by which to know "
-            "heating from cooling: add the column wire_current_a or wire_voltage_v, or choose the estimator "
-            "'polynomial', which takes the resistance alone"
-        )
-    usable = usable_readings(recording).usable
-    # To an estimator, a row that is no measurement is one without current.
-    wire_v, shunt_v = np.where(usable, wire_v, 0.0), np.where(usable, shunt_v, 0.0)
-    drive_v = recording["drive_voltage_v"] if "drive_voltage_v" in recording else wire_v + shunt_v
-    return CircuitReadings(np.asarray(drive_v), np.asarray(wire_v), np.asarray(shunt_v), shunt_ohm)
 
 
 def required_quantity(recording: Recording, quantity: str = "strain") -> FloatArray:

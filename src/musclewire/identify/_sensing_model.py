@@ -13,25 +13,27 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, FitRejectedError, RecordingError, an_object, argument, joined
-from musclewire.identify._error_causes import ErrorGroup, JudgedEstimate, error_groups, fractions_not_counted, lines_of
 from musclewire.identify._extrapolation import hot_end
-from musclewire.identify._interpolated_rows import kept_rows, measured_rows, said_of_interpolation, spread_over
 from musclewire.identify._loop_gaps import guide_friction_n
 from musclewire.identify._open_loop_estimate import open_loop_estimate
-from musclewire.identify._recording_defects import CYCLE_PART, recording_defects
 from musclewire.identify._recordings import (
     DIVIDED_BY,
-    circuit_readings,
-    has_current,
     over_cold_resistance,
     required_quantity,
-    resistance_reading,
     why_no_reference,
     without_loop,
 )
 from musclewire.identify._tuning import stated_heat_balance, with_gains
 from musclewire.identify._use_of_model import OF_A_WIRE_FILE, check_wire_file, users_wire
 from musclewire.identify._zero_of_room import NOTE, ROOM, cold_contraction_per_k
+from musclewire.judge import (
+    ErrorGroup,
+    JudgedEstimate,
+    JudgedRecording,
+    measured_rows,
+    recording_defects,
+    resistance_reading,
+)
 from musclewire.physics import ArrayReading
 from musclewire.sensing import (
     AMBIGUOUS_ABOVE,
@@ -54,7 +56,7 @@ from musclewire.sensing import (
     segment_course,
     with_wire_model,
 )
-from musclewire.signals import COLUMN_SUFFIX, Reason, Recording, WireSample, reference_quantity, usable_readings
+from musclewire.signals import COLUMN_SUFFIX, Reason, Recording, WireSample, asked_once, reference_quantity
 from musclewire.wire import WireConstants
 
 if TYPE_CHECKING:
@@ -211,10 +213,9 @@ def fit(
         raise CallerError("a recording holds what was measured: give fit the recording alone, or two arrays")
     if recording.is_branch_table:
         return fit_table(recording, order)
-    rows = measured_rows(recording)
-    interpolated = "" if rows is None else said_of_interpolation(recording, rows)
-    given, cold_ohm = recording if rows is None else kept_rows(recording, rows), 1.0
-    recording = given
+    interpolated = measured_rows(recording)
+    recording = given = interpolated.kept
+    cold_ohm = 1.0
     if relative_resistance:
         recording, cold_ohm = over_cold_resistance(given)
     # What is said of readings, heat and limits is of those that were recorded; only the curve is of divided ones.
@@ -222,7 +223,7 @@ def fit(
     reading = reading._replace(resistance_ohm=reading.resistance_ohm / cold_ohm)
     notes = loop_notes(given, None if quantity == "force" else measured) | wire_notes(recording)
     source = given.facts.text_or_none("source") or ""
-    against = (*recording_defects(given, quantity), *filter(None, [not_done(given), interpolated]))
+    against = (*recording_defects(given, quantity), *filter(None, [not_done(given)]), *interpolated.said)
     try:
         model = fit_loop(
             reading.resistance_ohm,
@@ -249,8 +250,8 @@ def fit(
     model = with_wire_model(model, loops, motion, minor_loop_motion(given, cold_ohm, model), stated)
     if not relative_resistance:
         model = with_gains(model, recording.facts)
-    found = usable_readings(given).findings
-    return replace(model, warnings=(*model.warnings, *found, *against), does_not_hold=against_a_loop(model, given))
+    said = (*model.warnings, *asked_once(given, JudgedRecording).measured[1], *against)
+    return replace(model, warnings=said, does_not_hold=against_a_loop(model, given))
 
 
 def against_a_loop(model: SensingModel, recording: Recording) -> str:
@@ -262,7 +263,7 @@ def against_a_loop(model: SensingModel, recording: Recording) -> str:
         wrong = estimate(model, recording).does_not_hold
     except RecordingError as error:  # nothing of its own loop can be estimated
         return str(error)
-    return f"{wrong}: {UNTRIED}" if wrong and not has_current(recording) else wrong
+    return f"{wrong}: {UNTRIED}" if wrong and not asked_once(recording, JudgedRecording).has_current else wrong
 
 
 def fit_arrays(
@@ -546,7 +547,9 @@ class EstimateReport:
                 f" (not: {', '.join(f'{100 * fraction:.1f} % {why}' for why, fraction in self.not_counted.items())})"
             )
         first = self.fell_back or f"{len(self.recording)} samples, {counted}"
-        where = lines_of(self.quantity, self.error_groups)
+        largest = sorted(self.error_groups, key=lambda group: -abs(group.largest_pct))[:1]
+        # The group of most squares, and that of the largest error.
+        where = [one.in_words(self.quantity) for one in dict.fromkeys([*self.error_groups[:1], *largest])]
         return joined("\n", [first, *where, f"estimator {self.estimator}: " + errors])
 
 
@@ -571,14 +574,14 @@ def nothing_valid(
     there = reading.resistance_ohm[reading.valid]
     if not ((there >= low) & (there <= high)).any():
         return outside_range(model, reading)
-    against = recording_defects(recording, model.quantity, CYCLE_PART * model.stroke)
+    against = recording_defects(recording, model.quantity, model.stroke)
     return RecordingError("; ".join([f"no estimate is valid: {why_not_counted(recording, reasons)}", *against]))
 
 
 def why_not_counted(recording: Recording, reasons: list[int]) -> str:
     """Return in words why none of a recording's samples counts."""
     every = np.ones(len(recording), dtype=np.bool_)
-    fractions = fractions_not_counted(reasons, ~every, ~every, usable_readings(recording).usable)
+    fractions = asked_once(recording, JudgedRecording).not_counted(reasons, ~every, ~every)
     return ", ".join(f"{100 * fraction:.1f} % {reason}" for reason, fraction in fractions.items())
 
 
@@ -646,17 +649,16 @@ def estimate(
     """
     if not isinstance(recording, Recording):
         raise CallerError(f"estimate takes a model and a recording, in this order, not {an_object(recording)} second")
-    given, cold_ohm = recording, None
-    rows = measured_rows(recording)
-    if rows is not None:
-        recording = kept_rows(recording, rows)
+    interpolated = measured_rows(recording)
+    given, cold_ohm, recording = recording, None, interpolated.kept
     if DIVIDED_BY in model.wire:
         if wire_file is not None:
             raise CallerError("a wire file has ohms, and this model resistance over the cold wire's: leave one out")
         recording, cold_ohm = over_cold_resistance(recording)
     without_filter = ""
     if estimator is None:
-        estimator, without_filter = default_estimator(model) if has_current(recording) else (PAPER_ESTIMATOR, "")
+        by_current = asked_once(recording, JudgedRecording).has_current
+        estimator, without_filter = default_estimator(model) if by_current else (PAPER_ESTIMATOR, "")
     check_wire_file(wire_file, estimator)
     whole = estimator == PAPER_ESTIMATOR
     wire = None if wire_file is None else users_wire(wire_file, recording.metadata)
@@ -679,17 +681,15 @@ def estimate(
     if measured is not None and counts.any():
         errors = (value - measured)[counts] / model.stroke * 100.0
         if not fell_back:  # what errors are put down to are properties of a curve
-            groups = error_groups(JudgedEstimate(model, recording, reading.resistance_ohm, value, measured, counts))
-    judged = usable_readings(recording)
-    found = judged.findings
+            groups = JudgedEstimate(model, recording, reading.resistance_ohm, value, measured, counts).groups
+    judged = asked_once(recording, JudgedRecording)
+    _, found = judged.measured
     kept = given.with_metadata(unusable_readings="; ".join(found)) if found else given
     if cold_ohm is not None:
         kept = kept.with_metadata(estimate_divided_by_ohm=cold_ohm)
         columns["wire_resistance_ohm"] = cold_ohm * columns["wire_resistance_ohm"]
-    if rows is not None:
-        columns = spread_over(given, rows, columns)
     return EstimateReport(
-        recording=kept.with_columns(columns),
+        recording=kept.with_columns(interpolated.spread(given["time_s"], columns)),
         valid_share=float(counts.mean()),
         rms_pct=None if errors is None else float(np.sqrt(np.mean(errors**2))),
         max_pct=None if errors is None else float(np.abs(errors).max()),
@@ -699,11 +699,11 @@ def estimate(
         warnings=(
             *found,
             *filter(None, [without_filter]),
-            *(() if rows is None else (said_of_interpolation(given, rows),)),
+            *interpolated.said,
             *range_warnings(model, reading),
-            *recording_defects(recording, model.quantity, CYCLE_PART * model.stroke),
+            *recording_defects(recording, model.quantity, model.stroke),
         ),
-        not_counted=fractions_not_counted(reasons, valid, counts, judged.usable),
+        not_counted=judged.not_counted(reasons, valid, counts),
         error_groups=groups,
         quantity=model.quantity,
         of_stroke="the measured stroke" if model.measured_stroke else "the model's range",
@@ -754,7 +754,7 @@ def one_by_one(
             f"{recording.facts.whose} has fewer than two rows: an estimator takes two, a sample period apart"
         )
     period_s = float(np.median(np.diff(times)))
-    read = circuit_readings(recording)
+    read = asked_once(recording, JudgedRecording).circuit
     setup = EstimatorSetup(model, read.shunt_ohm, period_s, wire=wire)
     made: Estimator = ESTIMATORS.make(estimator, setup)
     air = recording.columns.get("ambient_temperature_k")

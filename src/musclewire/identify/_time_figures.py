@@ -12,7 +12,8 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.figures import StyledFigure, one_panel, panel_rows, panels_side_by_side
 from musclewire.identify._loop_gaps import LoopGaps, loop_gaps
-from musclewire.identify._recordings import required_quantity, resistance_reading
+from musclewire.identify._recordings import required_quantity
+from musclewire.judge import resistance_reading
 from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, TARGET
 from musclewire.sensing import SHOWN_AS
 from musclewire.signals import COLUMN_SUFFIX, reference_quantity

@@ -1,4 +1,4 @@
-"""What is wrong with a closed loop, by its recording: each finding with its time, its numbers and what to do.
+"""What is wrong with a recording and with a closed loop: each finding with its numbers and what to do.
 
 And what a loop makes of it while it runs: resistance that is scaled by the height of B or by a known strain.
 """

@@ -1,5 +1,9 @@
 """The list of names that other rooms may use."""
 
+from ._defects import measured_rows as measured_rows
+from ._defects import recording_defects as recording_defects
+from ._error_causes import ErrorGroup as ErrorGroup
+from ._error_causes import JudgedEstimate as JudgedEstimate
 from ._findings import GRAVE as GRAVE
 from ._findings import judged as judged
 from ._first_heating import height_of_b as height_of_b
@@ -10,6 +14,8 @@ from ._loop import Cause as Cause
 from ._loop import JudgedLoop as JudgedLoop
 from ._missed_target import MissWatch as MissWatch
 from ._odd_resistance import odd_resistance as odd_resistance
+from ._readings import JudgedRecording as JudgedRecording
+from ._readings import resistance_reading as resistance_reading
 from ._scale_by_b import KEPT as KEPT
 from ._scale_by_b import TODAY as TODAY
 from ._scale_by_b import ZEROS as ZEROS

@@ -56,7 +56,7 @@ class Finding(NamedTuple):
     @property
     def remedy(self) -> str:
         """What it means, and what to do."""
-        return remedies()[self.key]
+        return remedies("loop")[self.key]
 
 
 FINDINGS = (
@@ -81,9 +81,10 @@ GRAVE = tuple(one.recorded for one in FINDINGS if one.recorded and one.grave_bey
 
 
 @cache
-def remedies() -> dict[str, str]:
-    """Return what each finding means and what to do, by its key."""
-    return read_toml(Path(__file__).parent / "data" / "remedies.toml", "table of remedies")
+def remedies(table: str) -> dict[str, str]:
+    """Return what the findings of a table mean and what to do, by their keys."""
+    found: dict[str, str] = read_toml(Path(__file__).parent / "data" / "remedies.toml", "table of remedies")[table]
+    return found
 
 
 class TimedFinding(NamedTuple):

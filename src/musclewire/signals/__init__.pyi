@@ -10,9 +10,6 @@ from ._compiled_tick import CONTROLLER_INPUTS as CONTROLLER_INPUTS
 from ._compiled_tick import ESTIMATOR_ANSWERS as ESTIMATOR_ANSWERS
 from ._compiled_tick import CompiledTick as CompiledTick
 from ._compiled_tick import declared_tick as declared_tick
-from ._electrical import ElectricalSource as ElectricalSource
-from ._electrical import require_electrical as require_electrical
-from ._electrical import usable_readings as usable_readings
 from ._exchange import ELECTRICAL_COLUMNS as ELECTRICAL_COLUMNS
 from ._exchange import REFERENCE_COLUMNS as REFERENCE_COLUMNS
 from ._exchange import UNKNOWN_WIRE as UNKNOWN_WIRE

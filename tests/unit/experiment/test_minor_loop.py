@@ -9,7 +9,8 @@ from fake_rig import FakeRig, stop_after
 from musclewire.errors import RigError
 from musclewire.experiment._minor_loop import TURN_BACK, TURN_UP, MinorLoopPolicy, MinorLoopTurns, turns_after
 from musclewire.experiment._open_loop import MIN_FALL_FRACTION, characterize, raised_cosine
-from musclewire.identify import fit, loop_gaps, resistance_reading
+from musclewire.identify import fit, loop_gaps
+from musclewire.judge import resistance_reading
 from musclewire.rigs import open_rig
 from musclewire.sensing import SensingModel
 from musclewire.signals import MINOR_LOOP_FROM, NO_CYCLE, Drive, Recording

@@ -17,6 +17,7 @@ from tests.places import DOCS
 import musclewire as mw
 from musclewire.app import run
 from musclewire.experiment import run_warnings
+from musclewire.judge._defects import DEFECTS
 from musclewire.judge._findings import ALWAYS, FINDINGS, GRAVE, NEVER, judged, remedies
 from musclewire.judge._first_heating import seen_at_b
 from musclewire.judge._known_strain import compared_with_known
@@ -30,9 +31,14 @@ DETECTORS = SHARED | {one.detect for one in FINDINGS if one.detect}
 
 
 def test_every_finding_has_a_key_a_name_and_a_remedy_of_its_own() -> None:
-    keys = [one.key for one in FINDINGS]
-    assert sorted(remedies()) == sorted(keys)
-    assert all(len(set(column)) == len(keys) for column in (keys, [one.name for one in FINDINGS], remedies().values()))
+    tables = {
+        "loop": [one.key for one in FINDINGS],
+        "recording": [one.key for one in DEFECTS],
+    }
+    for name, keys in tables.items():
+        assert sorted(remedies(name)) == sorted(keys)
+        assert len(set(keys)) == len(set(remedies(name).values())) == len(keys)
+    assert len({one.name for one in FINDINGS}) == len(FINDINGS)
 
 
 def test_what_an_estimator_records_is_a_finding_without_a_detector() -> None:

@@ -10,7 +10,8 @@ import pytest
 from musclewire.controllers import staircase
 from musclewire.errors import RecordingError
 from musclewire.experiment import control_metrics, elapsed
-from musclewire.identify import contraction_force_n, fit, required_quantity, resistance_reading
+from musclewire.identify import contraction_force_n, fit, required_quantity
+from musclewire.judge import resistance_reading
 from musclewire.signals import reference_quantity
 from musclewire.signals._metadata import MetadataValue
 from musclewire.signals._recording import Recording

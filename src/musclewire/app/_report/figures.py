@@ -10,7 +10,8 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from musclewire.identify import LoopGaps, halves, mark_points, required_quantity, resistance_reading
+from musclewire.identify import LoopGaps, halves, mark_points, required_quantity
+from musclewire.judge import resistance_reading
 from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER, STYLE, TARGET, svg
 from musclewire.parameters import read_published
 from musclewire.signals import Recording

@@ -74,6 +74,11 @@ class Examination(NamedTuple):
         """Whether every check that could be made holds and the rig had no fault."""
         return self.trouble is None and not self.findings.failed
 
+    @property
+    def blocks_calibration(self) -> frozenset[str]:
+        """The failed checks by which the wiring is wrong in a way that no offset or gain corrects."""
+        return self.findings.failed & STOPPING - {"wire_resistance_ohm", "output_gain"}
+
 
 class ExaminedRig(NamedTuple):
     """A rig with its metadata's statements about the wire, looked up once."""

@@ -12,7 +12,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.extras.grip._contact_detection import AirDisturbance, ContactDetector, FreeClosing
 from musclewire.extras.grip._grip_force import GripCurve
-from musclewire.identify import resistance_reading
+from musclewire.judge import resistance_reading
 from musclewire.parameters import load_alloy
 from musclewire.signals import Recording
 from musclewire.wire import HeatBalance

@@ -25,7 +25,8 @@ from musclewire.extras.studies._run_kind import (
     noted_overheating,
 )
 from musclewire.extras.studies._varied_rig import VariedWire
-from musclewire.identify import fit, force_is_level, gap_in, required_quantity, resistance_reading
+from musclewire.identify import fit, force_is_level, gap_in, required_quantity
+from musclewire.judge import resistance_reading
 from musclewire.sensing import find_segments, hysteresis_gap
 from musclewire.signals import Recording, measured_in
 

@@ -24,7 +24,8 @@ from musclewire.extras.studies._run_kind import (
     noted_overheating,
 )
 from musclewire.extras.studies._varied_rig import VariedWire
-from musclewire.identify import required_quantity, resistance_reading
+from musclewire.identify import required_quantity
+from musclewire.judge import resistance_reading
 from musclewire.signals import Recording, measured_in
 
 # A wire counts as contracted at this fraction of its largest contraction, and as relaxed at the rest of it.

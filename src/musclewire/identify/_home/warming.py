@@ -12,7 +12,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.identify._recordings import resistance_reading
+from musclewire.judge import resistance_reading
 from musclewire.sensing import ResistanceExtremes, find_resistance_extremes
 from musclewire.signals import Recording
 from musclewire.wire import HeatBalance

@@ -23,7 +23,7 @@ from musclewire.identify._physical.observations import (
     instruments_of,
     require_rows,
 )
-from musclewire.identify._recordings import resistance_reading
+from musclewire.judge import resistance_reading
 from musclewire.sensing import noise_level, readings_first
 from musclewire.signals import Recording, judge_readings
 from musclewire.wire import ConnectorLoad, DrivenPath

@@ -16,7 +16,6 @@ from musclewire.identify._physical.candidates import CandidateParameters
 from musclewire.identify._physical.posterior import PosteriorProblem, covariance, excess_variance
 from musclewire.identify._physical.recording_kinds import start_of
 from musclewire.identify._physical.search import FINAL_STEP, SEARCH_STEP, ParallelProblem, descend, jacobian, threads
-from musclewire.identify._recordings import resistance_reading
 from musclewire.identify._resistance_alone.observation import (
     Marks,
     ResistanceAndMarks,
@@ -35,6 +34,7 @@ from musclewire.identify._resistance_alone.possible_curves import (
 )
 from musclewire.identify._sensing_model import loop_notes, power_loop
 from musclewire.identify._tuning import stated_heat_balance, with_gains
+from musclewire.judge import resistance_reading
 from musclewire.parameters import Bench, Parameter, bench_known_with, load_spreads, priors_around, require_seed
 from musclewire.sensing import SensingModel, find_segments, fit_loop, with_wire_model
 from musclewire.signals import Recording

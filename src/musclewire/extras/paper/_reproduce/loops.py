@@ -7,7 +7,8 @@ from functools import cached_property
 
 from musclewire.arrays import FloatArray
 from musclewire.experiment import WithTruth, determined, run_on_rig, slow_sine_run
-from musclewire.identify import LoopGaps, loop_gaps, required_quantity, resistance_reading
+from musclewire.identify import LoopGaps, loop_gaps, required_quantity
+from musclewire.judge import resistance_reading
 from musclewire.rigs import Rig, required_true_state
 from musclewire.sensing import Branch, single_valued
 from musclewire.signals import Recording

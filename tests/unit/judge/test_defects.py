@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.identify._recording_defects import (
+from musclewire.judge._defects import (
     MeasuredLoop,
     largest_jump,
     longest_flat,
@@ -13,7 +13,7 @@ from musclewire.identify._recording_defects import (
     scatter_ohm,
     short_cooling,
 )
-from musclewire.signals import Recording
+from musclewire.signals import Recording, RunFacts
 
 RISE = np.sin(np.linspace(0.0, np.pi, 201)) ** 2
 
@@ -60,17 +60,17 @@ def test_scatter_is_that_of_single_readings_and_not_of_a_curve() -> None:
 )
 def test_cooling_is_short_if_the_current_is_back_or_was_not_recorded(current_a: np.ndarray | None, named: bool) -> None:
     moved = np.where(np.arange(201) > 100, 0.2 + 0.8 * RISE, RISE) * 1e-3
-    loop = MeasuredLoop(0.1 * np.arange(201), 10.0 - RISE, moved, current_a, "displacement")
-    said = list(short_cooling(loop))
-    assert bool(said) is named
-    assert all("cooling ends 0.2 mm, 20 % of the stroke, short" in text for text in said)
+    loop = MeasuredLoop(0.1 * np.arange(201), 10.0 - RISE, moved, current_a, "displacement", RunFacts({}))
+    found = short_cooling(loop)
+    assert bool(found) is named
+    assert not found or found == pytest.approx({"short": 0.2, "unit": "mm", "short_pct": 20.0})
 
 
 def test_a_recording_that_moves_less_than_asked_or_not_beyond_its_noise_is_not_judged() -> None:
     ohm, current_a = 10.0 - RISE, 0.1 + 0.2 * RISE
     short = np.where(np.arange(201) > 100, 0.2 + 0.8 * RISE, RISE) * 1e-3
     assert recording_defects(recording(short, ohm, current_a), "displacement")
-    assert not recording_defects(recording(short, ohm, current_a), "displacement", min_stroke=2e-3)
+    assert not recording_defects(recording(short, ohm, current_a), "displacement", 4e-3)
     held = 1e-6 * np.random.default_rng(6).standard_normal(201)
     assert not recording_defects(recording(held, ohm, current_a), "displacement")
     assert not recording_defects(recording(short, ohm, current_a), "force")

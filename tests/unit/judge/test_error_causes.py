@@ -12,16 +12,9 @@ from tests.other_estimators import DriftingEstimator
 
 from musclewire.arrays import FloatArray
 from musclewire.experiment import characterize
-from musclewire.identify._error_causes import (
-    UNNOTICED,
-    UNUSABLE,
-    ErrorCause,
-    JudgedEstimate,
-    error_groups,
-    fractions_not_counted,
-    lines_of,
-)
-from musclewire.identify._sensing_model import EstimateReport, estimate, fit
+from musclewire.identify import estimate, fit
+from musclewire.judge._error_causes import ErrorCause, JudgedEstimate
+from musclewire.judge._readings import UNNOTICED, UNUSABLE, JudgedRecording
 from musclewire.rigs import open_rig
 from musclewire.sensing import SensingModel, evaluate
 from musclewire.signals import Reason, Recording
@@ -56,7 +49,7 @@ def on_branches(normalised: FloatArray = LOOP) -> FloatArray:
 
 
 def test_a_wire_on_its_branches_is_off_by_half_their_gap() -> None:
-    (group,) = error_groups(judged(on_branches()))
+    (group,) = judged(on_branches()).groups
     assert group.cause is ErrorCause.GAP
     assert group.fraction == group.squared_error_fraction == 1.0
     assert group.rms_without_pct is None
@@ -68,7 +61,7 @@ def test_the_largest_error_is_named_with_time_branch_and_voltage() -> None:
     normalised = LOOP.copy()
     normalised[300:400] = 0.0
     measured[300:400] = 0.05  # the branches end at 3.8 and 4.2 %
-    groups = error_groups(judged(measured, normalised))
+    groups = judged(measured, normalised).groups
     assert [group.cause for group in groups] == [ErrorCause.HOT, ErrorCause.GAP]
     hot = groups[0]
     assert hot.fraction == pytest.approx(0.125)
@@ -76,7 +69,7 @@ def test_the_largest_error_is_named_with_time_branch_and_voltage() -> None:
     assert hot.branch == "heating"
     assert hot.voltage_v == pytest.approx(1.0 + 2.0 * 300 / 799)
     assert hot.rms_without_pct == pytest.approx(100 * 0.002 / 0.036)
-    (line,) = lines_of("strain", groups)
+    line = hot.in_words("strain")
     assert "beyond the hot end of the model (12.5 % of the counted samples; without them 5.556 % rms)" in line
     assert "largest at 15.0 s, heating, 1.75 V: 4 % estimated, 5 % measured, -0.8 % by this" in line
 
@@ -97,16 +90,16 @@ def test_noise_of_single_readings_is_told_from_an_offset() -> None:
     normalised[1:-1:2] += 0.03
     normalised[2:-1:2] -= 0.03
     exact = MODEL.estimate(15.0 + 2.0 * LOOP).value
-    noisy = error_groups(judged(exact, normalised))
+    noisy = judged(exact, normalised).groups
     assert noisy[0].cause is ErrorCause.NOISE
-    (shifted,) = error_groups(judged(exact - 0.01))
+    (shifted,) = judged(exact - 0.01).groups
     assert shifted.cause is ErrorCause.MODEL
 
 
 def test_a_small_noise_is_not_the_cause_of_an_estimate_that_jumps() -> None:
     jumping = judged(on_branches())
     jumping = replace(jumping, estimated=jumping.estimated + np.where(np.arange(LOOP.size) % 2, 0.01, -0.01))
-    assert {group.cause for group in error_groups(jumping)} == {ErrorCause.ESTIMATOR}
+    assert {group.cause for group in jumping.groups} == {ErrorCause.ESTIMATOR}
 
 
 # What estimators do wrong, and what makes it.
@@ -136,7 +129,7 @@ def test_a_cause_is_named_only_if_it_makes_most_of_the_error_that_it_is_named_fo
     value, valid = change(found.columns["estimated_strain"]), found.columns["valid"] > 0.0
     measured = loop["displacement_m"] / float(loop.metadata["leg_length_m"])
     resistance_ohm = loop["wire_voltage_v"] / loop["shunt_voltage_v"] * float(loop.metadata["shunt_resistance_ohm"])
-    groups = error_groups(JudgedEstimate(model, loop, resistance_ohm, value, measured, valid))
+    groups = JudgedEstimate(model, loop, resistance_ohm, value, measured, valid).groups
     for group in groups:
         error = group.estimated - group.measured
         assert abs(error - group.explained) <= 0.5 * abs(error)
@@ -147,13 +140,13 @@ def test_a_cause_is_named_only_if_it_makes_most_of_the_error_that_it_is_named_fo
 
 def test_samples_that_do_not_count_are_told_by_their_reason() -> None:
     reasons = [Reason.OK, Reason.COLD, Reason.COLD, Reason.NO_CURRENT, Reason.OK]
-    usable = np.array([True, True, True, True, False])
+    marked = Recording({"time_s": np.arange(5.0), "wire_resistance_ohm": np.array([17.0, 17.1, 17.2, 17.3, 9.9e37])})
     valid = np.array([True, False, False, False, False])
-    fractions = fractions_not_counted(reasons, valid, valid, usable)
+    fractions = JudgedRecording(marked).not_counted(reasons, valid, valid)
     assert list(fractions.items()) == [("colder than B", 0.4), ("without current", 0.2), (UNUSABLE, 0.2)]
 
 
-def report_of(columns: dict[str, FloatArray]) -> EstimateReport:
+def report_of(columns: dict[str, FloatArray]) -> Any:
     resistance = 15.0 + 2.0 * LOOP
     time_s = 0.05 * np.arange(LOOP.size)
     return estimate(MODEL, Recording({"time_s": time_s, "wire_resistance_ohm": resistance, **columns}))

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from musclewire.errors import RecordingError
-from musclewire.signals._electrical import ElectricalSource, require_electrical
-from musclewire.signals._recording import Recording
+from musclewire.judge._readings import CURRENT, RESISTANCE, SHUNT, JudgedRecording
+from musclewire.signals import Recording
 
 
 def recording_of(*names, **metadata):
@@ -16,23 +16,23 @@ def recording_of(*names, **metadata):
         (
             ("wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm"),
             {"shunt_resistance_ohm": 1.0},
-            ElectricalSource.SHUNT,
+            SHUNT,
         ),
-        (("wire_voltage_v", "shunt_voltage_v", "wire_current_a"), {}, ElectricalSource.CURRENT),
-        (("wire_resistance_ohm",), {}, ElectricalSource.RESISTANCE),
+        (("wire_voltage_v", "shunt_voltage_v", "wire_current_a"), {}, CURRENT),
+        (("wire_resistance_ohm",), {}, RESISTANCE),
     ],
 )
 def test_a_known_shunt_comes_first_then_a_measured_current_then_a_resistance(names, metadata, source):
-    assert require_electrical(recording_of(*names, **metadata)) is source
+    assert JudgedRecording(recording_of(*names, **metadata)).source is source
 
 
 @pytest.mark.parametrize("shunt", [None, 0.0, -1.0, float("nan"), float("inf"), True, "1 ohm"])
 def test_a_shunt_needs_a_positive_resistance(shunt):
     recording = recording_of("wire_voltage_v", "shunt_voltage_v", shunt_resistance_ohm=shunt)
     with pytest.raises(RecordingError, match=r"metadata shunt_resistance_ohm is .*give a positive number"):
-        require_electrical(recording)
+        _ = JudgedRecording(recording).source
 
 
 def test_what_is_missing_is_named():
     with pytest.raises(RecordingError, match="it lacks shunt_voltage_v, wire_current_a, wire_resistance_ohm: give"):
-        require_electrical(recording_of("wire_voltage_v"))
+        _ = JudgedRecording(recording_of("wire_voltage_v")).source

@@ -13,8 +13,8 @@ from numpy.random import Generator
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.experiment import characterize
-from musclewire.identify._recordings import circuit_readings, resistance_reading
-from musclewire.identify._sensing_model import estimate, fit
+from musclewire.identify import estimate, fit
+from musclewire.judge import JudgedRecording, resistance_reading
 from musclewire.rigs import open_rig
 from musclewire.signals import Recording, judge_readings
 
@@ -150,7 +150,7 @@ def test_a_current_at_the_end_of_its_range_is_no_reading_and_the_rest_is_used(lo
     assert said in report.warnings[0]
     assert said in str(report.recording.metadata["unusable_readings"])
     assert report.not_counted["that are no measurements"] == pytest.approx(at_end.mean(), abs=0.01)
-    assert circuit_readings(by_current(loop, wire_current_a=current)).shunt_v[at_end].max() == 0.0
+    assert JudgedRecording(by_current(loop, wire_current_a=current)).circuit.shunt_v[at_end].max() == 0.0
 
 
 def test_stated_ends_of_range_and_those_of_a_stated_chip_are_no_readings() -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from musclewire.experiment import characterize
 from musclewire.identify import estimate, fit
-from musclewire.identify._interpolated_rows import measured_rows
+from musclewire.judge import measured_rows
 from musclewire.rigs import open_rig
 from musclewire.sensing import SensingModel
 from musclewire.signals import Recording
@@ -82,14 +82,14 @@ def test_a_product_of_two_drawn_columns_is_found_by_the_other_two(loop: Recordin
         },
         {},
     )
-    rows = measured_rows(given)
+    rows = measured_rows(given).rows
     assert rows is not None
     assert rows.size == pytest.approx(POINTS, abs=2)
 
 
 def test_what_was_measured_row_by_row_is_left_alone(loop: Recording) -> None:
-    assert measured_rows(loop) is None
-    assert measured_rows(seldom(loop)) is None
+    assert measured_rows(loop).rows is None
+    assert measured_rows(seldom(loop)).rows is None
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def test_a_recording_of_which_a_part_was_measured_row_by_row_is_left_as_it_is(
     else:
         for name in columns:
             columns[name][-measured:] = loop[name][-measured:]
-    assert measured_rows(Recording(columns, loop.metadata)) is None
+    assert measured_rows(Recording(columns, loop.metadata)).rows is None
 
 
 def test_times_that_stand_still_and_readings_that_are_missing_end_in_no_warning_of_numpy(loop: Recording) -> None:
@@ -116,7 +116,7 @@ def test_times_that_stand_still_and_readings_that_are_missing_end_in_no_warning_
     columns["time_s"][5:8] = columns["time_s"][5]
     columns["wire_voltage_v"][20:30] = np.nan
     with np.errstate(all="raise"):
-        assert measured_rows(Recording(columns, loop.metadata)) is None
+        assert measured_rows(Recording(columns, loop.metadata)).rows is None
 
 
 def ramps(noise_v: float, step_v: float, slope_v_per_s: float, seed: int) -> Recording:
@@ -141,4 +141,4 @@ def ramps(noise_v: float, step_v: float, slope_v_per_s: float, seed: int) -> Rec
 def test_no_converter_and_no_noise_looks_like_drawn_lines(
     noise_v: float, step_v: float, slope_v_per_s: float, seed: int
 ) -> None:
-    assert measured_rows(ramps(noise_v, step_v, slope_v_per_s, seed)) is None
+    assert measured_rows(ramps(noise_v, step_v, slope_v_per_s, seed)).rows is None
