@@ -52,7 +52,7 @@ from numpy.typing import NDArray
 import musclewire as mw
 from musclewire.errors import MusclewireError
 from musclewire.experiment import control
-from musclewire.judge import ScaleByB
+from musclewire.judge import RunCorrection
 from musclewire.sensing import (
     ESTIMATORS,
     FILTER,
@@ -158,13 +158,15 @@ def case_of(seed: int, row: str, knowledge: UsersKnowledge, folder: Path) -> Cas
     """Return the run of a row of the table, scaled by B as a loop does it where strain counts from today's zero."""
     (condition,) = settings().conditions((row if row in CONDITIONS else "none",))
     run = recorded(seed, condition, knowledge, folder)
-    scale = ScaleByB.of_model(knowledge.model, run.facts["sense_voltage_v"], run.facts["shunt_resistance_ohm"])
-    given, judged = [], []
+    ohm, sense_v = run.facts["shunt_resistance_ohm"], run.facts["sense_voltage_v"]
+    correction = RunCorrection.from_today(knowledge.model, ohm, sense_v)
+    said, given, judged = QuantityEstimate(0.0, 0.0, True, Reason.OK), [], []
     for sample in samples_of(run):
-        given.append((scale.scaled(sample) if condition.zeroed else sample)[:4])
-        scale.watch(sample)
-        said = QuantityEstimate(0.0, 0.0, True, Reason.OK)
-        judged.append(scale.judged(said) if condition.zeroed else said)
+        # All values of the filter go by one model: the reading is scaled in place of its resistances.
+        factor = correction.correction.scale if condition.zeroed else 1.0
+        given.append(sample._replace(wire_voltage_v=factor * sample.wire_voltage_v)[:4])
+        judged.append(correction.shown(said) if condition.zeroed else said)
+        correction.watch(sample, said, sample.time_s)
     counts = usable(run.strain, knowledge, settings().run) & (run.time_s >= judged_from_s(condition, settings().run))
     case = Case(
         seed,

@@ -204,7 +204,7 @@ ZERO_FROM = option(
 KNOWN_STRAIN = option(
     "--known-strain",
     help="A strain (displacement, force) that is known at a time of the run, or at the end of its first hold, as at an "
-    "end stop: what the estimate misses it by scales the resistance for the rest; beyond the interval it is a finding.",
+    "end stop: where the estimate misses it by more than its interval, the model is corrected for the rest of the run.",
     metavar="'1.2 % [at 12 s]'",
 )
 ON_BOARD = option(

@@ -9,7 +9,7 @@ are recorded as well and compared afterwards; nothing here reads them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, NamedTuple, Unpack
@@ -30,7 +30,6 @@ from musclewire.experiment._run import Decision, RunOptions, run_on_rig, what_pr
 from musclewire.experiment._speed_limits import check_targets, fastest_way, followed, speed_metadata
 from musclewire.identify import (
     FastestWay,
-    ZeroOfRoom,
     check_made_for,
     check_wire_file,
     error_unit_for,
@@ -39,7 +38,7 @@ from musclewire.identify import (
     users_wire,
     zero_of_room,
 )
-from musclewire.judge import KEPT, TODAY, ZEROS, ScaleByB, ScaleByKnownStrain, known_strain_in
+from musclewire.judge import KEPT, TODAY, ZEROS, RunCorrection, known_strain_in
 from musclewire.rigs import Rig, refuse_no_rig
 from musclewire.sensing import (
     ESTIMATORS,
@@ -56,9 +55,7 @@ from musclewire.signals import (
     Command,
     Drive,
     MetadataValue,
-    QuantityEstimate,
     RawSample,
-    WireSample,
     wire_sample,
 )
 
@@ -68,6 +65,9 @@ from musclewire.signals import (
 APPROACH_S = 12.0
 # What drives a wire whose model has no gains.
 PAPER_CONTROLLER = "fuzzy-pid"
+# The column of what the resistance was scaled by.
+FACTOR = "resistance_factor"
+EstimatorOf = Callable[[SensingModel], Estimator]
 
 
 def approach_of(controller: str | ControllerFactory, given_s: float | None = None) -> float:
@@ -76,6 +76,11 @@ def approach_of(controller: str | ControllerFactory, given_s: float | None = Non
         return given_s
     factory = CONTROLLERS.find(controller) if isinstance(controller, str) else controller
     return float(getattr(factory, "approach_s", APPROACH_S))
+
+
+def no_other(_model: SensingModel) -> Estimator:
+    """Refuse to make an estimator: for a loop whose model is not corrected."""
+    raise AssertionError
 
 
 class SelfSensingPolicy:
@@ -95,12 +100,10 @@ class SelfSensingPolicy:
         Time [s] the wire gets to reach the first target.
     first_drive_voltage_v
         The drive voltage [V] that the rig already applies.
-    scale
-        Scales the readings by the height of B; None to leave them as they are.
-    zero
-        Where today's zero is, in a room that is not the characterization's; None for where the model's is.
-    by_strain
-        Scales the readings from the moment on at which a strain is known; None if none is.
+    correction
+        Corrects the model where the run shows that it must; None to leave it as it is.
+    estimator_of
+        Makes an estimator by a corrected model.
     fastest
         How fast the wire is at best; None if that is not known.
     """
@@ -114,17 +117,15 @@ class SelfSensingPolicy:
         sample_period_s: float,
         approach_s: float,
         first_drive_voltage_v: float,
-        scale: ScaleByB | None = None,
-        zero: ZeroOfRoom | None = None,
-        by_strain: ScaleByKnownStrain | None = None,
+        correction: RunCorrection | None = None,
+        estimator_of: EstimatorOf = no_other,
         fastest: FastestWay | None = None,
     ) -> None:
         """Start estimator and controller from the present drive voltage."""
         self._estimator, self._controller, self._reference = estimator, controller, reference
         self._sample_period_s, self._approach_s = sample_period_s, approach_s
-        self._scale, self._zero, self._by_strain, self._fastest = scale, zero, by_strain, fastest
+        self._correction, self._estimator_of, self._fastest = correction, estimator_of, fastest
         self._first = Drive(controller.limits.clamp(first_drive_voltage_v))
-        self._factor = 1.0
         self._estimator_state, self._controller_state = estimator.start(), controller.start(self._first.voltage_v)
         suffix = COLUMN_SUFFIX[estimator.quantity]
         self._columns = (
@@ -134,7 +135,7 @@ class SelfSensingPolicy:
             "estimate_std",
             "valid",
             *controller.columns,
-            *(() if scale is None and by_strain is None else ("resistance_factor",)),
+            *(() if correction is None else (FACTOR,)),
             *(() if fastest is None else ("announced_miss",)),
         )
 
@@ -153,48 +154,28 @@ class SelfSensingPolicy:
         taken_s = elapsed_s - self._sample_period_s
         # Its time is that of the recording: whoever estimates that, or replays it, finds the same to the bit.
         read = wire_sample(sample)._replace(time_s=elapsed_s)
-        own_std, estimate, sensed, scaled_by = self._estimated(read, taken_s)
-        if estimate.failure:
-            raise RigError(estimate.failure)
+        own, self._estimator_state, sensed = self._estimator.step(self._estimator_state, read)
+        if own.failure:
+            raise RigError(own.failure)
+        estimate, zero, factor = own, 0.0, list[float]()
+        if self._correction is not None:
+            estimate = self._correction.shown(own)
+            zero, factor = self._correction.correction.zero, [self._correction.correction.scale]
         judged = self._reference.target_at(max(taken_s - self._approach_s, 0.0))
         target = self._reference.target_at(max(elapsed_s - self._approach_s, 0.0))
+        # In the model's own zero, which the controller's tables have, and with the estimator's own deviation: what
+        # widens the interval is one error for the whole run, and no reason to follow slowly.
+        heeded = own._replace(valid=estimate.valid, reason=estimate.reason)
         command, self._controller_state, controlled = self._controller.step(
-            self._controller_state, target, estimate._replace(std=own_std), self._sample_period_s
+            self._controller_state, target + zero, heeded, self._sample_period_s
         )
+        if self._correction is not None and self._correction.watch(read, own, taken_s):
+            # What it has followed was another resistance: what contradicts that now is neither motion nor air.
+            self._estimator = self._estimator_of(self._correction.model)
+            self._estimator_state = self._estimator.start()
         announced = () if self._fastest is None else (self._fastest.miss(judged),)
         seen = (judged, estimate.value, estimate.std, float(estimate.valid))
-        values = (*sensed, *seen, *controlled, *scaled_by, *announced)
-        return Decision(command, values)
-
-    def _estimated(
-        self, read: WireSample, taken_s: float
-    ) -> tuple[float, QuantityEstimate, Sequence[float], tuple[float, ...]]:
-        """Return the estimate of a sample, the values of the estimator's columns, and the factor on its reading.
-
-        Its own deviation comes first, to which errors of the controller are compared: what widens the interval is one
-        error for the whole run, and no reason to follow slowly.
-        """
-        scale, by_strain = self._scale, self._by_strain
-        given, factor = read, 1.0
-        for one in (scale, by_strain):
-            if one is not None:
-                given, factor = one.scaled(given), factor * one.factor
-        if factor != self._factor:
-            # Before, it has followed another resistance: what contradicts that now is neither motion nor air.
-            self._factor, self._estimator_state = factor, self._estimator.start()
-        estimate, self._estimator_state, sensed = self._estimator.step(self._estimator_state, given)
-        own_std = estimate.std
-        if scale is not None:
-            estimate = scale.judged(estimate)
-        if self._zero is not None:
-            estimate = self._zero.applied_to(estimate)
-        if by_strain is not None:
-            estimate = by_strain.judged(estimate)
-            by_strain.watch(given, estimate, taken_s)
-        if scale is not None:
-            # Looked at last: the recording's own resistance is as it was read until B has been passed.
-            scale.watch(read)
-        return own_std, estimate, sensed, () if scale is None and by_strain is None else (factor,)
+        return Decision(command, (*sensed, *seen, *controlled, *factor, *announced))
 
 
 def control(
@@ -253,9 +234,9 @@ def control(
         the wire is cold there.
     known_strain
         A strain (of another model displacement [m] or force [N]) that is known at one moment, as at an end stop: alone
-        at the end of the first hold, or with the time [s] of the run. What the estimate, over the last second that the
-        wire has been still, misses it by scales the resistance for the rest of the run; beyond the interval, it is a
-        finding, and the interval is widened.
+        at the end of the first hold, or with the time [s] of the run. Where the estimate, over the last second that the
+        wire has been still, misses it by more than its interval, the model is corrected for the rest of the run, the
+        interval is widened, and it is a finding.
     **run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
         may raise to stop the run, ``until`` asked after each whether the run is to end now.
@@ -294,9 +275,8 @@ def control(
         sample_period_s=rig.sample_period_s,
         approach_s=loop.approach_s,
         first_drive_voltage_v=rig.drive_voltage_v,
-        scale=loop.scale,
-        zero=loop.zero,
-        by_strain=loop.by_strain,
+        correction=loop.correction_of(),
+        estimator_of=loop.estimator_of,
         fastest=loop.fastest,
     )
     from_cold = loop.approach_s == 0.0
@@ -405,9 +385,8 @@ class PreparedLoop(NamedTuple):
     approach_s: float
     duration_s: float
     metadata: dict[str, MetadataValue]
-    scale: ScaleByB | None
-    zero: ZeroOfRoom | None
-    by_strain: ScaleByKnownStrain | None
+    correction_of: Callable[[], RunCorrection | None]
+    estimator_of: EstimatorOf
     fastest: FastestWay | None
 
 
@@ -436,22 +415,35 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
     known = known_strain_in(choice.known_strain, chosen, settled.approach_s, rig.sample_period_s)
     if known is not None:
         metadata |= known.metadata()
-    zero = zero_of_room(model, what_protects(rig)) if choice.zero_from == TODAY else None
-    check_targets(model, chosen, rig.sample_period_s, 0.0 if zero is None else zero.value)
+    from_today = choice.zero_from == TODAY
+    room = zero_of_room(model, what_protects(rig)) if from_today else None
+    check_targets(model, chosen, rig.sample_period_s, 0.0 if room is None else room.correction.zero)
+    if room is not None:
+        metadata |= {"zero_of_room": room.said}
+
+    def estimator_of(model: SensingModel) -> Estimator:
+        setup = EstimatorSetup(model, rig.shunt_resistance_ohm, rig.sample_period_s, load, wire)
+        made: Estimator = ESTIMATORS.make(settled.estimator, setup)
+        return made
+
+    def correction_of() -> RunCorrection | None:
+        ohm, corrects = rig.shunt_resistance_ohm, None if room is None else room.correction
+        if from_today:
+            return RunCorrection.from_today(model, ohm, rig.sense_voltage_v, known, corrects)
+        return None if known is None else RunCorrection(model, ohm, None, known)
+
+    correction_of()  # a known strain that the model does not reach is refused before anything is heated
     return PreparedLoop(
         model,
         chosen,
-        ESTIMATORS.make(
-            settled.estimator, EstimatorSetup(model, rig.shunt_resistance_ohm, rig.sample_period_s, load, wire)
-        ),
+        estimator_of(model),
         CONTROLLERS.make(settled.controller, ControllerSetup(limits, error_unit_for(model, load), settled.settings)),
         settled.settings,
         settled.approach_s,
         settled.approach_s + chosen.duration_s,
-        metadata if zero is None else metadata | {"zero_of_room": zero.said},
-        ScaleByB.of_model(model, rig.sense_voltage_v, rig.shunt_resistance_ohm) if choice.zero_from == TODAY else None,
-        zero,
-        None if known is None else ScaleByKnownStrain(known, model, rig.shunt_resistance_ohm),
+        metadata,
+        correction_of,
+        estimator_of,
         fastest_way(rig, model, settled.settings, from_cold=settled.approach_s == 0.0),
     )
 

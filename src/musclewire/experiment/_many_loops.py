@@ -11,23 +11,24 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.controllers import ControllerFactory, Reference
+from musclewire.controllers import ControllerFactory, Reference, State
 from musclewire.errors import CallerError, NumericsError, RigError, argument
 from musclewire.experiment._calm_air import heed_air
-from musclewire.experiment._closed_loop import LoopChoice, PreparedLoop, control, prepared_loop
+from musclewire.experiment._closed_loop import FACTOR, LoopChoice, PreparedLoop, control, prepared_loop
 from musclewire.experiment._endings import cause_of, software_version
 from musclewire.experiment._loop_outcomes import LoopOutcome, ManyControlRuns
 from musclewire.experiment._metrics import ControlRun, with_metrics
 from musclewire.experiment._run import what_protects
 from musclewire.experiment._run_warnings import found_in, run_warnings
 from musclewire.experiment._timing_facts import NO_CLOCK
-from musclewire.judge import KEPT, judged
+from musclewire.judge import KEPT, RunCorrection, judged
 from musclewire.rigs import (
     CompiledLoopEnd,
     CompiledRun,
@@ -40,7 +41,15 @@ from musclewire.rigs import (
     times_on_rig_s,
 )
 from musclewire.sensing import EstimatorFactory, KnownSpring, SensingModel
-from musclewire.signals import COLUMN_SUFFIX, MetadataValue, Recording, declared_tick, with_answers_of
+from musclewire.signals import (
+    COLUMN_SUFFIX,
+    MetadataValue,
+    QuantityEstimate,
+    Recording,
+    WireSample,
+    declared_tick,
+    with_answers_of,
+)
 
 
 class LoopCase(NamedTuple):
@@ -110,7 +119,7 @@ def control_many(
     approach_s
         Time [s] for which the reference's start is held before the reference begins; as of ``control`` if None.
     zero_from, known_strain
-        As of ``control``. What scales the resistance of a loop has no compiled form: loops with either run in Python.
+        As of ``control``.
     threads
         How many loops run at a time; by default one on each core.
     keep_recordings
@@ -147,7 +156,7 @@ def control_many(
         estimator, controller, settings, load, approach_s, zero_from=zero_from, known_strain=known_strain
     )
     cases = cases_of(rig, model, tuple(seeds))
-    if in_python or zero_from != KEPT or known_strain is not None:
+    if in_python:
         found = outcomes_in_python(cases, reference, choice)
     else:
         found = compiled_outcomes(cases, reference, choice, threads)
@@ -256,8 +265,16 @@ def compiled_outcomes(
                 loops[key] = compiled_loop_on(rig, case.model, reference, choice)
 
     def outcome(case: LoopCase) -> LoopOutcome:
+        loop = loops[id(case.rig), id(case.model)]
         with open_rig(case.rig, seed=case.seed) as rig:
-            return outcome_on(rig, loops[id(case.rig), id(case.model)], case.seed)
+            heed_air(rig, loop.model)
+            run = run_of(rig, loop)
+            if run is not None:
+                whole = control_run(rig, loop, run)
+                said, against = run_warnings(whole), judged(whole).does_not_hold
+                return LoopOutcome(case.seed, "done", True, whole.metrics, whole, said, against)
+        with open_rig(case.rig, seed=case.seed) as rig:
+            return outcome_in_python(rig, loop.model, loop.prepared.reference, loop.choice, case.seed)
 
     with ThreadPoolExecutor(min(threads or os.cpu_count() or 1, len(cases))) as pool:
         try:
@@ -303,14 +320,53 @@ def ticks_of(prepared: PreparedLoop, first_drive_v: float) -> LoopTicks:
     return LoopTicks(estimator, controller, prepared.estimator.columns, prepared.controller.columns)
 
 
-def outcome_on(rig: GuardedRig, loop: CompiledLoop, seed: int) -> LoopOutcome:
-    """Return the outcome of a compiled loop on a rig, or that of ``control`` where something unusual happened."""
-    heed_air(rig, loop.model)
+def run_of(rig: GuardedRig, loop: CompiledLoop) -> CompiledRun | None:
+    """Return a compiled loop on a rig to its end; None if something unusual happens, for which Python is needed."""
+    correction = loop.prepared.correction_of()
+    if correction is not None:
+        return corrected_run(rig, loop, correction)
     run = run_compiled(rig, loop.ticks, loop.elapsed_s, loop.targets, loop.first_drive_v)
-    if run.ended is CompiledLoopEnd.DONE:
-        whole = control_run(rig, loop, run)
-        return LoopOutcome(seed, "done", True, whole.metrics, whole, run_warnings(whole), judged(whole).does_not_hold)
-    return outcome_in_python(rig, loop.model, loop.prepared.reference, loop.choice, seed)
+    return run if run.ended is CompiledLoopEnd.DONE else None
+
+
+def corrected_run(rig: GuardedRig, loop: CompiledLoop, correction: RunCorrection) -> CompiledRun | None:
+    """Return a compiled loop that goes on by the model of today from each correction on; None as ``run_of``."""
+    run, parts = None, list[dict[str, FloatArray]]()
+    ticks, drive_v, begins = loop.ticks, loop.first_drive_v, 0
+    while begins < loop.elapsed_s.size:
+        now, variance = correction.correction, correction.variance
+        elapsed_s, targets = loop.elapsed_s[begins:], loop.targets[:, begins:]
+        taken_s = elapsed_s - rig.sample_period_s
+        ends_after = partial(corrects_after, correction, taken_s)
+        in_own_zero = np.array([targets[0], targets[1] + now.zero])
+        state = State.RUN if begins else State.ARMED
+        run = run_compiled(rig, ticks, elapsed_s, in_own_zero, drive_v, ends_after=ends_after, state=state)
+        if run.ended is not CompiledLoopEnd.DONE or correction.is_refused:
+            return None
+        shown = {
+            "estimated": run.columns["estimated"] - now.zero,
+            "estimate_std": np.sqrt(run.columns["estimate_std"] ** 2 + variance),
+            FACTOR: np.full(run.samples, now.scale),
+        }
+        parts.append({**run.columns, **shown})
+        begins, drive_v = begins + run.samples, run.next_drive_v
+        estimator = declared_tick(loop.prepared.estimator_of(correction.model))
+        assert estimator is not None
+        ticks = ticks._replace(estimator=estimator, controller=run.controller)
+    assert run is not None
+    return run._replace(columns={name: np.concatenate([one[name] for one in parts]) for name in parts[0]})
+
+
+def corrects_after(correction: RunCorrection, taken_s: FloatArray, run: CompiledRun) -> int | None:
+    """Return after how many samples of a part a correction follows from them; None if none does."""
+    names = ("time_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "estimated", "estimate_std", "valid")
+    rows = zip(*(run.columns[name].tolist() for name in names), taken_s.tolist(), strict=True)
+    for row, (*sample, value, std, valid, taken) in enumerate(rows):
+        if not correction.watches:
+            break
+        if correction.watch(WireSample(*sample), QuantityEstimate(value, std, valid > 0.0), taken):
+            return row + 1
+    return None
 
 
 def control_run(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> ControlRun:

@@ -58,5 +58,4 @@ from ._use_of_model import known_against as known_against
 from ._use_of_model import load_facts as load_facts
 from ._use_of_model import settings_for as settings_for
 from ._use_of_model import users_wire as users_wire
-from ._zero_of_room import ZeroOfRoom as ZeroOfRoom
 from ._zero_of_room import zero_of_room as zero_of_room

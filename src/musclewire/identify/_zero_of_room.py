@@ -8,7 +8,6 @@ resistance it pulls with less force then, which lets the wire be shorter.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +16,8 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify._home.overlay import LATENT_K
 from musclewire.identify._home.warming import course_of
-from musclewire.sensing import SHOWN_AS, SensingModel
-from musclewire.signals import MetadataValue, QuantityEstimate, Recording, RunFacts
+from musclewire.sensing import SHOWN_AS, Correction, SensingModel
+from musclewire.signals import MetadataValue, Recording, RunFacts
 from musclewire.wire import HeatBalance
 
 # The note of a model: contraction that is left for each kelvin of warmer air, in the quantity's unit.
@@ -36,15 +35,10 @@ SAME_ROOM_K = 1.0
 
 
 class ZeroOfRoom(NamedTuple):
-    """By how much strain from today's zero is less than the model's, with its deviation, and that in words."""
+    """What a room makes of the zero, and that in words."""
 
-    value: float
-    std: float
+    correction: Correction
     said: str
-
-    def applied_to(self, estimate: QuantityEstimate) -> QuantityEstimate:
-        """Return an estimate as it counts from today's zero."""
-        return estimate._replace(value=estimate.value - self.value, std=hypot(estimate.std, self.std))
 
 
 def cold_contraction_per_k(recording: Recording, moved: FloatArray) -> float | None:
@@ -106,14 +100,13 @@ def zero_of_room(model: SensingModel, known: Mapping[str, MetadataValue]) -> Zer
         return None
     room = f"the room is {abs(warmer_k):.0f} K {'warmer' if warmer_k > 0.0 else 'colder'} than at the characterization"
     if slope is None:
-        return ZeroOfRoom(0.0, 0.0, f"{room}, and the model does not state how far that moves the zero: fit again")
+        return ZeroOfRoom(Correction(), f"{room}, and the model does not state how far that moves the zero: fit again")
     has_spring = (fitted.number_or_none("spring_stiffness_n_per_m") or 0.0) > 0.0
     value = (SPRINGS_FRACTION if has_spring else FRACTION) * slope * warmer_k
     std = FRACTION_STD * slope * abs(warmer_k)
     factor, unit = SHOWN_AS[model.quantity]
     return ZeroOfRoom(
-        value,
-        std,
+        Correction(zero=value, zero_variance=std * std),
         f"{room}, where the cold wire is {'shorter' if warmer_k > 0.0 else 'longer'}: from today's zero every estimate "
         f"is {factor * abs(value):.2g} +- {factor * std:.1g} {unit} {'less' if warmer_k > 0.0 else 'more'}",
     )

@@ -7,7 +7,6 @@ from ._error_causes import JudgedEstimate as JudgedEstimate
 from ._findings import GRAVE as GRAVE
 from ._findings import judged as judged
 from ._first_heating import height_of_b as height_of_b
-from ._known_strain import ScaleByKnownStrain as ScaleByKnownStrain
 from ._known_strain import known_strain_in as known_strain_in
 from ._loop import SETTLE_S as SETTLE_S
 from ._loop import Cause as Cause
@@ -16,7 +15,7 @@ from ._missed_target import MissWatch as MissWatch
 from ._odd_resistance import odd_resistance as odd_resistance
 from ._readings import JudgedRecording as JudgedRecording
 from ._readings import resistance_reading as resistance_reading
-from ._scale_by_b import KEPT as KEPT
-from ._scale_by_b import TODAY as TODAY
-from ._scale_by_b import ZEROS as ZEROS
-from ._scale_by_b import ScaleByB as ScaleByB
+from ._run_correction import KEPT as KEPT
+from ._run_correction import TODAY as TODAY
+from ._run_correction import ZEROS as ZEROS
+from ._run_correction import RunCorrection as RunCorrection

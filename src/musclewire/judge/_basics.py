@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from musclewire.judge._known_strain import WITHIN_STD
 from musclewire.judge._loop import DetectedRows, JudgedLoop, Mask
-from musclewire.judge._scale_by_b import WITHIN_STD
 
 # How long [s] heating and cooling may be at their limit: cooling takes its time, and no drive shortens it.
 HEATING_S, COOLING_S = 1.0, 4.0

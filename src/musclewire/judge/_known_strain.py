@@ -6,7 +6,6 @@ strain gives the factor by which the resistance is to be read for the rest of th
 
 from __future__ import annotations
 
-from collections import deque
 from typing import NamedTuple
 
 import numpy as np
@@ -15,13 +14,12 @@ from musclewire.arrays import FloatArray
 from musclewire.controllers import Reference
 from musclewire.errors import CallerError
 from musclewire.judge._loop import DetectedRows, JudgedLoop
-from musclewire.judge._scale_by_b import LEFT_PCT, LEFT_PER_PCT, WITHIN_STD
-from musclewire.physics import wire_resistance
-from musclewire.sensing import SHOWN_AS, SensingModel
-from musclewire.signals import MetadataValue, QuantityEstimate, RunFacts, WireSample
+from musclewire.signals import MetadataValue, RunFacts
 
 # The estimate is compared as the mean of so long before the moment.
 COMPARED_S = 1.0
+# 95 % of normally distributed errors lie within so many standard deviations.
+WITHIN_STD = 1.96
 
 
 class KnownStrain(NamedTuple):
@@ -75,67 +73,6 @@ class MissedBy(NamedTuple):
     def is_away(self) -> bool:
         """Whether that is beyond the 95 % interval."""
         return abs(self.above) > WITHIN_STD * self.std
-
-
-class ScaleByKnownStrain:
-    """Scales the readings of a run from the moment on at which a strain is known.
-
-    Parameters
-    ----------
-    known
-        The strain, in the model's quantity, and the time.
-    model
-        The model of the wire.
-    shunt_resistance_ohm
-        R [ohm] of Eq. 1.
-    """
-
-    def __init__(self, known: KnownStrain, model: SensingModel, shunt_resistance_ohm: float) -> None:
-        """Begin before the first sample. Raises CallerError for a strain that the model does not reach."""
-        if not model.quantity_min <= known.value <= model.quantity_max:
-            factor, unit = SHOWN_AS[model.quantity]
-            raise CallerError(
-                f"the known {model.quantity} of {factor * known.value:g} {unit} at {known.at_s:g} s: this model senses "
-                f"{factor * model.quantity_min:.3g} to {factor * model.quantity_max:.3g} {unit}"
-            )
-        self._known, self._model, self._shunt_resistance_ohm = known, model, shunt_resistance_ohm
-        self._seen: deque[tuple[float, float, float]] = deque()
-        self._min_std, self._compared = 0.0, False
-        self.factor = 1.0
-
-    def scaled(self, sample: WireSample) -> WireSample:
-        """Return a sample as an estimator is to see it: its resistance times the factor."""
-        return sample._replace(wire_voltage_v=self.factor * sample.wire_voltage_v)
-
-    def judged(self, estimate: QuantityEstimate) -> QuantityEstimate:
-        """Return an estimate with the interval that a scaled resistance leaves."""
-        return estimate._replace(std=max(estimate.std, self._min_std))
-
-    def watch(self, sample: WireSample, estimate: QuantityEstimate, elapsed_s: float) -> None:
-        """Look at a sample as the estimator saw it, until the moment has passed."""
-        if self._compared:
-            return
-        if estimate.valid:
-            reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
-            self._seen.append((elapsed_s, reading.resistance_ohm, estimate.value))
-        while self._seen and self._seen[0][0] < elapsed_s - COMPARED_S:
-            self._seen.popleft()
-        if elapsed_s < self._known.at_s:
-            return
-        self._compared = True
-        if not estimate.valid:
-            return
-        _, here_ohm, value = held_mean(np.array(self._seen), estimate.std)
-        model = self._model
-        inside = float(np.clip(value, model.quantity_min, model.quantity_max))
-        # Along the mean curve, whichever branch the wire is on: both have about the same slope.
-        off_ohm = float(model.resistance_ohm(self._known.value) - model.resistance_ohm(inside))
-        self.factor = float(here_ohm + off_ohm) / float(here_ohm)
-        missed = MissedBy(0, float(value) - self._known.value, estimate.std)
-        if missed.is_away:
-            # A load is not taken away at every strain with what takes it away at one.
-            left = 0.01 * LEFT_PCT * model.stroke + LEFT_PER_PCT * abs(missed.above)
-            self._min_std = left / WITHIN_STD
 
 
 def compared_with_known(loop: JudgedLoop) -> MissedBy | None:

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.judge._known_strain import WITHIN_STD
 from musclewire.judge._loop import Cause, DetectedRows, JudgedLoop, Mask, in_windows
-from musclewire.judge._scale_by_b import WITHIN_STD
 
 # A target is missed by more than this part of it, a little more than the paper's largest error on its staircase, and by
 # more than this part of the range in which the model senses, beyond the interval.

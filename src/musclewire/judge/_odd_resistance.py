@@ -15,7 +15,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from musclewire.arrays import FloatArray
 from musclewire.judge._first_heating import LIMIT_STDS, MEAN_SAMPLES, NOISY, KnownB, seen_at_b
 from musclewire.judge._loop import DetectedRows, JudgedLoop, in_windows
-from musclewire.judge._scale_by_b import TODAY, what_followed
+from musclewire.judge._run_correction import TODAY, what_followed
 
 # A rise is a jump from this part of the span from B to C on, and from so many standard deviations of a reading at its
 # drive, beyond what the wire moves before and after it.

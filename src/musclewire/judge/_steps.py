@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from musclewire.arrays import FloatArray
+from musclewire.judge._known_strain import WITHIN_STD
 from musclewire.judge._loop import DetectedRows, JudgedLoop
-from musclewire.judge._scale_by_b import WITHIN_STD
 
 # The drive oscillates that turns so often at one target, each time by more than this swing [V] and within this time [s]
 # of the turn before: dead times up to 0.3 s give periods of 0.4 to 2 s. A slow change and two gusts are none.

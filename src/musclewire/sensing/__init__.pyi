@@ -7,6 +7,9 @@ from ._branch_equations import normalised_resistance as normalised_resistance
 from ._branches import MAX_WINDOW_FRACTION as MAX_WINDOW_FRACTION
 from ._branches import Branch as Branch
 from ._branches import single_valued as single_valued
+from ._correction import Correction as Correction
+from ._correction import by_scale_of as by_scale_of
+from ._correction import with_resistances as with_resistances
 from ._curve import SHOWN_AS as SHOWN_AS
 from ._curve import other_wires as other_wires
 from ._estimator import ESTIMATORS as ESTIMATORS

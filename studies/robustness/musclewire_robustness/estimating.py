@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from musclewire import ESTIMATORS, EstimatorSetup, FloatArray, SensingModel, WireSample
 from musclewire.identify import load_facts
-from musclewire.judge import JudgedLoop, ScaleByB, odd_resistance
-from musclewire.sensing import EstimatorFactory, KnownSpring, estimates
+from musclewire.judge import JudgedLoop, RunCorrection, odd_resistance
+from musclewire.sensing import EstimatorFactory, KnownSpring
 from musclewire.signals import Recording
 from musclewire.wire import WireConstants
 from musclewire_robustness.recorded_run import RecordedRun
@@ -78,17 +78,16 @@ def estimated(
     Its answers.
     """
     factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
+    sense_voltage_v, shunt_ohm = run.facts["sense_voltage_v"], run.facts["shunt_resistance_ohm"]
+    correction = RunCorrection.from_today(model, shunt_ohm, sense_voltage_v)
     made = factory(setup_of(run, model, wire, load))
-    scale = ScaleByB.of_model(model, run.facts["sense_voltage_v"], run.facts["shunt_resistance_ohm"])
-
-    def given() -> Iterator[WireSample]:
-        for sample in samples_of(run):
-            yield scale.scaled(sample) if zeroed else sample
-            scale.watch(sample)
-
-    answers = [
-        (scale.judged(one) if zeroed else one, recorded, scale.has_moved) for one, recorded in estimates(made, given())
-    ]
+    state, answers = made.start(), []
+    for sample in samples_of(run):
+        own, state, recorded = made.step(state, sample)
+        answers.append((correction.shown(own) if zeroed else own, recorded, correction.has_moved))
+        if correction.watch(sample, own, sample.time_s) and zeroed:
+            made = factory(setup_of(run, correction.model, wire, load))
+            state = made.start()
     found, recorded, moved = zip(*answers, strict=True)
     since = since_first_odd(run, model, np.array([one.valid for one in found]))
     failure = next((one.failure for one in found if one.failure), "")

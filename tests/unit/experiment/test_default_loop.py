@@ -87,11 +87,6 @@ def test_from_todays_zero_a_resistance_that_has_changed_by_a_hundredth_is_scaled
     assert errors_pct["today"] < 1.0
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="interval too wide: when the resistance is scaled, the filter takes a part of the jump for air, and the "
-    "second step, inside an interval of +-11 % of the range, comes late",
-)
 def test_from_todays_zero_a_scaled_resistance_is_all_that_is_named(model: SensingModel) -> None:
     other = replace(
         model, resistance_min_ohm=model.resistance_min_ohm / 1.01, resistance_max_ohm=model.resistance_max_ohm / 1.01

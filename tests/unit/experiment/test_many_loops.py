@@ -47,14 +47,22 @@ def both(rig: Any, model: SensingModel, reference: Any = SHORT, **how: Any) -> t
     return made[0].outcomes[-1], made[1].outcomes[-1]
 
 
-def assert_same(fast: LoopOutcome, slow: LoopOutcome) -> None:
-    """Every column is the same to the bit, and so are the errors; what is said of the run differs in its timing."""
+def assert_same_numbers(fast: LoopOutcome, slow: LoopOutcome) -> None:
+    """Every column is the same to the bit, and so are the errors and what is found wrong."""
     assert fast.run is not None
     assert slow.run is not None
     assert list(fast.run.columns) == list(slow.run.columns)
     for name, column in slow.run.columns.items():
         np.testing.assert_array_equal(fast.run.columns[name], column, err_msg=name)
-    assert fast.metrics == slow.metrics
+    assert (fast.metrics, fast.does_not_hold) == (slow.metrics, slow.does_not_hold)
+    assert fast.run.metadata.get("health") == slow.run.metadata.get("health")
+
+
+def assert_same(fast: LoopOutcome, slow: LoopOutcome) -> None:
+    """The numbers are the same to the bit; what is said of the run differs in its timing."""
+    assert_same_numbers(fast, slow)
+    assert fast.run is not None
+    assert slow.run is not None
     timing = {name for name in slow.run.metadata if name.startswith(("compute_", "deadline", "start_time"))}
     assert {name: fast.run.metadata[name] for name in slow.run.metadata.keys() - timing} == {
         name: slow.run.metadata[name] for name in slow.run.metadata.keys() - timing
@@ -247,14 +255,32 @@ def test_outcomes_come_in_the_order_of_the_seeds_and_keep_recordings_only_on_req
     assert not any(math.isnan(error) for error in found.mae_max_pct)
 
 
-@pytest.mark.parametrize("how", [{"zero_from": "today"}, {"known_strain": (0.012, 1.4)}])
-def test_what_scales_the_resistance_runs_in_python_in_many_loops(how: dict[str, Any], model: SensingModel) -> None:
-    lighter = RigConfiguration(settings={"pretension_n": 0.95})
-    (outcome,) = control_many(lighter, model, SHORT, seeds=[3], keep_recordings=True, **how).outcomes
-    assert outcome.run is not None
+ROOM = {"ambient_temperature_k": 305.0}
+
+
+@pytest.mark.parametrize(
+    ("rig", "how"),
+    [
+        ({"pretension_n": 0.95}, {"zero_from": "today"}),
+        ({"pretension_n": 0.95}, {"known_strain": (0.012, 1.4)}),
+        (ROOM, {"zero_from": "today"}),
+        (ROOM | {"pretension_n": 0.95}, {"zero_from": "today", "known_strain": (0.014, 2.0)}),
+        ({"pretension_n": 0.95}, {"zero_from": "today", "controller": "fuzzy-pid"}),
+        ({"pretension_n": 0.95}, {"zero_from": "today", "estimator": "polynomial"}),
+    ],
+    ids=["B", "known strain", "room", "all", "fuzzy PID", "polynomial"],
+)
+def test_a_corrected_loop_goes_on_in_compiled_code_with_the_numbers_of_control(
+    rig: dict[str, Any], how: dict[str, Any], model: SensingModel
+) -> None:
+    fast, slow = both(RigConfiguration(settings=rig), model, seeds=[3], **how)
+    assert (fast.compiled, slow.compiled) == (True, False)
+    assert_same_numbers(fast, slow)
+
+
+def test_where_b_is_too_far_away_python_runs_the_loop(model: SensingModel) -> None:
+    other = replace(
+        model, resistance_min_ohm=model.resistance_min_ohm / 1.016, resistance_max_ohm=model.resistance_max_ohm / 1.016
+    )
+    (outcome,) = control_many("simulated", other, SHORT, seeds=[3], zero_from="today").outcomes
     assert not outcome.compiled
-    assert outcome.run["resistance_factor"][-1] != 1.0
-    with open_rig(lighter, seed=3) as rig:
-        alone = control(rig, model, SHORT, **how)
-    np.testing.assert_array_equal(outcome.run["estimated_strain"], alone["estimated_strain"])
-    assert outcome.does_not_hold

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 
 import musclewire as mw
@@ -14,8 +13,8 @@ from musclewire.errors import CallerError
 from musclewire.experiment import run_warnings
 from musclewire.identify import zero_of_room
 from musclewire.identify._zero_of_room import cold_contraction_per_k
-from musclewire.sensing import SensingModel
-from musclewire.signals import QuantityEstimate, Reason, Recording
+from musclewire.sensing import Correction, SensingModel
+from musclewire.signals import Recording
 
 PER_K = 1e-4
 NOTES = {"ambient_temperature_k": 303.15, "stated_ambient_k": 295.15, "cold_contraction_per_k": PER_K}
@@ -32,12 +31,9 @@ def test_the_zero_moves_by_a_part_of_what_cooling_leaves(
 ) -> None:
     found = zero_of_room(model(**spring), {"limit_ambient_temperature_k": 295.15 + warmer_k})
     assert found is not None
-    assert found.value == pytest.approx(share * PER_K * warmer_k)
-    assert found.std == pytest.approx(0.15 * PER_K * abs(warmer_k))
+    assert found.correction.zero == pytest.approx(share * PER_K * warmer_k)
+    assert found.correction.variance(0.2) == pytest.approx((0.15 * PER_K * warmer_k) ** 2)
     assert said in found.said
-    estimate = found.applied_to(QuantityEstimate(0.02, 3e-4, True, reason=Reason.OK))
-    assert estimate.value == pytest.approx(0.02 - found.value)
-    assert estimate.std == pytest.approx(np.hypot(3e-4, found.std))
 
 
 @pytest.mark.parametrize("known", [{}, {"limit_ambient_temperature_k": 295.65}])
@@ -50,7 +46,7 @@ def test_a_model_that_does_not_state_it_says_so() -> None:
     without = replace(model(), wire={"stated_ambient_k": 295.15})
     found = zero_of_room(without, {"limit_ambient_temperature_k": 310.15})
     assert found is not None
-    assert (found.value, found.std, "fit again" in found.said) == (0.0, 0.0, True)
+    assert (found.correction, "fit again" in found.said) == (Correction(), True)
 
 
 @pytest.mark.parametrize(("warmer_k", "target"), [(15.0, 0.0355), (-15.0, 0.007)])

@@ -12,7 +12,7 @@ from musclewire.errors import CallerError, FitRejectedError, RecordingError, arg
 from musclewire.identify._home.overlay import Overlay, overlay_of
 from musclewire.identify._home.warming import HeatCourse, SeenPoints, course_of, seen_points
 from musclewire.identify._use_of_model import SAME_LOAD_FRACTION
-from musclewire.sensing import DRIFT_FRACTION, SHOWN_AS, HomeMove, SensingModel
+from musclewire.sensing import DRIFT_FRACTION, SHOWN_AS, HomeMove, SensingModel, with_resistances
 from musclewire.signals import Recording
 from musclewire.wire import HeatBalance
 
@@ -140,7 +140,7 @@ def homed_model(
     home = home_move(model, recording, found, moved)
     home = replace(home, load_n=assumed_n, ambient_k=air.measured_k, cycles=cycles)
     return Homing(
-        model=corrected_model(model, moved, home) if moved.corrects else replace(model, home=home),
+        model=replace(with_resistances(model, *moved_line(model, moved)) if moved.corrects else model, home=home),
         home=home,
         resistance_max_moved_ohm=moved.at_b_ohm,
         resistance_max_moved_std_ohm=moved.std_at_b_ohm,
@@ -365,24 +365,6 @@ def moved_line(model: SensingModel, moved: WireChange) -> tuple[float, float]:
     low_ohm, high_ohm = model.resistance_min_ohm, model.resistance_max_ohm
     scale = 1.0 + (moved.at_b_ohm - moved.at_c_ohm) / (high_ohm - low_ohm)
     return scale, moved.at_c_ohm - (scale - 1.0) * low_ohm
-
-
-def corrected_model(model: SensingModel, change: WireChange, home: HomeMove) -> SensingModel:
-    """Return the model with every resistance in it moved to today's."""
-    scale, offset_ohm = moved_line(model, change)
-
-    def moved(resistance_ohm: float) -> float:
-        return scale * resistance_ohm + offset_ohm
-
-    return replace(
-        model,
-        resistance_min_ohm=moved(model.resistance_min_ohm),
-        resistance_max_ohm=moved(model.resistance_max_ohm),
-        heating_samples=tuple((moved(one), value) for one, value in model.heating_samples),
-        cooling_samples=tuple((moved(one), value) for one, value in model.cooling_samples),
-        slow_loop=tuple((time_s, power_w, moved(one)) for time_s, power_w, one in model.slow_loop),
-        home=home,
-    )
 
 
 def notes_on(seen: SeenPoints, moved: WireChange, air: SweepAirTemperature) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ A drive that is known beforehand is one too, with a controller that looks at not
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import deepcopy
 from typing import NamedTuple
 
@@ -43,17 +43,20 @@ class LoopTicks(NamedTuple):
 class CompiledRun(NamedTuple):
     """How a compiled loop ended, how many samples are complete, and the columns of the rig, ticks and targets.
 
-    ``true`` has what was asked of the wire's state at the end of each sample, (n_samples, n_names).
+    ``true`` has what was asked of the wire's state at the end of each sample, (n_samples, n_names). With the controller
+    as it is then, and the drive that it has chosen, a loop goes on.
     """
 
     ended: CompiledLoopEnd
     samples: int
     columns: dict[str, FloatArray]
     true: FloatArray
+    controller: CompiledTick
+    next_drive_v: float
 
 
-def uncompiled(rig: GuardedRig) -> str:
-    """Return what of a rig has no compiled form, in words; "" for a rig whose loop can be compiled."""
+def uncompiled(rig: GuardedRig, state: State = State.ARMED) -> str:
+    """Return what of a rig has no compiled form, in words; "" for a rig in such a state whose loop can be compiled."""
     device = rig.device
     if not isinstance(device, SimulatedDevice):
         return "the rig is not simulated"
@@ -67,14 +70,14 @@ def uncompiled(rig: GuardedRig) -> str:
         return "the rig heats by pulse width"
     if not isinstance(device.wires, OneWire):
         return "the rig has two wires"
-    if rig.protection.state is not State.ARMED:
+    if rig.protection.state is not state:
         return "the rig is being driven, or has failed"
     return ""
 
 
-def parts_of(rig: GuardedRig) -> tuple[SimulatedDevice, OneWire]:
+def parts_of(rig: GuardedRig, state: State = State.ARMED) -> tuple[SimulatedDevice, OneWire]:
     """Return device and wire of a rig whose loop can be compiled. Raises CallerError for another rig."""
-    reason = uncompiled(rig)
+    reason = uncompiled(rig, state)
     if reason:
         raise CallerError(
             f"this loop has no compiled form, because {reason}: run it in Python (" + argument("in_python", True) + ")"
@@ -99,6 +102,10 @@ def sample_times_s(wire: OneWire, sample_period_s: float, samples: int) -> Float
     return times
 
 
+def to_the_end(_run: CompiledRun) -> None:
+    """Say that a run ends where it was to end."""
+
+
 def run_compiled(
     rig: GuardedRig,
     ticks: LoopTicks,
@@ -106,25 +113,29 @@ def run_compiled(
     targets: FloatArray,
     first_drive_v: float,
     true_names: Sequence[str] = (),
+    *,
+    ends_after: Callable[[CompiledRun], int | None] = to_the_end,
+    state: State = State.ARMED,
 ) -> CompiledRun:
     """Run a closed loop from the present state of a rig, and leave the rig as these samples leave it.
 
-    A rig to which something unusual happens on the way is left as it was before. ``elapsed_s``, (n_samples,), are the
-    times of the samples in the recording; ``targets``, (2, n_samples), those that held while each sample was taken and
-    those that hold after it. The interpreter is free meanwhile: loops of
-    several rigs run in threads. Raises CallerError for a rig whose loop has no compiled form.
+    A rig to which something unusual happens on the way is left as it was before. ``ends_after`` is shown the run and
+    may say after how many samples it is to end instead. ``elapsed_s``, (n_samples,), are the times of the samples in
+    the recording; ``targets``, (2, n_samples), those that held while each sample was taken and those that hold after
+    it. A loop that goes on finds the protection in the state RUN. The interpreter is free meanwhile: loops of several
+    rigs run in threads. Raises CallerError for a rig whose loop has no compiled form.
     """
-    device, wire = parts_of(rig)
+    device, wire = parts_of(rig, state)
     samples, period_s = targets.shape[1], rig.sample_period_s
     noise, generator = device.instruments.noise_ahead(samples)
     air = deepcopy(device.air)
-    state = wire.state.copy()
+    of_wire = wire.state.copy()
     derived, cells, load = wire.constants.step_arrays()
-    places = places_of(state, true_names)
+    places = places_of(of_wire, true_names)
     names = names_of(ticks)
     protection, rules = rig.protection_rows()
     own = RigArrays(
-        states=state.row,
+        states=of_wire.row,
         constants=derived.copy(),
         cells=cells,
         load=load,
@@ -144,10 +155,18 @@ def run_compiled(
         shown=np.empty((samples, len(names))),
     )
     functions = (callback(ticks.estimator.function, 4), callback(ticks.controller.function, 4))
-    ended, complete = run_loop(*functions, arrays_of(own, ticks, elapsed_s, targets), first_drive_v)
+    arrays = arrays_of(own, ticks, elapsed_s, targets)
+    ended, complete = run_loop(*functions, arrays, first_drive_v)
     columns = dict(zip(names, np.ascontiguousarray(own.shown.T), strict=True))
-    run = with_endpoint(CompiledRun(CompiledLoopEnd(ended), complete, columns, own.true), own, device)
+    controller = ticks.controller._replace(state=arrays.controller_state)
+    next_drive_v = float(arrays.controller_answer[0])
+    found = CompiledRun(CompiledLoopEnd(ended), complete, columns, own.true, controller, next_drive_v)
+    run = with_endpoint(found, own, device)
     if run.ended is CompiledLoopEnd.DONE:
+        after = ends_after(run)
+        if after is not None and after < samples:
+            until = elapsed_s[:after], targets[:, :after]
+            return run_compiled(rig, ticks, *until, first_drive_v, true_names, state=state)
         drive_v = float(columns["drive_voltage_v"][-1])
         rig.adopt_compiled_samples(own.protection, float(columns["time_s"][-1]))
         wire.adopt_compiled_state(own.states, own.constants)
