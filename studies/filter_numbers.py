@@ -52,7 +52,7 @@ from numpy.typing import NDArray
 import musclewire as mw
 from musclewire.errors import MusclewireError
 from musclewire.experiment import control
-from musclewire.judge import RunCorrection
+from musclewire.judge import KnownB, RunCorrection
 from musclewire.sensing import (
     ESTIMATORS,
     FILTER,
@@ -158,8 +158,8 @@ def case_of(seed: int, row: str, knowledge: UsersKnowledge, folder: Path) -> Cas
     """Return the run of a row of the table, scaled by B as a loop does it where strain counts from today's zero."""
     (condition,) = settings().conditions((row if row in CONDITIONS else "none",))
     run = recorded(seed, condition, knowledge, folder)
-    ohm, sense_v = run.facts["shunt_resistance_ohm"], run.facts["sense_voltage_v"]
-    correction = RunCorrection.from_today(knowledge.model, ohm, sense_v)
+    known_b = KnownB.of_model(knowledge.model, run.facts["sense_voltage_v"])
+    correction = RunCorrection(knowledge.model, run.facts["shunt_resistance_ohm"], known_b)
     said, given, judged = QuantityEstimate(0.0, 0.0, True, Reason.OK), [], []
     for sample in samples_of(run):
         # All values of the filter go by one model: the reading is scaled in place of its resistances.

@@ -38,7 +38,7 @@ from musclewire.identify import (
     users_wire,
     zero_of_room,
 )
-from musclewire.judge import KEPT, TODAY, ZEROS, RunCorrection, known_strain_in
+from musclewire.judge import KEPT, TODAY, ZEROS, KnownB, RunCorrection, known_strain_in
 from musclewire.rigs import Rig, refuse_no_rig
 from musclewire.sensing import (
     ESTIMATORS,
@@ -67,7 +67,6 @@ APPROACH_S = 12.0
 PAPER_CONTROLLER = "fuzzy-pid"
 # The column of what the resistance was scaled by.
 FACTOR = "resistance_factor"
-EstimatorOf = Callable[[SensingModel], Estimator]
 
 
 def approach_of(controller: str | ControllerFactory, given_s: float | None = None) -> float:
@@ -78,65 +77,29 @@ def approach_of(controller: str | ControllerFactory, given_s: float | None = Non
     return float(getattr(factory, "approach_s", APPROACH_S))
 
 
-def no_other(_model: SensingModel) -> Estimator:
-    """Refuse to make an estimator: for a loop whose model is not corrected."""
-    raise AssertionError
-
-
 class SelfSensingPolicy:
     """Estimates from two voltages, compares with the target, and lets the controller choose the command.
 
-    Parameters
-    ----------
-    estimator
-        Computes a quantity from the wire's voltages.
-    controller
-        Computes a command from target and estimate.
-    reference
-        The targets; its time zero comes after the approach.
-    sample_period_s
-        Time [s] between two samples.
-    approach_s
-        Time [s] the wire gets to reach the first target.
-    first_drive_voltage_v
-        The drive voltage [V] that the rig already applies.
-    correction
-        Corrects the model where the run shows that it must; None to leave it as it is.
-    estimator_of
-        Makes an estimator by a corrected model.
-    fastest
-        How fast the wire is at best; None if that is not known.
+    The approach is the time that the wire gets to reach the first target, before the reference's time zero.
     """
 
-    def __init__(
-        self,
-        estimator: Estimator,
-        controller: Controller,
-        reference: Reference,
-        *,
-        sample_period_s: float,
-        approach_s: float,
-        first_drive_voltage_v: float,
-        correction: RunCorrection | None = None,
-        estimator_of: EstimatorOf = no_other,
-        fastest: FastestWay | None = None,
-    ) -> None:
+    def __init__(self, rig: Rig, loop: PreparedLoop) -> None:
         """Start estimator and controller from the present drive voltage."""
-        self._estimator, self._controller, self._reference = estimator, controller, reference
-        self._sample_period_s, self._approach_s = sample_period_s, approach_s
-        self._correction, self._estimator_of, self._fastest = correction, estimator_of, fastest
-        self._first = Drive(controller.limits.clamp(first_drive_voltage_v))
-        self._estimator_state, self._controller_state = estimator.start(), controller.start(self._first.voltage_v)
-        suffix = COLUMN_SUFFIX[estimator.quantity]
+        self._loop, self._estimator, self._correction = loop, loop.estimator, loop.correction_of()
+        self._sample_period_s = rig.sample_period_s
+        self._first = Drive(loop.controller.limits.clamp(rig.drive_voltage_v))
+        self._estimator_state = loop.estimator.start()
+        self._controller_state = loop.controller.start(self._first.voltage_v)
+        suffix = COLUMN_SUFFIX[loop.estimator.quantity]
         self._columns = (
-            *estimator.columns,
+            *loop.estimator.columns,
             f"target_{suffix}",
             f"estimated_{suffix}",
             "estimate_std",
             "valid",
-            *controller.columns,
-            *(() if correction is None else (FACTOR,)),
-            *(() if fastest is None else ("announced_miss",)),
+            *loop.controller.columns,
+            *((FACTOR,) if loop.corrects else ()),
+            *(() if loop.fastest is None else ("announced_miss",)),
         )
 
     @property
@@ -157,23 +120,22 @@ class SelfSensingPolicy:
         own, self._estimator_state, sensed = self._estimator.step(self._estimator_state, read)
         if own.failure:
             raise RigError(own.failure)
-        estimate, zero, factor = own, 0.0, list[float]()
-        if self._correction is not None:
-            estimate = self._correction.shown(own)
-            zero, factor = self._correction.correction.zero, [self._correction.correction.scale]
-        judged = self._reference.target_at(max(taken_s - self._approach_s, 0.0))
-        target = self._reference.target_at(max(elapsed_s - self._approach_s, 0.0))
+        now, estimate = self._correction.correction, self._correction.shown(own)
+        reference, approach_s, fastest = self._loop.reference, self._loop.approach_s, self._loop.fastest
+        judged = reference.target_at(max(taken_s - approach_s, 0.0))
+        target = reference.target_at(max(elapsed_s - approach_s, 0.0))
         # In the model's own zero, which the controller's tables have, and with the estimator's own deviation: what
         # widens the interval is one error for the whole run, and no reason to follow slowly.
         heeded = own._replace(valid=estimate.valid, reason=estimate.reason)
-        command, self._controller_state, controlled = self._controller.step(
-            self._controller_state, target + zero, heeded, self._sample_period_s
+        command, self._controller_state, controlled = self._loop.controller.step(
+            self._controller_state, target + now.zero, heeded, self._sample_period_s
         )
-        if self._correction is not None and self._correction.watch(read, own, taken_s):
+        if self._correction.watch(read, own, taken_s):
             # What it has followed was another resistance: what contradicts that now is neither motion nor air.
-            self._estimator = self._estimator_of(self._correction.model)
+            self._estimator = self._loop.estimator_of(self._correction.model)
             self._estimator_state = self._estimator.start()
-        announced = () if self._fastest is None else (self._fastest.miss(judged),)
+        factor = (now.scale,) if self._loop.corrects else ()
+        announced = () if fastest is None else (fastest.miss(judged),)
         seen = (judged, estimate.value, estimate.std, float(estimate.valid))
         return Decision(command, (*sensed, *seen, *controlled, *factor, *announced))
 
@@ -268,22 +230,11 @@ def control(
     """
     choice = LoopChoice(estimator, controller, settings, load, approach_s, wire_file, zero_from, known_strain)
     loop = prepared_loop(rig, model, reference, choice)
-    policy = SelfSensingPolicy(
-        loop.estimator,
-        loop.controller,
-        loop.reference,
-        sample_period_s=rig.sample_period_s,
-        approach_s=loop.approach_s,
-        first_drive_voltage_v=rig.drive_voltage_v,
-        correction=loop.correction_of(),
-        estimator_of=loop.estimator_of,
-        fastest=loop.fastest,
-    )
     from_cold = loop.approach_s == 0.0
     beforehand = speed_metadata(rig, loop.model, loop.reference, loop.settings, from_cold=from_cold)
     metadata = loop.metadata | beforehand
     with rig.holding_back():
-        recording = run_on_rig(rig, policy, loop.duration_s, metadata=metadata, **run)
+        recording = run_on_rig(rig, SelfSensingPolicy(rig, loop), loop.duration_s, metadata=metadata, **run)
     return with_metrics(recording, loop.model.quantity, loop.reference)
 
 
@@ -385,8 +336,9 @@ class PreparedLoop(NamedTuple):
     approach_s: float
     duration_s: float
     metadata: dict[str, MetadataValue]
-    correction_of: Callable[[], RunCorrection | None]
-    estimator_of: EstimatorOf
+    corrects: bool
+    correction_of: Callable[[], RunCorrection]
+    estimator_of: Callable[[SensingModel], Estimator]
     fastest: FastestWay | None
 
 
@@ -426,11 +378,9 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         made: Estimator = ESTIMATORS.make(settled.estimator, setup)
         return made
 
-    def correction_of() -> RunCorrection | None:
-        ohm, corrects = rig.shunt_resistance_ohm, None if room is None else room.correction
-        if from_today:
-            return RunCorrection.from_today(model, ohm, rig.sense_voltage_v, known, corrects)
-        return None if known is None else RunCorrection(model, ohm, None, known)
+    def correction_of() -> RunCorrection:
+        b = KnownB.of_model(model, rig.sense_voltage_v) if from_today else None
+        return RunCorrection(model, rig.shunt_resistance_ohm, b, known, None if room is None else room.correction)
 
     correction_of()  # a known strain that the model does not reach is refused before anything is heated
     return PreparedLoop(
@@ -442,6 +392,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         settled.approach_s,
         settled.approach_s + chosen.duration_s,
         metadata,
+        from_today or known is not None,
         correction_of,
         estimator_of,
         fastest_way(rig, model, settled.settings, from_cold=settled.approach_s == 0.0),

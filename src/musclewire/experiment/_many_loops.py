@@ -219,8 +219,8 @@ def control_compiled(
     choice = LoopChoice(estimator, controller, settings, load, approach_s)
     with rig:
         loop = compiled_loop_on(rig, model, reference, choice)
-        run = run_compiled(rig, loop.ticks, loop.elapsed_s, loop.targets, loop.first_drive_v)
-        if run.ended is CompiledLoopEnd.DONE:
+        run = run_of(rig, loop)
+        if run is not None:
             return control_run(rig, loop, run)
         return control(rig, model, loop.prepared.reference, **choice.options)
 
@@ -321,40 +321,32 @@ def ticks_of(prepared: PreparedLoop, first_drive_v: float) -> LoopTicks:
 
 
 def run_of(rig: GuardedRig, loop: CompiledLoop) -> CompiledRun | None:
-    """Return a compiled loop on a rig to its end; None if something unusual happens, for which Python is needed."""
+    """Return a compiled loop on a rig to its end; None if something unusual happens, for which Python is needed.
+
+    From each correction on it goes on by the model of today.
+    """
     correction = loop.prepared.correction_of()
-    if correction is not None:
-        return corrected_run(rig, loop, correction)
-    run = run_compiled(rig, loop.ticks, loop.elapsed_s, loop.targets, loop.first_drive_v)
-    return run if run.ended is CompiledLoopEnd.DONE else None
-
-
-def corrected_run(rig: GuardedRig, loop: CompiledLoop, correction: RunCorrection) -> CompiledRun | None:
-    """Return a compiled loop that goes on by the model of today from each correction on; None as ``run_of``."""
-    run, parts = None, list[dict[str, FloatArray]]()
-    ticks, drive_v, begins = loop.ticks, loop.first_drive_v, 0
-    while begins < loop.elapsed_s.size:
+    parts: list[dict[str, FloatArray]] = []
+    ticks, drive_v, state, begins = loop.ticks, loop.first_drive_v, State.ARMED, 0
+    while True:
         now, variance = correction.correction, correction.variance
         elapsed_s, targets = loop.elapsed_s[begins:], loop.targets[:, begins:]
-        taken_s = elapsed_s - rig.sample_period_s
-        ends_after = partial(corrects_after, correction, taken_s)
+        ends_after = partial(corrects_after, correction, elapsed_s - rig.sample_period_s)
         in_own_zero = np.array([targets[0], targets[1] + now.zero])
-        state = State.RUN if begins else State.ARMED
         run = run_compiled(rig, ticks, elapsed_s, in_own_zero, drive_v, ends_after=ends_after, state=state)
         if run.ended is not CompiledLoopEnd.DONE or correction.is_refused:
             return None
-        shown = {
-            "estimated": run.columns["estimated"] - now.zero,
-            "estimate_std": np.sqrt(run.columns["estimate_std"] ** 2 + variance),
-            FACTOR: np.full(run.samples, now.scale),
-        }
-        parts.append({**run.columns, **shown})
-        begins, drive_v = begins + run.samples, run.next_drive_v
+        std = np.sqrt(run.columns["estimate_std"] ** 2 + variance)
+        shown = {"estimated": run.columns["estimated"] - now.zero, "estimate_std": std}
+        factor = {FACTOR: np.full(run.samples, now.scale)} if loop.prepared.corrects else {}
+        parts.append({**run.columns, **shown, **factor})
+        begins += run.samples
+        if begins == loop.elapsed_s.size:
+            return run._replace(columns={name: np.concatenate([one[name] for one in parts]) for name in parts[0]})
         estimator = declared_tick(loop.prepared.estimator_of(correction.model))
         assert estimator is not None
         ticks = ticks._replace(estimator=estimator, controller=run.controller)
-    assert run is not None
-    return run._replace(columns={name: np.concatenate([one[name] for one in parts]) for name in parts[0]})
+        drive_v, state = run.next_drive_v, State.RUN
 
 
 def corrects_after(correction: RunCorrection, taken_s: FloatArray, run: CompiledRun) -> int | None:

@@ -98,6 +98,11 @@ class KnownB(NamedTuple):
         sense_voltage_v = facts.number_or_none("limit_sense_voltage_v") or 0.0
         return cls(b_ohm, c_ohm, rise_ohm, std_ohm, highest_ohm, sense_voltage_v)
 
+    @classmethod
+    def of_model(cls, model: SensingModel, sense_voltage_v: float) -> KnownB | None:
+        """Return what a model's slow loop showed of it, for a rig of a sense voltage [V]; None if it shows no B."""
+        return cls.stated_in(RunFacts({**height_of_b(model), "limit_sense_voltage_v": sense_voltage_v}))
+
     def passed_in(self, resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> tuple[int, float] | None:
         """Return row and height [ohm] of the first maximum that a run's resistance, (n_times,), has fallen from.
 

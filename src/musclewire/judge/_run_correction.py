@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from musclewire.errors import CallerError
-from musclewire.judge._first_heating import LIMIT_STDS, NOISY, KnownB, SeenAtB, height_of_b
+from musclewire.judge._first_heating import LIMIT_STDS, NOISY, KnownB, SeenAtB
 from musclewire.judge._known_strain import COMPARED_S, WITHIN_STD, KnownStrain, MissedBy, held_mean
 from musclewire.physics import wire_resistance
 from musclewire.sensing import SHOWN_AS, Correction, SensingModel, by_scale_of
-from musclewire.signals import QuantityEstimate, Reason, RunFacts, WireSample
+from musclewire.signals import QuantityEstimate, Reason, WireSample
 
 # Where strain counts from: the cold wire of today, or that of the characterization.
 TODAY, KEPT = ZEROS = "today", "kept"
@@ -78,19 +78,6 @@ class RunCorrection:
         self._heating = None if known_b is None else FirstHeating(known_b)
         self._known, self._seen = known_strain, deque[StillRow]()
 
-    @classmethod
-    def from_today(
-        cls,
-        model: SensingModel,
-        shunt_resistance_ohm: float,
-        sense_voltage_v: float,
-        known_strain: KnownStrain | None = None,
-        room: Correction | None = None,
-    ) -> RunCorrection:
-        """Return that of a run whose strain counts from today's zero, on a rig of a sense voltage [V]."""
-        stated = RunFacts({**height_of_b(model), "limit_sense_voltage_v": sense_voltage_v})
-        return cls(model, shunt_resistance_ohm, KnownB.stated_in(stated), known_strain, room)
-
     @property
     def has_moved(self) -> bool:
         """Whether anything was seen that the model does not say."""
@@ -123,6 +110,8 @@ class RunCorrection:
 
     def watch(self, sample: WireSample, estimate: QuantityEstimate, taken_s: float) -> bool:
         """Look at a sample with its own estimate, taken so long [s] after the start; whether it corrects now."""
+        if not self.watches:
+            return False
         reading = wire_resistance(sample.wire_voltage_v, sample.shunt_voltage_v, self._shunt_resistance_ohm)
         before = self.correction
         if self._known is not None:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from musclewire import ESTIMATORS, EstimatorSetup, FloatArray, SensingModel, WireSample
 from musclewire.identify import load_facts
-from musclewire.judge import JudgedLoop, RunCorrection, odd_resistance
+from musclewire.judge import JudgedLoop, KnownB, RunCorrection, odd_resistance
 from musclewire.sensing import EstimatorFactory, KnownSpring
 from musclewire.signals import Recording
 from musclewire.wire import WireConstants
@@ -78,8 +78,8 @@ def estimated(
     Its answers.
     """
     factory = ESTIMATORS.find(estimator) if isinstance(estimator, str) else estimator
-    sense_voltage_v, shunt_ohm = run.facts["sense_voltage_v"], run.facts["shunt_resistance_ohm"]
-    correction = RunCorrection.from_today(model, shunt_ohm, sense_voltage_v)
+    known_b = KnownB.of_model(model, run.facts["sense_voltage_v"])
+    correction = RunCorrection(model, run.facts["shunt_resistance_ohm"], known_b)
     made = factory(setup_of(run, model, wire, load))
     state, answers = made.start(), []
     for sample in samples_of(run):
