@@ -79,18 +79,21 @@ def test_a_simulated_rig_has_no_place_for_a_calibration(musclewire: Musclewire, 
 
 def test_nothing_is_written_while_the_wiring_is_wrong(tmp_path: Path) -> None:
     import musclewire as mw
-    from musclewire.app import refuse_to_write
     from musclewire.errors import CallerError, RigError
     from musclewire.experiment import examine
 
+    file = tmp_path / "mine.toml"
+    file.write_text('kind = "nidaq"\n', encoding="utf-8")
     for fault, error in (
         ('kind = "channels_swapped"', CallerError),
         ('kind = "wire_open"', CallerError),
         ('kind = "device_lost"\nat = "1 s"', RigError),
     ):
-        with mw.open_rig(rig_with(tmp_path, fault)) as rig, pytest.raises(error):
-            refuse_to_write(examine(rig))
+        with mw.open_rig(rig_with(tmp_path, fault)) as rig, pytest.raises(error) as refused:
+            examine(rig).write_calibration(file)
+        assert error is RigError or "nothing is written" in str(refused.value)
     with mw.open_rig("simulated", acquisition_noise_v=0.0018) as rig:
         found = examine(rig)
     assert "shunt_noise_v" in found.findings.failed
-    refuse_to_write(found)
+    with pytest.raises(CallerError, match=r"there is no \[inputs.wire_voltage\] to write a calibration into"):
+        found.write_calibration(file)

@@ -19,7 +19,6 @@ from ._controller_settings import read_settings as read_settings
 from ._core_commands import COMMANDS as COMMANDS
 from ._core_commands import PANELS as PANELS
 from ._doctor_command import document as document
-from ._doctor_command import refuse_to_write as refuse_to_write
 from ._doctor_command import text as text
 from ._figure_options import FigureOptions as FigureOptions
 from ._files import require_figure_file as require_figure_file

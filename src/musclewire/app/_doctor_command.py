@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 from musclewire.app._options import HOLD, METER_SHUNT, METER_WIRE, REAL_TIME, SEED, WRITE, RigName, in_si
 from musclewire.app._output import Result, progress_bar, table
 from musclewire.app._stopping import opened_rig, stops_between_samples
-from musclewire.errors import CallerError
 
 if TYPE_CHECKING:
     from musclewire.app._answers import DoctorAnswer
@@ -34,15 +33,12 @@ def doctor(
     real_time: Annotated[bool, REAL_TIME] = False,
 ) -> Result:
     """Check wiring, noise, polarity, sense voltage and sample clock; nothing is heated."""
-    from musclewire.experiment import require_calibrated_kind, write_calibration
+    from musclewire.experiment import require_calibrated_kind
 
     if write:
         require_calibrated_kind(rig)
     found = examined(rig, measurement, seed, real_time)
-    written: Path | None = None
-    if write:
-        refuse_to_write(found)
-        written = write_calibration(Path(rig), found.calibration)
+    written = found.write_calibration(Path(rig)) if write else None
     lines = [text(found)]
     if written is not None:
         lines.append(f"offsets and gains are in {written}; run the doctor again")
@@ -80,15 +76,6 @@ def since_start(on_row: Any) -> OnProbe:
         on_row({"time_s": sample.time_s - started_s[0]})
 
     return on_sample
-
-
-def refuse_to_write(found: Examination) -> None:
-    """Raise CallerError if offsets mean nothing: the wiring is wrong in a way that no calibration corrects."""
-    blocking = sorted(found.blocks_calibration)
-    if found.trouble is not None:
-        raise found.trouble
-    if blocking or not found.calibration:
-        raise CallerError(f"nothing is written: {', '.join(blocking) or 'the readings'} must be corrected first")
 
 
 def document(rig: str, found: Examination, written: Path | None) -> DoctorAnswer:

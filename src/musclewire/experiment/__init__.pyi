@@ -15,7 +15,6 @@ from ._doctor.examine import examination_s as examination_s
 from ._doctor.examine import examine as examine
 from ._doctor.rig_file import ChannelCalibration as ChannelCalibration
 from ._doctor.rig_file import require_calibrated_kind as require_calibrated_kind
-from ._doctor.rig_file import write_calibration as write_calibration
 from ._drive import ALWAYS as ALWAYS
 from ._drive import HeldVoltage as HeldVoltage
 from ._drive import PulseTrain as PulseTrain

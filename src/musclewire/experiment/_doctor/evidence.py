@@ -7,15 +7,18 @@ current yet, so wrong wiring can be examined without a trip. Only if these level
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RigError
-from musclewire.rigs import Rig
-from musclewire.signals import RawSample
+from musclewire.parameters import Wire, load_wire
+from musclewire.rigs import Rig, keeps_real_time
+from musclewire.signals import RawSample, RunFacts
 
 
 class RigCheck(NamedTuple):
@@ -69,6 +72,7 @@ class Findings(NamedTuple):
 
 Clock = Callable[[], float]
 OnProbe = Callable[[RawSample], None]
+NO_CURRENT = "no current follows the drive"
 
 # Fractions of the sense voltage below the protection's threshold for "driven", which is half of it.
 LOW_FRACTIONS = (0.25, 0.45)
@@ -145,12 +149,19 @@ MIN_SLOPE = 1e-5
 SIGMAS = 6.0
 
 
-class LinearFit(NamedTuple):
-    """A channel over the commanded voltage: volts at no drive, volts per volt, and the standard error of that."""
+class Channel(NamedTuple):
+    """A channel below the sense voltage, with the straight line through its readings over the commanded voltage.
 
+    Its readings [V], (n_times,), those at 0 V among them; volts at no drive, volts per volt, and the standard error of
+    that; what is expected at the sense voltage without its offset [V].
+    """
+
+    readings_v: FloatArray
+    zero_v: FloatArray
     offset_v: float
     slope: float
     slope_error: float
+    at_sense_v: float
 
     @property
     def moves(self) -> bool:
@@ -158,70 +169,122 @@ class LinearFit(NamedTuple):
         return abs(self.slope) > max(SIGMAS * self.slope_error, MIN_SLOPE)
 
 
-class Evidence(NamedTuple):
-    """The levels and their fits: ``wire``, ``shunt`` and both together (``circuit``) over the drive, in volts."""
+class Outcome(NamedTuple):
+    """What a check has seen: is it acceptable, the value, the numbers of its words; which words, if not those of ok."""
 
-    levels: tuple[VoltageLevel, ...]
-    wire: LinearFit
-    shunt: LinearFit
-    circuit: LinearFit
-    sense_voltage_v: float
-    shunt_resistance_ohm: float
+    ok: bool
+    value: float | str
+    numbers: Mapping[str, float | str] = MappingProxyType({})
+    said: str = ""
+
+
+class Examined:
+    """What checks look at: what a rig states, and its levels so far; what several need is worked out once.
+
+    Fits are those of the levels below the sense voltage: two or more, all finite.
+    """
+
+    def __init__(self, rig: Rig, probe: VoltageProbe) -> None:
+        """Read what the rig states of its wire; None for what it does not state."""
+        self.rig, self.probe, self.levels = rig, probe, probe.levels
+        self.metadata, self.limits, self.paced = rig.metadata(), rig.protection_limits, keeps_real_time(rig)
+        self.at_sense = False
+        facts = RunFacts(self.metadata, "this rig")
+        self.length_m = facts.positive_or_none("wire_length_m")
+        self.wire, self.why_unknown = known_wire(facts.text_or_none("wire"))
+        if self.wire is not None and self.length_m is None:
+            self.why_unknown = "the rig does not state the length of its wire"
+        if facts.wires > 1.0:
+            # In series or in parallel: the protection's window accounts for it, ohm per metre times length does not.
+            self.wire, self.why_unknown = None, "several wires share the drive; see the window"
+        by, least = facts.text_or_none("arriving_fraction_by"), facts.positive_or_none("arriving_fraction_least")
+        self.arriving = None if by is None or least is None else (least, self.limits.arriving_fraction, by)
 
     @property
-    def zero(self) -> VoltageLevel:
-        """The level at 0 V."""
-        return self.levels[0]
+    def right_ohm(self) -> float | None:
+        """Resistance of the cold wire by its wire file; None if that is not known."""
+        if self.wire is None or self.length_m is None:
+            return None
+        return self.wire.resistance_per_metre_ohm_per_m.value * self.length_m
+
+    @property
+    def low(self) -> list[VoltageLevel]:
+        """The levels below the sense voltage, the first at 0 V."""
+        return self.levels[: 1 + len(LOW_FRACTIONS)]
+
+    @cached_property
+    def lost(self) -> int:
+        """How many of their samples are no numbers."""
+        return sum(
+            int(np.sum(~np.isfinite(one.wire_voltage_v) | ~np.isfinite(one.shunt_voltage_v))) for one in self.low
+        )
+
+    @property
+    def has_zero(self) -> bool:
+        """Whether the output at 0 V is known."""
+        return bool(self.low) and not self.lost
+
+    @property
+    def has_fits(self) -> bool:
+        """Whether there are enough numbers for lines through them."""
+        return self.has_zero and len(self.low) > 1 and min(len(level.time_s) for level in self.low) > 2
+
+    @property
+    def at_zero_v(self) -> float:
+        """What wire and shunt carry together at 0 V."""
+        return float((self.low[0].wire_voltage_v + self.low[0].shunt_voltage_v).mean())
+
+    @cached_property
+    def channels(self) -> dict[str, Channel]:
+        """The channels "wire" and "shunt", and both together, "circuit"."""
+        wire, shunt = ([getattr(one, f"{name}_voltage_v") for one in self.low] for name in ("wire", "shunt"))
+        both = [one + other for one, other in zip(wire, shunt, strict=True)]
+        return {name: self.channel(one) for name, one in {"wire": wire, "shunt": shunt, "circuit": both}.items()}
+
+    def channel(self, levels_v: list[FloatArray]) -> Channel:
+        """Return a channel with the least-squares line through its readings."""
+        drive_v = np.concatenate([np.full(len(level.time_s), level.commanded_v) for level in self.low])
+        reading_v = np.concatenate(levels_v)
+        away = drive_v - drive_v.mean()
+        spread = float(away @ away)
+        slope = float(away @ reading_v) / spread
+        offset = float(reading_v.mean()) - slope * float(drive_v.mean())
+        rest = reading_v - offset - slope * drive_v
+        error = math.sqrt(float(rest @ rest) / (len(rest) - 2) / spread)
+        return Channel(reading_v, levels_v[0], offset, slope, error, abs(slope) * self.rig.sense_voltage_v)
 
     @property
     def carries(self) -> bool:
         """Whether a current flows that grows with the drive, and the wire has a voltage with it."""
-        return self.wire.moves and self.shunt.moves
+        return self.channels["wire"].moves and self.channels["shunt"].moves
 
     @property
     def resistance_ohm(self) -> float:
-        """Resistance of the wire by the slopes, which no offset affects; 0.0 without current."""
-        return self.shunt_resistance_ohm * self.wire.slope / self.shunt.slope if self.carries else 0.0
+        """Resistance of the wire by the slopes, which no offset affects."""
+        return self.rig.shunt_resistance_ohm * self.channels["wire"].slope / self.channels["shunt"].slope
+
+    @cached_property
+    def resistance_at_sense_ohm(self) -> FloatArray:
+        """Resistance of the wire at the sense voltage, sample by sample."""
+        wire, shunt = (
+            getattr(self.levels[-1], f"{name}_voltage_v") - self.channels[name].offset_v for name in ("wire", "shunt")
+        )
+        return np.asarray(self.rig.shunt_resistance_ohm * wire / shunt)
 
     @property
-    def wire_at_sense_v(self) -> float:
-        """Reading of the wire's channel that is expected at the sense voltage, without its offset."""
-        return abs(self.wire.slope) * self.sense_voltage_v
-
-    @property
-    def shunt_at_sense_v(self) -> float:
-        """Reading of the shunt's channel that is expected at the sense voltage, without its offset."""
-        return abs(self.shunt.slope) * self.sense_voltage_v
-
-    @property
-    def sense_current_a(self) -> float:
-        """Current at the sense voltage; negative if the shunt's channel is reversed."""
-        return self.shunt.slope * self.sense_voltage_v / self.shunt_resistance_ohm
+    def timed(self) -> list[VoltageLevel]:
+        """The levels with steps of the sample clock."""
+        return [level for level in self.levels if len(level.time_s) > 2]
 
 
-def evidence_of(levels: Sequence[VoltageLevel], sense_voltage_v: float, shunt_resistance_ohm: float) -> Evidence:
-    """Return the lines through levels of which the first is at 0 V. Needs two levels or more, all finite."""
-    drive_v = np.concatenate([np.full(len(level.time_s), level.commanded_v) for level in levels])
-    wire_v = np.concatenate([level.wire_voltage_v for level in levels])
-    shunt_v = np.concatenate([level.shunt_voltage_v for level in levels])
-    return Evidence(
-        tuple(levels),
-        line(drive_v, wire_v),
-        line(drive_v, shunt_v),
-        line(drive_v, wire_v + shunt_v),
-        sense_voltage_v,
-        shunt_resistance_ohm,
-    )
-
-
-def line(drive_v: FloatArray, reading_v: FloatArray) -> LinearFit:
-    """Return the least-squares line through readings."""
-    away = drive_v - drive_v.mean()
-    spread = float(away @ away)
-    slope = float(away @ reading_v) / spread
-    offset = float(reading_v.mean()) - slope * float(drive_v.mean())
-    rest = reading_v - offset - slope * drive_v
-    return LinearFit(offset, slope, math.sqrt(float(rest @ rest) / (len(rest) - 2) / spread))
+def known_wire(name: str | None) -> tuple[Wire | None, str]:
+    """Return a wire by its name, or None and why not."""
+    if name is None:
+        return None, "the rig does not state which wire is mounted"
+    try:
+        return load_wire(name), ""
+    except CallerError as error:
+        return None, f"the rig's wire is not known: {error}"
 
 
 def noise_v(readings_v: FloatArray) -> float:

@@ -1,59 +1,119 @@
-"""The examination: levels below the sense voltage first, and only if they pass the sense voltage itself."""
+"""The examination: levels below the sense voltage first, and only if they pass the sense voltage itself.
+
+A check is a row of the tables here, with its words in judge/data/remedies.toml.
+"""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import NamedTuple
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
 
-from musclewire.controllers import ProtectionLimits
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment._doctor.channel_checks import (
-    finite_check,
-    hum_check,
-    measurements_check,
-    moving_checks,
-    offset_checks,
-    quiet_checks,
-    range_check,
-)
-from musclewire.experiment._doctor.circuit_checks import ArrivingFractions, ExpectedWire, circuit_findings
+from musclewire.experiment._doctor import channel_checks, circuit_checks, rig_file, sense_checks
 from musclewire.experiment._doctor.evidence import (
     LOW_FRACTIONS,
-    Evidence,
+    NO_CURRENT,
+    Examined,
     Findings,
     OnProbe,
+    Outcome,
     RigCheck,
     SkippedCheck,
-    VoltageLevel,
     VoltageProbe,
-    evidence_of,
 )
-from musclewire.experiment._doctor.rig_file import ChannelCalibration, calibrations
-from musclewire.experiment._doctor.sense_checks import clock_findings, protection_findings, warmth_findings
-from musclewire.parameters import Wire, load_wire
-from musclewire.rigs import Metadata, ProtectionTripError, Rig, keeps_real_time
-from musclewire.signals import RunFacts
+from musclewire.judge import remedies
+from musclewire.rigs import Metadata, Rig
 
 ZERO_S, LOW_S, SENSE_S = 2.0, 1.0, 5.0
-# With one of these the sense voltage is not applied: the wiring is not what the rig file says.
-STOPPING = frozenset(
-    {
-        "readings_are_numbers",
-        "readings_are_measurements",
-        "readings_in_range",
-        "output_at_zero_v",
-        "output_gain",
-        "sense_current_a",
-        "wire_channel_alive",
-        "shunt_channel_alive",
-        "wire_polarity",
-        "shunt_polarity",
-        "channels_in_place",
-        "wire_resistance_ohm",
-        "resistance_in_window",
-    }
+# Why a check is skipped that needs what is not there; "" for one that is left out.
+WITHOUT = {
+    "low": "",
+    "has_zero": "",
+    "has_fits": "",
+    "timed": "",
+    "carries": NO_CURRENT,
+    "at_sense": "the sense voltage was not applied",
+    "paced": "this rig does not run by a real clock",
+}
+FITS = ("has_fits",)
+CURRENT = (*FITS, "carries")
+SENSE = (*FITS, "at_sense")
+
+
+class CheckRow(NamedTuple):
+    """A check: its name, the unit of its value, what looks, where its words are, what it needs of ``Examined``.
+
+    Whether the sense voltage is not applied if it fails: then the wiring is not what the rig file says.
+    """
+
+    name: str
+    unit: str
+    look: Callable[[Examined], Outcome | str | None]
+    words: str
+    needs: tuple[str, ...] = ()
+    stops: bool = False
+
+    def looked(self, seen: Examined) -> RigCheck | SkippedCheck | None:
+        """Return what the check finds, or why it is skipped; None if there is nothing to say."""
+        missing = next((one for one in self.needs if not getattr(seen, one)), None)
+        found = self.look(seen) if missing is None else WITHOUT[missing] or None
+        if not isinstance(found, Outcome):
+            return None if found is None else SkippedCheck(self.name, found)
+        words: Any = remedies("rig")[self.words]
+        said, numbers = words.get(found.said or ("holds" if found.ok else "fails"), words["holds"]), found.numbers
+        advice = said.format(holds=words["holds"].format(**numbers), **numbers)
+        return RigCheck(self.name, found.ok, found.value, self.unit, advice)
+
+
+def too_few(seen: Examined) -> str | None:
+    """Return why the wiring cannot be judged; None if it can."""
+    why = "too few valid samples" if seen.low else "the rig gave no sample at all"
+    return None if seen.has_fits else why
+
+
+# Checks below the sense voltage.
+BELOW = (
+    CheckRow("identity", "", sense_checks.identity, "identity"),
+    CheckRow("protection", "", sense_checks.protection, "protection"),
+    CheckRow("readings_are_numbers", "samples", channel_checks.finite, "finite", ("low",), True),
+    CheckRow("wiring", "", too_few, ""),
+    CheckRow("readings_in_range", "1", channel_checks.in_range, "in_range", FITS, True),
+    CheckRow("wire_channel_alive", "different readings", partial(channel_checks.alive, "wire"), "alive", FITS, True),
+    CheckRow("wire_polarity", "V/V", partial(channel_checks.polarity, "wire"), "polarity", FITS, True),
+    CheckRow("shunt_channel_alive", "different readings", partial(channel_checks.alive, "shunt"), "alive", FITS, True),
+    CheckRow("shunt_polarity", "V/V", partial(channel_checks.polarity, "shunt"), "polarity", FITS, True),
+    CheckRow("output_at_zero_v", "V", circuit_checks.output_at_zero, "at_zero", ("has_zero",), True),
+    CheckRow("output_gain", "V/V", circuit_checks.output_gain, "gain", FITS, True),
+    CheckRow("sense_current_a", "A", circuit_checks.current, "current", FITS, True),
+    CheckRow("shunt_share", "1", circuit_checks.shunt_share, "share", CURRENT),
+    CheckRow("outside_resistance_ohm", "ohm", circuit_checks.outside, "outside", CURRENT),
+    CheckRow("channels_in_place", "ohm", circuit_checks.in_place, "in_place", CURRENT, True),
+    CheckRow("wire_resistance_ohm", "ohm", circuit_checks.resistance, "resistance", CURRENT, True),
+    CheckRow("resistance_in_window", "ohm", circuit_checks.in_window, "window", CURRENT, True),
+    CheckRow("wire_offset_v", "V", partial(channel_checks.offset, "wire"), "offset", FITS),
+    CheckRow("shunt_offset_v", "V", partial(channel_checks.offset, "shunt"), "offset", FITS),
 )
+# A check of the levels so far, and again of all of them.
+LEVELS = CheckRow("readings_are_measurements", "samples", channel_checks.measurements, "measurements", (), True)
+# Checks at the sense voltage, over time, and of noise.
+LATER = (
+    LEVELS,
+    CheckRow("wire_noise_v", "V", partial(channel_checks.noise, "wire"), "noise", CURRENT),
+    CheckRow("shunt_noise_v", "V", partial(channel_checks.noise, "shunt"), "noise", CURRENT),
+    CheckRow("resolution_bits", "bit", channel_checks.bits, "bits", CURRENT),
+    CheckRow("resistance_noise_strain", "1", channel_checks.strain_noise, "strain_noise", (*CURRENT, "at_sense")),
+    CheckRow("mains_hum_v", "V", channel_checks.hum, "hum", FITS),
+    CheckRow("sense_drift", "1", sense_checks.drift, "drift", SENSE),
+    CheckRow("sense_warming_k", "K", sense_checks.warming, "warming", SENSE),
+    CheckRow("rig_kept_going", "", sense_checks.kept_going, "kept_going"),
+    CheckRow("sample_period_s", "s", sense_checks.sample_period, "period", ("timed",)),
+    CheckRow("clock_rate", "s/s", sense_checks.clock_rate, "rate", ("timed", "paced")),
+    CheckRow("arrival_jitter_s", "s", sense_checks.arrival_jitter, "jitter", ("timed", "paced")),
+)
+STOPPING = frozenset(row.name for row in (*BELOW, *LATER) if row.stops)
 
 
 class Examination(NamedTuple):
@@ -64,7 +124,7 @@ class Examination(NamedTuple):
     """
 
     findings: Findings
-    calibration: tuple[ChannelCalibration, ...]
+    calibration: tuple[rig_file.ChannelCalibration, ...]
     metadata: Metadata
     highest_v: float
     trouble: RigError | None
@@ -74,21 +134,17 @@ class Examination(NamedTuple):
         """Whether every check that could be made holds and the rig had no fault."""
         return self.trouble is None and not self.findings.failed
 
-    @property
-    def blocks_calibration(self) -> frozenset[str]:
-        """The failed checks by which the wiring is wrong in a way that no offset or gain corrects."""
-        return self.findings.failed & STOPPING - {"wire_resistance_ohm", "output_gain"}
+    def write_calibration(self, path: Path) -> Path:
+        """Write offsets and gains into a rig file, and return its path.
 
-
-class ExaminedRig(NamedTuple):
-    """A rig with its metadata's statements about the wire, looked up once."""
-
-    rig: Rig
-    metadata: Metadata
-    wire: Wire | None
-    length_m: float | None
-    limits: ProtectionLimits
-    expected: ExpectedWire
+        Raises the rig's own fault, and CallerError if the wiring is wrong in a way that no calibration corrects.
+        """
+        blocking = sorted(self.findings.failed & STOPPING - {"wire_resistance_ohm", "output_gain"})
+        if self.trouble is not None:
+            raise self.trouble
+        if blocking or not self.calibration:
+            raise CallerError(f"nothing is written: {', '.join(blocking) or 'the readings'} must be corrected first")
+        return rig_file.write_calibration(path, self.calibration)
 
 
 def examination_s(hold_s: float = SENSE_S) -> float:
@@ -111,142 +167,36 @@ def examine(
     of the channels. A fault of the rig is a finding too: ``trouble``. Raises CallerError for a meter's
     reading that cannot belong to its channel.
     """
-    subject = subject_of(rig)
     probe = VoltageProbe(rig, clock, on_sample)
-    findings = identity_findings(subject) + protection_findings(subject.limits)
+    seen = Examined(rig, probe)
     try:
-        evidence, at_sense, seen = probed(probe, subject, findings, hold_s)
-        findings += seen
+        look_low(probe, rig)
+        findings = checked(seen, BELOW)
+        stopped = STOPPING & (findings + checked(seen, (LEVELS,))).failed
+        if seen.has_fits and probe.trouble is None and not stopped:
+            seen.at_sense = probe.hold(rig.sense_voltage_v, hold_s) is not None
+        findings += checked(seen, LATER)
     finally:
         rig.make_safe()
-    found = calibrations(evidence, at_sense, meter_wire_v, meter_shunt_v) if evidence is not None else ()
-    return Examination(findings, found, subject.metadata, probe.highest_v, probe.trouble)
+    at_sense = probe.levels[-1] if seen.at_sense else None
+    zero = seen.low[0] if seen.has_fits else None
+    found = rig_file.calibrations(zero, at_sense, meter_wire_v, meter_shunt_v)
+    return Examination(findings, found, seen.metadata, probe.highest_v, probe.trouble)
 
 
-def trip_findings(trouble: RigError | None) -> Findings:
-    """Return whether the rig kept going: a trip of its protection names the cause better than any check here."""
-    if trouble is None:
-        return Findings((RigCheck("rig_kept_going", True, "yes", "", "the protection had nothing to switch off"),))
-    cause = trouble.event.name.lower() if isinstance(trouble, ProtectionTripError) else "rig fault"
-    return Findings((RigCheck("rig_kept_going", False, cause, "", str(trouble)),))
-
-
-def probed(
-    probe: VoltageProbe, subject: ExaminedRig, before: Findings, hold_s: float
-) -> tuple[Evidence | None, VoltageLevel | None, Findings]:
-    """Return evidence, the level at the sense voltage if it was held, and findings.
-
-    A failed check among those ``before`` may forbid holding it.
-    """
-    rig, at_sense = subject.rig, None
-    evidence, findings = low_findings(look_low(probe, rig), subject)
-    below = Findings((measurements_check(probe.levels, subject.limits),))
-    if evidence is not None and probe.trouble is None and not STOPPING & (before + findings + below).failed:
-        at_sense = probe.hold(rig.sense_voltage_v, hold_s)
-    findings += Findings((measurements_check(probe.levels, subject.limits),))
-    if evidence is not None:
-        findings += sense_findings(evidence, at_sense, subject)
-    findings += trip_findings(probe.trouble)
-    timed = tuple(level for level in probe.levels if len(level.time_s) > 2)
-    if timed:
-        findings += clock_findings(timed, rig.sample_period_s, keeps_real_time(rig))
-    return evidence, at_sense, findings
-
-
-def subject_of(rig: Rig) -> ExaminedRig:
-    """Return a rig with its statements about its wire; None for what it does not state."""
-    metadata = rig.metadata()
-    limits = rig.protection_limits
-    facts = RunFacts(metadata, "this rig")
-    length_m = facts.positive_or_none("wire_length_m")
-    wire, why = known_wire(facts.text_or_none("wire"))
-    if wire is not None and length_m is None:
-        why = "the rig does not state the length of its wire"
-    if facts.wires > 1.0:
-        # In series or in parallel: the protection's window accounts for it, ohm per metre times length does not.
-        wire, why = None, "several wires share the drive; see the window"
-    cold = None if wire is None or length_m is None else wire.resistance_per_metre_ohm_per_m.value * length_m
-    by, least = facts.text_or_none("arriving_fraction_by"), facts.positive_or_none("arriving_fraction_least")
-    arriving = None if by is None or least is None else ArrivingFractions(least, limits.arriving_fraction, by)
-    expected = ExpectedWire(cold, limits.resistance_low_ohm, limits.resistance_high_ohm, why, arriving)
-    return ExaminedRig(rig, metadata, wire, length_m, limits, expected)
-
-
-def known_wire(name: str | None) -> tuple[Wire | None, str]:
-    """Return a wire by its name, or None and why not."""
-    if name is None:
-        return None, "the rig does not state which wire is mounted"
-    try:
-        return load_wire(name), ""
-    except CallerError as error:
-        return None, f"the rig's wire is not known: {error}"
-
-
-def identity_findings(subject: ExaminedRig) -> Findings:
-    """Return whether the rig identifies itself and its voltages are consistent."""
-    rig = subject.rig
-    ok = (
-        0.0 < rig.sense_voltage_v < rig.maximum_voltage_v
-        and rig.shunt_resistance_ohm > 0.0
-        and rig.sample_period_s > 0.0
-    )
-    said = f"{subject.metadata.get('rig', 'rig')}, wire {subject.metadata.get('wire', 'not named')}"
-    if "firmware_wire" in subject.metadata:
-        said += f"; the board's firmware is built for {subject.metadata['firmware_wire']}"
-    advice = (
-        f"sense {rig.sense_voltage_v:g} V of at most {rig.maximum_voltage_v:g} V, shunt "
-        f"{rig.shunt_resistance_ohm:g} ohm, a sample every {rig.sample_period_s:g} s"
-    )
-    return Findings((RigCheck("identity", ok, said, "", advice),))
-
-
-def look_low(probe: VoltageProbe, rig: Rig) -> tuple[VoltageLevel, ...]:
+def look_low(probe: VoltageProbe, rig: Rig) -> None:
     """Hold 0 V and the levels at which the protection expects no current yet; stop if the output is not 0 V."""
     zero = probe.hold(0.0, ZERO_S)
-    if zero is None:
-        return tuple(probe.levels)
-    out_v = abs(float((zero.wire_voltage_v + zero.shunt_voltage_v).mean()))
-    if out_v > rig.sense_voltage_v:
-        return tuple(probe.levels)  # an output that does not follow its command gets no higher one
+    # An output that does not follow its command gets no higher one.
+    if zero is None or abs(float((zero.wire_voltage_v + zero.shunt_voltage_v).mean())) > rig.sense_voltage_v:
+        return
     for fraction in LOW_FRACTIONS:
         if probe.hold(fraction * rig.sense_voltage_v, LOW_S) is None:
             break
-    return tuple(probe.levels)
 
 
-def low_findings(levels: tuple[VoltageLevel, ...], subject: ExaminedRig) -> tuple[Evidence | None, Findings]:
-    """Return the fits and checks of the low levels; no fits if there are too few numbers."""
-    if not levels:
-        return None, Findings((), (SkippedCheck("wiring", "the rig gave no sample at all"),))
-    finite = finite_check(levels)
-    if not finite.ok or len(levels) < 2 or min(len(level.time_s) for level in levels) < 3:
-        stuck = stuck_findings(levels, subject) if finite.ok else Findings(())
-        return None, Findings((finite,), (SkippedCheck("wiring", "too few valid samples"),)) + stuck
-    rig = subject.rig
-    evidence = evidence_of(levels, rig.sense_voltage_v, rig.shunt_resistance_ohm)
-    findings = Findings((finite, range_check(evidence)))
-    findings += moving_checks(evidence) + circuit_findings(evidence, subject.expected) + offset_checks(evidence)
-    return evidence, findings
-
-
-def stuck_findings(levels: tuple[VoltageLevel, ...], subject: ExaminedRig) -> Findings:
-    """Return the check that is possible if only 0 V was commanded: whether the output is 0 V."""
-    zero = levels[0]
-    volts = float((zero.wire_voltage_v + zero.shunt_voltage_v).mean())
-    if abs(volts) <= subject.rig.sense_voltage_v:
-        return Findings(())
-    advice = (
-        "wire and shunt carry this at 0 V. CUT THE POWER before anything else: the output is stuck, the transistor has "
-        "failed, or a channel is saturated or not connected"
-    )
-    return Findings((RigCheck("output_at_zero_v", False, volts, "V", advice),))
-
-
-def sense_findings(evidence: Evidence, at_sense: VoltageLevel | None, subject: ExaminedRig) -> Findings:
-    """Return the checks that need the sense voltage, and those of noise."""
-    ambient = subject.limits.ambient_temperature_k
-    return (
-        quiet_checks(evidence, at_sense, subject.rig.sample_period_s)
-        + hum_check(evidence, subject.rig.sample_period_s)
-        + warmth_findings(evidence, at_sense, subject.wire, subject.length_m, ambient)
-    )
+def checked(seen: Examined, rows: tuple[CheckRow, ...]) -> Findings:
+    """Return what the checks of some rows find, in their order."""
+    found = [row.looked(seen) for row in rows]
+    made = tuple(one for one in found if isinstance(one, RigCheck))
+    return Findings(made, tuple(one for one in found if isinstance(one, SkippedCheck)))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from musclewire.errors import CallerError
-from musclewire.experiment._doctor.evidence import Evidence, VoltageLevel
+from musclewire.experiment._doctor.evidence import VoltageLevel
 from musclewire.rigs import read_rig_file
 from musclewire.signals import parse_quantity, write_whole
 from musclewire.small_files import read_small, read_toml, toml_of
@@ -26,15 +26,17 @@ class ChannelCalibration(NamedTuple):
 
 
 def calibrations(
-    evidence: Evidence, at_sense: VoltageLevel | None, meter_wire_v: float | None, meter_shunt_v: float | None
+    zero: VoltageLevel | None, at_sense: VoltageLevel | None, meter_wire_v: float | None, meter_shunt_v: float | None
 ) -> tuple[ChannelCalibration, ...]:
     """Return the calibration of both channels: offsets at 0 V, gains by a meter that was read at the sense voltage.
 
-    Raises CallerError if a meter's reading cannot belong to the channel.
+    None without readings at 0 V. Raises CallerError if a meter's reading cannot belong to the channel.
     """
+    if zero is None:
+        return ()
     found = []
     for channel, meter_v in (("wire", meter_wire_v), ("shunt", meter_shunt_v)):
-        offset = float(getattr(evidence.zero, f"{channel}_voltage_v").mean())
+        offset = float(getattr(zero, f"{channel}_voltage_v").mean())
         found.append(ChannelCalibration(channel, offset, gain_of(channel, offset, at_sense, meter_v)))
     return tuple(found)
 

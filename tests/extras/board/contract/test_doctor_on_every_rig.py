@@ -11,7 +11,7 @@ from emulation.daq_server import DaqServer
 from tests.extras.board.contract.nidaq_rigs import COLD_K, NIDAQ_RIGS, DeviceAtSeam, wiring_of
 from tests.extras.board.contract.serial_rigs import SERIAL_RIGS
 
-from musclewire.experiment import Examination, examine, write_calibration
+from musclewire.experiment import Examination, examine
 from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
 from musclewire.rigs import GuardedRig, read_rig_file, shipped_rig_files
 
@@ -53,7 +53,7 @@ def test_what_a_card_reads_wrong_is_found_and_written_into_its_rig_file(tmp_path
     found = examined(before, errors, meters=True)
     assert {"wire_offset_v", "shunt_offset_v"} <= found.findings.failed
 
-    write_calibration(path, found.calibration)
+    found.write_calibration(path)
     after = read_rig_file(path)
     assert isinstance(after, NiDaqConfiguration)
     assert after.inputs.wire_voltage.gain == pytest.approx(1 / 0.98, rel=2e-3)
