@@ -68,9 +68,8 @@ class JudgedRecording:
         shunt_ohm = self._facts.stated.get("shunt_resistance_ohm")
         known = isinstance(shunt_ohm, int | float) and not isinstance(shunt_ohm, bool) and 0.0 < shunt_ohm < np.inf
         there = [one for one in SOURCES if self._columns.keys() >= set(one)]
-        found = next((one for one in there if known or one is not SHUNT), None)
-        if found is not None:
-            return found
+        if found := [one for one in there if known or one is not SHUNT]:
+            return found[0]
         if SHUNT in there:
             problem = "is missing" if shunt_ohm is None else f"is {shunt_ohm!r}"
             raise RecordingError(
@@ -104,6 +103,8 @@ class JudgedRecording:
             valid = reading.valid & usable
             reading = ArrayReading(np.where(valid, reading.resistance_ohm, 0.0), valid)
         if reading.valid.any():
+            for values in reading:  # whoever asks has the same arrays
+                values.setflags(write=False)
             return reading
         if not usable.all():
             raise RecordingError(f"none of {self._n_times} samples can be used: {'; '.join(findings)}")
@@ -132,8 +133,7 @@ class JudgedRecording:
             )
         by_shunt = self.source is SHUNT
         shunt_ohm = self._facts.shunt_resistance_ohm if by_shunt else VIRTUAL_SHUNT_OHM
-        shunt_v = self._columns["shunt_voltage_v" if by_shunt else "wire_current_a"]
-        wire_v = self._columns[self.source[0]]
+        wire_v, shunt_v = (self._columns[one] for one in (self.source[0], SHUNT[1] if by_shunt else CURRENT[1]))
         usable, _ = self.measured
         # To an estimator, a row that is no measurement is one without current.
         wire_v = np.where(usable, wire_v * shunt_v if self.source is RESISTANCE else wire_v, 0.0)

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 import pytest
 
+import musclewire as mw
 from musclewire.judge._defects import (
+    DEFECTS,
+    Defect,
     MeasuredLoop,
+    Numbers,
     largest_jump,
     longest_flat,
     recording_defects,
@@ -74,6 +80,23 @@ def test_a_recording_that_moves_less_than_asked_or_not_beyond_its_noise_is_not_j
     held = 1e-6 * np.random.default_rng(6).standard_normal(201)
     assert not recording_defects(recording(held, ohm, current_a), "displacement")
     assert not recording_defects(recording(short, ohm, current_a), "force")
+
+
+def test_in_one_fit_each_detector_looks_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    with mw.open_rig("simulated") as rig:
+        loop = mw.characterize(rig)
+    looks: Counter[str] = Counter()
+
+    def counting(one: Defect) -> Defect:
+        def look(seen: MeasuredLoop) -> Numbers:
+            looks[one.key] += 1
+            return one.detect(seen)
+
+        return one._replace(detect=look)
+
+    monkeypatch.setattr("musclewire.judge._defects.DEFECTS", tuple(map(counting, DEFECTS)))
+    mw.estimate(mw.fit(loop), loop)
+    assert looks == {one.key: 1 for one in DEFECTS}
 
 
 @pytest.mark.parametrize(
