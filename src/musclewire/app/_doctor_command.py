@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,7 +13,7 @@ from musclewire.app._stopping import opened_rig, stops_between_samples
 
 if TYPE_CHECKING:
     from musclewire.app._answers import DoctorAnswer
-    from musclewire.experiment import ChannelCalibration, Examination, OnProbe, RigCheck
+    from musclewire.experiment import ChannelCalibration, Examination, RigCheck
     from musclewire.signals import RawSample
 
 
@@ -67,7 +68,7 @@ def examined(rig: str, measurement: MeterOptions, seed: int | None, real_time: b
         )
 
 
-def since_start(on_row: Any) -> OnProbe:
+def since_start(on_row: Any) -> Callable[[RawSample], None]:
     """Return what moves a progress bar by samples of a rig whose clock began before."""
     started_s: list[float] = []
 

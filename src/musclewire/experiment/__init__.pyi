@@ -7,7 +7,6 @@ from ._closed_loop import SettledChoice as SettledChoice
 from ._closed_loop import control as control
 from ._demo import DemoResult as DemoResult
 from ._demo import run_demo as run_demo
-from ._doctor.evidence import OnProbe as OnProbe
 from ._doctor.evidence import RigCheck as RigCheck
 from ._doctor.evidence import SkippedCheck as SkippedCheck
 from ._doctor.examine import Examination as Examination

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from musclewire.errors import RecordingError
-from musclewire.judge._readings import CURRENT, RESISTANCE, SHUNT, JudgedRecording
+from musclewire.judge import JudgedRecording
 from musclewire.signals import Recording
 
 
@@ -16,14 +16,14 @@ def recording_of(*names, **metadata):
         (
             ("wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm"),
             {"shunt_resistance_ohm": 1.0},
-            SHUNT,
+            ("wire_voltage_v", "shunt_voltage_v"),
         ),
-        (("wire_voltage_v", "shunt_voltage_v", "wire_current_a"), {}, CURRENT),
-        (("wire_resistance_ohm",), {}, RESISTANCE),
+        (("wire_voltage_v", "shunt_voltage_v", "wire_current_a"), {}, ("wire_voltage_v", "wire_current_a")),
+        (("wire_resistance_ohm",), {}, ("wire_resistance_ohm",)),
     ],
 )
 def test_a_known_shunt_comes_first_then_a_measured_current_then_a_resistance(names, metadata, source):
-    assert JudgedRecording(recording_of(*names, **metadata)).source is source
+    assert JudgedRecording(recording_of(*names, **metadata)).source == source
 
 
 @pytest.mark.parametrize("shunt", [None, 0.0, -1.0, float("nan"), float("inf"), True, "1 ohm"])

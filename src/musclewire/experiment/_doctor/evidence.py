@@ -70,8 +70,6 @@ class Findings(NamedTuple):
         )
 
 
-Clock = Callable[[], float]
-OnProbe = Callable[[RawSample], None]
 NO_CURRENT = "no current follows the drive"
 
 # Fractions of the sense voltage below the protection's threshold for "driven", which is half of it.
@@ -103,7 +101,7 @@ def samples_of(rig: Rig, seconds: float) -> int:
 class VoltageProbe:
     """Holds voltages on a rig and keeps the samples, also those of a level during which the rig had a fault."""
 
-    def __init__(self, rig: Rig, clock: Clock, on_sample: OnProbe | None) -> None:
+    def __init__(self, rig: Rig, clock: Callable[[], float], on_sample: Callable[[RawSample], None] | None) -> None:
         """Take an open rig; ``clock`` returns the host's seconds."""
         self._rig, self._clock, self._on_sample = rig, clock, on_sample
         self.levels: list[VoltageLevel] = []

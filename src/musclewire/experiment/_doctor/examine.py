@@ -18,7 +18,6 @@ from musclewire.experiment._doctor.evidence import (
     NO_CURRENT,
     Examined,
     Findings,
-    OnProbe,
     Outcome,
     RigCheck,
     SkippedCheck,
@@ -26,6 +25,7 @@ from musclewire.experiment._doctor.evidence import (
 )
 from musclewire.judge import remedies
 from musclewire.rigs import Metadata, Rig
+from musclewire.signals import RawSample
 
 ZERO_S, LOW_S, SENSE_S = 2.0, 1.0, 5.0
 # Why a check is skipped that needs what is not there; "" for one that is left out.
@@ -159,7 +159,7 @@ def examine(
     meter_wire_v: float | None = None,
     meter_shunt_v: float | None = None,
     clock: Callable[[], float] = time.monotonic,
-    on_sample: OnProbe | None = None,
+    on_sample: Callable[[RawSample], None] | None = None,
 ) -> Examination:
     """Check a rig at its sense voltage and below; the rig ends at its sense voltage or off.
 
