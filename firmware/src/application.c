@@ -87,10 +87,8 @@ static float estimate_of(const mw_control_loop *loop, mw_real resistance_ohm)
 #if defined(MW_FILTER)
     if (loop->closed_loop && loop->core.started)
         return (float)loop->core.estimation.value;
-#else
-    (void)loop;
 #endif
-    return (float)mw_estimate(resistance_ohm).value;
+    return (float)mw_estimate((mw_real)loop->scale * resistance_ohm).value;
 }
 
 /* Sends the means over the ticks since the last sample, with resistance and estimate; NaN without a reading. */
@@ -181,6 +179,24 @@ static uint8_t armed_command(mw_application *application, const mw_message *comm
     return MW_DONE;
 }
 
+/* Takes a correction and tells what it has taken. */
+static uint8_t correct(mw_application *application, const mw_message *command)
+{
+    mw_control_loop *loop = &application->loop;
+    mw_message message;
+    if (command->payload_length != MW_CORRECT_BYTES ||
+        !mw_loop_correct(loop, mw_get_f32(command->payload + MW_AT_CORRECT_SCALE),
+                         mw_get_f32(command->payload + MW_AT_CORRECT_ZERO))) {
+        return MW_BAD_PAYLOAD;
+    }
+    message.type = MW_CORRECTION;
+    message.payload_length = MW_CORRECTION_BYTES;
+    mw_put_f32(message.payload + MW_AT_CORRECTION_SCALE, loop->scale);
+    mw_put_f32(message.payload + MW_AT_CORRECTION_ZERO, loop->zero);
+    send(application, &message);
+    return MW_DONE;
+}
+
 #ifdef MW_FAULT_INJECTION
 static uint8_t inject(mw_application *application, const mw_message *command)
 {
@@ -198,6 +214,9 @@ static uint8_t plain_command(mw_application *application, const mw_message *comm
     const uint8_t expected = command->type == MW_STREAM ? MW_STREAM_BYTES : 0u;
     if (command->type == MW_DRIVE || command->type == MW_TARGET) {
         return armed_command(application, command);
+    }
+    if (command->type == MW_CORRECT) {
+        return correct(application, command);
     }
 #ifdef MW_FAULT_INJECTION
     if (command->type == MW_INJECT) {

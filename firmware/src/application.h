@@ -10,7 +10,7 @@
 #include "standalone.h"
 
 #define MW_FIRMWARE_MAJOR 1u
-#define MW_FIRMWARE_MINOR 1u
+#define MW_FIRMWARE_MINOR 2u
 /* This many broken frames within this time are a storm. */
 #define MW_STORM_FRAMES 16u
 #define MW_STORM_S 0.2f

@@ -9,6 +9,8 @@ static void forget_commands(mw_control_loop *loop)
 {
     loop->command_v = 0.0f;
     loop->target = NAN;
+    loop->scale = 1.0f;
+    loop->zero = 0.0f;
     loop->closed_loop = false;
     loop->expires = true;
     loop->ticks_to_control = MW_CONTROL_TICKS;
@@ -79,7 +81,8 @@ bool mw_loop_drive(mw_control_loop *loop, float drive_voltage_v)
 
 bool mw_loop_target(mw_control_loop *loop, float target)
 {
-    if (!(target >= (float)MW_TARGET_LOWEST && target <= (float)MW_TARGET_HIGHEST)) {
+    const float highest = (float)MW_TARGET_HIGHEST; /* in the model's zero; from that of today it may be further up */
+    if (!(target >= (float)MW_TARGET_LOWEST && (target <= highest || target + loop->zero <= highest))) {
         mw_loop_trip(loop, MW_EVENT_COMMAND_REFUSED);
         return false;
     }
@@ -91,6 +94,31 @@ bool mw_loop_target(mw_control_loop *loop, float target)
     loop->closed_loop = true;
     loop->target = target;
     return true;
+}
+
+bool mw_loop_correct(mw_control_loop *loop, float scale, float zero)
+{
+    /* Written so that what is not a number is refused. */
+    if (!(fabsf(scale - 1.0f) <= MW_SCALE_MOST && fabsf(zero) <= (float)(MW_QUANTITY_MAX - MW_QUANTITY_MIN))) {
+        return false;
+    }
+    loop->scale = scale;
+    loop->zero = zero;
+#if defined(MW_FILTER)
+    loop->core.follower.followed = 0; /* what it has followed was another resistance */
+#endif
+    return true;
+}
+
+/* The controller's tick by the corrected model. */
+static void control_corrected(mw_control_loop *loop)
+{
+    const float highest = (float)MW_TARGET_HIGHEST, target = loop->target + loop->zero;
+    const mw_real root = mw_root((mw_real)loop->scale);
+    /* The resistance is scaled and the power stays: so it is with a model whose resistances are divided by the scale. */
+    loop->core.wire_sum_v *= root;
+    loop->core.shunt_sum_v /= root;
+    mw_control(&loop->core, (mw_real)(target > highest ? highest : target), (mw_real)(MW_CONTROL_TICKS * MW_TICK_S));
 }
 
 /* Follows the last command again after a missing reading has interrupted it. */
@@ -111,7 +139,7 @@ static void follow(mw_control_loop *loop, uint8_t ticks)
     }
     loop->ticks_to_control = MW_CONTROL_TICKS;
     if (follows) {
-        mw_control(&loop->core, (mw_real)loop->target, (mw_real)(MW_CONTROL_TICKS * MW_TICK_S));
+        control_corrected(loop);
     }
 }
 

@@ -15,11 +15,14 @@
 /* A converter that is late by a tick or two is not silent. The table's 0.1 s and 0.25 s still count from the last
  * reading. */
 #define MW_READING_GRACE_S 0.02f
+/* A wire's resistance changes by less in its life. */
+#define MW_SCALE_MOST 0.06f
 
 typedef struct {
     mw_controller core;
     float command_v;           /* of the last DRIVE */
     float target;              /* of the last TARGET; not a number before the first */
+    float scale, zero;         /* of the last CORRECT; 1 and 0 before the first */
     bool closed_loop;          /* TARGET rather than DRIVE */
     bool expires;              /* a host is in charge: its silence ends the run */
     uint16_t ticks_to_control; /* until the loop is closed the next time */
@@ -38,6 +41,10 @@ bool mw_loop_armed(const mw_control_loop *loop);
 /* Both take effect at once and are followed until the next command. A value that is not finite or out of range trips. */
 bool mw_loop_drive(mw_control_loop *loop, float drive_voltage_v);
 bool mw_loop_target(mw_control_loop *loop, float target);
+
+/* From the next control tick on the estimator starts again with resistances so many times the readings, and the zero is
+ * added to every target. Returns false, and nothing has changed, out of range. */
+bool mw_loop_correct(mw_control_loop *loop, float scale, float zero);
 
 /* One tick, with its reading or without. */
 void mw_loop_reading(mw_control_loop *loop, const mw_board_reading *reading);

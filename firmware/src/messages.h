@@ -17,11 +17,13 @@ enum {
     MW_OFF = 0x05,
     MW_STREAM = 0x06,
     MW_KEEP = 0x07,
+    MW_CORRECT = 0x08,
     MW_INJECT = 0x7f, /* only with -DMW_FAULT_INJECTION */
     MW_IDENTITY = 0x81,
     MW_SAMPLE = 0x82,
     MW_EVENT = 0x83,
-    MW_ACK = 0x84
+    MW_ACK = 0x84,
+    MW_CORRECTION = 0x85
 };
 
 /* What became of a command. */
@@ -55,6 +57,9 @@ enum {
 #define MW_AT_TARGET_TARGET 0u /* f32: target of the model's quantity */
 #define MW_STREAM_BYTES 2u
 #define MW_AT_STREAM_EVERY 0u /* u16: ticks from one SAMPLE to the next */
+#define MW_CORRECT_BYTES 8u
+#define MW_AT_CORRECT_SCALE 0u /* f32: the model's resistance over today's: by so much readings are scaled for the estimate, not for the protection */
+#define MW_AT_CORRECT_ZERO 4u /* f32: what the model says where the wire of today is at zero: added to every target */
 #define MW_INJECT_BYTES 1u
 #define MW_AT_INJECT_WHAT 0u /* u8: a number of `inject`; 0: all is well again */
 #define MW_IDENTITY_BYTES 83u
@@ -85,7 +90,7 @@ enum {
 #define MW_AT_SAMPLE_WIRE_VOLTAGE_V 12u /* f32: at the wire, mean; not a number without any reading */
 #define MW_AT_SAMPLE_SHUNT_VOLTAGE_V 16u /* f32: at the shunt, mean; not a number without any reading */
 #define MW_AT_SAMPLE_RESISTANCE_OHM 20u /* f32: of the means; 0 without current */
-#define MW_AT_SAMPLE_ESTIMATE 24u /* f32: of the means, by the board's model; not a number without current */
+#define MW_AT_SAMPLE_ESTIMATE 24u /* f32: of the means, by the board's model in its own zero; not a number without current */
 #define MW_AT_SAMPLE_TARGET 28u /* f32: of the last TARGET; not a number before the first */
 #define MW_EVENT_BYTES 10u
 #define MW_AT_EVENT_TICK 0u /* u32: when */
@@ -96,5 +101,8 @@ enum {
 #define MW_AT_ACK_SEQUENCE 0u /* u16: sequence of the command */
 #define MW_AT_ACK_KIND 2u /* u8: type of the command */
 #define MW_AT_ACK_RESULT 3u /* u8: what became of it: a number of `result` */
+#define MW_CORRECTION_BYTES 8u
+#define MW_AT_CORRECTION_SCALE 0u /* f32: what readings are scaled by for the estimate */
+#define MW_AT_CORRECTION_ZERO 4u /* f32: what is added to every target */
 
 #endif

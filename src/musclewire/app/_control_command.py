@@ -217,13 +217,12 @@ def loop_of(choice: LoopChoice, loop: ControlledLoopOptions) -> Callable[..., Co
         raise CallerError(
             "--on-board runs the firmware's own estimator and controller: leave both names and --wire-file out"
         )
-    if choice.load is not None or choice.zero_from != "kept" or choice.known_strain is not None:
-        raise CallerError(
-            "--on-board runs by the firmware's own numbers: leave out --known-stiffness, --zero-from and --known-strain"
-        )
+    if choice.load is not None:
+        raise CallerError("--on-board runs by the firmware's own numbers: leave out --known-stiffness")
     from musclewire.experiment import control_on_board
 
-    return partial(control_on_board, settings=choice.settings, approach_s=choice.approach_s)
+    kept = ("settings", "approach_s", "zero_from", "known_strain")
+    return partial(control_on_board, **{name: choice.options[name] for name in kept})
 
 
 def choice_of(loop: ControlledLoopOptions, load: KnownSpring | None) -> LoopChoice:

@@ -1,79 +1,78 @@
 """The closed loop on the board: the host sends targets, the firmware senses, controls and protects, the host records.
 
 The loop is the same as on the host, in C, with the numbers the firmware was built with. By its checksum a board shows
-which loop of a model it runs; one that was built for another model is refused.
+which loop of a model it runs; one that was built for another model is refused. What corrects the model is decided here.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
+from math import isfinite
 from typing import NamedTuple, Unpack
 
 from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, Reference
-from musclewire.errors import CallerError
-from musclewire.experiment._calm_air import heed_air
-from musclewire.experiment._closed_loop import APPROACH_S
+from musclewire.errors import CallerError, RigError
+from musclewire.experiment._closed_loop import FACTOR, LoopChoice, PreparedLoop, prepared_loop
 from musclewire.experiment._metrics import ControlRun, with_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
-from musclewire.experiment._speed_limits import check_targets, fastest_way, followed, speed_metadata
-from musclewire.identify import FastestWay, check_made_for, gains_of, load_facts, settings_for
+from musclewire.experiment._speed_limits import speed_metadata
+from musclewire.identify import gains_of, settings_for
+from musclewire.judge import KEPT
 from musclewire.rigs import HasOnBoardLoop, Rig, ability
 from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
-from musclewire.signals import COLUMN_SUFFIX, Command, RawSample, Target
+from musclewire.signals import COLUMN_SUFFIX, Command, RawSample, Target, wire_sample
 
 
 class TargetPolicy:
-    """Sends the reference's targets and records the board's estimates; it controls nothing."""
+    """Sends the reference's targets and records the board's estimates; it controls nothing.
 
-    def __init__(
-        self,
-        loop: HasOnBoardLoop,
-        model: SensingModel,
-        reference: Reference,
-        *,
-        sample_period_s: float,
-        approach_s: float,
-        fastest: FastestWay | None,
-    ) -> None:
-        """Begin with the reference's first target, which the approach holds."""
-        self._loop, self._model, self._reference = loop, model, reference
-        self._sample_period_s, self._approach_s, self._fastest = sample_period_s, approach_s, fastest
-        model.estimate(model.resistance_max_ohm)  # compiled here, and not in the first sample
-        suffix = COLUMN_SUFFIX[model.quantity]
-        self._target_name, self._estimated_name = f"target_{suffix}", f"estimated_{suffix}"
+    How certain an estimate is a board does not say: that says its estimator here, by the same readings.
+    """
+
+    def __init__(self, board: HasOnBoardLoop, loop: PreparedLoop, sample_period_s: float) -> None:
+        """Begin with the reference's first target, which the approach holds, and send the board what is known."""
+        self._board, self._loop, self._sample_period_s = board, loop, sample_period_s
+        self._estimator, self._correction = loop.estimator, loop.correction_of()
+        self._state = self._estimator.start()
+        board.correct(self._correction.correction if loop.corrects else None)
 
     @property
     def columns(self) -> Sequence[str]:
         """Names of the columns this policy adds."""
-        announced = () if self._fastest is None else ("announced_miss",)
-        return ("wire_resistance_ohm", self._target_name, self._estimated_name, "valid", *announced)
+        suffix = COLUMN_SUFFIX[self._loop.model.quantity]
+        more = (*((FACTOR,) if self._loop.corrects else ()), *(("announced_miss",) if self._loop.fastest else ()))
+        return ("wire_resistance_ohm", f"target_{suffix}", f"estimated_{suffix}", "estimate_std", "valid", *more)
 
     def first_command(self) -> Command:
         """Return the first target."""
         return self._target_at(0.0)
 
-    def after(self, _sample: RawSample, elapsed_s: float) -> Decision:
-        """Return the next target, with the board's estimate of the sample that has just ended."""
-        since_s = elapsed_s - self._approach_s
-        judged = self._reference.target_at(max(since_s - self._sample_period_s, 0.0))
-        resistance_ohm = self._loop.board_resistance_ohm or 0.0
-        estimate = self._loop.board_estimate
-        valid = resistance_ohm > 0.0 and self._model.estimate(resistance_ohm).valid
-        return Decision(
-            self._target_at(max(since_s, 0.0)),
-            (
-                resistance_ohm,
-                judged,
-                estimate if estimate is not None and valid else self._model.quantity_min,
-                float(valid),
-                *(() if self._fastest is None else (self._fastest.miss(judged),)),
-            ),
-        )
+    def after(self, sample: RawSample, elapsed_s: float) -> Decision:
+        """Return the next target, with the board's estimate of the last sample. Raises RigError if either fails."""
+        taken_s, since_s = elapsed_s - self._sample_period_s, elapsed_s - self._loop.approach_s
+        read = wire_sample(sample)._replace(time_s=elapsed_s)
+        own, self._state, _ = self._estimator.step(self._state, read)
+        if own.failure:
+            raise RigError(own.failure)
+        reported = self._board.board_estimate
+        if own.valid and reported is not None and isfinite(reported):
+            own = own._replace(value=reported)
+        factor = (self._correction.correction.scale,) if self._loop.corrects else ()
+        estimate = self._correction.shown(own)
+        if self._correction.watch(read, own, taken_s):
+            self._board.correct(self._correction.correction)
+            self._estimator = self._loop.estimator_of(self._correction.model)
+            self._state = self._estimator.start()
+        judged = self._loop.reference.target_at(max(since_s - self._sample_period_s, 0.0))
+        announced = () if self._loop.fastest is None else (self._loop.fastest.miss(judged),)
+        seen = (judged, estimate.value, estimate.std, float(estimate.valid))
+        recorded = (self._board.board_resistance_ohm or 0.0, *seen, *factor, *announced)
+        return Decision(self._target_at(max(since_s, 0.0)), recorded)
 
     def _target_at(self, time_s: float) -> Target:
         """Return the reference's target at a time, in the quantity of the board's model."""
-        return Target(self._reference.target_at(time_s), self._model.quantity)
+        return Target(self._loop.reference.target_at(time_s), self._loop.model.quantity)
 
 
 # What firmware is built with: estimators, and controllers by the kind of their settings.
@@ -116,6 +115,8 @@ def control_on_board(
     *,
     settings: Settings | None = None,
     approach_s: float | None = None,
+    zero_from: str = KEPT,
+    known_strain: float | tuple[float, float] | None = None,
     **run: Unpack[RunOptions],
 ) -> ControlRun:
     """Let a board's firmware move the wire along a reference.
@@ -134,6 +135,8 @@ def control_on_board(
     approach_s
         Time [s] for which the reference's start is held before the reference begins; by default none, 12 s for the
         fuzzy PID.
+    zero_from, known_strain
+        As of ``control``: where the model is corrected, the board gets the correction.
     **run
         ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
         may raise to stop the run, ``until`` asked after each whether the run is to end now.
@@ -147,38 +150,18 @@ def control_on_board(
     CallerError
         For a rig without a board, a board that was built for another model or controller, or a target outside the
         model's range.
+    RigError
+        For a board whose firmware knows no corrections, if one may be needed.
     """
-    loop = ability(rig, HasOnBoardLoop)
-    if loop is None:
+    board = ability(rig, HasOnBoardLoop)
+    if board is None:
         raise CallerError("only a board with musclewire's firmware closes the loop itself: this rig has none")
     if isinstance(settings, FuzzyPidSettings):
         settings = settings_for(model, settings)
-    runs = loop_of_board(loop, model, settings, rig.sample_period_s)
-    if approach_s is None:
-        approach_s = APPROACH_S if runs.controller == "fuzzy-pid" else 0.0
-    chosen = followed(model, reference)
-    check_targets(model, chosen, rig.sample_period_s)
-    check_made_for(model, rig.metadata())
-    heed_air(rig, model)
-    recording = run_on_rig(
-        rig,
-        TargetPolicy(
-            loop,
-            model,
-            chosen,
-            sample_period_s=rig.sample_period_s,
-            approach_s=approach_s,
-            fastest=fastest_way(rig, model, None, from_cold=approach_s == 0.0),
-        ),
-        approach_s + chosen.duration_s,
-        metadata={
-            "experiment": "closed loop on the board",
-            "quantity": model.quantity,
-            **runs._asdict(),
-            **load_facts(model, rig.metadata()),
-            "approach_s": approach_s,
-            **speed_metadata(rig, model, chosen, None),
-        },
-        **run,
-    )
-    return with_metrics(recording, model.quantity, chosen)
+    runs = loop_of_board(board, model, settings, rig.sample_period_s)
+    choice = LoopChoice(*runs, settings, approach_s=approach_s, zero_from=zero_from, known_strain=known_strain)
+    loop = prepared_loop(rig, model, reference, choice)
+    beforehand = {"experiment": "closed loop on the board", **speed_metadata(rig, model, loop.reference, None)}
+    policy = TargetPolicy(board, loop, rig.sample_period_s)
+    recording = run_on_rig(rig, policy, loop.duration_s, metadata=loop.metadata | beforehand, **run)
+    return with_metrics(recording, model.quantity, loop.reference)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
 from musclewire.controllers import Event, FeedforwardSettings, FuzzyPidSettings, ProtectionLimits
-from musclewire.sensing import SensingModel
+from musclewire.sensing import Correction, SensingModel
 from musclewire.signals import Command, RawSample
 
 Metadata = dict[str, str | int | float | bool | None]
@@ -274,6 +274,21 @@ class HasOnBoardLoop(Protocol):
         Returns
         -------
         The checksum.
+        """
+        ...
+
+    def correct(self, correction: Correction | None) -> None:
+        """Let the loop run by a model that is corrected, from the next sample on.
+
+        Parameters
+        ----------
+        correction
+            What makes the model that of today; None for the model as it is, from the next run on.
+
+        Raises
+        ------
+        RigError
+            If the device knows no corrections, finds this one out of range, or does not answer.
         """
         ...
 

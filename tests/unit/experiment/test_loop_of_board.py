@@ -11,7 +11,7 @@ from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings
 from musclewire.errors import CallerError
 from musclewire.experiment._on_board import loop_of_board
 from musclewire.identify import gains_of, settings_for
-from musclewire.sensing import SensingModel
+from musclewire.sensing import Correction, SensingModel
 
 PERIOD_S = 0.05
 
@@ -33,6 +33,9 @@ class Firmware:
     @property
     def model_checksum(self) -> int:
         return -1 if self.built_with is None else hash(repr(self.built_with))
+
+    def correct(self, _correction: Correction | None) -> None:
+        return None
 
     def checksum_of(self, model: SensingModel, settings: FuzzyPidSettings | FeedforwardSettings, estimator: str) -> int:
         if estimator == "filter" and not model.slow_loop:

@@ -300,6 +300,9 @@ class OwnLoop(IdealWire):
     def checksum_of(self, *_: object) -> int:
         return 0
 
+    def correct(self, _correction: object) -> None:
+        return None
+
     def exchange(self, command: Command) -> Answer:
         return self.put(self.puts_v) if isinstance(command, Target) else super().exchange(command)
 

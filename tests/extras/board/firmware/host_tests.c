@@ -458,6 +458,122 @@ TEST(a_target_closes_the_loop_on_the_board)
     MUST(output_v == 0.0f && mw_loop_event(&app.loop) == MW_EVENT_COMMAND_REFUSED);
 }
 
+/* ---- corrections ---------------------------------------------------------------------------------- */
+
+#define SPAN ((float)(MW_QUANTITY_MAX - MW_QUANTITY_MIN))
+
+static void correct(float scale, float zero)
+{
+    uint8_t payload[MW_CORRECT_BYTES];
+    mw_put_f32(payload + MW_AT_CORRECT_SCALE, scale);
+    mw_put_f32(payload + MW_AT_CORRECT_ZERO, zero);
+    say(MW_CORRECT, payload, sizeof payload);
+}
+
+static void follow_target(float target)
+{
+    uint8_t payload[4];
+    mw_put_f32(payload, target);
+    say(MW_TARGET, payload, 4);
+}
+
+static bool is_corrected(float scale, float zero) { return app.loop.scale == scale && app.loop.zero == zero; }
+
+/* One control tick of a wire of so many ohm, without noise. */
+static void one_control_tick(float ohm)
+{
+    const float shunt = output_v / (ohm + (float)MW_SHUNT_RESISTANCE_OHM) * (float)MW_SHUNT_RESISTANCE_OHM;
+    const mw_board_reading reading = {output_v - shunt, shunt, 1u};
+    for (int i = 0; i < (int)MW_CONTROL_TICKS; i++)
+        mw_application_tick(&app, MW_TICK_READING, &reading);
+}
+
+TEST(a_correction_is_told_back_and_out_of_range_changes_nothing)
+{
+    const float wrong[][2] = {{NAN, 0.0f},     {1.0f, NAN},      {INFINITY, 0.0f},      {1.0f, -INFINITY},
+                              {1.061f, 0.0f}, {0.939f, 0.0f}, {1.0f, 1.01f * SPAN}, {1.0f, -1.01f * SPAN}};
+    mw_message told;
+    fresh_driven(1.0f);
+    correct(1.05f, -0.5f * SPAN);
+    MUST(acknowledged() == MW_DONE && is_corrected(1.05f, -0.5f * SPAN) && output_v == 1.0f);
+    MUST(last_sent(MW_CORRECTION, &told) && told.payload_length == MW_CORRECTION_BYTES);
+    MUST(mw_get_f32(told.payload + MW_AT_CORRECTION_SCALE) == 1.05f);
+    MUST(mw_get_f32(told.payload + MW_AT_CORRECTION_ZERO) == -0.5f * SPAN);
+    sent_length = 0;
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        correct(wrong[i][0], wrong[i][1]);
+        MUST(acknowledged() == MW_BAD_PAYLOAD && !last_sent(MW_CORRECTION, &told));
+        MUST(is_corrected(1.05f, -0.5f * SPAN) && output_v == 1.0f);
+    }
+    say(MW_CORRECT, "abcd", 4);
+    MUST(acknowledged() == MW_BAD_PAYLOAD && is_corrected(1.05f, -0.5f * SPAN));
+}
+
+TEST(arming_and_a_reset_forget_a_correction_and_a_correction_renews_nothing)
+{
+    fresh_driven(1.0f);
+    live(ticks_of(0.05f));
+    correct(1.01f, 0.1f * SPAN);
+    live(ticks_of(0.06f));
+    MUST(output_v == (float)MW_SENSE_VOLTAGE_V && is_corrected(1.01f, 0.1f * SPAN));
+    say(MW_ARM, "", 0);
+    MUST(is_corrected(1.0f, 0.0f));
+    correct(1.01f, 0.1f * SPAN);
+    mw_application_start(&app);
+    MUST(is_corrected(1.0f, 0.0f));
+}
+
+TEST(a_corrected_loop_sees_the_scaled_resistance_and_the_power_that_was_read)
+{
+    const float ohm = 0.5f * (float)(MW_OWN_LOW_OHM + MW_OWN_HIGH_OHM);
+    const float middle = 0.5f * (float)(MW_QUANTITY_MIN + MW_QUANTITY_MAX);
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    for (int i = 0; i < 3; i++) {
+        follow_target(middle);
+        one_control_tick(ohm);
+    }
+    correct(0.98f, 0.05f * SPAN);
+    MUST(app.loop.core.started && !app.loop.core.follower.followed);
+    follow_target(middle);
+    const float read_v = output_v / (ohm + (float)MW_SHUNT_RESISTANCE_OHM) * ohm;
+    one_control_tick(ohm);
+    MUST(fabsf((float)app.loop.core.resistance_ohm / ohm - 0.98f) < 1e-5f);
+    MUST(fabsf((float)app.loop.core.follower.measured_w / (read_v * read_v / ohm) - 1.0f) < 1e-5f);
+    MUST(fabsf((float)app.loop.core.inverse_model.target - middle - 0.05f * SPAN) < 1e-6f * SPAN);
+    MUST(fabsf(mw_loop_resistance(&app.loop) / ohm - 1.0f) < 1e-5f); /* the protection has read the wire as it is */
+}
+
+TEST(an_estimate_before_the_first_target_is_by_the_corrected_model_too)
+{
+    uint8_t every[2];
+    mw_message sample;
+    fresh_driven(1.0f);
+    mw_put_u16(every, MW_CONTROL_TICKS);
+    say(MW_STREAM, every, 2);
+    correct(0.98f, 0.0f);
+    one_control_tick(0.5f * (float)(MW_RESISTANCE_LOW_OHM + MW_RESISTANCE_HIGH_OHM));
+    MUST(last_sent(MW_SAMPLE, &sample));
+    const float ohm = mw_get_f32(sample.payload + MW_AT_SAMPLE_RESISTANCE_OHM);
+    MUST(mw_get_f32(sample.payload + MW_AT_SAMPLE_ESTIMATE) == (float)mw_estimate((mw_real)0.98f * (mw_real)ohm).value);
+}
+
+TEST(a_zero_never_takes_a_target_beyond_the_models_highest)
+{
+    fresh(MW_RESET_POWER_ON);
+    say(MW_ARM, "", 0);
+    correct(1.0f, 0.5f * SPAN);
+    follow_target((float)MW_TARGET_HIGHEST);
+    live(ticks_of(0.06f));
+    MUST(acknowledged() == MW_DONE && app.loop.core.inverse_model.target == MW_TARGET_HIGHEST);
+    correct(1.0f, -0.5f * SPAN); /* so much further up today's highest target is */
+    follow_target((float)MW_TARGET_HIGHEST + 0.4f * SPAN);
+    MUST(acknowledged() == MW_DONE && output_v >= (float)MW_SENSE_VOLTAGE_V);
+    follow_target((float)MW_TARGET_HIGHEST + 0.6f * SPAN);
+    MUST(acknowledged() == MW_BAD_PAYLOAD && output_v == 0.0f);
+    MUST(mw_loop_event(&app.loop) == MW_EVENT_COMMAND_REFUSED);
+}
+
 TEST(a_line_that_nobody_reads_changes_nothing)
 {
     fresh(MW_RESET_POWER_ON);

@@ -26,11 +26,13 @@ VERSION_2 = {
     "OFF": (0x05, "<"),
     "STREAM": (0x06, "<H"),
     "KEEP": (0x07, "<"),
+    "CORRECT": (0x08, "<ff"),
     "INJECT": (0x7F, "<B"),
     "IDENTITY": (0x81, "<BBBBIIfffHIB16s12s24s"),
     "SAMPLE": (0x82, "<IBBHffffff"),
     "EVENT": (0x83, "<IBBf"),
     "ACKNOWLEDGEMENT": (0x84, "<HBB"),
+    "CORRECTION": (0x85, "<ff"),
 }
 
 

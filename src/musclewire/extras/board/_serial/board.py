@@ -10,7 +10,12 @@ from threading import Lock
 from musclewire.errors import RigError
 from musclewire.extras.board._serial.frames import FrameParser, SerialFrame, encode_frame
 from musclewire.extras.board._serial.line import ByteLine
-from musclewire.extras.board._serial.message_types import PROTOCOL_VERSION, Acknowledgement, MessageKind
+from musclewire.extras.board._serial.message_types import (
+    PROTOCOL_VERSION,
+    Acknowledgement,
+    BoardCorrection,
+    MessageKind,
+)
 from musclewire.extras.board._serial.messages import BoardIdentity, Message, payload_of, read_message
 
 # The protocol's checksum storm: this many broken frames within this time.
@@ -35,7 +40,7 @@ class Board:
     One thread talks; another one may order 0 V meanwhile, and that is then the last command.
 
     ``lost_frames`` are gaps in the board's sequence numbers; ``repeated_commands`` commands that were sent again
-    because no answer came.
+    because no answer came; ``correction`` the last that the board has confirmed.
     """
 
     def __init__(self, line: ByteLine, clock_s: Callable[[], float] = time.monotonic) -> None:
@@ -44,6 +49,7 @@ class Board:
         self.parser = FrameParser()
         self.lost_frames = 0
         self.repeated_commands = 0
+        self.correction: BoardCorrection | None = None
         self._next_sequence = 0
         self._sending, self._only_off = Lock(), False
         self._seen_sequence: int | None = None
@@ -131,6 +137,8 @@ class Board:
             ends_s = self._clock_s() + patience_s
             while (left_s := ends_s - self._clock_s()) > 0.0:
                 for message in self.receive(left_s):
+                    if isinstance(message, BoardCorrection):
+                        self.correction = message
                     if isinstance(message, Acknowledgement) and (message.sequence, message.kind) == (sequence, kind):
                         return message
         return None

@@ -36,7 +36,7 @@ from musclewire.rigs import (
     Metadata,
     MountedWire,
 )
-from musclewire.sensing import SensingModel
+from musclewire.sensing import Correction, SensingModel
 from musclewire.signals import Command, RawSample, Target, measured_in
 
 Volts = Annotated[float, measured_in("V"), Field(gt=0.0, allow_inf_nan=False)]
@@ -79,6 +79,11 @@ AGREEMENT = 5e-3
 # A longer name of a wire is cut off by the board, whose message has room for so many characters.
 WIRE_CHARACTERS = 24
 NO_TICK = -1
+# What to do where a command that must be done is not, by the board's answer.
+NOT_DONE: dict[int, str] = {
+    AcknowledgementResult.UNKNOWN: "its firmware does not know that yet, update it (musclewire flash)",
+    AcknowledgementResult.BAD_PAYLOAD: "a number in it is out of range",
+}
 
 
 class BoardFaultError(RigError):
@@ -114,6 +119,7 @@ class SerialDevice:
         self._drive_voltage_v = 0.0
         self._armed = self._paused = self._let_go = False
         self._off_confirmed = False
+        self._correction: Correction | None = None
         # Another thread may call ``off``: the board's answer to it wakes the exchange, which then releases the line.
         self._talking = RLock()
         self._due_tick = NO_TICK
@@ -224,6 +230,23 @@ class SerialDevice:
     def board_resistance_ohm(self) -> float | None:
         """The board's own resistance [ohm] at the last exchange; None before the first."""
         return None if self._last is None else self._last.resistance_ohm
+
+    def correct(self, correction: Correction | None) -> None:
+        """Let the board's loop run by a model that is corrected, as ``HasOnBoardLoop`` says."""
+        self._correction = correction
+        with self._talking, contextlib.suppress(BoardOffMeanwhileError):
+            self._send_correction()
+
+    def _send_correction(self) -> None:
+        """Send the correction, if there is one, until the board confirms it. Raises RigError like ``correct``."""
+        if self._correction is None:
+            return
+        payload = payload_of(MessageKind.CORRECT, self._correction.scale, self._correction.zero)
+        for _ in range(ATTEMPTS):
+            self._command(MessageKind.CORRECT, payload)
+            if (taken := self._board.correction) is not None and payload_of(MessageKind.CORRECT, *taken) == payload:
+                return
+        raise RigError(f"the board on {self._configuration.port} confirms another correction: reset it and try again")
 
     def __repr__(self) -> str:
         """Name the board, its port, its wire and its drive."""
@@ -395,6 +418,7 @@ class SerialDevice:
             self._refuse_other_trips([*self._unread, *self._board.receive(0.0)])
         self._unread.clear()
         self._command(MessageKind.ARM, b"")
+        self._send_correction()  # which a board forgets when it is armed
         self._due_tick = NO_TICK
         self._armed = True
 
@@ -414,7 +438,10 @@ class SerialDevice:
         answer = self._board.command(kind, payload, patience_s, ATTEMPTS * 2)
         if answer is None or answer.result != AcknowledgementResult.DONE:
             said = "did not answer" if answer is None else f"answered {answer.result}"
-            raise RigError(f"the board on {self._configuration.port} {said} to {kind.name}: reset it and try again")
+            advice = (
+                "reset it and try again" if answer is None else NOT_DONE.get(answer.result, "reset it and try again")
+            )
+            raise RigError(f"the board on {self._configuration.port} {said} to {kind.name}: {advice}")
 
     def sense(self) -> bool:
         """Order the sense voltage once; a board that does not receive it switches off when its command expires."""

@@ -23,11 +23,13 @@ class MessageKind(IntEnum):
     OFF = 0x05
     STREAM = 0x06
     KEEP = 0x07
+    CORRECT = 0x08
     INJECT = 0x7F
     IDENTITY = 0x81
     SAMPLE = 0x82
     EVENT = 0x83
     ACKNOWLEDGEMENT = 0x84
+    CORRECTION = 0x85
 
 
 class AcknowledgementResult(IntEnum):
@@ -107,7 +109,7 @@ class BoardSample(NamedTuple):
         wire_voltage_v: at the wire, mean; not a number without any reading [V].
         shunt_voltage_v: at the shunt, mean; not a number without any reading [V].
         resistance_ohm: of the means; 0 without current [ohm].
-        estimate: of the means, by the board's model; not a number without current.
+        estimate: of the means, by the board's model in its own zero; not a number without current.
         target: of the last TARGET; not a number before the first.
     """
 
@@ -153,6 +155,18 @@ class Acknowledgement(NamedTuple):
     result: int
 
 
+class BoardCorrection(NamedTuple):
+    """The correction that is in force; after CORRECT, before its ACK.
+
+    Attributes:
+        scale: what readings are scaled by for the estimate.
+        zero: what is added to every target.
+    """
+
+    scale: float
+    zero: float
+
+
 # Payloads, little endian.
 LAYOUTS: dict[MessageKind, struct.Struct] = {
     MessageKind.HELLO: struct.Struct("<"),
@@ -162,9 +176,11 @@ LAYOUTS: dict[MessageKind, struct.Struct] = {
     MessageKind.OFF: struct.Struct("<"),
     MessageKind.STREAM: struct.Struct("<H"),
     MessageKind.KEEP: struct.Struct("<"),
+    MessageKind.CORRECT: struct.Struct("<ff"),
     MessageKind.INJECT: struct.Struct("<B"),
     MessageKind.IDENTITY: struct.Struct("<BBBBIIfffHIB16s12s24s"),
     MessageKind.SAMPLE: struct.Struct("<IBBHffffff"),
     MessageKind.EVENT: struct.Struct("<IBBf"),
     MessageKind.ACKNOWLEDGEMENT: struct.Struct("<HBB"),
+    MessageKind.CORRECTION: struct.Struct("<ff"),
 }

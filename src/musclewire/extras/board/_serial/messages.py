@@ -12,6 +12,7 @@ from musclewire.extras.board._serial.frames import SerialFrame
 from musclewire.extras.board._serial.message_types import (
     LAYOUTS,
     Acknowledgement,
+    BoardCorrection,
     BoardEvent,
     BoardSample,
     IdentityFields,
@@ -42,13 +43,14 @@ class BoardIdentity(IdentityFields):
         return known.get(self.reset_cause, f"cause {self.reset_cause}")
 
 
-Message = BoardIdentity | BoardSample | BoardEvent | Acknowledgement
+Message = BoardIdentity | BoardSample | BoardEvent | Acknowledgement | BoardCorrection
 # The type that each of the board's messages is read as.
 READ_AS: dict[int, type[Message]] = {
     MessageKind.IDENTITY: BoardIdentity,
     MessageKind.SAMPLE: BoardSample,
     MessageKind.EVENT: BoardEvent,
     MessageKind.ACKNOWLEDGEMENT: Acknowledgement,
+    MessageKind.CORRECTION: BoardCorrection,
 }
 
 

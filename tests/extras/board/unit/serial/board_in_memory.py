@@ -121,6 +121,8 @@ class BoardInMemory:
         elif frame.kind == MessageKind.STREAM:
             (self.stream_every,) = struct.unpack("<H", frame.payload)
         result = self.answers.get(frame.kind, result)
+        if frame.kind == MessageKind.CORRECT and result == 0:
+            self.tell(MessageKind.CORRECTION, frame.payload)
         self.tell(MessageKind.ACKNOWLEDGEMENT, struct.pack("<HBB", frame.sequence, frame.kind, result))
         if frame.kind == MessageKind.HELLO:
             self.identify()

@@ -22,7 +22,7 @@ def test_a_heater_that_lives_shorter_than_a_sample_period_is_refused() -> None:
 
 
 def test_a_board_that_cannot_be_switched_off_at_the_start_is_not_opened() -> None:
-    with pytest.raises(RigError, match=f"answered {NO_SUCH_COMMAND} to OFF: reset it"):
+    with pytest.raises(RigError, match=f"answered {NO_SUCH_COMMAND} to OFF: its firmware"):
         rig_on(BoardInMemory(answers={MessageKind.OFF: NO_SUCH_COMMAND}))
 
 
