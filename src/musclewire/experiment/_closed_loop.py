@@ -42,6 +42,8 @@ from musclewire.judge import KEPT, TODAY, ZEROS, KnownB, RunCorrection, known_st
 from musclewire.rigs import Rig, refuse_no_rig
 from musclewire.sensing import (
     ESTIMATORS,
+    UNCORRECTED,
+    Correction,
     Estimator,
     EstimatorFactory,
     EstimatorSetup,
@@ -49,6 +51,7 @@ from musclewire.sensing import (
     SensingModel,
     default_estimator,
     force_model,
+    state_going_on,
 )
 from musclewire.signals import (
     COLUMN_SUFFIX,
@@ -131,9 +134,8 @@ class SelfSensingPolicy:
             self._controller_state, target + now.zero, heeded, self._sample_period_s
         )
         if self._correction.watch(read, own, taken_s):
-            # What it has followed was another resistance: what contradicts that now is neither motion nor air.
-            self._estimator = self._loop.estimator_of(self._correction.model)
-            self._estimator_state = self._estimator.start()
+            self._estimator = self._loop.estimator_of(self._correction.correction)
+            self._estimator_state = state_going_on(self._estimator, self._estimator_state)
         factor = (now.scale,) if self._loop.corrects else ()
         announced = () if fastest is None else (fastest.miss(judged),)
         seen = (judged, estimate.value, estimate.std, float(estimate.valid))
@@ -338,7 +340,7 @@ class PreparedLoop(NamedTuple):
     metadata: dict[str, MetadataValue]
     corrects: bool
     correction_of: Callable[[], RunCorrection]
-    estimator_of: Callable[[SensingModel], Estimator]
+    estimator_of: Callable[[Correction], Estimator]
     fastest: FastestWay | None
 
 
@@ -373,8 +375,9 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
     if room is not None:
         metadata |= {"zero_of_room": room.said}
 
-    def estimator_of(model: SensingModel) -> Estimator:
-        setup = EstimatorSetup(model, rig.shunt_resistance_ohm, rig.sample_period_s, load, wire)
+    def estimator_of(correction: Correction) -> Estimator:
+        today = correction.applied_to(model)
+        setup = EstimatorSetup(today, rig.shunt_resistance_ohm, rig.sample_period_s, load, wire, correction)
         made: Estimator = ESTIMATORS.make(settled.estimator, setup)
         return made
 
@@ -386,7 +389,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
     return PreparedLoop(
         model,
         chosen,
-        estimator_of(model),
+        estimator_of(UNCORRECTED),
         CONTROLLERS.make(settled.controller, ControllerSetup(limits, error_unit_for(model, load), settled.settings)),
         settled.settings,
         settled.approach_s,

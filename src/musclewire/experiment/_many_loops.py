@@ -343,7 +343,7 @@ def run_of(rig: GuardedRig, loop: CompiledLoop) -> CompiledRun | None:
         begins += run.samples
         if begins == loop.elapsed_s.size:
             return run._replace(columns={name: np.concatenate([one[name] for one in parts]) for name in parts[0]})
-        estimator = declared_tick(loop.prepared.estimator_of(correction.model))
+        estimator = declared_tick(loop.prepared.estimator_of(correction.correction))
         assert estimator is not None
         ticks = ticks._replace(estimator=estimator, controller=run.controller)
         drive_v, state = run.next_drive_v, State.RUN

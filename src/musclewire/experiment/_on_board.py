@@ -20,7 +20,7 @@ from musclewire.experiment._speed_limits import speed_metadata
 from musclewire.identify import gains_of, settings_for
 from musclewire.judge import KEPT
 from musclewire.rigs import HasOnBoardLoop, Rig, ability
-from musclewire.sensing import PAPER_ESTIMATOR, SensingModel
+from musclewire.sensing import PAPER_ESTIMATOR, SensingModel, state_going_on
 from musclewire.signals import COLUMN_SUFFIX, Command, RawSample, Target, wire_sample
 
 
@@ -62,8 +62,8 @@ class TargetPolicy:
         estimate = self._correction.shown(own)
         if self._correction.watch(read, own, taken_s):
             self._board.correct(self._correction.correction)
-            self._estimator = self._loop.estimator_of(self._correction.model)
-            self._state = self._estimator.start()
+            self._estimator = self._loop.estimator_of(self._correction.correction)
+            self._state = state_going_on(self._estimator, self._state)
         judged = self._loop.reference.target_at(max(since_s - self._sample_period_s, 0.0))
         announced = () if self._loop.fastest is None else (self._loop.fastest.miss(judged),)
         seen = (judged, estimate.value, estimate.std, float(estimate.valid))

@@ -16,7 +16,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify._home.overlay import LATENT_K
 from musclewire.identify._home.warming import course_of
-from musclewire.sensing import SHOWN_AS, Correction, SensingModel
+from musclewire.sensing import SHOWN_AS, UNCORRECTED, Correction, SensingModel
 from musclewire.signals import MetadataValue, Recording, RunFacts
 from musclewire.wire import HeatBalance
 
@@ -100,7 +100,7 @@ def zero_of_room(model: SensingModel, known: Mapping[str, MetadataValue]) -> Zer
         return None
     room = f"the room is {abs(warmer_k):.0f} K {'warmer' if warmer_k > 0.0 else 'colder'} than at the characterization"
     if slope is None:
-        return ZeroOfRoom(Correction(), f"{room}, and the model does not state how far that moves the zero: fit again")
+        return ZeroOfRoom(UNCORRECTED, f"{room}, and the model does not state how far that moves the zero: fit again")
     has_spring = (fitted.number_or_none("spring_stiffness_n_per_m") or 0.0) > 0.0
     value = (SPRINGS_FRACTION if has_spring else FRACTION) * slope * warmer_k
     std = FRACTION_STD * slope * abs(warmer_k)

@@ -18,7 +18,7 @@ from musclewire.errors import CallerError
 from musclewire.judge._first_heating import LIMIT_STDS, NOISY, KnownB, SeenAtB
 from musclewire.judge._known_strain import COMPARED_S, WITHIN_STD, KnownStrain, MissedBy, held_mean
 from musclewire.physics import wire_resistance
-from musclewire.sensing import SHOWN_AS, Correction, SensingModel, by_scale_of
+from musclewire.sensing import SHOWN_AS, UNCORRECTED, Correction, SensingModel, by_scale_of
 from musclewire.signals import QuantityEstimate, Reason, WireSample
 
 # Where strain counts from: the cold wire of today, or that of the characterization.
@@ -71,7 +71,7 @@ class RunCorrection:
                 f"the known {model.quantity} of {factor * known_strain.value:g} {unit} at {known_strain.at_s:g} s: "
                 f"this model senses {factor * model.quantity_min:.3g} to {factor * model.quantity_max:.3g} {unit}"
             )
-        self.correction = room or Correction()
+        self.correction = room or UNCORRECTED
         self.is_refused = False
         self._of_characterization, self._by_scale = model, by_scale_of(model)
         self._shunt_resistance_ohm = shunt_resistance_ohm

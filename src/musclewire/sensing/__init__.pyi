@@ -7,6 +7,7 @@ from ._branch_equations import normalised_resistance as normalised_resistance
 from ._branches import MAX_WINDOW_FRACTION as MAX_WINDOW_FRACTION
 from ._branches import Branch as Branch
 from ._branches import single_valued as single_valued
+from ._correction import UNCORRECTED as UNCORRECTED
 from ._correction import Correction as Correction
 from ._correction import by_scale_of as by_scale_of
 from ._correction import with_resistances as with_resistances
@@ -19,6 +20,7 @@ from ._estimator import EstimatorFactory as EstimatorFactory
 from ._estimator import EstimatorSetup as EstimatorSetup
 from ._estimator import dropout_failure as dropout_failure
 from ._estimator import estimates as estimates
+from ._estimator import state_going_on as state_going_on
 from ._filter_estimator import FILTER as FILTER
 from ._filter_estimator import FILTER_CONSTANTS as FILTER_CONSTANTS
 from ._filter_estimator import FilterEstimator as FilterEstimator

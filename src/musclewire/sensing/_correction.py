@@ -71,6 +71,9 @@ class Correction(NamedTuple):
         return model if self.scale == 1.0 else with_resistances(model, 1.0 / self.scale, 0.0)
 
 
+UNCORRECTED = Correction()
+
+
 def with_resistances(model: FittedKind, scale: float, offset_ohm: float) -> FittedKind:
     """Return a model with every resistance in it a factor and an offset [ohm] away from what it was."""
 

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from musclewire.registry import Registry
+from musclewire.sensing._correction import UNCORRECTED, Correction
 from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._known_load import KnownSpring
 from musclewire.signals import EstimatorStep, QuantityEstimate, RawSample, WireSample, check_columns
@@ -85,6 +86,8 @@ class EstimatorSetup:
         The spring that the wire pulls, if force is estimated from a model of strain; its friction belongs to the force.
     wire
         Constants of the user's wire file on the load of the rig, for an estimator on physics; None without a file.
+    correction
+        How the wire of today differs from the characterized one. It is in the model, and not in the wire file.
     """
 
     model: FittedCurve
@@ -92,6 +95,17 @@ class EstimatorSetup:
     sample_period_s: float
     load: KnownSpring | None = None
     wire: WireConstants | None = None
+    correction: Correction = UNCORRECTED
+
+
+def state_going_on(estimator: Estimator, before: Any) -> Any:
+    """Return the state by which an estimator of a corrected model goes on after one of the model before.
+
+    As at the start, because what it has followed was another resistance; but one that does not find a warm wire from
+    its start says by a method ``going_on`` what of the state holds.
+    """
+    own = getattr(estimator, "going_on", None)
+    return estimator.start() if own is None else own(before)
 
 
 EstimatorFactory = Callable[[EstimatorSetup], Estimator]

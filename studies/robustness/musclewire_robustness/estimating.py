@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +11,7 @@ import numpy.typing as npt
 from musclewire import ESTIMATORS, EstimatorSetup, FloatArray, SensingModel, WireSample
 from musclewire.identify import load_facts
 from musclewire.judge import JudgedLoop, KnownB, RunCorrection, odd_resistance
-from musclewire.sensing import EstimatorFactory, KnownSpring
+from musclewire.sensing import UNCORRECTED, Correction, EstimatorFactory, KnownSpring, state_going_on
 from musclewire.signals import Recording
 from musclewire.wire import WireConstants
 from musclewire_robustness.recorded_run import RecordedRun
@@ -86,8 +85,8 @@ def estimated(
         own, state, recorded = made.step(state, sample)
         answers.append((correction.shown(own) if zeroed else own, recorded, correction.has_moved))
         if correction.watch(sample, own, sample.time_s) and zeroed:
-            made = factory(setup_of(run, correction.model, wire, load))
-            state = made.start()
+            made = factory(setup_of(run, model, wire, load, correction.correction))
+            state = state_going_on(made, state)
     found, recorded, moved = zip(*answers, strict=True)
     since = since_first_odd(run, model, np.array([one.valid for one in found]))
     failure = next((one.failure for one in found if one.failure), "")
@@ -120,10 +119,12 @@ def since_first_odd(run: RecordedRun, model: SensingModel, valid: npt.NDArray[np
 
 
 def setup_of(
-    run: RecordedRun, model: SensingModel, wire: WireConstants | None, load: KnownSpring | None
+    run: RecordedRun,
+    model: SensingModel,
+    wire: WireConstants | None,
+    load: KnownSpring | None,
+    correction: Correction = UNCORRECTED,
 ) -> EstimatorSetup:
     """Return what a factory makes an estimator from."""
-    known: dict[str, Any] = {}
-    if "wire" in {item.name for item in fields(EstimatorSetup)}:
-        known["wire"] = wire
-    return EstimatorSetup(model, run.facts["shunt_resistance_ohm"], run.facts["sample_period_s"], load, **known)
+    shunt_ohm, period_s = run.facts["shunt_resistance_ohm"], run.facts["sample_period_s"]
+    return EstimatorSetup(correction.applied_to(model), shunt_ohm, period_s, load, wire, correction)

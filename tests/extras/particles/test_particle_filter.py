@@ -14,7 +14,7 @@ from musclewire.extras.particles._estimator import PARTICLE_COLUMNS, particle_fi
 from musclewire.extras.particles._settings import ParticleSettings
 from musclewire.identify import fit
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.sensing import EstimatorSetup, HomeMove, SensingModel
+from musclewire.sensing import Correction, EstimatorSetup, HomeMove, SensingModel, state_going_on
 from musclewire.signals import Reason, Recording, WireSample
 from musclewire.wire import CHOSEN, OneWire, constants_from, drive_path
 
@@ -127,6 +127,27 @@ def test_a_home_move_says_what_became_of_the_resistance() -> None:
         steps = [one.step(state, sample) for one, state, sample in zip(estimators, states, samples, strict=True)]
         states = [step.state for step in steps]
     # The aged wire takes 2 % more power at the same current; without the correction this costs 10 % of the stroke.
+    assert steps[1].estimate.value == pytest.approx(steps[0].estimate.value, abs=0.015 * STROKE)
+
+
+def test_a_correction_in_the_middle_of_a_run_reaches_the_wire_file_and_keeps_what_was_followed() -> None:
+    """A resistance that reads 1 % high: corrected while the wire is warm, the filter says what it would have said."""
+    told = Correction(scale=1.0 / 1.01)
+    as_fitted = EstimatorSetup(fitted(), 1.0, PERIOD_S, wire=WIRE)
+    as_today = EstimatorSetup(told.applied_to(fitted()), 1.0, PERIOD_S, wire=WIRE, correction=told)
+    sound, high = particle_filter(as_fitted), particle_filter(as_fitted)
+    wire, states = OneWire(WIRE), [sound.start(), high.start()]
+    for tick in range(240):
+        if tick == 60:
+            high = particle_filter(as_today)
+            states[1] = state_going_on(high, states[1])
+        drive_v = drive_at(PERIOD_S * tick)
+        means = wire.advance(drive_v, PERIOD_S, CHOSEN)
+        fresh = WireSample(PERIOD_S * tick, drive_v, means.wire_voltage_v, means.shunt_voltage_v)
+        reads_high = fresh._replace(wire_voltage_v=1.01 * fresh.wire_voltage_v)
+        steps = [sound.step(states[0], fresh), high.step(states[1], reads_high)]
+        states = [step.state for step in steps]
+    assert steps[1].estimate.valid
     assert steps[1].estimate.value == pytest.approx(steps[0].estimate.value, abs=0.015 * STROKE)
 
 

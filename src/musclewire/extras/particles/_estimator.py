@@ -95,7 +95,8 @@ class ParticleFilter:
         self.quantity = modelled.quantity
         home = getattr(setup.model, "home", None)
         settings, wire = after_home(settings, wire, home)
-        self._scale, self._offset_ohm = resistance_after(home)
+        scale, offset_ohm = resistance_after(home)
+        self._scale, self._offset_ohm = scale / setup.correction.scale, offset_ohm / setup.correction.scale
         self._modelled, self._wire, self._settings = modelled, wire, settings
         self._shunt_ohm, self._period_s = setup.shunt_resistance_ohm, setup.sample_period_s
         self._range = modelled.curve.quantity_max - modelled.curve.quantity_min
@@ -113,6 +114,10 @@ class ParticleFilter:
     def start(self) -> ParticleState:
         """Return the state before the first sample: the wire at rest, and nothing has changed."""
         return self._start
+
+    def going_on(self, before: ParticleState) -> ParticleState:
+        """Return the state by which it goes on for a corrected model: what its hypotheses were through stays."""
+        return before._replace(modelled=self._modelled.start())
 
     def step(self, state: ParticleState, sample: WireSample) -> EstimatorStep:
         """Return the estimate of one sample."""
