@@ -27,7 +27,7 @@ TODAY, KEPT = ZEROS = "today", "kept"
 # intervals of half and of one and a half times the load hold in 43 % of the samples.
 LEFT_FRACTION = 0.4
 # And in strokes, where one strain has shown it: a load that has also moved the zero errs to either side of it, so that
-# little may be missed where much is wrong elsewhere (studies/known_strain.py: held in 66 % without it).
+# little may be missed where much is wrong elsewhere (studies/known_strain.py --quick: 72 % hold without it).
 LEFT_BY_STRAIN = 0.02
 # A wire's resistance changes by less than 6 % in its life: two deviations of its scale, before anything is seen.
 SCALE_STD = 0.03
@@ -151,8 +151,6 @@ class RunCorrection:
             return
         _, here_ohm, value = (float(one) for one in held_mean(np.array(self._seen), shown.std))
         missed = MissedBy(0, value - known.value, shown.std)
-        if not missed.is_away and self.correction.is_believed:
-            return
         # Along the mean curve, whichever branch the wire is on: both have about the same slope.
         model, zero = self.model, self.correction.zero
         seen, is_at = (min(max(zero + one, model.quantity_min), model.quantity_max) for one in (value, known.value))
@@ -160,7 +158,9 @@ class RunCorrection:
         if off_ohm == 0.0:
             return
         by_scale = (is_at - seen) / log1p(off_ohm / here_ohm)
-        found = self._doubted.informed(seen - is_at, by_scale, -1.0, own.std * own.std)
+        # What agrees puts nothing in doubt: it narrows what was not certain, as the room's zero.
+        prior = self._doubted if missed.is_away else self.correction
+        found = prior.informed(seen - is_at, by_scale, -1.0, own.std * own.std)
         if missed.is_away:
             left = LEFT_BY_STRAIN * model.stroke, LEFT_FRACTION * missed.above
             found = found.doubted_by(left[0] * left[0] + left[1] * left[1])

@@ -140,6 +140,15 @@ def test_after_b_a_known_strain_moves_the_zero_and_makes_the_interval_narrower()
     assert run.variance < 0.1 * wide
 
 
+def test_in_another_room_a_known_strain_that_agrees_moves_the_zero_and_no_scale() -> None:
+    room = Correction(zero=1e-3, zero_variance=3e-4**2)
+    known = float(STRAIGHT.strain(18.5)) - 1.2e-3
+    run = held(18.5, 1.0, known, RunCorrection(STRAIGHT, SHUNT_OHM, None, KnownStrain(known, AT_S), room))
+    assert run.correction.scale == 1.0
+    assert 1e-3 < run.correction.zero < 1.2e-3
+    assert run.correction.zero_variance < 0.2 * room.zero_variance
+
+
 def test_only_what_was_valid_at_the_moment_is_compared() -> None:
     run = RunCorrection(STRAIGHT, SHUNT_OHM, None, KnownStrain(0.02, AT_S))
     for row in range(60):

@@ -438,9 +438,7 @@ class SerialDevice:
         answer = self._board.command(kind, payload, patience_s, ATTEMPTS * 2)
         if answer is None or answer.result != AcknowledgementResult.DONE:
             said = "did not answer" if answer is None else f"answered {answer.result}"
-            advice = (
-                "reset it and try again" if answer is None else NOT_DONE.get(answer.result, "reset it and try again")
-            )
+            advice = NOT_DONE.get(answer.result if answer else -1, "reset it and try again")
             raise RigError(f"the board on {self._configuration.port} {said} to {kind.name}: {advice}")
 
     def sense(self) -> bool:
