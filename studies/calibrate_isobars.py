@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from musclewire.identify import SearchSettings, calibrate
+from musclewire.extras.calibration import SearchSettings, calibrate
 from musclewire.signals import Recording
 
 DATA = Path(__file__).parent / "data" / "sma_react"

@@ -17,7 +17,7 @@ import sys
 import numpy as np
 
 import musclewire as mw
-from musclewire.identify import Calibration, CandidateParameters, SearchSettings, WireValues, calibrate
+from musclewire.extras.calibration import Calibration, CandidateParameters, SearchSettings, WireValues, calibrate
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_priors, load_wire
 from musclewire.rigs import GuardedRig, SimulatedDevice, SimulatedSpool
 from musclewire.signals import Recording

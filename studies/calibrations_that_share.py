@@ -18,7 +18,7 @@ from musclewire_robustness.plant import open_plant
 from musclewire_robustness.population import PopulationWire, drawn_wire
 
 from musclewire.experiment import WaveformPolicy, run_on_rig
-from musclewire.identify import Calibration, SearchSettings, calibrate
+from musclewire.extras.calibration import Calibration, SearchSettings, calibrate
 from musclewire.signals import Recording
 
 WIRES, QUICK_WIRES = range(107, 119), range(107, 109)

@@ -1,6 +1,6 @@
 """How far off is a model fitted to resistance alone, and does it say so?
 
-Wires are drawn from the spreads around paper-100um (parameters/data/spreads/named-wire.toml): temperatures by 5 K,
+Wires are drawn from the spreads around paper-100um (named-wire.toml of the extra calibration): temperatures by 5 K,
 resistivity by 3 %, convection by 10 %, strains by 7 %, the alloy's other numbers by half of their prior, length by
 0.7 %, load by 3 %, air by 1 K. Each runs the slow sine on the simulated rig with all its noise. The user states the
 name, the nominal length and load, and:
@@ -39,9 +39,9 @@ import numpy as np
 
 import musclewire as mw
 from musclewire.errors import MusclewireError
-from musclewire.identify import CandidateParameters, WireValues
+from musclewire.extras.calibration import CandidateParameters, WireValues, load_spreads, priors_around
 from musclewire.judge import resistance_reading
-from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_spreads, load_wire, priors_around
+from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
 from musclewire.rigs import Contact, GuardedRig, SimulatedDevice, SimulatedSpool, Spring
 from musclewire.sensing import find_loops
 from musclewire.signals import Recording

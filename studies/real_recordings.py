@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 import musclewire as mw
 from musclewire.errors import MusclewireError
-from musclewire.identify import SearchSettings, calibrate
+from musclewire.extras.calibration import SearchSettings, calibrate
 from musclewire.signals import Recording
 
 FloatArray = NDArray[np.float64]

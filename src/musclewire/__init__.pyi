@@ -29,19 +29,11 @@ from .experiment import pretension_sweep as pretension_sweep
 from .experiment import speed_limits as speed_limits
 from .experiment import train as train
 from .experiment import zero_tendon as zero_tendon
-from .identify import Marks as Marks
-from .identify import calibrate as calibrate
-from .identify import channel_axes as channel_axes
 from .identify import estimate as estimate
 from .identify import fit as fit
-from .identify import fit_resistance as fit_resistance
 from .identify import loop_gaps as loop_gaps
-from .identify import next_experiments as next_experiments
-from .identify import save_wire as save_wire
-from .identify import settings_of_effort as settings_of_effort
 from .identify import simulated_isobar as simulated_isobar
 from .identify import tune as tune
-from .identify import write_report as write_report
 from .manifest import Command as Command
 from .manifest import CommandGroup as CommandGroup
 from .manifest import Manifest as Manifest
@@ -105,6 +97,14 @@ from .wire import drive_many as drive_many
 from .wire import fixed_steps as fixed_steps
 
 # Of parts outside the core, by their manifests; with their types from the part itself, as musclewire.extras.studies.
+Marks: typing.Any
+calibrate: typing.Any
+channel_axes: typing.Any
+fit_resistance: typing.Any
+next_experiments: typing.Any
+save_wire: typing.Any
+settings_of_effort: typing.Any
+write_report: typing.Any
 GripperKnowledge: typing.Any
 KnownGrip: typing.Any
 close_fingers: typing.Any

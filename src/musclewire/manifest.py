@@ -106,8 +106,9 @@ class Manifest:
         Groups of commands that are its own.
     names
         Names of ``import musclewire as mw`` by their places.
-    estimators, controllers, devices, load_parts, plots, run_kinds
-        Kinds by name, each with its place, as the registries of the core take them. Devices are the kinds of rigs.
+    estimators, controllers, devices, load_parts, plots, run_kinds, fits
+        Kinds by name, each with its place, as the registries of the core take them. Devices are the kinds of rigs,
+        ``fits`` dataclasses of options of ``musclewire fit`` (``OtherFit`` in ``app/_model_commands.py``).
     rig_files
         "package:folder" with the rig files that come with it, "" for none; "package:" is the package's own folder.
     rig_names
@@ -139,6 +140,7 @@ class Manifest:
     load_parts: Mapping[str, str] = field(default_factory=dict)
     plots: Mapping[str, str] = field(default_factory=dict)
     run_kinds: Mapping[str, str] = field(default_factory=dict)
+    fits: Mapping[str, str] = field(default_factory=dict)
     rig_files: str = ""
     rig_names: Mapping[str, str] = field(default_factory=dict)
     needs: Mapping[str, str] = field(default_factory=dict)
@@ -272,7 +274,7 @@ def absent_part(kind: str, name: str) -> CallerError | None:
     Parameters
     ----------
     kind
-        "commands", "names", "estimators", "devices", "run_kinds" or "suffixes": a key of ``parts.toml``.
+        "commands", "options", "names", "estimators", "devices", "run_kinds" or "suffixes": a key of ``parts.toml``.
     name
         What was asked for.
 

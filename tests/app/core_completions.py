@@ -6,8 +6,7 @@ __all__ = ["IN_EVERY_SHELL", "QUESTIONS"]
 
 QUESTIONS = [
     ("contr", "control"),
-    ("fit --wire flexinol-0.10-l", "flexinol-0.10-lt"),
     ("control simulated model.json --estim", "--estimator"),
     ("control simulated model.json --rules zh", "zhao-1993"),
 ]
-IN_EVERY_SHELL = [QUESTIONS[1]]
+IN_EVERY_SHELL = [QUESTIONS[0]]

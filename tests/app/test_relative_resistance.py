@@ -27,5 +27,3 @@ def test_a_relative_model_is_fitted_estimates_another_wire_and_is_refused_by_a_r
     refused = musclewire("control", "simulated", model_file)
     assert refused.code == 2
     assert "--relative-resistance" in refused.err
-    named = musclewire("fit", loop_file, "--relative-resistance", "--wire", "flexinol-0.10-lt")
-    assert named.code == 2

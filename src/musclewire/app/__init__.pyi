@@ -4,7 +4,6 @@ from ._answer import ABSENT as ABSENT
 from ._answer import AnswerModel as AnswerModel
 from ._answer import AnswerRecord as AnswerRecord
 from ._answer import Finite as Finite
-from ._calibrate_command import read_one as read_one
 from ._command_line import every_command as every_command
 from ._command_line import listed_commands as listed_commands
 from ._completion import complete_controllers as complete_controllers
@@ -23,6 +22,7 @@ from ._doctor_command import text as text
 from ._figure_options import FigureOptions as FigureOptions
 from ._files import require_figure_file as require_figure_file
 from ._files import require_folder as require_folder
+from ._files import require_free as require_free
 from ._files import require_recording_file as require_recording_file
 from ._files import require_zip_file as require_zip_file
 from ._files import save_figure as save_figure
@@ -38,6 +38,7 @@ from ._options import CLEARANCE as CLEARANCE
 from ._options import CPU as CPU
 from ._options import FILE as FILE
 from ._options import LIST as LIST
+from ._options import MAX_COUNT as MAX_COUNT
 from ._options import NAME as NAME
 from ._options import OBJECT_STIFFNESS as OBJECT_STIFFNESS
 from ._options import ONLY as ONLY
@@ -46,17 +47,21 @@ from ._options import OVERWRITE as OVERWRITE
 from ._options import PLOT as PLOT
 from ._options import QUICK as QUICK
 from ._options import REAL_TIME_PRIORITY as REAL_TIME_PRIORITY
+from ._options import REPORT as REPORT
 from ._options import RIG as RIG
 from ._options import RULES as RULES
 from ._options import SEED as SEED
+from ._options import SET as SET
 from ._options import SETTINGS as SETTINGS
 from ._options import SHUNT as SHUNT
+from ._options import THREADS as THREADS
 from ._options import WIRE as WIRE
 from ._options import WIRE_LENGTH as WIRE_LENGTH
 from ._options import WORKERS as WORKERS
 from ._options import RigName as RigName
 from ._options import as_option as as_option
 from ._options import in_si as in_si
+from ._options import mapping as mapping
 from ._options import option as option
 from ._options import own_help as own_help
 from ._options import quantity as quantity
@@ -66,6 +71,7 @@ from ._output import progress_bar as progress_bar
 from ._output import run_bar as run_bar
 from ._output import say as say
 from ._output import show as show
+from ._output import step_bar as step_bar
 from ._output import table as table
 from ._output import tell as tell
 from ._output import warn as warn

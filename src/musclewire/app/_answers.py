@@ -18,7 +18,7 @@ from musclewire.experiment import (
     StepSpread,
     TrainingCycle,
 )
-from musclewire.identify import HelpfulMeasurement, SufficientChanges, TooFast, VarianceShare, WeakSupply
+from musclewire.identify import SufficientChanges, TooFast, WeakSupply
 from musclewire.judge import ErrorGroup
 from musclewire.sensing import HomeMove
 from musclewire.signals import IgnoredHeader, MatchedHeader, MetadataValue, UndecidedHeader
@@ -372,13 +372,29 @@ class FitReport(AnswerModel):
     wire_model: dict[str, WireModelNumber] | None
 
 
+class VarianceShare(AnswerModel):
+    """A number that was stated, its standard deviation as a fraction of it, and what it costs of the stroke."""
+
+    name: str
+    relative_std: float
+    stroke_std: float
+    text: str
+
+
+class HelpfulMeasurement(AnswerModel):
+    """A measurement, and the standard deviation of the stroke after it, as a fraction of the stroke."""
+
+    what: str
+    stroke_std: float
+
+
 class FitAnswer(EstimateErrors, FitReport):
-    """Of ``fit``; from resistance alone how far the model may be off, and what would help."""
+    """Of ``fit``; without an instrument of motion how far the model may be off, and what would help."""
 
     stroke_std_pct: float | None = ABSENT
     misfit: float | None = ABSENT
-    costs: tuple[Annotated[VarianceShare, AnswerRecord(text=str)], ...] | None = ABSENT
-    helps: tuple[Annotated[HelpfulMeasurement, AnswerRecord()], ...] | None = ABSENT
+    costs: tuple[VarianceShare, ...] | None = ABSENT
+    helps: tuple[HelpfulMeasurement, ...] | None = ABSENT
     model: str | None
 
 
@@ -397,70 +413,6 @@ class TuneAnswer(AnswerModel):
     phase_margin_deg: float
     delay_margin_s: float
     gains: str | None
-
-
-class CalibratedParameter(AnswerModel):
-    """One parameter: value and standard deviation in SI, and the prior's."""
-
-    value: float
-    unit: str
-    std: float
-    prior_mean: float
-    prior_std: float
-    identifiable: bool
-    at_bound: bool
-    group: str
-
-
-class CalibratedChannel(AnswerModel):
-    """How well the fitted wire follows one channel of a recording."""
-
-    recording: str
-    channel: str
-    unit: str
-    rms: float
-    rms_in_uncertainties: float
-
-
-class CorrelatedParameters(AnswerModel):
-    """Two parameters that are identified together rather than apart."""
-
-    parameters: tuple[str, str]
-    r: float
-
-
-class AdvisedExperiment(AnswerModel):
-    """What to measure next."""
-
-    title: str
-    text: str
-    tells: Words
-    narrows: Words
-
-
-class CalibrateAnswer(AnswerModel):
-    """Of ``calibrate``."""
-
-    parameters: dict[str, CalibratedParameter]
-    not_identifiable: Words
-    rmse: float
-    holds: bool
-    channels: tuple[CalibratedChannel, ...]
-    correlated: tuple[CorrelatedParameters, ...]
-    not_searched: Words
-    notes: Words
-    excess_variance: float
-    simulations: int
-    descent_costs: tuple[float, ...]
-    wall_s: float
-    seed: int
-    advice: tuple[AdvisedExperiment, ...]
-    recordings: Words
-    started_from: str
-    priors: str
-    wire: str | None
-    report: str | None
-    warnings: Words
 
 
 class KnownNames(AnswerModel):

@@ -10,15 +10,15 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
-from typing import Any, get_type_hints
+from typing import Any, cast, get_type_hints
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
 from musclewire.app._core_commands import COMMANDS, GROUPS, PANELS
-from musclewire.app._options import BeyondCatalogue, Json
+from musclewire.app._options import BeyondCatalogue, Json, Offered
 from musclewire.app._output import Result, run_command
-from musclewire.manifest import Command, CommandGroup, absent_part, loaded, manifests, require_packages_of
+from musclewire.manifest import Command, CommandGroup, absent_part, loaded, manifests, offered, require_packages_of
 
 # Commands with one of these parameters have a rig or a wire, whose numbers --beyond-catalogue confirms.
 WITH_A_WIRE = {"rig", "wire", "study", "wire_file"}
@@ -37,17 +37,14 @@ def flat(function: Callable[..., Result | None]) -> Callable[..., None]:
     """
     signature = inspect.signature(function, eval_str=True)
     answers = signature.return_annotation is Result
-    groups: dict[str, Any] = {
-        name: one.annotation for name, one in signature.parameters.items() if is_dataclass(one.annotation)
-    }
+    groups = {name: groups_of(one.annotation) for name, one in signature.parameters.items()}
 
     def run(**values: Any) -> None:
-        given = {
-            name: groups[name](**{field.name: values[field.name] for field in fields(groups[name])})
-            if name in groups
-            else values[name]
-            for name in signature.parameters
-        }
+        given = {}
+        for name, one in signature.parameters.items():
+            kinds = groups[name]
+            filled = tuple(kind(**{field.name: values[field.name] for field in fields(kind)}) for kind in kinds or ())
+            given[name] = values[name] if kinds is None else filled[0] if is_dataclass(one.annotation) else filled
         rigs = values.get("rig") or ()
         for rig in [rigs] if isinstance(rigs, str) else rigs:
             require_packages_of(rig)
@@ -63,7 +60,7 @@ def flat(function: Callable[..., Result | None]) -> Callable[..., None]:
     parameters = [
         part
         for name, one in signature.parameters.items()
-        for part in (parameters_of(groups[name]) if name in groups else [keyword(name, one.annotation, one.default)])
+        for part in parameters_of(groups[name], keyword(name, one.annotation, one.default))
     ]
     if any(part.name in WITH_A_WIRE for part in parameters):
         parameters.append(keyword(BEYOND, BeyondCatalogue, False))
@@ -73,10 +70,23 @@ def flat(function: Callable[..., Result | None]) -> Callable[..., None]:
     return run
 
 
-def parameters_of(group: type[Any]) -> list[inspect.Parameter]:
-    """Return a parameter for each field of a dataclass."""
-    hints = get_type_hints(group, include_extras=True)
-    return [keyword(field.name, hints[field.name], default_of(field)) for field in fields(group)]
+def groups_of(annotation: Any) -> tuple[type[Any], ...] | None:
+    """Return the dataclasses whose fields are options: one, or those that parts offer; None if it is a single value."""
+    if is_dataclass(annotation):
+        return (cast("type[Any]", annotation),)
+    offers = [one for one in getattr(annotation, "__metadata__", ()) if isinstance(one, Offered)]
+    return tuple(loaded(place) for place in offered(offers[0].kind).values()) if offers else None
+
+
+def parameters_of(groups: tuple[type[Any], ...] | None, alone: inspect.Parameter) -> list[inspect.Parameter]:
+    """Return a parameter for each field of dataclasses, or the one that stands alone."""
+    if groups is None:
+        return [alone]
+    found = []
+    for group in groups:
+        hints = get_type_hints(group, include_extras=True)
+        found += [keyword(field.name, hints[field.name], default_of(field)) for field in fields(group)]
+    return found
 
 
 def default_of(field: Field[Any]) -> Any:

@@ -100,13 +100,6 @@ COMMANDS = (
         answer="musclewire.app._answers:EstimateAnswer",
     ),
     Command(
-        "calibrate",
-        "musclewire.app._calibrate_command:calibrate",
-        "Identify the physical parameters of your wire from recordings of it, with uncertainty.",
-        panel=RECORDINGS,
-        answer="musclewire.app._answers:CalibrateAnswer",
-    ),
-    Command(
         "recover",
         "musclewire.app._recover_command:recover",
         "Make plain HDF5 of the journal that a run left when it was cut off; with -o the journal stays.",

@@ -17,6 +17,7 @@ from musclewire.app._command_line import CommandLine
 from musclewire.app._output import emit_json, in_options, say, show
 from musclewire.app._stopping import STOPPED, StoppedCommand, ignore_signals, listen_for_signals
 from musclewire.errors import CallerError, MusclewireError
+from musclewire.manifest import absent_part
 
 # Typer carries its own copy of click since 0.26; this finds the base of all usage errors in either.
 UsageProblem: Any = typer.BadParameter.__mro__[2]
@@ -105,6 +106,9 @@ def usage_line(error: Any) -> str:
     message, context = str(error.format_message()), error.ctx
     for words, ours in IN_OUR_WORDS:
         message = re.sub(words, ours, message)
+    absent = absent_part("options", f"{getattr(context, 'info_name', '')} {getattr(error, 'option_name', '')}")
+    if absent is not None:
+        return str(absent)
     near = "Did you mean" in message or "Possible" in message
     if context is None or near or not message.startswith("No such"):
         return message

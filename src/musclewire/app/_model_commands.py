@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Protocol
 
 import typer
 
@@ -17,83 +17,47 @@ from musclewire.app._options import (
     CLOSED_LOOP_TIME,
     CYCLE,
     ESTIMATOR_OF_A_RECORDING,
-    LENGTH_ERROR,
-    MARK,
-    MARK_ERROR,
     ORDER,
     OVERWRITE,
     QUANTITY,
     RELATIVE_RESISTANCE,
     RULES,
-    SEED,
-    SET,
     TUNED_CONTROLLER,
-    WIRE,
     WIRE_FILE,
+    Offered,
     in_si,
-    mapping,
     own_help,
 )
 from musclewire.app._output import Result, table, warn
 from musclewire.app._recording_options import ReadingOptions
-from musclewire.errors import CallerError, MusclewireError, nearest_hint
+from musclewire.errors import CallerError, MusclewireError
 
 if TYPE_CHECKING:
-    from musclewire.identify import Marks, ResistanceFit
+    from musclewire.sensing import SensingModel
     from musclewire.signals import Recording
 
 
-MARKS = {"cold": "cold_m", "hot": "hot_m", "stop": "end_stop_m"}
+class OtherwiseFitted(Protocol):
+    """A model that was not fitted to a motion: how far its stroke may be off; its text says why.
+
+    Of the keys ``misfit``, ``costs`` and ``helps`` of ``fit --json`` it has the attributes that it knows.
+    """
+
+    model: SensingModel
+    stroke: float
+    stroke_std: float
 
 
-@dataclass(frozen=True)
-class ResistanceOptions:
-    """What a fit rests on if only the resistance was measured; without a wire's name there is no such fit."""
+class OtherFit(Protocol):
+    """A way to fit that a part offers, ``fits`` of its manifest: a frozen dataclass whose fields are options."""
 
-    wire: Annotated[str | None, WIRE] = None
-    set: Annotated[list[str] | None, SET] = None
-    mark: Annotated[list[str] | None, MARK] = None
-    mark_error: Annotated[str, MARK_ERROR] = "0.5 mm"
-    length_error: Annotated[str, LENGTH_ERROR] = "0.5 mm"
-    seed: Annotated[int, SEED] = 1
+    def asked_for(self, *, relative_resistance: bool) -> bool:
+        """Return whether its options ask for it. Raises CallerError for options that do not go together."""
+        ...
 
-    def marks(self) -> Marks:
-        """Return the marks. Raises CallerError for an unknown mark, or one that is no length."""
-        from musclewire.identify import Marks
-        from musclewire.signals import parse_quantity
-
-        positions = {}
-        for name, text in mapping(self.mark, "--mark").items():
-            if name not in MARKS:
-                raise CallerError(f"--mark {name}: there is no such mark{nearest_hint(name, MARKS)}")
-            try:
-                positions[MARKS[name]] = parse_quantity(text, "m")
-            except CallerError as error:
-                raise CallerError(f"--mark {name}: {error}") from None
-        return Marks(
-            **positions,
-            reading_std_m=in_si("--mark-error", self.mark_error),
-            leg_length_std_m=in_si("--length-error", self.length_error),
-        )
-
-    def require_wire(self) -> None:
-        """Raise CallerError for marks or numbers of the bench that a fit with an instrument does not take."""
-        if self.wire is None and (self.mark or self.set):
-            raise CallerError("--mark and --set belong to a fit from resistance alone: name the wire with --wire")
-
-    def fit(self, recording: Recording, order: int | str, quantity: str) -> ResistanceFit:
-        """Return the fit to the resistance of a recording."""
-        from musclewire.identify import fit_resistance
-
-        return fit_resistance(
-            recording,
-            self.wire or "",
-            bench=mapping(self.set, "--set"),
-            marks=self.marks(),
-            order=order,
-            quantity=quantity,
-            seed=self.seed,
-        )
+    def fit(self, recording: Recording, order: int | str, quantity: str) -> OtherwiseFitted:
+        """Return the fit to a recording."""
+        ...
 
 
 RecordingPath = Annotated[
@@ -108,7 +72,7 @@ RecordingPath = Annotated[
 def fit(
     recording: RecordingPath,
     reading: ReadingOptions,
-    known: ResistanceOptions,
+    others: Annotated[tuple[OtherFit, ...], Offered("fits")],
     figure: FigureOptions,
     output: Annotated[Path | None, own_help("--output", "Model file to write (.json).")] = None,
     order: Annotated[str, ORDER] = "6",
@@ -126,11 +90,9 @@ def fit(
     if output is not None:
         require_model_file(output)
         require_free(output, overwrite)
-    known.require_wire()
-    if relative_resistance and known.wire is not None:
-        raise CallerError("--relative-resistance belongs to a fit with an instrument: a wire's name has its ohms")
+    other = next((one for one in others if one.asked_for(relative_resistance=relative_resistance)), None)
     data, chosen = reading.read(recording), whole_number_or(order, "auto")
-    alone = None if known.wire is None else known.fit(data, chosen, quantity)
+    alone = None if other is None else other.fit(data, chosen, quantity)
     how = {"order": chosen, "quantity": quantity, "cycle": whole_number_or(cycle)}
     model = alone.model if alone else run_fit(data, **how, relative_resistance=relative_resistance)
     on_recording = None if data.is_branch_table else run_estimate(model, data)

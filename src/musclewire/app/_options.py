@@ -40,6 +40,15 @@ class OptionQuantity(NamedTuple):
     high: float = inf
 
 
+class Offered(NamedTuple):
+    """Annotation of a command's parameter: a tuple of dataclasses of options, as parts offer them.
+
+    ``kind`` is the field of their manifests that names them.
+    """
+
+    kind: str
+
+
 class OptionDefinition(NamedTuple):
     """What an option is called and means; ``quantity`` is None if its value is no number with a unit.
 
@@ -269,16 +278,7 @@ RELATIVE_RESISTANCE = option(
     help="Fit resistance over the cold wire's, with which recordings begin: for other wires of the kind, and no rig.",
 )
 
-# A fit without an instrument.
-MARK = option(
-    "--mark",
-    help="A position read off a ruler: cold, hot (both), or stop, an end stop counted from cold. Repeatable.",
-    metavar="NAME=POSITION",
-)
-MARK_ERROR = quantity("--mark-error", "m", "Standard deviation of one mark, as '0.5 mm'.", 1e-9, 1.0)
-LENGTH_ERROR = quantity("--length-error", "m", "Standard deviation of the leg's stated length, as '0.5 mm'.", 1e-9, 1.0)
-
-# Wires, simulated and calibrated.
+# Wires, simulated and their own.
 WIRE = option(
     "--wire",
     help="Wire by name ('musclewire simulate --list' shows all), or wire file (.toml).",
@@ -296,11 +296,7 @@ AMBIENT = quantity(
     "K",
     "Temperature of the air in the home move, as '22 degC'; by default the rig's thermometer's.",
 )
-PRIORS = option("--priors", help="Priors of the parameters, by name or TOML file.")
 SET = option("--set", help="A number of the bench that no recording states. Repeatable.", metavar="NAME=VALUE")
-EFFORT = option("--effort", help="How long to search: quick, normal or thorough.")
-STARTS = option("--starts", help="Descents from the prior; by default depends on --effort.", min=1, max=MAX_COUNT)
-JUMPS = option("--jumps", help="Descents from near the best; by default depends on --effort.", min=0, max=MAX_COUNT)
 THREADS = option("--threads", help="Threads; by default one on each core.", min=1, max=MAX_CORES)
 
 # Studies of many wires.

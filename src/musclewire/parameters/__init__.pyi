@@ -36,8 +36,6 @@ from ._pretensioner_file import read_pretensioner as read_pretensioner
 from ._priors import Prior as Prior
 from ._priors import PriorSet as PriorSet
 from ._priors import load_priors as load_priors
-from ._priors import load_spreads as load_spreads
-from ._priors import priors_around as priors_around
 from ._published_ranges import PublishedRange as PublishedRange
 from ._published_ranges import published_ranges as published_ranges
 from ._seeds import require_seed as require_seed

@@ -20,7 +20,7 @@ from musclewire import (
     save_wire,
 )
 from musclewire.experiment import Waveform, WaveformPolicy, run_on_rig
-from musclewire.identify import SearchSettings
+from musclewire.extras.calibration import SearchSettings
 from musclewire.rigs import ProtectionTripError
 from musclewire_robustness.plant import open_plant
 from musclewire_robustness.population import PopulationWire

@@ -25,7 +25,7 @@ FOLDER = Path("robustness")
 # Rooms of musclewire whose sources and data decide what a wire does, what its user knows of it and what estimators say.
 ROOMS = (
     *("physics", "wire", "parameters", "sensing", "controllers", "rigs", "identify", "experiment"),
-    *("extras/grip", "extras/particles", "extras/studies"),
+    *("extras/calibration", "extras/grip", "extras/studies"),
 )
 
 

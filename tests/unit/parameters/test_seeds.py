@@ -12,14 +12,12 @@ from hypothesis import strategies as st
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.identify import SearchSettings
 from musclewire.parameters._seeds import require_seed
 from musclewire.rigs import RigConfiguration
 
 TAKERS: dict[str, Callable[[Any], Any]] = {
     "open_rig": lambda seed: mw.open_rig("simulated", seed=seed),
     "a rig's configuration": lambda seed: RigConfiguration(seed=seed),
-    "a search": lambda seed: SearchSettings(seed=seed),
 }
 
 

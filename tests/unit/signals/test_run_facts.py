@@ -10,7 +10,7 @@ import pytest
 from musclewire.controllers import staircase
 from musclewire.errors import RecordingError
 from musclewire.experiment import control_metrics, elapsed
-from musclewire.identify import contraction_force_n, fit, required_quantity
+from musclewire.identify import fit, required_quantity
 from musclewire.judge import resistance_reading
 from musclewire.signals import reference_quantity
 from musclewire.signals._metadata import MetadataValue
@@ -77,7 +77,6 @@ USERS: dict[str, tuple[dict[str, MetadataValue], str, Callable[[Recording], obje
     ),
     "resistance": ({}, "shunt_resistance_ohm", resistance_reading),
     "strain": ({"shunt_resistance_ohm": 1.0}, "leg_length_m", lambda one: required_quantity(one, "strain")),
-    "contraction force": ({}, "pretension_n", contraction_force_n),
     "a fit": ({"leg_length_m": 0.07}, "shunt_resistance_ohm", fit),
 }
 

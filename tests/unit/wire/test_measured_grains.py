@@ -1,4 +1,4 @@
-"""Measured quantiles of the grains go wherever an alloy goes: wires, candidates of a search, studies, files."""
+"""Measured quantiles of the grains go wherever an alloy goes: wires, studies, files."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from wire_makers import alloy, bench, wire_100um
 
-from musclewire.identify import CandidateParameters, candidate_constants
-from musclewire.parameters import Alloy, GrainQuantiles, load_priors
+from musclewire.parameters import Alloy, GrainQuantiles
 from musclewire.wire._building import constants_from, constants_of
 from musclewire.wire._distribution import tabulated_distribution, two_population_distribution, two_populations
 from musclewire.wire._paths import isobaric_path
@@ -39,15 +38,6 @@ def test_two_wires_of_one_table_share_it_and_a_pickled_one_is_the_same() -> None
     assert one.distribution_cells.ctypes.data == two.distribution_cells.ctypes.data
     again = pickle.loads(pickle.dumps(one))
     assert np.array_equal(again.distribution_cells, one.distribution_cells)
-
-
-def test_a_search_keeps_them_and_leaves_alone_what_they_replace() -> None:
-    candidates = CandidateParameters(load_priors(), measured(), wire_100um(), bench())
-    assert not {"grain_skew", "grain_tail", "early_fraction", "early_width"} & set(candidates.names)
-    values = candidates.wire_values(np.zeros(len(candidates)))
-    found = candidate_constants(values, values.wire, values.bench)
-    own = constants_from(measured(), wire_100um(), bench())
-    assert np.array_equal(found.distribution_cells, own.distribution_cells)
 
 
 @settings(max_examples=15, deadline=None)

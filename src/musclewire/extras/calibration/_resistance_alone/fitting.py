@@ -1,0 +1,401 @@
+"""Fit a self-sensing model to a recording of the resistance alone, with a named wire as prior."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import CallerError, FitRejectedError, NumericsError
+from musclewire.extras.calibration._physical.bench import SETTABLE, bench_of, checked_settings
+from musclewire.extras.calibration._physical.candidates import CandidateParameters
+from musclewire.extras.calibration._physical.posterior import PosteriorProblem, covariance, excess_variance
+from musclewire.extras.calibration._physical.recording_kinds import start_of
+from musclewire.extras.calibration._physical.search import (
+    FINAL_STEP,
+    SEARCH_STEP,
+    ParallelProblem,
+    descend,
+    jacobian,
+    threads,
+)
+from musclewire.extras.calibration._resistance_alone.observation import (
+    Marks,
+    ResistanceAndMarks,
+    electrical_part,
+    leg_length_m,
+    observe_resistance,
+)
+from musclewire.extras.calibration._resistance_alone.possible_curves import (
+    BetterMeasurement,
+    PossibleCurves,
+    StrokeShare,
+    costs_of,
+    possible_curves,
+    scale_and_offset_std,
+    what_helps,
+)
+from musclewire.extras.calibration._resistance_alone.spreads import load_spreads, priors_around
+from musclewire.identify import loop_notes, power_loop, stated_heat_balance, with_gains
+from musclewire.judge import resistance_reading
+from musclewire.parameters import Bench, Parameter, bench_known_with, require_seed
+from musclewire.sensing import SensingModel, find_segments, fit_loop, with_wire_model
+from musclewire.signals import Recording
+
+# Factors on the observations' uncertainty, descent by descent; one start suffices, since the prior is a named wire.
+SCALES = (30.0, 5.0, 1.0)
+EVALUATIONS = 15
+
+
+class PosteriorWires(NamedTuple):
+    """The most likely wire in coordinates, (n,), their covariance, (n, n), and the misfit of the resistance.
+
+    ``misfit`` is the root mean square of the residuals over their uncertainty, 1 for a wire that the model can be.
+    """
+
+    coordinates: FloatArray
+    covariance: FloatArray
+    misfit: float
+
+    def draw(self, candidates: CandidateParameters, count: int, seed: int) -> FloatArray:
+        """Return coordinates of wires drawn from the posterior, within the prior's bounds, (count, n)."""
+        random = np.random.default_rng(seed)
+        drawn = random.multivariate_normal(self.coordinates, self.covariance, size=count, method="cholesky")
+        return np.clip(drawn, candidates.low, candidates.high)
+
+
+def posterior_wires(
+    candidates: CandidateParameters, observation: ResistanceAndMarks, start: FloatArray | None = None
+) -> PosteriorWires:
+    """Return the wires that an observation leaves possible, by least squares (Laplace).
+
+    It starts at the prior's mean, or at ``start``, (n,), where an observation with less in it ended.
+    Raises NumericsError if the named wire cannot be simulated on this bench and drive.
+    """
+    problem = PosteriorProblem(candidates, [observation])
+    with threads(os.cpu_count()) as each:
+        parallel = ParallelProblem(problem, each)
+        best = np.zeros(len(candidates)) if start is None else start
+        for scale in SCALES if start is None else SCALES[-1:]:
+            cost, best = descend(parallel, best, scale, EVALUATIONS, SEARCH_STEP)
+            if not np.isfinite(cost):
+                raise NumericsError("the named wire cannot be simulated: check the recording's bench, drive and units")
+        residuals = parallel.residuals(best)
+        if residuals is None:
+            raise NumericsError("the best wire cannot be simulated: report this with the recording")
+        slope = jacobian(parallel, best, residuals, FINAL_STEP, central=True)
+    unknowns = len(candidates)
+    observed = residuals[:-unknowns]
+    spread = covariance(slope[:-unknowns], excess_variance(observed, unknowns))
+    return PosteriorWires(best, spread, float(np.sqrt(np.mean(observed**2))))
+
+
+PAPER_ORDER = 6
+DRAWN_WIRES = 80
+# Residuals that are so many times their uncertainty are another wire's, or another load's.
+OTHER_WIRE_MISFIT, DOUBTFUL_MISFIT = 10.0, 3.0
+# Marks whose difference is known worse than the stroke is without them, by this factor, would lessen its standard
+# deviation by less than a twentieth.
+COARSE = 3.0
+# What costs less than this fraction of the stroke is not worth a line.
+CHEAP = 5e-4
+# A number further than this from that of the named wire, in standard deviations of the prior, is worth a word.
+FAR = 3.0
+
+
+@dataclass(frozen=True)
+class ResistanceFit:
+    """A model from resistance alone, how far it may be off, and what would make it better.
+
+    Parameters
+    ----------
+    model
+        The model. Its ``scale_std`` and ``offset_std`` are in the standard deviation of every estimate.
+    stroke
+        The model's largest quantity, strain or displacement [m].
+    stroke_std
+        Its standard deviation, in the same unit.
+    misfit
+        Root mean square of the resistance's residuals over their uncertainty; 1 if the named wire can be this one.
+    costs
+        What each stated number costs, the dearest first.
+    helps
+        Measurements by the standard deviation of the stroke after them, the best first.
+    """
+
+    model: SensingModel
+    stroke: float
+    stroke_std: float
+    misfit: float
+    costs: tuple[StrokeShare, ...]
+    helps: tuple[BetterMeasurement, ...]
+
+    def __str__(self) -> str:
+        """Return how far the model may be off and what would help, in a few lines."""
+        off = 100.0 * self.stroke_std / self.stroke
+        lines = [f"from resistance alone: the stroke may be off by {off:.2g} % (a standard deviation)"]
+        dear = [item for item in self.costs if item.stroke_std >= CHEAP]
+        lines += ["of that, what was stated:"] * bool(dear) + [f"  {item.text}" for item in dear]
+        lines += ["what would help, the best first:"] * bool(self.helps)
+        lines += [f"  {item.what}: {100.0 * item.stroke_std:.2g} % instead of {off:.2g} %" for item in self.helps]
+        return "\n".join(lines)
+
+
+class AssumedWire(NamedTuple):
+    """What is assumed of a wire: its name, the unknowns around it, and notes on the stated bench."""
+
+    wire: str
+    candidates: CandidateParameters
+    bench: Mapping[str, float]
+    notes: tuple[str, ...]
+
+
+def fit_resistance(
+    recording: Recording,
+    wire: str,
+    *,
+    bench: Mapping[str, float | str] | None = None,
+    marks: Marks | None = None,
+    order: int | str = PAPER_ORDER,
+    quantity: str = "strain",
+    seed: int = 1,
+) -> ResistanceFit:
+    """Fit a self-sensing model to a slow loop of which only the resistance was measured.
+
+    The named wire, on the stated load, is simulated under the recording's drive; what differs between spools is found
+    from the resistance, as far as the resistance shows it, and from two marks or an end stop if there are any. Both
+    branches are those of the most likely wire, between the R_min and R_max that were measured. How far wires differ
+    that the resistance leaves possible is the model's uncertainty. Instruments of motion in the recording are not used.
+
+    Parameters
+    ----------
+    recording
+        A slow loop from cold and back, as ``characterize`` records it: drive and resistance.
+    wire
+        The wire by name, or a wire file of a calibrated relative.
+    bench
+        Numbers of the bench that the recording does not state, by name, in SI or as text with a unit: wire_length_m,
+        legs, pretension_n, spring_stiffness_n_per_m. None if the recording states all.
+    marks
+        Positions read off a ruler, or an end stop, with their errors; None if there are none.
+    order
+        Order of the polynomials, as in ``fit``.
+    quantity
+        "strain" or "displacement".
+    seed
+        Seed of the wires that are drawn to find the uncertainty.
+
+    Returns
+    -------
+    The model, its uncertainty and what would lessen it.
+
+    Raises
+    ------
+    RecordingError
+        If the recording has no usable loop, or its drive is not recorded.
+    CallerError
+        For an unknown wire or quantity, an incomplete bench, or marks that contradict each other.
+    FitRejectedError
+        If the resistance is not that of the named wire on this load, or the fit cannot be inverted.
+    NumericsError
+        If the named wire cannot be simulated on this bench.
+
+    References
+    ----------
+    Lan and Fan 2010, Eqs. 3 to 5, for the model; the prior's sources are in
+    this folder's ``named-wire.toml``.
+
+    Examples
+    --------
+    >>> import musclewire as mw
+    >>> with mw.open_rig("simulated") as rig:
+    ...     loop = mw.characterize(rig)
+    >>> found = mw.fit_resistance(loop, "paper-100um")
+    >>> 0.0 < found.stroke_std / found.stroke < 0.1
+    True
+    """
+    if quantity not in ("strain", "displacement"):
+        raise CallerError(
+            f"without an instrument there is no model of {quantity}: fit strain, or displacement, and give the "
+            "known stiffness where force is wanted"
+        )
+    require_seed(seed)
+    known = marks or Marks()
+    assumed = assumed_of(recording, wire, bench, known)
+    observation = observe_resistance(recording, assumed.bench, known.end_stop_m, assumed.candidates.names)
+    how = CurveFitSettings(order, quantity, seed)
+    found = possible_of(assumed, observation, how)
+    refuse_other_wire(found.wires, wire)
+    notes: tuple[str, ...] = ()
+    if known.stroke_m is not None:
+        coarse = too_coarse(found, known)
+        if coarse:
+            notes = (coarse,)
+        else:
+            observation = ResistanceAndMarks(observation.driven, known)
+            found = possible_of(assumed, observation, how, found.wires.coordinates)
+    return result_of(found, anchored(found, recording, observation, assumed), known, assumed, notes)
+
+
+class CurveFitSettings(NamedTuple):
+    """How curves are fitted: order of the polynomials, quantity, and the seed of the drawn wires."""
+
+    order: int | str
+    quantity: str
+    seed: int
+
+
+class PossibleWires(NamedTuple):
+    """Wires that an observation leaves possible, the curves of some, the likeliest one's model, and its leg [m]."""
+
+    wires: PosteriorWires
+    curves: PossibleCurves
+    model: SensingModel
+    leg_m: float
+
+    @property
+    def metres_per_unit(self) -> float:
+        """Displacement for one unit of the model's quantity."""
+        return 1.0 if self.model.quantity == "displacement" else self.leg_m
+
+
+def possible_of(
+    assumed: AssumedWire, observation: ResistanceAndMarks, how: CurveFitSettings, start: FloatArray | None = None
+) -> PossibleWires:
+    """Return the wires that an observation leaves possible, with the curves of some that are drawn from them."""
+    candidates = assumed.candidates
+    wires = posterior_wires(candidates, observation, start)
+
+    def model_of(coordinates: FloatArray) -> SensingModel:
+        values = candidates.wire_values(coordinates)
+        resistance_ohm, moved_m = observation.loop(values)
+        per_m = 1.0 if how.quantity == "displacement" else 1.0 / leg_length_m(values)
+        return fit_loop(resistance_ohm, per_m * moved_m, order=how.order, quantity=how.quantity)
+
+    curves = possible_curves(wires.draw(candidates, DRAWN_WIRES, how.seed), model_of)
+    leg_m = leg_length_m(candidates.wire_values(wires.coordinates))
+    return PossibleWires(wires, curves, model_of(wires.coordinates), leg_m)
+
+
+def too_coarse(found: PossibleWires, marks: Marks) -> str:
+    """Return why marks are left out, "" for marks that help.
+
+    Marks that would hardly lessen the uncertainty move the result by their own error and gain nothing.
+    """
+    known_m = float(found.curves.largest.std(ddof=1)) * found.metres_per_unit
+    if marks.stroke_std_m <= COARSE * known_m:
+        return ""
+    return (
+        f"the marks are left out: their difference is known to {1e3 * marks.stroke_std_m:.2g} mm, and from the wire's "
+        f"name and its resistance the stroke is known to {1e3 * known_m:.2g} mm"
+    )
+
+
+def result_of(
+    found: PossibleWires, model: SensingModel, marks: Marks, assumed: AssumedWire, notes: tuple[str, ...]
+) -> ResistanceFit:
+    """Return the model with its uncertainty, and what it rests on."""
+    scale_std, offset_std = scale_and_offset_std(found.curves, model)
+    scale_std = float(np.hypot(scale_std, stop_std(marks)))
+    stroke_std = float(np.hypot(scale_std * model.quantity_max, offset_std))
+    warnings = (*model.warnings, *notes, *doubts(assumed, found.wires, stroke_std / model.quantity_max))
+    return ResistanceFit(
+        replace(model, scale_std=scale_std, offset_std=offset_std, warnings=warnings, measured_stroke=0.0),
+        model.quantity_max,
+        stroke_std,
+        found.wires.misfit,
+        tuple(costs_of(found.curves, assumed.candidates)),
+        tuple(what_helps(found.curves, assumed.candidates, found.metres_per_unit)),
+    )
+
+
+def assumed_of(recording: Recording, wire: str, bench: Mapping[str, float | str] | None, marks: Marks) -> AssumedWire:
+    """Return the unknowns of a named wire on the stated bench, whose length has the error of the ruler."""
+    stated = {key: item.value for key, item in bench_known_with(wire).items()} | checked_settings(bench or {})
+    start, notes = start_of({"the recording": recording}, wire, stated)
+    known = bench_of(electrical_part(recording), stated)
+    changed = {
+        name: Parameter(value=value, unit=SETTABLE[name], kind="measured", source="the recording or the user")
+        for name, value in known.items()
+        if name in Bench.model_fields
+    }
+    its_bench = start.bench.model_copy(update=changed)
+    priors = priors_around(start.alloy, start.wire, its_bench, load_spreads())
+    unknown = dict(priors.parameters)
+    length = unknown["wire_length_m"]
+    std_m = its_bench.legs.value * marks.leg_length_std_m
+    unknown["wire_length_m"] = length.model_copy(
+        update={"std": std_m, "low": length.mean - 4.0 * std_m, "high": length.mean + 4.0 * std_m}
+    )
+    if marks.end_stop_m is not None:
+        unknown.pop("spring_stiffness_n_per_m", None)  # the load's table holds the stated one
+    candidates = CandidateParameters(
+        priors.model_copy(update={"parameters": unknown}), start.alloy, start.wire, its_bench
+    )
+    return AssumedWire(wire, candidates, stated | {"diameter_m": start.wire.diameter_m.value}, tuple(notes))
+
+
+def refuse_other_wire(wires: PosteriorWires, name: str) -> None:
+    """Raise FitRejectedError if no wire around the named one has the recorded resistance."""
+    if wires.misfit > OTHER_WIRE_MISFIT:
+        raise FitRejectedError(
+            f"the resistance is not that of {name} on this load: it differs by {wires.misfit:.0f} times its "
+            "uncertainty from the nearest such wire; check the wire's name, its length, load and air"
+        )
+
+
+def stop_std(marks: Marks) -> float:
+    """Return the standard deviation that an end stop's own position brings to the whole, as a fraction."""
+    return 0.0 if marks.end_stop_m is None else marks.reading_std_m / marks.end_stop_m
+
+
+def anchored(
+    found: PossibleWires, recording: Recording, observation: ResistanceAndMarks, assumed: AssumedWire
+) -> SensingModel:
+    """Return the likeliest wire's model between the resistances of B and C that were measured.
+
+    The simulated motion says when the recording's loops begin and turn.
+    """
+    reading = resistance_reading(recording)
+    ticks_s = observation.driven.ticks_s()
+    moved_m = observation.loop(assumed.candidates.wire_values(found.wires.coordinates))[1]
+    moved_m = np.interp(recording["time_s"] - recording["time_s"][0] + ticks_s[0], ticks_s, moved_m)
+    measured = find_segments(reading.resistance_ohm, moved_m, reading.valid, quantity="displacement")
+    electrical = electrical_part(recording)
+    notes = {"leg_length_m": found.leg_m, **loop_notes(electrical), "wire": assumed.wire}
+    model = replace(
+        found.model,
+        resistance_min_ohm=measured.resistance_min_ohm,
+        resistance_max_ohm=measured.resistance_max_ohm,
+        resistance_noise_ohm=measured.resistance_noise_ohm,
+        slow_loop=power_loop(recording, reading, moved_m, "last", "displacement"),
+        wire=notes | {"strain_from": f"the prior of {assumed.wire}, and resistance alone"},
+        source=recording.facts.text_or_none("source") or "",
+    )
+    stated = stated_heat_balance(model, electrical.facts)
+    return with_gains(with_wire_model(model, stated=stated), electrical.facts)
+
+
+def doubts(assumed: AssumedWire, wires: PosteriorWires, stroke_std: float) -> list[str]:
+    """Return what a user of the model must know: that nothing was measured but resistance, and what is unusual."""
+    found = [
+        f"no motion was measured: the stroke is that of {assumed.wire} as far as the resistance shows, and may be off "
+        f"by {196.0 * stroke_std:.2g} % (95 %)"
+    ]
+    if wires.misfit > DOUBTFUL_MISFIT:
+        found.append(
+            f"the resistance differs by {wires.misfit:.1f} times its uncertainty from the nearest {assumed.wire}: "
+            "check the wire's name, its length, load and air"
+        )
+    far = [
+        f"{name} by {place:+.1f}"
+        for name, place in zip(assumed.candidates.names, wires.coordinates, strict=True)
+        if abs(place) > FAR
+    ]
+    if far:
+        found.append(f"unusual for {assumed.wire}, in standard deviations: {', '.join(far)}; is it this wire?")
+    return [*found, *assumed.notes]
