@@ -82,6 +82,7 @@ NUMBERS = (
     "studies/calibrations_that_share.py",
     "studies/zero_of_room.py",
     "studies/known_strain.py",
+    "studies/changes_in_mid_run.py",
     "studies/alternative_fits.py",
     "studies/fit_paper_wires.py",
     "studies/contact_detection.py",

@@ -89,6 +89,7 @@ def control(
     overwrite: Annotated[bool, OVERWRITE] = False,
 ) -> Result:
     """Closed loop: move the wire by its own resistance; MAE of each step, with --runs for many seeds."""
+    from musclewire.experiment import cooling_time_s
     from musclewire.identify import known_against
     from musclewire.rigs import open_rig
 
@@ -117,7 +118,8 @@ def control(
             target = staircase_for(loaded, load, opened.leg_length_m)
         settled = choice.settled(loaded, opened.sample_period_s)
         limits = said_of_speed(opened, loaded, target, settled, load)
-        with progress_bar("Closed loop", settled.approach_s + target.duration_s, opened) as on_sample:
+        loop_s = settled.approach_s + target.duration_s
+        with progress_bar("Closed loop", loop_s + cooling_time_s(opened, loaded, loop_s), opened) as on_sample:
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
         if homing.home == "idle":
             homed = homing.homed(opened, loaded)

@@ -5,6 +5,7 @@ from ._closed_loop import PAPER_CONTROLLER as PAPER_CONTROLLER
 from ._closed_loop import LoopChoice as LoopChoice
 from ._closed_loop import SettledChoice as SettledChoice
 from ._closed_loop import control as control
+from ._cooling import cooling_time_s as cooling_time_s
 from ._demo import DemoResult as DemoResult
 from ._demo import run_demo as run_demo
 from ._doctor.evidence import RigCheck as RigCheck

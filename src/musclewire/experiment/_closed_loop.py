@@ -25,6 +25,7 @@ from musclewire.controllers import (
 )
 from musclewire.errors import CallerError, RigError, nearest_hint
 from musclewire.experiment._calm_air import heed_air
+from musclewire.experiment._cooling import cooling_after, cooling_time_s
 from musclewire.experiment._metrics import ControlRun, with_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig, what_protects
 from musclewire.experiment._speed_limits import check_targets, fastest_way, followed, speed_metadata
@@ -235,8 +236,10 @@ def control(
     from_cold = loop.approach_s == 0.0
     beforehand = speed_metadata(rig, loop.model, loop.reference, loop.settings, from_cold=from_cold)
     metadata = loop.metadata | beforehand
+    policy = SelfSensingPolicy(rig, loop)
+    following = cooling_after(rig, policy.columns, loop.cooling_s)
     with rig.holding_back():
-        recording = run_on_rig(rig, SelfSensingPolicy(rig, loop), loop.duration_s, metadata=metadata, **run)
+        recording = run_on_rig(rig, policy, loop.duration_s, metadata=metadata, following=following, **run)
     return with_metrics(recording, loop.model.quantity, loop.reference)
 
 
@@ -337,6 +340,7 @@ class PreparedLoop(NamedTuple):
     settings: Any
     approach_s: float
     duration_s: float
+    cooling_s: float
     metadata: dict[str, MetadataValue]
     corrects: bool
     correction_of: Callable[[], RunCorrection]
@@ -385,6 +389,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         b = KnownB.of_model(model, rig.sense_voltage_v) if from_today else None
         return RunCorrection(model, rig.shunt_resistance_ohm, b, known, None if room is None else room.correction)
 
+    duration_s = settled.approach_s + chosen.duration_s
     correction_of()  # a known strain that the model does not reach is refused before anything is heated
     return PreparedLoop(
         model,
@@ -393,7 +398,8 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
         CONTROLLERS.make(settled.controller, ControllerSetup(limits, error_unit_for(model, load), settled.settings)),
         settled.settings,
         settled.approach_s,
-        settled.approach_s + chosen.duration_s,
+        duration_s,
+        cooling_time_s(rig, model, duration_s),
         metadata,
         from_today or known is not None,
         correction_of,

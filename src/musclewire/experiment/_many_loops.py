@@ -29,6 +29,7 @@ from musclewire.experiment._run import what_protects
 from musclewire.experiment._run_warnings import found_in, run_warnings
 from musclewire.experiment._timing_facts import NO_CLOCK
 from musclewire.judge import KEPT, RunCorrection, judged
+from musclewire.physics import wire_resistance
 from musclewire.rigs import (
     CompiledLoopEnd,
     CompiledRun,
@@ -38,11 +39,15 @@ from musclewire.rigs import (
     open_rig,
     rig_configuration,
     run_compiled,
+    run_known_drive,
     times_on_rig_s,
 )
 from musclewire.sensing import EstimatorFactory, KnownSpring, SensingModel
 from musclewire.signals import (
     COLUMN_SUFFIX,
+    COOLING_FROM,
+    ELECTRICAL_COLUMNS,
+    OF_THE_ESTIMATE,
     MetadataValue,
     QuantityEstimate,
     Recording,
@@ -61,7 +66,10 @@ class LoopCase(NamedTuple):
 
 
 class CompiledLoop(NamedTuple):
-    """What the loops of one rig and one model share: ticks, targets, and where they start."""
+    """What the loops of one rig and one model share: ticks, targets, and where they start.
+
+    ``elapsed_s`` counts on through the cooling after a loop.
+    """
 
     model: SensingModel
     choice: LoopChoice
@@ -290,12 +298,13 @@ def compiled_loop_on(
     prepared = prepared_loop(rig, model, reference, choice)
     first_drive_v = prepared.controller.limits.clamp(rig.drive_voltage_v)
     ticks = ticks_of(prepared, first_drive_v)
-    times_s = times_on_rig_s(rig, round(prepared.duration_s / rig.sample_period_s))
+    samples, cooling = (round(one / rig.sample_period_s) for one in (prepared.duration_s, prepared.cooling_s))
+    times_s = times_on_rig_s(rig, samples + cooling)
     start_s = times_s[0] - rig.sample_period_s
     # As the loop in Python rounds them; NumPy would round the product and not the number.
     elapsed_s = np.array([round(time_s - start_s, 9) for time_s in times_s.tolist()])
-    held = np.maximum(elapsed_s - rig.sample_period_s - prepared.approach_s, 0.0)
-    following = np.maximum(elapsed_s - prepared.approach_s, 0.0)
+    held = np.maximum(elapsed_s[:samples] - rig.sample_period_s - prepared.approach_s, 0.0)
+    following = np.maximum(elapsed_s[:samples] - prepared.approach_s, 0.0)
     values = np.array([prepared.reference.targets_at(held), prepared.reference.targets_at(following)])
     fastest = prepared.fastest
     announced = None if fastest is None else np.array([fastest.miss(target) for target in values[0].tolist()])
@@ -321,16 +330,17 @@ def ticks_of(prepared: PreparedLoop, first_drive_v: float) -> LoopTicks:
 
 
 def run_of(rig: GuardedRig, loop: CompiledLoop) -> CompiledRun | None:
-    """Return a compiled loop on a rig to its end; None if something unusual happens, for which Python is needed.
+    """Return a compiled loop on a rig and the cooling after it; None if something unusual happens, which needs Python.
 
     From each correction on it goes on by the model of today.
     """
+    samples = loop.targets.shape[1]
     correction = loop.prepared.correction_of()
     parts: list[dict[str, FloatArray]] = []
     ticks, drive_v, state, begins = loop.ticks, loop.first_drive_v, State.ARMED, 0
     while True:
         now, variance = correction.correction, correction.variance
-        elapsed_s, targets = loop.elapsed_s[begins:], loop.targets[:, begins:]
+        elapsed_s, targets = loop.elapsed_s[begins:samples], loop.targets[:, begins:]
         ends_after = partial(corrects_after, correction, elapsed_s - rig.sample_period_s)
         in_own_zero = np.array([targets[0], targets[1] + now.zero])
         run = run_compiled(rig, ticks, elapsed_s, in_own_zero, drive_v, ends_after=ends_after, state=state)
@@ -341,12 +351,30 @@ def run_of(rig: GuardedRig, loop: CompiledLoop) -> CompiledRun | None:
         factor = {FACTOR: np.full(run.samples, now.scale)} if loop.prepared.corrects else {}
         parts.append({**run.columns, **shown, **factor})
         begins += run.samples
-        if begins == loop.elapsed_s.size:
+        if begins == samples:
+            cooled = cooling_of(rig, loop.elapsed_s.size - samples)
+            if cooled is None:
+                return None
+            nothing = np.full(loop.elapsed_s.size - samples, np.nan)
+            parts.append({name: cooled.get(name, nothing) for name in parts[0]})
             return run._replace(columns={name: np.concatenate([one[name] for one in parts]) for name in parts[0]})
         estimator = declared_tick(loop.prepared.estimator_of(correction.correction))
         assert estimator is not None
         ticks = ticks._replace(estimator=estimator, controller=run.controller)
         drive_v, state = run.next_drive_v, State.RUN
+
+
+def cooling_of(rig: GuardedRig, samples: int) -> dict[str, FloatArray] | None:
+    """Return what a rig measures in the samples of a cooling; None if something unusual happens."""
+    if not samples:
+        return {}
+    rig.make_safe()
+    run = run_known_drive(rig, np.full(samples, rig.sense_voltage_v))
+    if run.ended is not CompiledLoopEnd.DONE:
+        return None
+    voltages_v = run.columns["wire_voltage_v"], run.columns["shunt_voltage_v"]
+    seen = {name: run.columns[name] for name in (*ELECTRICAL_COLUMNS, *rig.reference_columns)}
+    return {**seen, OF_THE_ESTIMATE: wire_resistance(*voltages_v, rig.shunt_resistance_ohm).resistance_ohm}
 
 
 def corrects_after(correction: RunCorrection, taken_s: FloatArray, run: CompiledRun) -> int | None:
@@ -381,8 +409,11 @@ def recording_of(rig: GuardedRig, loop: CompiledLoop, run: CompiledRun) -> Recor
         "compiled_loop": True,
         "ended": "done",
     }
+    samples = loop.targets.shape[1]
     if loop.announced_miss is not None:
-        columns["announced_miss"] = loop.announced_miss
+        columns["announced_miss"] = np.append(loop.announced_miss, np.full(loop.elapsed_s.size - samples, np.nan))
+    if loop.prepared.cooling_s:
+        metadata[COOLING_FROM] = float(loop.elapsed_s[samples - 1])
     recording = Recording({**columns, "time_s": loop.elapsed_s}, metadata)
     return with_answers_of(recording.with_metadata(found_in(recording)), recording)
 

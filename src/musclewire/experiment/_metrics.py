@@ -336,7 +336,7 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
 def with_metrics(recording: Recording, quantity: str, reference: Reference) -> ControlRun:
     """Return a closed loop's recording with its metrics, and with what has been found in it."""
     metrics = control_metrics(recording, quantity, reference)
-    return with_answers_of(ControlRun(recording.columns, recording.metadata, metrics), recording)
+    return with_answers_of(ControlRun(recording.whole_columns, recording.metadata, metrics), recording)
 
 
 def largest_and_mean(errors_pct: Sequence[float | None]) -> tuple[float | None, float | None]:

@@ -14,6 +14,7 @@ from typing import NamedTuple, Unpack
 from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, Reference
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment._closed_loop import FACTOR, LoopChoice, PreparedLoop, prepared_loop
+from musclewire.experiment._cooling import cooling_after
 from musclewire.experiment._metrics import ControlRun, with_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig
 from musclewire.experiment._speed_limits import speed_metadata
@@ -163,5 +164,7 @@ def control_on_board(
     loop = prepared_loop(rig, model, reference, choice)
     beforehand = {"experiment": "closed loop on the board", **speed_metadata(rig, model, loop.reference, None)}
     policy = TargetPolicy(board, loop, rig.sample_period_s)
-    recording = run_on_rig(rig, policy, loop.duration_s, metadata=loop.metadata | beforehand, **run)
+    following = cooling_after(rig, policy.columns, loop.cooling_s)
+    metadata = loop.metadata | beforehand
+    recording = run_on_rig(rig, policy, loop.duration_s, metadata=metadata, following=following, **run)
     return with_metrics(recording, model.quantity, loop.reference)

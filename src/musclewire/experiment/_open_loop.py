@@ -30,7 +30,15 @@ from musclewire.experiment._run import (
 from musclewire.identify import shows_c
 from musclewire.parameters import ValidityLimits
 from musclewire.rigs import ProtectionTripError, Rig, refuse_no_rig
-from musclewire.signals import Command, Drive, MetadataValue, RawSample, Recording, describe_recording
+from musclewire.signals import (
+    MINOR_LOOP_FROM,
+    Command,
+    Drive,
+    MetadataValue,
+    RawSample,
+    Recording,
+    describe_recording,
+)
 
 # A transformation takes a tenth of a wire's resistance and more; a smaller fall is not judged.
 MIN_FALL_FRACTION = 0.06
@@ -318,10 +326,11 @@ def characterize(
     sine = slow_sine_run(rig, amplitude_v, period_s, cycles)
     following: Following | None = None
     if minor_loop:
-        following = partial(minor_loop_after, waveform=sine.waveform, period_s=period_s, fall=MIN_FALL_FRACTION)
+        turning = partial(minor_loop_after, waveform=sine.waveform, period_s=period_s, fall=MIN_FALL_FRACTION)
+        following = Following(MINOR_LOOP_FROM, turning)
     metadata = {**sine.metadata, **raised}
     try:
-        recording = run_on_rig(rig, sine.policy, sine.duration_s, metadata=metadata, minor_loop=following, **run)
+        recording = run_on_rig(rig, sine.policy, sine.duration_s, metadata=metadata, following=following, **run)
     except ProtectionTripError as trip:
         if trip.event is Event.OVER_TEMPERATURE:
             trip.args = (f"{trip}; " + way_out(rig, float(str(sine.metadata["amplitude_v"]))),)

@@ -31,7 +31,6 @@ from musclewire.experiment._timing_facts import NO_CLOCK, RunPacing, timing_meta
 from musclewire.rigs import Rig, SimulationClock, adjustable_clock_of
 from musclewire.signals import (
     ELECTRICAL_COLUMNS,
-    MINOR_LOOP_FROM,
     Command,
     MetadataValue,
     OpenJournal,
@@ -113,8 +112,15 @@ class FollowingPart(NamedTuple):
     duration_s: float
 
 
-# Chooses how a run goes on by its recording; None if it does not.
-Following = Callable[[Recording], FollowingPart | None]
+class Following(NamedTuple):
+    """How a run goes on once its time is over.
+
+    ``begins`` is the name under which the metadata state where this segment begins; ``chosen_by`` chooses it by the
+    recording until then, or None.
+    """
+
+    begins: str
+    chosen_by: Callable[[Recording], FollowingPart | None]
 
 
 def file_in(folder: str | Path, name: str) -> Path:
@@ -152,7 +158,7 @@ def run_on_rig(
     overwrite: bool = False,
     on_sample: OnSample | None = None,
     until: Until | None = None,
-    minor_loop: Following | None = None,
+    following: Following | None = None,
 ) -> Recording:
     """Drive a rig by a policy for a time and return the recording.
 
@@ -179,8 +185,8 @@ def run_on_rig(
         Gets every recorded row; it may raise to stop the run.
     until
         Asked after each row; True ends the run before its time, as done and not as cut off.
-    minor_loop
-        Asked at the end for a minor loop to go on with, by a policy with the same columns: a segment of its own in the
+    following
+        Asked at the end for what to go on with, by a policy with the same columns: a segment of its own in the
         recording. The rig is at its sense voltage in between. None for a run that ends there.
 
     Returns
@@ -205,8 +211,8 @@ def run_on_rig(
             "most: give a shorter one, or a longer sample period"
         )
     refuse_unusable(path, overwrite)
-    # A run that is killed says when its minor loop was to begin; one that ends, when it began.
-    begins: dict[str, MetadataValue] = {} if minor_loop is None else {MINOR_LOOP_FROM: samples * rig.sample_period_s}
+    # A run that is killed says when the next segment was to begin; one that ends, when it began.
+    begins: dict[str, MetadataValue] = {} if following is None else {following.begins: samples * rig.sample_period_s}
     described = {**what_protects(rig), **rig.metadata(), **(metadata or {}), **begins}
     timing = LoopTiming(rig.sample_period_s, rig.paced, adjustable_clock_of(rig))
     exchange = timed_exchange(rig, timing, AirWatch(rig))
@@ -222,9 +228,9 @@ def run_on_rig(
             try:
                 taken = compiled_part(loop, policy, samples)
                 start_s, to_its_end = take_part(loop, policy, command, samples, taken)
-                if minor_loop is not None and to_its_end:
-                    recorder.describe({MINOR_LOOP_FROM: recorder.duration_s})
-                    go_on(loop, minor_loop(recorder.recording()), start_s)
+                if following is not None and to_its_end:
+                    recorder.describe({following.begins: recorder.duration_s})
+                    go_on(loop, following.chosen_by(recorder.recording()), start_s)
             finally:
                 rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
                 # Once more: what a rig counts, lost frames for one, is known only now.
@@ -275,12 +281,12 @@ def take_part(
     return start_s, follow(loop, policy, sample, samples, start_s)
 
 
-def go_on(loop: RunParts, following: FollowingPart | None, start_s: float) -> None:
+def go_on(loop: RunParts, part: FollowingPart | None, start_s: float) -> None:
     """Go on with a part of its own, if there is one; the rig is safe in between."""
-    if following is None:
+    if part is None:
         return
     loop.rig.make_safe()
-    policy, samples = following.policy, round(following.duration_s / loop.rig.sample_period_s)
+    policy, samples = part.policy, round(part.duration_s / loop.rig.sample_period_s)
     taken = compiled_part(loop, policy, samples, start_s)
     take_part(loop, policy, policy.first_command(), samples, taken, start_s)
 

@@ -42,11 +42,15 @@ NO_MAXIMUM = (
 
 
 class SeenAtB(NamedTuple):
-    """B of a first heating: its row, how far it is above the model's, and the limit, in % of the span from B to C."""
+    """B of a first heating: its row, how far it is above the model's, and the limit, in % of the span from B to C.
+
+    ``which`` says in words of another maximum which it is.
+    """
 
     row: int
     away_pct: float
     limit_pct: float
+    which: str = "B"
 
     @property
     def is_away(self) -> bool:
@@ -57,8 +61,8 @@ class SeenAtB(NamedTuple):
         """Return it in words."""
         side = "above" if self.away_pct > 0.0 else "below"
         return (
-            f"B is {abs(self.away_pct):.1f} % of the span from B to C {side} the model's, and repeats within "
-            f"{self.limit_pct:.1f} %"
+            f"{self.which} is {abs(self.away_pct):.1f} % of the span from B to C {side} the model's, and repeats "
+            f"within {self.limit_pct:.1f} %"
         )
 
 
@@ -138,8 +142,9 @@ class KnownB(NamedTuple):
 def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
     """Return the height of B in a model's slow loop, which a run's first heating is compared with, or why it is not.
 
-    B, C, the highest of the whole loop and the rise from the cold wire to B [ohm], and the standard deviation [ohm]
-    with which B repeats: by the drift that a trained wire has, and the noise of a reading.
+    B, C, the highest of the whole loop and of its cooling, and the rise from the cold wire to B [ohm], and the standard
+    deviation [ohm] with which B repeats: by the drift that a trained wire has, and the noise of a reading. A cooling
+    that ended warm, or while the resistance rose, in its last tenth by more than repeats, has not shown its highest.
     """
     resistance_ohm = np.array([row[2] for row in model.slow_loop])
     try:
@@ -149,12 +154,18 @@ def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
     if not seen.saw_b:
         return {"b_not_compared": NO_MAXIMUM}
     means_ohm = np.convolve(resistance_ohm, np.full(MEAN_SAMPLES, 1.0 / MEAN_SAMPLES), "valid")
+    std_ohm = hypot(model.drift_resistance_ohm, model.resistance_noise_ohm)
+    cooling_ohm = means_ohm[means_ohm.argmin() :]
+    cold_from_ohm = model.cold_resistance_ohm - HOT_FRACTION * (model.resistance_max_ohm - model.resistance_min_ohm)
+    still_rose = cooling_ohm.max() == cooling_ohm[-1] > cooling_ohm[-1 - cooling_ohm.size // 10] + std_ohm
+    shows_it = cooling_ohm.max() > cold_from_ohm and not still_rose
     return {
         "model_b_ohm": model.resistance_max_ohm,
         "model_c_ohm": model.resistance_min_ohm,
         "model_highest_ohm": max(model.resistance_max_ohm, float(means_ohm.max())),
         "model_rise_ohm": model.resistance_max_ohm - model.cold_resistance_ohm,
-        "model_b_std_ohm": hypot(model.drift_resistance_ohm, model.resistance_noise_ohm),
+        "model_b_std_ohm": std_ohm,
+        **({"model_cooling_ohm": float(cooling_ohm.max())} if shows_it else {}),
     }
 
 

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 
 from musclewire.arrays import FloatArray
+from musclewire.judge._cooling import seen_cooling
 from musclewire.judge._first_heating import LIMIT_STDS, MEAN_SAMPLES, NOISY, KnownB, seen_at_b
 from musclewire.judge._loop import DetectedRows, JudgedLoop, in_windows
 from musclewire.judge._run_correction import TODAY, what_followed
@@ -83,11 +84,15 @@ def other_height_of_b(loop: JudgedLoop) -> DetectedRows:
     """Return the samples from another B than the model's on, or from a resistance above all of the slow loop's on.
 
     In words where B is, and what a run from today's zero has made of it; of one at the model's height, or that was not
-    seen, how far above the slow loop the resistance was.
+    seen, how far above the slow loop the resistance was, then or in the cooling after the loop: what that alone shows
+    has come at a time that is not known, once the wire was sensed.
     """
     seen, odd = loop.once(seen_at_b), loop.once(odd_resistance)
     above = loop.since_first(odd.above)
     if seen is None or not seen.is_away:
+        after = loop.once(seen_cooling)
+        if not above.any() and after is not None and after.is_away:
+            return DetectedRows(loop.sensed if seen is None else loop.since(seen.row), lambda: str(after))
         said = f"up to {odd.above_pct:.0f} % of the span from B to C above all that the model's slow loop showed"
         return DetectedRows(above, lambda: said)
     from_today = loop.facts.text_or_none("zero_from") == TODAY

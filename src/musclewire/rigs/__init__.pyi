@@ -37,6 +37,7 @@ from ._device import Answer as Answer
 from ._device import Device as Device
 from ._device import DeviceFacts as DeviceFacts
 from ._device import DeviceFault as DeviceFault
+from ._device import HasAnEnd as HasAnEnd
 from ._device import HasOnBoardLoop as HasOnBoardLoop
 from ._device import HasStage as HasStage
 from ._device import HasTendonStage as HasTendonStage

@@ -236,6 +236,16 @@ class TrueState(Protocol):
 
 
 @runtime_checkable
+class HasAnEnd(Protocol):
+    """A device that has so many samples and no more, as a recording that is replayed."""
+
+    @property
+    def samples_left(self) -> int:
+        """Samples that have not been handed out yet."""
+        ...
+
+
+@runtime_checkable
 class HasTrueState(Protocol):
     """A simulation, whose true state no instrument shows. For judging a result, never for an estimator."""
 

@@ -2,6 +2,7 @@
 
 from ._columns import COLUMNS as COLUMNS
 from ._columns import ISOBAR_TABLE as ISOBAR_TABLE
+from ._columns import OF_THE_ESTIMATE as OF_THE_ESTIMATE
 from ._columns import check_columns as check_columns
 from ._columns import columns_called as columns_called
 from ._columns import key_of_header as key_of_header
@@ -61,6 +62,7 @@ from ._reading import proposed_mapping as proposed_mapping
 from ._reading import read_hdf5 as read_hdf5
 from ._reading import read_recording as read_recording
 from ._reading import understand as understand
+from ._recording import COOLING_FROM as COOLING_FROM
 from ._recording import MINOR_LOOP_FROM as MINOR_LOOP_FROM
 from ._recording import NO_CYCLE as NO_CYCLE
 from ._recording import Recording as Recording

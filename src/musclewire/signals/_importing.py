@@ -17,7 +17,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument
 from musclewire.signals._absolute_clocks import ABSOLUTE_FROM_S, absolute_clock
 from musclewire.signals._clock_texts import WRITTEN_CLOCKS, ClockTexts, written_clock
-from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, PULSE_TABLE, needs_no_clock
+from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, PULSE_TABLE, known_column, needs_no_clock
 from musclewire.signals._headers import (
     EmptyHeader,
     HeaderMatch,
@@ -52,8 +52,6 @@ from musclewire.signals._unusable_readings import (
     is_overload,
 )
 
-# Our own runs hold NaN in samples without an estimate; in any other column NaN is a gap in the data.
-_MAY_BE_NAN = frozenset(name for name in COLUMNS if name.startswith("estimated_"))
 # A wire that shortens by its whole length does not exist: larger numbers are percent, not fractions.
 _STRAINS = frozenset({"reference_strain", "target_strain", "strain_heating", "strain_cooling"})
 # What a sensor reads that may begin anywhere or be mounted backwards.
@@ -222,6 +220,11 @@ def checked_blocks(plan: ImportPlan, tally: CheckedBlocks) -> Iterator[dict[str,
         raise RecordingError(f"{plan.table.path}: has {tally.row_count} rows; a recording needs 2 or more")
 
 
+def _may_be_nan(column: str) -> bool:
+    """Return whether a number may be missing: of what a loop computes, where it has not; else it is a gap in data."""
+    return known_column(column).kind == "control"
+
+
 class _BlockReader:
     """Converts and checks the blocks of a table, one after the other."""
 
@@ -277,7 +280,7 @@ class _BlockReader:
         keep = np.ones(size, dtype=bool)
         if self._plan.mapping.drop_missing:
             for item, values in zip(self._plan.match.taken, numbered, strict=True):
-                if item.column not in _MAY_BE_NAN:
+                if not _may_be_nan(item.column):
                     keep &= ~np.isnan(values)
             self._tally.dropped += int(size - keep.sum())
         # A recording of musclewire's own keeps its rows; what uses it judges them.
@@ -330,7 +333,7 @@ class _BlockReader:
     def _checked(
         self, item: MatchedHeader, written: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
     ) -> FloatArray:
-        bad = np.isinf(written) if item.column in _MAY_BE_NAN else ~np.isfinite(written)
+        bad = np.isinf(written) if _may_be_nan(item.column) else ~np.isfinite(written)
         if bad.any():
             row = int(np.argmax(bad))
             missing = np.isnan(written[row])

@@ -15,7 +15,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, argument
 from musclewire.signals._columns import known_column
 from musclewire.signals._metadata import MetadataValue
-from musclewire.signals._recording import MINOR_LOOP_FROM, Recording
+from musclewire.signals._recording import Recording, follows_from
 
 # Below this correlation the two columns do not show the same thing.
 MIN_CORRELATION = 0.7
@@ -403,9 +403,10 @@ def _cut(recording: Recording, low_s: float, high_s: float) -> Recording:
 def _resampled(first: Recording, second: Recording, delay_s: float) -> tuple[Recording, tuple[str, ...]]:
     """Return both recordings on the first one's rows, and how that was done."""
     metadata = {**second.with_minor_loop.metadata, **first.metadata}
-    from_s = second.metadata.get(MINOR_LOOP_FROM)
-    if second.minor_loop is not None and MINOR_LOOP_FROM not in metadata and isinstance(from_s, (int, float)):
-        metadata[MINOR_LOOP_FROM] = from_s - delay_s
+    begins = follows_from(second.metadata)
+    from_s = second.metadata.get(begins)
+    if not follows_from(metadata) and len(second.with_minor_loop) > len(second) and isinstance(from_s, (int, float)):
+        metadata[begins] = from_s - delay_s
     first, second = first.with_minor_loop, second.with_minor_loop
     time_s, other_s = first["time_s"], second["time_s"] - delay_s
     period_s, other_period_s = _period_s(first), _period_s(second)

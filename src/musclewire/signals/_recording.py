@@ -37,9 +37,10 @@ if TYPE_CHECKING:
 
 Answer = TypeVar("Answer")
 Known = TypeVar("Known", bound="Recording")
-# Rows later than this [s] are no part of the cycles: the minor loop that was recorded after them. Where cycles are
-# numbered its rows have none: those of a recording that was put together, with the metadata of its first part, have.
-MINOR_LOOP_FROM, NO_CYCLE = "minor_loop_from_s", 0.0
+# Rows later than this [s] are no part of the cycles or of the loop: the minor loop after the cycles, or how the wire
+# cooled after the loop. Where cycles are numbered these rows have none: those of a recording that was put together,
+# with the metadata of its first part, have.
+MINOR_LOOP_FROM, COOLING_FROM, NO_CYCLE = "minor_loop_from_s", "cooling_from_s", 0.0
 # The facts of a run that a person reads first, in this order; .metadata has all.
 READ_FIRST = (
     "experiment",
@@ -69,9 +70,9 @@ class Recording:
     order of rows counts and no clock is known, ``time_s`` may be row numbers; the metadata say so,
     ``clock = "row numbers"``.
 
-    The last rows, later than the metadata's ``minor_loop_from_s`` and with 0 in a column ``cycle``, are a segment of
-    their own, :attr:`minor_loop`: columns and number of rows are those of the cycles before it, as if the run had ended
-    with them. Files keep both.
+    The last rows, later than the metadata's ``minor_loop_from_s`` or ``cooling_from_s`` and with 0 in a column
+    ``cycle``, are a segment of their own, :attr:`minor_loop` or :attr:`cooling`: columns and number of rows are those
+    of the run before it, as if it had ended there. Files keep both.
 
     Parameters
     ----------
@@ -107,7 +108,7 @@ class Recording:
         _check_equal_lengths(columns)
         _check_rows_are_ordered(columns)
         metadata = checked_metadata(self.metadata)
-        rows = _rows_of_cycles(columns, metadata)
+        rows = _rows_of_run(columns, metadata)
         object.__setattr__(self, "_whole", MappingProxyType(columns))
         object.__setattr__(self, "columns", MappingProxyType({name: one[:rows] for name, one in columns.items()}))
         object.__setattr__(self, "metadata", metadata)
@@ -157,20 +158,30 @@ class Recording:
 
     @property
     def whole_columns(self) -> Mapping[str, FloatArray]:
-        """The columns as a file has them: the rows of a minor loop after those of the cycles, (n_file_rows,)."""
+        """The columns as a file has them, with the rows of the segment that followed, (n_file_rows,)."""
         whole: Mapping[str, FloatArray] = self._whole  # type: ignore[attr-defined]  # set with the columns
         return whole
 
     @cached_property
     def minor_loop(self) -> Recording | None:
         """The minor loop that was recorded after the cycles, on their clock; None without one."""
+        return self._followed_by(MINOR_LOOP_FROM)
+
+    @cached_property
+    def cooling(self) -> Recording | None:
+        """How the wire cooled at the sense voltage after a closed loop, on its clock; None if nobody looked."""
+        return self._followed_by(COOLING_FROM)
+
+    def _followed_by(self, begins: str) -> Recording | None:
+        """Return the segment that followed the run, if its beginning is stated under this name."""
         rows = {name: values[len(self) :] for name, values in self.whole_columns.items()}
-        return Recording(rows, _of_cycles(self.metadata)) if next(iter(rows.values())).size else None
+        is_there = follows_from(self.metadata) == begins and next(iter(rows.values())).size
+        return Recording(rows, _of_run(self.metadata)) if is_there else None
 
     @cached_property
     def with_minor_loop(self) -> Recording:
-        """All rows as one recording, in which nothing separates the minor loop from the cycles."""
-        return Recording(self.whole_columns, _of_cycles(self.metadata))
+        """All rows as one recording, in which nothing separates the segment that followed from the run."""
+        return Recording(self.whole_columns, _of_run(self.metadata))
 
     @cached_property
     def facts(self) -> RunFacts:
@@ -200,7 +211,7 @@ class Recording:
         return "time_s" not in self and all(name in self for name in PULSE_TABLE)
 
     def with_columns(self, columns: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> Recording:
-        """Return a recording in which columns are added or replaced, without a minor loop.
+        """Return a recording in which columns are added or replaced, without what followed the run.
 
         Parameters
         ----------
@@ -214,7 +225,7 @@ class Recording:
         The other recording, with the same metadata.
         """
         added = {**(columns or {}), **more}
-        return Recording({**self.columns, **added}, _of_cycles(self.metadata))  # type: ignore[dict-item]
+        return Recording({**self.columns, **added}, _of_run(self.metadata))  # type: ignore[dict-item]
 
     def with_metadata(self, metadata: Mapping[str, MetadataValue] | None = None, /, **more: MetadataValue) -> Recording:
         """Return a recording in which metadata are added or replaced.
@@ -233,7 +244,7 @@ class Recording:
         return Recording(self.whole_columns, {**self.metadata, **(metadata or {}), **more})
 
     def between(self, start: int | None = None, stop: int | None = None) -> Recording:
-        """Return some of the rows, without a minor loop.
+        """Return some of the rows, without what followed the run.
 
         Parameters
         ----------
@@ -254,10 +265,10 @@ class Recording:
         for row in (start, stop):
             if row is not None and not isinstance(row, (int, np.integer)):
                 raise CallerError(f"between() counts rows, got {row!r}; use numpy.searchsorted on time_s for times")
-        return Recording({name: values[start:stop] for name, values in self.columns.items()}, _of_cycles(self.metadata))
+        return Recording({name: values[start:stop] for name, values in self.columns.items()}, _of_run(self.metadata))
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return a pandas DataFrame with the metadata in ``attrs``; a minor loop makes one of its own.
+        """Return a pandas DataFrame with the metadata in ``attrs``; a segment that followed makes one of its own.
 
         Returns
         -------
@@ -276,7 +287,7 @@ class Recording:
         return frame
 
     def to_xarray(self) -> xr.Dataset:
-        """Return an xarray data set, whose variables carry their units; a minor loop makes one of its own.
+        """Return an xarray data set, whose variables carry their units; a segment that followed makes one of its own.
 
         Returns
         -------
@@ -412,18 +423,23 @@ def _unpickled(columns: dict[str, FloatArray], metadata: dict[str, MetadataValue
     return Recording(columns, metadata)
 
 
-def _rows_of_cycles(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue]) -> int | None:
-    """Return how many rows come before a minor loop, which ends a recording; None without one."""
-    from_s, time_s = metadata.get(MINOR_LOOP_FROM), columns.get("time_s")
+def follows_from(metadata: Mapping[str, MetadataValue]) -> str:
+    """Return under which name metadata state where the segment after the run begins; "" if they state none."""
+    return next((name for name in (MINOR_LOOP_FROM, COOLING_FROM) if name in metadata), "")
+
+
+def _rows_of_run(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue]) -> int | None:
+    """Return how many rows come before the segment that ends a recording; None without one."""
+    from_s, time_s = metadata.get(follows_from(metadata)), columns.get("time_s")
     if time_s is None or isinstance(from_s, (bool, str)) or from_s is None:
         return None
     before = np.flatnonzero(~((time_s > from_s) & (columns.get("cycle", NO_CYCLE) == NO_CYCLE)))
     return int(before[-1]) + 1 if before.size else None
 
 
-def _of_cycles(metadata: Mapping[str, MetadataValue]) -> dict[str, MetadataValue]:
-    """Return metadata without the beginning of a minor loop: of rows that have none, or a clock of their own."""
-    return {key: value for key, value in metadata.items() if key != MINOR_LOOP_FROM}
+def _of_run(metadata: Mapping[str, MetadataValue]) -> dict[str, MetadataValue]:
+    """Return metadata without the beginning of what followed: of rows that have none, or a clock of their own."""
+    return {key: value for key, value in metadata.items() if key not in (MINOR_LOOP_FROM, COOLING_FROM)}
 
 
 def _check_equal_lengths(columns: Mapping[str, FloatArray]) -> None:

@@ -52,8 +52,8 @@ def assert_same_numbers(fast: LoopOutcome, slow: LoopOutcome) -> None:
     assert fast.run is not None
     assert slow.run is not None
     assert list(fast.run.columns) == list(slow.run.columns)
-    for name, column in slow.run.columns.items():
-        np.testing.assert_array_equal(fast.run.columns[name], column, err_msg=name)
+    for name, column in slow.run.whole_columns.items():
+        np.testing.assert_array_equal(fast.run.whole_columns[name], column, err_msg=name)
     assert (fast.metrics, fast.does_not_hold) == (slow.metrics, slow.does_not_hold)
     assert fast.run.metadata.get("health") == slow.run.metadata.get("health")
 

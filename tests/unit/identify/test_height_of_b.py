@@ -29,6 +29,14 @@ def test_a_slow_loop_states_b_its_rise_and_how_far_it_repeats() -> None:
     assert stated["model_b_std_ohm"] == pytest.approx(hypot(0.003 * 3.0, 0.004))
 
 
+def test_the_cooling_of_a_loop_states_its_highest_if_it_came_to_it() -> None:
+    cooled = np.concatenate([np.linspace(17.0, 19.9, 60)[1:], np.linspace(19.9, 19.7, 60)])
+    stated = height_of_b(model_with(np.concatenate([HEATING, cooled])))
+    assert stated["model_cooling_ohm"] == pytest.approx(19.9, abs=0.02)
+    for ended in ([], cooled[:40], cooled[:57]):  # none, still warm, still rising
+        assert "model_cooling_ohm" not in height_of_b(model_with(np.concatenate([HEATING, ended])))
+
+
 def test_the_rise_is_that_of_the_cold_wire_and_not_of_its_noise() -> None:
     noisy = HEATING + np.where(np.arange(HEATING.size) < 60, 0.03 * np.random.default_rng(2).standard_normal(159), 0.0)
     assert height_of_b(model_with(noisy))["model_rise_ohm"] == pytest.approx(0.2, abs=0.02)

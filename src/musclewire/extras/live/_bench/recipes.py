@@ -17,6 +17,7 @@ from musclewire.experiment import (
     LoopChoice,
     characterize,
     control,
+    cooling_time_s,
     examination_s,
     examine,
     home,
@@ -305,7 +306,8 @@ def control_s(session: BenchSession, command: messages.Control) -> float | None:
         return None
     followed: FollowedReference = reference_of(command.reference, session.work.model, session.rig.sample_period_s)
     approach_s = approach_of(command, followed, session.work.model, session.rig.sample_period_s)
-    return None if followed.steered else approach_s + followed.reference.duration_s
+    duration_s = approach_s + followed.reference.duration_s
+    return None if followed.steered else duration_s + cooling_time_s(session.rig, session.work.model, duration_s)
 
 
 def approach_of(
