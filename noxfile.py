@@ -8,6 +8,8 @@ import shlex
 import shutil
 import sys
 import tomllib
+from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 
 import nox
@@ -36,7 +38,12 @@ PLATFORMS = {
 }
 # All extras, and which of them imports which, as ARCHITECTURE.md draws it and pyproject.toml holds it.
 EXTRAS = sorted(path.parent.name for path in ROOT.glob("src/musclewire/extras/*/manifest.py"))
-ARROWS = {"design": ("paper",), "board": ("interfaces",)}
+ARROWS = {"board": ("interfaces",)}
+# Packages of the checkout that are installed apart, and commands that need each.
+BESIDE = {
+    "packages/design": ("design pretensioner --stiffness '386.2 N/m'", "reproduce --only fig13a --seed 1"),
+    "studies/robustness": ("robustness --list",),
+}
 # That an extra is missing is found within so many times what `musclewire --version` takes: reading a file's first rows
 # takes two of them, on a machine that is busy too; work that was once done before took a hundred.
 ABSENT_TIMES = 4.0
@@ -148,7 +155,12 @@ def package(session: nox.Session) -> None:
     version_s = computed_s() - began_s
     for row in ACTIONS:
         without_extra(session, row, ABSENT_TIMES * version_s)
-    beside_it(session)
+    for place, commands in BESIDE.items():
+        beside_it(session, place, commands)
+    solid = "musclewire", "design", "finger", "--finger", "lan-fan-2010", "--solid", "finger.stl"
+    said = str(session.run(*solid, silent=True, success_codes=[2])).strip()
+    if "\n" in said or not said.endswith('pip install "./packages/design[cad]" in the checkout'):
+        session.error(f"a solid must say in one line what it needs, and says: {said}")
 
 
 def computed_s() -> float:
@@ -166,13 +178,15 @@ def site(session: nox.Session) -> None:
     session.run(*shlex.split(build))
 
 
-def beside_it(session: nox.Session) -> None:
-    """Try a command whose package is not here: it says which line installs it. Then that line, and the command."""
-    said = str(session.run("musclewire", "robustness", silent=True, success_codes=[2])).strip()
-    if not said.endswith("pip install ./studies/robustness in the checkout"):
-        session.error(f"musclewire robustness must say how it is installed, and says: {said}")
-    session.install("--no-deps", str(ROOT / "studies/robustness"))
-    session.run("musclewire", "robustness", "--list")
+def beside_it(session: nox.Session, folder: str, commands: Sequence[str]) -> None:
+    """Try commands whose package is not here: each says which line installs it. Then that line, and the commands."""
+    for command in commands:
+        said = str(session.run("musclewire", *shlex.split(command), silent=True, success_codes=[2])).strip()
+        if "\n" in said or not said.endswith(f"pip install ./{folder} in the checkout"):
+            session.error(f"musclewire {command} must say in one line how it is installed, and says: {said}")
+    session.install(str(ROOT / folder))
+    for command in commands:
+        session.run("musclewire", *shlex.split(command))
 
 
 def without_extra(session: nox.Session, row: dict[str, str], most_s: float) -> None:
@@ -191,25 +205,38 @@ def without_extra(session: nox.Session, row: dict[str, str], most_s: float) -> N
         session.error(f"{row} must say in one line '{cure}', and says: {said}")
 
 
+def hide(folder: Path, package: str) -> None:
+    """Have no package that is installed, for who looks into this folder first: an empty one has its name."""
+    distribution = folder / f"{package}-0.dist-info"
+    distribution.mkdir()
+    (distribution / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 0\n", "utf-8")
+    (folder / f"{package}.py").write_text('raise ImportError("hidden")\n', "utf-8")
+
+
 @nox.session(venv_backend="none")
 def without_extras(session: nox.Session) -> None:
-    """Delete all extras in a copy: the core's tests and the demo pass. `-- each`, or names: one after the other.
+    """Delete all extras in a copy, and packages/design: the core's tests and the demo pass.
 
-    With each goes what imports it. `-- quick` runs one test file of each folder.
+    `-- each`, or names: one after the other. With each goes what imports it. `-- quick` runs one test file of each
+    folder.
     """
     quick, named = "quick" in session.posargs, [word for word in session.posargs if word != "quick"]
-    chosen = EXTRAS if named == ["each"] else named
-    if wrong := set(chosen) - set(EXTRAS):
-        session.error(f"there is no extra {', '.join(sorted(wrong))}; there are {', '.join(EXTRAS)}")
-    for deleted in [(name, *ARROWS.get(name, ())) for name in chosen] or [EXTRAS]:
+    there_are = (*EXTRAS, "design")
+    chosen = there_are if named == ["each"] else named
+    if wrong := set(chosen) - set(there_are):
+        session.error(f"there is no extra {', '.join(sorted(wrong))}; there are {', '.join(there_are)}")
+    for deleted in [(name, *ARROWS.get(name, ())) for name in chosen] or [there_are]:
         session.log(f"without {', '.join(deleted)}")
         folder = Path(session.create_tmp()).resolve() / "copy"
         shutil.rmtree(folder, ignore_errors=True)
         shutil.copytree(ROOT, folder, ignore=NOT_COPIED)
         # Without any extra their folder goes as well.
-        for name in [""] if set(deleted) == set(EXTRAS) else deleted:
-            shutil.rmtree(folder / "src/musclewire/extras" / name)
+        for name in [""] if deleted == there_are else deleted:
+            shutil.rmtree(folder / "src/musclewire/extras" / name, ignore_errors=True)
             shutil.rmtree(folder / "tests/extras" / name, ignore_errors=True)
+        if "design" in deleted:
+            shutil.rmtree(folder / "packages/design")
+            hide(folder / "src", "musclewire_design")
         # Of a package that stands on three of them.
         shutil.rmtree(folder / "tests/extras/robustness", ignore_errors=True)
         python = (sys.executable, "-P", "-m")
@@ -217,7 +244,7 @@ def without_extras(session: nox.Session) -> None:
         tests = {path.parent: str(path) for path in sorted((folder / "tests").rglob("test_*.py"), reverse=True)}
         selected = [*sorted(tests.values()), "-m", NO_LONG_TESTS] if quick else []
         session.chdir(folder)
-        if set(deleted) == set(EXTRAS):
+        if deleted == there_are:
             session.run(*python, "musclewire", "demo", "--output", "demo", env=variables)
         session.run(*python, "pytest", "-q", "-n", "auto", "--dist", "worksteal", *selected, env=variables)
 
@@ -260,17 +287,21 @@ def pythons(session: nox.Session) -> None:
 def platforms(session: nox.Session) -> None:
     """Resolve all dependencies for Windows and macOS, from compiled packages only; nothing is run there."""
     chosen = [word for extra in sorted(extras_of_users()) for word in ("--extra", extra)]
+    design = tomllib.loads((ROOT / "packages/design/pyproject.toml").read_text("utf-8"))["project"]
+    needed = [*design["dependencies"], *chain(*design["optional-dependencies"].values())]
+    of_design = Path(session.create_tmp()) / "design.in"
+    of_design.write_text("\n".join(line for line in needed if line != "musclewire"), "utf-8")
     for name, platform in PLATFORMS.items():
         for python in PYTHONS:
             options = ["--only-binary", ":all:", "--python-platform", platform, "--python-version", python]
             session.log(f"{name}, Python {python}")
-            session.run("uv", "pip", "compile", "-q", *options, *chosen, "pyproject.toml", silent=True)
+            session.run("uv", "pip", "compile", "-q", *options, *chosen, "pyproject.toml", str(of_design), silent=True)
 
 
 @nox.session
 def coverage(session: nox.Session) -> None:
     """Measure lines and branches of the default tests and, where compiled code cannot be traced, of some without it."""
-    session.install("-e", ".[test,dev]")
+    session.install("-e", ".[test,dev]", "-e", "packages/design")
     session.run("coverage", "erase")
     session.run("coverage", "run", "-m", "pytest", "-q", "-n", "auto", *session.posargs)
     plain = ("tests/unit/controllers", "tests/unit/sensing", "tests/unit/physics")

@@ -34,7 +34,8 @@ MAX_PROMISED, MAX_CROSSING = 150, 500
 # What those who use the package may import from.
 FOR_USERS = ("musclewire", "musclewire.compiled")
 # Python that is not of the package and is held to its lists.
-OUTSIDE = ("tests", "benchmarks", "checks", "docs", "emulation", "firmware", "hardware", "studies", "examples")
+OUTSIDE = ("tests", "benchmarks", "checks", "docs", "emulation", "firmware", "hardware", "packages", "studies",
+           "examples")  # fmt: skip
 # Pages and programs that users read and copy from; decisions also say what is no more.
 USERS_PAGES = ("README.md", "docs/start", "docs/tutorials", "docs/how-to", "docs/explanation", "docs/reference",
                "docs/notebooks", "docs/lesson", "examples")  # fmt: skip

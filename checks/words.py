@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
-PLACES = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs", "src")
+PLACES = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs", "packages", "src")
 SUFFIXES = {".css", ".html", ".js", ".md", ".py", ".toml"}
 OF_OTHERS = "vendor"  # a folder of files that come from elsewhere, unchanged
 CODE_IN_TEXT = re.compile(r"^```.*?^```|^ {4}.*?$|`[^`\n]*`|\]\([^)]*\)", re.M | re.S)

@@ -23,7 +23,9 @@ def main() -> int:
     parser.add_argument("--output", type=Path, default=ROOT / "build" / "docs", help="folder of the site")
     output = parser.parse_args().output.resolve()
     if find_spec("sphinx") is None or find_spec("myst_nb") is None:
-        print('The site is built by Sphinx: pip install ".[docs]" ./studies/robustness in the checkout.')
+        print(
+            'The site is built by Sphinx: pip install ".[docs]" ./packages/design ./studies/robustness in the checkout.'
+        )
         return 2
     from api_pages import write_api_pages
     from completeness import missing

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from musclewire.extras.board import load_parts
-from musclewire.extras.design import PULL_STRESS_PA, table_text, wire_table
+from musclewire.extras.supply import PULL_STRESS_PA, table_text, wire_table
 
 LENGTH_M, AMBIENT_K = 0.14, 295.15
 HEAD = """# Circuits

@@ -120,8 +120,6 @@ PACKAGES_OF = {
     "gym": ("gymnasium",),
     "control": ("control",),
     "sweep": ("distributed", "xarray", "pyarrow", "SALib"),
-    "design": ("skfem", "ezdxf"),
-    "cad": ("skfem", "ezdxf", "OCP"),
 }
 
 

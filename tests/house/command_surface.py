@@ -79,9 +79,14 @@ def listing(known: Listing) -> Listing:
     }
 
 
+# A package beside musclewire that README's second command installs: its commands are in the listing.
+LISTED_BESIDE = ("design",)
+
+
 def of_others(kind: str) -> set[str]:
     """Return what packages beside musclewire offer of a kind, by their manifests: it comes and goes with them."""
-    return {getattr(one, "name", one) for manifest in manifests_of_others() for one in getattr(manifest, kind)}
+    others = (manifest for manifest in manifests_of_others() if manifest.name not in LISTED_BESIDE)
+    return {getattr(one, "name", one) for manifest in others for one in getattr(manifest, kind)}
 
 
 def own_kinds(registry: Registry[Any]) -> list[str]:

@@ -42,9 +42,9 @@ def code_words(cell: str) -> list[str]:
 
 
 def resolve(name: str) -> Any:
-    """The object that ``module:object`` names, the package's name left out; fields count as objects."""
+    """The object that ``module:object`` names, musclewire's own name left out; fields count as objects."""
     module, _, path = name.partition(":")
-    found = importlib.import_module(f"musclewire.{module}")
+    found = importlib.import_module(module if module.startswith("musclewire_") else f"musclewire.{module}")
     for part in path.split("."):
         fields = {**getattr(found, "model_fields", {}), **getattr(found, "__annotations__", {})}
         found = getattr(found, part) if hasattr(found, part) else fields[part]

@@ -119,7 +119,8 @@ def test_the_readme_starts_with_the_two_commands() -> None:
     _, first = next(block for block in blocks(CHECKOUT / "README.md") if block[0] == "sh")
     install, test = first.strip().splitlines()
     assert install == "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/musclewire demo"
-    assert test == '.venv/bin/pip install ".[test]" && .venv/bin/python -m pytest -n auto --dist worksteal'
+    pytest_command = ".venv/bin/python -m pytest -n auto --dist worksteal"
+    assert test == f'.venv/bin/pip install ".[test]" ./packages/design && {pytest_command}'
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)

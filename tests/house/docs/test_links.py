@@ -13,7 +13,8 @@ from tests.house.docs.doc_pages import anchors_of
 from tests.places import CHECKOUT
 
 # A folder that is built, or of an environment, holds no page of ours.
-FOLDERS = ("docs", "src", "tests", "studies", "benchmarks", "checks", "emulation", "examples", "firmware", "hardware")
+FOLDERS = ("docs", "src", "tests", "studies", "benchmarks", "checks", "emulation", "examples", "firmware", "hardware",
+           "packages")  # fmt: skip
 PAGES = [
     *CHECKOUT.glob("*.md"),
     *(page for folder in FOLDERS for page in (CHECKOUT / folder).rglob("*.md")),

@@ -16,6 +16,7 @@ class ReproduceAnswer(AnswerModel):
     new_failures: tuple[str, ...]
     repaired: tuple[str, ...]
     origins: dict[str, Annotated[OriginCount, AnswerRecord(without=("origin",))]]
+    lacking: dict[str, str]
     seeds: tuple[int, ...]
     seed: int | None
     wall_s: float

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from io import StringIO
 from typing import TYPE_CHECKING
 
@@ -55,7 +56,7 @@ def summary_text(result: Reproduction) -> str:
     said += f", {worse} of them only by their tolerance, worse than the paper's" if worse else ""
     said += f"; {apart} more cannot fail ({', '.join(APART)}) and are not counted" if apart else ""
     said += f"; {reported} more are reported and not judged" if reported else ""
-    lines = ["", seeds_text(result.seeds), origins_text(result), said]
+    lines = ["", seeds_text(result.seeds), origins_text(result), said, *lacking_lines(result.lacking)]
     groups = (
         ("known failures", [row for row in result.failing if row.known_failure]),
         ("new failures, not on the committed list", result.new_failures),
@@ -67,6 +68,15 @@ def summary_text(result: Reproduction) -> str:
             reason = reason_text(row)
             lines.append(f"  {row.name}" + (f": {reason}" if reason else ""))
     return "\n".join(lines)
+
+
+def lacking_lines(lacking: Mapping[str, str]) -> list[str]:
+    """Return the rows that are left out, below what is not installed."""
+    return [
+        line
+        for absent in dict.fromkeys(lacking.values())
+        for line in (f"left out: {absent}", *(f"  {name}" for name, why in lacking.items() if why == absent))
+    ]
 
 
 def origins_text(result: Reproduction) -> str:

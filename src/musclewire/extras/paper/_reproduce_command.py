@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-import tomllib
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -22,7 +20,7 @@ from musclewire.app import (
     stops_between_samples,
     tell,
 )
-from musclewire.errors import CallerError, require_extra
+from musclewire.errors import CallerError
 from musclewire.extras.paper._options import FIRST_SEED, SEEDS
 from musclewire.extras.paper._paper_text import rows_text, summary_text
 
@@ -63,7 +61,6 @@ def reproduce(
     Each row is judged by the median over many seeds, on all cores; --seed runs a single one.
     """
     started = time.perf_counter()
-    require_what_rows_need(only or "")
     from musclewire.experiment import file_in
     from musclewire.extras.paper._reproduce import all_checks, selected
     from musclewire.signals import write_text_whole
@@ -81,14 +78,6 @@ def reproduce(
     write_text_whole(data, json.dumps(answer.model_dump(mode="json"), indent=2, allow_nan=False) + "\n")
     text = f"{rows_text(result)}\n{summary_text(result)}\n{answer.wall_s:.1f} s; open {page}"
     return Result(answer, text, holds=not result.failing)
-
-
-def require_what_rows_need(only: str) -> None:
-    """Raise MissingExtraError if a row that is asked for needs an extra that is not installed; nothing is imported."""
-    rows = tomllib.loads((files("musclewire.extras.paper") / "_reproduce/rows.toml").read_text("utf-8"))
-    for name, row in rows.items():
-        if "needs" in row and name.startswith(only):
-            require_extra("sizing a part by finite elements", row["needs"])
 
 
 def reproduced(only: str | None, seeds: range, workers: int | None, page: Path) -> Reproduction:

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from musclewire_design._finger.chain import finger_chain
+from musclewire_design._finger.curve import beam_stress_pa
+from musclewire_design._finger.geometry import FingerGeometry
+from musclewire_design._finger.statics import equilibria
 from tests.places import CHECKOUT
 from tests.tools import require_oracle
 
-from musclewire.extras.design._finger.chain import finger_chain
-from musclewire.extras.design._finger.curve import beam_stress_pa
-from musclewire.extras.design._finger.geometry import FingerGeometry
-from musclewire.extras.design._finger.statics import equilibria
 from musclewire.parameters import load_material
 
 FOLDER = CHECKOUT / "examples" / "printed"

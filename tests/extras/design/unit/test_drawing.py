@@ -8,10 +8,9 @@ from xml.etree import ElementTree
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from musclewire.extras.design._drawing import Drawing, DrawnHole, OutlineVertex, ring_area_m2, svg_text
-from musclewire.extras.design._serpentine.geometry import SerpentineGeometry
-from musclewire.extras.design._serpentine.outline import CORNER_M, serpentine_drawing
+from musclewire_design._drawing import Drawing, DrawnHole, OutlineVertex, ring_area_m2, svg_text
+from musclewire_design._serpentine.geometry import SerpentineGeometry
+from musclewire_design._serpentine.outline import CORNER_M, serpentine_drawing
 
 GEOMETRY = SerpentineGeometry(4, 11.72e-3, 3.26e-3, 1.01e-3, 10e-3, 0.25e-3)
 

@@ -7,11 +7,11 @@ import pytest
 import skfem
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from musclewire_design._elasticity import BodyLoad, solve_large, solve_linear
+from musclewire_design._finger.closed_forms import end_loaded_cantilever
+from musclewire_design._plane_body import PlaneBody
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.design._elasticity import BodyLoad, solve_large, solve_linear
-from musclewire.extras.design._finger.closed_forms import end_loaded_cantilever
-from musclewire.extras.design._plane_body import PlaneBody
 
 LENGTH, DEPTH, MODULUS = 0.1, 0.01, 2e9
 

@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from musclewire.errors import CallerError
-from musclewire.extras.design._frame import chain_stiffness_n_per_m
-from musclewire.extras.design._serpentine.closed_form import (
+from musclewire_design._frame import chain_stiffness_n_per_m
+from musclewire_design._serpentine.closed_form import (
     corner_stress_factor,
     guided_factor,
     nominal_stress_pa,
     rounded_stiffness_n_per_m,
     stiffness_n_per_m,
 )
-from musclewire.extras.design._serpentine.geometry import CentreLineArc, CentreLineStraight, SerpentineGeometry
-from musclewire.extras.design._serpentine.strip import MESHES, ForceCurve, force_curve, linear_answer
+from musclewire_design._serpentine.geometry import CentreLineArc, CentreLineStraight, SerpentineGeometry
+from musclewire_design._serpentine.strip import MESHES, ForceCurve, force_curve, linear_answer
+
+from musclewire.errors import CallerError
 from musclewire.parameters import load_material
 
 MODULUS = 2.6e9

@@ -5,12 +5,12 @@ from __future__ import annotations
 from functools import cache
 
 import pytest
+from musclewire_design._serpentine.analysis import PretensionerDesign, PretensionerDuty, analyse
+from musclewire_design._serpentine.closed_form import stiffness_n_per_m
+from musclewire_design._serpentine.geometry import AvailableRoom, SerpentineGeometry
+from musclewire_design._serpentine.sizing import PretensionerRequest, design_pretensioner
 
 from musclewire.errors import CallerError
-from musclewire.extras.design._serpentine.analysis import PretensionerDesign, PretensionerDuty, analyse
-from musclewire.extras.design._serpentine.closed_form import stiffness_n_per_m
-from musclewire.extras.design._serpentine.geometry import AvailableRoom, SerpentineGeometry
-from musclewire.extras.design._serpentine.sizing import PretensionerRequest, design_pretensioner
 from musclewire.parameters import load_material
 
 PAPER = AvailableRoom(24.6e-3, 27.6e-3, 10e-3)

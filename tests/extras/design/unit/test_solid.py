@@ -11,16 +11,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from musclewire_design._drawing import polyline_m
+from musclewire_design._finger.drawing import finger_solid
+from musclewire_design._finger.finger_file_text import finger_geometry
+from musclewire_design._finger.geometry import FingerGeometry
+from musclewire_design._serpentine.geometry import SerpentineGeometry
+from musclewire_design._serpentine.outline import serpentine_drawing
+from musclewire_design._solid import Solid, require_cad, write_solid
 from tests.tools import require_oracle
 
-from musclewire.errors import CallerError, MissingExtraError
-from musclewire.extras.design._drawing import polyline_m
-from musclewire.extras.design._finger.drawing import finger_solid
-from musclewire.extras.design._finger.finger_file_text import finger_geometry
-from musclewire.extras.design._finger.geometry import FingerGeometry
-from musclewire.extras.design._serpentine.geometry import SerpentineGeometry
-from musclewire.extras.design._serpentine.outline import serpentine_drawing
-from musclewire.extras.design._solid import Solid, require_cad, write_solid
+from musclewire.errors import CallerError
 from musclewire.parameters import load_finger
 
 trimesh = require_oracle("trimesh")
@@ -103,9 +103,9 @@ def test_a_tendon_hole_that_would_cut_the_beam_is_refused() -> None:
         finger_solid(papers_finger(), 2e-3)
 
 
-def test_without_open_cascade_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_without_open_cascade_it_is_said_what_installs_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     require_cad.cache_clear()
     monkeypatch.setitem(sys.modules, "OCP", None)
-    with pytest.raises(MissingExtraError, match=r"needs the extra 'cad': pip install"):
+    with pytest.raises(CallerError, match=r'pip install "\./packages/design\[cad\]" in the checkout'):
         write_solid(PARTS["finger"], tmp_path / "part.stl")
     assert not list(tmp_path.iterdir())

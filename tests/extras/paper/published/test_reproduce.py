@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from tests.published.page_parts import Outside
+from tests.tools import require_package
 
 from musclewire.extras.paper._known_failures import known_failures
 from musclewire.extras.paper._page.paper_figures import FIGURES
@@ -20,6 +21,7 @@ from musclewire.extras.paper._reproduce import DEFAULT_SEEDS, all_checks
 
 # The whole table takes minutes; one row of each kind is in tests of the command.
 pytestmark = pytest.mark.full
+require_package("musclewire_design", "pip install ./packages/design")
 
 
 def reproduce(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

@@ -30,8 +30,8 @@ from musclewire.parameters import load_finger, read_published
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from musclewire_design import PretensionerDesign
 
-    from musclewire.extras.design import PretensionerDesign
     from musclewire.extras.paper._reproduce import RunCache, SlowSineLoop
 
 # Settings of the sweep whose loops are drawn; the others would lie on top of them.
@@ -51,7 +51,7 @@ def fig13a(_runs: RunCache) -> Figure:
     -------
     The figure.
     """
-    from musclewire.extras.design import finger_geometry, finger_shape
+    from musclewire_design import finger_geometry, finger_shape
 
     figure, axes = one_panel()
     geometry = finger_geometry(load_finger("lan-fan-2010"))
@@ -107,7 +107,7 @@ def fig14(_runs: RunCache) -> Figure:
 
 def serpentine_outline(made: PretensionerDesign) -> FloatArray:
     """Return the outline of a designed pretensioner as points, (n, 2) [m], its arcs in short chords."""
-    from musclewire.extras.design import serpentine_drawing
+    from musclewire_design import serpentine_drawing
 
     ring = serpentine_drawing(made.geometry, "").outline
     points = []

@@ -45,7 +45,7 @@ def matching(pattern: str, names: Iterable[str]) -> set[str]:
 TABLE = Path(__file__).parent / "rows.toml"
 ISOBARS = "isobars."
 # What a row has unless it says otherwise, and what one of a kind has.
-DEFAULTS: dict[str, Any] = {"tolerance": 0.0, "compare": "within", "origin": PREDICTED_OR_LISTED}
+DEFAULTS: dict[str, Any] = {"tolerance": 0.0, "compare": "within", "origin": PREDICTED_OR_LISTED, "needs": ""}
 OF_KIND: dict[str, dict[str, Any]] = {
     "input": {"origin": "input", "why": "taken over from the paper: the number the run was made with"},
     "equation": {"paper": 0.0, "compare": "at most", "origin": "definition"},
@@ -76,9 +76,10 @@ def checks_of(name: str, table: Mapping[str, Any], texts: Mapping[str, str]) -> 
 def check_of(name: str, keys: dict[str, Any], texts: Mapping[str, str]) -> PaperCheck:
     """Return the check of one row; what is no key of a row is an argument of its measure."""
     row, label = name.format(**keys), keys.pop("label", "")
-    keys.pop("needs", None)  # has been asked for before anything was imported
     paper, tolerance, measure = printed(keys.pop("paper")), keys.pop("tolerance"), keys.pop("measure")
-    unit, why, kind, compare, origin = (keys.pop(key) for key in ("unit", "why", "kind", "compare", "origin"))
+    unit, why, kind, compare, origin, needs = (
+        keys.pop(key) for key in ("unit", "why", "kind", "compare", "origin", "needs")
+    )
     return PaperCheck(
         row,
         paper,
@@ -89,6 +90,7 @@ def check_of(name: str, keys: dict[str, Any], texts: Mapping[str, str]) -> Paper
         partial(function_at(measure), **keys) if keys else function_at(measure),
         compare,
         origin=origin,
+        needs=needs,
     )
 
 

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from typing import TYPE_CHECKING
 
-from musclewire.extras.design import (
-    AvailableRoom,
-    PretensionerDesign,
-    PretensionerDuty,
-    PretensionerRequest,
-    PullingScheme,
-    compare_schemes,
-    design_pretensioner,
-    finger_geometry,
-)
+from musclewire.manifest import absent_part
 from musclewire.parameters import load_bench, load_finger, load_material, read_published
+
+if TYPE_CHECKING:
+    from musclewire_design import PretensionerDesign, PullingScheme
 
 MATERIAL = "pom"
 # Contraction that the pretensioner must follow beyond its pretension, as a fraction of the wire's leg.
@@ -42,9 +37,18 @@ class FingerSchemes:
         return self.schemes[0].range_over_length / self.schemes[1].range_over_length
 
 
+def require_design() -> None:
+    """Raise CallerError if the package that sizes parts is not installed."""
+    if absent := absent_part("commands", "design"):
+        raise absent
+
+
 @cache
 def paper_pretensioner() -> PretensionerDesign:
     """Return a pretensioner designed for the paper's stiffness, pretension and envelope."""
+    require_design()
+    from musclewire_design import AvailableRoom, PretensionerDuty, PretensionerRequest, design_pretensioner
+
     paper = read_published("lan_fan_2010")
     printed = paper["pretensioner"]
     bench = load_bench("finger").values()
@@ -70,6 +74,9 @@ def designed_pretensioner() -> SizedPretensioner:
 @cache
 def schemes_of_fig13(*, straight: bool = False) -> FingerSchemes:
     """Return the schemes of Fig. 13(a) to the material's allowable stress, on the shipped finger or one not curved."""
+    require_design()
+    from musclewire_design import compare_schemes, finger_geometry
+
     geometry = finger_geometry(load_finger("lan-fan-2010"))
     if straight:
         geometry = geometry.with_(inward_angle_rad=0.0)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
-from musclewire.errors import CallerError, MissingExtraError, MusclewireError, nearest_hint
+from musclewire.errors import CallerError, MusclewireError, nearest_hint
+from musclewire.manifest import absent_part
 
 if TYPE_CHECKING:
     from musclewire.extras.paper._reproduce.runs import RunCache
@@ -35,7 +36,8 @@ class PaperCheck:
     ``paper`` and ``tolerance`` are in ``unit``. "within" requires ours to be no further than the tolerance from the
     paper's number, "at most" no more than the tolerance above it, "at least" no more than the tolerance below it;
     "reported" requires nothing but a number: such a row counts neither as holding nor as failing.
-    ``origin`` states what the number owes to the paper's.
+    ``origin`` states what the number owes to the paper's, ``needs`` the command of the package that it is measured by,
+    "" if that is always there.
     """
 
     name: str
@@ -48,6 +50,7 @@ class PaperCheck:
     compare: Compare = "within"
     _: KW_ONLY
     origin: Origin
+    needs: str = ""
 
 
 class SeedResult(NamedTuple):
@@ -78,29 +81,32 @@ def holds(check: PaperCheck, ours: float) -> bool:
 
 
 def measured(check: PaperCheck, runs: RunCache) -> SeedResult:
-    """Return the number of a check on the runs of one seed, or why there is none: an unusable loop, or not finite.
-
-    Raises MissingExtraError: what is not installed is no failure of a row.
-    """
+    """Return the number of a check on the runs of one seed, or why there is none: an unusable loop, or not finite."""
     try:
         ours = float(check.measure(runs))
-    except MissingExtraError:
-        raise
     except MusclewireError as error:
         return SeedResult(None, " ".join(str(error).split()))
     return SeedResult(ours) if math.isfinite(ours) else SeedResult(None, "the result is not a finite number")
+
+
+def left_out(checks: Iterable[PaperCheck]) -> dict[str, str]:
+    """Return the names of the checks whose package is not installed, each with what is said of that."""
+    absent = {check.name: absent_part("commands", check.needs) for check in checks if check.needs}
+    return {name: str(error) for name, error in absent.items() if error is not None}
 
 
 def selected(checks: Sequence[PaperCheck], only: str | None) -> list[PaperCheck]:
     """Return the checks whose names begin with ``only``, all without one.
 
     A number is not cut in two: "fig1" is not the beginning of "fig11". Raises CallerError, suggesting the nearest
-    name, if no name begins so.
+    name, if no name begins so, and if one that does cannot be measured for want of a package.
     """
     if only is None:
         return list(checks)
     chosen = [check for check in checks if begins_with(check.name, only)]
     if only and chosen:
+        for name, absent in left_out(chosen).items():
+            raise CallerError(f"{name} cannot be measured: {absent}")
         return chosen
     names = [check.name for check in checks]
     subjects = list(dict.fromkeys(map(subject_of, names)))

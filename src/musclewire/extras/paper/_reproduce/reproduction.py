@@ -12,7 +12,7 @@ from musclewire.errors import CallerError
 from musclewire.experiment import cores, evaluate_in_processes
 from musclewire.extras.paper._known_failures import known_failures
 from musclewire.extras.paper._reproduce.all_checks import all_checks
-from musclewire.extras.paper._reproduce.paper_checks import PaperCheck, SeedResult, measured, selected
+from musclewire.extras.paper._reproduce.paper_checks import PaperCheck, SeedResult, left_out, measured, selected
 from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.extras.paper._reproduce.seedless_runs import NeedsSeedError, SeedlessRuns
 from musclewire.extras.paper._reproduce.verdicts import ReproductionRow, judged
@@ -136,6 +136,8 @@ class Reproduction:
         Recordings of the first seed, from which figures are drawn; what is not there yet is made.
     seeds
         The seeds.
+    lacking
+        Rows that are left out because what they are measured by is not installed, each with what is said of that.
     wall_s
         Time [s] that it took.
     """
@@ -143,6 +145,7 @@ class Reproduction:
     rows: tuple[ReproductionRow, ...]
     runs: RunCache
     seeds: tuple[int, ...]
+    lacking: Mapping[str, str]
     wall_s: float
 
     @property
@@ -210,12 +213,14 @@ def reproduce(
 
     Returns
     -------
-    The rows in the order of the paper, with the runs of the first seed.
+    The rows in the order of the paper, with the runs of the first seed; those of a package that is not installed are
+    left out and named.
 
     Raises
     ------
     CallerError
-        If no name begins with ``only``, or a seed is none, or twice there.
+        If no name begins with ``only``, or one that does needs a package that is not installed, or a seed is none, or
+        twice there.
     NumericsError
         If another process has died.
 
@@ -230,7 +235,9 @@ def reproduce(
     ['holds', 'holds']
     """
     started = time.perf_counter()
-    chosen = selected(all_checks(), only)
+    asked = selected(all_checks(), only)
+    lacking = left_out(asked)
+    chosen = [check for check in asked if check.name not in lacking]
     wanted = required_seeds(range(1, DEFAULT_SEEDS + 1) if seeds is None else seeds)
     if workers is not None and workers < 1:
         raise CallerError(f"{workers} workers: at least one process measures, give 1 or more")
@@ -239,7 +246,7 @@ def reproduce(
     )
     known = known_failures()
     rows = tuple(judged(check, found.for_check(check.name), known) for check in chosen)
-    return Reproduction(rows, found.first_runs, wanted, time.perf_counter() - started)
+    return Reproduction(rows, found.first_runs, wanted, lacking, time.perf_counter() - started)
 
 
 def required_seeds(seeds: Iterable[int]) -> tuple[int, ...]:

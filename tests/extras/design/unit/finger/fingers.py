@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from musclewire.extras.design._finger.geometry import FingerGeometry
+from musclewire_design._finger.geometry import FingerGeometry
 
 PLAIN = FingerGeometry(
     overall_length_m=0.010,

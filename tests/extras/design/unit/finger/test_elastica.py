@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from musclewire.errors import CallerError
-from musclewire.extras.design._finger.chain import cantilever_chain
-from musclewire.extras.design._finger.closed_forms import (
+from musclewire_design._finger.chain import cantilever_chain
+from musclewire_design._finger.closed_forms import (
     chord_travel_m,
     end_loaded_cantilever,
 )
-from musclewire.extras.design._finger.statics import loaded_cantilever
+from musclewire_design._finger.statics import loaded_cantilever
+
+from musclewire.errors import CallerError
 
 # Mattiasson 1981, Int. J. Numer. Meth. Engng 17, 145, doi 10.1002/nme.1620170113: load, deflection, shortening, slope.
 MATTIASSON = [

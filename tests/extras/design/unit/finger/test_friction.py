@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from musclewire_design._finger.chain import finger_chain
+from musclewire_design._finger.friction import chord_tensions, friction_at, hole_turns_rad
+from musclewire_design._finger.statics import equilibria, equilibrium
 from tests.extras.design.unit.finger.fingers import CURVED, PLAIN
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.design._finger.chain import finger_chain
-from musclewire.extras.design._finger.friction import chord_tensions, friction_at, hole_turns_rad
-from musclewire.extras.design._finger.statics import equilibria, equilibrium
 
 CHAIN = finger_chain(CURVED)
 BENT = equilibria(CHAIN, CURVED.stiffness_n_m2, np.linspace(0.0, 1e-3, 9))[-1]

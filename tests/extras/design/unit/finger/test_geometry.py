@@ -6,15 +6,15 @@ import math
 
 import numpy as np
 import pytest
+from musclewire_design._finger.chain import finger_chain, place
+from musclewire_design._finger.curve import column_gap_m
+from musclewire_design._finger.drawing import finger_drawing
+from musclewire_design._finger.geometry import FingerGeometry
+from musclewire_design._finger.shape import finger_shape
+from musclewire_design._finger.statics import equilibria
 from tests.extras.design.unit.finger.fingers import CURVED, PLAIN
 
 from musclewire.errors import CallerError
-from musclewire.extras.design._finger.chain import finger_chain, place
-from musclewire.extras.design._finger.curve import column_gap_m
-from musclewire.extras.design._finger.drawing import finger_drawing
-from musclewire.extras.design._finger.geometry import FingerGeometry
-from musclewire.extras.design._finger.shape import finger_shape
-from musclewire.extras.design._finger.statics import equilibria
 from musclewire.parameters import Parameter
 
 

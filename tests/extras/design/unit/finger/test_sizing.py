@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from musclewire_design._finger.chain import finger_chain
+from musclewire_design._finger.curve import beam_stress_pa, column_gap_m, travel_for_endpoint_m
+from musclewire_design._finger.sizing import FingerRequest, design_finger, finger_stiffness_n_per_m
 
 from musclewire.errors import CallerError
-from musclewire.extras.design._finger.chain import finger_chain
-from musclewire.extras.design._finger.curve import beam_stress_pa, column_gap_m, travel_for_endpoint_m
-from musclewire.extras.design._finger.sizing import FingerRequest, design_finger, finger_stiffness_n_per_m
 from musclewire.parameters import load_material
 
 POM = load_material("pom")

@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.extras.design.unit.finger.fingers import CURVED, PLAIN
-
-from musclewire.errors import CallerError
-from musclewire.extras.design._finger.chain import finger_chain, place
-from musclewire.extras.design._finger.closed_forms import pure_moment_stiffness_n_per_m
-from musclewire.extras.design._finger.curve import (
+from musclewire_design._finger.chain import finger_chain, place
+from musclewire_design._finger.closed_forms import pure_moment_stiffness_n_per_m
+from musclewire_design._finger.curve import (
     beam_stress_pa,
     bent_per_m,
     finger_curve,
@@ -20,13 +17,16 @@ from musclewire.extras.design._finger.curve import (
     touch_curve,
     travel_for_endpoint_m,
 )
-from musclewire.extras.design._finger.geometry import FingerGeometry
-from musclewire.extras.design._finger.statics import (
+from musclewire_design._finger.geometry import FingerGeometry
+from musclewire_design._finger.statics import (
     FingerProblem,
     equilibria,
     equilibrium,
     sensitivity,
 )
+from tests.extras.design.unit.finger.fingers import CURVED, PLAIN
+
+from musclewire.errors import CallerError
 from musclewire.wire import ElasticObject
 
 TRAVELS = np.linspace(0.0, 1.05e-3, 22)

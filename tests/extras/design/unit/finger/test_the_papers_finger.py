@@ -6,16 +6,16 @@ import math
 
 import numpy as np
 import pytest
+from musclewire_design._finger.chain import finger_chain
+from musclewire_design._finger.comparison import compare_schemes
+from musclewire_design._finger.curve import beam_stress_pa, max_free_travel_m
+from musclewire_design._finger.finger_file_text import finger_geometry, recomputed_curve
+from musclewire_design._finger.plane_stress import finger_body, plane_stress_path
+from musclewire_design._finger.statics import equilibria
+from musclewire_design._finger.wire import wire_on_finger
 from tests.extras.design.unit.finger.fingers import CURVED
 
 from musclewire.errors import CallerError
-from musclewire.extras.design._finger.chain import finger_chain
-from musclewire.extras.design._finger.comparison import compare_schemes
-from musclewire.extras.design._finger.curve import beam_stress_pa, max_free_travel_m
-from musclewire.extras.design._finger.finger_file_text import finger_geometry, recomputed_curve
-from musclewire.extras.design._finger.plane_stress import finger_body, plane_stress_path
-from musclewire.extras.design._finger.statics import equilibria
-from musclewire.extras.design._finger.wire import wire_on_finger
 from musclewire.parameters import FingerCurve, load_finger
 
 FINGER = load_finger("lan-fan-2010")

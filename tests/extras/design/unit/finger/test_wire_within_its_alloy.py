@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import pi
 
-from musclewire.extras.design._finger.finger_study import WireToPull, warnings_of_wire
-from musclewire.extras.design._finger.wire import WireOnFinger
+from musclewire_design._finger.finger_study import WireToPull, warnings_of_wire
+from musclewire_design._finger.wire import WireOnFinger
 
 
 def found(pretension_n: float, stress_pa: float) -> list[str]:
