@@ -27,7 +27,7 @@ from typer.testing import CliRunner
 
 import musclewire as mw
 from musclewire.app import app
-from musclewire.manifest import manifests_of_others
+from musclewire.manifest import absent_part, manifests_of_others
 from musclewire.registry import Registry
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -97,7 +97,13 @@ def own_kinds(registry: Registry[Any]) -> list[str]:
 
 @cache
 def commands() -> dict[str, Any]:
-    """Return every command of ours that runs something by its full name, 'design finger'; first, the program itself."""
+    """Return every command of ours that runs something by its full name, 'design finger'; first, the program itself.
+
+    Raises CallerError if a package of the listing is not installed: without it its tables would be lost.
+    """
+    for package in LISTED_BESIDE:
+        if absent := absent_part("commands", package):
+            raise absent
     root, others = typer.main.get_command(app), of_others("commands")
     return {"musclewire": root, **{name: command for name, command in leaves(root) if name not in others}}
 
