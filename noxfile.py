@@ -241,7 +241,8 @@ def without_extras(session: nox.Session) -> None:
         shutil.rmtree(folder / "tests/extras/robustness", ignore_errors=True)
         python = (sys.executable, "-P", "-m")
         variables = {"PYTHONPATH": f"{folder / 'src'}{os.pathsep}{folder}"}
-        tests = {path.parent: str(path) for path in sorted((folder / "tests").rglob("test_*.py"), reverse=True)}
+        found = chain.from_iterable((folder / place).rglob("test_*.py") for place in ("tests", "packages"))
+        tests = {path.parent: str(path) for path in sorted(found, reverse=True)}
         selected = [*sorted(tests.values()), "-m", NO_LONG_TESTS] if quick else []
         session.chdir(folder)
         if deleted == there_are:

@@ -24,7 +24,7 @@ from musclewire_design._finger.statics import (
     equilibrium,
     sensitivity,
 )
-from tests.extras.design.unit.finger.fingers import CURVED, PLAIN
+from packages.design.tests.unit.finger.fingers import CURVED, PLAIN
 
 from musclewire.errors import CallerError
 from musclewire.wire import ElasticObject

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from musclewire_design._finger.chain import finger_chain
 from musclewire_design._finger.friction import chord_tensions, friction_at, hole_turns_rad
 from musclewire_design._finger.statics import equilibria, equilibrium
-from tests.extras.design.unit.finger.fingers import CURVED, PLAIN
+from packages.design.tests.unit.finger.fingers import CURVED, PLAIN
 
 from musclewire.errors import CallerError, NumericsError
 

@@ -12,7 +12,7 @@ from musclewire_design._finger.drawing import finger_drawing
 from musclewire_design._finger.geometry import FingerGeometry
 from musclewire_design._finger.shape import finger_shape
 from musclewire_design._finger.statics import equilibria
-from tests.extras.design.unit.finger.fingers import CURVED, PLAIN
+from packages.design.tests.unit.finger.fingers import CURVED, PLAIN
 
 from musclewire.errors import CallerError
 from musclewire.parameters import Parameter

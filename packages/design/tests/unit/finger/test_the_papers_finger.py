@@ -13,7 +13,7 @@ from musclewire_design._finger.finger_file_text import finger_geometry, recomput
 from musclewire_design._finger.plane_stress import finger_body, plane_stress_path
 from musclewire_design._finger.statics import equilibria
 from musclewire_design._finger.wire import wire_on_finger
-from tests.extras.design.unit.finger.fingers import CURVED
+from packages.design.tests.unit.finger.fingers import CURVED
 
 from musclewire.errors import CallerError
 from musclewire.parameters import FingerCurve, load_finger

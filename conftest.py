@@ -1,3 +1,5 @@
+"""What all tests share, those of tests/ and those of packages/: fixtures, groups, a folder for what they keep."""
+
 from __future__ import annotations
 
 import atexit
@@ -15,7 +17,7 @@ from hypothesis import settings
 from tests.browser.chromium import browser, playwright
 from tests.command_line import musclewire
 
-sys.path.insert(0, str(Path(__file__).parent))  # for groups and grain_wire
+sys.path.insert(0, str(Path(__file__).parent / "tests"))  # for groups and grain_wire
 
 from groups import pytest_addoption, pytest_configure
 from musclewire.errors import MusclewireError
