@@ -19,12 +19,11 @@ def path(tmp_path: Path) -> Path:
 
 def test_what_was_written_is_remembered_in_order(path: Path) -> None:
     journal = SearchJournal(path, "mine")
-    assert journal.next() is None
+    assert journal.descents == []
     journal.write([1.0, 2.0])
     journal.write([0.1, 1e-300])
     again = SearchJournal(path, "mine")
-    assert again.remembered == 2
-    assert [again.next(), again.next(), again.next()] == [[1.0, 2.0], [0.1, 1e-300], None]
+    assert again.descents == [[1.0, 2.0], [0.1, 1e-300]]
     again.remove()
     assert not path.exists()
 
@@ -42,8 +41,7 @@ def test_a_line_cut_off_in_writing_is_dropped(path: Path) -> None:
     journal.write([3.0, 4.0])
     path.write_text(path.read_text()[:-4])
     again = SearchJournal(path, "mine")
-    assert again.remembered == 1
-    again.next()
+    assert len(again.descents) == 1
     again.write([5.0])
     assert read_journal(path, "mine") == [[1.0, 2.0], [5.0]]
 

@@ -1,18 +1,18 @@
 """What to measure next: experiments simulated with the fitted wire, and which parameters each of them would identify.
 
-An experiment that has not been made has no residuals, but its simulation has a derivative, which is sufficient: the
-information of the experiment, added to that of the recordings and of the prior, gives the width that each parameter's
-interval would have (Laplace's approximation, as for the intervals themselves).
+An experiment that has not been made has no residuals, but its simulation has a derivative, which is sufficient: its
+information, added to that of recordings and prior, gives the width that each interval would have (Laplace).
 """
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -30,12 +30,12 @@ from musclewire.identify import IsobaricLoop
 from musclewire.parameters import ReachedConditions, ValidityLimits, beyond_validity, section_m2, validity_of
 from musclewire.wire import isobaric_path
 
+Clocked = TypeVar("Clocked", DrivenObservation, CoolingObservation)
 MAX_ADVICE = 3
 # Step of a derivative, in prior standard deviations, as in the search (search.py).
 STEP = 0.1
 # Typical instruments: noise of a sample; of resistance as a fraction.
 NOISE = {"strain": 5e-5, "resistance": 3e-4, "force": 5e-3, "temperature": 0.3}
-UNITS = {"strain": "1", "resistance": "ohm", "force": "N", "temperature": "K"}
 PERIOD_S, SAMPLE_S, FAST_SAMPLE_S = 90.0, 0.05, 0.005
 STEP_ON_S, STEP_WHOLE_S = 1.0, 5.0
 MINOR_FACTOR, LOW_FACTOR, HIGH_FACTOR = 0.875, 0.5, 2.0
@@ -86,10 +86,10 @@ def next_experiments(calibration: Calibration) -> tuple[ExperimentAdvice, ...]:
     candidates, coordinates, information = all_parameters(calibration)
     now = deviations(information)
     found = []
-    with threads(calibration.inputs.settings.threads) as each:
+    with threads(calibration.inputs.settings.threads) as pool:
         for key, experiment in proposed(calibration):
             try:
-                slope = slope_of(experiment.refined(), candidates, coordinates, each)
+                slope = slope_of(experiment.refined(), candidates, coordinates, pool)
             except MusclewireError:
                 continue  # the fitted wire cannot be simulated in this experiment, so it is not recommended
             found.append(advice_of(key, candidates.names, now, deviations(information + slope.T @ slope)))
@@ -105,13 +105,8 @@ def advice_of(key: str, names: tuple[str, ...], before: FloatArray, after: Float
     narrows = unknown & ~identifies & (after <= 0.5 * before)
     # The parameter that would be identified best comes first.
     order = np.argsort(after)
-    return ExperimentAdvice(
-        text["title"],
-        text["text"],
-        tuple(names[index] for index in order if identifies[index]),
-        tuple(names[index] for index in order if narrows[index]),
-        float(np.sum(np.log(before / after))),
-    )
+    identified, halved = (tuple(names[place] for place in order if which[place]) for which in (identifies, narrows))
+    return ExperimentAdvice(text["title"], text["text"], identified, halved, float(np.sum(np.log(before / after))))
 
 
 def all_parameters(calibration: Calibration) -> tuple[CandidateParameters, FloatArray, FloatArray]:
@@ -119,19 +114,15 @@ def all_parameters(calibration: Calibration) -> tuple[CandidateParameters, Float
 
     For parameters on which the recordings do not depend, it is that of the prior alone.
     """
-    problem, result = calibration.problem, calibration.search_result
-    groups = (calibration.alloy, calibration.wire, calibration.bench)
-    candidates = CandidateParameters(calibration.inputs.priors, *groups)
-    groups_by_name = {"alloy": groups[0].values(), "wire": groups[1].values(), "bench": groups[2].values()}
-    numbers = np.array(
-        [groups_by_name[prior.group][name] for name, prior in zip(candidates.names, candidates.priors, strict=True)]
-    )
-    coordinates = np.clip(candidates.coordinates(numbers), candidates.low, candidates.high)
-    places = [candidates.names.index(name) for name in problem.candidates.names]
-    observed = result.jacobian[: -len(places)]
+    groups = {"alloy": calibration.alloy, "wire": calibration.wire, "bench": calibration.bench}
+    candidates = CandidateParameters(calibration.inputs.priors, calibration.alloy, calibration.wire, calibration.bench)
+    pairs = zip(candidates.names, candidates.priors, strict=True)
+    numbers = np.array([groups[prior.group][name] for name, prior in pairs])
+    places = [candidates.names.index(name) for name in calibration.problem.candidates.names]
+    observed = calibration.search_result.jacobian[: -len(places)]
     information = np.eye(len(candidates))
     information[np.ix_(places, places)] += observed.T @ observed / calibration.excess_variance
-    return candidates, coordinates, information
+    return candidates, np.clip(candidates.coordinates(numbers), candidates.low, candidates.high), information
 
 
 def deviations(information: FloatArray) -> FloatArray:
@@ -140,10 +131,10 @@ def deviations(information: FloatArray) -> FloatArray:
 
 
 def slope_of(
-    observation: Observation, candidates: CandidateParameters, coordinates: FloatArray, each: Any
+    observation: Observation, candidates: CandidateParameters, coordinates: FloatArray, pool: ThreadPoolExecutor
 ) -> FloatArray:
     """Return the derivative of an experiment's normalised residuals by all parameters, (m, n)."""
-    parallel = ParallelProblem(PosteriorProblem(candidates, [observation]), each)
+    parallel = ParallelProblem(PosteriorProblem(candidates, [observation]), pool)
     here = parallel.residuals(coordinates)
     if here is None:
         raise MusclewireError("the fitted wire cannot be simulated in this experiment")
@@ -152,24 +143,27 @@ def slope_of(
 
 def proposed(calibration: Calibration) -> Iterator[tuple[str, Observation]]:
     """Yield the experiments that would add information, by key of the data file, simulated with the fitted wire."""
-    values = calibration.values
-    observations = calibration.problem.observations
+    values, observations = calibration.values, calibration.problem.observations
     driven = [item for item in observations if isinstance(item, DrivenObservation)]
     bench = {**values.bench, **(driven[0].bench if driven else {})}
     highest_v = max((item.highest_drive_v for item in driven), default=values.wire["drive_amplitude_v"])
     measured = {channel.name for item in driven for channel in item.channels}
     usual = tuple(sorted(measured)) or ("resistance", "strain")
 
-    def loop(pretension: float = 1.0, drive: float = 1.0, channels: tuple[str, ...] = usual) -> Observation:
-        around = {**bench, "pretension_n": pretension * bench["pretension_n"]}
-        return driven_experiment(values, around, slow_sine(drive * highest_v), SAMPLE_S, channels)
+    def loop(
+        pretension: float = 1.0, drive: float = 1.0, channels: Sequence[str] = usual, step: bool = False
+    ) -> Observation:
+        period_s = FAST_SAMPLE_S if step else SAMPLE_S
+        drive_v = (fast_step if step else slow_sine)(drive * highest_v)
+        around = {**bench, "pretension_n": pretension * bench["pretension_n"], "sample_period_s": period_s}
+        return as_measured(lambda raw: DrivenObservation("", drive_v, period_s, around, None, raw), channels, values)
 
     if driven:
         yield "half_pretension", loop(pretension=LOW_FACTOR)
-        if max_force_n(values, bench) <= values.wire["maximum_force_n"] and not beyond_stress(calibration, bench):
+        if bears_twice(calibration, bench):
             yield "twice_pretension", loop(pretension=HIGH_FACTOR)
         yield "minor_loop", loop(drive=MINOR_FACTOR)
-        yield "fast_step", driven_experiment(values, bench, fast_step(highest_v), FAST_SAMPLE_S, usual)
+        yield "fast_step", loop(step=True)
         if "temperature" not in measured:
             yield "temperature", loop(channels=("temperature",))
         if "force" not in measured and bench["spring_stiffness_n_per_m"] > 0.0:
@@ -184,19 +178,14 @@ def proposed(calibration: Calibration) -> Iterator[tuple[str, Observation]]:
         yield "cooling_curve", cooling_experiment(values, bench)
 
 
-def beyond_stress(calibration: Calibration, bench: Mapping[str, float]) -> bool:
-    """Return whether twice the pretension stretches the cold wire by more than its vendor's stress for many cycles."""
-    section = section_m2(calibration.values.wire["diameter_m"], bench["legs"])
-    cold = ReachedConditions(largest_stress_pa=HIGH_FACTOR * bench["pretension_n"] / section)
-    vendors = ValidityLimits(working_stress_pa=validity_of(calibration.alloy).working_stress_pa)
-    return bool(beyond_validity(vendors, cold))
-
-
-def max_force_n(values: WireValues, bench: Mapping[str, float]) -> float:
-    """Return the largest force of the spring at twice the pretension [N]."""
+def bears_twice(calibration: Calibration, bench: Mapping[str, float]) -> bool:
+    """Return whether the wire bears twice its pretension: by its largest force, and cold by its vendor's stress."""
+    values, pretension_n = calibration.values, HIGH_FACTOR * bench["pretension_n"]
     leg_m = bench["wire_length_m"] / bench["legs"]
-    stretch_n = bench["spring_stiffness_n_per_m"] * values.alloy["strain_saturated"] * leg_m
-    return HIGH_FACTOR * bench["pretension_n"] + stretch_n
+    spring_n = bench["spring_stiffness_n_per_m"] * values.alloy["strain_saturated"] * leg_m
+    cold = ReachedConditions(largest_stress_pa=pretension_n / section_m2(values.wire["diameter_m"], bench["legs"]))
+    vendors = ValidityLimits(working_stress_pa=validity_of(calibration.alloy).working_stress_pa)
+    return pretension_n + spring_n <= values.wire["maximum_force_n"] and not beyond_validity(vendors, cold)
 
 
 def slow_sine(highest_v: float) -> FloatArray:
@@ -212,20 +201,16 @@ def fast_step(highest_v: float) -> FloatArray:
     return np.asarray(np.where(time_s < STEP_ON_S, highest_v, SENSE_FRACTION * highest_v))
 
 
-def driven_experiment(
-    values: WireValues, bench: Mapping[str, float], drive: FloatArray, period_s: float, channels: tuple[str, ...]
-) -> DrivenObservation:
-    """Return the simulated response of the fitted wire to a drive as an observation, with typical noise."""
-    around = {**bench, "sample_period_s": period_s}
-    clean = DrivenObservation("", drive, period_s, around, None, {}).columns(values)
-    raw = {name: as_measured(name, clean[name]) for name in channels}
-    return DrivenObservation("", drive, period_s, around, None, raw)
-
-
-def as_measured(name: str, values: FloatArray) -> RawChannel:
-    """Return simulated values, (n,), as a channel with typical noise."""
-    noise = NOISE[name] * (float(np.median(values)) if name == "resistance" else 1.0)
-    return RawChannel(UNITS[name], values, np.full(values.size, noise), np.ones(values.size, dtype=bool))
+def as_measured(
+    observed: Callable[[Mapping[str, RawChannel]], Clocked], names: Sequence[str], values: WireValues
+) -> Clocked:
+    """Return the observation of channels that the fitted wire would show, with typical noise."""
+    found, clean = {}, observed({}).columns(values)
+    for name in names:
+        noise = NOISE[name] * (float(np.median(clean[name])) if name == "resistance" else 1.0)
+        size = clean[name].size
+        found[name] = RawChannel("", clean[name], np.full(size, noise), np.ones(size, dtype=bool))
+    return observed(found)
 
 
 def isobars_experiment(values: WireValues) -> IsobaricObservation:
@@ -240,20 +225,15 @@ def isobars_experiment(values: WireValues) -> IsobaricObservation:
     return IsobaricObservation("", loops)
 
 
-def cooling_experiment(values: WireValues, bench: Mapping[str, float]) -> CoolingObservation:
-    """Return a simulated cooling curve of the fitted wire as an observation, with typical noise."""
+def cooling_experiment(values: WireValues, bench: Mapping[str, float]) -> Observation:
+    """Return a simulated cooling curve of the fitted wire as an observation."""
     constants = candidate_constants(values, values.wire, bench)
-    stress = bench["pretension_n"] / (constants.legs * constants.area_m2)
-    start_k = (
-        constants.martensite_temperature_k
-        + 2.0 * stress / constants.martensite_stress_rate_pa_per_k
-        + ABOVE_TRANSFORMATION_K
-    )
+    stress_pa = bench["pretension_n"] / (constants.legs * constants.area_m2)
+    warmer_k = 2.0 * stress_pa / constants.martensite_stress_rate_pa_per_k
+    start_k = constants.martensite_temperature_k + warmer_k + ABOVE_TRANSFORMATION_K
     samples = int(COOLING_S / COOLING_SAMPLE_S)
-    names = ("temperature", "strain")
-
-    def observation(raw: Mapping[str, RawChannel]) -> CoolingObservation:
-        return CoolingObservation("", start_k, COOLING_SAMPLE_S, samples, bench, None, raw)
-
-    clean = observation({}).columns(values)
-    return observation({name: as_measured(name, clean[name]) for name in names})
+    return as_measured(
+        lambda raw: CoolingObservation("", start_k, COOLING_SAMPLE_S, samples, bench, None, raw),
+        ("temperature", "strain"),
+        values,
+    )

@@ -11,11 +11,9 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.extras.calibration._physical.advice import ExperimentAdvice, how_to_identify, next_experiments
-from musclewire.extras.calibration._physical.calibration import Calibration, number, verdict
-from musclewire.extras.calibration._physical.driven import DrivenObservation
+from musclewire.extras.calibration._physical.calibration import FOLLOWED_WITHIN, Calibration, number, verdict
 from musclewire.extras.calibration._physical.isobaric import IsobaricObservation
 from musclewire.extras.calibration._physical.observations import ChannelComparison, Observation
 from musclewire.extras.calibration._physical.posterior import ParameterEstimate
@@ -29,78 +27,56 @@ if TYPE_CHECKING:
 
 
 PRIOR, IDENTIFIED, UNIDENTIFIED, BOUND = "#dfe3e8", "#1f6f8b", "#b9a27a", "#c8553d"
-BAR_WIDTH, BAR_HEIGHT = 190.0, 16.0
-# A bar extends over this many prior standard deviations to either side; an interval of 95 % over this many.
-SHOWN_STD, SURE_STD = 3.0, 1.96
-
-
-def interval_bar(item: ParameterEstimate) -> Markup:
-    """Return prior and posterior 95 % intervals in one bar, three prior deviations to either side within bounds."""
-    left = max(item.low, item.prior_mean - SHOWN_STD * item.prior_std)
-    right = min(item.high, item.prior_mean + SHOWN_STD * item.prior_std)
-    left, right = min(left, item.value), max(right, item.value)
-
-    def place(value: float) -> float:
-        return BAR_WIDTH * min(max((value - left) / (right - left), 0.0), 1.0)
-
-    prior = (place(item.prior_mean - SURE_STD * item.prior_std), place(item.prior_mean + SURE_STD * item.prior_std))
-    after = (place(item.interval[0]), place(item.interval[1]))
-    colour = BOUND if item.at_bound else IDENTIFIED if item.identifiable else UNIDENTIFIED
-    middle = min(max(place(item.value), 1.2), BAR_WIDTH - 1.2)
-    return Markup(
-        f'<svg viewBox="0 0 {BAR_WIDTH:g} {BAR_HEIGHT:g}" role="img" '
-        f'aria-label="95 % interval {item.interval[0]:.4g} to {item.interval[1]:.4g} {item.unit}, '
-        f'prior {item.prior_mean:.4g} +- {item.prior_std:.4g}">'
-        f"{box(prior, 3.0, 10.0, PRIOR)}{box(after, 5.5, 5.0, colour)}"
-        f'<rect x="{middle - 1.2:.1f}" y="1" width="2.4" height="14" fill="{colour}"/></svg>'
-    )
-
-
-def box(ends: tuple[float, float], top: float, height: float, colour: str) -> str:
-    """Return a bar from one place to another, wide enough to be seen."""
-    width = max(ends[1] - ends[0], 1.5)
-    return f'<rect x="{ends[0]:.1f}" y="{top:g}" width="{width:.1f}" height="{height:g}" rx="2" fill="{colour}"/>'
-
-
-def key_of_bars() -> Markup:
-    """Return the key of the colours."""
-    names = (
-        (PRIOR, "prior"),
-        (IDENTIFIED, "identifiable from the recordings"),
-        (UNIDENTIFIED, "mostly prior"),
-        (BOUND, "at a bound"),
-    )
-    patch = '<svg viewBox="0 0 46 12"><rect x="2" y="2" width="42" height="8" rx="2" fill="{}"/></svg>'
-    return Markup("").join(
-        Markup("<span>{}{}</span>").format(Markup(patch.format(colour)), name) for colour, name in names
-    )
-
-
-ZERO_CELSIUS_K = 273.15
 MEASURED, FITTED = TARGET, HEATING
 # Isobars from the lightest load to the heaviest.
 SHADES = ("#7fb3c8", "#4a93ae", "#1f6f8b", "#15506a", "#0d374c", "#071f2d")
+BAR_WIDTH, BAR_HEIGHT = 190.0, 16.0
+# A bar extends over this many prior standard deviations to either side; an interval of 95 % over this many.
+SHOWN_STD, SURE_STD = 3.0, 1.96
+ZERO_CELSIUS_K = 273.15
 WIDTH, ROW_HEIGHT = 9.6, 2.75
 # Resistance less certain than this fraction of its range is not drawn against strain.
 MAX_UNCERTAIN_FRACTION = 0.12
+FIELDS = {**Alloy.model_fields, **Wire.model_fields, **Bench.model_fields}
 
 
 class DisplayUnit(NamedTuple):
-    """Axis label of a channel, with factor and offset from SI to the unit displayed."""
+    """How a channel is drawn: axis label, factor and offset from SI; unit and factor of its residuals."""
 
     label: str
     factor: float
+    residual_unit: str
+    residual_factor: float
     offset: float = 0.0
 
 
 DISPLAY = {
-    "resistance": DisplayUnit("resistance [ohm]", 1.0),
-    "strain": DisplayUnit("strain [%]", 100.0),
-    "force": DisplayUnit("contraction\nforce [N]", 1.0),
-    "temperature": DisplayUnit("temperature [°C]", 1.0, -ZERO_CELSIUS_K),
+    "resistance": DisplayUnit("resistance [ohm]", 1.0, "mohm", 1e3),
+    "strain": DisplayUnit("strain [%]", 100.0, "% strain", 100.0),
+    "force": DisplayUnit("contraction\nforce [N]", 1.0, "mN", 1e3),
+    "temperature": DisplayUnit("temperature [°C]", 1.0, "K", 1.0, -ZERO_CELSIUS_K),
 }
-RESIDUAL_UNIT = {"resistance": "mohm", "strain": "% strain", "force": "mN", "temperature": "K"}
-RESIDUAL_FACTOR = {"resistance": 1e3, "strain": 100.0, "force": 1e3, "temperature": 1.0}
+
+
+def interval_bar(item: ParameterEstimate) -> Markup:
+    """Return prior and posterior 95 % intervals in one bar, three prior deviations to either side within bounds."""
+    left = min(item.value, max(item.low, item.prior_mean - SHOWN_STD * item.prior_std))
+    right = max(item.value, min(item.high, item.prior_mean + SHOWN_STD * item.prior_std))
+
+    def bar(low: float, high: float, top: float, height: float, colour: str) -> str:
+        start, end = (BAR_WIDTH * min(max((one - left) / (right - left), 0.0), 1.0) for one in (low, high))
+        place = f'x="{start:.1f}" y="{top:g}" width="{max(end - start, 1.5):.1f}" height="{height:g}"'
+        return f'<rect {place} rx="2" fill="{colour}"/>'
+
+    colour = BOUND if item.at_bound else IDENTIFIED if item.identifiable else UNIDENTIFIED
+    prior = (item.prior_mean - SURE_STD * item.prior_std, item.prior_mean + SURE_STD * item.prior_std)
+    return Markup(
+        f'<svg viewBox="0 0 {BAR_WIDTH:g} {BAR_HEIGHT:g}" role="img" '
+        f'aria-label="95 % interval {item.interval[0]:.4g} to {item.interval[1]:.4g} {item.unit}, '
+        f'prior {item.prior_mean:.4g} +- {item.prior_std:.4g}">'
+        f"{bar(*prior, 3.0, 10.0, PRIOR)}{bar(*item.interval, 5.5, 5.0, colour)}"
+        f"{bar(item.value, item.value, 1.0, 14.0, colour)}</svg>"
+    )
 
 
 def channel_axes(calibration: Calibration, *, style: str = "screen") -> Axes:
@@ -139,98 +115,35 @@ def compared(calibration: Calibration, observation: Observation) -> list[Channel
     return [pair for _, pair in calibration.comparisons() if id(pair.channel) in ours]
 
 
-def observation_figure(calibration: Calibration, observation: Observation) -> Figure:
-    """Draw every channel of an observation, measured and fitted, with the residuals below."""
-    pairs = compared(calibration, observation)
-    if isinstance(observation, IsobaricObservation):
-        return isobar_figure(pairs)
-    figure = Figure(figsize=(WIDTH, ROW_HEIGHT * len(pairs) + 0.3), layout="constrained")
-    draw_channels(figure, pairs)
-    return figure
-
-
 def draw_channels(figure: Figure, pairs: Sequence[ChannelComparison], *, residuals: bool = True) -> Axes:
     """Draw channels over time, each above its residuals if these are wanted; return the first axes."""
     heights = ((3, 1) if residuals else (3,)) * len(pairs)
     rows = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights, squeeze=False)[:, 0]
-    for top, pair in zip(rows[:: 1 + residuals], pairs, strict=True):
-        shown = DISPLAY[pair.channel.name]
-        axis = pair.channel.axis
-        top.plot(axis, shown.factor * pair.channel.measured + shown.offset, color=MEASURED, linewidth=3.2,
+    for place, pair in enumerate(pairs):
+        shown, channel, top = DISPLAY[pair.channel.name], pair.channel, rows[place * (1 + residuals)]
+        fitted = shown.factor * pair.predicted
+        top.plot(channel.axis, shown.factor * channel.measured + shown.offset, color=MEASURED, linewidth=3.2,
                  label="measured", solid_capstyle="round")  # fmt: skip
-        top.plot(axis, shown.factor * pair.predicted + shown.offset, color=FITTED, linewidth=1.2, label="fitted wire")
-        top.set(ylabel=shown.label, ylim=limits(shown.factor * pair.predicted + shown.offset))
-    for below, pair in zip(rows[1::2] if residuals else (), pairs, strict=False):
-        draw_residuals(below, pair.channel.axis, pair)
+        top.plot(channel.axis, fitted + shown.offset, color=FITTED, linewidth=1.2, label="fitted wire")
+        # Around the fitted curve, so that outliers of the measurement's noise do not set the scale.
+        margin = 0.15 * float(np.ptp(fitted)) or 1.0
+        top.set(ylabel=shown.label, ylim=(fitted.min() - margin + shown.offset, fitted.max() + margin + shown.offset))
+        if residuals:
+            below, band = rows[2 * place + 1], shown.residual_factor * channel.uncertainty
+            below.fill_between(channel.axis, -band, band, color=TARGET, alpha=0.22, linewidth=0)
+            below.axhline(0.0, color="#999999", linewidth=0.7)
+            off = shown.residual_factor * (pair.predicted - channel.measured)
+            below.plot(channel.axis, off, color=AVERAGE, linewidth=0.9)
+            below.set_ylabel(f"residual\n[{shown.residual_unit}]", fontsize=8)
+            below.tick_params(labelsize=8)
     rows[0].legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), borderaxespad=0.0, ncols=2)
     rows[-1].set(xlabel="time [s]")
     first: Axes = rows[0]
     return first
 
 
-def limits(predicted: FloatArray) -> tuple[float, float]:
-    """Return axis limits around a fitted curve that include the measurement, but not outliers of its noise."""
-    low, high = float(predicted.min()), float(predicted.max())
-    margin = 0.15 * (high - low) or 1.0
-    return low - margin, high + margin
-
-
-def draw_residuals(axes: Axes, axis: FloatArray, pair: ChannelComparison, colour: str = AVERAGE) -> None:
-    """Draw residuals, with the uncertainty of the channel as a band."""
-    name = pair.channel.name.split(" ")[0]
-    factor = RESIDUAL_FACTOR[name]
-    band = factor * pair.channel.uncertainty
-    axes.fill_between(axis, -band, band, color=TARGET, alpha=0.22, linewidth=0)
-    axes.axhline(0.0, color="#999999", linewidth=0.7)
-    axes.plot(axis, factor * (pair.predicted - pair.channel.measured), color=colour, linewidth=0.9)
-    axes.set_ylabel(f"residual\n[{RESIDUAL_UNIT[name]}]", fontsize=8)
-    axes.tick_params(labelsize=8)
-
-
-def loop_figure(calibration: Calibration, observation: Observation) -> Figure | None:
-    """Draw strain (or force) against resistance, measured and fitted; None unless both were recorded."""
-    pairs = {pair.channel.name: pair for pair in compared(calibration, observation)}
-    other = next((name for name in ("strain", "force") if name in pairs), None)
-    if not isinstance(observation, DrivenObservation) or other is None or "resistance" not in pairs:
-        return None
-    resistance, quantity = pairs["resistance"], pairs[other]
-    shown = DISPLAY[other]
-    # Bins without a current have no resistance; the others are matched by their times.
-    times, here, there = np.intersect1d(resistance.channel.axis, quantity.channel.axis, return_indices=True)
-    # At very low current the resistance is mostly noise.
-    uncertain = resistance.channel.uncertainty > MAX_UNCERTAIN_FRACTION * np.ptp(resistance.predicted)
-    figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
-    axes, over_drive = figure.subplots(1, 2)
-    lines = (
-        (
-            np.where(uncertain, np.nan, resistance.channel.measured),
-            quantity.channel.measured,
-            MEASURED,
-            3.2,
-            "measured",
-        ),
-        (resistance.predicted, quantity.predicted, FITTED, 1.2, "fitted wire"),
-    )
-    for abscissa, ordinate, colour, width, label in lines:
-        axes.plot(abscissa[here], shown.factor * ordinate[there], color=colour, linewidth=width, label=label)
-    axes.set(xlabel="resistance [ohm]", ylabel=shown.label, title="Against resistance")
-    axes.legend(loc="upper right")
-    drive = observation.drive_at(times)
-    for ordinate, colour, width in ((quantity.channel.measured, MEASURED, 3.2), (quantity.predicted, FITTED, 1.2)):
-        over_drive.plot(drive, shown.factor * ordinate[there], color=colour, linewidth=width)
-    over_drive.set(xlabel="drive [V]", title="Against the drive")
-    return figure
-
-
-def isobar_figure(pairs: Sequence[ChannelComparison]) -> Figure:
-    """Draw strain against temperature for every stress, measured and fitted, with the residuals below."""
-    figure = Figure(figsize=(WIDTH, 6.0), layout="constrained")
-    draw_isobars(figure, pairs)
-    return figure
-
-
 def draw_isobars(figure: Figure, pairs: Sequence[ChannelComparison]) -> Axes:
-    """Draw isobars above their residuals; return the first axes."""
+    """Draw strain against temperature for every stress, above the residuals; return the first axes."""
     top: Axes
     top, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     for place, pair in enumerate(pairs):
@@ -247,7 +160,42 @@ def draw_isobars(figure: Figure, pairs: Sequence[ChannelComparison]) -> Axes:
     return top
 
 
-FIELDS = {**Alloy.model_fields, **Wire.model_fields, **Bench.model_fields}
+def loop_figure(pairs: Sequence[ChannelComparison]) -> Figure | None:
+    """Draw strain (or force) against resistance, measured and fitted; None unless both were recorded."""
+    by_name = {pair.channel.name: pair for pair in pairs}
+    other = next((name for name in ("strain", "force") if name in by_name), None)
+    if other is None or "resistance" not in by_name:
+        return None
+    resistance, quantity, shown = by_name["resistance"], by_name[other], DISPLAY[other]
+    # Bins without a current have no resistance; the others are matched by their times.
+    _, here, there = np.intersect1d(resistance.channel.axis, quantity.channel.axis, return_indices=True)
+    # At very low current the resistance is mostly noise.
+    uncertain = resistance.channel.uncertainty > MAX_UNCERTAIN_FRACTION * np.ptp(resistance.predicted)
+    measured = np.where(uncertain, np.nan, resistance.channel.measured)
+    figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(measured[here], shown.factor * quantity.channel.measured[there], color=MEASURED, linewidth=3.2,
+              label="measured")  # fmt: skip
+    axes.plot(resistance.predicted[here], shown.factor * quantity.predicted[there], color=FITTED, linewidth=1.2,
+              label="fitted wire")  # fmt: skip
+    axes.set(xlabel="resistance [ohm]", ylabel=shown.label)
+    axes.legend(loc="upper right")
+    return figure
+
+
+def figures(calibration: Calibration) -> list[tuple[str, list[Markup]]]:
+    """Return the name of every recording with its figures."""
+    found = []
+    with mpl.rc_context(dict(STYLE)):  # type: ignore[arg-type]  # matplotlib lists every key as a literal
+        for place, observation in enumerate(calibration.problem.observations):
+            pairs, isobars = compared(calibration, observation), isinstance(observation, IsobaricObservation)
+            height = 6.0 if isobars else ROW_HEIGHT * len(pairs) + 0.3
+            channels = Figure(figsize=(WIDTH, height), layout="constrained")
+            (draw_isobars if isobars else draw_channels)(channels, pairs)
+            drawn = [("loop", loop_figure(pairs)), ("channels", channels)]
+            svgs = [svg_in_frame(figure, f"{name}{place}") for name, figure in drawn if figure is not None]
+            found.append((Path(observation.title).name, svgs))
+    return found
 
 
 def write_report(calibration: Calibration, path: str | Path, advice: Sequence[ExperimentAdvice] | None = None) -> None:
@@ -272,43 +220,41 @@ def write_report(calibration: Calibration, path: str | Path, advice: Sequence[Ex
         raise CallerError(f"{path}: a report is an .html file, end its name so")
     inputs = calibration.inputs
     names = ", ".join(Path(name).name for name in inputs.sources)
-    many = f"The wire in {len(inputs.sources)} files"
     text = page(
         "musclewire.extras.calibration._physical/report.html",
         title=names,
-        heading=f"The wire in {names}" if len(inputs.sources) <= 3 else many,
+        heading=f"The wire in {names if len(inputs.sources) <= 3 else f'{len(inputs.sources)} files'}",
         cards=key_numbers(calibration),
-        given=given(calibration),
+        given=[
+            *inputs.notes,
+            f"started from {inputs.wire} ({1e6 * calibration.wire.diameter_m.value:.4g} um), priors "
+            f"{inputs.priors.name}: {inputs.priors.description}",
+        ],
         channels=[channel_row(title, pair) for title, pair in calibration.comparisons()],
         figures=figures(calibration),
-        key=key_of_bars(),
-        parameters=parameter_groups(calibration),
-        correlated=calibration.correlated[:12],
-        not_searched=calibration.not_searched,
-        wire=inputs.wire,
+        key=((PRIOR, "prior"), (IDENTIFIED, "identifiable from the recordings"), (UNIDENTIFIED, "mostly prior"),
+             (BOUND, "at a bound")),
+        bar=interval_bar,
+        number=number,
+        described=FIELDS,
+        how_to_identify=how_to_identify,
+        found=calibration,
         advice=next_experiments(calibration) if advice is None else advice,
         holds=verdict(calibration.comparisons(), calibration.estimates).capitalize(),
-        settings=inputs.settings,
-        costs=[f"{cost:.1f}" for cost in calibration.search_result.costs],
-        cost=f"{calibration.search_result.cost:.1f}",
-        excess_variance=calibration.excess_variance,
-        seed=inputs.settings.seed,
-        simulations=calibration.search_result.simulations,
-        wall_s=f"{calibration.wall_s:.0f}",
-        priors=inputs.priors.name,
-    )
+    )  # fmt: skip
     write_text_whole(path, text)
 
 
 def key_numbers(calibration: Calibration) -> list[NumberCard]:
     """Return the key numbers."""
     identifiable, whole = len(calibration.identifiable), len(calibration.estimates)
-    costs = sorted(calibration.search_result.costs)
-    agree = sum(cost < 1.05 * costs[0] + 1.0 for cost in costs)
+    costs = calibration.search_result.costs
+    agree = sum(cost < 1.05 * min(costs) + 1.0 for cost in costs)
     bound = sum(item.at_bound for item in calibration.estimates)
-    verdict = "holds" if calibration.holds else "does not hold"
+    title, worst = max(calibration.comparisons(), key=lambda item: item[1].normalised_rms)
+    about = f"worst: {worst.channel.name}, {worst.normalised_rms:.2f}" + (f" ({title})" if len(title) < 20 else "")
     return [
-        NumberCard("The fit", verdict, worst_channel(calibration), calibration.holds),
+        NumberCard("The fit", "holds" if calibration.holds else "does not hold", about, calibration.holds),
         NumberCard("Residuals", f"{calibration.rmse:.2f}", "of their uncertainty, rms"),
         NumberCard("Identifiable from the recordings", f"{identifiable} of {whole}", "parameters"),
         NumberCard("At a bound of the search", f"{bound}", "parameters", bound == 0),
@@ -316,65 +262,8 @@ def key_numbers(calibration: Calibration) -> list[NumberCard]:
     ]
 
 
-def worst_channel(calibration: Calibration) -> str:
-    """Return the channel with the largest normalised residual."""
-    title, pair = max(calibration.comparisons(), key=lambda item: item[1].normalised_rms)
-    return f"worst: {pair.channel.name}, {pair.normalised_rms:.2f}" + (f" ({title})" if len(title) < 20 else "")
-
-
-def given(calibration: Calibration) -> list[str]:
-    """Return the interpretation of the recordings, the assumptions, and the starting wire."""
-    wire = calibration.wire
-    return [
-        *calibration.inputs.notes,
-        f"started from {calibration.inputs.wire} ({1e6 * wire.diameter_m.value:.4g} um), priors "
-        f"{calibration.inputs.priors.name}: {calibration.inputs.priors.description}",
-    ]
-
-
 def channel_row(title: str, pair: ChannelComparison) -> tuple[object, ...]:
     """Return the residuals of a channel as cells."""
-    percent = pair.channel.unit == "1"
-    off = f"{100.0 * pair.rms:.3g} % strain" if percent else f"{pair.rms:.3g} {pair.channel.unit}"
-    judged = "followed" if pair.normalised_rms <= 3.0 else Markup("<b>not followed</b>")
+    off = f"{100.0 * pair.rms:.3g} % strain" if pair.channel.unit == "1" else f"{pair.rms:.3g} {pair.channel.unit}"
+    judged = "followed" if pair.normalised_rms <= FOLLOWED_WITHIN else Markup("<b>not followed</b>")
     return Path(title).name, pair.channel.name, off, f"{pair.normalised_rms:.2f}", judged
-
-
-def figures(calibration: Calibration) -> list[tuple[str, list[Markup]]]:
-    """Return the name of every recording with its figures."""
-    found = []
-    with mpl.rc_context(dict(STYLE)):  # type: ignore[arg-type]  # matplotlib lists every key as a literal
-        for place, observation in enumerate(calibration.problem.observations):
-            loop = loop_figure(calibration, observation)
-            drawn = [svg_in_frame(loop, f"loop{place}")] if loop is not None else []
-            drawn.append(svg_in_frame(observation_figure(calibration, observation), f"channels{place}"))
-            found.append((Path(observation.title).name, drawn))
-    return found
-
-
-def parameter_groups(calibration: Calibration) -> list[tuple[str, str, list[dict[str, str]]]]:
-    """Return the table's groups: identifiable parameters, then those that are mostly prior, then those at a bound."""
-    at_bound = [item for item in calibration.estimates if item.at_bound]
-    identifiable = [item for item in calibration.identifiable if not item.at_bound]
-    prior = [item for item in calibration.not_identifiable if not item.at_bound]
-    mostly = "the recordings narrow it by less than half; the last column names a measurement that would identify it"
-    edge = "the best value is at the edge of the range of the search"
-    return [
-        ("Identifiable from the recordings", "interval at most half the prior's", list(map(cells, identifiable))),
-        ("Mostly prior", mostly, list(map(cells, prior))),
-        ("At a bound of the search", edge, list(map(cells, at_bound))),
-    ]
-
-
-def cells(item: ParameterEstimate) -> dict[str, str]:
-    """Return one parameter: value, deviation, its interval over the prior's, and how to identify it."""
-    return {
-        "name": item.name,
-        "described": FIELDS[item.name].description or "",
-        "value": number(item.value),
-        "std": number(item.std),
-        "unit": item.unit if item.unit != "1" else "",
-        "bar": interval_bar(item),
-        "of_prior": f"{100.0 * item.std / item.prior_std:.0f}",
-        "about": "" if item.identifiable and not item.at_bound else how_to_identify(item.measure),
-    }

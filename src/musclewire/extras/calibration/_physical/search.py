@@ -1,10 +1,9 @@
-"""A global, then a local search for the vector that fits the observations.
+"""SciPy's least squares from several starts, for the vector that fits the observations.
 
-Global: least-squares descents from several starts. The uncertainty of the observations is large at first and
-decreases step by step (graduated least squares, a homotopy in the noise). At large uncertainty the valley is wide and
-smooth; it narrows around the current vector. Starts are the prior's mean and draws from the prior, with the starts
-that a prior states; then jumps from the best vector. Local: once more from the best, with the finest time step; the
-final derivative gives the uncertainty. Each descent is SciPy's trust-region reflective least squares with bounds
+The uncertainty of the observations is large at first and falls from descent to descent (graduated least squares): at a
+large one the valley is wide and smooth, and it narrows around the current vector. Starts are the prior's mean and draws
+from the prior, with those that a prior states; then jumps from the best vector. Last comes a descent from the best with
+the finest time step, whose derivative gives the uncertainty. Each is a trust-region reflective descent within bounds
 (Branch, Coleman and Li 1999, doi 10.1137/S1064827595289108). Derivatives are simulated on threads: the simulator
 releases the interpreter's lock.
 """
@@ -13,80 +12,17 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError, nearest_hint
+from musclewire.extras.calibration._physical.posterior import PosteriorProblem
 from musclewire.parameters import require_seed
-
-
-class SearchJournal:
-    """A text file with one line of numbers for each descent, after a first line that identifies the search."""
-
-    def __init__(self, path: Path, fingerprint: str) -> None:
-        """Open or create a journal. Raises CallerError for a file that belongs to another search."""
-        self._path = path
-        self._remembered: list[list[float]] = []
-        self._position = 0
-        try:
-            if path.exists():
-                self._remembered = read_journal(path, fingerprint)
-            lines = [json.dumps({"search": fingerprint}), *(json.dumps(numbers) for numbers in self._remembered)]
-            path.write_text("\n".join(lines) + "\n", "utf-8")
-        except OSError as problem:
-            raise CallerError(f"{path}: cannot be written: {problem.strerror or problem}; check the folder") from None
-
-    @property
-    def remembered(self) -> int:
-        """Number of descents of an earlier run."""
-        return len(self._remembered)
-
-    def next(self) -> list[float] | None:
-        """Return the numbers of the next descent, None after the last one of the earlier run."""
-        if self._position >= len(self._remembered):
-            return None
-        self._position += 1
-        return self._remembered[self._position - 1]
-
-    def write(self, numbers: list[float]) -> None:
-        """Add a descent; it is on the disk when this returns."""
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps([float(number) for number in numbers]) + "\n")
-            file.flush()
-            os.fsync(file.fileno())
-
-    def remove(self) -> None:
-        """Delete the journal of a completed search."""
-        self._path.unlink(missing_ok=True)
-
-
-def read_journal(path: Path, fingerprint: str) -> list[list[float]]:
-    """Return the lines of a journal; an incomplete last line is dropped."""
-    try:
-        lines = path.read_text("utf-8").splitlines()
-        belongs = json.loads(lines[0])["search"] == fingerprint
-    except (IndexError, KeyError, TypeError, UnicodeDecodeError, json.JSONDecodeError):
-        raise CallerError(f"{path} is not the journal of a search: give another output, or move it away") from None
-    if not belongs:
-        raise CallerError(
-            f"{path} belongs to a search with other recordings, settings or another version: finish that one, or "
-            "delete the file"
-        )
-    found: list[list[float]] = []
-    for line in lines[1:]:
-        try:
-            found.append([float(number) for number in json.loads(line)])
-        except json.JSONDecodeError:
-            break
-    return found
-
 
 OnProgress = Callable[[str, int, int, float], None]
 OnStep = Callable[[], None]
@@ -105,25 +41,48 @@ AGREEING, AGREEMENT = 3, 1e-3
 ALIKE = 0.1
 # Spread of starts and jumps, in prior standard deviations.
 START_SPREAD, JUMP_SPREAD = 0.8, 0.5
+# A descent begins off the bounds by this fraction of their distance.
+OFF_BOUNDS = 1e-4
 
 
-class LeastSquaresProblem(Protocol):
-    """Residuals of a vector, (n_observed + n,), in standard deviations, those of the prior last; and its bounds."""
+class SearchJournal:
+    """A text file whose first line identifies a search, with a line of numbers for each of its descents."""
 
-    low: FloatArray
-    high: FloatArray
+    def __init__(self, path: Path, fingerprint: str) -> None:
+        """Open or create a journal. Raises CallerError for a file that belongs to another search."""
+        self._path = path
+        try:
+            self.descents = read_journal(path, fingerprint) if path.exists() else []
+            lines = [{"search": fingerprint}, *self.descents]
+            path.write_text("".join(json.dumps(line) + "\n" for line in lines), "utf-8")
+        except OSError as problem:
+            raise CallerError(f"{path}: cannot be written: {problem.strerror or problem}; check the folder") from None
 
-    def residuals(self, coordinates: FloatArray) -> FloatArray:
-        """Return the residuals of a vector, not finite if the simulation diverges. Raises NumericsError without one."""
-        ...
+    def write(self, numbers: list[float]) -> None:
+        """Add a descent; it is on the disk when this returns."""
+        with self._path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps([float(number) for number in numbers]) + "\n")
+            file.flush()
+            os.fsync(file.fileno())
 
-    def start(self, number: int, drawn: FloatArray) -> FloatArray:
-        """Return the vector from which the start of this number begins; ``drawn`` is around the prior's mean."""
-        ...
+    def remove(self) -> None:
+        """Delete the journal of a completed search."""
+        self._path.unlink(missing_ok=True)
 
-    def refined(self) -> LeastSquaresProblem:
-        """Return the same problem with the finest time step, for the end of a search."""
-        ...
+
+def read_journal(path: Path, fingerprint: str) -> list[list[float]]:
+    """Return the descents in a journal but an incomplete last one. Raises CallerError if it is of another search."""
+    try:
+        first, *lines = path.read_bytes().splitlines()
+        belongs = json.loads(first)["search"] == fingerprint
+    except (KeyError, TypeError, ValueError):
+        raise CallerError(f"{path} is not the journal of a search: give another output, or move it away") from None
+    if not belongs:
+        raise CallerError(
+            f"{path} belongs to a search with other recordings, settings or another version: finish that one, or "
+            "delete the file"
+        )
+    return [json.loads(line) for line in lines if line.endswith(b"]")]
 
 
 @dataclass(frozen=True)
@@ -190,7 +149,7 @@ def settings_of_effort(effort: str) -> SearchSettings:
     Raises
     ------
     CallerError
-        If the word is another one.
+        For another name; the message suggests the nearest.
     """
     if effort not in EFFORTS:
         raise CallerError(f"there is no effort '{effort}'{nearest_hint(effort, EFFORTS)}")
@@ -226,97 +185,56 @@ class SearchResult:
 
 
 class ParallelProblem:
-    """A problem with threads to simulate it on, and a count of simulations; ``on_step`` may raise to stop a search."""
+    """A problem that is simulated on threads, and a count of simulations; ``on_step`` may raise to stop a search."""
 
-    def __init__(
-        self, problem: LeastSquaresProblem, each: Callable[..., list[FloatArray | None]], on_step: OnStep | None = None
-    ) -> None:
-        """Take a problem and a map over vectors."""
-        self.problem = problem
-        self.simulations = 0
-        self._each = each
-        self._on_step = on_step or (lambda: None)
+    def __init__(self, problem: PosteriorProblem, pool: ThreadPoolExecutor, on_step: OnStep | None = None) -> None:
+        """Take a problem and the threads."""
+        self.problem, self.simulations = problem, 0
+        self._pool, self._on_step = pool, on_step or (lambda: None)
+
+    def several(self, vectors: Sequence[FloatArray]) -> list[FloatArray | None]:
+        """Return residuals at several vectors, None for a wire that cannot be simulated."""
+        self._on_step()
+        self.simulations += len(vectors)
+        return list(self._pool.map(self._residuals, vectors))
 
     def residuals(self, coordinates: FloatArray) -> FloatArray | None:
         """Return residuals at a vector, None if its wire cannot be simulated."""
-        self._on_step()
-        self.simulations += 1
-        return residuals_or_none(self.problem, coordinates)
+        return self.several([coordinates])[0]
 
-    def several(self, vectors: Sequence[FloatArray]) -> list[FloatArray | None]:
-        """Return residuals at several vectors, simulated in parallel."""
-        self._on_step()
-        self.simulations += len(vectors)
-        return self._each(lambda vector: residuals_or_none(self.problem, vector), vectors)
-
-    def inside(self, coordinates: FloatArray) -> FloatArray:
-        """Return a vector moved off the bounds, from which a descent may begin."""
-        margin = 1e-4 * (self.problem.high - self.problem.low)
-        return np.clip(coordinates, self.problem.low + margin, self.problem.high - margin)
+    def _residuals(self, coordinates: FloatArray) -> FloatArray | None:
+        try:
+            residuals = self.problem.residuals(coordinates)
+        except NumericsError:
+            return None
+        return residuals if np.all(np.isfinite(residuals)) else None
 
 
-def residuals_or_none(problem: LeastSquaresProblem, coordinates: FloatArray) -> FloatArray | None:
-    """Return residuals, None if the simulation diverges."""
-    try:
-        residuals = problem.residuals(coordinates)
-    except NumericsError:
-        return None
-    return residuals if np.all(np.isfinite(residuals)) else None
-
-
-@contextmanager
-def threads(count: int | None) -> Iterator[Callable[..., list[FloatArray | None]]]:
-    """Yield a map over vectors that runs on all cores, in order."""
-    with ThreadPoolExecutor(count or os.cpu_count() or 1) as pool:
-        yield lambda function, vectors: list(pool.map(function, vectors))
+def threads(count: int | None) -> ThreadPoolExecutor:
+    """Return so many threads, or one for each core."""
+    return ThreadPoolExecutor(count or os.cpu_count() or 1)
 
 
 def search(
-    problem: LeastSquaresProblem,
+    problem: PosteriorProblem,
     settings: SearchSettings,
     *,
     journal: SearchJournal | None = None,
     on_progress: OnProgress | None = None,
     on_step: OnStep | None = None,
 ) -> SearchResult:
-    """Return the best vector found, repeatable for one seed with any number of threads.
+    """Return the best vector found, repeatable for one seed with any number of threads; a journal's descents count.
 
-    Parameters
-    ----------
-    problem
-        Residuals of a vector, and its bounds.
-    settings
-        Seed and effort.
-    journal
-        Journal of finished descents: an interrupted search continues after the last of them. None for no journal.
-    on_progress
-        Called after each descent with the stage's name, the number of finished descents and of all, and the best sum of
-        squares; an exception that it raises ends the search.
-    on_step
-        Called many times during a descent; an exception that it raises ends the search.
-
-    Returns
-    -------
-    The vector, its residuals, their derivative, and the number of simulations.
-
-    Raises
-    ------
-    NumericsError
-        If no vector can be simulated.
-
-    References
-    ----------
-    Branch, Coleman and Li 1999, doi 10.1137/S1064827595289108, for each descent.
+    Raises NumericsError if no vector can be simulated.
     """
     report = on_progress or (lambda *_: None)
-    with threads(settings.threads) as each:
-        parallel = ParallelProblem(problem, each, on_step)
+    with threads(settings.threads) as pool:
+        parallel = ParallelProblem(problem, pool, on_step)
         ends = descents(parallel, settings, journal, report)
-        if not np.isfinite(min(cost for cost, _ in ends)):
+        cost, best = min(ends, key=lambda end: end[0])
+        if not np.isfinite(cost):
             raise NumericsError("no candidate could be simulated: check the recording's bench, drive and units")
-        rough = min(ends, key=lambda end: end[0])[1]
-        fine = ParallelProblem(problem.refined(), each, on_step)
-        best = rough
+        fine = ParallelProblem(problem.refined(), pool, on_step)
         for step in LAST_STEPS:
             _, best = descend(fine, best, 1.0, settings.evaluations_last, step)
         residuals = fine.residuals(best)
@@ -324,32 +242,24 @@ def search(
             raise NumericsError("the best candidate cannot be simulated: report this with the recording")
         report("local search", 1, 1, float(residuals @ residuals))
         slope = jacobian(fine, best, residuals, FINAL_STEP, central=True)
-    return SearchResult(
-        best,
-        residuals,
-        slope,
-        tuple(cost for cost, _ in ends),
-        np.array([vector for _, vector in ends]),
-        parallel.simulations + fine.simulations,
-    )
+    costs, vectors = tuple(cost for cost, _ in ends), np.array([vector for _, vector in ends])
+    return SearchResult(best, residuals, slope, costs, vectors, parallel.simulations + fine.simulations)
 
 
 def descents(
     parallel: ParallelProblem, settings: SearchSettings, journal: SearchJournal | None, report: OnProgress
 ) -> list[tuple[float, FloatArray]]:
     """Return the ends of all graduated descents, (cost, vector), in their order."""
-    size = parallel.problem.low.size
+    remembered = [] if journal is None else journal.descents
     ends: list[tuple[float, FloatArray]] = []
     for number in range(settings.starts + settings.jumps):
-        # Each start has its own stream, so that descents read from a journal do not change the others.
-        random = np.random.default_rng([settings.seed, number])
-        remembered = journal.next() if journal is not None else None
-        if remembered is not None:
-            ends.append((remembered[0], np.array(remembered[2:])))
-            parallel.simulations += int(remembered[1])
+        if number < len(remembered):
+            cost, simulations, *vector = remembered[number]
+            ends.append((cost, np.array(vector)))
+            parallel.simulations += int(simulations)
         else:
             before = parallel.simulations
-            ends.append(one_descent(parallel, ends, number, settings, random, size))
+            ends.append(one_descent(parallel, ends, number, settings))
             if journal is not None:
                 journal.write([ends[-1][0], parallel.simulations - before, *ends[-1][1]])
         costs = sorted(cost for cost, _ in ends)
@@ -360,23 +270,25 @@ def descents(
 
 
 def one_descent(
-    parallel: ParallelProblem,
-    ends: Sequence[tuple[float, FloatArray]],
-    number: int,
-    settings: SearchSettings,
-    random: np.random.Generator,
-    size: int,
+    parallel: ParallelProblem, ends: Sequence[tuple[float, FloatArray]], number: int, settings: SearchSettings
 ) -> tuple[float, FloatArray]:
     """Descend from the prior's mean, from a draw, or from a jump off the best end."""
-    jump = random.standard_normal(size)
+    # Each has its own stream, so that descents read from a journal do not change the others.
+    drawn = np.random.default_rng([settings.seed, number]).standard_normal(parallel.problem.low.size)
     if number < settings.starts:
-        vector = parallel.problem.start(number, START_SPREAD * jump if number else np.zeros(size))
-        scales: tuple[float, ...] = START_SCALES
-    else:
-        vector, scales = min(ends, key=lambda end: end[0])[1] + JUMP_SPREAD * jump, JUMP_SCALES
-    cost = np.inf
-    for uncertainty_scale in scales:
-        cost, vector = descend(parallel, vector, uncertainty_scale, settings.evaluations_each, SEARCH_STEP)
+        start = parallel.problem.start(number, START_SPREAD * drawn if number else np.zeros_like(drawn))
+        return graduated(parallel, start, START_SCALES, settings.evaluations_each)
+    start = min(ends, key=lambda end: end[0])[1] + JUMP_SPREAD * drawn
+    return graduated(parallel, start, JUMP_SCALES, settings.evaluations_each)
+
+
+def graduated(
+    parallel: ParallelProblem, start: FloatArray, scales: Sequence[float], evaluations: int
+) -> tuple[float, FloatArray]:
+    """Return cost and vector after descents by falling uncertainties; the cost is infinite if none can be made."""
+    cost, vector = np.inf, start
+    for scale in scales:
+        cost, vector = descend(parallel, vector, scale, evaluations, SEARCH_STEP)
         if not np.isfinite(cost):
             break
     return cost, vector
@@ -385,14 +297,17 @@ def one_descent(
 def descend(
     parallel: ParallelProblem, start: FloatArray, uncertainty_scale: float, evaluations: int, step: float
 ) -> tuple[float, FloatArray]:
-    """Return cost and vector of the least-squares minimum next to ``start``.
+    """Return cost and vector of the least-squares minimum next to ``start``; infinite if that cannot be simulated.
 
     The uncertainty of the observations is multiplied by ``uncertainty_scale``, and the cost is that of the problem so
-    relaxed. It is infinite if the start cannot be simulated.
+    relaxed.
     """
     from scipy.optimize import least_squares
 
-    first = parallel.residuals(parallel.inside(start))
+    low, high = parallel.problem.low, parallel.problem.high
+    margin = OFF_BOUNDS * (high - low)
+    inside = np.clip(start, low + margin, high - margin)
+    first = parallel.residuals(inside)
     if first is None:
         return np.inf, start
     weight = np.ones(first.size)
@@ -410,9 +325,9 @@ def descend(
 
     fit = least_squares(
         residuals,
-        parallel.inside(start),
+        inside,
         jac=slope,
-        bounds=(parallel.problem.low, parallel.problem.high),
+        bounds=(low, high),
         ftol=1e-3 if uncertainty_scale > 1.0 else 1e-5,
         xtol=1e-4,
         max_nfev=evaluations,
@@ -428,17 +343,17 @@ def jacobian(
     ``here`` are the residuals at ``coordinates``. A column whose vectors cannot be simulated is zero.
     """
     low, high = parallel.problem.low, parallel.problem.high
-    vectors = []
-    for index in range(coordinates.size):
-        for sign in (-1.0, 1.0) if central else (1.0 if coordinates[index] + step < high[index] else -1.0,):
-            vector = coordinates.copy()
-            vector[index] = min(max(vector[index] + sign * step, low[index]), high[index])
-            vectors.append(vector)
-    found = parallel.several(vectors)
+
+    def moved(steps: FloatArray) -> list[FloatArray]:
+        return [np.clip(coordinates + one, low, high) for one in np.diag(steps)]
+
+    size = coordinates.size
+    ahead = moved(np.full(size, step) if central else np.where(coordinates + step < high, step, -step))
+    back = moved(np.full(size, -step)) if central else []
+    found = parallel.several([*ahead, *back])
     columns = []
-    for index in range(coordinates.size):
-        before, after = (found[2 * index], found[2 * index + 1]) if central else (here, found[index])
-        width = (vectors[2 * index + 1] - vectors[2 * index] if central else vectors[index] - coordinates)[index]
-        usable = before is not None and after is not None and width != 0.0
+    for place, (after, before) in enumerate(zip(found[:size], found[size:] or [here] * size, strict=True)):
+        width = (ahead[place] - (back[place] if central else coordinates))[place]
+        usable = after is not None and before is not None and width != 0.0
         columns.append((after - before) / width if usable else np.zeros_like(here))  # type: ignore[operator]
     return np.stack(columns, axis=1)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -17,9 +16,8 @@ from musclewire.extras.calibration._physical.posterior import PosteriorProblem, 
 from musclewire.extras.calibration._physical.recording_kinds import start_of
 from musclewire.extras.calibration._physical.search import (
     FINAL_STEP,
-    SEARCH_STEP,
     ParallelProblem,
-    descend,
+    graduated,
     jacobian,
     threads,
 )
@@ -76,14 +74,12 @@ def posterior_wires(
     It starts at the prior's mean, or at ``start``, (n,), where an observation with less in it ended.
     Raises NumericsError if the named wire cannot be simulated on this bench and drive.
     """
-    problem = PosteriorProblem(candidates, [observation])
-    with threads(os.cpu_count()) as each:
-        parallel = ParallelProblem(problem, each)
-        best = np.zeros(len(candidates)) if start is None else start
-        for scale in SCALES if start is None else SCALES[-1:]:
-            cost, best = descend(parallel, best, scale, EVALUATIONS, SEARCH_STEP)
-            if not np.isfinite(cost):
-                raise NumericsError("the named wire cannot be simulated: check the recording's bench, drive and units")
+    with threads(None) as pool:
+        parallel = ParallelProblem(PosteriorProblem(candidates, [observation]), pool)
+        begun, scales = (np.zeros(len(candidates)), SCALES) if start is None else (start, SCALES[-1:])
+        cost, best = graduated(parallel, begun, scales, EVALUATIONS)
+        if not np.isfinite(cost):
+            raise NumericsError("the named wire cannot be simulated: check the recording's bench, drive and units")
         residuals = parallel.residuals(best)
         if residuals is None:
             raise NumericsError("the best wire cannot be simulated: report this with the recording")
