@@ -31,7 +31,7 @@ increment, so a change of gains does not move the drive by itself.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,6 +93,7 @@ class FuzzyPidSettings(StrictModel):
     (0.02, 0.06)
     """
 
+    of_controller: ClassVar[str] = "fuzzy-pid"
     kp_range: Range = (0.01, 0.11)
     ki_range: Range = (0.02, 0.06)
     kd_range: Range = (0.0005, 0.001)

@@ -5,21 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from musclewire.controllers._fuzzy_pid import FuzzyPidSettings
-from musclewire.controllers._known_wire import FeedforwardSettings
-from musclewire.controllers._pid import PidSettings
 from musclewire.errors import CallerError, nearest_hint
+from musclewire.manifest import loaded
 from musclewire.registry import REPLACED
 from musclewire.small_files import toml_text
+
+if TYPE_CHECKING:
+    from musclewire.controllers._fuzzy_pid import FuzzyPidSettings
+    from musclewire.controllers._known_wire import FeedforwardSettings
 
 FORMAT, KEYS = "musclewire-gains", {"format", "controller", "settings"}
 # Settings that older files have and nothing reads any more.
 OF_OLDER_FILES = ("pulse_time_s", "tolerance", "gap_fraction")
-KINDS: dict[str, type[Any]] = {
-    "fuzzy-pid": FuzzyPidSettings,
-    "inverse-model": FeedforwardSettings,
+# The controllers whose settings a model may keep, and where these are: who does without one does not import it.
+KINDS = {
+    "fuzzy-pid": "musclewire.controllers._fuzzy_pid:FuzzyPidSettings",
+    "inverse-model": "musclewire.controllers._known_wire:FeedforwardSettings",
 }
 
 
@@ -29,7 +32,7 @@ def controller_of(settings: Any) -> str:
     Parameters
     ----------
     settings
-        Settings of a controller of this package.
+        Settings of a controller, with its name as ``of_controller``.
 
     Returns
     -------
@@ -40,12 +43,11 @@ def controller_of(settings: Any) -> str:
     CallerError
         For settings of another kind: their controller has to be named.
     """
-    for name, kind in KINDS.items():
-        if isinstance(settings, kind):
-            return name
-    if isinstance(settings, PidSettings):
-        return "pid"
-    raise CallerError(f"settings of the kind {type(settings).__name__} do not say whose they are: name the controller")
+    name = getattr(settings, "of_controller", "")
+    if not name:
+        kind = type(settings).__name__
+        raise CallerError(f"settings of the kind {kind} do not say whose they are: name the controller")
+    return str(name)
 
 
 @dataclass(frozen=True)
@@ -91,13 +93,13 @@ class Gains:
         if controller not in KINDS:
             raise CallerError(f"{place}: no controller '{controller}'{nearest_hint(controller, KINDS)}")
         try:
-            return cls(controller, KINDS[controller](**settings))
+            return cls(controller, loaded(KINDS[controller])(**settings))
         except CallerError as error:
             raise CallerError(f"{place}: {error}") from None
 
     def serve(self, controller: object) -> bool:
         """Return whether a controller, by its name, takes settings of this kind."""
-        return isinstance(controller, str) and isinstance(self.settings, KINDS.get(controller, ()))
+        return controller == self.settings.of_controller
 
     def table(self) -> dict[str, Any]:
         """Return the controller's name and its settings by name, as a model keeps them."""

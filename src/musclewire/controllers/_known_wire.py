@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Annotated, Any, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -73,6 +73,7 @@ class FeedforwardSettings(StrictModel):
         more than a day.
     """
 
+    of_controller: ClassVar[str] = "inverse-model"
     quantity: str = "strain"
     lowest: float
     highest: float

@@ -7,7 +7,7 @@ with the error e in percent strain and r the filtered rate of the measured value
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
@@ -40,6 +40,7 @@ class PidSettings(StrictModel):
         If a key is unknown or a number not positive.
     """
 
+    of_controller: ClassVar[str] = "pid"
     kp: Annotated[float, Field(ge=0.0)] = 0.06
     ki: Annotated[float, Field(ge=0.0)] = 0.04
     kd: Annotated[float, Field(ge=0.0)] = 0.00075

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
@@ -13,6 +13,8 @@ class StrictModel(BaseModel):
     """A frozen record without unknown keys; errors are reported as ``CallerError``."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    # Name of the controller whose settings a record is; "" for one that is none's.
+    of_controller: ClassVar[str] = ""
 
     def __init__(self, **values: Any) -> None:
         """Check and keep ``values``; a ``CallerError`` says in one line which key is wrong and why."""

@@ -37,7 +37,6 @@ from musclewire.identify import (
     gains_of,
     load_facts,
     users_wire,
-    zero_of_room,
 )
 from musclewire.judge import KEPT, TODAY, ZEROS, KnownB, RunCorrection, known_strain_in
 from musclewire.rigs import Rig, refuse_no_rig
@@ -374,7 +373,12 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
     if known is not None:
         metadata |= known.metadata()
     from_today = choice.zero_from == TODAY
-    room = zero_of_room(model, what_protects(rig)) if from_today else None
+    room = None
+    if from_today:
+        # Only now: another room's heat balance is that of the home move, which no loop from the kept zero needs.
+        from musclewire.identify import zero_of_room
+
+        room = zero_of_room(model, what_protects(rig))
     check_targets(model, chosen, rig.sample_period_s, 0.0 if room is None else room.correction.zero)
     if room is not None:
         metadata |= {"zero_of_room": room.said}

@@ -33,15 +33,15 @@ from ._speed_limits.supply import WeakSupply as WeakSupply
 from ._time_figures import halves as halves
 from ._time_figures import mark_points as mark_points
 from ._tuning import Tuning as Tuning
-from ._tuning import gains_of as gains_of
+from ._tuning import settings_for as settings_for
 from ._tuning import stated_heat_balance as stated_heat_balance
 from ._tuning import tune as tune
 from ._tuning import with_gains as with_gains
 from ._use_of_model import check_made_for as check_made_for
 from ._use_of_model import check_wire_file as check_wire_file
 from ._use_of_model import error_unit_for as error_unit_for
+from ._use_of_model import gains_of as gains_of
 from ._use_of_model import known_against as known_against
 from ._use_of_model import load_facts as load_facts
-from ._use_of_model import settings_for as settings_for
 from ._use_of_model import users_wire as users_wire
 from ._zero_of_room import zero_of_room as zero_of_room

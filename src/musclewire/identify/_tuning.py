@@ -27,23 +27,18 @@ from musclewire.controllers import (
     Gains,
     load_rule_base,
     save_gains,
+    with_error_unit,
 )
 from musclewire.errors import CallerError, RecordingError, nearest_hint
-from musclewire.identify._use_of_model import error_unit_for, require_ohms
-from musclewire.parameters import Alloy, load_alloy, load_wire, names
-from musclewire.sensing import SHOWN_AS, SensingModel, wire_model_of
+from musclewire.identify._speed_limits.plant import LEVELS, steady_levels
+from musclewire.identify._use_of_model import DEAD_SAMPLES, alloy_of, error_unit_for, require_ohms
+from musclewire.sensing import SHOWN_AS, KnownSpring, SensingModel, wire_model_of
 from musclewire.signals import Recording, RunFacts
 from musclewire.wire import HeatBalance
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-LEVELS = 33
-# No steady power is less [W]: tables and gains are of powers above 0.
-MIN_POWER_W = 1e-6
-# From a command to its effect on the estimate: one sample until it is measured, half a sample of the hold, and half a
-# sample of the estimator's filter.
-DEAD_SAMPLES = 2.0
 TUNED = ("inverse-model", "fuzzy-pid")
 MIDDLE_KP = 0.06
 FREQUENCIES_RAD_PER_S = np.geomspace(1e-2, 1e3, 4000)
@@ -267,31 +262,11 @@ def with_gains(model: SensingModel, facts: RunFacts) -> SensingModel:
     return replace(model, gains=Gains("inverse-model", plant).table())
 
 
-def gains_of(model: SensingModel, sample_period_s: float) -> Gains | None:
-    """Return the gains that a model keeps, for a loop of a sample period.
-
-    Parameters
-    ----------
-    model
-        The model, as ``fit`` returns it.
-    sample_period_s
-        Time [s] between two samples of the loop; longer than in the slow loop, it makes the loop slower.
-
-    Returns
-    -------
-    Controller and settings; None for a model without gains.
-
-    Raises
-    ------
-    CallerError
-        If what the model keeps are no gains.
-    """
-    if not model.gains:
-        return None
-    gains = Gains.read(model.gains, "the gains kept in this model")
-    if isinstance(gains.settings, FeedforwardSettings):
-        return Gains(gains.controller, at_period(gains.settings, sample_period_s))
-    return gains
+def settings_for(
+    model: SensingModel, settings: FuzzyPidSettings | None = None, load: KnownSpring | None = None
+) -> FuzzyPidSettings:
+    """Return the fuzzy PID's settings with the error unit fitted to the model's quantity, unless they name one."""
+    return with_error_unit(settings or FuzzyPidSettings(), error_unit_for(model, load))
 
 
 def fuzzy_settings(model: SensingModel, plant: FeedforwardSettings, rule_base: str | None) -> FuzzyPidSettings:
@@ -299,12 +274,6 @@ def fuzzy_settings(model: SensingModel, plant: FeedforwardSettings, rule_base: s
     rules = DEFAULT_RULE_BASE if rule_base is None else rule_base
     load_rule_base(rules)
     return FuzzyPidSettings(input_scale=fuzzy_scale(model, plant), error_unit=error_unit_for(model), rule_base=rules)
-
-
-def alloy_of(model: SensingModel) -> Alloy:
-    """Return the alloy of a model's wire, Flexinol's for a wire that is not known by name."""
-    name = str(model.wire.get("wire", ""))
-    return load_alloy(load_wire(name).alloy if name in names("wire") else "flexinol")
 
 
 def stated_heat_balance(model: SensingModel, facts: RunFacts) -> tuple[float, float] | None:
@@ -363,51 +332,6 @@ def identified_plant(
         integral_time_s=min(slowest_s, 4.0 * response_s),
         maximum_steady_power_w=maximum_w,
     )
-
-
-def at_period(plant: FeedforwardSettings, sample_period_s: float) -> FeedforwardSettings:
-    """Return a plant whose samples are further apart than those that it was found from: a later, slower loop.
-
-    Parameters
-    ----------
-    plant
-        The plant, as ``tune`` finds it, with the dead time of the recording's samples.
-    sample_period_s
-        Time [s] between two samples of the loop.
-
-    Returns
-    -------
-    The plant with the dead time of these samples and, by SIMC, tau_c no shorter than it; unchanged for faster ones.
-    """
-    dead_s = DEAD_SAMPLES * sample_period_s
-    if dead_s <= plant.dead_time_s:
-        return plant
-    response_s = dead_s + max(dead_s, plant.closed_loop_time_s)
-    slower = {
-        "dead_time_s": dead_s,
-        "closed_loop_time_s": response_s - dead_s,
-        "integral_time_s": plant.integral_time_s * response_s / (plant.closed_loop_time_s + plant.dead_time_s),
-    }
-    return plant.model_copy(update=slower)
-
-
-class SteadyLevels(NamedTuple):
-    """Power [W] that holds each level on both branches, and the wire's resistance [ohm] there, (n_levels,) each."""
-
-    heating_w: FloatArray
-    cooling_w: FloatArray
-    resistance_ohm: FloatArray
-
-
-def steady_levels(model: SensingModel, levels: FloatArray) -> SteadyLevels:
-    """Return what the model of a wire says of levels of its quantity."""
-    wire = wire_model_of(model)
-    heating_w, cooling_w, heating, cooling = (
-        np.interp(levels / model.quantity_max, wire.places, column) for column in wire.tables.T
-    )
-    ohm = model.resistance_min_ohm + 0.5 * (heating + cooling) * (model.resistance_max_ohm - model.resistance_min_ohm)
-    heating_w = np.maximum(heating_w, MIN_POWER_W)
-    return SteadyLevels(heating_w, np.clip(cooling_w, MIN_POWER_W, heating_w), ohm)
 
 
 def feedback_gains(plant: FeedforwardSettings) -> tuple[FloatArray, FloatArray]:

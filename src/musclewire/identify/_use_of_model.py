@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from musclewire.controllers import PERCENT_STRAIN, FuzzyPidSettings, with_error_unit
+from musclewire.controllers import PERCENT_STRAIN, FeedforwardSettings, Gains
 from musclewire.errors import CallerError, argument
 from musclewire.identify._recordings import DIVIDED_BY
 from musclewire.judge import height_of_b
-from musclewire.parameters import bench_known_with, is_wire_file, load_alloy, load_bench, load_wire
+from musclewire.parameters import Alloy, bench_known_with, is_wire_file, load_alloy, load_bench, load_wire, names
 from musclewire.sensing import (
     DEFAULT_ESTIMATOR,
     PAPER_ESTIMATOR,
@@ -33,6 +33,9 @@ RANGE_AS_PERCENT_STRAIN = 3.0
 # Where friction reverses, force changes steeply with strain: this multiple of the friction counts as range, or the loop
 # chatters.
 FRICTION_AS_RANGE = 8.0
+# From a command to its effect on the estimate: one sample until it is measured, half a sample of the hold, and half a
+# sample of the estimator's filter.
+DEAD_SAMPLES = 2.0
 
 
 def check_wire_file(wire_file: str | Path | None, estimator: Any) -> None:
@@ -65,11 +68,63 @@ def error_unit_for(model: SensingModel, load: KnownSpring | None = None) -> floa
     return (model.quantity_max - model.quantity_min + steep) / RANGE_AS_PERCENT_STRAIN
 
 
-def settings_for(
-    model: SensingModel, settings: FuzzyPidSettings | None = None, load: KnownSpring | None = None
-) -> FuzzyPidSettings:
-    """Return the fuzzy PID's settings with the error unit fitted to the model's quantity, unless they name one."""
-    return with_error_unit(settings or FuzzyPidSettings(), error_unit_for(model, load))
+def gains_of(model: SensingModel, sample_period_s: float) -> Gains | None:
+    """Return the gains that a model keeps, for a loop of a sample period.
+
+    Parameters
+    ----------
+    model
+        The model, as ``fit`` returns it.
+    sample_period_s
+        Time [s] between two samples of the loop; longer than in the slow loop, it makes the loop slower.
+
+    Returns
+    -------
+    Controller and settings; None for a model without gains.
+
+    Raises
+    ------
+    CallerError
+        If what the model keeps are no gains.
+    """
+    if not model.gains:
+        return None
+    gains = Gains.read(model.gains, "the gains kept in this model")
+    if isinstance(gains.settings, FeedforwardSettings):
+        return Gains(gains.controller, at_period(gains.settings, sample_period_s))
+    return gains
+
+
+def at_period(plant: FeedforwardSettings, sample_period_s: float) -> FeedforwardSettings:
+    """Return a plant whose samples are further apart than those that it was found from: a later, slower loop.
+
+    Parameters
+    ----------
+    plant
+        The plant, as ``tune`` finds it, with the dead time of the recording's samples.
+    sample_period_s
+        Time [s] between two samples of the loop.
+
+    Returns
+    -------
+    The plant with the dead time of these samples and, by SIMC, tau_c no shorter than it; unchanged for faster ones.
+    """
+    dead_s = DEAD_SAMPLES * sample_period_s
+    if dead_s <= plant.dead_time_s:
+        return plant
+    response_s = dead_s + max(dead_s, plant.closed_loop_time_s)
+    slower = {
+        "dead_time_s": dead_s,
+        "closed_loop_time_s": response_s - dead_s,
+        "integral_time_s": plant.integral_time_s * response_s / (plant.closed_loop_time_s + plant.dead_time_s),
+    }
+    return plant.model_copy(update=slower)
+
+
+def alloy_of(model: SensingModel) -> Alloy:
+    """Return the alloy of a model's wire, Flexinol's for a wire that is not known by name."""
+    name = str(model.wire.get("wire", ""))
+    return load_alloy(load_wire(name).alloy if name in names("wire") else "flexinol")
 
 
 def check_made_for(

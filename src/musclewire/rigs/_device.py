@@ -7,11 +7,14 @@ A device takes one command, puts it out and returns one sample. It judges nothin
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
-from musclewire.controllers import Event, FeedforwardSettings, FuzzyPidSettings, ProtectionLimits
-from musclewire.sensing import Correction, SensingModel
+from musclewire.controllers import Event, ProtectionLimits
 from musclewire.signals import Command, RawSample
+
+if TYPE_CHECKING:
+    from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings
+    from musclewire.sensing import Correction, SensingModel
 
 Metadata = dict[str, str | int | float | bool | None]
 

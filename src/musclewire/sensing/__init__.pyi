@@ -47,6 +47,7 @@ from ._polynomial_estimator import PolynomialEstimator as PolynomialEstimator
 from ._polynomial_estimator import PolynomialState as PolynomialState
 from ._resistance_extremes import ResistanceExtremes as ResistanceExtremes
 from ._resistance_extremes import find_resistance_extremes as find_resistance_extremes
+from ._resistance_extremes import readings_first as readings_first
 from ._resistance_maximum import first_maximum as first_maximum
 from ._resistance_maximum import parabola_maximum as parabola_maximum
 from ._segment_tracking import AMBIGUOUS_ABOVE as AMBIGUOUS_ABOVE
@@ -54,7 +55,6 @@ from ._segment_tracking import segment_course as segment_course
 from ._segments import LoopSegments as LoopSegments
 from ._segments import find_loops as find_loops
 from ._segments import find_segments as find_segments
-from ._segments import readings_first as readings_first
 from ._smoothing import centred_mean as centred_mean
 from ._smoothing import noise_level as noise_level
 from ._smoothing import smooth as smooth

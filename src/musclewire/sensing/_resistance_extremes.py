@@ -12,7 +12,6 @@ from musclewire.errors import RecordingError
 from musclewire.sensing._branches import MAX_WINDOW_FRACTION
 from musclewire.sensing._loop_points import fall_from_b_to_c
 from musclewire.sensing._resistance_maximum import ResistanceMaximum, resistance_maximum
-from musclewire.sensing._segments import readings_first
 from musclewire.sensing._smoothing import noise_level, smooth, smoothed_noise, smoothing_window
 
 MIN_SAMPLES = 20
@@ -23,6 +22,8 @@ BUMP_NOISES = 6.0
 BUMP_FRACTION = 0.005
 # Time after the maximum of the drive that still belongs to the sweep, as a fraction of the time up to it.
 LAG_FRACTION = 0.15
+# With more samples without a usable reading than this part, the readings come before the drive.
+MAX_LEFT_OUT = 0.01
 
 
 class ResistanceExtremes(NamedTuple):
@@ -147,3 +148,13 @@ def _heating(
             f"{int(place[np.argmax(bad)])}: mark them in `valid`"
         )
     return place, resistance[place]
+
+
+def readings_first(usable: int, samples: int) -> str:
+    """Return advice on the readings if a part of them cannot be used, "" if they are sound.
+
+    As long as readings are missing, nothing is known that more drive would mend.
+    """
+    if usable > (1.0 - MAX_LEFT_OUT) * samples:
+        return ""
+    return f"{samples - usable} of {samples} samples cannot be used, mend the readings first"

@@ -13,6 +13,7 @@ from musclewire.errors import CallerError, RecordingError
 from musclewire.sensing._branches import Branch
 from musclewire.sensing._curve import SHOWN_AS
 from musclewire.sensing._loop_points import LoopPoints, points_of
+from musclewire.sensing._resistance_extremes import readings_first
 from musclewire.sensing._smoothing import noise_level
 from musclewire.sensing._turning_points import (
     MIN_SWING,
@@ -35,8 +36,6 @@ MIN_SIGNAL = 10.0
 MIN_STRAIN_FRACTION = 0.3
 # Correlation of strain and resistance over the middle of the stroke above which its sign is certain.
 CERTAIN_SIGN = 0.5
-# With more samples without a usable reading than this part, the readings come before the drive.
-MAX_LEFT_OUT = 0.01
 # Heating without transformation raises the resistance by less than this; an inverted loop changes it by more.
 THERMAL_FRACTION = 0.05
 # Instrument of each quantity, and the word for its range.
@@ -305,16 +304,6 @@ def _shown(value: float, quantity: str) -> str:
     """Return a value with its unit."""
     factor, unit = SHOWN_AS[quantity]
     return f"{factor * value:.3g} {unit}"
-
-
-def readings_first(usable: int, samples: int) -> str:
-    """Return advice on the readings if a part of them cannot be used, "" if they are sound.
-
-    As long as readings are missing, nothing is known that more drive would mend.
-    """
-    if usable > (1.0 - MAX_LEFT_OUT) * samples:
-        return ""
-    return f"{samples - usable} of {samples} samples cannot be used, mend the readings first"
 
 
 def _check_stroke(strain: FloatArray, quantity: str, left_out: str) -> None:

@@ -23,7 +23,7 @@ from musclewire.identify._speed_limits.plant import (
     towards,
 )
 from musclewire.identify._speed_limits.supply import LATE_PCT, WeakSupply, min_errors_pct, warming_s
-from musclewire.identify._tuning import alloy_of
+from musclewire.identify._use_of_model import alloy_of
 from musclewire.parameters import Alloy, section_m2, validity_of
 from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.sensing import SHOWN_AS, SensingModel

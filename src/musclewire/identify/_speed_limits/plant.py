@@ -18,13 +18,34 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.controllers import FeedforwardSettings
 from musclewire.errors import CallerError, RecordingError
-from musclewire.identify._tuning import LEVELS, steady_levels
 from musclewire.sensing import SensingModel, wire_model_of
 from musclewire.signals import RunFacts
 from musclewire.wire import approached
 
+LEVELS = 33
+# No steady power is less [W]: tables and gains are of powers above 0.
+MIN_POWER_W = 1e-6
 # Power [W] that a wire must at least give to the air, or take, to move at all.
 MIN_EXCESS_W = 1e-9
+
+
+class SteadyLevels(NamedTuple):
+    """Power [W] that holds each level on both branches, and the wire's resistance [ohm] there, (n_levels,) each."""
+
+    heating_w: FloatArray
+    cooling_w: FloatArray
+    resistance_ohm: FloatArray
+
+
+def steady_levels(model: SensingModel, levels: FloatArray) -> SteadyLevels:
+    """Return what the model of a wire says of levels of its quantity."""
+    wire = wire_model_of(model)
+    heating_w, cooling_w, heating, cooling = (
+        np.interp(levels / model.quantity_max, wire.places, column) for column in wire.tables.T
+    )
+    ohm = model.resistance_min_ohm + 0.5 * (heating + cooling) * (model.resistance_max_ohm - model.resistance_min_ohm)
+    heating_w = np.maximum(heating_w, MIN_POWER_W)
+    return SteadyLevels(heating_w, np.clip(cooling_w, MIN_POWER_W, heating_w), ohm)
 
 
 class SpeedPlant(NamedTuple):
