@@ -9,7 +9,6 @@ from ._catalogue import class_of as class_of
 from ._catalogue import load_catalogue as load_catalogue
 from ._finger_file import FingerCurve as FingerCurve
 from ._finger_file import FingerFile as FingerFile
-from ._finger_file import finger_file_text as finger_file_text
 from ._finger_file import finger_names as finger_names
 from ._finger_file import load_finger as load_finger
 from ._library import bench_known_with as bench_known_with

@@ -26,7 +26,6 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from musclewire.parameters._parameter_groups import Parameter
 from musclewire.parameters._validation import load_named, shipped_names
-from musclewire.small_files import toml_text
 
 MIN_POINTS = 5
 EVEN_TOLERANCE = 1e-6
@@ -140,11 +139,3 @@ def load_finger(name: str) -> FingerFile:
     Raises CallerError for an unknown name or a wrong file, naming the key and the nearest right one.
     """
     return load_named(FingerFile, "fingers", "finger", name)
-
-
-def finger_file_text(name: str, description: str, geometry: dict[str, Parameter], curve: FingerCurve) -> str:
-    """Return the text of a finger's file; every number keeps all its bits."""
-    made = FingerFile(
-        format="musclewire-finger", version=1, name=name, description=description, geometry=geometry, curve=curve
-    )
-    return toml_text(made.model_dump())

@@ -13,7 +13,6 @@ from musclewire.errors import CallerError
 from musclewire.experiment import characterize, control, home
 from musclewire.parameters import (
     Parameter,
-    finger_file_text,
     load_alloy,
     load_bench,
     load_finger,
@@ -26,6 +25,7 @@ from musclewire.rigs._configuration import RigConfiguration, open_rig, read_rig_
 from musclewire.rigs._device import HasTrueState
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.rigs._outside import OutsideConfiguration
+from musclewire.small_files import toml_text
 
 
 @pytest.fixture
@@ -182,8 +182,8 @@ def test_a_rig_file_finds_the_fingers_and_second_wires_of_its_parts_beside_itsel
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wire_file(tmp_path, 0.0123)
-    text = finger_file_text("bendy", "a finger of one's own", {}, load_finger("lan-fan-2010").curve)
-    (tmp_path / "bendy.toml").write_text(text, "utf-8")
+    bendy = load_finger("lan-fan-2010").model_copy(update={"name": "bendy", "geometry": {}})
+    (tmp_path / "bendy.toml").write_text(toml_text(bendy.model_dump()), "utf-8")
     (tmp_path / "rig.toml").write_text(
         '[[load]]\npart = "antagonist"\nwire = "mine.toml"\n[[load]]\npart = "finger"\nfinger = "bendy.toml"\n', "utf-8"
     )

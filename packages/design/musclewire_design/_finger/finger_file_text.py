@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from musclewire.errors import CallerError
-from musclewire.parameters import FingerCurve, FingerFile, Parameter, finger_file_text
+from musclewire.parameters import FingerCurve, FingerFile, Parameter
+from musclewire.small_files import toml_text
 from musclewire_design._finger.curve import finger_curve
 from musclewire_design._finger.finger_study import FingerStudyResult
 from musclewire_design._finger.friction import ASSUMED_FRICTION, FRICTION_SOURCE
@@ -35,7 +36,7 @@ def geometry_parameters(
 
 
 def finger_study_file_text(name: str, result: FingerStudyResult) -> str:
-    """Return the text of a finger's file for a result: dimensions and curve."""
+    """Return the text of a finger's file for a result: dimensions and curve; every number keeps all its bits."""
     geometry, study = result.geometry, result.study
     sized = "musclewire design finger" if study.request else "given to musclewire design finger"
     kind = "derived" if study.request else "assumed"
@@ -45,7 +46,16 @@ def finger_study_file_text(name: str, result: FingerStudyResult) -> str:
         f"A finger of {study.material.name}, {result.stiffness_n_per_m:.1f} N/m along the tendon, endpoint "
         f"{1e3 * result.at.endpoint_displacement_m:g} mm at {1e3 * result.at.travel_m:.3f} mm"
     )
-    return finger_file_text(name, description, geometry_parameters(geometry, sources, study.friction), result.curve)
+    parameters = geometry_parameters(geometry, sources, study.friction)
+    made = FingerFile(
+        format="musclewire-finger",
+        version=1,
+        name=name,
+        description=description,
+        geometry=parameters,
+        curve=result.curve,
+    )
+    return toml_text(made.model_dump())
 
 
 def finger_geometry(finger: FingerFile) -> FingerGeometry:
