@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from musclewire.app import AnswerModel
+from typing import Annotated
+
+from musclewire.app import AnswerModel, AnswerRecord
+from musclewire.extras.calibration._physical.posterior import ParameterEstimate
 
 Words = tuple[str, ...]
-
-
-class CalibratedParameter(AnswerModel):
-    """One parameter: value and standard deviation in SI, and the prior's."""
-
-    value: float
-    unit: str
-    std: float
-    prior_mean: float
-    prior_std: float
-    identifiable: bool
-    at_bound: bool
-    group: str
+CalibratedParameter = Annotated[
+    ParameterEstimate,
+    AnswerRecord(without=("name", "low", "high", "measure"), identifiable=bool, at_bound=bool),
+]
 
 
 class CalibratedChannel(AnswerModel):

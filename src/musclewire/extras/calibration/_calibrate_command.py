@@ -196,13 +196,12 @@ def calibrate_answer(
         AdvisedExperiment,
         CalibrateAnswer,
         CalibratedChannel,
-        CalibratedParameter,
     )
 
     return CalibrateAnswer.read_from(
         found,
         found.inputs,
-        parameters={item.name: CalibratedParameter.read_from(item) for item in found.estimates},
+        parameters={item.name: item for item in found.estimates},
         not_identifiable=[item.name for item in found.not_identifiable],
         channels=[
             CalibratedChannel.read_from(

@@ -17,20 +17,9 @@ OTHER_WIRE_S = 1.0
 
 
 class ChangeEvidence(NamedTuple):
-    """What an estimator by hypotheses has found in a sample.
+    """What an estimator by hypotheses has found in a sample: probabilities, ratios over the characterization, changes.
 
-    Parameters
-    ----------
-    changed_air, changed_load
-        Probabilities that air or load have changed.
-    convection_ratio, stiffness_ratio
-        Convection and stiffness over those of the characterization.
-    ambient_change_k
-        Change of the air's temperature [K].
-    load_fraction
-        Change of the load's constant force over the pretension.
-    reason
-        Why the estimate is valid or not.
+    ``load_fraction`` is the change of the load's constant force over the pretension.
     """
 
     changed_air: float

@@ -76,18 +76,8 @@ class ParticleFilter:
     Each hypothesis is a wire of the user's wire file under its own load and air, driven by the measured power; the
     measured resistance weighs them. A filter follows each of three explanations: only the air has changed, only the
     load has, or both. With an unchanged load the filter on the model knows the strain, too, whatever the air does: the
-    value is then the mean of both. It also says which samples are valid.
-
-    Parameters
-    ----------
-    modelled
-        The filter on the wire's model: it reads the voltages, bridges dropouts and knows the valid range.
-    wire
-        The calibrated wire on its load.
-    setup
-        Shunt, period and model.
-    settings
-        What is taken for possible.
+    value is then the mean of both. That filter, ``modelled``, also reads the voltages, bridges dropouts and says which
+    samples are valid; ``wire`` is the calibrated wire on its load.
     """
 
     columns = PARTICLE_COLUMNS
@@ -277,22 +267,8 @@ def numbers_of(settings: ParticleSettings, explanation: str, place: int) -> Part
 def particle_filter(setup: EstimatorSetup, settings: ParticleSettings | None = None) -> ParticleFilter:
     """Return a particle filter for a loop.
 
-    Parameters
-    ----------
-    setup
-        Model, shunt, period, and the constants of the user's wire file on the rig's load.
-    settings
-        What is taken for possible; the defaults if None.
-
-    Returns
-    -------
-    The estimator.
-
-    Raises
-    ------
-    CallerError
-        Without a wire file, for a model of an endpoint's displacement, which a wire file does not describe, and for one
-        without a slow loop.
+    Raises CallerError without a wire file, for a model of an endpoint's displacement, which a wire file does not
+    describe, and for one without a slow loop.
     """
     if setup.wire is None:
         raise CallerError(

@@ -98,21 +98,7 @@ SUMMARY = SummaryPlaces(0, 1, 2, 3, 4, 5, 6, 7, 13, 19, 20)
 def follow_sample(
     cloud: ParticleCloud, wire: HypothesisWire, numbers: ParticleNumbers, measured: ParticleSample, answer: FloatArray
 ) -> None:
-    """Advance, weigh and renew all hypotheses by one sample, in place.
-
-    Parameters
-    ----------
-    cloud
-        The hypotheses.
-    wire
-        The calibrated wire; its constants are as before at the end.
-    numbers
-        What the filter takes for possible.
-    measured
-        The sample.
-    answer
-        What it says, in the places of ``SUMMARY``.
-    """
+    """Advance, weigh and renew all hypotheses by one sample, in place; ``answer`` has the places of ``SUMMARY``."""
     n = cloud.unknowns.shape[0]
     shown = np.empty((4, n))  # resistance, contraction, force, weight
     noise_ohm = noise_of(cloud.clock, measured)

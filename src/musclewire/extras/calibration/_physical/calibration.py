@@ -6,7 +6,6 @@ It holds the result and what follows from it, as text and as a wire file. :mod:`
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -25,65 +24,29 @@ from musclewire.pages import notebook_table
 from musclewire.parameters import Alloy, Bench, Parameter, PriorSet, Wire, is_wire_file, wire_file_text
 from musclewire.signals import write_text_whole
 
-# Channels with the title of the observation that each belongs to.
-Comparisons = Sequence[tuple[str, ChannelComparison]]
 # The model does not follow a channel whose residuals exceed this multiple of its stated uncertainty.
 FOLLOWED_WITHIN = 3.0
-
-
-def not_followed(comparisons: Comparisons) -> list[tuple[str, ChannelComparison]]:
-    """Return the channels whose residuals exceed three times their stated uncertainty (rms)."""
-    return [(title, pair) for title, pair in comparisons if pair.normalised_rms > FOLLOWED_WITHIN]
-
-
-def summary(notes: Sequence[str], comparisons: Comparisons, estimates: Sequence[ParameterEstimate]) -> str:
-    """Return result and residuals as lines of text."""
-    lines = [*notes, ""]
-    lines += [channel_line(title, pair) for title, pair in comparisons]
-    lines += ["", f"{'parameter':<32}{'value':>12} {'+-':>10}  {'unit':<11}", *map(estimate_line, estimates)]
-    lines += ["", verdict(comparisons, estimates)]
-    return joined("\n", lines)
-
-
-def verdict(comparisons: Comparisons, estimates: Sequence[ParameterEstimate]) -> str:
-    """Return whether the fit holds, and how many parameters the recordings identify."""
-    count = sum(item.identifiable for item in estimates)
-    identifiable = f"{count} of {len(estimates)} parameters identifiable from the recordings"
-    off = not_followed(comparisons)
-    if not off:
-        return f"the fit holds; {identifiable}"
-    title, worst = max(off, key=lambda pair: pair[1].normalised_rms)
-    return (
-        f"the fit does not hold: {worst.channel.name} of {title} is {worst.normalised_rms:.1f} of its "
-        f"uncertainties off (rms), {FOLLOWED_WITHIN:g} are allowed; {identifiable}"
-    )
+# Parameters whose correlation exceeds this are identified together rather than apart.
+CORRELATED = 0.9
+# Numbers of a bench that belong to the recording's rig and not to the wire's bench.
+NOT_KEPT = ("sample_period_s",)
 
 
 def channel_line(title: str, pair: ChannelComparison) -> str:
     """Return the residuals of a channel, in its unit and over its uncertainty."""
-    unit = "" if pair.channel.unit == "1" else f" {pair.channel.unit}"
-    off, what = (100.0 * pair.rms, " %") if unit == "" else (pair.rms, unit)
-    return f"{title}: {pair.channel.name} {off:.3g}{what} rms, {pair.normalised_rms:.2f} of its uncertainty"
-
-
-def estimate_line(item: ParameterEstimate) -> str:
-    """Return one parameter with its deviation and standing."""
-    return f"{item.name:<32}{number(item.value):>12} {number(item.std):>10}  {item.unit:<11} {standing(item)}".rstrip()
+    percent = pair.channel.unit == "1"
+    off = f"{100.0 * pair.rms:.3g} %" if percent else f"{pair.rms:.3g} {pair.channel.unit}"
+    return f"{title}: {pair.channel.name} {off} rms, {pair.normalised_rms:.2f} of its uncertainty"
 
 
 def standing(item: ParameterEstimate) -> str:
     """Return the standing of a parameter's value: "" if the recordings identify it."""
-    if item.at_bound:
-        return "at a bound"
-    return "" if item.identifiable else "mostly prior"
+    return "at a bound" if item.at_bound else "" if item.identifiable else "mostly prior"
 
 
 def number(value: float) -> str:
     """Return a number with four digits."""
     return f"{value:.4g}"
-
-
-CORRELATED = 0.9
 
 
 @dataclass(frozen=True)
@@ -171,7 +134,7 @@ class Calibration:
     @property
     def not_followed(self) -> list[tuple[str, ChannelComparison]]:
         """Channels whose residuals exceed three times their stated uncertainty (rms)."""
-        return not_followed(self.comparisons())
+        return [(title, pair) for title, pair in self._compared if pair.normalised_rms > FOLLOWED_WITHIN]
 
     @property
     def holds(self) -> bool:
@@ -194,19 +157,31 @@ class Calibration:
         ]
         return sorted(pairs, key=lambda pair: -abs(pair[2]))
 
+    @property
+    def verdict(self) -> str:
+        """Whether the fit holds, and how many parameters the recordings identify."""
+        identified = f"{len(self.identifiable)} of {len(self.estimates)} parameters identifiable from the recordings"
+        if self.holds:
+            return f"the fit holds; {identified}"
+        title, worst = max(self.not_followed, key=lambda pair: pair[1].normalised_rms)
+        return (
+            f"the fit does not hold: {worst.channel.name} of {title} is {worst.normalised_rms:.1f} of its "
+            f"uncertainties off (rms), {FOLLOWED_WITHIN:g} are allowed; {identified}"
+        )
+
     def __str__(self) -> str:
         """Return result and residuals as lines of text."""
-        return summary(self.inputs.notes, self.comparisons(), self.estimates)
+        lines = [*self.inputs.notes, "", *(channel_line(title, pair) for title, pair in self._compared), ""]
+        lines.append(f"{'parameter':<32}{'value':>12} {'+-':>10}  {'unit':<11}")
+        for item in self.estimates:
+            line = f"{item.name:<32}{number(item.value):>12} {number(item.std):>10}  {item.unit:<11} {standing(item)}"
+            lines.append(line.rstrip())
+        return joined("\n", [*lines, "", self.verdict])
 
     def _repr_html_(self) -> str:
         """Return the table of parameters for a notebook."""
         rows = [(item.name, number(item.value), number(item.std), item.unit, standing(item)) for item in self.estimates]
-        title = f"Calibration ({verdict(self.comparisons(), self.estimates)})"
-        return notebook_table(title, ("parameter", "value", "±", "unit", ""), rows)
-
-
-# Numbers of a bench that belong to the recording's rig and not to the wire's bench.
-NOT_KEPT = ("sample_period_s",)
+        return notebook_table(f"Calibration ({self.verdict})", ("parameter", "value", "±", "unit", ""), rows)
 
 
 def save_wire(calibration: Calibration, path: str | Path, name: str | None = None) -> None:

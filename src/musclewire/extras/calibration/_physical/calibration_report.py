@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from musclewire.errors import CallerError
 from musclewire.extras.calibration._physical.advice import ExperimentAdvice, how_to_identify, next_experiments
-from musclewire.extras.calibration._physical.calibration import FOLLOWED_WITHIN, Calibration, number, verdict
+from musclewire.extras.calibration._physical.calibration import FOLLOWED_WITHIN, Calibration, number
 from musclewire.extras.calibration._physical.isobaric import IsobaricObservation
 from musclewire.extras.calibration._physical.observations import ChannelComparison, Observation
 from musclewire.extras.calibration._physical.posterior import ParameterEstimate
@@ -240,7 +240,7 @@ def write_report(calibration: Calibration, path: str | Path, advice: Sequence[Ex
         how_to_identify=how_to_identify,
         found=calibration,
         advice=next_experiments(calibration) if advice is None else advice,
-        holds=verdict(calibration.comparisons(), calibration.estimates).capitalize(),
+        holds=calibration.verdict.capitalize(),
     )  # fmt: skip
     write_text_whole(path, text)
 

@@ -113,24 +113,9 @@ def widened(
     ends before its minimum: the step that is left belongs to the deviation, as does how far apart its descents ended.
     No direction becomes more certain than it was.
 
-    Parameters
-    ----------
-    spread
-        Covariance by Laplace's approximation, (n, n).
-    jacobian
-        Derivative of the residuals, (m, n), without the prior's.
-    residuals
-        Residuals of the observations, (m,), channel by channel.
-    coordinates
-        Where the search ended, (n,).
-    stretches
-        Number of residuals of each channel; their sum is m.
-    ends
-        Where the best descents ended, (descents, n).
-
-    Returns
-    -------
-    The covariance, (n, n).
+    ``jacobian``, (m, n), and ``residuals``, (m,), are those of the observations, channel by channel, of which
+    ``stretches`` has the numbers; ``coordinates``, (n,), is where the search ended, ``ends`` where the best descents
+    ended.
     """
     unknowns = coordinates.size
     inverse = np.linalg.inv(jacobian.T @ jacobian + np.eye(unknowns))
@@ -164,19 +149,10 @@ def estimates(
     candidates: CandidateParameters, coordinates: FloatArray, deviation: FloatArray
 ) -> list[ParameterEstimate]:
     """Return every parameter with its standard deviation; ``deviation``, (n,), is in coordinates."""
-    numbers = candidates.numbers(coordinates)
-    return [
-        ParameterEstimate(
-            name,
-            prior.group,
-            prior.unit,
-            float(number),
-            float(std * prior.std),
-            prior.mean,
-            prior.std,
-            prior.low,
-            prior.high,
-            prior.measure,
-        )
-        for name, prior, number, std in zip(candidates.names, candidates.priors, numbers, deviation, strict=True)
-    ]
+    found = []
+    for name, prior, number, std in zip(
+        candidates.names, candidates.priors, candidates.numbers(coordinates), deviation, strict=True
+    ):
+        known = (prior.mean, prior.std, prior.low, prior.high, prior.measure)
+        found.append(ParameterEstimate(name, prior.group, prior.unit, float(number), float(std * prior.std), *known))
+    return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -49,30 +50,14 @@ SCALES = (30.0, 5.0, 1.0)
 EVALUATIONS = 15
 
 
-class PosteriorWires(NamedTuple):
-    """The most likely wire in coordinates, (n,), their covariance, (n, n), and the misfit of the resistance.
-
-    ``misfit`` is the root mean square of the residuals over their uncertainty, 1 for a wire that the model can be.
-    """
-
-    coordinates: FloatArray
-    covariance: FloatArray
-    misfit: float
-
-    def draw(self, candidates: CandidateParameters, count: int, seed: int) -> FloatArray:
-        """Return coordinates of wires drawn from the posterior, within the prior's bounds, (count, n)."""
-        random = np.random.default_rng(seed)
-        drawn = random.multivariate_normal(self.coordinates, self.covariance, size=count, method="cholesky")
-        return np.clip(drawn, candidates.low, candidates.high)
-
-
 def posterior_wires(
     candidates: CandidateParameters, observation: ResistanceAndMarks, start: FloatArray | None = None
-) -> PosteriorWires:
-    """Return the wires that an observation leaves possible, by least squares (Laplace).
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return the likeliest wire, (n,), the covariance of those an observation leaves possible, (n, n), and the misfit.
 
-    It starts at the prior's mean, or at ``start``, (n,), where an observation with less in it ended.
-    Raises NumericsError if the named wire cannot be simulated on this bench and drive.
+    That is the root mean square of the residuals over their uncertainty, 1 for a wire that the model can be. The search
+    (least squares, Laplace) starts at the prior's mean, or at ``start``, (n,), where one with less in it ended. Raises
+    NumericsError if the named wire cannot be simulated on this bench and drive.
     """
     with threads(None) as pool:
         parallel = ParallelProblem(PosteriorProblem(candidates, [observation]), pool)
@@ -87,7 +72,7 @@ def posterior_wires(
     unknowns = len(candidates)
     observed = residuals[:-unknowns]
     spread = covariance(slope[:-unknowns], excess_variance(observed, unknowns))
-    return PosteriorWires(best, spread, float(np.sqrt(np.mean(observed**2))))
+    return best, spread, float(np.sqrt(np.mean(observed**2)))
 
 
 PAPER_ORDER = 6
@@ -223,9 +208,13 @@ def fit_resistance(
     known = marks or Marks()
     assumed = assumed_of(recording, wire, bench, known)
     observation = observe_resistance(recording, assumed.bench, known.end_stop_m, assumed.candidates.names)
-    how = CurveFitSettings(order, quantity, seed)
-    found = possible_of(assumed, observation, how)
-    refuse_other_wire(found.wires, wire)
+    fitted = partial(fit_loop, order=order, quantity=quantity)
+    found = possible_of(assumed, observation, fitted, seed)
+    if found.misfit > OTHER_WIRE_MISFIT:
+        raise FitRejectedError(
+            f"the resistance is not that of {wire} on this load: it differs by {found.misfit:.0f} times its "
+            "uncertainty from the nearest such wire; check the wire's name, its length, load and air"
+        )
     notes: tuple[str, ...] = ()
     if known.stroke_m is not None:
         coarse = too_coarse(found, known)
@@ -233,25 +222,18 @@ def fit_resistance(
             notes = (coarse,)
         else:
             observation = ResistanceAndMarks(observation.driven, known)
-            found = possible_of(assumed, observation, how, found.wires.coordinates)
+            found = possible_of(assumed, observation, fitted, seed, found.coordinates)
     return result_of(found, anchored(found, recording, observation, assumed), known, assumed, notes)
 
 
-class CurveFitSettings(NamedTuple):
-    """How curves are fitted: order of the polynomials, quantity, and the seed of the drawn wires."""
-
-    order: int | str
-    quantity: str
-    seed: int
-
-
 class PossibleWires(NamedTuple):
-    """Wires that an observation leaves possible, the curves of some, the likeliest one's model, and its leg [m]."""
+    """The likeliest wire that an observation leaves possible: its misfit, model and leg [m]; and the curves of some."""
 
-    wires: PosteriorWires
-    curves: PossibleCurves
+    coordinates: FloatArray
+    misfit: float
     model: SensingModel
     leg_m: float
+    curves: PossibleCurves
 
     @property
     def metres_per_unit(self) -> float:
@@ -260,21 +242,25 @@ class PossibleWires(NamedTuple):
 
 
 def possible_of(
-    assumed: AssumedWire, observation: ResistanceAndMarks, how: CurveFitSettings, start: FloatArray | None = None
+    assumed: AssumedWire,
+    observation: ResistanceAndMarks,
+    fitted: partial[SensingModel],
+    seed: int,
+    start: FloatArray | None = None,
 ) -> PossibleWires:
-    """Return the wires that an observation leaves possible, with the curves of some that are drawn from them."""
+    """Return the wires that an observation leaves possible; ``fitted`` is the model of resistance and quantity."""
     candidates = assumed.candidates
-    wires = posterior_wires(candidates, observation, start)
+    best, spread, misfit = posterior_wires(candidates, observation, start)
+    drawn = np.random.default_rng(seed).multivariate_normal(best, spread, size=DRAWN_WIRES, method="cholesky")
 
     def model_of(coordinates: FloatArray) -> SensingModel:
         values = candidates.wire_values(coordinates)
         resistance_ohm, moved_m = observation.loop(values)
-        per_m = 1.0 if how.quantity == "displacement" else 1.0 / leg_length_m(values)
-        return fit_loop(resistance_ohm, per_m * moved_m, order=how.order, quantity=how.quantity)
+        per_m = 1.0 if fitted.keywords["quantity"] == "displacement" else 1.0 / leg_length_m(values)
+        return fitted(resistance_ohm, per_m * moved_m)
 
-    curves = possible_curves(wires.draw(candidates, DRAWN_WIRES, how.seed), model_of)
-    leg_m = leg_length_m(candidates.wire_values(wires.coordinates))
-    return PossibleWires(wires, curves, model_of(wires.coordinates), leg_m)
+    curves = possible_curves(np.clip(drawn, candidates.low, candidates.high), model_of)
+    return PossibleWires(best, misfit, model_of(best), leg_length_m(candidates.wire_values(best)), curves)
 
 
 def too_coarse(found: PossibleWires, marks: Marks) -> str:
@@ -296,14 +282,15 @@ def result_of(
 ) -> ResistanceFit:
     """Return the model with its uncertainty, and what it rests on."""
     scale_std, offset_std = scale_and_offset_std(found.curves, model)
-    scale_std = float(np.hypot(scale_std, stop_std(marks)))
+    if marks.end_stop_m is not None:
+        scale_std = float(np.hypot(scale_std, marks.reading_std_m / marks.end_stop_m))
     stroke_std = float(np.hypot(scale_std * model.quantity_max, offset_std))
-    warnings = (*model.warnings, *notes, *doubts(assumed, found.wires, stroke_std / model.quantity_max))
+    warnings = (*model.warnings, *notes, *doubts(assumed, found, stroke_std / model.quantity_max))
     return ResistanceFit(
         replace(model, scale_std=scale_std, offset_std=offset_std, warnings=warnings, measured_stroke=0.0),
         model.quantity_max,
         stroke_std,
-        found.wires.misfit,
+        found.misfit,
         tuple(costs_of(found.curves, assumed.candidates)),
         tuple(what_helps(found.curves, assumed.candidates, found.metres_per_unit)),
     )
@@ -335,20 +322,6 @@ def assumed_of(recording: Recording, wire: str, bench: Mapping[str, float | str]
     return AssumedWire(wire, candidates, stated | {"diameter_m": start.wire.diameter_m.value}, tuple(notes))
 
 
-def refuse_other_wire(wires: PosteriorWires, name: str) -> None:
-    """Raise FitRejectedError if no wire around the named one has the recorded resistance."""
-    if wires.misfit > OTHER_WIRE_MISFIT:
-        raise FitRejectedError(
-            f"the resistance is not that of {name} on this load: it differs by {wires.misfit:.0f} times its "
-            "uncertainty from the nearest such wire; check the wire's name, its length, load and air"
-        )
-
-
-def stop_std(marks: Marks) -> float:
-    """Return the standard deviation that an end stop's own position brings to the whole, as a fraction."""
-    return 0.0 if marks.end_stop_m is None else marks.reading_std_m / marks.end_stop_m
-
-
 def anchored(
     found: PossibleWires, recording: Recording, observation: ResistanceAndMarks, assumed: AssumedWire
 ) -> SensingModel:
@@ -358,7 +331,7 @@ def anchored(
     """
     reading = resistance_reading(recording)
     ticks_s = observation.driven.ticks_s()
-    moved_m = observation.loop(assumed.candidates.wire_values(found.wires.coordinates))[1]
+    moved_m = observation.loop(assumed.candidates.wire_values(found.coordinates))[1]
     moved_m = np.interp(recording["time_s"] - recording["time_s"][0] + ticks_s[0], ticks_s, moved_m)
     measured = find_segments(reading.resistance_ohm, moved_m, reading.valid, quantity="displacement")
     electrical = electrical_part(recording)
@@ -376,7 +349,7 @@ def anchored(
     return with_gains(with_wire_model(model, stated=stated), electrical.facts)
 
 
-def doubts(assumed: AssumedWire, wires: PosteriorWires, stroke_std: float) -> list[str]:
+def doubts(assumed: AssumedWire, wires: PossibleWires, stroke_std: float) -> list[str]:
     """Return what a user of the model must know: that nothing was measured but resistance, and what is unusual."""
     found = [
         f"no motion was measured: the stroke is that of {assumed.wire} as far as the resistance shows, and may be off "
