@@ -80,6 +80,12 @@ acquisition_bits = 12.0
 acquisition_range_v = 5.0
 acquisition_noise_v = 1.2e-3
 """
+FAULTY = """
+[[fault]]
+kind = "bad_contact"
+resistance = "0.1 ohm"
+at = "11 s"
+"""
 SEGMENTED = """
 kind = "segmented"
 segments = 6
@@ -143,6 +149,9 @@ JOBS = {
     "home": Job(
         ("home simulated ../loop/model.json --ambient '24 degC' --sweep sweep.h5 -o homed.json --json",),
         needs=("loop",),
+    ),
+    "faults": Job(
+        ("doctor faulty.toml --json", f"characterize faulty.toml {SHORT} -o faulty.h5"), files={"faulty.toml": FAULTY}
     ),
     "pulse-width": Job(
         (

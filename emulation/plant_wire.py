@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from pydantic import TypeAdapter
 
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.rigs import SimulatedFault, SimulatedFaults, SimulatedLoad, SimulatedSpool, wires_of, with_settings
+from musclewire.rigs import SimulatedLoad, SimulatedSpool, wires_of, with_settings
 from musclewire.wire import CHOSEN, spring_load
+
+if TYPE_CHECKING:
+    from musclewire.extras.instruments import SimulatedFault, SimulatedFaults
 
 __all__ = ["BenchWire", "Converted", "Truth"]
 
 # Step of the simulated wire [s]; it divides every board's tick.
 FIRST_READING_S = 1e-3
 NOISE_AHEAD = 4096
-FAULT = TypeAdapter(SimulatedFault)
 # Faults that occur at a board's pins; the other faults of a rig file belong to the host.
 POSSIBLE = (
     "wire_open",
@@ -70,7 +72,7 @@ class BenchWire:
         self._random = np.random.default_rng(seed)
         self._noise: list[float] = []
         self._faults: list[SimulatedFault] = []
-        self._active = SimulatedFaults(())
+        self._active: SimulatedFaults | None = None
         # If the emulator has a converter of its own, the bench gives it finer steps and leaves the noise to it.
         self._full = 2 ** int(board.get("bench_bits", board["converter_bits"])) - 1
         self._noise_v = float(board.get("bench_noise_v", board["converter_noise_v"]))
@@ -83,8 +85,11 @@ class BenchWire:
 
     def add_faults(self, faults: Sequence[Mapping[str, Any]]) -> None:
         """Add faults, written as in a rig file; ``at`` counts from now on. CallerError for one of another place."""
+        # A sound bench needs no extra.
+        from musclewire.extras.instruments import SimulatedFault, SimulatedFaults
+
         for given in faults:
-            fault = FAULT.validate_python(dict(given))
+            fault = TypeAdapter(SimulatedFault).validate_python(dict(given))
             if fault.kind not in POSSIBLE:
                 raise CallerError(f"a board's bench has no fault '{fault.kind}'; it has: {', '.join(POSSIBLE)}")
             self._faults.append(fault.model_copy(update={"at": self.time_s + fault.at}))
@@ -93,22 +98,25 @@ class BenchWire:
     def clear_faults(self) -> None:
         """Repair everything."""
         self._faults.clear()
-        self._active = SimulatedFaults(())
+        self._active = None
 
     def tick(self, code: int) -> tuple[Converted, Truth]:
         """Hold an output code for one tick; return the conversion at its end, and the truth."""
         board = self._board
         commanded_v = code / (2 ** int(board["output_bits"]) - 1) * board["output_range_v"]
-        output_v = self._active.output_v(commanded_v, self.time_s)
-        circuit = self._active.circuit(output_v, self._wire_ohm + self._lead_ohm, self._shunt_ohm, self.time_s)
+        output_v, between_ohm = commanded_v, self._wire_ohm + self._lead_ohm
+        circuit = None
+        if self._active is not None:
+            output_v = self._active.output_v(commanded_v, self.time_s)
+            circuit = self._active.circuit(output_v, between_ohm, self._shunt_ohm, self.time_s)
+        current_a = output_v / (between_ohm + self._shunt_ohm) if circuit is None else circuit.wire_current_a
         # The simulated wire has its own shunt in series: this is the drive that sends the circuit's current through it.
-        through_v = circuit.wire_current_a * (self._wire_ohm + self._lead_ohm + self._shunt_ohm)
+        through_v = current_a * (between_ohm + self._shunt_ohm)
         means = self._wires.advance(through_v, float(self._board["tick_period_s"]), CHOSEN)
         if means.shunt_voltage_v > 0.0:
             self._wire_ohm = self._measured_ohm(means)
-        faulty = bool(self._faults)
-        wire_v = circuit.wire_voltage_v if faulty else means.wire_voltage_v
-        shunt_v = circuit.shunt_voltage_v if faulty else means.shunt_voltage_v
+        wire_v = means.wire_voltage_v if circuit is None else circuit.wire_voltage_v
+        shunt_v = means.shunt_voltage_v if circuit is None else circuit.shunt_voltage_v
         self.time_s += board["tick_period_s"]
         truth = Truth(
             output_v,
@@ -124,7 +132,7 @@ class BenchWire:
     def _converted(self, node_v: float, shunt_v: float) -> Converted:
         """Return the codes of two voltages after divider, amplifier and a converter with noise."""
         inputs_v = (node_v * self._board["divider_share"], shunt_v * self._board["shunt_gain"])
-        if self._faults:
+        if self._active is not None:
             inputs_v = self._active.readings_v(*inputs_v, self.time_s)
         codes = []
         for input_v in inputs_v:
@@ -142,6 +150,4 @@ class BenchWire:
 
     def _is_frozen(self) -> bool:
         # A frozen channel repeats its last code: no noise is added to it.
-        return self._faults != [] and any(
-            fault.kind == "channel_frozen" and fault.active(self.time_s) for fault in self._faults
-        )
+        return any(fault.kind == "channel_frozen" and fault.active(self.time_s) for fault in self._faults)

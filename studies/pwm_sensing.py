@@ -24,8 +24,9 @@ from collections.abc import Iterable
 import numpy as np
 
 import musclewire as mw
+from musclewire.extras.instruments import PulsedDevice, PulseWidth, unsettled_error
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.rigs import PulsedDevice, PulseWidth, RigConfiguration, SimulatedSpool, unsettled_error
+from musclewire.rigs import RigConfiguration, SimulatedSpool
 from musclewire.signals import Drive, RawSample
 
 READINGS = 8

@@ -12,7 +12,7 @@ WHERE = ("wire", "circuit", "converter", "board", "line", "host")
 HEAD = """# Faults that were injected
 
 For everybody who asks what happens when something breaks: what was broken on purpose, and what followed.
-`pytest tests/faults` injects every row.
+`pytest tests/extras/board/faults tests/extras/instruments` injects every row.
 
 {count} faults are injected into wire, circuit, converter, board, line and host. {ended} end in the safe state: 0 V at
 the wire within the stated time, the cause in the recording's `ended`, exit code 3 if the host survives. {survived}

@@ -15,6 +15,7 @@ from musclewire.extras.board import (
     SerialConfiguration,
     VoltageInput,
 )
+from musclewire.extras.instruments import PulseWidth, SimulatedFault
 from musclewire.extras.studies import (
     AgeingTable,
     BarrierTable,
@@ -29,10 +30,8 @@ from musclewire.rigs import (
     Arriving,
     LimitsTable,
     MountedWire,
-    PulseWidth,
     ReplayConfiguration,
     RigConfiguration,
-    SimulatedFault,
     Surroundings,
 )
 

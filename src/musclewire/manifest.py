@@ -109,6 +109,8 @@ class Manifest:
     estimators, controllers, devices, load_parts, plots, run_kinds, fits
         Kinds by name, each with its place, as the registries of the core take them. Devices are the kinds of rigs,
         ``fits`` dataclasses of options of ``musclewire fit`` (``OtherFit`` in ``app/_model_commands.py``).
+    rig_keys
+        Keys of simulated rigs' files by name, each with the place of a :class:`musclewire.rigs._rig_key.RigKey`.
     rig_files
         "package:folder" with the rig files that come with it, "" for none; "package:" is the package's own folder.
     rig_names
@@ -141,6 +143,7 @@ class Manifest:
     plots: Mapping[str, str] = field(default_factory=dict)
     run_kinds: Mapping[str, str] = field(default_factory=dict)
     fits: Mapping[str, str] = field(default_factory=dict)
+    rig_keys: Mapping[str, str] = field(default_factory=dict)
     rig_files: str = ""
     rig_names: Mapping[str, str] = field(default_factory=dict)
     needs: Mapping[str, str] = field(default_factory=dict)
@@ -274,7 +277,8 @@ def absent_part(kind: str, name: str) -> CallerError | None:
     Parameters
     ----------
     kind
-        "commands", "options", "names", "estimators", "devices", "run_kinds" or "suffixes": a key of ``parts.toml``.
+        "commands", "options", "names", "estimators", "devices", "rig_keys", "run_kinds" or "suffixes": a key of
+        ``parts.toml``.
     name
         What was asked for.
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from numba.core.dispatcher import Dispatcher
+from tests.subjects import subjects_of
 
 from musclewire.controllers import sampled_reference
 from musclewire.experiment import (
@@ -29,8 +30,6 @@ from musclewire.sensing import load_model
 from musclewire.signals import read_recording
 
 AIR = {"draught": 0.2, "ambient_swing": 1.0}
-PULSES = {"frequency": "100 Hz", "supply": "5 V", "sample_delay": "50 us"}
-OPEN = {"kind": "wire_open", "at": "1 s"}
 
 
 def pulling(*parts: dict[str, str]) -> GuardedRig:
@@ -42,11 +41,10 @@ RIGS: dict[str, Callable[[], GuardedRig]] = {
     "simulated": lambda: open_rig("simulated"),
     "real time": lambda: open_rig("simulated", real_time=True, clock_speed=100.0),
     "moving air": lambda: open_rig(RigConfiguration(surroundings=AIR)),
-    "pulse width": lambda: open_rig(RigConfiguration(pwm=PULSES)),
-    "faults": lambda: open_rig(RigConfiguration(fault=[OPEN])),
     "finger": lambda: open_rig("finger"),
     "antagonist": lambda: pulling({"part": "antagonist", "voltage": "0.3 V"}),
     "gripper": lambda: open_rig("gripper"),
+    **dict(subjects_of("contract", "driven_*.py", "RIGS")),
 }
 
 

@@ -75,13 +75,12 @@ from ._own_voltages import OwnVoltages as OwnVoltages
 from ._own_voltages import own_circuit as own_circuit
 from ._own_voltages import own_voltages as own_voltages
 from ._pacing import SamplePacer as SamplePacer
-from ._pulse_width import PulseWidth as PulseWidth
-from ._pulse_width import unsettled_error as unsettled_error
 from ._real_time import pin_to_cpu as pin_to_cpu
 from ._real_time import scheduling as scheduling
 from ._real_time import take_priority as take_priority
 from ._remembered_temperature import state_folder as state_folder
 from ._replay import ReplayConfiguration as ReplayConfiguration
+from ._rig_key import RigKey as RigKey
 from ._simulated import MIN_SPREAD_STEPS as MIN_SPREAD_STEPS
 from ._simulated import SimulatedDevice as SimulatedDevice
 from ._simulated import SimulatedSpool as SimulatedSpool
@@ -90,9 +89,6 @@ from ._simulated import mechanism_on as mechanism_on
 from ._simulated import read_sample as read_sample
 from ._simulated import stepping_of as stepping_of
 from ._simulated import wires_of as wires_of
-from ._simulated_faults import SimulatedFault as SimulatedFault
-from ._simulated_faults import SimulatedFaults as SimulatedFaults
-from ._simulated_pwm import PulsedDevice as PulsedDevice
 from ._simulation_clock import SimulationClock as SimulationClock
 from ._wire_limits import WireCircuit as WireCircuit
 from ._wire_limits import highest_temperature_k as highest_temperature_k

@@ -9,12 +9,12 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, Self, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model, model_validator
 
 from musclewire.errors import CallerError, an_object, argument, nearest_hint
-from musclewire.manifest import absent_part, folder_of, manifests, offered
+from musclewire.manifest import absent_part, folder_of, loaded, manifests, offered
 from musclewire.parameters import (
     Alloy,
     Bench,
@@ -50,9 +50,8 @@ from musclewire.rigs._mounted_wire import (
 )
 from musclewire.rigs._outside import imported_kind, is_outside, known_kind
 from musclewire.rigs._own_voltages import PAPER_BENCH, OwnVoltages, hot_wire, own_voltages, with_own_voltages
-from musclewire.rigs._pulse_width import PulseWidth, sampling_problem
 from musclewire.rigs._remembered_temperature import COLDEST_K, MELTING_K
-from musclewire.rigs._simulated_faults import SimulatedFault
+from musclewire.rigs._rig_key import RigKey
 from musclewire.signals import parse_quantity
 from musclewire.small_files import read_toml
 
@@ -70,6 +69,8 @@ SETTINGS = {
     for key, field in SHARED_KEYS.items()
     if (name := si_name(key, field)) in (*Wire.model_fields, *Bench.model_fields)
 }
+# Keys of simulated rigs' files that parts outside the core offer.
+RIG_KEYS: dict[str, RigKey] = {name: loaded(place) for name, place in offered("rig_keys").items()}
 
 
 def keys_left_out() -> type[BaseModel]:
@@ -82,10 +83,19 @@ def keys_left_out() -> type[BaseModel]:
     return schema
 
 
+def offered_keys() -> type[BaseModel]:
+    """Return a schema with the keys that parts outside the core offer, of which each may be left out."""
+    fields = {name: (key.held, key.field) for name, key in RIG_KEYS.items()}
+    schema: type[BaseModel] = create_model("OfferedKeys", **fields)  # type: ignore[call-overload]  # fields by name
+    return schema
+
+
 if TYPE_CHECKING:
     KeysLeftOut = BaseModel
+    OfferedKeys = BaseModel
 else:
     KeysLeftOut = keys_left_out()
+    OfferedKeys = offered_keys()
 
 
 class WireKeys(KeysLeftOut):
@@ -121,10 +131,11 @@ class WireKeys(KeysLeftOut):
         return {name: value for name, value in said.items() if value is not None}
 
 
-class RigConfiguration(WireKeys, DeviceConfiguration):
+class RigConfiguration(WireKeys, DeviceConfiguration, OfferedKeys):
     """A rig file: a wire, by name or wire file, a bench by name, and changes to both.
 
     The keys of wire and circuit are those of real hardware; ``settings`` change all other numbers of wire and bench.
+    Parts outside the core offer more keys (:class:`RigKey`).
 
     Parameters
     ----------
@@ -144,10 +155,6 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
         How the air moves; by default it does not.
     limits
         Limits of the protection that replace those which follow from wire and circuit.
-    fault
-        Faults of wire, circuit, channels and clock, with their times.
-    pwm
-        Heating by pulse width instead of a steady voltage, and when the voltages are read within the pulses.
     """
 
     kind: Literal["simulated"] = "simulated"
@@ -158,16 +165,15 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
     load: list[Part] = Field(default_factory=list)
     surroundings: Surroundings = Surroundings()
     limits: LimitsTable = LimitsTable()
-    fault: list[SimulatedFault] = Field(default_factory=list)
-    pwm: PulseWidth | None = None
 
-    @model_validator(mode="after")
-    def _pulses_heat_one_sound_wire(self) -> RigConfiguration:
-        if self.pwm is not None and self.fault:
-            raise ValueError("[pwm] and [[fault]] do not go together: faults are of a steady drive; leave one out")
-        if self.pwm is not None and any(part.second_wire is not None for part in self.load):
-            raise ValueError("[pwm] heats one wire: leave out the second one, or [pwm]")
-        return self
+    @model_validator(mode="before")
+    @classmethod
+    def _keys_of_absent_parts(cls, given: Any) -> Any:
+        for name in given if isinstance(given, dict) else ():
+            absent = None if name in cls.model_fields else absent_part("rig_keys", str(name))
+            if absent is not None:
+                raise ValueError(str(absent))
+        return given
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> RigConfiguration:
@@ -175,6 +181,22 @@ class RigConfiguration(WireKeys, DeviceConfiguration):
             raise ValueError("load is empty: give a [[load]] part, or leave load out for the bench's spring")
         Parts(load=self.load)
         return self
+
+    @model_validator(mode="after")
+    def _keys_fit_together(self) -> RigConfiguration:
+        asked = self.offered_keys()
+        if len(asked) > 1:
+            written = " and ".join(key.written for key in asked.values())
+            raise ValueError(f"{written} do not go together: each asks for another device; leave one out")
+        for name, key in asked.items():
+            reason = key.misfit(getattr(self, name), self)
+            if reason is not None:
+                raise ValueError(reason)
+        return self
+
+    def offered_keys(self) -> dict[str, RigKey]:
+        """Return the keys of parts outside the core with which the file asks for another device, by name."""
+        return {name: key for name, key in RIG_KEYS.items() if getattr(self, name)}
 
     def with_files_in(self, folder: Path) -> Self:
         """Return a rig file's content with the files it names found next to it, wherever the command was started.
@@ -433,13 +455,12 @@ def device_of(
     real_time: bool,
     settings: Mapping[str, float | str],
 ) -> SimulatedDevice:
-    """Return the simulated device of a rig file with the numbers of a spool, with a steady drive or heated by pulses.
+    """Return the simulated device of a rig file with the numbers of a spool: the core's, or that of an offered key.
 
     ``settings`` are those that the numbers already have; they are only checked. Raises CallerError for one that the
-    rig's load leaves without effect, and for pulses whose readings are useless.
+    rig's load leaves without effect, and for what the device of an offered key refuses.
     """
     from musclewire.rigs._simulated import SimulatedDevice
-    from musclewire.rigs._simulated_pwm import PulsedDevice
 
     given = {*configuration.numbers_set(), *settings}
     if configuration.load and "spring_stiffness_n_per_m" in given:
@@ -447,18 +468,16 @@ def device_of(
             f"{where}: the setting 'spring_stiffness_n_per_m' belongs to the bench's spring, and [[load]] replaces it: "
             "give a part 'spring' with a stiffness"
         )
-    pwm = configuration.pwm
-    problem = None if pwm is None else sampling_problem(pwm, spool.bench.sense_voltage_v.value)
-    if problem is not None and problem.useless:
-        raise CallerError(f"[pwm] {problem.text}")
-    device = (SimulatedDevice if pwm is None else partial(PulsedDevice, pwm))(
+    opened: Callable[..., SimulatedDevice] = SimulatedDevice
+    for name, key in configuration.offered_keys().items():
+        opened = partial(loaded(key.device), getattr(configuration, name))
+    device = opened(
         spool,
         parts=configuration.load,
         surroundings=configuration.surroundings,
         seed=seed,
         real_time=real_time,
         limits=configuration.limits.changed(),
-        faults=configuration.fault,
         stated=configuration.stated(),
     )
     if "pretension_n" in given and not device.has_stage:

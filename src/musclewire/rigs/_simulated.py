@@ -13,9 +13,9 @@ from musclewire.compiled import compiled, compiled_inner
 from musclewire.controllers import Event, ProtectionLimits
 from musclewire.errors import CallerError, RigError
 from musclewire.parameters import Alloy, Bench, Numbers, Wire, load_alloy, load_wire, validity_of
-from musclewire.physics import convection_range_note, series_resistance_ohm
+from musclewire.physics import convection_range_note
 from musclewire.rigs._air import AirModel, Surroundings
-from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, DeviceFault, Metadata, Missing
+from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, Metadata, Missing
 from musclewire.rigs._load_part import LoadPart, Pull, SecondWire, Supply
 from musclewire.rigs._mechanism import (
     MAX_CONTRACTION,
@@ -25,7 +25,6 @@ from musclewire.rigs._mechanism import (
     load_metadata,
     mechanism_of,
 )
-from musclewire.rigs._simulated_faults import SimulatedFault, SimulatedFaults
 from musclewire.rigs._simulation_clock import SimulationClock
 from musclewire.rigs._wire_limits import WireCircuit, limits_of
 from musclewire.signals import Command, RawSample, drive_voltage_of
@@ -202,8 +201,6 @@ class SimulatedDevice:
     limits
         Limits of the protection that differ from those that follow from wire and bench, by their names in
         ``ProtectionLimits``; none if None.
-    faults
-        Faults of wire, circuit, channels and clock, with their times; none by default.
     stated
         What else a recording is to say of wire and circuit, as the keys of the rig's file state it; nothing if None.
 
@@ -215,8 +212,8 @@ class SimulatedDevice:
         Instruments and moving air, with their generators of random numbers; ``air`` is None if it is still.
     stepping
         How a sample is divided into steps.
-    pulsed
-        Whether the wire is heated by pulses.
+    uncompiled
+        What of the device has no compiled form, in words; "" if its loops can be compiled.
 
     Raises
     ------
@@ -224,7 +221,7 @@ class SimulatedDevice:
         For numbers that cannot belong to a bench.
     """
 
-    pulsed: ClassVar[bool] = False
+    uncompiled: ClassVar[str] = ""
 
     def __init__(
         self,
@@ -235,7 +232,6 @@ class SimulatedDevice:
         seed: int = 1,
         real_time: bool = False,
         limits: Mapping[str, float] | None = None,
-        faults: Sequence[SimulatedFault] = (),
         stated: Metadata | None = None,
     ) -> None:
         """Cool the wire under its pretension and wait at 0 V."""
@@ -263,8 +259,6 @@ class SimulatedDevice:
             reference_columns=self._instruments_there(),
             wire_temperature_k=own_limits.ambient_temperature_k,
         )
-        self.faults = SimulatedFaults(faults) if faults else None
-        self._wire_ohm = spool.wire["resistance_per_metre_ohm_per_m"] * bench["wire_length_m"]
         self._clock = SimulationClock(bench["sample_period_s"]) if real_time else None
         self.stepping = stepping_of(bench)
 
@@ -419,13 +413,10 @@ class SimulatedDevice:
         if self._off:  # looked at after it was applied, so that 0 V is the last word whichever thread comes first
             self._drive_voltage_v = 0.0
             return SWITCHED_OFF
-        time_s = self.wires.time_s
-        if self.faults is not None and self.faults.device_lost(time_s):
-            return DeviceFault(Event.DEVICE_LOST, f"at {time_s:.2f} s, by the rig file's [[fault]]")
         if self.air is not None:
-            air = self.air.after(time_s, self._facts.sample_period_s)
+            air = self.air.after(self.wires.time_s, self._facts.sample_period_s)
             self.wires.surround(self.spool.bench["ambient_temperature_k"] + air.warmer_k, air.convection_ratio)
-        means = self._advance(self._drive_voltage_v) if self.faults is None else self._advance_faulty(self.faults)
+        means = self._advance(self._drive_voltage_v)
         self.wires.require_resolved()
         self._held_m = max(self._held_m, self.wires.slack_m)
         if self._clock is not None:
@@ -435,28 +426,14 @@ class SimulatedDevice:
     def _advance(self, drive_voltage_v: float) -> WireMeans:
         return self.wires.advance(drive_voltage_v, self._facts.sample_period_s, self.stepping)
 
-    def _advance_faulty(self, faults: SimulatedFaults) -> WireMeans:
-        """Advance the wire with its current in the faulty circuit; return the voltages at the terminals."""
-        time_s, shunt_ohm = self.wires.time_s, self._facts.limits.shunt_resistance_ohm
-        output_v = faults.output_v(self._drive_voltage_v, time_s)
-        current_a = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s).wire_current_a
-        means = self._advance(current_a * (self._wire_ohm + shunt_ohm))
-        if means.shunt_voltage_v > 0.0:
-            self._wire_ohm = series_resistance_ohm(means.wire_voltage_v, means.shunt_voltage_v, shunt_ohm)
-        seen = faults.circuit(output_v, self._wire_ohm, shunt_ohm, time_s)
-        return means._replace(wire_voltage_v=seen.wire_voltage_v, shunt_voltage_v=seen.shunt_voltage_v)
-
     def _read(self, means: WireMeans) -> RawSample:
         """Return a sample of all instruments' readings."""
         wire_voltage, shunt_voltage, displacement_m, force_n = self.instruments.sample(
             means.wire_voltage_v, means.shunt_voltage_v, means.displacement_m, means.force_n
         )
-        time_s = self.wires.time_s
-        if self.faults is not None:
-            began_s = time_s - self._facts.sample_period_s
-            wire_voltage, shunt_voltage = self.faults.readings_v(wire_voltage, shunt_voltage, began_s)
-            time_s = self.faults.clock_s(time_s)
-        sample = RawSample(time_s, self._drive_voltage_v, wire_voltage, shunt_voltage, displacement_m, force_n)
+        sample = RawSample(
+            self.wires.time_s, self._drive_voltage_v, wire_voltage, shunt_voltage, displacement_m, force_n
+        )
         if self.mechanism.tendon is None:
             return sample
         endpoint_m, endpoint_force_n = self.instruments.endpoint(*self._endpoint(means))
@@ -491,11 +468,11 @@ class SimulatedDevice:
         return True
 
     def off(self) -> bool:
-        """Switch the drive off; while the fault ``device_lost`` is present nothing is confirmed."""
+        """Switch the drive off."""
         self._off, self._drive_voltage_v = True, 0.0
         if self._clock is not None:
             self._clock.end()
-        return self.faults is None or not self.faults.device_lost(self.wires.time_s)
+        return True
 
 
 def mechanism_on(

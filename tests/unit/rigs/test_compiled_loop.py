@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 from musclewire.rigs._compiled_loop.running import run_known_drive, uncompiled
-from musclewire.rigs._configuration import RigConfiguration, open_rig
+from musclewire.rigs._configuration import open_rig
 
 
 def test_what_has_no_compiled_form_says_why() -> None:
-    lost = RigConfiguration.model_validate({"fault": [{"kind": "wire_open", "at": "3 s"}]})
-    with open_rig() as fresh, open_rig(lost) as faulty, open_rig("gripper") as two, open_rig(real_time=True) as paced:
+    with open_rig() as fresh, open_rig("gripper") as two, open_rig(real_time=True) as paced:
         assert uncompiled(fresh) == ""
-        assert "faults" in uncompiled(faulty)
         assert "two wires" in uncompiled(two)
         assert "clock" in uncompiled(paced)
         fresh.exchange(0.3)

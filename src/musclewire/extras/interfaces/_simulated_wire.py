@@ -68,6 +68,6 @@ def simulated_wire(rig: str | Path | RigConfiguration = "simulated", **settings:
     device = open_simulated(configuration, where, settings=settings)
     if not isinstance(device.wires, OneWire):
         raise CallerError(f"{where} has two wires: this needs a rig with one")
-    quiet = configuration.surroundings.still and not configuration.fault and configuration.pwm is None
+    quiet = configuration.surroundings.still and not configuration.offered_keys()
     bench, constants = device.spool.bench.values(), device.wires.constants
     return SimulatedWire(device.spool.wire.name, constants, device.facts.limits, bench, device.stepping, quiet)

@@ -348,8 +348,7 @@ def refuse_what_only_a_rig_has(configuration: RigConfiguration, where: str) -> N
     reasons = {
         "a second wire": any(part.second_wire is not None for part in configuration.load),
         "moving air": not configuration.surroundings.still,
-        "faults": bool(configuration.fault),
-        "heating by pulse width": configuration.pwm is not None,
+        **{key.what: True for key in configuration.offered_keys().values()},
     }
     for reason, present in reasons.items():
         if present:

@@ -62,12 +62,10 @@ def uncompiled(rig: GuardedRig, state: State = State.ARMED) -> str:
         return "the rig is not simulated"
     if device.facts.paced:
         return "the rig is paced by the machine's clock"
-    if device.faults is not None:
-        return "the rig file lists faults"
+    if device.uncompiled:
+        return device.uncompiled
     if device.air is not None and device.air.loss < 1.0:
         return "its air takes less heat than still air, which is watched sample by sample"
-    if device.pulsed:
-        return "the rig heats by pulse width"
     if not isinstance(device.wires, OneWire):
         return "the rig has two wires"
     if rig.protection.state is not state:

@@ -320,5 +320,5 @@ def left_out(configuration: RigConfiguration) -> Iterator[str]:
     yield "the protection: a drive outside the rig's range is refused, and nothing is switched off"
     if not configuration.surroundings.still:
         yield "the moving air of [surroundings]: ambient_temperature_k and convection_ratio are inputs"
-    if configuration.fault:
-        yield "the faults of [[fault]]"
+    for key in configuration.offered_keys().values():
+        yield f"the {key.what} of {key.written}"

@@ -11,13 +11,10 @@ import pytest
 from musclewire import open_rig
 from musclewire.errors import CallerError
 from musclewire.experiment import run_warnings
+from musclewire.extras.instruments._pulse_width import PulseWidth, duty_of, pulse_width_problems, unsettled_error
+from musclewire.extras.instruments._pulsed_device import PulsedDevice
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.rigs._abilities import ability
-from musclewire.rigs._configuration import RigConfiguration
-from musclewire.rigs._device import HasTrueState
-from musclewire.rigs._pulse_width import PulseWidth, duty_of, pulse_width_problems, unsettled_error
-from musclewire.rigs._simulated import SimulatedSpool
-from musclewire.rigs._simulated_pwm import PulsedDevice
+from musclewire.rigs import HasTrueState, RigConfiguration, SimulatedSpool, ability, uncompiled
 from musclewire.signals import Drive, RawSample, Recording
 
 QUIET = {"acquisition_noise_v": 0.0, "acquisition_bits": 24.0}
@@ -136,3 +133,15 @@ def test_a_duty_is_the_ratio_of_mean_squares_in_steps_of_the_timer() -> None:
     assert duty_of(5.0, 0.0, pwm) == 1.0
     assert duty_of(0.1, 0.3, pwm) == 0.0
     assert duty_of(2.0, 0.0, pwm) * 1024 == round(duty_of(2.0, 0.0, pwm) * 1024)
+
+
+def test_pulses_have_no_compiled_loop_and_go_with_neither_faults_nor_a_second_wire() -> None:
+    pwm: dict[str, Any] = {"frequency": 1000.0, "supply": 5.0}
+    with open_rig(RigConfiguration(pwm=pwm)) as rig:
+        assert uncompiled(rig) == "the rig heats by pulse width"
+    for key, value, message in (
+        ("fault", [{"kind": "wire_open"}], r"\[\[fault\]\] and \[pwm\] do not go together"),
+        ("load", [{"part": "antagonist"}], "heats one wire"),
+    ):
+        with pytest.raises(CallerError, match=message):
+            RigConfiguration(pwm=pwm, **{key: value})

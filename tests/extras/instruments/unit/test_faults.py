@@ -8,10 +8,9 @@ import pytest
 
 from musclewire.controllers import Event
 from musclewire.errors import CallerError
+from musclewire.extras.instruments._faults import OLD_KINDS, SimulatedFaults
 from musclewire.parameters import validated
-from musclewire.rigs._configuration import RigConfiguration, open_rig
-from musclewire.rigs._guarded import ProtectionTripError
-from musclewire.rigs._simulated_faults import OLD_KINDS, SimulatedFaults
+from musclewire.rigs import ProtectionTripError, RigConfiguration, open_rig, uncompiled
 
 WIRE_OHM, SHUNT_OHM = 14.0, 1.0
 
@@ -110,3 +109,8 @@ def test_a_rig_file_with_a_faults_old_name_still_reads(old: str, new: str) -> No
         for kind, share in (("slipped clamp", "share"), ("clamp_slipped", "fraction"))
     ]
     assert left[0] == left[1]
+
+
+def test_a_rig_with_faults_has_no_compiled_loop_and_says_why() -> None:
+    with open_rig(RigConfiguration.model_validate({"fault": [{"kind": "wire_open", "at": "3 s"}]})) as rig:
+        assert uncompiled(rig) == "the rig file lists faults"

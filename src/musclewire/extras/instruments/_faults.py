@@ -17,6 +17,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
+from musclewire.rigs import RigKey
 from musclewire.signals import measured_in
 
 # Earlier names of kinds in rig files, before they were those of the protection's events; they can still be read.
@@ -160,6 +161,14 @@ SimulatedFault = Annotated[
     Field(discriminator="kind"),
     BeforeValidator(by_present_names),
 ]
+
+FAULTS = RigKey(
+    list[SimulatedFault],
+    Field(default_factory=list, description="Faults of wire, circuit, channels and clock, with their times."),
+    written="[[fault]]",
+    what="faults",
+    device="musclewire.extras.instruments._faulty_device:FaultyDevice",
+)
 
 
 class CircuitState(NamedTuple):

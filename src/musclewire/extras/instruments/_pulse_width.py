@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.errors import CallerError
+from musclewire.rigs import RigKey
 from musclewire.signals import measured_in
+
+if TYPE_CHECKING:
+    from musclewire.rigs import RigConfiguration
 
 Seconds = Annotated[float, measured_in("s"), Field(ge=0.0, allow_inf_nan=False)]
 
@@ -87,6 +91,22 @@ class PulseWidth(BaseModel):
                 f"{1e6 * period_s:.0f} us long: a lower frequency, a shorter sample_delay or a faster converter"
             )
         return pulses
+
+
+def heats_one_wire(_pwm: PulseWidth, configuration: RigConfiguration) -> str | None:
+    """Return why pulses do not fit a rig; None if it has one wire."""
+    two = any(part.second_wire is not None for part in configuration.load)
+    return "[pwm] heats one wire: leave out the second one, or [pwm]" if two else None
+
+
+PULSES = RigKey(
+    PulseWidth | None,
+    Field(default=None, description="Heating by pulse width, and when the voltages are read within the pulses."),
+    written="[pwm]",
+    what="heating by pulse width",
+    device="musclewire.extras.instruments._pulsed_device:pulsed_device",
+    misfit=heats_one_wire,
+)
 
 
 def pulse_width_problems(pwm: PulseWidth, sense_voltage_v: float, ripple_k: float = 0.0) -> tuple[str, ...]:

@@ -14,9 +14,15 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple
 
 from musclewire.errors import CallerError
-from musclewire.rigs._device import Metadata
-from musclewire.rigs._pulse_width import APERTURE_S, PulseWidth, duty_of, left_over, pulse_width_problems
-from musclewire.rigs._simulated import SimulatedDevice, SimulatedSpool
+from musclewire.extras.instruments._pulse_width import (
+    APERTURE_S,
+    PulseWidth,
+    duty_of,
+    left_over,
+    pulse_width_problems,
+    sampling_problem,
+)
+from musclewire.rigs import Metadata, SimulatedDevice, SimulatedSpool
 from musclewire.signals import RawSample
 from musclewire.wire import WireMeans
 
@@ -30,28 +36,12 @@ class PulsePhase(NamedTuple):
 
 
 class PulsedDevice(SimulatedDevice):
-    """A simulated device whose wire is heated by pulses of a fixed supply; all else is as in ``SimulatedDevice``.
+    """A simulated device whose wire is heated by pulses of a fixed supply; all else is as in ``SimulatedDevice``."""
 
-    Parameters
-    ----------
-    pwm
-        The pulses and their readings.
-    spool
-        The wire, its alloy, its bench, and whether it is new.
-    **how
-        Load, air, seed and limits as ``SimulatedDevice`` takes them; no faults.
-
-    Raises
-    ------
-    CallerError
-        For a supply below the highest drive voltage or above the converter's range, for pulses too short for their
-        readings, and for a bench as ``SimulatedDevice`` does.
-    """
-
-    pulsed: ClassVar[bool] = True
+    uncompiled: ClassVar[str] = "the rig heats by pulse width"
 
     def __init__(self, pwm: PulseWidth, spool: SimulatedSpool, **how: Any) -> None:
-        """Cool the wire and wait without pulses."""
+        """Cool the wire and wait; raises CallerError for a supply or pulses that the bench's numbers do not allow."""
         readings = spool.bench.acquisition_readings.model_copy(update={"value": float(pwm.readings)})
         bench = spool.bench.model_copy(update={"acquisition_readings": readings})
         super().__init__(spool._replace(bench=bench), **how)
@@ -166,3 +156,11 @@ class PulsedDevice(SimulatedDevice):
             wire_voltage_v=self._scale * sample.wire_voltage_v,
             shunt_voltage_v=self._scale / self._pwm.shunt_gain * sample.shunt_voltage_v,
         )
+
+
+def pulsed_device(pwm: PulseWidth, spool: SimulatedSpool, **how: Any) -> PulsedDevice:
+    """Return a device whose wire is heated by pulses. Raises CallerError for pulses whose readings are useless."""
+    problem = sampling_problem(pwm, spool.bench.sense_voltage_v.value)
+    if problem is not None and problem.useless:
+        raise CallerError(f"[pwm] {problem.text}")
+    return PulsedDevice(pwm, spool, **how)

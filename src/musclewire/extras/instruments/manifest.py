@@ -1,0 +1,15 @@
+"""What this extra offers."""
+
+from __future__ import annotations
+
+from musclewire.manifest import Manifest
+
+__all__ = ["MANIFEST"]
+
+MANIFEST = Manifest(
+    name="instruments",
+    rig_keys={
+        "fault": "musclewire.extras.instruments._faults:FAULTS",
+        "pwm": "musclewire.extras.instruments._pulse_width:PULSES",
+    },
+)
