@@ -39,7 +39,7 @@ import numpy as np
 
 import musclewire as mw
 from musclewire.errors import MusclewireError
-from musclewire.extras.calibration import CandidateParameters, WireValues, load_spreads, priors_around
+from musclewire.extras.calibration import CandidateParameters, WireValues, priors_around
 from musclewire.judge import resistance_reading
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
 from musclewire.rigs import Contact, GuardedRig, SimulatedDevice, SimulatedSpool, Spring
@@ -74,7 +74,7 @@ def drawn_wire(seed: int) -> WireValues:
     """Return a wire of this seed on its bench; draws whose phases have no order are drawn again."""
     wire = load_wire(WIRE)
     alloy, bench = load_alloy(wire.alloy), load_bench("paper")
-    candidates = CandidateParameters(priors_around(alloy, wire, bench, load_spreads()), alloy, wire, bench)
+    candidates = CandidateParameters(priors_around(alloy, wire, bench), alloy, wire, bench)
     random = np.random.default_rng(seed)
     while True:
         values = candidates.wire_values(candidates.draw(random))

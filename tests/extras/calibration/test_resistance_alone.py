@@ -12,7 +12,7 @@ from musclewire.experiment import characterize
 from musclewire.extras.calibration._resistance_alone.fitting import ResistanceFit, fit_resistance
 from musclewire.extras.calibration._resistance_alone.observation import Marks
 from musclewire.extras.calibration._resistance_alone.possible_curves import combined_std
-from musclewire.extras.calibration._resistance_alone.spreads import load_spreads, priors_around
+from musclewire.extras.calibration._resistance_alone.spreads import priors_around, spreads
 from musclewire.identify import estimate, fit
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.rigs import GuardedRig, SimulatedDevice, SimulatedSpool
@@ -162,10 +162,10 @@ def test_two_measurements_of_one_number_combine_by_inverse_variance() -> None:
 def test_the_prior_is_the_named_wire_with_the_spreads_of_a_spool() -> None:
     wire, bench = load_wire(NAME), load_bench("paper")
     alloy = load_alloy(wire.alloy)
-    found = priors_around(alloy, wire, bench, load_spreads()).parameters
+    found = priors_around(alloy, wire, bench).parameters
     assert found["temperature_shift_k"].std == 5.0
     assert found["resistivity_factor"].std == pytest.approx(0.03)
     assert found["convection_factor"].std == pytest.approx(0.1 * wire.convection_factor.value)
+    assert spreads()["spreads"].keys() <= alloy.values().keys() | wire.values().keys() | bench.values().keys()
     for name, prior in found.items():
-        group = {"alloy": alloy, "wire": wire, "bench": bench}[prior.group]
-        assert prior.mean == getattr(group, name).value
+        assert prior.mean == {"alloy": alloy, "wire": wire, "bench": bench}[prior.group][name]

@@ -6,5 +6,4 @@ from ._physical.calibration import Calibration as Calibration
 from ._physical.candidates import CandidateParameters as CandidateParameters
 from ._physical.candidates import WireValues as WireValues
 from ._physical.search import SearchSettings as SearchSettings
-from ._resistance_alone.spreads import load_spreads as load_spreads
 from ._resistance_alone.spreads import priors_around as priors_around

@@ -128,7 +128,8 @@ def calibrate(
         write_report(found, page, advice)
     figure.draw(partial(drawn, found))
     answer = calibrate_answer(found, advice, output, page, warnings)
-    return Result(answer, result_text(found, advice, output, page), error=why_not(found))
+    failed = None if found.holds else MusclewireError("the fit does not hold: --report shows where")
+    return Result(answer, result_text(found, advice, output, page), error=failed)
 
 
 def drawn(found: Calibration, *, style: str) -> Axes:
@@ -192,11 +193,7 @@ def calibrate_answer(
     found: Calibration, advice: Sequence[ExperimentAdvice], output: Path | None, page: Path | None, warnings: list[str]
 ) -> CalibrateAnswer:
     """Return a calibration, what to measure next, and what was written."""
-    from musclewire.extras.calibration._answer import (
-        AdvisedExperiment,
-        CalibrateAnswer,
-        CalibratedChannel,
-    )
+    from musclewire.extras.calibration._answer import AdvisedExperiment, CalibrateAnswer, CalibratedChannel
 
     return CalibrateAnswer.read_from(
         found,
@@ -225,11 +222,6 @@ def calibrate_answer(
         report=None if page is None else str(page),
         warnings=warnings,
     )
-
-
-def why_not(found: Calibration) -> MusclewireError | None:
-    """Return that a calibration does not hold, None if it does."""
-    return None if found.holds else MusclewireError("the fit does not hold: --report shows where")
 
 
 def result_text(found: Calibration, advice: Sequence[ExperimentAdvice], output: Path | None, page: Path | None) -> str:

@@ -38,7 +38,7 @@ from musclewire.extras.calibration._resistance_alone.possible_curves import (
     scale_and_offset_std,
     what_helps,
 )
-from musclewire.extras.calibration._resistance_alone.spreads import load_spreads, priors_around
+from musclewire.extras.calibration._resistance_alone.spreads import priors_around
 from musclewire.identify import loop_notes, power_loop, stated_heat_balance, with_gains
 from musclewire.judge import resistance_reading
 from musclewire.parameters import Bench, Parameter, bench_known_with, require_seed
@@ -307,7 +307,7 @@ def assumed_of(recording: Recording, wire: str, bench: Mapping[str, float | str]
         if name in Bench.model_fields
     }
     its_bench = start.bench.model_copy(update=changed)
-    priors = priors_around(start.alloy, start.wire, its_bench, load_spreads())
+    priors = priors_around(start.alloy, start.wire, its_bench)
     unknown = dict(priors.parameters)
     length = unknown["wire_length_m"]
     std_m = its_bench.legs.value * marks.leg_length_std_m
