@@ -21,6 +21,7 @@ STATED = (
     "without_gains",
     "without_filter",
     "b_not_compared",
+    "cooling_not_compared",
     "zero_of_room",
     "held_back",
 )

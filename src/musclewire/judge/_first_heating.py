@@ -39,6 +39,10 @@ NO_MAXIMUM = (
     "resistance has no maximum in this model's slow loop, so that a load or a resistance that has changed since is not "
     "noticed at the start"
 )
+NO_COOLING = (
+    "this model's slow loop ended before its wire was cold, so that a load or a resistance that changes in mid-run is "
+    "not noticed: record one that cools longer"
+)
 
 
 class SeenAtB(NamedTuple):
@@ -165,7 +169,7 @@ def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
         "model_highest_ohm": max(model.resistance_max_ohm, float(means_ohm.max())),
         "model_rise_ohm": model.resistance_max_ohm - model.cold_resistance_ohm,
         "model_b_std_ohm": std_ohm,
-        **({"model_cooling_ohm": float(cooling_ohm.max())} if shows_it else {}),
+        **({"model_cooling_ohm": float(cooling_ohm.max())} if shows_it else {"cooling_not_compared": NO_COOLING}),
     }
 
 

@@ -34,7 +34,9 @@ def test_the_cooling_of_a_loop_states_its_highest_if_it_came_to_it() -> None:
     stated = height_of_b(model_with(np.concatenate([HEATING, cooled])))
     assert stated["model_cooling_ohm"] == pytest.approx(19.9, abs=0.02)
     for ended in ([], cooled[:40], cooled[:57]):  # none, still warm, still rising
-        assert "model_cooling_ohm" not in height_of_b(model_with(np.concatenate([HEATING, ended])))
+        stated = height_of_b(model_with(np.concatenate([HEATING, ended])))
+        assert "model_cooling_ohm" not in stated
+        assert "ended before its wire was cold" in str(stated["cooling_not_compared"])
 
 
 def test_the_rise_is_that_of_the_cold_wire_and_not_of_its_noise() -> None:
