@@ -1,8 +1,9 @@
 """Layouts of files drawn from values of many axes, each by a seed, with what must come out of them.
 
 ``AXES`` lists all values; the first of each axis is the plain one. What people met in public is among them, as kinds
-and in our own words: no maker's file was copied. Not drawn is what is no text (MATLAB's, HDF5) or two files. A layout
-has one value of each axis, and one value of all, by turns, is certainly in it. The wires are those of ``loops.py``.
+and in our own words: no maker's file was copied. Not drawn is what is no text (MATLAB's, HDF5), two files, and what
+only a fit can judge (pulses, a late drive). A layout has one value of each axis, and one value of all, by turns, is
+certainly in it. The wires are those of ``loops.py``.
 """
 
 from __future__ import annotations
@@ -26,12 +27,13 @@ Cells = list[tuple[str, ...]]
 
 @dataclass(frozen=True)
 class Clock:
-    """Columns of a clock: their names, the unit if they count one, how times are written, how they are read back."""
+    """Columns of a clock: names, the unit if they count one, how times are written and read back, the day if stated."""
 
     names: tuple[str, ...]
     unit: str | None
     text: Callable[[Array], Cells]
     seconds: Callable[[Cells], Array]
+    day: str = ""
 
 
 def counting(name: str, unit: str | None, per_s: float, decimals: int = 0, start: int = 0, bits: int = 63) -> Clock:
@@ -52,7 +54,7 @@ def counting(name: str, unit: str | None, per_s: float, decimals: int = 0, start
 
 def stamped(names: Sequence[str], formats: Sequence[str], began: str = "", again_s: float = 1e9) -> Clock:
     """Return a clock of dates or times of day in one or more columns; its stamps come again after a time, as a day."""
-    start = datetime.fromisoformat(began or "2026-02-17T12:21:00.200")
+    start = datetime.fromisoformat(began or "2026-03-01T12:21:00.200")
 
     def text(time_s: Array) -> Cells:
         times = [start + timedelta(milliseconds=round(1e3 * each)) for each in time_s.tolist()]
@@ -63,7 +65,7 @@ def stamped(names: Sequence[str], formats: Sequence[str], began: str = "", again
         times = [datetime.strptime("|".join(row), "|".join(formats)) for row in cells]
         return np.unwrap([(each - times[0]).total_seconds() for each in times], period=again_s)
 
-    return Clock(tuple(names), None, text, seconds)
+    return Clock(tuple(names), None, text, seconds, start.date().isoformat() if "%Y" in "".join(formats) else "")
 
 
 def batches(clock: Clock, rows: int) -> Clock:
@@ -79,7 +81,7 @@ def batches(clock: Clock, rows: int) -> Clock:
 
 def in_two(first: str, second: str) -> Clock:
     """Return a clock of whole seconds and the nanoseconds beyond them."""
-    start = 1_771_330_860
+    start = 1_772_367_660
 
     def text(time_s: Array) -> Cells:
         counts = [round(1e9 * each) + 18_500_096 for each in time_s.tolist()]
@@ -93,7 +95,7 @@ def in_two(first: str, second: str) -> Clock:
 
 
 NO_CLOCK = Clock((), None, lambda time_s: [()] * time_s.size, lambda cells: PERIOD_S * np.arange(len(cells)))
-EPOCH_S = 1_771_330_860
+EPOCH_S = 1_772_367_660
 CLOCKS = {
     "seconds": counting("Time", "s", 1.0, 2),
     "milliseconds": counting("millis", "ms", 1e3),
@@ -118,8 +120,8 @@ CLOCKS = {
     "date-time and milliseconds": stamped(["Date&Time", "ms"], ["%Y-%m-%d %H:%M:%S", "%f"]),
     "time of day": stamped(["Time"], ["%H:%M:%S.%f"]),
     "minutes and seconds": stamped(["Time"], ["%M:%S.%f"], "2026-01-01T00:00:00"),
-    "over midnight": stamped(["Time"], ["%H:%M:%S.%f"], "2026-02-17T23:59:31.200", 86_400.0),
-    "noon and midnight by AM and PM": stamped(["Time"], ["%I:%M:%S.%f %p"], "2026-02-17T23:59:31.200", 86_400.0),
+    "over midnight": stamped(["Time"], ["%H:%M:%S.%f"], "2026-03-01T23:59:31.200", 86_400.0),
+    "noon and midnight by AM and PM": stamped(["Time"], ["%I:%M:%S.%f %p"], "2026-03-01T23:59:31.200", 86_400.0),
     "end of summer time": stamped(["Time"], ["%Y-%m-%d %H:%M:%S.%f"], "2026-10-25T02:59:31.200", 3600.0),
     "Timedelta": stamped(["t"], ["0 days %H:%M:%S.%f"], "2026-01-01T00:00:00"),
     "a stamp before an arrow": stamped([""], ["%H:%M:%S.%f -> "]),
@@ -284,11 +286,12 @@ def chosen_values(random: Generator, certain: str) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Truth:
-    """What one test of a file holds: columns in SI, the rows that are measurements, what its decimals leave open."""
+    """What one test holds: columns in SI, which rows are measurements, what decimals leave open, the day if stated."""
 
     columns: Mapping[str, Array]
     kept: NDArray[np.bool_]
     tolerance: Mapping[str, float]
+    day: str
 
 
 @dataclass(frozen=True)
@@ -343,7 +346,7 @@ def drawn(seed: int, number: int, value: str = "") -> Drawn:
     else:
         marked = ("", marked[1])
     table, tolerance = table_of(choice, written, names, marked)
-    return file_of(choice, table, Truth(columns, kept, tolerance), random)
+    return file_of(choice, table, Truth(columns, kept, tolerance, CLOCKS[choice["clock"]].day), random)
 
 
 def readings_of(
@@ -451,7 +454,7 @@ def label(choice: Mapping[str, str], column: Column) -> str:
 def preamble(choice: Mapping[str, str], table: Mapping[str, Column], random: Generator) -> list[tuple[str, str]]:
     """Return what a file states above its rows: the interval and the units, if they are there."""
     separator = SEPARATORS[choice["separator"]]
-    stated = [("Instrument", "Logger 7"), ("Operator", "Jürgen"), ("Date", "2026-02-17")]
+    stated = [("Instrument", "Logger 7"), ("Operator", "Jürgen"), ("Date", CLOCKS[choice["clock"]].day or "2026-03-01")]
     if choice["clock"] in STATED:
         texts = (("Sample interval", f"{PERIOD_S:g} s"), ("Sampling interval", "200 ms"), ("Sample rate", "5 Hz"))
         key, text = texts[int(random.integers(3))]
@@ -475,7 +478,7 @@ def lines_above(choice: Mapping[str, str], table: Mapping[str, Column], random: 
         return [*above, BELOW[header]] if header in BELOW else above
     return {
         "a terminal's line, half a row, READY": [
-            "=~=~=~= log of 2026.02.17 12:21:00 =~=~=~=",
+            "=~=~=~= log of 2026.03.01 12:21:00 =~=~=~=",
             f"12{separator}0",
             "READY",
         ],
@@ -556,7 +559,7 @@ def file_of(choice: Mapping[str, str], table: dict[str, Column], truth: Truth, r
         add(0, until)
         add(1, count, again=True)
         part = {name: values[:until] for name, values in truth.columns.items()}
-        truths = (Truth(part, truth.kept[:until], truth.tolerance), truth)
+        truths = (Truth(part, truth.kept[:until], truth.tolerance, truth.day), truth)
     elif defect == "two blocks":
         add(0, count)
         lines.append(("", None))

@@ -103,6 +103,9 @@ def judged(recording: mw.Recording, truth: Truth) -> tuple[str, tuple[str, ...]]
     share = (truth.kept[row] & whole).sum() / truth.kept.sum()
     if share < MIN_ROWS:
         return f"{share:.0%} of the measurements came out", ()
+    began = str(recording.metadata.get("start_time", truth.day))
+    if truth.day and not began.startswith(truth.day):
+        return f"it began on {truth.day}, not at {began}", ()
     return "", tuple(name for name in truth.columns if name not in columns)
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.labs.drawn_layouts import AXES, VALUES, Drawn, drawn, read_as_told
+from tests.labs.drawn_layouts import AXES, MEASURED, VALUES, Drawn, drawn, read_as_told
 from tests.labs.kinds import judged, missed, table_of, tally_of
-from tests.labs.layouts import STROKE, TIME
+from tests.labs.layouts import TIME
 
 import musclewire as mw
 
@@ -50,29 +51,25 @@ def test_values_have_names_of_their_own_and_are_drawn_when_they_are_named() -> N
 
 
 def test_the_judge_sees_a_wrong_unit_a_wrong_clock_lost_rows_and_a_mark_and_takes_what_is_true() -> None:
-    truth = next(one for number in range(500) if (one := drawn(1, number, "-9999")).choice["defect"] == "whole").truths[
-        0
-    ]
+    files = (drawn(1, number, "-9999") for number in range(500))
+    truth = next(one for one in files if one.choice["defect"] == "whole").truths[0]
     true = dict(truth.columns)
     last = [name for name in true if name != TIME][-1]
     marked = np.where(truth.kept, true[last], -9999.0)
     good = {name: values[truth.kept] for name, values in true.items()}
     assert judged(mw.Recording(good, {}), truth) == ("", ())
     assert judged(mw.Recording({name: good[name] for name in good if name != last}, {}), truth) == ("", (last,))
+    extra = next(name for name in MEASURED if name not in true)
     wrong = [
         {**good, last: 1e3 * good[last]},
         {**good, TIME: 1e3 * good[TIME]},
         {name: values[: values.size * 9 // 10] for name, values in good.items()},
         {**true, last: marked},
-        {**good, "reference_strain" if last == STROKE else STROKE: good[last]},
+        {**good, extra: good[last]},
     ]
-    assert [bool(judged(mw.Recording(columns, {}), truth)[0]) for columns in wrong] == [
-        True,
-        True,
-        True,
-        True,
-        last != STROKE,
-    ]
+    assert all(judged(mw.Recording(columns, {}), truth)[0] for columns in wrong)
+    dated, began = replace(truth, day="2026-03-01"), ("2026-03-01T23:24:14", "2026-01-03T23:24:14")
+    assert [bool(judged(mw.Recording(good, {"start_time": at}), dated)[0]) for at in began] == [False, True]
 
 
 @pytest.mark.slow
