@@ -256,6 +256,7 @@ CONFLICTS: list[tuple[set[str], set[str]]] = [
                               "two blocks", "a table after", *(set(CLOCKS) - ONE_COLUMN - GLUED)}),
     ({"JSON lines"}, {"comma and blank", "1.#INF", "-1E+999"}),
     ({"name:value pairs"}, {"words", "a blank"}),
+    ({"name: value lines", "name:value pairs"}, {"a format as its name"}),
     ({"signals in rows"}, {"cut in its last line", "words between rows", "doubled rows", "blanks"}),
     ({"long by channel"}, {"doubled rows"}),
     (STILL | {"a stated interval alone"}, {"gaps", "doubled rows", "a restart"}),
