@@ -49,9 +49,9 @@ ON_A_REAL_WIRE = (
     "musclewire.extras.grip._contact_detection", "musclewire.extras.grip._grip_force",
 )  # fmt: skip
 SIMULATED = (
-    "musclewire.rigs._simulated", "musclewire.wire._batch", "musclewire.wire._coupling", "musclewire.wire._lanes",
-    "musclewire.wire._lane_views",
-    "musclewire.wire._pairs", "musclewire.wire._pairs", "musclewire.wire._paths", "musclewire.wire._wires",
+    "musclewire.rigs._simulated", "musclewire.wire._batch", "musclewire.wire._lanes", "musclewire.wire._lane_views",
+    "musclewire.wire._paths", "musclewire.wire._wires",
+    "musclewire.extras.grip._coupling", "musclewire.extras.grip._pairs", "musclewire.extras.grip._two_wires",
 )  # fmt: skip
 
 

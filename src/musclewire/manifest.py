@@ -277,8 +277,8 @@ def absent_part(kind: str, name: str) -> CallerError | None:
     Parameters
     ----------
     kind
-        "commands", "options", "names", "estimators", "devices", "rig_keys", "run_kinds" or "suffixes": a key of
-        ``parts.toml``.
+        "commands", "options", "names", "estimators", "devices", "load_parts", "rig_keys", "run_kinds" or "suffixes":
+        a key of ``parts.toml``.
     name
         What was asked for.
 

@@ -1,4 +1,4 @@
-"""A key of rig files that a part offers by its manifest: without the part it is an error that names the part."""
+"""A key of rig files, or a part of a load, that a part offers by its manifest: without that one line names the part."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ sys.exit(main())
 """
 
 
-@pytest.mark.parametrize(("key", "part"), [('[[fault]]\nkind = "wire_open"', "instruments")])
+@pytest.mark.parametrize(
+    ("key", "part"), [('[[fault]]\nkind = "wire_open"', "instruments"), ('[[load]]\npart = "antagonist"', "grip")]
+)
 def test_a_key_of_a_part_that_is_not_there_is_one_line_that_names_the_part(key: str, part: str, tmp_path: Path) -> None:
     file = tmp_path / "rig.toml"
     file.write_text(key, "utf-8")

@@ -32,18 +32,11 @@ from musclewire.signals import read_recording
 AIR = {"draught": 0.2, "ambient_swing": 1.0}
 
 
-def pulling(*parts: dict[str, str]) -> GuardedRig:
-    """Return the finger's bench with other parts at the connector."""
-    return open_rig(RigConfiguration(wire="finger-100um", bench="finger", load=list(parts)))
-
-
 RIGS: dict[str, Callable[[], GuardedRig]] = {
     "simulated": lambda: open_rig("simulated"),
     "real time": lambda: open_rig("simulated", real_time=True, clock_speed=100.0),
     "moving air": lambda: open_rig(RigConfiguration(surroundings=AIR)),
     "finger": lambda: open_rig("finger"),
-    "antagonist": lambda: pulling({"part": "antagonist", "voltage": "0.3 V"}),
-    "gripper": lambda: open_rig("gripper"),
     **dict(subjects_of("contract", "driven_*.py", "RIGS")),
 }
 

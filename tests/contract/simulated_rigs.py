@@ -8,9 +8,7 @@ from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_te
 
 from musclewire.rigs import Rig, RigConfiguration, open_rig
 
-PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}
-# By the maker's ohm per metre, within his 15 %: 126 and, of the thicker wire, 75 over 14 cm; 126 over 7 cm, of which
-# two stand beside or behind each other.
+# By the maker's ohm per metre, within his 15 %: 126 and, of the thicker wire, 75 over 14 cm; 126 over 7 cm.
 SHORT_OHM = (7.5, 10.2)
 
 
@@ -24,8 +22,7 @@ def simulated(name: str, make: Callable[[], Rig], cold_ohm: tuple[float, float],
     return RigSubject(name, without_a_test(make), cold_ohm, **known)  # type: ignore[arg-type]
 
 
-# A mount of 1e6 N/m lets a wire pull, a cold antagonist must be stretched first, a weight stays what it is, and fingers
-# that meet pull harder.
+# A mount of 1e6 N/m lets a wire pull, and a weight stays what it is.
 SUBJECTS = (
     simulated("simulated", lambda: open_rig("simulated"), PAPERS_WIRE_OHM),
     simulated("simulated, 125 um", lambda: open_rig("simulated", wire="paper-125um"), (8.9, 12.1)),
@@ -34,23 +31,4 @@ SUBJECTS = (
         "weight", pulling({"part": "weight", "force": "70 gf"}), SHORT_OHM, least_force_n=-0.01, fixed_pretension=True
     ),
     simulated("blocked", pulling({"part": "blocked"}), SHORT_OHM, least_strain=0.0, least_force_n=3.0),
-    simulated(
-        "antagonist",
-        pulling({"part": "antagonist", "voltage": "0.3 V"}),
-        SHORT_OHM,
-        least_strain=0.004,
-        least_force_n=2.0,
-    ),
-    simulated(
-        "parallel wire",
-        pulling(PRETENSIONER, {"part": "parallel wire"}),
-        (0.5 * SHORT_OHM[0], 0.5 * SHORT_OHM[1]),
-    ),
-    simulated(
-        "two fingers",
-        lambda: open_rig("gripper"),
-        (2.0 * SHORT_OHM[0], 2.0 * SHORT_OHM[1]),
-        least_strain=0.012,
-        least_force_n=2.0,
-    ),
 )

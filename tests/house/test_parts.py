@@ -16,6 +16,8 @@ def names_by_kind(one: Manifest) -> dict[str, list[str]]:
         "names": sorted(one.names),
         "estimators": sorted(one.estimators),
         "devices": sorted(one.devices),
+        "load_parts": sorted(one.load_parts),
+        "rig_keys": sorted(one.rig_keys),
         "rig_files": sorted(file.stem for file in folder_of(one.rig_files).glob("*.toml")) if one.rig_files else [],
         "suffixes": sorted(one.suffixes_read),
         "run_kinds": sorted(one.run_kinds),

@@ -13,9 +13,10 @@ from typing import Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_ori
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError
 from pydantic.fields import FieldInfo
-from pydantic_core import CoreSchema, InitErrorDetails, PydanticKnownError, core_schema
+from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, PydanticKnownError, core_schema
 
 from musclewire.errors import CallerError, Message, nearest_hint
+from musclewire.manifest import absent_part
 from musclewire.registry import Registry
 from musclewire.small_files import read_toml
 
@@ -60,6 +61,8 @@ class TaggedTable:
         tag = given[self.key]
         model = self.model_of(tag) if isinstance(tag, str) else None
         if model is None:
+            if (absent := absent_part(self.registry.field, str(tag))) is not None:
+                raise PydanticCustomError("absent_part", "{error}", {"error": str(absent)})
             names = ", ".join(f"'{name}'" for name in self.registry.names())
             raise PydanticKnownError(
                 "union_tag_invalid", {"discriminator": f"'{self.key}'", "tag": str(tag), "expected_tags": names}

@@ -55,13 +55,14 @@ from ._load_kinds import LOAD_PARTS as LOAD_PARTS
 from ._load_kinds import Parts as Parts
 from ._load_part import Length as Length
 from ._load_part import LoadPart as LoadPart
-from ._load_part import Pull as Pull
+from ._load_part import SecondWire as SecondWire
 from ._load_part import Stiffness as Stiffness
 from ._load_parts import Contact as Contact
 from ._load_parts import Spring as Spring
 from ._mechanism import FingerTendon as FingerTendon
 from ._mechanism import SimulatedLoad as SimulatedLoad
 from ._mechanism import mechanism_of as mechanism_of
+from ._mechanism import tabulated_m as tabulated_m
 from ._mounted_wire import AirKelvins as AirKelvins
 from ._mounted_wire import Arriving as Arriving
 from ._mounted_wire import LimitsTable as LimitsTable

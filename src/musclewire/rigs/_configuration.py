@@ -38,7 +38,7 @@ from musclewire.rigs._device import Metadata
 from musclewire.rigs._guarded import GuardedRig
 from musclewire.rigs._kinds import DEVICES, DeviceConfiguration, DeviceKind
 from musclewire.rigs._load_kinds import Part, Parts
-from musclewire.rigs._load_part import Supply
+from musclewire.rigs._load_part import second_wire_of
 from musclewire.rigs._mounted_wire import (
     NO_TRUTH,
     SHARED_KEYS,
@@ -414,7 +414,8 @@ def driven_wire(
     alloy, wire, bench = parameters
     if not configuration.beyond_catalogue:
         refuse_beyond(wire, bench, given, configuration.limits.changed(), where)
-    in_series, in_parallel = on_the_drive(configuration)
+    second = second_wire_of(configuration.load)
+    in_series, in_parallel = (1, 1) if second is None else second.on_the_drive
     hot = hot_wire(
         wire,
         alloy,
@@ -438,12 +439,6 @@ def refuse_beyond(wire: Wire, bench: Bench, given: Collection[str], limits: Mapp
     stated = {key: group[name] for key, (name, group) in numbers.items() if name in given}
     circuit = StatedCircuit(bench["wire_length_m"], bench["shunt_resistance_ohm"], stated)
     refuse_beyond_catalogue(circuit, limits, where)
-
-
-def on_the_drive(configuration: RigConfiguration) -> tuple[int, int]:
-    """Return how many wires the drive sees in series and in parallel."""
-    supplies = [part.second_wire.supply for part in configuration.load if part.second_wire is not None]
-    return 1 + (Supply.SERIES in supplies), 1 + (Supply.PARALLEL in supplies)
 
 
 def device_of(

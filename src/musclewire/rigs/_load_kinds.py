@@ -20,9 +20,6 @@ LOAD_PARTS: Registry[type[LoadPart]] = Registry(
         "weight": "musclewire.rigs._load_parts:Weight",
         "blocked": "musclewire.rigs._load_parts:Blocked",
         "contact": "musclewire.rigs._load_parts:Contact",
-        "antagonist": "musclewire.rigs._load_parts:Antagonist",
-        "parallel wire": "musclewire.rigs._load_parts:ParallelWire",
-        "second finger": "musclewire.rigs._load_parts:SecondFinger",
     },
 )
 
@@ -44,8 +41,9 @@ class Parts(BaseModel):
                 raise ValueError(
                     f"there are {names.count(item.part)} parts '{item.part}', 1 fits: leave the others out"
                 )
-        if sum(item.second_wire is not None for item in self.load) > 1:
-            raise ValueError("a rig has room for one second wire: give antagonist, parallel wire or second finger")
+        wires = [item.part for item in self.load if item.second_wire is not None]
+        if len(wires) > 1:
+            raise ValueError(f"a rig has room for one second wire: give one of {', '.join(wires)}")
         for item in self.load:
             reason = item.misfit(self.load)
             if reason is not None:

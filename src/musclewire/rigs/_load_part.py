@@ -3,46 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from enum import Enum
-from typing import Annotated, ClassVar, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from musclewire.arrays import FloatArray
-from musclewire.parameters import FingerFile
+from musclewire.parameters import FingerFile, Wire
 from musclewire.rigs._device import Metadata
 from musclewire.signals import measured_in
 from musclewire.wire import ElasticObject
 
+if TYPE_CHECKING:
+    from musclewire.wire import SimulatedWires
+
 Stiffness = Annotated[float, measured_in("N/m"), Field(gt=0.0, allow_inf_nan=False)]
 Length = Annotated[float, measured_in("m"), Field(ge=0.0, allow_inf_nan=False)]
 Force = Annotated[float, measured_in("N"), Field(gt=0.0, allow_inf_nan=False)]
-Voltage = Annotated[float, measured_in("V"), Field(ge=0.0, allow_inf_nan=False)]
 
 
-class Pull(Enum):
-    """Direction in which a second wire pulls: with the first, against it, or on a finger of its own."""
+class SecondWire(Protocol):
+    """A second wire that a part adds: coupled with the first by the circuit, and by its connector or an object."""
 
-    ALONG = "along"
-    AGAINST = "against"
-    APART = "apart"
+    @property
+    def on_the_drive(self) -> tuple[int, int]:
+        """How many wires the drive sees in series and in parallel."""
 
+    @property
+    def holds_the_object(self) -> bool:
+        """Whether it pulls a finger of its own, with the load's object between that and the first."""
 
-class Supply(Enum):
-    """How a second wire is fed: from a supply of its own, across the same terminals, or in the same current."""
+    def force_limit_n(self, first: Wire) -> float:
+        """Return the largest reading of the load cell at which neither wire exceeds its allowed force [N]."""
 
-    OWN = "own"
-    PARALLEL = "parallel"
-    SERIES = "series"
+    def coupled(self, first: Any, parts: Sequence[LoadPart], mechanism: Any, stage_n: float) -> SimulatedWires:
+        """Return both wires, cold and at rest under the stage's pretension [N].
 
-
-class SecondWire(NamedTuple):
-    """A second wire: its name (None for one like the first), its pull, its supply and an own supply's voltage."""
-
-    wire: str | None
-    pull: Pull
-    supply: Supply
-    voltage_v: float = 0.0
+        ``first`` is the first one's ``SimulatedSpool``, ``mechanism`` the ``SimulatedLoad`` of all parts. Raises
+        CallerError for an unknown wire, and for a force or voltage that one does not allow.
+        """
 
 
 class LoadPart(BaseModel):
@@ -170,3 +168,8 @@ class LoadPart(BaseModel):
     def facts(self) -> Metadata:
         """Return the metadata of a recording that describe the part, in addition to its name."""
         return {}
+
+
+def second_wire_of(parts: Sequence[LoadPart]) -> SecondWire | None:
+    """Return the second wire that a part adds, if one does."""
+    return next((part.second_wire for part in parts if part.second_wire is not None), None)

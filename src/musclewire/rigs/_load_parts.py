@@ -21,7 +21,7 @@ from pydantic import model_validator
 from musclewire.arrays import FloatArray
 from musclewire.parameters import FingerFile, load_finger, read_pretensioner
 from musclewire.rigs._device import Metadata
-from musclewire.rigs._load_part import Force, Length, LoadPart, Pull, SecondWire, Stiffness, Supply, Voltage
+from musclewire.rigs._load_part import Force, Length, LoadPart, Stiffness, second_wire_of
 from musclewire.wire import ElasticObject
 
 
@@ -207,91 +207,7 @@ class Contact(LoadPart):
 
     def misfit(self, parts: Sequence[LoadPart]) -> str | None:
         """Return why it does not fit: two wires on one connector that meet an object are not simulated."""
-        if any(part.second_wire is not None and part.second_wire.pull is not Pull.APART for part in parts):
+        second = second_wire_of(parts)
+        if second is not None and not second.holds_the_object:
             return "a contact together with a second wire on one connector is not simulated: leave one out"
         return None
-
-
-class Antagonist(LoadPart):
-    """A second wire of the same make and length that pulls against the first, from a supply of its own.
-
-    Parameters
-    ----------
-    wire
-        Name of the second wire; None for one like the first.
-    voltage
-        Drive voltage of the second wire [V], constant; 0 leaves it cold.
-    """
-
-    once: ClassVar[bool] = True
-
-    part: Literal["antagonist"]
-    wire: str | None = None
-    voltage: Voltage = 0.0
-
-    @property
-    def carries_pretension(self) -> bool:
-        """The stage pulls one wire against the other."""
-        return True
-
-    @property
-    def second_wire(self) -> SecondWire:
-        """The wire that pulls against the first."""
-        return SecondWire(self.wire, Pull.AGAINST, Supply.OWN, self.voltage)
-
-
-class ParallelWire(LoadPart):
-    """A second wire parallel to the first, on the same connector and the same two terminals.
-
-    Parameters
-    ----------
-    wire
-        Name of the second wire; None for one like the first.
-    """
-
-    once: ClassVar[bool] = True
-
-    part: Literal["parallel wire"]
-    wire: str | None = None
-
-    @property
-    def second_wire(self) -> SecondWire:
-        """The wire parallel to the first."""
-        return SecondWire(self.wire, Pull.ALONG, Supply.PARALLEL)
-
-
-class SecondFinger(LoadPart):
-    """A finger like the first, opposite to it, on a wire of its own in the same current; needs a contact between.
-
-    Parameters
-    ----------
-    wire
-        Name of the second finger's wire; None for one like the first.
-    """
-
-    once: ClassVar[bool] = True
-
-    part: Literal["second finger"]
-    wire: str | None = None
-
-    @property
-    def second_wire(self) -> SecondWire:
-        """The wire of the other finger."""
-        return SecondWire(self.wire, Pull.APART, Supply.SERIES)
-
-    def misfit(self, parts: Sequence[LoadPart]) -> str | None:
-        """Return why the parts are not two fingers with an object between them; None if they are.
-
-        Parameters
-        ----------
-        parts
-            All parts of the load.
-
-        Returns
-        -------
-        What is missing; None if there are a finger, which this one mirrors, and a contact, which both meet.
-        """
-        finger = any(part.finger_name is not None for part in parts)
-        if finger and any(part.obstacle is not None for part in parts):
-            return None
-        return "a second finger needs a part 'finger', which it mirrors, and a 'contact' between them"

@@ -139,6 +139,11 @@ def mechanism_of(
     return SimulatedLoad(load, added_n, stage, tendon)
 
 
+def tabulated_m(leg_length_m: float) -> FloatArray:
+    """Return the displacements at which loads of a wire are tabulated [m], (n_points,)."""
+    return np.linspace(0.0, MAX_CONTRACTION * leg_length_m, TABLE_POINTS)
+
+
 def tendon_of(part: LoadPart, obstacle: ElasticObject | None, slack_m: float | None) -> FingerTendon:
     """Return the tendon of a part's finger; ``slack_m`` replaces the part's own slack."""
     finger = part.finger_file()

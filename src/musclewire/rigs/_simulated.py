@@ -12,40 +12,25 @@ from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inner
 from musclewire.controllers import Event, ProtectionLimits
 from musclewire.errors import CallerError, RigError
-from musclewire.parameters import Alloy, Bench, Numbers, Wire, load_alloy, load_wire, validity_of
+from musclewire.parameters import Alloy, Bench, Numbers, Wire, validity_of
 from musclewire.physics import convection_range_note
 from musclewire.rigs._air import AirModel, Surroundings
 from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, Metadata, Missing
-from musclewire.rigs._load_part import LoadPart, Pull, SecondWire, Supply
-from musclewire.rigs._mechanism import (
-    MAX_CONTRACTION,
-    TABLE_POINTS,
-    FingerTendon,
-    SimulatedLoad,
-    load_metadata,
-    mechanism_of,
-)
+from musclewire.rigs._load_part import LoadPart, second_wire_of
+from musclewire.rigs._mechanism import SimulatedLoad, load_metadata, mechanism_of
 from musclewire.rigs._simulation_clock import SimulationClock
 from musclewire.rigs._wire_limits import WireCircuit, limits_of
 from musclewire.signals import Command, RawSample, drive_voltage_of
 from musclewire.wire import (
-    APART,
-    OWN_SUPPLY,
-    PARALLEL,
-    SERIES,
     ConnectorLoad,
-    ElasticObject,
-    GrippedObject,
     HeatBalance,
     OneWire,
-    PairConnection,
+    SimulatedWires,
     StepControl,
-    TwoWires,
     WireConstants,
     WireMeans,
     WireState,
     constants_from,
-    no_grip,
     spring_load,
     steps_within,
 )
@@ -53,10 +38,6 @@ from musclewire.wire import (
 # Noise in steps of the converter times the root of the readings in a mean: from this value on, two means in a row are
 # equal in less than a tenth of all cases, and eight in a row once in a hundred million.
 MIN_SPREAD_STEPS = 3.0
-
-# Codes of pulls and supplies in the kernel of two wires.
-DIRECTIONS = {Pull.ALONG: 1.0, Pull.AGAINST: -1.0, Pull.APART: APART}
-FEEDS = {Supply.OWN: OWN_SUPPLY, Supply.PARALLEL: PARALLEL, Supply.SERIES: SERIES}
 
 
 @compiled_inner
@@ -331,7 +312,9 @@ class SimulatedDevice:
             "rig": "simulated",
             **self.spool.facts(),
             **convection_metadata(self.spool.wire.diameter_m.value, self.spool.bench["ambient_temperature_k"]),
-            "force_limit_n": force_limit_n(self.spool.wire, self._parts),
+            "force_limit_n": self.spool.wire.maximum_force_n.value
+            if (second := second_wire_of(self._parts)) is None
+            else second.force_limit_n(self.spool.wire),
             "pretension_n": self._pretension_n,
             **load_metadata(self._parts, self.mechanism, self.partner_state is not None),
             "time_step_s": self.spool.bench["time_step_s"],
@@ -485,64 +468,21 @@ def mechanism_on(
         parts,
         pretension_n=pretension_n,
         leg_length_m=spool.leg_length_m,
-        object_between=any(part.second_wire and part.second_wire.pull is Pull.APART for part in parts),
+        object_between=(second := second_wire_of(parts)) is not None and second.holds_the_object,
         tendon_slack_m=tendon_slack_m,
     )
 
 
-def wires_of(first: SimulatedSpool, parts: Sequence[LoadPart], mechanism: SimulatedLoad) -> OneWire | TwoWires:
+def wires_of(first: SimulatedSpool, parts: Sequence[LoadPart], mechanism: SimulatedLoad) -> SimulatedWires:
     """Return the wires of a rig, cold and at rest under the stage's pretension and the weights on the connector.
 
-    Raises CallerError for numbers that cannot belong to a wire, for a force or voltage that one does not allow, and
-    for an unknown second wire.
+    Raises CallerError for numbers that cannot belong to a wire, and for what a second wire refuses.
     """
-    wire = first.wire
     stage_n = first.bench["pretension_n"] if mechanism.stage else 0.0
-    cold_n = stage_n + mechanism.added_n
     second = second_wire_of(parts)
     if second is None:
-        return OneWire(first.pulling(mechanism.load, cold_n))
-    other = wire if second.wire is None else load_wire(second.wire)
-    require_voltage(second, other)
-    spool = first._replace(wire=other, alloy=first.alloy if second.wire is None else load_alloy(other.alloy))
-    if second.pull is Pull.APART:
-        one, two = (item.pulling(mechanism.load, cold_n) for item in (first, spool))
-        grip = grip_between(parts, mechanism.tendon, one)
-    elif second.pull is Pull.AGAINST:
-        one, two, grip = first.pulling(mechanism.load, cold_n), spool.pulling(None, stage_n), no_grip()
-    else:
-        sections = [item.diameter_m.value**2 for item in (wire, other)]
-        own = sections[0] / sum(sections)
-        one, two = first.pulling(mechanism.load, own * cold_n), spool.pulling(None, (1.0 - own) * cold_n)
-        grip = no_grip()
-    series_ohm = one.series_resistance_ohm if second.supply is Supply.OWN else 1.0
-    return TwoWires(
-        (one, two), PairConnection(DIRECTIONS[second.pull], FEEDS[second.supply], second.voltage_v, series_ohm), grip
-    )
-
-
-def second_wire_of(parts: Sequence[LoadPart]) -> SecondWire | None:
-    """Return the second wire that a part adds, if one does."""
-    return next((part.second_wire for part in parts if part.second_wire is not None), None)
-
-
-def force_limit_n(wire: Wire, parts: Sequence[LoadPart]) -> float:
-    """Return the largest reading of the load cell at which no wire of a rig exceeds its allowed force [N].
-
-    The load cell reads parallel wires together, and the force is divided by their cross sections, as when cold. In
-    other arrangements each wire pulls about the reading: an antagonist on the same connector, or a second finger's wire
-    against the same object.
-    """
-    second = second_wire_of(parts)
-    own_n = wire.maximum_force_n.value
-    if second is None:
-        return own_n
-    other = wire if second.wire is None else load_wire(second.wire)
-    other_n = other.maximum_force_n.value
-    if second.pull is not Pull.ALONG:
-        return min(own_n, other_n)
-    sections = [spool.diameter_m.value**2 for spool in (wire, other)]
-    return min(own_n / sections[0], other_n / sections[1]) * sum(sections)
+        return OneWire(first.pulling(mechanism.load, stage_n + mechanism.added_n))
+    return second.coupled(first, parts, mechanism, stage_n)
 
 
 def simulated_limits(
@@ -551,7 +491,7 @@ def simulated_limits(
     """Return the limits of a simulated rig's protection. Raises CallerError for numbers that cannot belong together."""
     bench, maximum_v = spool.bench, spool.wire.maximum_voltage_v.value
     second = second_wire_of(parts)
-    supply = None if second is None else second.supply
+    in_series, in_parallel = (1, 1) if second is None else second.on_the_drive
     if bench["sense_voltage_v"] >= maximum_v:
         raise CallerError(f"sense_voltage_v {bench['sense_voltage_v']} V must be below maximum_voltage_v {maximum_v} V")
     step_v = 2.0 * bench["acquisition_range_v"] / 2.0 ** bench["acquisition_bits"]
@@ -565,8 +505,8 @@ def simulated_limits(
         wire_range_v=bench["acquisition_range_v"],
         shunt_range_v=bench["acquisition_range_v"],
         readings_noisy=bench["acquisition_noise_v"] / step_v * bench["acquisition_readings"] ** 0.5 >= MIN_SPREAD_STEPS,
-        in_series=2 if supply is Supply.SERIES else 1,
-        in_parallel=2 if supply is Supply.PARALLEL else 1,
+        in_series=in_series,
+        in_parallel=in_parallel,
     )
     return limits_of(spool.wire, spool.alloy, circuit, changed)
 
@@ -591,33 +531,6 @@ def require_allowed_pull(pretension_n: float, allowed_n: float, name: str) -> No
             f"{pretension_n - allowed_n:.3g} N more than the {allowed_n:g} N it allows: a lighter weight, less "
             "pretension or a thicker wire"
         )
-
-
-def require_voltage(second: SecondWire, wire: Wire) -> None:
-    """Raise CallerError if the voltage of an own supply is above the wire's maximum."""
-    if second.voltage_v > wire.maximum_voltage_v.value:
-        raise CallerError(
-            f"the antagonist's voltage of {second.voltage_v:g} V is above the {wire.maximum_voltage_v.value:g} V "
-            f"that wire {wire.name} allows: lower it"
-        )
-
-
-def grip_between(parts: Sequence[LoadPart], tendon: FingerTendon | None, constants: WireConstants) -> GrippedObject:
-    """Return the object between two like fingers, with the tables of both fingers' endpoints."""
-    between: ElasticObject | None = next((part.obstacle for part in parts if part.obstacle is not None), None)
-    if between is None:
-        raise CallerError("a second finger needs a part 'contact' between it and the first")
-    if tendon is None:
-        raise CallerError("a second finger needs a part 'finger', which it mirrors")
-    displacement = np.linspace(0.0, MAX_CONTRACTION * constants.leg_length_m, TABLE_POINTS)
-    return GrippedObject(
-        between.stiffness_n_per_m,
-        between.clearance_m,
-        float(displacement[1]),
-        np.ascontiguousarray(tendon.free_endpoint_m(displacement)),
-        np.ascontiguousarray(tendon.column("endpoint_compliance_m_per_n", displacement)),
-        np.ascontiguousarray(tendon.column("tendon_force_per_endpoint_force", displacement)),
-    )
 
 
 def convection_metadata(diameter_m: float, ambient_temperature_k: float) -> Metadata:

@@ -1,4 +1,4 @@
-"""The wires of a simulated rig over time, one or two in their driving circuit, behind one interface.
+"""The wires of a simulated rig over time in their driving circuit, behind one interface; and one wire.
 
 The circuit of one wire is a buffer amplifier, wire, shunt and leads in series.
 """
@@ -6,15 +6,13 @@ The circuit of one wire is a buffer amplifier, wire, shunt and leads in series.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled
 from musclewire.wire._building import resting_state
-from musclewire.wire._coupling import APART, GrippedObject
-from musclewire.wire._pairs import PairConnection, advance_pair
 from musclewire.wire._row import Rows, WireConstants, WireState
 from musclewire.wire._step import RunningWire
 from musclewire.wire._stepping import (
@@ -129,6 +127,42 @@ CONTRACTION, CONNECTOR = (
 )
 
 
+class SimulatedWires(Protocol):
+    """One wire, or several that are coupled; load and circuit are the first one's."""
+
+    @property
+    def state(self) -> WireState:
+        """State of the first wire."""
+
+    @property
+    def partner_state(self) -> WireState | None:
+        """State of a second wire; None without one."""
+
+    @property
+    def time_s(self) -> float:
+        """Time since the wires were first at rest [s]."""
+
+    @property
+    def slack_m(self) -> float:
+        """Length by which friction holds a connector ahead of its slack wire [m]."""
+
+    @property
+    def step_error_k(self) -> float:
+        """Largest estimated error of a step in temperature since the wires were at rest [K]."""
+
+    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> WireMeans:
+        """Advance by one sample at one drive voltage."""
+
+    def require_resolved(self) -> None:
+        """Raise NumericsError if steps were unsolved or too long."""
+
+    def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
+        """Change the temperature and the convection of the air from now on."""
+
+    def age_like(self, before: SimulatedWires) -> None:
+        """Take over clock and cycles from the wires at the previous setting."""
+
+
 class OneWire:
     """A wire on its load. It runs in place; a state that was handed out is left alone and copied first."""
 
@@ -196,82 +230,6 @@ class OneWire:
         """Return surface times convection factor [m2] for a loss to the air as a multiple of that in still air."""
         return self.constants.surface_m2 * (self.constants.convection_factor * convection_ratio)
 
-    def age_like(self, before: OneWire | TwoWires) -> None:
+    def age_like(self, before: SimulatedWires) -> None:
         """Take over clock and cycles from the wire at the previous setting."""
         self._stand_at(*aged(self.constants, before.state))
-
-
-class TwoWires:
-    """Two coupled wires; the load and the circuit are the first one's."""
-
-    def __init__(
-        self, constants: tuple[WireConstants, WireConstants], pair: PairConnection, grip: GrippedObject
-    ) -> None:
-        """Cool both wires under their pretension."""
-        self._both = constants
-        self._states = (resting_state(constants[0]), resting_state(constants[1]))
-        self._pair, self._grip = pair, grip
-        self._last = (CHOSEN, 0.0)
-        self._still_factors = tuple(one.convection_factor for one in constants)
-
-    @property
-    def state(self) -> WireState:
-        """State of the first wire."""
-        return self._states[0]
-
-    @property
-    def partner_state(self) -> WireState:
-        """State of the second wire."""
-        return self._states[1]
-
-    @property
-    def time_s(self) -> float:
-        """Time since the wires were first at rest [s]."""
-        return self._states[0].time_s
-
-    @property
-    def slack_m(self) -> float:
-        """The larger of both lengths [m]; 0 on a common connector, where a slack wire is moved by the other one."""
-        if self._pair.direction != APART:
-            return 0.0
-        return max(state.slack * one.leg_length_m for state, one in zip(self._states, self._both, strict=True))
-
-    @property
-    def step_error_k(self) -> float:
-        """The larger of both errors [K]."""
-        return max(state.step_error_k for state in self._states)
-
-    def advance(self, drive_voltage_v: float, duration_s: float, stepping: StepControl) -> WireMeans:
-        """Advance by one sample at one drive voltage."""
-        self._last = (stepping, duration_s)
-        self._states, means = advance_pair(
-            self._states, self._both, self._pair, self._grip, drive_voltage_v, duration_s, stepping
-        )
-        together_n = means.force_n + means.second_force_n if self._pair.direction > 0.0 else means.force_n
-        return WireMeans(
-            means.wire_voltage_v,
-            means.shunt_voltage_v,
-            means.displacement_m,
-            together_n,
-            means.grip_n,
-        )
-
-    def require_resolved(self) -> None:
-        """Raise NumericsError if steps of a wire were unsolved or too long."""
-        for state in self._states:
-            require_resolved(state, *self._last)
-
-    def surround(self, ambient_temperature_k: float, convection_ratio: float) -> None:
-        """Change the temperature and the convection of the air around both wires from now on."""
-        first, second = (
-            one.replace(ambient_temperature_k=ambient_temperature_k, convection_factor=factor * convection_ratio)
-            for one, factor in zip(self._both, self._still_factors, strict=True)
-        )
-        self._both = (first, second)
-
-    def age_like(self, before: OneWire | TwoWires) -> None:
-        """Take over clock and cycles from the wires at the previous setting."""
-        assert isinstance(before, TwoWires)  # another setting of one rig: its parts are the same
-        first, state = aged(self._both[0], before.state)
-        second, other = aged(self._both[1], before.partner_state)
-        self._both, self._states = (first, second), (state, other)

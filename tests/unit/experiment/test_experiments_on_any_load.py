@@ -20,8 +20,6 @@ from musclewire.rigs import GuardedRig, RigConfiguration, open_rig
 SPRING = {"part": "spring", "stiffness": "386.2 N/m"}
 LOADS = {
     "weight and spring": [{"part": "weight", "force": "0.5 N"}, SPRING],
-    "antagonist and spring": [{"part": "antagonist", "voltage": "0.3 V"}, SPRING],
-    "parallel wire": [SPRING, {"part": "parallel wire"}],
 }
 
 
@@ -41,9 +39,6 @@ JOBS = [
     Job("finger", "displacement", 5e-3, 5.0),
     Job("finger", "strain", SENSED_STRAIN, 5.0),
     Job("weight and spring", "strain", 0.03, 5.0),
-    # Cold martensite of the second wire takes most of the stroke; both wires leave a gap of their own.
-    Job("antagonist and spring", "strain", 0.004, 12.0),
-    Job("parallel wire", "strain", SENSED_STRAIN, 15.0),
 ]
 
 

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from musclewire.experiment._open_loop import characterize
 from musclewire.experiment._run_warnings import force_warnings
-from musclewire.rigs import RigConfiguration, open_rig
+from musclewire.rigs import open_rig
 from musclewire.signals import MetadataValue, Recording
 
 
 def pulled(force_n: np.ndarray, **metadata: MetadataValue) -> Recording:
     time = 0.5 * np.arange(force_n.size)
     return Recording({"time_s": time, "drive_voltage_v": 0.1 * time, "force_n": force_n}, metadata)
-
-
-def opened(*parts: dict[str, object], **settings: float | str):
-    return open_rig(RigConfiguration(load=list(parts)), **settings)  # type: ignore[arg-type]
 
 
 def test_a_force_above_the_limit_is_named_with_limit_place_and_duration() -> None:
@@ -36,22 +31,6 @@ def test_at_the_limit_noise_is_no_warning_and_without_a_limit_there_is_none() ->
     assert force_warnings(pulled(4.63 + noise, maximum_force_n=4.601)) != ()
     assert force_warnings(pulled(9.0 + noise)) == ()
     assert force_warnings(Recording({"time_s": np.arange(3.0)}, {"maximum_force_n": 1.0})) == ()
-
-
-def test_the_limit_of_the_load_cell_is_that_of_the_weakest_wire_of_the_rig() -> None:
-    spring = {"part": "spring", "stiffness": 100.0}
-    limits = {
-        "alone": open_rig("simulated"),
-        "against": opened({"part": "antagonist"}),
-        "against a stronger one": opened({"part": "antagonist", "wire": "paper-200um"}),
-        "next to its like": opened(spring, {"part": "parallel wire"}),
-        "next to a thicker one": opened(spring, {"part": "parallel wire", "wire": "paper-200um"}),
-    }
-    found = {name: rig.metadata()["force_limit_n"] for name, rig in limits.items()}
-    assert found["alone"] == found["against"] == found["against a stronger one"] == 4.601
-    assert found["next to its like"] == pytest.approx(2 * 4.601)
-    # Four times the section takes four fifths of the force, and may take 18.247 N of it.
-    assert found["next to a thicker one"] == pytest.approx(min(5 * 4.601, 18.247 * 5 / 4), rel=1e-6)
 
 
 def test_the_papers_bench_and_the_finger_stay_below_their_limit() -> None:

@@ -85,10 +85,6 @@ def test_runs_one_after_another_and_the_rig_after_them_are_those_of_the_loop_in_
     assert_same_rigs(*rigs)
 
 
-def test_a_rig_without_compiled_form_says_why_and_runs_in_python() -> None:
-    assert both(short_sine, two_rigs("gripper")) == "the rig has two wires"
-
-
 def trips(rig: GuardedRig, **options: Any) -> RigError:
     with pytest.raises(RigError) as caught:
         short_sine(rig, **options)

@@ -10,9 +10,8 @@ from musclewire.rigs._configuration import open_rig
 
 
 def test_what_has_no_compiled_form_says_why() -> None:
-    with open_rig() as fresh, open_rig("gripper") as two, open_rig(real_time=True) as paced:
+    with open_rig() as fresh, open_rig(real_time=True) as paced:
         assert uncompiled(fresh) == ""
-        assert "two wires" in uncompiled(two)
         assert "clock" in uncompiled(paced)
         fresh.exchange(0.3)
         assert "being driven" in uncompiled(fresh)

@@ -117,8 +117,8 @@ def test_a_mistake_in_a_rig_file_is_one_line_with_a_hint(rig_file, text: str, hi
 
 
 def test_a_name_that_is_no_rig_is_answered_in_whole_sentences() -> None:
-    near, far = refusal("griper"), refusal("lever")
-    assert near.endswith("did you mean 'gripper'? Otherwise give the path of a TOML rig file")
+    near, far = refusal("fingr"), refusal("lever")
+    assert near.endswith("did you mean 'finger'? Otherwise give the path of a TOML rig file")
     assert far.endswith(f"known: {', '.join(sorted(rig_names()))}, or give the path of a TOML rig file")
 
 
@@ -178,24 +178,24 @@ def test_a_rig_file_finds_its_wire_file_beside_itself(tmp_path: Path, monkeypatc
     assert open_rig(tmp_path / "rig.toml").metadata()["wire"] == "mine"
 
 
-def test_a_rig_file_finds_the_fingers_and_second_wires_of_its_parts_beside_itself(
+def test_a_rig_file_finds_the_fingers_of_its_parts_beside_itself(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wire_file(tmp_path, 0.0123)
     bendy = load_finger("lan-fan-2010").model_copy(update={"name": "bendy", "geometry": {}})
     (tmp_path / "bendy.toml").write_text(toml_text(bendy.model_dump()), "utf-8")
     (tmp_path / "rig.toml").write_text(
-        '[[load]]\npart = "antagonist"\nwire = "mine.toml"\n[[load]]\npart = "finger"\nfinger = "bendy.toml"\n', "utf-8"
+        'pretension = "0.5 N"\n[[load]]\npart = "finger"\nfinger = "bendy.toml"\n', "utf-8"
     )
     monkeypatch.chdir("/")
     facts = open_rig(tmp_path / "rig.toml").metadata()
-    assert facts["load"] == "antagonist, finger"
+    assert facts["load"] == "finger"
     (tmp_path / "bendy.toml").unlink()
     assert "there is no finger file" in refusal(tmp_path / "rig.toml")
 
 
 ANYTHING = st.recursive(
-    st.booleans() | st.integers(-3, 3) | st.floats() | st.sampled_from(["", "3 N", "finger", "spring", "antagonist"]),
+    st.booleans() | st.integers(-3, 3) | st.floats() | st.sampled_from(["", "3 N", "finger", "spring", "weight"]),
     lambda inner: st.lists(inner, max_size=2) | st.dictionaries(
         st.sampled_from(["part", "finger", "stiffness", "draught", "pretension_n", "force"]), inner, max_size=3
     ),

@@ -36,7 +36,6 @@ def test_a_number_is_in_si_or_carries_its_unit() -> None:
     assert text.stiffness == pytest.approx(numbers.stiffness)  # type: ignore[attr-defined]
     assert text.slack == pytest.approx(numbers.slack)  # type: ignore[attr-defined]
     assert configuration({"part": "weight", "force": "50 gf"}).load[0].force == pytest.approx(0.4903325)  # type: ignore[attr-defined]
-    assert configuration({"part": "antagonist", "voltage": "900 mV"}).load[0].voltage == pytest.approx(0.9)  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(
@@ -61,10 +60,7 @@ def test_a_mistake_in_a_part_is_one_line_that_names_place_key_and_nearest(part: 
     ("parts", "reason"),
     [
         ([CONTACT, CONTACT], "there are 2 parts 'contact', 1 fits"),
-        ([{"part": "antagonist"}, {"part": "parallel wire"}], "room for one second wire"),
-        ([{"part": "second finger"}], "a second finger needs a part 'finger'"),
-        ([PRETENSIONER, FINGER, {"part": "second finger"}], "a 'contact' between them"),
-        ([PRETENSIONER, CONTACT, {"part": "parallel wire"}], "not simulated: leave one out"),
+        ([FINGER, FINGER], "there are 2 parts 'finger', 1 fits"),
     ],
 )
 def test_parts_that_do_not_fit_together_are_refused_with_the_reason(parts: list[dict[str, Any]], reason: str) -> None:
@@ -98,8 +94,6 @@ def test_a_setting_that_the_load_leaves_without_effect_is_refused(
     [
         ([{**FINGER, "finger": "lan-fan-2011"}], "no finger called 'lan-fan-2011'; did you mean 'lan-fan-2010'?"),
         ([{**FINGER, "finger": "nowhere.toml"}], "there is no finger file nowhere.toml"),
-        ([{"part": "antagonist", "wire": "paper-100"}], "no wire called 'paper-100'; did you mean 'paper-100um'?"),
-        ([{"part": "antagonist", "voltage": "40 V"}], "40 V is above the 3.6 V that wire paper-100um allows"),
         ([{"part": "weight", "force": "40 N"}], "35.4 N more than the 4.601 N it allows"),
     ],
 )

@@ -10,7 +10,7 @@ import pytest
 from musclewire.errors import CallerError
 from musclewire.parameters import FingerCurve, load_finger
 from musclewire.rigs._load_kinds import Parts
-from musclewire.rigs._load_parts import Antagonist, Blocked, Contact, Finger, Pretensioner, Spring, Weight
+from musclewire.rigs._load_parts import Blocked, Contact, Finger, Pretensioner, Spring, Weight
 from musclewire.rigs._mechanism import FingerTendon, SimulatedLoad, mechanism_of
 from musclewire.wire import ElasticObject
 
@@ -113,7 +113,7 @@ def test_without_a_pretensioner_the_pretension_bends_the_finger_first() -> None:
 
 def test_whatever_else_carries_the_pretension_leaves_the_finger_straight_but_no_spring_that_hangs_through() -> None:
     spring = Spring(part="spring", stiffness=100.0)
-    for carrier in (PRETENSIONER, spring, Blocked(part="blocked"), Antagonist(part="antagonist")):
+    for carrier in (PRETENSIONER, spring, Blocked(part="blocked")):
         assert tendon_of(mechanism(carrier, FINGER)).start_m == 0.0
     late = Spring(part="spring", stiffness=100.0, slack=1e-3)
     assert tendon_of(mechanism(late, FINGER)).start_m > 0.0
@@ -152,7 +152,6 @@ def test_stiffnesses_and_weights_add_up_and_a_mount_is_a_stiff_spring() -> None:
         ([Weight(part="weight", force=0.5)], False),
         ([Weight(part="weight", force=0.5), PRETENSIONER], True),
         ([Weight(part="weight", force=0.5), FINGER], True),
-        ([Weight(part="weight", force=0.5), Antagonist(part="antagonist")], True),
         ([Blocked(part="blocked")], True),
         ([FINGER], True),
     ],

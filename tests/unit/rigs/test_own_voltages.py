@@ -17,7 +17,6 @@ from musclewire.rigs import (
     open_rig,
     parameters_of,
     read_rig_file,
-    rig_configuration,
 )
 from musclewire.rigs._own_voltages import (
     HOTTEST_K,
@@ -43,7 +42,6 @@ def voltages(rig: str | Path | RigConfiguration = "simulated", **settings: float
 def test_the_papers_benches_keep_their_numbers_to_the_bit() -> None:
     assert voltages() == (3.2, 3.6)
     assert voltages("finger") == (1.65678, 2.025)
-    assert voltages("gripper") == (3.4, 5.5)
     for name in ("paper-125um", "paper-200um", "isobar-sample"):
         wire = load_wire(name)
         assert voltages(wire=name) == (wire["drive_amplitude_v"], wire["maximum_voltage_v"])
@@ -94,14 +92,6 @@ def test_another_diameter_of_the_same_wire_brings_its_resistance_with_it() -> No
         assert rig.protection_limits.resistance_low_ohm == pytest.approx(0.85 * 0.8 * 126.0 / 1.5**2 * 0.06)
         loop = characterize(rig, cycles=1, period_s=30.0)
     assert loop.metadata["ended"] == "done"
-
-
-def test_two_wires_in_series_need_twice_the_voltage_of_one() -> None:
-    gripper, _ = rig_configuration("gripper")
-    left_out = {key: value for key, value in gripper.model_dump(exclude_unset=True).items() if "voltage" not in key}
-    rig = RigConfiguration.model_validate({**left_out, "drive_amplitude": None})
-    amplitude_v, _ = voltages(rig)
-    assert amplitude_v == pytest.approx(1.65678 * (2 * 7.08 + 1.0) / (7.08 + 1.0), rel=0.01)
 
 
 def test_what_a_file_states_stands_and_the_other_voltage_follows() -> None:

@@ -16,7 +16,6 @@ from musclewire.signals import RawSample
 PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}
 FINGER = {"part": "finger", "finger": "lan-fan-2010"}
 FOAM = {"part": "contact", "stiffness": "200 N/m", "clearance": "2 mm"}
-BETWEEN = {"part": "contact", "stiffness": "200 N/m", "clearance": "4 mm"}
 SPRING = {"part": "spring", "stiffness": "386.2 N/m"}
 SILENT = {
     "displacement_noise_m": 0.0,
@@ -25,13 +24,9 @@ SILENT = {
     "endpoint_force_noise_n": 0.0,
     "acquisition_noise_v": 0.0,
 }
-TWO_FINGERS = [PRETENSIONER, FINGER, BETWEEN, {"part": "second finger"}]
 LOADS: dict[str, list[dict[str, Any]]] = {
     "finger": [PRETENSIONER, FINGER],
     "contact": [PRETENSIONER, FINGER, FOAM],
-    "antagonist": [SPRING, {"part": "antagonist", "voltage": "0.5 V"}],
-    "parallel": [PRETENSIONER, {"part": "parallel wire"}],
-    "two fingers": TWO_FINGERS,
 }
 
 
@@ -53,7 +48,6 @@ def test_the_rig_finger_comes_along_and_says_what_its_wire_pulls() -> None:
     assert (facts["leg_length_m"], facts["pretension_n"]) == (0.035, 0.71)
     assert "spring_stiffness_n_per_m" not in facts, "what it pulls is no straight line"
     assert "wires" not in facts
-    assert rig(*TWO_FINGERS).metadata()["wires"] == 2
     with pytest.raises(CallerError, match="there is no rig 'fingr'; did you mean 'finger'"):
         open_rig("fingr")
 
@@ -93,21 +87,16 @@ def test_beyond_the_fingers_curve_the_rig_stops_with_the_drive_off() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(LOADS))
-def test_moving_the_stage_keeps_clock_and_cycles_of_every_wire(name: str) -> None:
+def test_moving_the_stage_keeps_clock_and_cycles_of_the_wire(name: str) -> None:
     opened = rig(*LOADS[name], new_wire=True, **SILENT)
-    held(opened, 3.2 if name == "two fingers" else 1.8)
+    held(opened, 1.8)
     time_s, cycles = ability(opened, HasTrueState).wire_state.time_s, ability(opened, HasTrueState).wire_state.cycles
-    partner = ability(opened, HasTrueState).partner_state
     ability(opened, HasStage).set_pretension(1.1)
     assert cycles > 0.1
     assert (ability(opened, HasTrueState).wire_state.time_s, ability(opened, HasTrueState).wire_state.cycles) == (
         time_s,
         cycles,
     )
-    assert (partner is None) == (ability(opened, HasTrueState).partner_state is None)
-    if partner is not None and ability(opened, HasTrueState).partner_state is not None:
-        assert ability(opened, HasTrueState).partner_state.cycles == partner.cycles
-        assert ability(opened, HasTrueState).partner_state.time_s == time_s
     sample = opened.exchange(0.0)
     assert sample.time_s == pytest.approx(time_s + opened.sample_period_s)
     assert sample.force_n == pytest.approx(1.1, rel=1e-3)
@@ -128,38 +117,3 @@ def test_a_weight_beside_a_stage_counts_to_what_the_cold_wire_carries() -> None:
     assert opened.exchange(0.0).force_n == pytest.approx(3.71, rel=1e-6)
     with pytest.raises(CallerError, match=r"N more than the 4\.601 N it allows"):
         ability(opened, HasStage).set_pretension(2.0)
-
-
-def test_parallel_wires_are_read_as_one_of_half_the_resistance_and_twice_the_force() -> None:
-    alone = rig({"part": "spring", "stiffness": 100.0}, pretension_n=0.5, shunt_resistance_ohm=2.0, **SILENT)
-    both = rig({"part": "spring", "stiffness": 200.0}, {"part": "parallel wire"}, pretension_n=1.0, **SILENT)
-    for voltage in [0.3] * 5 + [1.7] * 60:
-        one, two = alone.exchange(voltage), both.exchange(voltage)
-    assert one.displacement_m is not None
-    assert one.displacement_m > 5e-4
-    assert two.displacement_m == pytest.approx(one.displacement_m, rel=1e-3)
-    assert two.force_n == pytest.approx(2.0 * one.force_n, rel=1e-3)
-    # Half the resistance before half the shunt: the same divider.
-    assert two.wire_voltage_v / two.shunt_voltage_v == pytest.approx(one.wire_voltage_v / one.shunt_voltage_v, rel=1e-3)
-
-
-def test_the_antagonists_own_supply_pulls_the_connector_back() -> None:
-    resting, pulling = (
-        held(rig(SPRING, {"part": "antagonist", "voltage": voltage}, **SILENT), 1.2, 200)[-1].displacement_m
-        for voltage in (0.0, 1.2)
-    )
-    assert resting > pulling + 5e-5
-
-
-def test_two_fingers_close_on_what_is_between_them_and_both_wires_are_in_the_voltage() -> None:
-    opened = rig(*TWO_FINGERS, **SILENT)
-    single = rig(PRETENSIONER, FINGER, **SILENT).exchange(0.3)
-    cold = opened.exchange(0.3)
-    assert cold.wire_voltage_v / cold.shunt_voltage_v == pytest.approx(
-        2.0 * single.wire_voltage_v / single.shunt_voltage_v, rel=0.01
-    )
-    closed = held(opened, 3.4, 200)[-1]
-    # Each takes half of what is pressed in.
-    pressed_m = 2.0 * closed.endpoint_displacement_m - 4e-3
-    assert closed.endpoint_force_n == pytest.approx(200.0 * pressed_m, rel=1e-3)
-    assert closed.endpoint_force_n > 0.2

@@ -14,7 +14,7 @@ from musclewire.experiment import OnSample, Waveform, WaveformPolicy, run_on_rig
 from musclewire.extras.grip._contact_detection import FreeClosing
 from musclewire.extras.grip._contact_fitting import KnownGrip, fit_free_closing, fit_grip_curve
 from musclewire.extras.grip._grip_force import GripCurve
-from musclewire.rigs import Pull, Rig, RigConfiguration, open_rig, simulated_configuration
+from musclewire.rigs import Rig, RigConfiguration, open_rig, simulated_configuration
 from musclewire.signals import MetadataValue, Recording, RunFacts, write_text_whole
 from musclewire.small_files import json_of, read_small
 from musclewire.wire import ElasticObject
@@ -267,7 +267,7 @@ def object_of(rig: str | Path | RigConfiguration) -> ElasticObject:
 
 def fingers_of(configuration: RigConfiguration) -> int:
     """Return how many fingers touch the object."""
-    return 2 if any(part.second_wire and part.second_wire.pull is Pull.APART for part in configuration.load) else 1
+    return 2 if any(part.second_wire and part.second_wire.holds_the_object for part in configuration.load) else 1
 
 
 def gripper_of(rig: Rig) -> Gripper:

@@ -27,5 +27,12 @@ MANIFEST = Manifest(
         "gripper_of": "musclewire.extras.grip._gripper_training:gripper_of",
         "with_object": "musclewire.extras.grip._gripper_training:with_object",
     },
+    load_parts={
+        "antagonist": "musclewire.extras.grip._second_wires:Antagonist",
+        "parallel wire": "musclewire.extras.grip._second_wires:ParallelWire",
+        "second finger": "musclewire.extras.grip._second_wires:SecondFinger",
+    },
+    rig_files="musclewire.extras.grip:rig_files",
+    kernels=("musclewire.extras.grip._coupling", "musclewire.extras.grip._pairs"),
     schemas={"gripper": "musclewire.extras.grip._gripper_training:GripperFile"},
 )

@@ -48,7 +48,6 @@ def test_by_default_it_is_the_filter_with_the_inverse_of_the_model(
     ("arguments", "complaint"),
     [
         (("simulated", "--rules", "fixed"), "--rules belongs to a controller, and simulated is a rig"),
-        (("gripper",), "gripper has two wires"),
         (("serial-board",), "is not simulated: an FMU is a simulated wire"),
         (("simulated", "--name", "my wire"), "C identifier"),
         (("model.json", "--rig", "ni-pci-6229"), "is no board"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import control
 import numpy as np
@@ -197,13 +196,6 @@ def test_a_loop_by_a_model_takes_the_slope_of_its_curve() -> None:
     assert not back.margins.stable
 
 
-@pytest.mark.parametrize(
-    ("wrong", "said"),
-    [
-        ({"displacement_m": 0.02}, "choose a displacement between them"),
-        ({"displacement_m": 1e-3, "rig": "gripper"}, "two wires"),
-    ],
-)
-def test_what_has_no_operating_point_is_said_in_one_line(wrong: dict[str, Any], said: str) -> None:
-    with pytest.raises(CallerError, match=said):
-        linearise(**wrong)
+def test_what_has_no_operating_point_is_said_in_one_line() -> None:
+    with pytest.raises(CallerError, match="choose a displacement between them"):
+        linearise(displacement_m=0.02)

@@ -245,7 +245,6 @@ def test_the_protection_of_many_is_that_of_every_rig(
     ("changes", "said"),
     [
         ({"num_envs": 0}, "at least 1"),
-        ({"rig": "gripper"}, "two wires"),
         ({"rig": RigConfiguration.model_validate({"surroundings": {"draught": 0.1}})}, "moving air"),
         ({"sample_period_s": 0.002}, "longer"),
     ],

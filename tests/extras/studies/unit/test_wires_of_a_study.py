@@ -107,17 +107,10 @@ def test_the_gaps_are_those_of_loop_gaps_and_the_fit_is_fits() -> None:
     }
 
 
-@pytest.mark.parametrize(
-    ("rig", "word"),
-    [
-        ({"surroundings": {"draught": 0.1}}, "moving air"),
-        ({"load": [{"part": "antagonist"}]}, "a second wire"),
-    ],
-)
-def test_what_ideal_readings_leave_out_is_said_for_each_run(rig: dict[str, Any], word: str) -> None:
-    result = sweep(study_of(rig=rig), workers=HERE)
+def test_what_ideal_readings_leave_out_is_said_for_each_run() -> None:
+    result = sweep(study_of(rig={"surroundings": {"draught": 0.1}}), workers=HERE)
     assert result.failed == 2
-    assert all(word in text and 'readings = "rig"' in text for text in result.errors)
+    assert all("moving air" in text and 'readings = "rig"' in text for text in result.errors)
 
 
 def test_the_readings_of_a_run_are_its_own_whatever_the_others_have() -> None:

@@ -13,9 +13,16 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled_inline, compiled_inner
-from musclewire.wire._balance import ConnectorForce
-from musclewire.wire._fronts import ShakedownEffects
-from musclewire.wire._step import NO_PUSH, Equilibrium, RunningWire, connector_after, load_at, solve
+from musclewire.wire import (
+    NO_PUSH,
+    ConnectorForce,
+    Equilibrium,
+    RunningWire,
+    ShakedownEffects,
+    connector_after,
+    load_at,
+    solve,
+)
 
 # Direction of a second wire that has a connector of its own.
 APART = 0.0

@@ -27,13 +27,9 @@ from test_pairs import (
 )
 from wire_makers import stored_heat_j
 
-from musclewire.wire import APART, OWN_SUPPLY, PARALLEL, SERIES, PairConnection, no_grip
-from musclewire.wire._building import resting_state
-from musclewire.wire._loads import spring_load
-from musclewire.wire._pairs import PairMeans, advance_pair
-from musclewire.wire._row import WireState
-from musclewire.wire._stepping import StepControl, fixed_steps
-from musclewire.wire._wires import advance
+from musclewire.extras.grip._coupling import APART, no_grip
+from musclewire.extras.grip._pairs import OWN_SUPPLY, PARALLEL, SERIES, PairConnection, PairMeans, advance_pair
+from musclewire.wire import StepControl, WireState, advance, fixed_steps, resting_state, spring_load
 
 TEN_MS = fixed_steps(0.01)
 RUB_N = 0.2

@@ -1,7 +1,7 @@
 """Two coupled wires: pulling together or against each other, or each on its finger with an object between them.
 
 Each wire has its own heat, phases and history, by the same functions as a single wire. The two are coupled by a circuit
-and a connector, or by an object that both fingers touch; ``wire/_coupling.py`` solves for both at once.
+and a connector, or by an object that both fingers touch; ``_coupling.py`` solves for both at once.
 """
 
 from __future__ import annotations
@@ -13,8 +13,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
-from musclewire.wire._balance import ConnectorForce, convection_w_per_m2_k, loss_w
-from musclewire.wire._coupling import (
+from musclewire.extras.grip._coupling import (
     APART,
     BalanceGuess,
     CoupledBalance,
@@ -23,23 +22,33 @@ from musclewire.wire._coupling import (
     grip_force_n,
     hold_object,
 )
-from musclewire.wire._fronts import shakedown_of
-from musclewire.wire._row import Rows, StepConstants, WireConstants, WireState
-from musclewire.wire._step import Equilibrium, RunningWire, accept, guess_after, middle_of_step
-from musclewire.wire._stepping import (
+from musclewire.wire import (
     CHOSEN,
     DURATION,
     MIN_STEP_S,
     STEPS,
+    ConnectorForce,
+    Equilibrium,
+    Rows,
+    RunningWire,
     StepAttempt,
+    StepConstants,
     StepControl,
+    WireConstants,
     WireInstant,
+    WireState,
+    accept,
+    convection_w_per_m2_k,
     error_ratio,
+    guess_after,
     longest_step_s,
+    loss_w,
+    middle_of_step,
     next_step_s,
     owed_j,
     plan_of,
     rises_over,
+    shakedown_of,
     shorter_step_s,
 )
 

@@ -14,12 +14,19 @@ from grain_wire import Grip as GrainGrip
 from grain_wire import Pair as GrainPair
 from grain_wire import drive_pair as grain_wire_pair
 from grain_wire import grain_wire
-from musclewire.wire import APART, OWN_SUPPLY, PARALLEL, SERIES, GrippedObject, PairConnection, no_grip
-from musclewire.wire._building import constants_from, resting_state, with_pretension
-from musclewire.wire._loads import ConnectorLoad, spring_load, with_table
-from musclewire.wire._pairs import PairMeans, advance_pair
-from musclewire.wire._row import WireConstants, WireState
-from musclewire.wire._stepping import fixed_steps
+from musclewire.extras.grip._coupling import APART, GrippedObject, no_grip
+from musclewire.extras.grip._pairs import OWN_SUPPLY, PARALLEL, SERIES, PairConnection, PairMeans, advance_pair
+from musclewire.wire import (
+    ConnectorLoad,
+    WireConstants,
+    WireState,
+    constants_from,
+    fixed_steps,
+    resting_state,
+    spring_load,
+    with_pretension,
+    with_table,
+)
 
 pytestmark = pytest.mark.slow
 

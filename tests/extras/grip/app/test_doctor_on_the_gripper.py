@@ -1,0 +1,12 @@
+"""``musclewire doctor`` on two fingers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+
+def test_a_sound_gripper_passes(musclewire: Callable[..., Any]) -> None:
+    answer = musclewire("doctor", "gripper", "--json")
+    assert answer.code == 0, answer.out
+    assert answer.json["highest_drive_voltage_v"] <= 0.3

@@ -1,0 +1,29 @@
+"""What takes one wire refuses a rig with two in one line, whichever extra it is of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import musclewire as mw
+from musclewire.errors import CallerError
+
+TWO = "gripper"
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [lambda: mw.WireVectorEnv(num_envs=1, rig=TWO), lambda: mw.linearise(displacement_m=1e-3, rig=TWO)],
+    ids=["vector environment", "operating point"],
+)
+def test_a_rig_with_two_wires_is_refused(ask: Callable[[], Any]) -> None:
+    with pytest.raises(CallerError, match="two wires"):
+        ask()
+
+
+def test_no_fmu_is_written_of_two_wires(tmp_path: Path, musclewire: Callable[..., Any]) -> None:
+    assert "gripper has two wires" in musclewire("export", "fmu", TWO, "-o", tmp_path / "out").refusal
+    assert not (tmp_path / "out").exists()
