@@ -26,7 +26,7 @@ import numpy as np
 
 from musclewire.controllers import Event, ProtectionLimits
 from musclewire.errors import MusclewireError
-from musclewire.rigs import Answer, DeviceFacts, GuardedRig, Metadata, Missing, ProtectionTripError, open_rig
+from musclewire.rigs import Answer, DeviceFacts, GuardedRig, Metadata, Missing, ProtectionTripError, open_rig, rig_names
 from musclewire.signals import Command, Drive, RawSample
 
 RUNS, QUICK_RUNS = 1000, 100
@@ -35,7 +35,8 @@ ALLOWED_K = 10.0
 RIGS: dict[str, Callable[[], GuardedRig]] = {
     "simulated": lambda: open_rig("simulated"),
     "finger": lambda: open_rig("finger"),
-    "gripper": lambda: open_rig("gripper"),
+    # Comes with the part that grips.
+    **({"gripper": lambda: open_rig("gripper")} if "gripper" in rig_names() else {}),
     "flexinol-0.15-lt": lambda: open_rig("simulated", wire="flexinol-0.15-lt"),
     "paper-200um": lambda: open_rig("simulated", wire="paper-200um"),
 }

@@ -16,11 +16,15 @@ TWO = "gripper"
 
 @pytest.mark.parametrize(
     "ask",
-    [lambda: mw.WireVectorEnv(num_envs=1, rig=TWO), lambda: mw.linearise(displacement_m=1e-3, rig=TWO)],
-    ids=["vector environment", "operating point"],
+    [
+        lambda: mw.WireVectorEnv(num_envs=1, rig=TWO),
+        lambda: mw.linearise(displacement_m=1e-3, rig=TWO),
+        lambda: mw.RigConfiguration(pwm={"frequency": 1000.0, "supply": 5.0}, load=[{"part": "antagonist"}]),
+    ],
+    ids=["vector environment", "operating point", "pulses"],
 )
 def test_a_rig_with_two_wires_is_refused(ask: Callable[[], Any]) -> None:
-    with pytest.raises(CallerError, match="two wires"):
+    with pytest.raises(CallerError, match=r"two wires|heats one wire"):
         ask()
 
 
