@@ -70,17 +70,7 @@ class GrippedObject(NamedTuple):
 
 
 class BalanceGuess(NamedTuple):
-    """Where the solution of one wire begins.
-
-    Parameters
-    ----------
-    shakedown
-        Effects of its shakedown.
-    enthalpy_j
-        Its enthalpy after the step [J].
-    temperature_k, stress_pa, contraction
-        Guess of where it will be, the contraction that of its connector.
-    """
+    """Where the solution of a wire begins: its enthalpy after the step, and where it and its connector may then be."""
 
     shakedown: ShakedownEffects
     enthalpy_j: float
@@ -90,22 +80,10 @@ class BalanceGuess(NamedTuple):
 
 
 class CoupledBalance(NamedTuple):
-    """Both wires after a step.
+    """Both wires after a step, and what pushed each connector beyond its load.
 
-    Parameters
-    ----------
-    first, second
-        Their solutions.
-    push, second_push
-        What pushed each connector beyond its load.
-    contraction, friction_n
-        Contraction of the first wire's connector and friction [N] there; of two wires on one connector only.
-    grip_n
-        Force between each endpoint and the object [N].
-    earlier
-        Evaluations of each wire's balances in all trials but the last.
-    solved
-        Whether both wires and what couples them are solved.
+    Contraction and friction are those of a common connector; ``earlier`` counts both wires' evaluations before the last
+    trial.
     """
 
     first: Equilibrium
@@ -311,20 +289,9 @@ def grip_force_n(grip: GrippedObject, displacement_m: float, other_m: float) -> 
 
 
 class FingerBalance(NamedTuple):
-    """A finger's wire in balance under a force on its endpoint.
+    """A finger's wire under a force on its endpoint: the push that this is, and where connector and endpoint are then.
 
-    Parameters
-    ----------
-    found
-        The wire.
-    push
-        What that force is at its connector, linear around the contraction before.
-    contraction
-        Where its connector is.
-    reach_m, per_n
-        Displacement of the endpoint that the force leaves [m], and its slope over the force [m/N].
-    beside_n
-        How far the linear push is from the true one [N].
+    ``per_n`` is the slope of the endpoint's ``reach_m`` over the force; ``beside_n`` how far the push is from the true.
     """
 
     found: Equilibrium

@@ -325,25 +325,7 @@ def error_ratio_of_both(
 
 
 class PairMeans(NamedTuple):
-    """Means over one call of :func:`advance_pair`.
-
-    Parameters
-    ----------
-    wire_voltage_v
-        Voltage across the terminals of the circuit [V]: of the first wire, or of both in series or in parallel.
-    shunt_voltage_v
-        Voltage of the shunt [V].
-    displacement_m
-        Displacement of the first wire's connector [m].
-    force_n
-        Force of the first wire [N].
-    second_displacement_m
-        Displacement of the second wire's connector [m], the way that it pulls.
-    second_force_n
-        Force of the second wire [N].
-    grip_n
-        Force between each endpoint and the object [N]; 0 without one.
-    """
+    """Means over one call: of the circuit's terminals and shunt, of both connectors and wires, and of the object."""
 
     wire_voltage_v: float
     shunt_voltage_v: float
@@ -467,35 +449,9 @@ def advance_pair(
 ) -> tuple[tuple[WireState, WireState], PairMeans]:
     """Return both wires after a time at one drive voltage, and the means over that time.
 
-    The states passed in are not changed. The circuit's shunt and leads are the first wire's. Energy of each wire is
-    kept to rounding, as for one wire.
-
-    Parameters
-    ----------
-    states
-        State of the first and of the second wire.
-    constants
-        Constants of both; the load in them is that of each wire's own finger. On a common connector the load is the
-        first one's, and of the second one's only its pretension counts.
-    pair
-        How the wires are joined.
-    grip
-        The object between two fingers; ``no_grip()`` without one.
-    drive_voltage_v
-        Drive voltage of the first wire's circuit [V], the same all the time.
-    duration_s
-        The time [s].
-    stepping
-        How it is divided into steps, the same for both wires; by default as the tolerances ask for either of them.
-
-    Returns
-    -------
-    Both states at the end, and the means.
-
-    Raises
-    ------
-    CallerError
-        For a duration that is not positive or that fixed steps do not divide.
+    The states passed in are not changed; shunt and leads are the first wire's. On a common connector the load is the
+    first one's, and of the second one's only its pretension counts. Energy of each wire is kept to rounding. Raises
+    CallerError for a duration that is not positive or that fixed steps do not divide.
     """
     plan = plan_of(stepping, duration_s)
     after = (states[0].copy(), states[1].copy())
