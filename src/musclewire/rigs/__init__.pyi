@@ -55,7 +55,6 @@ from ._load_kinds import LOAD_PARTS as LOAD_PARTS
 from ._load_kinds import Parts as Parts
 from ._load_part import Length as Length
 from ._load_part import LoadPart as LoadPart
-from ._load_part import SecondWire as SecondWire
 from ._load_part import Stiffness as Stiffness
 from ._load_parts import Contact as Contact
 from ._load_parts import Spring as Spring
