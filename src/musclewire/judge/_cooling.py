@@ -11,7 +11,7 @@ from math import hypot
 import numpy as np
 
 from musclewire.errors import RecordingError
-from musclewire.judge._first_heating import HOT_FRACTION, LIMIT_STDS, KnownB, SeenAtB
+from musclewire.judge._first_heating import LIMIT_STDS, KnownB, SeenAtB
 from musclewire.judge._loop import JudgedLoop
 from musclewire.judge._readings import resistance_reading
 from musclewire.sensing import noise_level
@@ -24,8 +24,9 @@ HIGHEST = "cooling after the loop, the highest resistance"
 def seen_cooling(loop: JudgedLoop) -> SeenAtB | None:
     """Return how high the resistance was in the cooling after a loop; None if nobody looked, or it is not known.
 
-    That is of a wire which was hot at the end of the loop. One that still rises may rise by as much again as in the
-    last half of the time, so that where it is below the slow loop's highest it counts as so much nearer.
+    That is of a wire whose resistance has risen since the loop's end by more than repeats: of any other it had turned
+    before. One that still rises may rise by as much again as in the last half of the time, so that where it is below
+    the slow loop's highest it counts as so much nearer.
     """
     known, cooling_ohm = KnownB.stated_in(loop.facts), loop.facts.number_or_none("model_cooling_ohm")
     cooling = loop.recording.cooling
@@ -36,14 +37,16 @@ def seen_cooling(loop: JudgedLoop) -> SeenAtB | None:
     except RecordingError:  # no current, or readings that are none: other findings say so
         return None
     resistance_ohm = reading.resistance_ohm[reading.valid]
-    span_ohm = known.b_ohm - known.c_ohm
     begins_ohm = float(np.median(loop.recording["wire_resistance_ohm"][-MEAN_SAMPLES:]))
-    if resistance_ohm.size < 3 * MEAN_SAMPLES or not begins_ohm < cooling_ohm - HOT_FRACTION * span_ohm:
+    if resistance_ohm.size < 3 * MEAN_SAMPLES:
         return None
     means_ohm = np.convolve(resistance_ohm, np.full(MEAN_SAMPLES, 1.0 / MEAN_SAMPLES), "valid")
     std_ohm = hypot(known.std_ohm, noise_level(resistance_ohm) / MEAN_SAMPLES**0.5)
-    away_ohm = float(means_ohm.max()) - cooling_ohm
+    highest_ohm = float(means_ohm.max())
+    if not highest_ohm > begins_ohm + LIMIT_STDS * std_ohm:
+        return None
+    away_ohm = highest_ohm - cooling_ohm
     if away_ohm < 0.0:
         away_ohm = min(away_ohm + max(float(means_ohm[-1] - means_ohm[means_ohm.size // 2]), 0.0), 0.0)
-    percent = 100.0 / span_ohm
+    percent = 100.0 / (known.b_ohm - known.c_ohm)
     return SeenAtB(len(loop.recording) - 1, percent * away_ohm, percent * LIMIT_STDS * std_ohm, HIGHEST)

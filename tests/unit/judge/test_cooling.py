@@ -77,7 +77,14 @@ def test_a_slow_wire_that_still_rises_is_not_taken_for_one_that_is_lower() -> No
 
 
 def test_a_wire_that_was_cold_by_the_end_of_its_loop_has_nothing_to_show() -> None:
-    assert seen_cooling(JudgedLoop(run(0.99, from_ohm=19.7))) is None
+    assert seen_cooling(JudgedLoop(run(0.99, from_ohm=HIGHEST_OHM - 0.03))) is None
+
+
+def test_a_wire_that_was_hardly_hot_of_b_is_seen_to_turn() -> None:
+    """As a gripper's at two fifths of its stroke, where the resistance has fallen by a twelfth."""
+    seen = [seen_cooling(JudgedLoop(run(scale, from_ohm=19.65))) for scale in (1.0, 0.99, 1.01)]
+    assert [one is not None and one.is_away for one in seen] == [False, True, True]
+    assert None not in seen
 
 
 def test_nobody_looked_or_the_model_does_not_say_it() -> None:
