@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -63,7 +64,8 @@ def test_nothing_is_written_of_a_file_that_cannot_be_used(
     given = ("-c", "time_s=Zeit:s", "-c", "wire_voltage_v=Vw:mV")
     preview, written = (musclewire("import", file, *given, *more) for more in ((), ("-o", tmp_path / "mine.h5")))
     assert preview.code == written.code == 2
-    assert preview.err == written.err
+    # A preview has what was seen on stdout.
+    assert written.err == preview.out + preview.err
     assert not (tmp_path / "mine.h5").exists()
 
 
@@ -118,3 +120,47 @@ def test_of_the_voltage_of_a_shunt_the_preview_says_that_converting_needs_its_re
     seen = musclewire("import", file)
     assert (seen.code, "nothing states the shunt's resistance" in seen.out) == (0, True)
     assert musclewire("import", file, "--shunt", "1 ohm", "-o", tmp_path / "out.h5").code == 0
+
+
+@pytest.mark.parametrize(
+    ("command", "clock"),
+    [
+        ("import FILE -o out.h5", "Zeit"),
+        ("fit FILE -o out.json", "Time [s]"),
+        ("estimate MODEL FILE -o out.h5", "Time [s]"),
+    ],
+)
+def test_what_was_seen_in_a_refused_file_stands_before_the_refusal_and_the_command_itself_reads_it(
+    command: str,
+    clock: str,
+    model: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    musclewire: Callable[..., Any],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with mw.open_rig("simulated", seed=2) as rig:
+        loop = mw.characterize(rig, cycles=1)
+    names = ("time_s", "wire_voltage_v", "shunt_voltage_v", "displacement_m")
+    rows = np.column_stack([loop[name] for name in names])
+    np.savetxt("mine.csv", rows, delimiter=",", header=f"{clock},a [V],b [V],Laser [m]", comments="")
+    words = [str(model) if word == "MODEL" else word.replace("FILE", "mine.csv") for word in command.split()]
+    refused = musclewire(*words, "--leg-length", "70 mm")
+    seen = musclewire("import", "mine.csv", "--leg-length", "70 mm").out
+    *said, last = refused.err.splitlines()
+    assert (refused.code, refused.out) == (2, "")
+    assert last.startswith("musclewire: ")
+    assert "\n".join(said).startswith(seen.split("\n  try:")[0])
+    (line,) = (text.removeprefix("  try: ") for text in said if text.startswith("  try: "))
+    assert line.startswith(f"musclewire {shlex.join(words)} ")
+    assert not (tmp_path / words[-1]).exists()
+    assert musclewire(*shlex.split(line)[1:]).code == 0
+    assert (tmp_path / words[-1]).exists()
+
+
+def test_a_fit_takes_the_options_of_import_and_names_import_where_it_could_not_end_well_itself(
+    file: Path, musclewire: Callable[..., Any]
+) -> None:
+    given = ("--ignore", "Zeit", "--sample-period", "10 ms", "--drop-missing", "-c", "wire_voltage_v=Vw:mV")
+    assert "strain" in musclewire("fit", file, *given).refusal
+    assert f"  try: musclewire import {file} -c time_s=Zeit:s" in musclewire("fit", file).err

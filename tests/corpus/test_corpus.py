@@ -97,11 +97,16 @@ def test_the_command_ends_with_2_and_that_line(name: str, musclewire: Callable[.
     entry = next(entry for entry in REFUSED if entry["name"] == name)
     with pytest.raises(RecordingError) as caught:
         read_recording(path_of(entry), mapping=mapping_of(entry))
+    refused = f"musclewire: {in_options(str(caught.value))}"
     answer = musclewire("import", path_of(entry), "-o", tmp_path / "out.h5", "--json")
     assert (answer.code, answer.out) == (2, "")
-    # Before the refusal the line that reads the file may be named.
+    # Before the refusal the line that reads the file may be named, and what was seen where a person reads.
     (said,) = (text for text in answer.err.splitlines() if not text.startswith("  try: "))
-    assert said == f"musclewire: {in_options(str(caught.value))}"
+    assert said == refused
+    answer = musclewire("import", path_of(entry), "-o", tmp_path / "out.h5")
+    *seen, said = answer.err.splitlines()
+    assert (answer.code, answer.out, said) == (2, "", refused)
+    assert seen == [] if name == "only_headers.csv" else seen[0].startswith(f"{path_of(entry)}: text, separated by ")
     assert list(tmp_path.iterdir()) == []
 
 

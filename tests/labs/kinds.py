@@ -117,12 +117,13 @@ def best(truths: Sequence[Truth]) -> tuple[str, tuple[str, ...]]:
 
 def is_clear(answer: Answer, one: Drawn) -> bool:
     """Return whether a refusal is one line that names something that is unusual in the file."""
-    refusals = [line for line in answer.err.splitlines() if line.strip()]
+    # Before it stands what was seen in the file.
+    refusals = [line for line in answer.err.splitlines() if line.startswith("musclewire: ")]
     unusual = [(axis, value) for axis, value in one.choice.items() if value != AXES[axis][0]]
     words = [CAUSES.get(value, CAUSES[axis]) for axis, value in unusual]
     words += [re.escape(MARKS[value]) for _, value in unusual if MARKS.get(value)]
     # A file's name names no cause.
-    message = answer.err.replace(one.name, "")
+    message = "".join(refusals).replace(one.name, "")
     return len(refusals) == 1 and any(re.search(word, message, re.IGNORECASE) for word in words)
 
 

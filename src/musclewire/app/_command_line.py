@@ -8,9 +8,12 @@ imported when the command is called.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import MISSING, Field, fields, is_dataclass
-from typing import Any, cast, get_type_hints
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from contextlib import redirect_stderr
+from dataclasses import MISSING, Field, fields, is_dataclass, replace
+from functools import partial
+from io import StringIO
+from typing import TYPE_CHECKING, Any, cast, get_type_hints
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -18,7 +21,11 @@ from typer.core import TyperCommand, TyperGroup
 from musclewire.app._core_commands import COMMANDS, GROUPS, PANELS
 from musclewire.app._options import BeyondCatalogue, Json, Offered
 from musclewire.app._output import Result, run_command
+from musclewire.errors import MusclewireError, RecordingError
 from musclewire.manifest import Command, CommandGroup, absent_part, loaded, manifests, offered, require_packages_of
+
+if TYPE_CHECKING:
+    from musclewire.signals import ImportMapping
 
 # Commands with one of these parameters have a rig or a wire, whose numbers --beyond-catalogue confirms.
 WITH_A_WIRE = {"rig", "wire", "study", "wire_file"}
@@ -27,10 +34,10 @@ BEYOND = "beyond_catalogue"
 
 def add_command(app: typer.Typer, function: Callable[..., Result | None], name: str | None = None) -> None:
     """Add a function as a command. A parameter that is a dataclass becomes one option for each of its fields."""
-    app.command(name)(flat(function))
+    app.command(name)(flat(function, name or function.__name__))
 
 
-def flat(function: Callable[..., Result | None]) -> Callable[..., None]:
+def flat(function: Callable[..., Result | None], called: str) -> Callable[..., None]:
     """Return the function with the fields of its dataclasses as parameters of their own, as typer reads them.
 
     One that returns its result has the option --json, too, and the result is printed here.
@@ -40,21 +47,24 @@ def flat(function: Callable[..., Result | None]) -> Callable[..., None]:
     groups = {name: groups_of(one.annotation) for name, one in signature.parameters.items()}
 
     def run(**values: Any) -> None:
-        given = {}
+        given: dict[str, Any] = {}
         for name, one in signature.parameters.items():
             kinds = groups[name]
-            filled = tuple(kind(**{field.name: values[field.name] for field in fields(kind)}) for kind in kinds or ())
+            filled = tuple(kind(**{name: values[name] for name in options_of(kind)}) for kind in kinds or ())
             given[name] = values[name] if kinds is None else filled[0] if is_dataclass(one.annotation) else filled
         rigs = values.get("rig") or ()
         for rig in [rigs] if isinstance(rigs, str) else rigs:
             require_packages_of(rig)
+        if reading := given.get("reading"):
+            given["reading"] = replace(reading, typed=typed(called, parameters, values, options_of(type(reading))))
+        action = said_if_refused(function, values) if reading else function
         if not values.get(BEYOND, False):
-            run_command(function, values.get("json", False), **given)
+            run_command(action, values.get("json", False), **given)
             return
         from musclewire.rigs import beyond_catalogue
 
         with beyond_catalogue(True):
-            run_command(function, values.get("json", False), **given)
+            run_command(action, values.get("json", False), **given)
 
     run.__name__, run.__doc__, run.__module__ = function.__name__, function.__doc__, function.__module__
     parameters = [
@@ -68,6 +78,53 @@ def flat(function: Callable[..., Result | None]) -> Callable[..., None]:
         parameters.append(keyword("json", Json, False))
     run.__signature__ = signature.replace(parameters=parameters, return_annotation=None)  # type: ignore[attr-defined]
     return run
+
+
+def typed(
+    called: str, parameters: Sequence[inspect.Parameter], values: Mapping[str, Any], without: Collection[str]
+) -> tuple[str, ...]:
+    """Return the words of a command but for some of its options; what has its default is left out."""
+    arguments, options = ["musclewire", *called.split()], list[str]()
+    for one in parameters:
+        info, value = one.annotation.__metadata__[0], values[one.name]
+        if value == one.default or one.name in without:
+            continue
+        given = value if isinstance(value, list) else [value]
+        if isinstance(info, typer.models.OptionInfo):
+            name = min(map(str, (info.default, *(info.param_decls or ()))), key=len)
+            options += [word for item in given for word in ((name,) if item is True else (name, str(item)))]
+        else:
+            arguments += map(str, given)
+    return (*arguments, *options)
+
+
+def said_if_refused(function: Callable[..., Result | None], values: Mapping[str, Any]) -> Callable[..., Result | None]:
+    """Return a command that says, before it refuses a recording, what it saw in it."""
+
+    def action(**given: Any) -> Result | None:
+        try:
+            return function(**given)
+        except RecordingError as problem:
+            files = values.get("files")
+            several = files or values.get("recordings")
+            works = partial(holds, function, given) if several is None else lambda _: several is files
+            paths = [str(path) for path in several or [values["recording"]]]
+            given["reading"].say_what_was_seen(paths, problem, works)
+            raise
+
+    return action
+
+
+def holds(function: Callable[..., Result | None], given: Mapping[str, Any], proposal: ImportMapping) -> bool:
+    """Return whether a command ends well with another mapping; nothing is written or said."""
+    figure = type(given["figure"])()
+    unwritten = {"reading": replace(given["reading"], proposed=proposal), "figure": figure, "output": None}
+    try:
+        with redirect_stderr(StringIO()):
+            result = function(**{**given, **unwritten})
+    except MusclewireError:
+        return False
+    return result is not None and result.error is None
 
 
 def groups_of(annotation: Any) -> tuple[type[Any], ...] | None:
@@ -84,9 +141,15 @@ def parameters_of(groups: tuple[type[Any], ...] | None, alone: inspect.Parameter
         return [alone]
     found = []
     for group in groups:
-        hints = get_type_hints(group, include_extras=True)
-        found += [keyword(field.name, hints[field.name], default_of(field)) for field in fields(group)]
+        hints, defaults = options_of(group), {field.name: default_of(field) for field in fields(group)}
+        found += [keyword(name, hint, defaults[name]) for name, hint in hints.items()]
     return found
+
+
+def options_of(group: type[Any]) -> dict[str, Any]:
+    """Return the annotations of a dataclass's fields that are options."""
+    hints = get_type_hints(group, include_extras=True)
+    return {name: hint for name, hint in hints.items() if hasattr(hint, "__metadata__")}
 
 
 def default_of(field: Field[Any]) -> Any:

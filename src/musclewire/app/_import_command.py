@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import shlex
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,12 +12,9 @@ from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_free
 from musclewire.app._options import (
     DELAY,
-    DROP_MISSING,
-    IGNORE,
     JOIN,
     MATLAB_VERSION,
     OVERWRITE,
-    SAMPLE_PERIOD,
     SAVE_MAPPING,
     in_si,
     own_help,
@@ -35,29 +30,9 @@ if TYPE_CHECKING:
     from musclewire.signals import FileInterpretation, ImportMapping, JoinedRecordings
 
 
-@dataclasses.dataclass(frozen=True)
-class TableOptions:
-    """What only import asks of a file, and a mapping file remembers, and what is written."""
-
-    sample_period: Annotated[str | None, SAMPLE_PERIOD] = None
-    ignore: Annotated[list[str] | None, IGNORE] = None
-    drop_missing: Annotated[bool, DROP_MISSING] = False
-    matlab_version: Annotated[str | None, MATLAB_VERSION] = None
-
-    def added_to(self, mapping: ImportMapping) -> ImportMapping:
-        """Return a mapping with these options."""
-        options = type(mapping)(
-            ignore=tuple(self.ignore or ()),
-            sample_period_s=in_si("--sample-period", self.sample_period),
-            drop_missing=self.drop_missing,
-        )
-        return mapping.joined(options)
-
-
 def import_recordings(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recordings of other programs.")],
     reading: ReadingOptions,
-    table: TableOptions,
     figure: FigureOptions,
     join: Annotated[str | None, JOIN] = None,
     delay: Annotated[str | None, DELAY] = None,
@@ -66,27 +41,30 @@ def import_recordings(
     ] = None,
     overwrite: Annotated[bool, OVERWRITE] = False,
     save_mapping: Annotated[Path | None, SAVE_MAPPING] = None,
+    matlab_version: Annotated[str | None, MATLAB_VERSION] = None,
 ) -> Result:
     """Read recordings of other programs and show how they were interpreted; with -o convert one, or join two."""
-    from musclewire.signals import mappings_of_files
+    from musclewire.signals import import_recording, mappings_of_files
 
     require_possible(files, join if delay is None else delay, output, save_mapping, overwrite)
     joining = join is not None or delay is not None or (output is not None and len(files) > 1)
     require_one_figure(figure, files, joining)
-    mappings = mappings_of_files(files, table.added_to(reading.import_mapping()))
-    single, version = None if joining else output, table.matlab_version
+    mappings = mappings_of_files(files, reading.import_mapping())
+    single = None if joining else output
     understood = [
-        imported(path, mapping, single, version, reading.mapping) for path, mapping in zip(files, mappings, strict=True)
+        import_recording(path, single, mapping=mapping, matlab_version=matlab_version)
+        for path, mapping in zip(files, mappings, strict=True)
     ]
     problem = next((item.problem for item in understood if item.problem), "")
-    proposals = [line for item in understood for line in proposal_lines(item.path, item.proposal, reading.mapping)]
+    itself = len(files) == 1
+    proposals = [line for one in understood for line in reading.proposal_lines(one.path, one.proposal, itself=itself)]
     if problem:
         for line in proposals:
             say(line)
         return Result(import_answer(understood, None), "\n".join(map(str, understood)), error=RecordingError(problem))
     joined = joined_files(files, mappings, join, in_si("--delay", delay)) if joining else None
     if joined is not None and output is not None:
-        joined.recording.save(output, version)
+        joined.recording.save(output, matlab_version)
     if save_mapping is not None:
         remember(understood[0], save_mapping)
     figure.draw(partial(drawn, files[0], mappings[0], joined))
@@ -130,61 +108,6 @@ def drawn(path: Path, mapping: ImportMapping, joined: JoinedRecordings | None, *
 
     recording = read_recording(path, mapping=mapping) if joined is None else joined.recording
     return recording.plot(style=style)
-
-
-def imported(
-    path: Path,
-    mapping: ImportMapping,
-    output: Path | None,
-    matlab_version: str | None,
-    mapping_file: Path | None = None,
-) -> FileInterpretation:
-    """Return how a file was understood; if it can be used and there is an output, it has been converted.
-
-    Before a refusal the command that reads the file is said, if one is known: on stderr, like the refusal.
-    """
-    from musclewire.signals import import_recording, proposed_mapping
-
-    try:
-        return import_recording(path, output, mapping=mapping, matlab_version=matlab_version)
-    except RecordingError as problem:
-        for line in proposal_lines(str(path), proposed_mapping(path, mapping, problem), mapping_file):
-            say(line)
-        raise
-
-
-def proposal_lines(path: str, proposal: ImportMapping | None, mapping_file: Path | None) -> list[str]:
-    """Return the command that reads a file, which has been tried; nothing without a proposal."""
-    if proposal is None:
-        return []
-    from musclewire.signals import EXAMPLE_PERIOD_S, EXAMPLE_SHUNT, load_mapping
-
-    remembered = [] if mapping_file is None else as_options(load_mapping(mapping_file))
-    added = [option for option in as_options(proposal) if option not in remembered]
-    named = [] if mapping_file is None else [("--mapping", str(mapping_file))]
-    words = ["musclewire", "import", path, *(word for option in (*named, *added) for word in option)]
-    examples = []
-    if proposal.sample_period_s == EXAMPLE_PERIOD_S:
-        examples.append(f"  ({EXAMPLE_PERIOD_S:g} s is an example: give the time between two of your rows)")
-    if proposal.metadata.items() >= EXAMPLE_SHUNT.metadata.items():
-        examples.append("  (a shunt of 1 ohm is an example: give the resistance of yours)")
-    return [f"  try: {shlex.join(words)}", *examples]
-
-
-def as_options(mapping: ImportMapping) -> list[tuple[str, ...]]:
-    """Return a mapping as the options of the command line that give it."""
-    options: list[tuple[str, ...]] = [("-c", f"{name}={wanted}") for name, wanted in mapping.columns.items()]
-    options += [("--ignore", header) for header in mapping.ignore]
-    if mapping.sample_period_s is not None:
-        options.append(("--sample-period", f"{mapping.sample_period_s:g} s"))
-    if mapping.group is not None:
-        options.append(("--group", mapping.group))
-    options += [
-        (f"--{name.replace('_', '-')}",) for name in ("drop_missing", "zero", "invert") if getattr(mapping, name)
-    ]
-    known = {"shunt_resistance_ohm": ("--shunt", "ohm"), "leg_length_m": ("--leg-length", "m")}
-    options += [(known[key][0], f"{value} {known[key][1]}") for key, value in mapping.metadata.items() if key in known]
-    return options
 
 
 def joined_files(
