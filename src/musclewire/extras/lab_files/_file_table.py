@@ -69,33 +69,46 @@ class FilePart:
 
 @dataclass(frozen=True, eq=False)
 class FileTable:
-    """The table that was chosen in a file, handed over in blocks of rows: a :class:`SourceTable`."""
+    """The part that was chosen in a file, handed over in blocks of rows: a :class:`SourceTable`."""
 
     path: str
     layout: str
-    file_columns: tuple[FileColumn, ...]
-    row_count: int
-    metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-    stated_periods_s: Mapping[str, float] = field(default_factory=dict)
+    part: FilePart
+
+    @property
+    def metadata(self) -> Mapping[str, MetadataValue]:
+        """The metadata of the part."""
+        return self.part.metadata
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was left out of the part."""
+        return self.part.notes
+
+    @property
+    def stated_periods_s(self) -> Mapping[str, float]:
+        """The times between rows [s] that its metadata state."""
+        return stated_periods_s(self.part.metadata, unit_stated=False)
 
     @property
     def columns(self) -> tuple[SourceColumn, ...]:
         """The columns, with the unit that the file states apart from the name."""
-        return tuple(SourceColumn(one_line(each.name) or "unnamed", each.unit) for each in self.file_columns)
+        return tuple(SourceColumn(one_line(each.name) or "unnamed", each.unit) for each in self.part.columns)
 
     def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, read from the file block by block; each call begins again."""
-        for start in range(0, self.row_count, BLOCK_ROWS):
-            stop = min(start + BLOCK_ROWS, self.row_count)
-            values = tuple(self._rows(self.file_columns[index], start, stop) for index in indices)
+        for start in range(0, self.part.row_count, BLOCK_ROWS):
+            stop = min(start + BLOCK_ROWS, self.part.row_count)
+            values = tuple(self._rows(self.part.columns[index], start, stop) for index in indices)
             yield RowBlock(values, lambda row, first=start + 1: f"row {first + row}", stop - start)  # type: ignore[misc]
 
     def _rows(self, column: FileColumn, start: int, stop: int) -> FloatArray:
         with damage_reported(self.path, self.layout):
             values = column.read(start, stop)
             if values.shape != (stop - start,):
-                ends = f"column '{one_line(column.name)}' ends after {start + values.size} of {self.row_count} rows"
+                ends = (
+                    f"column '{one_line(column.name)}' ends after {start + values.size} of {self.part.row_count} rows"
+                )
                 raise RecordingError(f"{self.path}: is cut off, {ends}; use another copy")
             return values
 
@@ -151,7 +164,10 @@ def chosen_part(parts: Sequence[FilePart], wanted: str | None, path: str | Path,
     if len(full) == 1:
         return full[0]
     if not full:
-        raise RecordingError(f"{path}: holds no table of two rows or more of numbers; check that it was saved whole")
+        why = next((f" ({part.notes[0]})" for part in parts if part.notes), "")
+        raise RecordingError(
+            f"{path}: holds no table of two rows or more of numbers{why}; check that it was saved whole"
+        )
     listed = "; ".join(describe(part) for part in full[:MAX_NAMED])
     more = f"; and {len(full) - MAX_NAMED} more" if len(full) > MAX_NAMED else ""
     # The largest one is the example.
@@ -160,10 +176,10 @@ def chosen_part(parts: Sequence[FilePart], wanted: str | None, path: str | Path,
     raise CurableError(message, ImportMapping(group=largest))
 
 
-def file_table(path: Path, layout: str, part: FilePart) -> FileTable:
-    """Return the table of a part of a file."""
-    periods_s = stated_periods_s(part.metadata, unit_stated=False)
-    return FileTable(str(path), layout, part.columns, part.row_count, part.metadata, part.notes, periods_s)
+def chosen_table(path: Path, layout: str, parts: Sequence[FilePart], group: str | None) -> FileTable:
+    """Return the table of the part called ``group``, None for the only one; ``{}`` in the layout becomes its name."""
+    part = chosen_part(parts, group, path)
+    return FileTable(str(path), layout.replace("{}", one_line(part.name)), part)
 
 
 def describe(part: FilePart) -> str:
@@ -173,29 +189,11 @@ def describe(part: FilePart) -> str:
     return f"'{one_line(part.name)}' ({part.row_count} rows: {', '.join(headers)}{more})"
 
 
-def has_clock(columns: Sequence[FileColumn]) -> bool:
-    """Return whether a column is the time by its name and unit."""
-    return any(is_clock(column.header) for column in columns)
-
-
 def is_clock(header: str) -> bool:
     """Return whether a header is that of the time, by its name and unit."""
     name, unit = split_header(header)
     named = name == "time_s" or any(column.name == "time_s" for column in columns_called(name))
     return named and (unit is None or measures(unit, "time_s"))
-
-
-def clock_column(increment: float, offset: float = 0.0, name: str = "time", unit: str = "s") -> FileColumn:
-    """Return the column of a clock that a file states as first value and increment."""
-    return FileColumn(name, unit, lambda start, stop: offset + increment * np.arange(start, stop, dtype=np.float64))
-
-
-def seconds_since(first: np.datetime64, times: np.ndarray) -> FloatArray:
-    """Return times as seconds since ``first``; one that is no time is NaN."""
-    elapsed = times.astype("datetime64[ns]") - first.astype("datetime64[ns]")
-    seconds: FloatArray = elapsed.astype(np.float64) * 1e-9
-    seconds[np.isnat(elapsed)] = np.nan
-    return seconds
 
 
 def metadata_of(entries: Mapping[str, object]) -> dict[str, MetadataValue]:

@@ -1,21 +1,33 @@
 """LabVIEW's measurement files (.lvm): text with a header of the file, then packets, each with a header of its own.
 
-The format is that of National Instruments' "Specification for the LabVIEW Measurement File (.lvm)". Packets become
-lines of one table, which is read by the rules for tables in text files.
+The format is that of National Instruments' "Specification for the LabVIEW Measurement File (.lvm)". Channels are
+arrays, packets follow one another on one clock, and with several X columns each channel has a folder of its own.
 """
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import datetime
-from functools import partial
 from pathlib import Path
 
-from musclewire.errors import RecordingError, argument, nearest_hint
-from musclewire.extras.lab_files._file_table import MAX_NAMED, damage_reported, is_clock, metadata_of, one_line
-from musclewire.signals import CurableError, ImportMapping, Line, TextTable, lines_of, table_of_lines
+import numpy as np
 
+from musclewire.arrays import FloatArray
+from musclewire.errors import RecordingError
+from musclewire.extras.lab_files._file_table import (
+    FileTable,
+    chosen_table,
+    damage_reported,
+    is_clock,
+    metadata_of,
+    one_line,
+)
+from musclewire.extras.lab_files._named_arrays import Folder, NamedArray, parts_of
+from musclewire.signals import Line, lines_of
+
+MAX_COLUMNS = 1_000
 _TITLE = "LabVIEW Measurement"
 _END = "***End_of_Header***"
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
@@ -28,66 +40,179 @@ _FIELDS = frozenset({"Channels", "Samples", "Date", "Time", "X_Dimension", "Y_Un
 
 
 @dataclass(frozen=True)
-class _LvmStyle:
+class _Style:
     """How the file is written, from its first header."""
 
+    path: Path
     separator: str
-    decimal: str
-    paired: bool
-    absolute: bool
-    start: datetime | None
     entries: Mapping[str, str]
 
-
-@dataclass
-class _LvmPacket:
-    """One packet: the names of its columns, the fields of its header, and its numbered rows of cells as they come."""
-
-    path: Path
-    style: _LvmStyle
-    names: Sequence[str]
-    fields: Mapping[str, Sequence[str]]
-    rows: Iterator[tuple[int, list[str]]] = field(default_factory=lambda: iter(()))
-
     @property
-    def channels(self) -> list[int]:
-        """The columns that hold channels; with several X columns, every other one does."""
-        return list(range(1, len(self.names), 2 if self.style.paired else 1))
+    def is_paired(self) -> bool:
+        """Whether each channel has an X column of its own before it."""
+        return self.entries.get("X_Columns", "").lower() == "multi"
 
-    def cell(self, name: str, channel: int) -> str:
-        """Return a field of the header for a channel."""
-        cells, index = self.fields.get(name, ()), (channel // 2 if self.style.paired else channel - 1)
+    def number(self, cell: str) -> float:
+        """Return a cell as a number, NaN if it is blank."""
+        return float(cell.replace(self.entries.get("Decimal_Separator") or ".", ".")) if cell else np.nan
+
+
+@dataclass(frozen=True)
+class _Packet:
+    """A packet: the fields of its header by channel, the names of its columns, and these, NaN for a blank cell."""
+
+    style: _Style
+    fields: Mapping[str, list[str]]
+    names: list[str]
+    columns: list[array[float]]
+
+    def field(self, name: str, channel: int) -> str:
+        """Return a field of the header for the channel of a column."""
+        paired, cells = self.style.is_paired, self.fields.get(name, [])
         # Between pairs of columns the cells of a header may be blank.
-        cells = [cell for cell in cells if cell] if self.style.paired else cells
+        cells, index = ([cell for cell in cells if cell], channel // 2) if paired else (cells, channel - 1)
         return cells[index] if index < len(cells) else ""
 
-    def header(self, channel: int) -> str:
-        """Return the name of a channel with its unit."""
-        unit, name = self.cell("Y_Unit_Label", channel), self.names[channel]
-        return f"{name} [{unit}]" if unit else name
-
-    def header_of_x(self, channel: int) -> str:
-        """Return the name of what the rows are counted by, with its unit."""
-        dimension = self.cell("X_Dimension", channel) or "Time"
-        if dimension.lower() == "time":
-            return f"time [{self.cell('X_Unit_Label', channel) or 's'}]"
-        unit = self.cell("X_Unit_Label", channel)
-        return f"{dimension} [{unit}]" if unit else dimension
-
-    def start(self, channel: int) -> datetime | None:
+    def began(self, channel: int) -> datetime | None:
         """Return when the packet began."""
-        return _moment(self.cell("Date", channel), self.cell("Time", channel))
+        return _moment(self.field("Date", channel), self.field("Time", channel))
 
-    def counted_x(self, row: int, channel: int) -> float:
-        """Return the abscissa of a row by X0 and Delta_X. Raises RecordingError if the header does not state them."""
-        try:
-            first, step = (
-                float(self.cell(name, channel).replace(self.style.decimal, ".")) for name in ("X0", "Delta_X")
-            )
-        except ValueError:
-            where = f"states neither X values nor X0 and Delta_X for channel '{one_line(self.names[channel])}'"
-            raise RecordingError(f"{self.path}: {where}; save it with one X column") from None
-        return first + step * row
+    def numbers(self, channel: int) -> tuple[FloatArray, FloatArray]:
+        """Return the abscissa of a channel, as written or counted, and its numbers."""
+        x, y = (np.array(self.columns[each]) for each in (channel - 1 if self.style.is_paired else 0, channel))
+        if self.style.is_paired:
+            # Channels may have fewer rows than the longest: blank cells below.
+            x, y = x[~np.isnan(y)], y[~np.isnan(y)]
+        if np.isnan(x).any():
+            try:
+                first, step = (self.style.number(self.field(name, channel)) for name in ("X0", "Delta_X"))
+            except ValueError:
+                first = step = np.nan
+            if np.isnan(first + step):
+                what = f"states neither X values nor X0 and Delta_X for channel '{one_line(self.names[channel])}'"
+                raise RecordingError(f"{self.style.path}: {what}; save it with one X column")
+            x = np.where(np.isnan(x), first + step * np.arange(x.size), x)
+        return x, y
+
+
+def is_lvm(first_line: str) -> bool:
+    """Return whether the first line of a file is that of LabVIEW's measurement files, whatever its suffix."""
+    return first_line.lstrip("\ufeff").startswith(_TITLE)
+
+
+def read_lvm_table(path: Path, group: str | None = None) -> FileTable:
+    """Return the table of an .lvm file, its packets one after another on one clock.
+
+    With several X columns that differ, each channel is a table of its own, chosen by ``group``. Raises RecordingError
+    naming the line for a cell that is no number.
+    """
+    with damage_reported(path, "a LabVIEW measurement file"):
+        lines = lines_of(path)
+        style = _style(path, lines)
+        packets = list(_packets(style, lines))
+        if not packets:
+            raise RecordingError(f"{path}: has no line 'X_Value' with the names of channels; was it saved whole?")
+        began = packets[0].began(1) or _moment(style.entries.get("Date", ""), style.entries.get("Time", ""))
+        described: dict[str, object] = {key: value for key, value in style.entries.items() if key not in _TECHNICAL}
+        metadata = metadata_of(described | ({"start_time": began.isoformat()} if began else {}))
+        parts = parts_of(_folders(packets), lambda names: "".join(names) or "all channels")
+        parts = [replace(part, metadata=metadata) for part in parts]
+        return chosen_table(path, "LabVIEW measurement file, {}", parts, group)
+
+
+def _style(path: Path, lines: Iterator[Line]) -> _Style:
+    """Return what the file's own header says."""
+    entries: dict[str, str] = {}
+    separator = "\t"
+    for number, line in lines:
+        if number == 1 and not is_lvm(line):
+            raise RecordingError(f"{path}: does not begin with '{_TITLE}'; give a file that LabVIEW wrote")
+        if line.startswith(_END):
+            return _Style(path, separator, entries)
+        if line.startswith("Separator"):
+            name = line.removeprefix("Separator").strip("\t,; ").lower()
+            if name not in _SEPARATORS:
+                cure = "save it with Tab, Comma or Semicolon"
+                raise RecordingError(f"{path}: line {number} names a separator that is not known: {cure}")
+            separator = _SEPARATORS[name]
+        key, _, value = line.partition(separator)
+        entries.setdefault(key.strip(), value.strip(separator).strip())
+    raise RecordingError(f"{path}: has no line '{_END}'; it is cut off, use another copy")
+
+
+def _packets(style: _Style, lines: Iterator[Line]) -> Iterator[_Packet]:
+    """Yield the packets; special blocks are left out."""
+    fields: dict[str, list[str]] = {}
+    packet: _Packet | None = None
+    is_special = False
+    for number, line in lines:
+        cells = [cell.strip() for cell in line.split(style.separator)]
+        begins = cells[0] in _FIELDS or cells[0].startswith("***") or cells[0] == "X_Value"
+        if packet and begins:
+            yield packet
+            packet = None
+        if is_special or cells[0] == "***Start_Special***":
+            is_special = cells[0] != "***End_Special***"
+        elif cells[0] == "X_Value":
+            names = [cell for cell in cells if cell]
+            names = names[:-1] if names[-1].lower() == "comment" else names
+            if not 1 < len(names) <= MAX_COLUMNS:
+                cure = "export only those that are needed" if len(names) > 1 else "was it saved whole?"
+                raise RecordingError(f"{style.path}: line {number} names {len(names) - 1:,} channels; {cure}")
+            packet, fields = _Packet(style, fields, names, [array("d") for _ in names]), {}
+        elif packet and any(cells):
+            try:
+                for index, column in enumerate(packet.columns):
+                    column.append(style.number(cells[index] if index < len(cells) else ""))
+            except ValueError:
+                what = f"line {number} holds '{one_line(cells[index])}', which is no number"
+                raise RecordingError(f"{style.path}: {what}; correct it or remove the line") from None
+        elif cells[0] and not cells[0].startswith("***"):
+            fields[cells[0]] = cells[1:]
+    if packet:
+        yield packet
+
+
+def _folders(packets: Sequence[_Packet]) -> list[Folder]:
+    """Return the channels with their abscissa: all in one folder, or with X columns of their own in one each."""
+    first, style = packets[0], packets[0].style
+    if any(packet.names != first.names for packet in packets):
+        raise RecordingError(
+            f"{style.path}: its packets have other channels than the first; save them as separate files"
+        )
+    channels = range(1, len(first.names), 2 if style.is_paired else 1)
+    steps = {step: first.names[each] for each in channels if (step := first.field("Delta_X", each))}
+    if not style.is_paired and len(steps) > 1:
+        stated = ", ".join(f"'{one_line(name)}' every {step}" for step, name in steps.items())
+        cure = "save it with one X column for each channel"
+        raise RecordingError(f"{style.path}: states channels of different rates, {stated}, in one table: {cure}")
+    folders = [Folder((first.names[each],)) for each in channels] if style.is_paired else [Folder()] * len(channels)
+    for channel, folder in zip(channels, folders, strict=True):
+        numbers = [packet.numbers(channel) for packet in packets]
+        starts = [packet.began(channel) for packet in packets]
+        # Relative times count from the date of their packet.
+        is_absolute = style.entries.get("Time_Pref", "").lower() == "absolute"
+        after_s = [
+            (each - starts[0]).total_seconds() if each and starts[0] and not is_absolute else 0.0 for each in starts
+        ]
+        x = np.concatenate([each + late_s for (each, _), late_s in zip(numbers, after_s, strict=True)])
+        measured = _array(
+            first.names[channel], np.concatenate([y for _, y in numbers]), first.field("Y_Unit_Label", channel)
+        )
+        dimension = first.field("X_Dimension", channel) or "Time"
+        unit = first.field("X_Unit_Label", channel) or ("s" if dimension == "Time" else "")
+        if not folder.arrays:
+            folder.arrays.append(_array("time" if dimension == "Time" else dimension, x, unit))
+        folder.arrays.append(measured)
+    for folder in folders:
+        # A channel may itself be the time.
+        if any(is_clock(next(each.columns()).header) for each in folder.arrays[1:]):
+            del folder.arrays[0]
+    return folders[: len(channels) if style.is_paired else 1]
+
+
+def _array(name: str, numbers: FloatArray, unit: str) -> NamedArray:
+    return NamedArray(name, numbers.shape, numbers.__getitem__, {"unit": unit})
 
 
 def _moment(date: str, time: str) -> datetime | None:
@@ -98,160 +223,3 @@ def _moment(date: str, time: str) -> datetime | None:
         return whole.replace(microsecond=round(float(f"0.{fraction or 0}") * 1e6) % 1_000_000)
     except ValueError:
         return None
-
-
-def is_lvm(first_line: str) -> bool:
-    """Return whether the first line of a file is that of LabVIEW's measurement files, whatever its suffix."""
-    return first_line.lstrip("\ufeff").startswith(_TITLE)
-
-
-def read_lvm_table(path: Path, group: str | None = None) -> TextTable:
-    """Return the table of an .lvm file, its packets one after another on one clock.
-
-    With several X columns that differ, each channel is a table of its own, chosen by ``group``. Raises RecordingError
-    naming the line for a cell that is no number.
-    """
-    with damage_reported(path, "a LabVIEW measurement file"):
-        style = _style(path)
-        first = next(_packets(path, style), None)
-        if first is None:
-            raise RecordingError(f"{path}: has no line 'X_Value' with the names of channels; was it saved whole?")
-        channels = _chosen(first, group)
-        lines = partial(_lines, path, style, channels)
-        table = table_of_lines(str(path), lines, "LabVIEW measurement file", style.separator, "line")
-    start = first.start(channels[0]) or style.start
-    return replace(
-        table, metadata=metadata_of({**style.entries, "start_time": start.isoformat() if start else ""}), notes=()
-    )
-
-
-def _style(path: Path) -> _LvmStyle:
-    entries: dict[str, str] = {}
-    separator = "\t"
-    for number, line in lines_of(path):
-        if number == 1 and not is_lvm(line):
-            raise RecordingError(f"{path}: does not begin with '{_TITLE}'; give a file that LabVIEW wrote")
-        if line.startswith(_END):
-            break
-        if line.startswith("Separator"):
-            name = line.removeprefix("Separator").strip("\t,; ").lower()
-            if name not in _SEPARATORS:
-                cure = "save it with Tab, Comma or Semicolon"
-                raise RecordingError(f"{path}: line {number} names a separator that is not known: {cure}")
-            separator = _SEPARATORS[name]
-        key, _, value = line.partition(separator)
-        entries.setdefault(key.strip(), value.strip(separator).strip())
-    else:
-        raise RecordingError(f"{path}: has no line '{_END}'; it is cut off, use another copy")
-    return _LvmStyle(
-        separator,
-        decimal=entries.get("Decimal_Separator", ".") or ".",
-        paired=entries.get("X_Columns", "").lower() == "multi",
-        absolute=entries.get("Time_Pref", "").lower() == "absolute",
-        start=_moment(entries.get("Date", ""), entries.get("Time", "")),
-        entries={key: value for key, value in entries.items() if key not in _TECHNICAL and value},
-    )
-
-
-def _packets(path: Path, style: _LvmStyle) -> Iterator[_LvmPacket]:
-    """Yield the packets; special blocks are left out. The rows of one have to be read before the next is asked for."""
-    cells_of = ((number, [cell.strip() for cell in line.split(style.separator)]) for number, line in lines_of(path))
-    for _, cells in cells_of:
-        if cells[0].startswith(_END):
-            break
-    fields: dict[str, list[str]] = {}
-    in_special = False
-
-    def rows() -> Iterator[tuple[int, list[str]]]:
-        for number, cells in cells_of:
-            if cells[0] in _FIELDS or cells[0].startswith("***"):
-                # The rows have ended: the header of the next packet begins, or a special block.
-                fields[cells[0]] = cells[1:]
-                return
-            if any(cells):
-                yield number, cells
-
-    for number, cells in cells_of:
-        first = cells[0]
-        if in_special or first == "***Start_Special***":
-            in_special = first != "***End_Special***"
-        elif first == "X_Value":
-            names = [cell for cell in cells if cell]
-            names = names[:-1] if names[-1].lower() == "comment" else names
-            if len(names) < 2:
-                raise RecordingError(f"{path}: line {number} names no channel; was it saved whole?")
-            packet = _LvmPacket(path, style, names, dict(fields), rows())
-            fields.clear()
-            yield packet
-            in_special = "***Start_Special***" in fields
-        elif first and not first.startswith("***"):
-            fields[first] = cells[1:]
-
-
-def _chosen(first: _LvmPacket, group: str | None) -> list[int]:
-    """Return the columns of the channels that are one table: those whose X columns are the same, or one by its name."""
-    channels = first.channels
-    steps = {cell: channel for channel in channels if (cell := first.cell("Delta_X", channel))}
-    if not first.style.paired and len(steps) > 1:
-        stated = ", ".join(f"'{one_line(first.names[channel])}' every {step}" for step, channel in steps.items())
-        cure = "save it with one X column for each channel"
-        raise RecordingError(f"{first.path}: states channels of different rates, {stated}, in one table: {cure}")
-    same = not first.style.paired or all(
-        len({row[channel - 1] for channel in channels if channel <= len(row)}) < 2
-        for packet in _packets(first.path, first.style)
-        for _, row in packet.rows
-    )
-    if same and group in {None, "all channels"}:
-        return channels
-    named = [channel for channel in channels if not same and first.names[channel] == group]
-    if len(named) == 1:
-        return named
-    known = ["all channels"] if same else [first.names[channel] for channel in channels]
-    if group is not None:
-        hint = one_line(nearest_hint(group, known))
-        raise RecordingError(f"{first.path}: has no group '{one_line(group)}'{hint}")
-    listed = ", ".join(f"'{one_line(name)}'" for name in known[:MAX_NAMED])
-    message = f"{first.path}: holds {len(known)} tables: choose one with " + argument("group", "NAME") + f": {listed}"
-    raise CurableError(message, ImportMapping(group=known[0]))
-
-
-def _lines(path: Path, style: _LvmStyle, channels: Sequence[int]) -> Iterator[Line]:
-    """Yield one line of headers, and the rows of all packets with their abscissa in front."""
-    names: Sequence[str] = ()
-    began: datetime | None = None
-    for packet in _packets(path, style):
-        headers = [packet.header(channel) for channel in channels]
-        # A channel may itself be the time.
-        keeps_x = not any(map(is_clock, headers))
-        if not names:
-            names, began = packet.names, packet.start(channels[0])
-            yield 0, style.separator.join(_quoted([packet.header_of_x(channels[0])] * keeps_x + headers))
-        elif packet.names != names:
-            raise RecordingError(f"{path}: its packets have other channels than the first; save them as separate files")
-        start = packet.start(channels[0])
-        # Relative times count from the date of their packet.
-        after_s = 0.0 if style.absolute or start is None or began is None else (start - began).total_seconds()
-        for row, (number, cells) in enumerate(packet.rows):
-            values = [cells[channel] if channel < len(cells) else "" for channel in channels]
-            # With X columns of their own, channels may have fewer rows than the longest: blank cells below.
-            if not style.paired or any(values):
-                x = _abscissa(cells[channels[0] - 1 if style.paired else 0], packet, row, channels[0], after_s)
-                yield number, style.separator.join([x] * keeps_x + values)
-
-
-def _abscissa(written: str, packet: _LvmPacket, row: int, channel: int, after_s: float) -> str:
-    """Return the cell of the abscissa: as written, or counted, and later by the time since the first packet."""
-    if written and not after_s:
-        return written
-    decimal = packet.style.decimal
-    if not written:
-        return repr(after_s + packet.counted_x(row, channel)).replace(".", decimal)
-    try:
-        return repr(after_s + float(written.replace(decimal, "."))).replace(".", decimal)
-    except ValueError:
-        # Whoever reads the table says which line holds a word.
-        return written
-
-
-def _quoted(headers: Sequence[str]) -> list[str]:
-    return [f'"{header}"' if any(sign in header for sign in ",;\t") else header for header in headers]

@@ -9,7 +9,7 @@ __all__ = ["MANIFEST"]
 MANIFEST = Manifest(
     name="lab_files",
     readers=("musclewire.extras.lab_files._formats:lab_file_reader",),
-    suffixes_read=(".tdms", ".lvm", ".mat", ".xlsx", ".parquet"),
+    suffixes_read=(".tdms", ".lvm", ".mat", ".xlsx", ".parquet", ".nc"),
     writers={
         ".mat": "musclewire.extras.lab_files._writers:MATLAB",
         ".parquet": "musclewire.extras.lab_files._writers:PARQUET",

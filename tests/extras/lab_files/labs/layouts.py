@@ -1,14 +1,17 @@
-"""Workbooks and MATLAB files as laboratories make them; see ``tests/labs/layouts.py``."""
+"""Files of Excel, MATLAB, LabVIEW, HDF5 and netCDF as laboratories make them; see ``tests/labs/layouts.py``."""
 
 from __future__ import annotations
 
 import io
 from collections.abc import Sequence
 
+import h5py
 import numpy as np
 import openpyxl
+import xarray as xr
+from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat
-from tests.labs.layouts import AMP, FORCE, STROKE, TIME, Layout, R, V, Written, chosen
+from tests.labs.layouts import AMP, BEGAN, FORCE, SHUNT, STROKE, TIME, Layout, R, V, Written, chosen, period_of
 from tests.labs.loops import Loop
 
 
@@ -64,6 +67,86 @@ def structs_in_a_struct(loop: Loop) -> Written:
     return Written({"tests.mat": matlab(data={"run1": test, "run2": half})}, chosen(loop, TIME, V, AMP, STROKE), "line")
 
 
+OHM = ("--shunt", "1 ohm")
+
+
+def simulink_to_file(loop: Loop) -> Written:
+    """The block To File in its format "Array": a signal in each row, the first of them the time."""
+    rows = np.vstack([loop[TIME], loop[V], loop[SHUNT]])
+    given = ("-c", f"{V}=ans 2:V", "-c", f"{SHUNT}=ans 3:V")
+    return Written({"tofile.mat": matlab(ans=rows)}, chosen(loop, TIME, V, SHUNT), "line", given)
+
+
+def matlab_outputs(loop: Loop) -> Written:
+    """Simulink's "tout" and "yout" in the format "Array": a vector, and a matrix of as many rows."""
+    outputs = np.column_stack([loop[V], loop[SHUNT]])
+    given = ("-c", "time_s=tout:s", "-c", f"{V}=yout 1:V", "-c", f"{SHUNT}=yout 2:V", *OHM)
+    return Written(
+        {"out.mat": matlab(tout=loop[TIME][:, None], yout=outputs)}, chosen(loop, TIME, V, SHUNT), given=given
+    )
+
+
+def hdf5(**channels: tuple[np.ndarray, dict[str, object]]) -> bytes:
+    """Arrays by their paths, each with its attributes."""
+    stream = io.BytesIO()
+    with h5py.File(stream, "w") as file:
+        for path, (values, attributes) in channels.items():
+            file[path.replace("__", "/")] = values
+            file[path.replace("__", "/")].attrs.update(attributes)
+    return stream.getvalue()
+
+
+def hdf5_group_per_channel(loop: Loop) -> Written:
+    clock, volt, mm = (loop[TIME], {"unit": "s"}), {"unit": "V"}, {"unit": "mm"}
+    content = hdf5(
+        run__v_wire__data=(loop[V], volt), run__v_wire__time=clock,
+        run__v_shunt__data=(loop[SHUNT], volt), run__v_shunt__time=clock,
+        run__stroke__data=(1e3 * loop[STROKE], mm), run__stroke__time=clock,
+    )  # fmt: skip
+    return Written({"daq.h5": content}, chosen(loop, TIME, V, SHUNT, STROKE), given=OHM)
+
+
+def hdf5_rate_per_channel(loop: Loop) -> Written:
+    rate = {"sample_rate": 1.0 / period_of(loop)}
+    content = hdf5(
+        v_wire=(loop[V], {"unit": "V", **rate}), v_shunt=(loop[SHUNT], {"unit": "V", **rate}),
+        stroke=(1e3 * loop[STROKE], {"unit": "mm", **rate}),
+    )  # fmt: skip
+    return Written({"daq.h5": content}, chosen(loop, V, SHUNT, STROKE), given=OHM)
+
+
+def netcdf(loop: Loop) -> Written:
+    """Variables over a time in "seconds since" a date, as xarray writes them."""
+    began = np.datetime64(BEGAN.replace(tzinfo=None), "ns")
+    times = began + np.round(1e9 * (loop[TIME] - loop[TIME][0])).astype("timedelta64[ns]")
+    variables = {
+        "v_wire": ("time", loop[V], {"units": "V"}),
+        "v_shunt": ("time", loop[SHUNT], {"units": "V"}),
+        "stroke": ("time", 1e3 * loop[STROKE], {"units": "mm"}),
+    }
+    content = bytes(xr.Dataset(variables, coords={"time": times}).to_netcdf(engine="scipy"))
+    expected = {**chosen(loop, V, SHUNT, STROKE), TIME: loop[TIME] - loop[TIME][0]}
+    return Written({"run.nc": content}, expected, given=OHM)
+
+
+def tdms(loop: Loop) -> Written:
+    """Waveforms of LabVIEW, each with its increment."""
+    clock = {"wf_increment": period_of(loop), "wf_start_offset": 0.0}
+    channels = [
+        ChannelObject("run", name, values, {"unit_string": unit, **clock})
+        for name, values, unit in (
+            ("v_wire", loop[V], "V"),
+            ("v_shunt", loop[SHUNT], "V"),
+            ("stroke", 1e3 * loop[STROKE], "mm"),
+        )
+    ]
+    stream = io.BytesIO()
+    with TdmsWriter(stream) as writer:
+        writer.write_segment(channels)
+    return Written({"run.tdms": stream.getvalue()}, chosen(loop, V, SHUNT, STROKE), given=OHM)
+
+
 LAYOUTS: tuple[Layout, ...] = (
     sheet_with_a_blank_row, two_tests_in_a_sheet, several_sheets, simulink_structure, structs_in_a_struct,
+    simulink_to_file, matlab_outputs, hdf5_group_per_channel, hdf5_rate_per_channel, netcdf, tdms,
 )  # fmt: skip

@@ -51,7 +51,7 @@ def test_a_workbook_of_a_few_megabytes_that_unpacks_to_gigabytes_is_refused(lab_
 CUT = (
     "tdms_waveforms.tdms", "tdms_many_segments.tdms", "lvm_three_packets.lvm", "mat5_rows_and_units.mat",
     "mat5_compressed.mat", "mat4_columns.mat", "mat73_columns.mat", "xlsx_plain.xlsx", "parquet_arrow_units.parquet",
-    "hdf5_group_compressed.hdf5",
+    "hdf5_group_compressed.hdf5", "netcdf_classic.nc", "pandas_table.h5",
 )  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 """Every reader gives the numbers that were written, and one line for what it refuses."""
 
+import pickle
 import subprocess
 import sys
 
@@ -22,8 +23,8 @@ from tests.extras.lab_files.corpus.lab_signals import (
 from tests.places import TESTS
 
 from musclewire.errors import MusclewireError, RecordingError
-from musclewire.extras.lab_files._foreign_hdf5 import read_hdf5_of_others
 from musclewire.extras.lab_files._formats import lab_file_reader
+from musclewire.extras.lab_files._hdf5_tree import read_hdf5_of_others
 from musclewire.signals import import_recording, load_mapping, read_recording, save_mapping
 
 CORPUS = TESTS / "extras/lab_files/corpus"
@@ -145,6 +146,51 @@ def test_files_larger_than_a_block_come_in_blocks(tmp_path):
     assert blocks[1].place(0) == "row 65537"
 
 
+class Opens:
+    """What opens a file when it is unpickled."""
+
+    def __init__(self, path):
+        self.path = str(path)
+
+    def __reduce__(self):
+        return open, (self.path, "w")
+
+
+def test_a_pickle_in_a_frame_of_pandas_is_named_and_not_run(tmp_path):
+    """Objects of a frame, and the names of columns, are pickles; names are read from the listing of their parts."""
+    pickled = np.frombuffer(pickle.dumps(Opens(tmp_path / "opened")), dtype=np.uint8)
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        frame = file.create_group("run")
+        frame.attrs["pandas_type"] = np.bytes_("frame")
+        frame["block0_items"] = np.array([b"note"])
+        frame.create_dataset("block0_values", (1,), h5py.vlen_dtype(np.uint8))[0] = pickled
+    assert "'note' was left out: it holds no numbers, and nothing is unpickled" in refusal(tmp_path / "a.h5")
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        frame = file.create_group("run")
+        frame.attrs["pandas_type"] = np.bytes_("frame_table")
+        frame["table"] = np.zeros(60, dtype=[("index", "i8"), ("values_block_0", "f8", 2)])
+        frame["table"].attrs["values_block_0_kind"] = np.void(pickle.dumps(Opens(tmp_path / "opened")))
+        frame.attrs["info"] = np.bytes_(pickle.dumps(Opens(tmp_path / "opened"), protocol=0))
+    assert list(columns_of(tmp_path / "b.h5")) == ["values_block_0 1", "values_block_0 2"]
+    assert not (tmp_path / "opened").exists()
+
+
+def test_names_units_and_channels_decide_what_is_one_table(tmp_path):
+    """Groups of one channel each are one table if their clocks are one; a matrix has its rows along its longer side."""
+    time_s, other_s = np.arange(50) * 0.1, np.arange(50) * 0.2
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name, clock in (("U", time_s), ("I", time_s)):
+            file[f"{name}/data"], file[f"{name}/time"] = np.arange(50.0), clock
+    assert set(columns_of(tmp_path / "a.h5")) == {"time", "I", "U"}
+    with h5py.File(tmp_path / "a.h5", "a") as file:
+        file["U/time"][:] = other_s
+    assert "holds 2 tables" in refusal(tmp_path / "a.h5")
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        file["t"], file["data"], file["note"] = time_s, np.ones((3, 50)), "a text"
+    assert list(columns_of(tmp_path / "b.h5")) == ["data 1", "data 2", "data 3", "t"]
+    assert table_of(tmp_path / "b.h5").notes == ("'note' was left out: it holds no real numbers",)
+
+
 @pytest.mark.slow
 def test_nothing_outside_a_hostile_file_is_opened(lab_files):
     """Python reports each file that it opens; what HDF5's own code would open is refused before (see above)."""
@@ -152,7 +198,7 @@ def test_nothing_outside_a_hostile_file_is_opened(lab_files):
 import sys, pathlib
 from musclewire.errors import MusclewireError
 from musclewire.extras.lab_files._formats import lab_file_reader
-from musclewire.extras.lab_files._foreign_hdf5 import read_hdf5_of_others
+from musclewire.extras.lab_files._hdf5_tree import read_hdf5_of_others
 paths = [pathlib.Path(text) for text in sys.argv[1:]]
 def read_all():
     for path in paths:

@@ -1,0 +1,239 @@
+"""HDF5 files of others, netCDF-4 and MATLAB 7.3 among them, as folders of arrays; pandas' frames by their names.
+
+No other file is opened: links are not followed, nor data outside. Nothing is unpickled.
+"""
+
+from __future__ import annotations
+
+import itertools
+import pickletools
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from musclewire.errors import RecordingError
+from musclewire.extras.lab_files._file_table import FileTable, check_limits, chosen_table, damage_reported, one_line
+from musclewire.extras.lab_files._named_arrays import MAX_COLUMNS, Folder, NamedArray, decoded, parts_of
+
+MAX_OBJECTS = 20_000
+MAX_DEPTH = 32
+MAX_TEXT_LENGTH = 1_000_000
+MATLAB_NUMBERS = frozenset({
+    "double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "logical",
+})  # fmt: skip
+# What h5py's and netCDF's dimensions without values are called.
+_NO_VALUES = "This is a netCDF dimension but not a netCDF variable"
+_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+
+
+def read_hdf5_of_others(path: Path, group: str | None = None) -> FileTable:
+    """Return the table of one group of an HDF5 file; None takes the only one.
+
+    Data sets of a group that have equal lengths are one table; so are the fields of a table of records, the columns of
+    a matrix, and a frame of pandas. Raises RecordingError for data outside the file and an unclear choice.
+    """
+    with damage_reported(path, "HDF5"):
+        return chosen_table(path, "HDF5, group '{}'", parts_of(hdf5_folders(path), hdf5_path), group)
+
+
+def hdf5_path(names: tuple[str, ...]) -> str:
+    """Return a path as HDF5 writes it."""
+    return "/" + "/".join(names)
+
+
+def hdf5_folders(path: Path, what: str = "HDF5") -> list[Folder]:
+    """Return the groups of an HDF5 file, of those that a hard link within it reaches."""
+    import h5py
+
+    with _opened(path, what) as file, damage_reported(path, what):
+        items = list(itertools.islice(_items(file, (), set()), MAX_OBJECTS + 1))
+        if len(items) > MAX_OBJECTS:
+            raise RecordingError(f"{path}: holds more than {MAX_OBJECTS} data sets; export a part of it")
+        tree: dict[tuple[str, ...], Folder] = {(): Folder((), attributes=dict(file.attrs))}
+        frames: set[tuple[str, ...]] = set()
+        for place, item in items:
+            # What MATLAB's references point to, and PyTables' indices.
+            if any(name.startswith(("#", "_i_")) for name in place) or not frames.isdisjoint(
+                place[:end] for end in range(len(place))
+            ):
+                continue
+            if isinstance(item, h5py.Dataset):
+                _add(tree, place, item, path)
+            elif "pandas_type" in item.attrs:
+                frames.add(place)
+                members = {names[-1]: each for names, each in items if names[:-1] == place and hasattr(each, "dtype")}
+                tree[place] = _frame(place, item, members, path)
+            else:
+                tree[place] = Folder(place, attributes=dict(item.attrs))
+        return list(tree.values())
+
+
+def _items(group: Any, place: tuple[str, ...], seen: set[int]) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Yield what hard links within a file reach, each once, in the order in which the file lists it."""
+    import h5py
+
+    for name in group:
+        if isinstance(group.get(name, getlink=True), h5py.HardLink):
+            item = group[name]
+            address = h5py.h5o.get_info(item.id).addr
+            if address not in seen:
+                seen.add(address)
+                yield (*place, name), item
+                if isinstance(item, h5py.Group) and len(place) < MAX_DEPTH:
+                    yield from _items(item, (*place, name), seen)
+
+
+def _opened(path: Path, what: str = "HDF5") -> Any:
+    """Return an HDF5 file opened for reading. Raises RecordingError if it is none, or damaged."""
+    import h5py
+
+    with damage_reported(path, what):
+        try:
+            return h5py.File(path, "r")
+        except BlockingIOError:
+            raise RecordingError(f"{path}: is still being written by another process; wait until it ends") from None
+
+
+def _add(tree: dict[tuple[str, ...], Folder], place: tuple[str, ...], dataset: Any, path: Path) -> None:
+    """Put a data set where it belongs: an array, a table of records, a text, or what is left out."""
+    import h5py
+
+    folder, name = tree[place[:-1]], place[-1]
+    matlab_class = decoded(dataset.attrs.get("MATLAB_class"))
+    if "MATLAB_empty" in dataset.attrs or str(decoded(dataset.attrs.get("NAME"))).startswith(_NO_VALUES):
+        return
+    if matlab_class == "char" and dataset.dtype.kind == "u" and dataset.size <= MAX_TEXT_LENGTH:
+        # One row of text; UTF-16 code units, as MATLAB keeps them.
+        units = np.asarray(_checked(dataset, path)[()], dtype="<u2")
+        folder.attributes[name] = units.tobytes().decode("utf-16-le", errors="replace")
+    elif matlab_class is None and len(place) > 1 and h5py.check_ref_dtype(dataset.dtype) is h5py.Reference:
+        # The fields of an array of structs are references, which MATLAB marks by no class.
+        check_limits(path, cells=dataset.size, at_once=True)
+        for number, reference in enumerate(_checked(dataset, path)[()].reshape(-1)[:MAX_COLUMNS], start=1):
+            element = (*place[:-2], f"{place[-2]}({number})")
+            referred = dataset.file[reference]
+            tree.setdefault(element, Folder(element))
+            if isinstance(referred, h5py.Dataset) and referred.dtype.kind != "O":
+                _add(tree, (*element, name), referred, path)
+    elif dataset.dtype.names and dataset.ndim == 1:
+        tree[place] = Folder(place, list(_fields(dataset, path)), dict(dataset.attrs))
+    elif dataset.dtype.kind in "biuf" and matlab_class in {None, *MATLAB_NUMBERS}:
+        folder.arrays.append(_array(path, dataset, name))
+    else:
+        folder.left_out[name] = matlab_class or "it holds no real numbers"
+
+
+def _checked(dataset: Any, path: Path) -> Any:
+    """Return a data set. Raises RecordingError if its numbers are not in this file, or are more than are read."""
+    if dataset.is_virtual or dataset.external:
+        where = f"{path}: data set '{one_line(str(dataset.name))}'"
+        raise RecordingError(f"{where} keeps its numbers in other files; copy them into one file (h5repack)")
+    check_limits(path, cells=dataset.size or 0)
+    return dataset
+
+
+def _array(path: Path, dataset: Any, name: str, field: str = "", **attributes: object) -> NamedArray:
+    """Return a data set, or a field of its records, as an array; no file stays open between reads."""
+    key = dataset.name
+
+    def read(index: tuple[int | slice, ...]) -> Any:
+        with _opened(path) as file:
+            item = _checked(file[key], path)
+            return np.asarray(item.fields(field)[index[0]])[(..., *index[1:])] if field else item[index]
+
+    shape = dataset.shape + (dataset.dtype[field].shape if field else ())
+    return NamedArray(name, shape, read, {**({} if field else dataset.attrs), **attributes})
+
+
+def _fields(dataset: Any, path: Path) -> Iterator[NamedArray]:
+    """Yield the fields of a table of records, each with the attributes that begin with its name."""
+    for field in dataset.dtype.names[:MAX_COLUMNS]:
+        if dataset.dtype[field].base.kind in "biuf":
+            own = {key: value for key, value in dataset.attrs.items() if key.lower().startswith(f"{field.lower()}_")}
+            attributes = {key[len(field) + 1 :]: value for key, value in own.items()}
+            yield _array(path, dataset, field, field, **attributes)
+
+
+def _frame(place: tuple[str, ...], group: Any, members: Mapping[str, Any], path: Path) -> Folder:
+    """Return what pandas' ``to_hdf`` wrote: each column by its name, and the index if it is a time or has a name."""
+    folder = Folder(place)
+    blocks = (
+        _blocks_of_table(group, members["table"], path) if "table" in members else _fixed_blocks(group, members, path)
+    )
+    for block, names, kind in blocks:
+        if isinstance(block, str):
+            folder.left_out |= dict.fromkeys(names or [block], "it holds no numbers, and nothing is unpickled")
+            continue
+        width = block.shape[1] if len(block.shape) > 1 else 1
+        named = names if len(names) == width else [f"{block.name} {number + 1}" for number in range(width)]
+        folder.arrays += [_typed(block, name, index, kind) for index, name in enumerate(named[:MAX_COLUMNS])]
+    return folder
+
+
+# A block of columns or the name of one that is not read, the names of its columns, and what its numbers are.
+_Block = tuple[NamedArray | str, list[str], str]
+
+
+def _fixed_blocks(group: Any, members: Mapping[str, Any], path: Path) -> Iterator[_Block]:
+    if (index := members.get("index", members.get("axis1"))) is not None:
+        yield from _index(_block(index, path), decoded(index.attrs.get("name")), decoded(index.attrs.get("kind")))
+    for name, values in members.items():
+        if name.endswith("values"):
+            items = members.get(name.replace("values", "items"))
+            series = decoded(group.attrs.get("name"))
+            names = [series or "values"] if items is None else _names(items, path)
+            yield _block(values, path), names, decoded(values.attrs.get("value_type")) or ""
+
+
+def _blocks_of_table(group: Any, table: Any, path: Path) -> Iterator[_Block]:
+    info = [*_pickled_texts(group.attrs.get("info")), "", ""]
+    for field in table.dtype.names or ():
+        if field == "index":
+            name = info[info.index("index_name") + 1] if "index_name" in info else ""
+            yield from _index(_block(table, path, field), name, decoded(table.attrs.get("index_kind")))
+        else:
+            names = _pickled_texts(table.attrs.get(f"{field}_kind"))
+            yield _block(table, path, field), names, decoded(table.attrs.get(f"{field}_dtype")) or ""
+
+
+def _index(array: NamedArray | str, name: str | None, kind: str | None) -> Iterator[_Block]:
+    """Yield the index, unless it only numbers the rows; pandas writes None as the pickle "N."."""
+    name, kind = "" if name in {None, "N."} else str(name), kind or ""
+    if name or "64" in kind or kind == "float":
+        yield array, [name or ("time" if "64" in kind else "index")], kind
+
+
+def _block(dataset: Any, path: Path, field: str = "") -> NamedArray | str:
+    name = field or dataset.name.rpartition("/")[2]
+    is_number = (dataset.dtype[field].base if field else dataset.dtype).kind in "biuf"
+    return _array(path, dataset, name, field) if is_number else name
+
+
+def _typed(block: NamedArray, name: str, column: int, kind: str) -> NamedArray:
+    """Return a column of a block: numbers, or what pandas counts in whole seconds, ms, us or ns."""
+    unit = kind.partition("[")[2].partition("]")[0] or "ns"
+    is_time = kind.startswith("datetime64") and unit in _SECONDS
+
+    def read(index: tuple[int | slice, ...]) -> Any:
+        values = block.read((*index, *[column] * (len(block.shape) - 1)))
+        return np.asarray(values).astype(f"datetime64[{unit}]") if is_time else values
+
+    lasts = {"unit": "s", "scale_factor": _SECONDS.get(unit), "_FillValue": np.iinfo(np.int64).min}
+    return NamedArray(name, block.shape[:1], read, lasts if kind.startswith("timedelta64") else {"zone": ""}, is_time)
+
+
+def _names(items: Any, path: Path) -> list[str]:
+    if items.dtype.kind not in "Siu" or items.size > MAX_COLUMNS:
+        return []
+    return [decoded(item) or str(item) for item in _checked(items, path)[()].reshape(-1).tolist()]
+
+
+def _pickled_texts(pickle: object) -> list[str]:
+    """Return the texts in a pickled list of names, by a listing of its parts: nothing is unpickled."""
+    try:
+        raw = pickle if isinstance(pickle, bytes) else b""
+        return [argument for _, argument, _ in pickletools.genops(raw) if isinstance(argument, str)]
+    except ValueError:
+        return []
