@@ -164,3 +164,14 @@ def test_a_fit_takes_the_options_of_import_and_names_import_where_it_could_not_e
     given = ("--ignore", "Zeit", "--sample-period", "10 ms", "--drop-missing", "-c", "wire_voltage_v=Vw:mV")
     assert "strain" in musclewire("fit", file, *given).refusal
     assert f"  try: musclewire import {file} -c time_s=Zeit:s" in musclewire("fit", file).err
+
+
+def test_of_two_files_that_are_to_be_joined_the_refused_one_is_shown(
+    file: Path, tmp_path: Path, musclewire: Callable[..., Any]
+) -> None:
+    other = tmp_path / "other.csv"
+    other.write_text("Time [s],Force [N]\n0,1\n0.1,2\n0.2,1\n", "utf-8")
+    refused = musclewire("import", other, file, "-o", tmp_path / "joined.h5")
+    assert (refused.code, refused.out) == (2, "")
+    assert refused.err.startswith(f"{file}: text, separated by semicolons")
+    assert f"\n  try: musclewire import {file} -c time_s=Zeit:s" in refused.err

@@ -10,15 +10,7 @@ import typer
 
 from musclewire.app._figure_options import FigureOptions
 from musclewire.app._files import require_free
-from musclewire.app._options import (
-    DELAY,
-    JOIN,
-    MATLAB_VERSION,
-    OVERWRITE,
-    SAVE_MAPPING,
-    in_si,
-    own_help,
-)
+from musclewire.app._options import DELAY, JOIN, MATLAB_VERSION, OVERWRITE, SAVE_MAPPING, in_si, own_help
 from musclewire.app._output import Result, say
 from musclewire.app._recording_options import ReadingOptions
 from musclewire.errors import CallerError, RecordingError
@@ -45,10 +37,13 @@ def import_recordings(
 ) -> Result:
     """Read recordings of other programs and show how they were interpreted; with -o convert one, or join two."""
     from musclewire.signals import import_recording, mappings_of_files
+    from musclewire.signals import save_mapping as remember
 
     require_possible(files, join if delay is None else delay, output, save_mapping, overwrite)
     joining = join is not None or delay is not None or (output is not None and len(files) > 1)
-    require_one_figure(figure, files, joining)
+    figure.check()
+    if figure.plot is not None and len(files) > 1 and not joining:
+        raise CallerError(f"--plot draws one recording, {len(files)} were given: import them one by one, or --join two")
     mappings = mappings_of_files(files, reading.import_mapping())
     single = None if joining else output
     understood = [
@@ -56,6 +51,8 @@ def import_recordings(
         for path, mapping in zip(files, mappings, strict=True)
     ]
     problem = next((item.problem for item in understood if item.problem), "")
+    if problem and output is not None:
+        raise RecordingError(problem)
     itself = len(files) == 1
     proposals = [line for one in understood for line in reading.proposal_lines(one.path, one.proposal, itself=itself)]
     if problem:
@@ -66,7 +63,7 @@ def import_recordings(
     if joined is not None and output is not None:
         joined.recording.save(output, matlab_version)
     if save_mapping is not None:
-        remember(understood[0], save_mapping)
+        remember(understood[0].mapping, save_mapping)
     figure.draw(partial(drawn, files[0], mappings[0], joined))
     written = [f"written to {path}" for path in (output, save_mapping) if path is not None]
     lines = [
@@ -87,19 +84,10 @@ def require_possible(
     if len(files) > 2 and output is not None:
         raise CallerError(f"-o takes one file, or two to join, {len(files)} were given: import them one by one")
     if len(files) > 1 and save_mapping is not None:
-        raise CallerError(
-            f"--save-mapping takes one file, {len(files)} were given: a mapping belongs to one kind of file"
-        )
+        raise CallerError(f"--save-mapping takes one file, {len(files)} were given: it belongs to one kind of file")
     for path in (output, save_mapping):
         if path is not None:
             require_free(path, overwrite)
-
-
-def require_one_figure(figure: FigureOptions, files: list[Path], joining: bool) -> None:
-    """Raise CallerError for a figure that cannot be, or of several recordings that are not joined."""
-    figure.check()
-    if figure.plot is not None and len(files) > 1 and not joining:
-        raise CallerError(f"--plot draws one recording, {len(files)} were given: import them one by one, or --join two")
 
 
 def drawn(path: Path, mapping: ImportMapping, joined: JoinedRecordings | None, *, style: str) -> Figure:
@@ -120,13 +108,6 @@ def joined_files(
     one, equals, other = (join or "").partition("=")
     pair = None if join is None else (one.strip(), other.strip() if equals else one.strip())
     return join_recordings(first, second, pair, delay_s)
-
-
-def remember(understood: FileInterpretation, path: Path) -> None:
-    """Write the mapping by which a file was read."""
-    from musclewire.signals import save_mapping
-
-    save_mapping(understood.mapping, path)
 
 
 def import_answer(understood: list[FileInterpretation], joined: JoinedRecordings | None) -> ImportAnswer:
