@@ -163,7 +163,9 @@ def test_a_fit_takes_the_options_of_import_and_names_import_where_it_could_not_e
 ) -> None:
     given = ("--ignore", "Zeit", "--sample-period", "10 ms", "--drop-missing", "-c", "wire_voltage_v=Vw:mV")
     assert "strain" in musclewire("fit", file, *given).refusal
-    assert f"  try: musclewire import {file} -c time_s=Zeit:s" in musclewire("fit", file).err
+    said = musclewire("fit", file).err
+    assert f"  try: musclewire import {file} -c time_s=Zeit:s" in said
+    assert "\n  (fit needs more: " in said
 
 
 def test_of_two_files_that_are_to_be_joined_the_refused_one_is_shown(

@@ -107,24 +107,26 @@ def said_if_refused(function: Callable[..., Result | None], values: Mapping[str,
         except RecordingError as problem:
             files = values.get("files")
             several = files or values.get("recordings")
-            works = partial(holds, function, given) if several is None else lambda _: several is files
+            tried = None if several else partial(error_with, function=function, given=given)
             paths = [str(path) for path in several or [values["recording"]]]
-            given["reading"].say_what_was_seen(paths, problem, works)
+            given["reading"].say_what_was_seen(paths, problem, tried, imports=several is files)
             raise
 
     return action
 
 
-def holds(function: Callable[..., Result | None], given: Mapping[str, Any], proposal: ImportMapping) -> bool:
-    """Return whether a command ends well with another mapping; nothing is written or said."""
+def error_with(
+    proposal: ImportMapping, function: Callable[..., Result | None], given: Mapping[str, Any]
+) -> MusclewireError | None:
+    """Return what a command ends with if a recording is read as proposed; nothing is written or said."""
     figure = type(given["figure"])()
     unwritten = {"reading": replace(given["reading"], proposed=proposal), "figure": figure, "output": None}
     try:
         with redirect_stderr(StringIO()):
             result = function(**{**given, **unwritten})
-    except MusclewireError:
-        return False
-    return result is not None and result.error is None
+    except MusclewireError as error:
+        return error
+    return None if result is None else result.error
 
 
 def groups_of(annotation: Any) -> tuple[type[Any], ...] | None:

@@ -23,7 +23,7 @@ from musclewire.app._options import (
     mapping,
 )
 from musclewire.app._output import say, tell
-from musclewire.errors import RecordingError
+from musclewire.errors import MusclewireError, RecordingError
 
 if TYPE_CHECKING:
     from musclewire.signals import ImportMapping, MetadataValue, Recording
@@ -86,9 +86,17 @@ class ReadingOptions:
         return read_recording(recording, mapping=self.import_mapping())
 
     def say_what_was_seen(
-        self, paths: Sequence[str], problem: RecordingError, works: Callable[[ImportMapping], bool]
+        self,
+        paths: Sequence[str],
+        problem: RecordingError,
+        tried: Callable[[ImportMapping], MusclewireError | None] | None,
+        *,
+        imports: bool,
     ) -> None:
-        """Say how a file was understood that was refused, and the command that reads it, if one is known."""
+        """Say how a file was understood that was refused, and the command that reads it, if one is known.
+
+        ``tried`` returns what the command that was typed ends with by a mapping.
+        """
         from musclewire.signals import import_recording, mappings_of_files, proposed_mapping
 
         for path, wanted in zip(paths, mappings_of_files(paths, self.import_mapping()), strict=True):
@@ -102,9 +110,12 @@ class ReadingOptions:
                 proposal = seen.proposal or proposed_mapping(path, wanted, problem)
                 if seen.problem or proposal is not None:
                     tell(str(seen))
-            itself = len(paths) == 1 and proposal is not None and works(proposal)
+            error = tried(proposal) if tried is not None and proposal is not None else None
+            itself = imports and len(paths) == 1 if tried is None else error is None
             for line in self.proposal_lines(path, proposal, itself=itself):
                 say(line)
+            if error is not None:
+                tell(f"  ({self.typed[1]} needs more: " + str(error) + ")")
 
     def proposal_lines(self, path: str, proposal: ImportMapping | None, *, itself: bool) -> list[str]:
         """Return the command that reads a file: the one that was typed, if it does so ``itself``, or import."""
