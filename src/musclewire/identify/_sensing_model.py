@@ -224,6 +224,7 @@ def fit(
     notes = loop_notes(given, None if quantity == "force" else measured) | wire_notes(recording)
     source = given.facts.text_or_none("source") or ""
     against = (*recording_defects(given, quantity), *filter(None, [not_done(given)]), *interpolated.said)
+    unusable = asked_once(given, JudgedRecording).measured[1]
     try:
         model = fit_loop(
             reading.resistance_ohm,
@@ -238,6 +239,7 @@ def fit(
         )
     except (RecordingError, FitRejectedError) as error:
         why = without_loop(error, recording) if isinstance(error, RecordingError) else error
+        against = (*unusable, *against)
         raise (type(why)(f"{why} ({'; '.join(against)})") if against else why) from None
     model = replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity))
     stated = None
@@ -250,7 +252,7 @@ def fit(
     model = with_wire_model(model, loops, motion, minor_loop_motion(given, cold_ohm, model), stated)
     if not relative_resistance:
         model = with_gains(model, recording.facts)
-    said = (*model.warnings, *asked_once(given, JudgedRecording).measured[1], *against)
+    said = (*model.warnings, *unusable, *against)
     return replace(model, warnings=said, does_not_hold=against_a_loop(model, given))
 
 

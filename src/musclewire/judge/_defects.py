@@ -20,7 +20,15 @@ from musclewire.errors import RecordingError
 from musclewire.judge._findings import remedies
 from musclewire.judge._readings import JudgedRecording, resistance_reading
 from musclewire.sensing import SHOWN_AS, hysteresis_gap, noise_level, turning_points
-from musclewire.signals import COLUMN_SUFFIX, Recording, RunFacts, asked_once, reference_quantity
+from musclewire.signals import (
+    COLUMN_SUFFIX,
+    MOTION,
+    Recording,
+    RunFacts,
+    asked_once,
+    judge_readings,
+    reference_quantity,
+)
 
 Rows = NDArray[np.intp]
 # The numbers of a defect by their names in its sentence, with their units and words; None without one.
@@ -341,20 +349,30 @@ class MeasuredRows(NamedTuple):
 
 
 def measured_rows(recording: Recording) -> MeasuredRows:
-    """Return the rows of a recording that nobody put between measured ones: those are judged alone.
+    """Return the rows of a recording in which its instruments of motion measured, and that nobody put between others.
 
     A loop of 71 readings that was drawn out to 1,420 rows holds no more than 71. Its noise does not scatter from row to
-    row, so that whatever learns noise from neighbouring rows takes it for a motion of the wire.
+    row, so that whatever learns noise from neighbouring rows takes it for a motion of the wire. Raises RecordingError
+    if most of what moved was not measured.
     """
     rows, n_times = asked_once(recording, rows_between_lines), len(recording)
-    if rows is None:
+    moved, said = asked_once(recording, judged_motion)
+    if rows is None and moved.all():
         return MeasuredRows(None, recording)
+    if rows is not None:
+        lines = f"{n_times - rows.size} of {n_times} rows lie on straight lines between the {rows.size} that were "
+        said = (*said, lines + "measured, and say nothing of their own: all is judged at those that were measured")
+    rows = np.flatnonzero(moved) if rows is None else rows[moved[rows]]
     kept = Recording({name: values[rows] for name, values in recording.columns.items()}, recording.metadata)
-    said = (
-        f"{n_times - rows.size} of {n_times} rows lie on straight lines between the {rows.size} that were measured, "
-        "and say nothing of their own: all is judged at those that were measured"
-    )
-    return MeasuredRows(rows, kept, (said,))
+    return MeasuredRows(rows, kept, said)
+
+
+def judged_motion(recording: Recording) -> tuple[NDArray[np.bool_], tuple[str, ...]]:
+    """Return where the instruments of motion measured, and what is said of the rest; RecordingError if it is much."""
+    judged = judge_readings(recording.columns, recording.facts.stated, MOTION)
+    if judged.contradiction:
+        raise RecordingError(judged.contradiction)
+    return judged.usable, judged.findings[len(judged.notes) :]
 
 
 def rows_between_lines(recording: Recording) -> NDArray[np.intp] | None:

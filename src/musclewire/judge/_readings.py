@@ -85,7 +85,7 @@ class JudgedRecording:
         """The rows in which the columns that are used are measurements, (n_times,), and what is said of the others."""
         judged = judge_readings(self._columns, self._facts.stated, self.source)
         if judged.contradiction:
-            raise RecordingError(f"two columns contradict each other: {judged.contradiction}")
+            raise RecordingError(f"{judged.contradiction}")
         return judged.usable, judged.findings
 
     @cached_property

@@ -429,5 +429,5 @@ def _check_branch(half: HalfCycle, points: LoopPoints, curves: SmoothedRecording
     if samples < MIN_BRANCH_SAMPLES:
         raise RecordingError(
             f"{samples} samples between B and C on the {name} branch, at least {MIN_BRANCH_SAMPLES} are "
-            "needed: sample faster or drive more slowly"
+            f"needed: {left_out or 'sample faster or drive more slowly'}"
         )

@@ -43,6 +43,7 @@ from ._joining import join_recordings as join_recordings
 from ._journal import JOURNAL_SUFFIX as JOURNAL_SUFFIX
 from ._journal import journal_of as journal_of
 from ._journal import recording_of as recording_of
+from ._lone_readings import MOTION as MOTION
 from ._metadata import MetadataValue as MetadataValue
 from ._metadata import checked_metadata as checked_metadata
 from ._metadata import entry_from_text as entry_from_text

@@ -293,7 +293,7 @@ def _refuse_unusable(plan: ImportPlan, tally: CheckedBlocks) -> None:
         raise RecordingError(f"{plan.table.path}: {none} is 0 in every row: no current was measured, record it again")
     judged = tally.readings.judged(plan.metadata)
     if judged is not None and judged.contradiction:
-        raise RecordingError(f"{plan.table.path}: two columns contradict each other: {judged.contradiction}")
+        raise RecordingError(f"{plan.table.path}: {judged.contradiction}")
 
 
 def _write(plan: ImportPlan, tally: CheckedBlocks, output: Path, matlab_version: str | None) -> None:

@@ -1,4 +1,4 @@
-"""Readings that are no measurements: overload marks, ends of a range, pulses that are off, sources that contradict.
+"""Readings that are no measurements: marks, lone readings, ends of a range, pulses that are off, contradictions.
 
 They are judged before the wire is, and by this table only: whatever computes a resistance from a recording, the import
 of a file and the doctor ask ``judge_readings``. What stays at the end of a range looks like a wire that has stopped
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.signals._columns import COLUMNS
+from musclewire.signals._lone_readings import MEASURED, MOTION, OFF_FRACTION, PASSED, lone_readings
 from musclewire.signals._metadata import MetadataValue
 
 Rows = NDArray[np.bool_]
@@ -30,8 +31,6 @@ LEFT_OUT = "rows_left_out"
 UNITS_OVERRULED = "units_overruled"
 # And where its times are not as far apart as the file states.
 CLOCK_DOUBTED = "clock_doubted"
-# What is judged. The drive is a command, which may stand still; instruments of motion meet stops that are real.
-MEASURED = ("wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
 # Instruments print a number for "overload" that no bench has: 9.9E37 and 9.91E37 (SCPI), 1e38, a float's largest.
 OVERLOAD_FROM = 1e30
 # A plateau is at least so many equal rows.
@@ -57,12 +56,12 @@ PARTNERS = {
     "wire_current_a": ("wire_voltage_v",),
     "wire_resistance_ohm": ("drive_voltage_v", "wire_voltage_v", *_ELECTRICAL, "displacement_m", "reference_strain"),
 }
-KEPT = (*MEASURED, "drive_voltage_v", "displacement_m", "reference_strain")
+KEPT = (*MEASURED, *MOTION, "drive_voltage_v")
+# More lone readings than this part of a column are no accidents: which of its readings are right is not known.
+MANY_ALONE = 0.1
 # An import judges files of at most so many rows, which take 100 MB; what uses a recording judges it in any case.
 MAX_ROWS = 2_000_000
 MOVED, FINE = 0.25, 0.01
-# A wire's resistance changes by less than this factor, and so does the voltage at a current that is held.
-PASSED = 1.5
 # In noise a resistance is cut off in at least this part of all rows.
 OFTEN = 0.03
 # The part of all its distinct neighbouring values that lies at a column's own step.
@@ -72,8 +71,7 @@ CHIPS = {"ina219": (0.04, 0.08, 0.16, 0.32), "ina226": (0.08192,)}
 BOARD_SHUNT_OHM = 0.1
 # A reading within this part of a stated range's end is at it: one step of 12 bits less.
 AT_END = 1.0 - 1.0 / 4096.0
-# Pulses are off where voltage and current are below this part of their largest, and their quotient is none of the wire.
-OFF_FRACTION = 0.02
+# Pulses are off where voltage and current are next to nothing, and their quotient is none of the wire by this factor.
 WIRE_RATIO = 2.0
 # Two sources of one quantity may differ by so much: shunts, leads and ranges do; and wire and shunt of the drive.
 CURRENT_FRACTION, RESISTANCE_FRACTION, NOT_COUNTED = 0.1, 0.2, 0.05
@@ -131,7 +129,9 @@ class JudgedReadings:
         return (*self.notes, *counted)
 
 
-def judge_readings(columns: Columns, metadata: Metadata, used: tuple[str, ...] = MEASURED) -> JudgedReadings:
+def judge_readings(
+    columns: Columns, metadata: Metadata, used: tuple[str, ...] = (*MEASURED, *MOTION)
+) -> JudgedReadings:
     """Return which rows are measurements.
 
     Parameters
@@ -150,23 +150,37 @@ def judge_readings(columns: Columns, metadata: Metadata, used: tuple[str, ...] =
     """
     n_times = next(iter(columns.values())).size
     named = {name: np.zeros(n_times, dtype=np.bool_) for name in used}
-    found = []
-    for rule in RULES:
-        for item in rule(columns, metadata):
+    found, contradiction = list[UnusableRows](), ""
+    mended = {name: bridged(values, np.isnan(values)) for name, values in columns.items()}
+    for rule in (*FALSE_NUMBERS, *RULES):
+        for item in list(rule(mended, metadata)):
+            if rule in FALSE_NUMBERS:
+                mended[item.column] = bridged(mended[item.column], item.rows)
             if item.column in used and (item.rows & ~named[item.column]).any():
                 named[item.column] |= item.rows
                 found.append(item)
+                if rule is lone and item.rows.sum() > MANY_ALONE * n_times:
+                    contradiction = f"{int(item.rows.sum())} of {n_times} rows, too many to leave them out: {item.why}"
     bad = np.any(list(named.values()), axis=0)
-    good = {name: values[~bad] for name, values in columns.items()}
-    contradiction = "" if bad.all() else next(contradictions(good, metadata), "")
+    good = {name: values[~bad] for name, values in mended.items()}
+    for said in () if contradiction or bad.all() else contradictions(good, metadata):
+        contradiction = contradiction or f"two columns contradict each other: {said}"
     notes = [str(metadata[said]) for said in (LEFT_OUT, UNITS_OVERRULED, CLOCK_DOUBTED) if said in metadata]
     notes += [] if bad.all() else drive_doubts(good)
     return JudgedReadings(~bad, tuple(found), contradiction, tuple(notes))
 
 
+def bridged(values: FloatArray, rows: Rows) -> FloatArray:
+    """Return a column in which some rows lie on lines between those next to them; 0 if they are all."""
+    there = np.flatnonzero(~rows)
+    if there.size == values.size:
+        return values
+    return np.interp(np.arange(values.size), there, values[there]) if there.size else np.zeros(values.shape)
+
+
 def overload_marks(columns: Columns, _: Metadata) -> Iterator[UnusableRows]:
     """Yield the rows in which an instrument says that its range was exceeded."""
-    for name in MEASURED:
+    for name in (*MEASURED, *MOTION):
         if name in columns and (rows := is_overload(columns[name])).any():
             yield UnusableRows(
                 name, rows, f"{name} holds {columns[name][np.argmax(rows)]:.3g}, an instrument's mark of an overload"
@@ -179,12 +193,38 @@ def is_overload(values: FloatArray) -> Rows:
         return np.asarray(np.abs(values) >= OVERLOAD_FROM)
 
 
+def lone(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
+    """Yield the rows in which a column stands alone, but for those that are said to be held."""
+    for name, rows in lone_readings(columns).items():
+        if name in _held(metadata):
+            continue
+        at = between(columns[name][rows], name)
+        yield UnusableRows(
+            name, rows, f"{name} stands alone there at {at}, far from the rest: spikes, or an instrument's mark"
+        )
+
+
+def other_sign(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
+    """Yield the rows in which a current jumps by a whole range to a sign that it has not with this voltage."""
+    for name, current_a in _currents(columns, metadata):
+        if "wire_voltage_v" not in columns:
+            continue
+        power, size = columns["wire_voltage_v"] * current_a, np.abs(current_a)
+        there = size > NOT_COUNTED * size.max()
+        rows = there & (power * np.sign(np.median(power[there] if there.any() else power)) < 0.0)
+        jumps = np.abs(np.diff(columns[name]))[np.diff(rows)]
+        if 0 < 2 * rows.sum() < there.sum() and np.median(jumps) > np.abs(columns[name]).max():
+            at, by = between(columns[name][rows], name), _shown(float(np.median(jumps)), name)
+            why = f"{name} has the other sign there, {at}, where wire_voltage_v goes on, with jumps by {by}: a number "
+            yield UnusableRows(name, rows, f"{why}that wrapped at an end of its range; {_LARGER}")
+
+
 def ends_of_range(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
     """Yield the rows at an end of range that file, mapping or chip states."""
     for name in MEASURED:
         if name not in columns:
             continue
-        size = _sizes(columns[name])
+        size = np.abs(columns[name])
         for end, whose in _stated_ends(name, metadata):
             rows = size >= AT_END * end
             if rows.any() and (whose == "stated" or size[rows].max() <= end / AT_END):
@@ -212,11 +252,10 @@ def plateaus(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
     The largest is that of the size: an input range has no end at zero. ``held_columns`` of the metadata names columns
     that were held on purpose.
     """
-    held = {name.strip() for name in str(metadata.get("held_columns", "")).split(",")}
     for name in MEASURED:
-        if name not in columns or name in held:
+        if name not in columns or name in _held(metadata):
             continue
-        size = _sizes(columns[name])
+        size = np.abs(columns[name])
         at_top = size == size.max()
         runs = [run for run in _runs(at_top) if run[1] - run[0] >= PLATEAU_ROWS]
         # A column that never moves was held, as by a source of current: of an end of range only the metadata know.
@@ -227,6 +266,10 @@ def plateaus(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
         if any(ends(_Plateau(size, *run, step), columns, PARTNERS[name]) for run in runs):
             top = _shown(float(size.max()), name)
             yield UnusableRows(name, at_top, f"{name} stays at {top}, the end of a range; {_LARGER}")
+
+
+def _held(metadata: Metadata) -> set[str]:
+    return {name.strip() for name in str(metadata.get("held_columns", "")).split(",")}
 
 
 class _Plateau(NamedTuple):
@@ -278,7 +321,7 @@ def _ends_drive(plateau: _Plateau, columns: Columns, partners: tuple[str, ...]) 
 
 def _outgrows(plateau: _Plateau, values: FloatArray) -> bool:
     """Return whether another column changes so much that this one would have changed too, by more than its step."""
-    inside = _sizes(values[plateau.first : plateau.last])
+    inside = np.abs(values[plateau.first : plateau.last])
     low, high = float(inside.min()), float(inside.max())
     # In proportion to it the equal rows would have begun lower, by this part of their value.
     missing = (high - low) / high if high - low > _min_change(values) else 0.0
@@ -361,7 +404,7 @@ def off_pulses(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
     for name, current_a in _currents(columns, metadata):
         if "wire_voltage_v" not in columns:
             continue
-        volts, amperes = _sizes(columns["wire_voltage_v"]), _sizes(current_a)
+        volts, amperes = np.abs(columns["wire_voltage_v"]), np.abs(current_a)
         low = (volts <= OFF_FRACTION * volts.max()) & (amperes <= OFF_FRACTION * amperes.max())
         if not low.any() or low.all() or not amperes[~low].min() > 0.0:
             continue
@@ -379,9 +422,9 @@ def _currents(columns: Columns, metadata: Metadata) -> Iterator[tuple[str, Float
     """Yield the sources of the current, each by the name of its column, as [A]."""
     shunt_ohm = _positive(metadata.get("shunt_resistance_ohm"))
     if "shunt_voltage_v" in columns and shunt_ohm is not None:
-        yield "shunt_voltage_v", _without_marks(columns["shunt_voltage_v"]) / shunt_ohm
+        yield "shunt_voltage_v", columns["shunt_voltage_v"] / shunt_ohm
     if "wire_current_a" in columns:
-        yield "wire_current_a", _without_marks(columns["wire_current_a"])
+        yield "wire_current_a", columns["wire_current_a"]
 
 
 def other_current(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
@@ -392,8 +435,7 @@ def other_current(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows
     shunt_a, current_a = currents.values()
     off = np.abs(shunt_a - current_a) > CURRENT_FRACTION * np.abs(current_a) + NOT_COUNTED * np.abs(current_a).max()
     # Where one of the two is at the end of its range, the other is right.
-    known = [item for rule in (overload_marks, ends_of_range, plateaus) for item in rule(columns, metadata)]
-    for item in known:
+    for item in (item for rule in (ends_of_range, plateaus) for item in rule(columns, metadata)):
         off &= ~item.rows
     if off.any():
         why = "shunt_voltage_v over the shunt differs from wire_current_a there; leave out the column that is wrong"
@@ -422,7 +464,7 @@ def contradictions(good: Columns, metadata: Metadata) -> Iterator[str]:
         )
     if not {"wire_voltage_v", "wire_resistance_ohm"} <= good.keys():
         return
-    volts, resistance = _without_marks(good["wire_voltage_v"]), _without_marks(good["wire_resistance_ohm"])
+    volts, resistance = good["wire_voltage_v"], good["wire_resistance_ohm"]
     for name, current_a in currents.items():
         there = (np.abs(current_a) > NOT_COUNTED * np.abs(current_a).max()) & (resistance > 0.0)
         ratio = float(np.median(volts[there] / (current_a * resistance)[there])) if there.any() else 1.0
@@ -441,7 +483,7 @@ def drive_doubts(good: Columns) -> list[str]:
     if not {"wire_voltage_v", "drive_voltage_v"} <= good.keys() or not good["drive_voltage_v"].max() > 0.0:
         return []
     drive_v = good["drive_voltage_v"]
-    inner_v = _without_marks(good["wire_voltage_v"]) + _without_marks(good.get("shunt_voltage_v", 0.0 * drive_v))
+    inner_v = good["wire_voltage_v"] + good.get("shunt_voltage_v", 0.0 * drive_v)
     high = drive_v > 0.5 * drive_v.max()
     ratio = float(np.median(inner_v[high] / drive_v[high]))
     if DRIVE_LOW <= ratio <= DRIVE_HIGH:
@@ -480,23 +522,16 @@ class ReadingsOfBlocks:
         )
 
 
-# What makes a reading unusable, in the order in which it is named.
-RULES: tuple[Callable[[Columns, Metadata], Iterator[UnusableRows]], ...] = (
-    overload_marks,
+Rule = Callable[[Columns, Metadata], Iterator[UnusableRows]]
+# What makes a reading unusable, in the order in which it is named: numbers that were never measured, by which nothing
+# else is judged, and what other rows show.
+FALSE_NUMBERS: tuple[Rule, ...] = (overload_marks, lone, other_sign)
+RULES: tuple[Rule, ...] = (
     ends_of_range,
     plateaus,
     off_pulses,
     other_current,
 )
-
-
-def _sizes(values: FloatArray) -> FloatArray:
-    return np.abs(_without_marks(values))
-
-
-def _without_marks(values: FloatArray) -> FloatArray:
-    """Return values in which overload marks and what is not finite are 0."""
-    return np.where(np.isfinite(values) & ~is_overload(values), values, 0.0)
 
 
 def _runs(there: Rows) -> list[tuple[int, int]]:
@@ -512,3 +547,9 @@ def _positive(value: MetadataValue) -> float | None:
 
 def _shown(value: float, name: str) -> str:
     return f"{value:.4g} {COLUMNS[name].unit}"
+
+
+def between(values: FloatArray, name: str) -> str:
+    """Return the range of some readings of a column with its unit."""
+    low, high = f"{values.min():.4g}", _shown(float(values.max()), name)
+    return high if values.min() == values.max() else f"{low} to {high}"
