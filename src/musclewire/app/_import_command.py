@@ -123,10 +123,9 @@ def joined_lines(joined: JoinedRecordings, second: str) -> list[str]:
     how = joined.how
     if joined.columns:
         how = f"by the correlation {joined.correlation:.3f} of {' and '.join(dict.fromkeys(joined.columns))}"
-    rate = f", and runs {joined.rate:.6g} times as fast (+- {joined.rate_std:.2g})" if joined.rate != 1.0 else ""
     scatter = "" if joined.delay_std_s is None else f", standard deviation {joined.delay_std_s:.2g} s"
     delay = f"{joined.delay_s:.6g} s{scatter}"
     return [
-        f"{second}: its clock is ahead by {delay}{rate}, {how}",
+        f"{second}: its clock is ahead by {delay}, {how}",
         *(f"  {note}" for note in joined.notes),
     ]
