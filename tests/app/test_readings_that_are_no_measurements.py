@@ -93,3 +93,29 @@ def test_an_rms_voltage_over_a_mean_current_is_no_resistance(
     answer = musclewire("import", file, *given)
     assert answer.code == (2 if refused else 0)
     assert ("root of the duty cycle" in answer.err) == refused
+
+
+@pytest.mark.parametrize("turned", ["current_mA", "bus_V"])
+def test_a_voltage_or_current_that_is_negative_throughout_is_turned_and_said_to_be(
+    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: Callable[..., Any], turned: str
+) -> None:
+    file = written(tmp_path / "leads.csv", {**loop, turned: -loop[turned]})
+    said = (
+        f"{'wire_current_a' if turned == 'current_mA' else 'wire_voltage_v'} is negative throughout: its sign is turned"
+    )
+    assert said in musclewire("import", file, "-c", "wire_voltage_v=bus_V:V", "-o", tmp_path / "r.h5").out
+    recording = mw.read_recording(tmp_path / "r.h5")
+    assert recording["wire_current_a"].min() > 0.0
+    assert recording["wire_voltage_v"].min() > 0.0
+    fitted = musclewire("fit", file, *OPTIONS, "--json")
+    assert any(said in text for text in fitted.json["warnings"])
+
+
+def test_a_current_of_both_signs_is_not_turned(
+    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: Callable[..., Any]
+) -> None:
+    sign = np.where(np.arange(3600) % 2, 1.0, -1.0)
+    file = written(
+        tmp_path / "ac.csv", {**loop, "bus_V": sign * loop["bus_V"], "current_mA": sign * loop["current_mA"]}
+    )
+    assert "is turned" not in musclewire("import", file, "-c", "wire_voltage_v=bus_V:V").out

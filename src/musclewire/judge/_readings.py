@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument
 from musclewire.physics import ArrayReading, wire_resistance, wire_resistance_from_current
-from musclewire.signals import Reason, Recording, asked_once, judge_readings
+from musclewire.signals import Reason, Recording, asked_once, judge_readings, turned_columns
 
 Mask = NDArray[np.bool_]
 # The columns from which resistance follows, the rawest first.
@@ -108,9 +108,13 @@ class JudgedRecording:
             return reading
         if not usable.all():
             raise RecordingError(f"none of {self._n_times} samples can be used: {'; '.join(findings)}")
+        turned = turned_columns({name: self._columns[name] for name in self.source})
+        cure = (
+            f"{' and '.join(turned)} is negative throughout: exchange the two leads of its pair, or negate the column"
+        )
         raise RecordingError(
             f"no current: none of {self._n_times} samples has 1 mA or more through the wire "
-            f"({' and '.join(self.source)}); check the columns and their units"
+            f"({' and '.join(self.source)}); {cure if turned else 'check the columns and their units'}"
         )
 
     @property

@@ -88,6 +88,7 @@ from ._units import measured_in as measured_in
 from ._units import measures as measures
 from ._units import parse_quantity as parse_quantity
 from ._unusable_readings import judge_readings as judge_readings
+from ._unusable_readings import turned_columns as turned_columns
 from ._whole_files import remove_parts as remove_parts
 from ._whole_files import write_text_whole as write_text_whole
 from ._whole_files import write_whole as write_whole

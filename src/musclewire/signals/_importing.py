@@ -47,9 +47,11 @@ from musclewire.signals._units import beyond, conversion_to_si, largest_in
 from musclewire.signals._unusable_readings import (
     CLOCK_DOUBTED,
     LEFT_OUT,
+    SIGN_TURNED,
     UNITS_OVERRULED,
     ReadingsOfBlocks,
     is_overload,
+    turned_columns,
 )
 
 # A wire that shortens by its whole length does not exist: larger numbers are percent, not fractions.
@@ -149,6 +151,7 @@ class CheckedBlocks:
     readings: ReadingsOfBlocks = field(default_factory=ReadingsOfBlocks)
     clock_start_s: float | None = None
     clock_doubt: str | None = None
+    turned: tuple[str, ...] | None = None
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
@@ -172,6 +175,8 @@ class CheckedBlocks:
         """What reading found in words, as metadata: rows with an overload mark, times that are not as stated."""
         counted = [f"{count} rows with an overload mark in {name}" for name, count in self.overloads.items()]
         found: dict[str, MetadataValue] = {LEFT_OUT: f"left out: {', '.join(counted)}"} if counted else {}
+        turned = [f"{name} is negative throughout: its sign is turned" for name in self.turned or ()]
+        found |= {SIGN_TURNED: "; ".join(turned)} if turned else {}
         return found | ({CLOCK_DOUBTED: self.clock_doubt} if self.clock_doubt else {})
 
 
@@ -427,6 +432,10 @@ class _BlockReader:
 
     def _mounted(self, columns: dict[str, FloatArray]) -> dict[str, FloatArray]:
         """Return columns with those of sensors turned around and counted from the first row, if asked for."""
+        if self._tally.turned is None:
+            foreign = {item.column: columns[item.column] for item in self._plan.match.taken if item.how != "own name"}
+            self._tally.turned = turned_columns(foreign)
+        columns |= {name: -columns[name] for name in self._tally.turned}
         if self._plan.mapping.invert:
             columns |= {name: -columns[name] for name in _INVERTED if name in columns}
         if self._plan.mapping.zero:

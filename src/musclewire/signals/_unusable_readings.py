@@ -31,6 +31,8 @@ LEFT_OUT = "rows_left_out"
 UNITS_OVERRULED = "units_overruled"
 # And where its times are not as far apart as the file states.
 CLOCK_DOUBTED = "clock_doubted"
+# And where a voltage or current was negative throughout, as by a shunt whose leads are exchanged.
+SIGN_TURNED = "sign_turned"
 # Instruments print a number for "overload" that no bench has: 9.9E37 and 9.91E37 (SCPI), 1e38, a float's largest.
 OVERLOAD_FROM = 1e30
 # A plateau is at least so many equal rows.
@@ -56,6 +58,7 @@ PARTNERS = {
     "wire_current_a": ("wire_voltage_v",),
     "wire_resistance_ohm": ("drive_voltage_v", "wire_voltage_v", *_ELECTRICAL, "displacement_m", "reference_strain"),
 }
+SAID = (LEFT_OUT, UNITS_OVERRULED, CLOCK_DOUBTED, SIGN_TURNED)
 KEPT = (*MEASURED, *MOTION, "drive_voltage_v")
 # More lone readings than this part of a column are no accidents: which of its readings are right is not known.
 MANY_ALONE = 0.1
@@ -165,7 +168,7 @@ def judge_readings(
     good = {name: values[~bad] for name, values in mended.items()}
     for said in () if contradiction or bad.all() else contradictions(good, metadata):
         contradiction = contradiction or f"two columns contradict each other: {said}"
-    notes = [str(metadata[said]) for said in (LEFT_OUT, UNITS_OVERRULED, CLOCK_DOUBTED) if said in metadata]
+    notes = [str(metadata[said]) for said in SAID if said in metadata]
     notes += [] if bad.all() else drive_doubts(good)
     return JudgedReadings(~bad, tuple(found), contradiction, tuple(notes))
 
@@ -217,6 +220,19 @@ def other_sign(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
             at, by = between(columns[name][rows], name), _shown(float(np.median(jumps)), name)
             why = f"{name} has the other sign there, {at}, where wire_voltage_v goes on, with jumps by {by}: a number "
             yield UnusableRows(name, rows, f"{why}that wrapped at an end of its range; {_LARGER}")
+
+
+def turned_columns(columns: Columns) -> tuple[str, ...]:
+    """Return which of voltage and current are negative throughout where the other is positive."""
+    found = []
+    for name in _ELECTRICAL:
+        if {"wire_voltage_v", name} <= columns.keys():
+            pair = {one: columns[one] for one in (name, "wire_voltage_v")}
+            there = [np.abs(values) > NOT_COUNTED * np.quantile(np.abs(values), 0.9) for values in pair.values()]
+            signs = np.sign([values[there[0] & there[1]] for values in pair.values()])
+            if signs.shape[1] > PLATEAU_ROWS and np.mean(signs.prod(axis=0) < 0.0) > 1.0 - MANY_ALONE:
+                found += [one for one, sign in zip(pair, signs, strict=True) if np.mean(sign < 0.0) > 1.0 - MANY_ALONE]
+    return tuple(dict.fromkeys(found))
 
 
 def ends_of_range(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:

@@ -164,6 +164,12 @@ def test_stated_ends_of_range_and_those_of_a_stated_chip_are_no_readings() -> No
         assert "10 of 20 rows are no measurements: wire_current_a stays at 0.4 A" in judged.findings[0]
 
 
+def test_a_current_that_is_negative_throughout_is_said_to_be(loop: Recording) -> None:
+    negative = by_current(loop, wire_current_a=-loop["shunt_voltage_v"] / SHUNT_OHM)
+    with pytest.raises(RecordingError, match="wire_current_a is negative throughout: exchange the two leads"):
+        resistance_reading(negative)
+
+
 def test_pulses_that_are_off_are_left_out_and_what_is_on_is_fitted(loop: Recording) -> None:
     random = np.random.default_rng(3)
     on = random.random(len(loop)) < 0.4
