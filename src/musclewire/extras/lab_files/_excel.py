@@ -14,7 +14,7 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
-from datetime import timedelta
+from datetime import datetime, time, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from musclewire.errors import CallerError, RecordingError, argument, nearest_hin
 from musclewire.extras.lab_files._file_table import MAX_NAMED, check_limits, damage_reported, one_line
 from musclewire.signals import (
     CurableError,
+    FileWriter,
     ImportMapping,
     Line,
     MetadataValue,
@@ -38,7 +39,7 @@ MAX_ROWS = 1_048_576
 MAX_COLUMNS = 16_384
 _HEAD_ROWS = 60
 _SEPARATOR = ";"
-_DECIMAL_COMMA = re.compile(r"[+-]?[0-9]+,[0-9]+(?:[eE][+-]?[0-9]+)?")
+_DECIMAL_COMMA = re.compile(r"[+-]?(?:[0-9]+|[0-9]{1,3}(?:\.[0-9]{3})+),[0-9]+(?:[eE][+-]?[0-9]+)?")
 _OLE = b"\xd0\xcf\x11\xe0"
 
 
@@ -87,17 +88,26 @@ def _rows(sheet: Any, path: Path) -> Iterator[tuple[Any, ...]]:
 
 
 def _lines(sheet: Any, path: Path) -> Iterator[Line]:
-    for number, row in enumerate(_rows(sheet, path), start=1):
+    rows = _rows(sheet, path)
+    head = list(itertools.islice(rows, _HEAD_ROWS))
+    dates = set(range(max(map(len, head), default=0)))
+    for row in head:
+        # openpyxl gives a date without a time as midnight.
+        dates -= {index for index, value in enumerate(row) if isinstance(value, datetime) and value.time() != time()}
+    for number, row in enumerate(itertools.chain(head, rows), start=1):
         line = io.StringIO()
-        csv.writer(line, delimiter=_SEPARATOR, lineterminator="").writerow([_text(value) for value in row])
+        cells = [_text(value, index in dates) for index, value in enumerate(row)]
+        csv.writer(line, delimiter=_SEPARATOR, lineterminator="").writerow(cells)
         yield number, line.getvalue()
 
 
-def _text(value: Any) -> str:
+def _text(value: Any, is_date: bool) -> str:
     """Return a cell as a text file would write it."""
+    if isinstance(value, datetime) and is_date:
+        return value.date().isoformat()
     if isinstance(value, str):
         text = " ".join(value.split())
-        return text.replace(",", ".") if _DECIMAL_COMMA.fullmatch(text) else text
+        return text.replace(".", "").replace(",", ".") if _DECIMAL_COMMA.fullmatch(text) else text
     if isinstance(value, timedelta):
         minutes, seconds = divmod(value.total_seconds(), 60.0)
         return f"{minutes // 60:.0f}:{minutes % 60:02.0f}:{seconds:09.6f}"
@@ -119,6 +129,9 @@ def _chosen(sheets: Sequence[Any], wanted: str | None, path: Path) -> Any:
             raise RecordingError(f"{path}: has no sheet '{one_line(wanted)}'{hint}")
         sheets = named[:1]
     found = [sheet for sheet in sheets if _holds_numbers(sheet, path)]
+    if wanted is None:
+        # Who hid a sheet does not mean it, unless nothing else is there.
+        found = [sheet for sheet in found if sheet.sheet_state == "visible"] or found
     if len(found) == 1:
         return found[0]
     if not found:
@@ -194,3 +207,6 @@ def fill_excel(columns: Mapping[str, FloatArray], metadata: Mapping[str, Metadat
 def _cells(values: FloatArray) -> list[float | None]:
     """Return a column as cells: what is no number is an empty cell, which Excel can keep."""
     return [value if np.isfinite(value) else None for value in values.tolist()]
+
+
+WRITER = FileWriter(lambda _version: fill_excel)

@@ -5,6 +5,7 @@ No other file is opened: links are not followed, nor data outside. Nothing is un
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import pickletools
 from collections.abc import Iterator, Mapping
@@ -51,7 +52,7 @@ def hdf5_folders(path: Path, what: str = "HDF5") -> list[Folder]:
         items = list(itertools.islice(_items(file, (), set()), MAX_OBJECTS + 1))
         if len(items) > MAX_OBJECTS:
             raise RecordingError(f"{path}: holds more than {MAX_OBJECTS} data sets; export a part of it")
-        tree: dict[tuple[str, ...], Folder] = {(): Folder((), attributes=dict(file.attrs))}
+        tree: dict[tuple[str, ...], Folder] = {(): Folder((), attributes=_attributes(file))}
         frames: set[tuple[str, ...]] = set()
         for place, item in items:
             # What MATLAB's references point to, and PyTables' indices.
@@ -66,7 +67,7 @@ def hdf5_folders(path: Path, what: str = "HDF5") -> list[Folder]:
                 members = {names[-1]: each for names, each in items if names[:-1] == place and hasattr(each, "dtype")}
                 tree[place] = _frame(place, item, members, path)
             else:
-                tree[place] = Folder(place, attributes=dict(item.attrs))
+                tree[place] = Folder(place, attributes=_attributes(item))
         return list(tree.values())
 
 
@@ -83,6 +84,15 @@ def _items(group: Any, place: tuple[str, ...], seen: set[int]) -> Iterator[tuple
                 yield (*place, name), item
                 if isinstance(item, h5py.Group) and len(place) < MAX_DEPTH:
                     yield from _items(item, (*place, name), seen)
+
+
+def _attributes(item: Any) -> dict[str, object]:
+    """Return the attributes of a group or data set, without those of types that NumPy does not have."""
+    found: dict[str, object] = {}
+    for key in item.attrs:
+        with contextlib.suppress(TypeError, OSError, ValueError):
+            found[key] = item.attrs[key]
+    return found
 
 
 def _opened(path: Path, what: str = "HDF5") -> Any:
@@ -118,11 +128,13 @@ def _add(tree: dict[tuple[str, ...], Folder], place: tuple[str, ...], dataset: A
             if isinstance(referred, h5py.Dataset) and referred.dtype.kind != "O":
                 _add(tree, (*element, name), referred, path)
     elif dataset.dtype.names and dataset.ndim == 1:
-        tree[place] = Folder(place, list(_fields(dataset, path)), dict(dataset.attrs))
+        tree[place] = Folder(place, list(_fields(dataset, path)), _attributes(dataset))
     elif dataset.dtype.kind in "biuf" and matlab_class in {None, *MATLAB_NUMBERS}:
         folder.arrays.append(_array(path, dataset, name))
     else:
-        folder.left_out[name] = matlab_class or "it holds no real numbers"
+        folder.left_out[name] = (
+            "it holds no real numbers" if matlab_class in {None, *MATLAB_NUMBERS} else str(matlab_class)
+        )
 
 
 def _checked(dataset: Any, path: Path) -> Any:
@@ -144,16 +156,16 @@ def _array(path: Path, dataset: Any, name: str, field: str = "", **attributes: o
             return np.asarray(item.fields(field)[index[0]])[(..., *index[1:])] if field else item[index]
 
     shape = dataset.shape + (dataset.dtype[field].shape if field else ())
-    return NamedArray(name, shape, read, {**({} if field else dataset.attrs), **attributes})
+    return NamedArray(name, shape, read, attributes if field else _attributes(dataset))
 
 
 def _fields(dataset: Any, path: Path) -> Iterator[NamedArray]:
     """Yield the fields of a table of records, each with the attributes that begin with its name."""
     for field in dataset.dtype.names[:MAX_COLUMNS]:
         if dataset.dtype[field].base.kind in "biuf":
-            own = {key: value for key, value in dataset.attrs.items() if key.lower().startswith(f"{field.lower()}_")}
-            attributes = {key[len(field) + 1 :]: value for key, value in own.items()}
-            yield _array(path, dataset, field, field, **attributes)
+            start = f"{field.lower()}_"
+            own = {key: value for key, value in _attributes(dataset).items() if key.lower().startswith(start)}
+            yield _array(path, dataset, field, field, **{key[len(start) :]: value for key, value in own.items()})
 
 
 def _frame(place: tuple[str, ...], group: Any, members: Mapping[str, Any], path: Path) -> Folder:

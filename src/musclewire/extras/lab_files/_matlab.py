@@ -27,7 +27,7 @@ from musclewire.extras.lab_files._file_table import (
 )
 from musclewire.extras.lab_files._hdf5_tree import MATLAB_NUMBERS, hdf5_folders
 from musclewire.extras.lab_files._named_arrays import Folder, NamedArray, parts_of
-from musclewire.signals import COLUMNS, MetadataValue
+from musclewire.signals import COLUMNS, FileWriter, MetadataValue
 
 # Our own .mat files keep the metadata, which MATLAB's names cannot all spell, as JSON in this variable.
 METADATA_NAME = "musclewire_metadata"
@@ -62,7 +62,7 @@ def read_matlab_table(path: Path, group: str | None = None) -> FileTable:
         ]
         own = [folder.attributes.pop(METADATA_NAME, None) for folder in folders if not folder.path]
         for folder in folders:
-            folder.arrays = [_with_time(array, is_hdf5) for array in folder.arrays]
+            folder.arrays = [_on_its_side(array, is_hdf5) for array in folder.arrays]
         parts = parts_of(folders, lambda names: ".".join(names) or _ROOT)
         if unusable and not any(part.row_count > 1 for part in parts):
             name, kind = unusable[0]
@@ -113,17 +113,26 @@ def _folders(struct: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[Folde
             yield from _folders(each, (*path, name))
 
 
-def _with_time(array: NamedArray, is_hdf5: bool) -> NamedArray:
-    """Return an array; in a matrix of Simulink's block To File the rows are signals, and the first is the time [s]."""
+def _on_its_side(array: NamedArray, is_hdf5: bool) -> NamedArray:
+    """Return an array; of a matrix wider than high, what its first row and first column say of its rows.
+
+    Simulink's block To File writes a signal in each row, the first one the time [s]. A first column that rises is that
+    of a table with more channels than samples.
+    """
     # HDF5 keeps MATLAB's dimensions in the opposite order.
-    rows, columns = (
-        (array.shape[::-1] if is_hdf5 else array.shape) if len(array.axes) == 2 == len(array.shape) else (0, 0)
-    )
-    if not 1 < rows < columns or columns > MAX_CELLS_AT_ONCE:
+    shape = array.shape[::-1] if is_hdf5 else array.shape
+    if len(array.axes) != 2 or len(shape) != 2 or not shape[0] < shape[1] <= MAX_CELLS_AT_ONCE:
         return array
-    first = next(array.columns()).read(0, columns)
-    units = ["s", *[""] * (rows - 1)]
-    return replace(array, attributes={**array.attributes, "units": units}) if (np.diff(first) > 0.0).all() else array
+    row, column = (0, slice(0, shape[1])), (slice(0, shape[0]), 0)
+    rises = [
+        bool((np.diff(array.read(index[::-1] if is_hdf5 else index).ravel()) > 0.0).all()) for index in (row, column)
+    ]
+    stated: dict[str, object] = {}
+    if rises[0]:
+        stated["units"] = ["s", *[""] * (shape[0] - 1)]
+    elif rises[1]:
+        stated["columns"] = [f"{array.name} {number}" for number in range(1, shape[1] + 1)]
+    return replace(array, attributes={**array.attributes, **stated})
 
 
 def _own_metadata(texts: Sequence[object], path: Path) -> dict[str, MetadataValue]:
@@ -227,3 +236,6 @@ def _array(group: Any, name: str, values: Any, matlab_class: str | None = None, 
     if values.dtype == np.bool_:
         dataset.attrs["MATLAB_int_decode"] = np.int32(1)
     return dataset
+
+
+WRITER = FileWriter(fill_of_version)

@@ -17,7 +17,15 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError
-from musclewire.extras.lab_files._file_table import MAX_NAMED, FileColumn, FilePart, is_clock, metadata_of, one_line
+from musclewire.extras.lab_files._file_table import (
+    MAX_CELLS_AT_ONCE,
+    MAX_NAMED,
+    FileColumn,
+    FilePart,
+    is_clock,
+    metadata_of,
+    one_line,
+)
 from musclewire.signals import columns_called, parse_quantity, split_header, stated_periods_s
 
 MAX_COLUMNS = 10_000
@@ -93,7 +101,9 @@ class NamedArray:
             if self.is_time:
                 return _seconds_since(self.value(), values)
             numbers = values.astype(np.float64)
-            return np.where(numbers == blank, np.nan, numbers * factor + constant)
+            numbers[numbers == blank] = np.nan
+            # Whole numbers are packed by the conventions of netCDF; next to others a factor may say anything.
+            return numbers * factor + constant if values.dtype.kind in "iu" else numbers
 
         return read
 
@@ -128,6 +138,8 @@ def parts_of(folders: Iterable[Folder], spelled: Callable[[tuple[str, ...]], str
     tree = {folder.path: folder for folder in folders}
     root = tree.setdefault((), Folder())
     _give_units(tree)
+    for folder in tree.values():
+        folder.arrays = [_dated(array) for array in folder.arrays]
     _lift_channels(tree)
     return [part for folder in tree.values() for part in _tables(folder, root, spelled)]
 
@@ -211,12 +223,13 @@ def _says_nothing(name: str, folder: str) -> bool:
 def _same(one: NamedArray, other: NamedArray) -> bool:
     rows = one.row_count
     (first, *_), (second, *_) = one.columns(), other.columns()
-    return bool(np.array_equal(first.read(0, rows), second.read(0, rows))) and one.value() == other.value()
+    same = rows <= MAX_CELLS_AT_ONCE and np.array_equal(first.read(0, rows), second.read(0, rows))
+    return bool(same and first.unit == second.unit and one.value() == other.value())
 
 
 def _tables(folder: Folder, root: Folder, spelled: Callable[[tuple[str, ...]], str]) -> Iterator[FilePart]:
     """Yield the tables of a folder: its arrays of one length and clock; a matrix without vectors is one by itself."""
-    arrays = [_dated(array) for array in folder.arrays if len(array.axes) in {1, 2}]
+    arrays = [array for array in folder.arrays if len(array.axes) in {1, 2}]
     scalars = {array.name: array.value() for array in folder.arrays if not array.axes}
     described = {**root.attributes, **folder.attributes, **scalars}
     metadata = metadata_of({key: value for key, value in described.items() if not _TECHNICAL.match(key)})

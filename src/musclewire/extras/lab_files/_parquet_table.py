@@ -14,7 +14,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument, require_extra
 from musclewire.extras.lab_files._file_table import check_limits, damage_reported, metadata_of, one_line
-from musclewire.signals import BLOCK_ROWS, COLUMNS, Cells, MetadataValue, RowBlock, SourceColumn
+from musclewire.signals import BLOCK_ROWS, COLUMNS, Cells, FileWriter, Fill, MetadataValue, RowBlock, SourceColumn
 
 # Our files keep the metadata under this key of the schema, as JSON.
 PARQUET_KEY = b"musclewire-recording"
@@ -169,3 +169,11 @@ def _pyarrow() -> tuple[Any, Any]:
     from pyarrow import parquet
 
     return pa, parquet
+
+
+def _fill(_version: str | None) -> Fill:
+    require_extra("a Parquet file", "parquet")
+    return fill_parquet
+
+
+WRITER = FileWriter(_fill, fill_parquet_blocks)

@@ -11,8 +11,8 @@ MANIFEST = Manifest(
     readers=("musclewire.extras.lab_files._formats:lab_file_reader",),
     suffixes_read=(".tdms", ".lvm", ".mat", ".xlsx", ".parquet", ".nc"),
     writers={
-        ".mat": "musclewire.extras.lab_files._writers:MATLAB",
-        ".parquet": "musclewire.extras.lab_files._writers:PARQUET",
-        ".xlsx": "musclewire.extras.lab_files._writers:EXCEL",
+        ".mat": "musclewire.extras.lab_files._matlab:WRITER",
+        ".parquet": "musclewire.extras.lab_files._parquet_table:WRITER",
+        ".xlsx": "musclewire.extras.lab_files._excel:WRITER",
     },
 )

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scipy.io import savemat
 from tests.corpus.test_corpus import READ, mapping_of, name_of, path_of
 from tests.extras.lab_files.corpus.lab_signals import (
     DISPLACEMENT_MM,
@@ -189,6 +190,35 @@ def test_names_units_and_channels_decide_what_is_one_table(tmp_path):
         file["t"], file["data"], file["note"] = time_s, np.ones((3, 50)), "a text"
     assert list(columns_of(tmp_path / "b.h5")) == ["data 1", "data 2", "data 3", "t"]
     assert table_of(tmp_path / "b.h5").notes == ("'note' was left out: it holds no real numbers",)
+
+
+def test_a_matrix_wider_than_high_is_read_by_what_rises_in_it(tmp_path):
+    """Simulink's signals are rows below the time, in both versions; many channels of few samples are columns."""
+    time_s = np.arange(40) * 0.1
+    signals = np.vstack([time_s, np.cos(time_s), np.sin(time_s)])
+    channels = np.column_stack([time_s[:5], *np.random.default_rng(1).normal(size=(7, 5))])
+    savemat(tmp_path / "a.mat", {"ans": signals})
+    with h5py.File(tmp_path / "b.mat", "w", userblock_size=512) as file:
+        file["ans"] = signals.T
+        file["ans"].attrs["MATLAB_class"] = np.bytes_("double")
+    (tmp_path / "b.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(512) + (tmp_path / "b.mat").read_bytes()[512:])
+    savemat(tmp_path / "c.mat", {"data": channels})
+    for name in ("a.mat", "b.mat"):
+        assert units_of(tmp_path / name) == {"ans 1": "s", "ans 2": None, "ans 3": None}
+        assert np.array_equal(np.vstack(list(columns_of(tmp_path / name).values())), signals)
+    assert np.array_equal(np.column_stack(list(columns_of(tmp_path / "c.mat").values())), channels)
+
+
+def test_whole_numbers_are_unpacked_and_what_hdf5_cannot_translate_is_left_out(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["time_s"], file["stroke"], file["force_n"] = np.arange(4) * 0.1, np.arange(4, dtype="i2"), np.arange(4.0)
+        file["stroke"].attrs.update(units="mm", scale_factor=0.5, add_offset=1.0, _FillValue=np.int16(3))
+        file["force_n"].attrs["scale_factor"] = 7.0
+        opaque = h5py.h5t.create(h5py.h5t.OPAQUE, 3)
+        h5py.h5a.create(file["force_n"].id, b"raw", opaque, h5py.h5s.create(h5py.h5s.SCALAR))
+    columns = columns_of(tmp_path / "a.h5")
+    assert columns["stroke"] == pytest.approx([1.0, 1.5, 2.0, np.nan], nan_ok=True)
+    assert np.array_equal(columns["force_n"], np.arange(4.0))
 
 
 @pytest.mark.slow
