@@ -10,7 +10,7 @@ from musclewire.errors import RecordingError, argument
 from musclewire.judge import JudgedRecording, resistance_reading
 from musclewire.physics import ArrayReading
 from musclewire.sensing import noise_level
-from musclewire.signals import Recording, asked_once, reference_quantity
+from musclewire.signals import MAX_STRAIN, Recording, asked_once, reference_quantity
 
 # The cold wire's resistance is the median of so many readings at the beginning of a recording.
 COLD_READINGS = 9
@@ -100,14 +100,31 @@ def required_quantity(recording: Recording, quantity: str = "strain") -> FloatAr
     Raises
     ------
     RecordingError
-        If the recording lacks the instrument for it; the message names the column.
+        If the recording lacks the instrument for it; the message names the column. Or for a strain that no wire has.
     CallerError
         For an unknown quantity.
     """
-    found = reference_quantity(recording, quantity)
+    found = measured_quantity(recording, quantity)
     if found is None:
         raise RecordingError(why_no_reference(recording, quantity))
     return found
+
+
+def measured_quantity(recording: Recording, quantity: str) -> FloatArray | None:
+    """Return what :func:`reference_quantity` does. Raises RecordingError for a strain that no wire has."""
+    found = reference_quantity(recording, quantity)
+    if found is None or quantity != "strain" or not (beyond := np.abs(found) > MAX_STRAIN).any():
+        return found
+    cause = "reference_strain" if "reference_strain" in recording else "displacement_m or the length of the wire"
+    raise RecordingError(
+        f"{int(beyond.sum())} of {found.size} rows, the first at {recording['time_s'][beyond.argmax()]:.4g} s, are at "
+        f"a strain of up to {100 * np.abs(found).max():.3g} %, and no wire comes back from {100 * MAX_STRAIN:g} %: "
+        f"correct {cause}, or a unit, or take off what it reads cold ("
+        + argument("zero", True)
+        + "), or name what was measured ("
+        + argument("quantity", "displacement")
+        + ")"
+    )
 
 
 def why_no_reference(recording: Recording, quantity: str) -> str:

@@ -18,6 +18,7 @@ from musclewire.identify._loop_gaps import guide_friction_n
 from musclewire.identify._open_loop_estimate import open_loop_estimate
 from musclewire.identify._recordings import (
     DIVIDED_BY,
+    measured_quantity,
     over_cold_resistance,
     required_quantity,
     why_no_reference,
@@ -56,7 +57,7 @@ from musclewire.sensing import (
     segment_course,
     with_wire_model,
 )
-from musclewire.signals import COLUMN_SUFFIX, Reason, Recording, WireSample, asked_once, reference_quantity
+from musclewire.signals import COLUMN_SUFFIX, Reason, Recording, WireSample, asked_once
 from musclewire.wire import WireConstants
 
 if TYPE_CHECKING:
@@ -674,7 +675,7 @@ def estimate(
     reading = resistance_reading(recording)
     if not valid.any():
         raise nothing_valid(model, recording, reading, reasons)
-    measured = reference_quantity(recording, model.quantity)
+    measured = measured_quantity(recording, model.quantity)
     # A simulation begins nowhere: it is judged from the cold wire on.
     least = -np.inf if fell_back else model.quantity_min
     counts = valid if measured is None else valid & (measured >= least)

@@ -27,6 +27,7 @@ from musclewire.sensing._polynomial_fit import (
     fit_polynomial,
 )
 from musclewire.sensing._segments import LoopSegments, find_segments
+from musclewire.signals import MAX_STRAIN
 
 AnyBranch = tuple[npt.ArrayLike, npt.ArrayLike]
 
@@ -38,8 +39,6 @@ LARGE_GAP = 0.05
 LARGE_COLD_FRACTION = 0.25
 # A cold strain of more than this fraction of the stroke means that the sensor was not zeroed.
 UNZEROED_FRACTION = 0.05
-# No wire contracts by more; 3.5 instead of 0.035 is percent.
-MAX_STRAIN = 0.2
 KEPT_SAMPLES = 200
 RMSE_SLICES = 100
 
@@ -277,7 +276,7 @@ def _check_arguments(order: int | str, quantity: str) -> None:
 
 
 def _check_units(branches: tuple[Branch, Branch], quantity: str) -> None:
-    """Raise RecordingError for a strain that is in percent."""
+    """Raise RecordingError for a strain that no wire has, as one in percent."""
     largest = max(float(branch.quantity.max()) for branch in branches)
     if quantity == "strain" and largest > MAX_STRAIN:
         raise RecordingError(

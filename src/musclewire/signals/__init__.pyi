@@ -54,6 +54,7 @@ from ._open_journal import refuse_unfinished as refuse_unfinished
 from ._plots import PLOTS as PLOTS
 from ._plots import usual_plot as usual_plot
 from ._quantities import COLUMN_SUFFIX as COLUMN_SUFFIX
+from ._quantities import MAX_STRAIN as MAX_STRAIN
 from ._quantities import QUANTITIES as QUANTITIES
 from ._quantities import reference_quantity as reference_quantity
 from ._reading import has_headers as has_headers

@@ -9,6 +9,8 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.signals._recording import Recording
 
 QUANTITIES = ("strain", "displacement", "force")
+# NiTi takes back 8 % at most, and 3.5 in place of 0.035 is percent: no wire comes back from more than this.
+MAX_STRAIN = 0.12
 # Endings of the columns of each quantity: target_strain, estimated_displacement_m, target_force_n.
 COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": "force_n"}
 
