@@ -54,13 +54,13 @@ def test_what_is_ignored_has_to_be_there(file: Path, musclewire: Callable[..., A
         "no column 'Feucht' to ignore; did you mean 'Feuchte'?" in musclewire("import", file, "--ignore", "Feucht").err
     )
     both = musclewire("import", file, "--ignore", "Zeit", "-c", "time_s=Zeit:s")
-    assert "'Zeit' is both mapped and ignored" in both.err
+    assert "'Zeit' is both mapped to time_s and taken or ignored" in both.err
 
 
 def test_nothing_is_written_of_a_file_that_cannot_be_used(
     file: Path, tmp_path: Path, musclewire: Callable[..., Any]
 ) -> None:
-    file.write_text(FOREIGN.replace("300,9", "x"))
+    file.write_text(FOREIGN.replace("300,9", "x1"))
     given = ("-c", "time_s=Zeit:s", "-c", "wire_voltage_v=Vw:mV")
     preview, written = (musclewire("import", file, *given, *more) for more in ((), ("-o", tmp_path / "mine.h5")))
     assert preview.code == written.code == 2

@@ -231,7 +231,7 @@ def sketch_blocks(loop: Loop) -> Written:
         f"Bus Voltage:   {v:.4f} V\nShunt Voltage: {1e3 * s:.3f} mV\nCurrent:       {1e3 * i:.3f} mA\n\n"
         for v, s, i in zip(loop[V], loop[SHUNT], loop[AMP], strict=True)
     )
-    return Written({"serial.txt": text}, chosen(loop, V, SHUNT, AMP), "line")
+    return Written({"serial.txt": text}, {}, "refused")
 
 
 def sketch_blocks_with_time(loop: Loop) -> Written:
@@ -350,7 +350,7 @@ def two_clocks_of_a_host(loop: Loop) -> Written:
         (f"{BEGAN.timestamp() + t:.4f}", f"{5123.4 + t:.4f}", *row)
         for t, row in zip(loop[TIME], numbers(loop[R], 1e3 * loop[STROKE]), strict=True)
     ]
-    return Written({"processed.csv": lines([names, *rows])}, {R: loop[R], STROKE: loop[STROKE]}, "line")
+    return Written({"processed.csv": lines([names, *rows])}, {TIME: loop[TIME], R: loop[R], STROKE: loop[STROKE]})
 
 
 def factor_of_a_laser(loop: Loop) -> Written:

@@ -55,7 +55,7 @@ def test_the_judge_sees_a_wrong_unit_a_wrong_clock_lost_rows_and_a_mark_and_take
     truth = next(one for one in files if one.choice["defect"] == "whole").truths[0]
     true = dict(truth.columns)
     last = [name for name in true if name != TIME][-1]
-    marked = np.where(truth.kept, true[last], -9999.0)
+    marked = np.where(truth.kept, true[last], 1.1 * true[last])
     good = {name: values[truth.kept] for name, values in true.items()}
     assert judged(mw.Recording(good, {}), truth) == ("", ())
     assert judged(mw.Recording({name: good[name] for name in good if name != last}, {}), truth) == ("", (last,))
@@ -73,10 +73,6 @@ def test_the_judge_sees_a_wrong_unit_a_wrong_clock_lost_rows_and_a_mark_and_take
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True,
-    reason="18 of 60 are right, at once or by the line named, and 16 wrong with exit 0: as the command counts",
-)
 def test_of_60_drawn_layouts_at_most_one_in_200_is_read_wrongly_and_80_percent_are_right(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -27,6 +27,8 @@ _PATTERNS = tuple(
     re.compile(text)
     for text in (
         _TIME,
+        # What pandas writes of a time difference.
+        rf"(?P<days>\d+) days?,?(?: {_TIME})?",
         *(rf"{date}(?:[T ,;]+{_TIME}{_ZONE})?" for date in (_YEAR_FIRST, _YEAR_LAST, _MONTH_WORD)),
     )
 )
@@ -88,8 +90,8 @@ def _match(cell: str) -> re.Match[str] | None:
 class ClockTexts:
     """Turns times as text into seconds since the first of them, block after block.
 
-    A time of day that falls by more than twelve hours has passed midnight. Without a date the day's order (1/2: first
-    of February or second of January) does not matter; with one it is that in which the clock of the first rows rises.
+    A time of day that falls by more than twelve hours has passed midnight. The order of day and month (1/2: first of
+    February or second of January) is that in which the clock of the first rows rises.
     """
 
     def __init__(self, where: str, form: str = "") -> None:
@@ -100,7 +102,13 @@ class ClockTexts:
         self._last_us = 0
         self._midnights_us = 0
         self._day_first: bool | None = None
+        self._is_ambiguous = False
         self.start_time: str | None = None
+
+    @staticmethod
+    def is_time(cell: str) -> bool:
+        """Return whether a cell is a date with a time of day, or one of the two."""
+        return is_clock_text(cell)
 
     def seconds(self, cells: Sequence[str], place: Callable[[int], str]) -> FloatArray:
         """Return the times of rows [s] since the first row of all. Raises RecordingError for a cell that is none."""
@@ -108,7 +116,7 @@ class ClockTexts:
         if plain is not None:
             return plain
         if self._day_first is None:
-            self._day_first = _day_first(cells)
+            self._day_first, self._is_ambiguous = _day_first(cells)
         times_us = [self._microseconds(cell, place, row) for row, cell in enumerate(cells)]
         return self._since_the_first(np.array(times_us, dtype=np.int64))
 
@@ -132,7 +140,8 @@ class ClockTexts:
     def _since_the_first(self, times_us: np.ndarray[tuple[int], np.dtype[np.int64]]) -> FloatArray:
         if self._origin_us is None and times_us.size:
             self._origin_us = int(times_us[0])
-            if self._origin_us > 400 * _DAY_US:
+            # Of a date whose day and month could be changed for each other nothing is said.
+            if self._origin_us > 400 * _DAY_US and not self._is_ambiguous:
                 whole = datetime.datetime.fromordinal(self._origin_us // _DAY_US)
                 self.start_time = (whole + datetime.timedelta(microseconds=self._origin_us % _DAY_US)).isoformat()
         seconds: FloatArray = (times_us - (self._origin_us or 0)) / _MICROSECONDS
@@ -161,7 +170,7 @@ def _moment(cell: str, day_first: bool) -> _PointInTime | None:
     try:
         time_us = _time_us(parts) if parts.get("hour") else 0
         if "year" not in parts:
-            return _PointInTime(time_us, False)
+            return _PointInTime(time_us + int(parts.get("days") or 0) * _DAY_US, False)
         day = _date(parts, day_first).toordinal()
     except ValueError:
         return None
@@ -203,12 +212,19 @@ def _zone_us(zone: str | None) -> int:
     return (-1 if zone[0] == "-" else 1) * minutes * 60 * _MICROSECONDS
 
 
-def _day_first(cells: Sequence[str]) -> bool:
-    """Return whether the day comes before the month, by the order in which the dates are possible and rise least."""
+def _day_first(cells: Sequence[str]) -> tuple[bool, bool]:
+    """Return whether the day comes before the month, and whether it might as well be the other way round.
+
+    The order is that in which all dates are possible and rise least. Where days have two halves, the month comes first.
+    """
     totals: dict[bool, int] = {}
     for day_first in (True, False):
         times = [_moment(cell, day_first) for cell in cells]
         if None not in times:
             steps = np.diff([moment.microseconds for moment in times if moment is not None])
             totals[day_first] = int(np.abs(steps).sum()) if steps.size else 0
-    return min(totals, key=lambda day_first: totals[day_first]) if totals else True
+    if len(set(totals.values())) < len(totals):
+        match = _match(cells[0])
+        parts = {} if match is None else match.groupdict()
+        return not parts.get("half"), not parts.get("half") and parts.get("sign") in ("/", "-")
+    return (min(totals, key=lambda day_first: totals[day_first]) if totals else True), False

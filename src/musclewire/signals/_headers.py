@@ -7,11 +7,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from musclewire.errors import RecordingError, nearest_hint
-from musclewire.signals._clock_texts import written_clock
+from musclewire.errors import RecordingError, argument, nearest_hint
 from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, Column, columns_called, key_of_header, known_column
+from musclewire.signals._import_mapping import ImportMapping
 from musclewire.signals._source_table import SourceColumn
-from musclewire.signals._units import UnitConversion, conversion_to_si, measures, scale_to_si
+from musclewire.signals._units import (
+    UnitConversion,
+    conversion_to_si,
+    is_unit,
+    measures,
+    scale_between,
+    scale_to_si,
+)
 
 How = Literal["own name", "synonym", "mapped", "values", "unit"]
 
@@ -109,38 +116,46 @@ def match_columns(
     path: str,
     ignore: Sequence[str] = (),
     only_mapped: bool = False,
+    clock: MatchedHeader | UndecidedHeader | None = None,
+    of_the_clock: Sequence[int] = (),
+    trust_mapping: bool = False,
 ) -> HeaderMatch:
     """Return what becomes of each column: taken, ignored with a reason, or undecided with a message.
 
     ``mapping`` is NAME -> "HEADER" or "HEADER:UNIT" and comes first; ``#2`` as HEADER is the second column, unless
     a header has this name. ``ignore`` are headers that are left out; with ``only_mapped`` so are all that are not in
-    the mapping.
+    the mapping. ``clock`` is what the clock was found to be, ``of_the_clock`` are its columns. With ``trust_mapping``
+    a unit of the mapping holds against one that the file states.
 
     Raises
     ------
     RecordingError
-        If the mapping's unit is missing, unknown or of another quantity, a mapped or ignored header does not exist, or
-        one header is mapped twice; one line that begins with ``path``.
+        If the mapping's unit is missing, unknown, of another quantity or not the one that the file states, a mapped or
+        ignored header does not exist, or one header is mapped twice; one line that begins with ``path``.
     CallerError
         For a NAME in ``mapping`` that is no column.
     """
-    mapped = [_mapped(name, wanted, columns, path) for name, wanted in (mapping or {}).items()]
+    others = {name: wanted for name, wanted in (mapping or {}).items() if name != "time_s"}
+    mapped = [_mapped(name, wanted, columns, path, trust_mapping) for name, wanted in others.items()]
     by_index: dict[int, MatchedHeader | IgnoredHeader | UndecidedHeader] = {taken.index: taken for taken in mapped}
-    if len(by_index) < len(mapped):
+    if len(by_index) < len(mapped) or (mapping and "time_s" in mapping and set(by_index) & set(of_the_clock)):
         raise RecordingError(f"{path}: the mapping uses one header twice; map each header to one column")
     by_index |= _left_out(columns, ignore, by_index, path)
+    if clock is not None:
+        by_index |= {index: IgnoredHeader(columns[index].header, "part of the clock") for index in of_the_clock}
+        by_index[clock.index] = clock
     for index, column in enumerate(columns):
         if index in by_index:
             continue
         if only_mapped:
             by_index[index] = IgnoredHeader(column.header, "not in the mapping file")
             continue
-        found_by_name = _recognised(column, index, path, already_mapped=frozenset(mapping or ()))
+        found_by_name = _recognised(column, index, path, frozenset(mapping or ()), clock)
         if column.is_empty:
             would_be = None if isinstance(found_by_name, IgnoredHeader) else found_by_name.column
             found_by_name = EmptyHeader(column.header, "is empty", would_be)
         by_index[index] = found_by_name
-    found = _with_one_clock([by_index[index] for index in range(len(columns))])
+    found = [by_index[index] for index in range(len(columns))]
     taken = _as_branch_table([item for item in found if isinstance(item, MatchedHeader)])
     taken, anybodys = _voltage_of_the_wire(taken, path)
     taken, twice = _taken_once(taken, path)
@@ -149,21 +164,26 @@ def match_columns(
     return HeaderMatch(tuple(taken), ignored, undecided + twice)
 
 
-def _with_one_clock(
-    found: Sequence[MatchedHeader | IgnoredHeader | UndecidedHeader],
-) -> list[MatchedHeader | IgnoredHeader | UndecidedHeader]:
-    """Ignore times as text, and times without a unit, if another column counts the time in a unit."""
-    clocks = [item for item in found if isinstance(item, MatchedHeader) and item.column == "time_s"]
-    counted = [item for item in clocks if not item.is_text or item.how == "mapped"] or clocks
-    if len(counted) != 1:
-        return list(found)
-    reason = f"'{counted[0].header}' is the clock"
-    return [
-        IgnoredHeader(item.header, reason)
-        if not isinstance(item, IgnoredHeader) and item.column == "time_s" and item is not counted[0]
-        else item
-        for item in found
-    ]
+def name_and_unit(column: SourceColumn) -> tuple[str, str | None]:
+    """Return the name of a column, and the unit that the file states of it: next to its header, or in it."""
+    name, unit = split_header(column.header)
+    if column.unit is not None:
+        return name, column.unit
+    if unit is None:
+        own = _own_column(name)
+        return (name, own.unit) if own is not None else _with_unit_as_last_words(column.header)
+    return name, unit
+
+
+def index_of(name: str, wanted: str, columns: Sequence[SourceColumn], path: str) -> tuple[int, str | None]:
+    """Return the column that a mapping names, and the unit that it adds."""
+    return _find(name, wanted, [column.header for column in columns], path)
+
+
+def indices_left_out(columns: Sequence[SourceColumn], mapping: ImportMapping, path: str) -> frozenset[int]:
+    """Return the columns that a mapping takes for something else than the clock, or ignores."""
+    taken = {index_of(name, wanted, columns, path)[0] for name, wanted in mapping.columns.items() if name != "time_s"}
+    return frozenset(taken | set(_left_out(columns, mapping.ignore, {}, path)))
 
 
 def missing_from(
@@ -217,19 +237,19 @@ def _indices_called(wanted: str, columns: Sequence[SourceColumn]) -> list[int]:
     return [int(counted["number"]) - 1] if counted and in_range else []
 
 
-def _mapped(name: str, wanted: str, columns: Sequence[SourceColumn], path: str) -> MatchedHeader:
+def _mapped(name: str, wanted: str, columns: Sequence[SourceColumn], path: str, trust_mapping: bool) -> MatchedHeader:
     ours = known_column(name)
     index, unit = _find(name, wanted, [column.header for column in columns], path)
     column = columns[index]
     if column.is_text:
-        if ours.name != "time_s":
-            raise RecordingError(f"{path}: column '{column.header}' holds text, not numbers; map another to {name}")
-        return _clock(column, index, "mapped", unit)
-    scale = None if unit is None else scale_to_si(unit, name, _own_unit(column), f"{path}: column '{column.header}'")
+        raise RecordingError(f"{path}: column '{column.header}' holds text, not numbers; map another to {name}")
+    stated = _own_unit(column)
+    scale = None if unit is None else scale_to_si(unit, name, stated, f"{path}: column '{column.header}'")
     if unit is not None and scale is not None:
         return MatchedHeader(column.header, index, name, unit, True, scale.factor, scale.offset, "mapped")
-    if unit is None:
-        unit = _own_unit(column)
+    if unit is not None and stated and not trust_mapping:
+        _require_same(unit, stated, column.header, name, path)
+    unit = stated if unit is None else unit
     if unit is None and ours.unit:
         raise RecordingError(
             f"{path}: column '{column.header}' has no unit: add it to the mapping, as {name}={wanted}:{ours.unit}"
@@ -237,37 +257,26 @@ def _mapped(name: str, wanted: str, columns: Sequence[SourceColumn], path: str) 
     return _taken(column.header, index, ours, unit, "mapped", path)
 
 
+def _require_same(unit: str, stated: str, header: str, name: str, path: str) -> None:
+    """Raise RecordingError if a mapping gives another unit than the file states."""
+    if not measures(unit, name) or (is_unit(stated) and scale_between(unit, stated) != 1.0):
+        other = f"give the sensor's scale, as {name}={header}:0.5 {COLUMNS[name].unit}/{stated}"
+        cure = "leave the unit out of the mapping" if measures(stated, name) else other
+        raise RecordingError(
+            f"{path}: column '{header}' states {stated}, the mapping of {name} {unit}: {cure}, or let the mapping hold "
+            "(" + argument("trust_mapping", True) + ")"
+        )
+
+
 def _stated_unit(column: SourceColumn) -> str | None:
     """Return the unit next to a header, or in it."""
     return split_header(column.header)[1] if column.unit is None else column.unit
-
-
-def overruled_units(match: HeaderMatch, columns: Sequence[SourceColumn], path: str) -> tuple[str, ...]:
-    """Return where a mapping gives another unit than the file states, a sentence each: the mapping's holds."""
-    said = []
-    for item in match.taken:
-        stated = _stated_unit(columns[item.index])
-        if item.how != "mapped" or item.is_text or not stated or not measures(stated, item.column):
-            continue
-        by_header = conversion_to_si(stated, item.column, path)
-        if measures(item.unit, item.column) and (by_header.factor, by_header.offset) != (item.factor, item.offset):
-            said.append(
-                f"'{item.header}' is in {stated} by its own words and was taken as {item.unit or 'a plain number'}, "
-                "as the mapping says: leave the unit out of the mapping if the file is right"
-            )
-    return tuple(said)
 
 
 def _own_unit(column: SourceColumn) -> str | None:
     """Return the unit that a column states by itself: next to its header, in it, or by one of our names."""
     own = None if column.unit is not None else _own_column(split_header(column.header)[0])
     return _stated_unit(column) if own is None else own.unit
-
-
-def _clock(column: SourceColumn, index: int, how: How, form: str | None = None) -> MatchedHeader:
-    stated = written_clock(form) or written_clock(_stated_unit(column))
-    unit = stated or "s"
-    return MatchedHeader(column.header, index, "time_s", unit, True, 1.0, 0.0, how, is_text=True)
 
 
 def _find(name: str, wanted: str, headers: Sequence[str], path: str) -> tuple[int, str | None]:
@@ -301,40 +310,40 @@ def _key_of_name(header: str) -> str:
 
 
 def _recognised(
-    source: SourceColumn, index: int, path: str, already_mapped: frozenset[str]
+    source: SourceColumn,
+    index: int,
+    path: str,
+    already_mapped: frozenset[str],
+    clock: MatchedHeader | UndecidedHeader | None,
 ) -> MatchedHeader | IgnoredHeader | UndecidedHeader:
     header = source.header
     name, unit = split_header(header)
     unit = unit if source.unit is None else source.unit
     own = _own_column(name)
-    if own is not None and source.is_text and own.name != "time_s":
-        problem = f"{path}: column '{header}' holds text, not numbers; write numbers, or ignore this column"
-        return UndecidedHeader(header, index, own.name, problem)
-    if own is not None and not source.is_text:
-        return _taken_by_own_name(header, index, own, unit, path, already_mapped)
     if unit is None and own is None:
         # "Strain %" is percent, though "strain" alone is a fraction and punctuation does not matter in a name.
         name, unit = _with_unit_as_last_words(header)
     candidates = columns_called(name) if own is None else (own,)
-    if unit is None and any(column.name == "time_s" for column in candidates) and measures(name, "time_s"):
-        # "Seconds" and "ms" are name and unit at once.
-        unit = name if len(name) > 1 else None
     known = bool(candidates)
+    fitting = [column for column in candidates if unit is not None and measures(unit, column.name)]
+    if known and {column.name for column in fitting or candidates} == {"time_s"}:
+        return IgnoredHeader(header, "no clock" if clock is None else f"'{clock.header}' is the clock")
+    candidates = tuple(column for column in candidates if column.name != "time_s")
+    if own is not None and source.is_text:
+        problem = f"{path}: column '{header}' holds text, not numbers; write numbers, or ignore this column"
+        return UndecidedHeader(header, index, own.name, problem)
+    if own is not None:
+        return _taken_by_own_name(header, index, own, unit, path, already_mapped)
     candidates = tuple(column for column in candidates if column.name not in already_mapped)
     if not candidates:
         return IgnoredHeader(header, "its column is mapped to another header" if known else "name not known")
     if source.is_text:
-        return _clock_or_text(source, index, candidates)
+        return IgnoredHeader(header, "holds text, not numbers")
     fitting = [column for column in candidates if unit is not None and measures(unit, column.name)]
     column = (fitting or list(candidates))[0]
     if unit is None and column.unit and column.kind == "control":
         return IgnoredHeader(header, f"would be {column.name}, and has no unit")
     return _taken_or_undecided(header, index, column, unit, path)
-
-
-def _clock_or_text(source: SourceColumn, index: int, candidates: Sequence[Column]) -> MatchedHeader | IgnoredHeader:
-    is_time = any(column.name == "time_s" for column in candidates)
-    return _clock(source, index, "synonym") if is_time else IgnoredHeader(source.header, "holds text, not numbers")
 
 
 def _taken_or_undecided(

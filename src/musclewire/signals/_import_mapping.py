@@ -7,6 +7,7 @@ ignore = ["Humidity"]               columns that are left out
 group = "Measured"                  group, sheet or struct of a file that holds several tables
 drop_missing = true                 leave out rows in which a number is missing
 zero = true                         count displacement, strain and force from the first row
+trust_mapping = true                units below hold against those that the file states
 invert = true                       the sensor reads backwards: negate displacement and strain
 
 [columns]                           NAME = "HEADER" or "HEADER:UNIT"; "#2" is the second. No other column is taken.
@@ -32,7 +33,7 @@ from musclewire.signals._whole_files import write_text_whole
 from musclewire.small_files import read_toml, toml_value
 
 _FORMAT = "musclewire-mapping"
-_SWITCHES = ("drop_missing", "zero", "invert")
+_SWITCHES = ("drop_missing", "zero", "invert", "trust_mapping")
 _KEYS = ("format", "version", "sample_period", "ignore", "group", *_SWITCHES, "columns", "metadata")
 
 
@@ -79,6 +80,8 @@ class ImportMapping:
         Whether all columns that are not in ``columns`` are left out, as with a mapping file; False by default.
     group
         Group, sheet or struct of a file that holds several tables; None by default, for the only one.
+    trust_mapping
+        Whether a unit in ``columns`` holds against another one that the file states; by default the two are refused.
 
     Raises
     ------
@@ -95,6 +98,7 @@ class ImportMapping:
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
     only_mapped: bool = False
     group: str | None = None
+    trust_mapping: bool = False
 
     def __post_init__(self) -> None:
         """Check the sample period."""
@@ -144,6 +148,7 @@ class ImportMapping:
             {**self.metadata, **other.metadata},
             self.only_mapped or other.only_mapped,
             self.group if other.group is None else other.group,
+            self.trust_mapping or other.trust_mapping,
         )
 
 

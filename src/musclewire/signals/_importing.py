@@ -15,24 +15,33 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument
-from musclewire.signals._absolute_clocks import ABSOLUTE_FROM_S, absolute_clock
-from musclewire.signals._clock_texts import WRITTEN_CLOCKS, ClockTexts, written_clock
-from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, ISOBAR_TABLE, PULSE_TABLE, known_column, needs_no_clock
+from musclewire.signals._clocks import Clock, ClockReader, NoClock, find_clock, impossible, is_time_name
+from musclewire.signals._columns import (
+    BRANCH_TABLE,
+    COLUMNS,
+    ISOBAR_TABLE,
+    PULSE_TABLE,
+    known_column,
+    needs_no_clock,
+)
 from musclewire.signals._headers import (
     EmptyHeader,
     HeaderMatch,
-    IgnoredHeader,
+    How,
     MatchedHeader,
     UndecidedHeader,
+    index_of,
+    indices_left_out,
     match_columns,
     missing_from,
+    name_and_unit,
     numbered_headers,
-    overruled_units,
+    split_header,
 )
 from musclewire.signals._import_mapping import CurableError, ImportMapping
 from musclewire.signals._long_tables import spread_series
 from musclewire.signals._metadata import MetadataValue
-from musclewire.signals._proposing import columns_offered, mapped_with_unit, repeated_stamps
+from musclewire.signals._proposing import columns_offered, judged_units, mapped_with_unit, repeated_stamps
 from musclewire.signals._side_by_side import stacked_branches
 from musclewire.signals._source_table import (
     Cells,
@@ -40,15 +49,15 @@ from musclewire.signals._source_table import (
     SourceTable,
     differing_periods,
     doubted_clock,
-    head_of,
+    heads_of,
     rows_in,
+    stated_start_s,
 )
-from musclewire.signals._units import beyond, conversion_to_si, largest_in
+from musclewire.signals._units import beyond, largest_in
 from musclewire.signals._unusable_readings import (
     CLOCK_DOUBTED,
     LEFT_OUT,
     SIGN_TURNED,
-    UNITS_OVERRULED,
     ReadingsOfBlocks,
     is_overload,
     turned_columns,
@@ -106,6 +115,7 @@ class ImportPlan:
     cure: ImportMapping | None = None
     row_clock: bool = False
     test: int | None = None
+    clock: Clock | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -117,7 +127,7 @@ class ImportPlan:
     def offered(self) -> ImportMapping | None:
         """What headers with unknown names may be, if something of the wire is among it; else None."""
         found = columns_offered(self.table, self.match)
-        return found if _ELECTRICAL & found.columns.keys() else None
+        return found if found.columns else None
 
     @property
     def is_electrical(self) -> bool:
@@ -134,9 +144,7 @@ class ImportPlan:
     def metadata(self) -> dict[str, MetadataValue]:
         """The metadata of file and mapping."""
         numbered: dict[str, MetadataValue] = {"clock": "row numbers"} if self.row_clock else {}
-        overruled = overruled_units(self.match, self.table.columns, str(self.table.path))
-        units: dict[str, MetadataValue] = {UNITS_OVERRULED: "; ".join(overruled)} if overruled else {}
-        return {**self.table.metadata, **numbered, **units, **self.mapping.metadata}
+        return {**self.table.metadata, **numbered, **self.mapping.metadata}
 
 
 @dataclass
@@ -152,6 +160,9 @@ class CheckedBlocks:
     clock_start_s: float | None = None
     clock_doubt: str | None = None
     turned: tuple[str, ...] | None = None
+    clock_notes: tuple[str, ...] = ()
+    others: list[tuple[int, str]] = field(default_factory=list)
+    cut_off: str = ""
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
@@ -177,7 +188,21 @@ class CheckedBlocks:
         found: dict[str, MetadataValue] = {LEFT_OUT: f"left out: {', '.join(counted)}"} if counted else {}
         turned = [f"{name} is negative throughout: its sign is turned" for name in self.turned or ()]
         found |= {SIGN_TURNED: "; ".join(turned)} if turned else {}
+        if self.cut_off:
+            found["ended"] = "cut off"
         return found | ({CLOCK_DOUBTED: self.clock_doubt} if self.clock_doubt else {})
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What reading left out, a sentence each."""
+        found = [f"{self.dropped} rows without a number left out"] if self.dropped else []
+        found += [f"{self.repeated} rows left out, each the row before once more"] if self.repeated else []
+        if self.others:
+            number, text = self.others[0]
+            count = f"{len(self.others)} lines that are no rows" if len(self.others) > 1 else "a line that is no row"
+            found.append(f"{count} left out, as line {number}: '{' '.join(text.split())[:40]}'")
+        found += [self.cut_off] if self.cut_off else []
+        return (*found, *self.clock_notes)
 
 
 def plan_import(table: SourceTable, mapping: ImportMapping, test: int | None = None) -> ImportPlan:
@@ -189,16 +214,24 @@ def plan_import(table: SourceTable, mapping: ImportMapping, test: int | None = N
     found = missing_from(table.columns, mapping.columns, ())[0] != frozenset(mapping.columns)
     given, table = table, table if found else stacked_branches(spread_series(table))
     path, headers = table.path, tuple(column.header for column in table.columns)
-    match = match_columns(table.columns, mapping.columns, path, mapping.ignore, mapping.only_mapped)
-    match = _with_written_clock(_with_absolute_clock(match, table), table)
-    period_s = _counted_period_s(match, table, mapping)
-    if mapping.sample_period_s is not None:
-        match = _without_undecided_clock(match)
+    clock, no_clock = _clock_of(table, mapping)
+    counts = clock is not None and clock.counts
+    match = match_columns(
+        table.columns,
+        mapping.columns,
+        path,
+        mapping.ignore,
+        mapping.only_mapped,
+        _clock_header(clock, no_clock, table, mapping),
+        () if clock is None else clock.all_indices,
+        mapping.trust_mapping,
+    )
+    period_s = None if counts else _counted_period_s(match, table, mapping)
     stacked = table is not given and "time_s" not in {item.column for item in match.taken}
     row_clock = period_s is None and _has_row_clock(match, table, stacked)
     period_s = 1.0 if row_clock else period_s
-    notes = _notes(table, mapping, period_s, row_clock)
-    plan = ImportPlan(table, match, mapping, period_s, notes, row_clock=row_clock, test=test)
+    notes = _notes(table, mapping, period_s, row_clock, clock)
+    plan = ImportPlan(table, match, mapping, period_s, notes, row_clock=row_clock, test=test, clock=clock)
     if not mapping.columns and headers == numbered_headers(len(headers)):
         problem = (
             f"{path}: has no headers; name the columns in the first line, such as 'time [s],wire_voltage_v', "
@@ -206,7 +239,48 @@ def plan_import(table: SourceTable, mapping: ImportMapping, test: int | None = N
         )
         return replace(plan, problem=problem)
     problem = _problem(plan, headers)
-    return replace(plan, problem=problem, cure=_cure(plan) if problem else None)
+    return replace(plan, problem=problem, cure=_cure(plan, no_clock) if problem else None)
+
+
+def _clock_of(table: SourceTable, mapping: ImportMapping) -> tuple[Clock | None, NoClock | None]:
+    """Return the clock of a table, or the column that may be one if more were known of it."""
+    columns, path = table.columns, table.path
+    wanted = mapping.columns.get("time_s")
+    mapped = None if wanted is None else index_of("time_s", wanted, columns, path)
+    if mapped is None and mapping.only_mapped:
+        return None, None
+    left_out = indices_left_out(columns, mapping, path)
+    if mapped is not None and mapped[0] in left_out:
+        header = columns[mapped[0]].header
+        raise RecordingError(f"{path}: column '{header}' is both mapped to time_s and taken or ignored; choose one")
+    head = heads_of(table)
+    period_s = mapping.sample_period_s or next(iter(table.stated_periods_s.values()), None)
+    names = [name_and_unit(column) for column in columns]
+    found = find_clock(columns, head, names, period_s, path, mapped, left_out)
+    if isinstance(found, NoClock):
+        return None, None if mapping.sample_period_s is not None else found
+    if found is not None and found.counts:
+        found = replace(found, start_s=stated_start_s(table.metadata))
+    return found, None
+
+
+def _clock_header(
+    clock: Clock | None, no_clock: NoClock | None, table: SourceTable, mapping: ImportMapping
+) -> MatchedHeader | UndecidedHeader | None:
+    """Return the clock as the headers of other columns are matched."""
+    if no_clock is not None:
+        header = table.columns[no_clock.index].header
+        return UndecidedHeader(header, no_clock.index, "time_s", no_clock.message)
+    if clock is None:
+        return None
+    name, stated = name_and_unit(table.columns[clock.indices[0]])
+    is_own = name.strip().lower() == "time_s" and not clock.is_text and clock.factor == 1.0
+    how: How = "mapped" if "time_s" in mapping.columns else "own name" if is_own else "values"
+    if how == "values" and is_time_name(name) and (stated or clock.is_text):
+        how = "synonym"
+    return MatchedHeader(
+        clock.header, clock.indices[0], "time_s", clock.unit, stated is not None, clock.factor, 0.0, how, clock.is_text
+    )
 
 
 def checked_blocks(plan: ImportPlan, tally: CheckedBlocks) -> Iterator[dict[str, FloatArray]]:
@@ -217,10 +291,15 @@ def checked_blocks(plan: ImportPlan, tally: CheckedBlocks) -> Iterator[dict[str,
     if plan.problem:
         raise CurableError(plan.problem, plan.cure)
     reader = _BlockReader(plan, tally)
-    for block in plan.table.blocks([item.index for item in plan.match.taken]):
+    for block in plan.table.blocks(reader.indices):
+        if block.is_end:
+            reader.end(block)
+            continue
+        tally.others += block.others
         columns = reader.columns_of(block)
         tally.add(columns)
         yield columns
+    reader.finish()
     if tally.row_count < 2:
         raise RecordingError(f"{plan.table.path}: has {tally.row_count} rows; a recording needs 2 or more")
 
@@ -243,14 +322,38 @@ class _BlockReader:
         self._before: list[float] | None = None
         self._polled: bool | None = None
         self._test = 1
-        clock = next((item for item in plan.match.taken if item.is_text), None)
-        header = "" if clock is None else clock.header.replace("{", "{{").replace("}", "}}")
-        self._clock = ClockTexts(f"{self._path}: {{place}}, column '{header}'", "" if clock is None else clock.unit)
+        self._clock = None if plan.clock is None else ClockReader(plan.clock, self._path)
+        self._times = (np.inf, -np.inf)
+
+    @property
+    def indices(self) -> list[int]:
+        """The columns of the table that are read: those taken, and then all of the clock."""
+        return [item.index for item in self._plan.match.taken] + list(
+            () if self._plan.clock is None else self._plan.clock.all_indices
+        )
+
+    def end(self, block: RowBlock) -> None:
+        """Keep what follows the last row: a row that is cut off, or lines of something else."""
+        if block.is_cut:
+            self._tally.cut_off = f"the file is cut off in line {block.others[-1][0]}, which is left out"
+        else:
+            self._tally.others += block.others
+
+    def finish(self) -> None:
+        """Raise RecordingError if no wire can have gone through all rows in the time that the clock shows."""
+        if self._clock is not None:
+            self._tally.clock_notes = tuple(self._clock.notes)
+            lasted_s = self._times[1] - self._times[0]
+            if problem := impossible(self._clock.clock, self._tally.row_count, lasted_s, self._path):
+                raise RecordingError(problem)
 
     def columns_of(self, block: RowBlock) -> dict[str, FloatArray]:
         """Return a block's rows as columns of a recording."""
         taken = self._plan.match.taken
-        numbered = [self._numbers(item, cells, block) for item, cells in zip(taken, block.values, strict=True)]
+        numbered = [self._numbers(item, cells, block) for item, cells in zip(taken, block.values, strict=False)]
+        self._stamps = next(
+            (v for item, v in zip(taken, numbered, strict=True) if item.column == "time_s"), np.zeros(0)
+        )
         keep = self._kept(numbered, block) & self._not_repeated(numbered)
         rows = np.flatnonzero(keep)
         columns = {
@@ -259,12 +362,15 @@ class _BlockReader:
         }
         if self._plan.sample_period_s is not None:
             counted: FloatArray = (self._rows + rows).astype(np.float64) * self._plan.sample_period_s
+            counted += 0.0 if self._plan.row_clock else stated_start_s(self._plan.table.metadata)
             columns = {"time_s": counted, **columns}
         self._rows += keep.size
         if "time_s" in columns and self._plan.test is not None:
             columns, rows = self._of_the_test(columns, rows)
         if "time_s" in columns:
             self._check_clock_rises(columns["time_s"], block, rows)
+            if columns["time_s"].size:
+                self._times = (min(self._times[0], columns["time_s"][0]), float(columns["time_s"][-1]))
         if "time_s" in columns and self._tally.clock_doubt is None:
             own = any(item.column == "time_s" and item.how == "own name" for item in taken)
             needless = own or self._plan.sample_period_s is not None
@@ -273,10 +379,10 @@ class _BlockReader:
         return self._mounted(columns)
 
     def _numbers(self, item: MatchedHeader, cells: Cells, block: RowBlock) -> FloatArray:
-        if not item.is_text:
+        if item.column != "time_s" or self._clock is None:
             return np.asarray(cells, dtype=np.float64)
-        seconds = self._clock.seconds([str(cell) for cell in cells], block.place)
-        self._tally.start_time = self._clock.start_time
+        seconds = self._clock.seconds(block.values[len(self._plan.match.taken) :], block.place)
+        self._tally.start_time, self._tally.clock_start_s = self._clock.start_time, self._clock.clock_start_s
         return seconds
 
     def _kept(self, numbered: Sequence[FloatArray], block: RowBlock) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
@@ -286,7 +392,7 @@ class _BlockReader:
         if self._plan.mapping.drop_missing:
             for item, values in zip(self._plan.match.taken, numbered, strict=True):
                 if not _may_be_nan(item.column):
-                    keep &= ~np.isnan(values)
+                    keep &= np.isfinite(values)
             self._tally.dropped += int(size - keep.sum())
         # A recording of musclewire's own keeps its rows; what uses it judges them.
         of_others = [pair for pair in zip(self._plan.match.taken, numbered, strict=True) if pair[0].how != "own name"]
@@ -309,6 +415,9 @@ class _BlockReader:
         same = table == np.vstack([first, table[:-1]])
         same[0] &= self._before is not None
         self._before = table[-1].tolist()
+        # A stamp that most rows share with the row before is that of a batch, whose rows may be alike.
+        if 2 * same[:, columns.index("time_s")].sum() > size:
+            return np.ones(size, dtype=bool)
         if self._polled is None:
             # A recording of musclewire's own has every row that was measured, repeated or not.
             own = self._plan.match.taken[columns.index("time_s")].how == "own name"
@@ -341,19 +450,20 @@ class _BlockReader:
         bad = np.isinf(written) if _may_be_nan(item.column) else ~np.isfinite(written)
         if bad.any():
             row = int(np.argmax(bad))
+            self._refuse_word(item, block, int(rows[row]))
             missing = np.isnan(written[row])
             what = "the cell is blank or NaN" if missing else f"{written[row]:g} is not a finite number"
-            cure = "correct it, " + _DROP_CURE if missing else "correct it or remove the row"
             mostly_blank = missing and item.column != "time_s" and float(np.isnan(written).mean()) > 0.5
-            if mostly_blank:
-                cure = "as in most rows: correct it, or leave the column out"
+            cure = (
+                "as in most rows: correct it, or leave the column out"
+                if mostly_blank
+                else (("correct it, " if missing else "correct it or remove the row, ") + _DROP_CURE)
+            )
             message = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}': {what}; " + cure
             added = ImportMapping(ignore=(item.header,)) if mostly_blank else ImportMapping(drop_missing=True)
-            raise CurableError(message, added if missing else None)
+            raise CurableError(message, added)
         self._check_strain_is_a_fraction(item, written, block, rows)
-        if item.column == "time_s" and item.how != "own name":
-            written = self._since_the_first(written, item.factor)
-        converted = item.conversion.apply(written)
+        converted = written if item.column == "time_s" else item.conversion.apply(written)
         if item.column in _TEMPERATURES and item.how != "own name" and (converted < 0.0).any():
             row = int(np.argmax(converted < 0.0))
             where = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}'"
@@ -368,12 +478,14 @@ class _BlockReader:
             raise RecordingError(f"{where}: {written[row]:g} {item.unit} {beyond(unit_si)}")
         return converted
 
-    def _since_the_first(self, written: FloatArray, factor: float) -> FloatArray:
-        """Return a clock that counts from long ago, in its own unit, as time since the first row."""
-        if self._origin is None and written.size:
-            self._origin = float(written[0]) if factor * written[0] >= ABSOLUTE_FROM_S else 0.0
-            self._tally.clock_start_s = factor * self._origin or None
-        return written - self._origin if self._origin else written
+    def _refuse_word(self, item: MatchedHeader, block: RowBlock, row: int) -> None:
+        """Raise CurableError for a cell with a word among numbers."""
+        word = block.words.get((row, item.index))
+        if word is not None:
+            place = block.place(row)
+            cure = f"correct it or remove the {place.partition(' ')[0]}, " + _DROP_CURE
+            said = f"{self._path}: {place}, column '{item.header}': '{word}' is not a number; " + cure
+            raise CurableError(said, ImportMapping(drop_missing=True))
 
     def _check_strain_is_a_fraction(
         self, item: MatchedHeader, written: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
@@ -396,24 +508,24 @@ class _BlockReader:
             row = int(np.argmax(stuck))
             where = f"{self._path}: {block.place(int(rows[row]))}, column time_s: the clock does not rise, "
             where += f"{float(before[row])!r} s is followed by {float(time_s[row])!r} s"
-            self._refuse_batches(where, time_s[: 100 + row])
+            self._refuse_batches(where)
             self._refuse_several_tests(where, bool(begins_again(before, time_s)[row]))
             raise RecordingError(f"{where}; correct the clock there or cut the file")
         if time_s.size:
             self._last_time_s = float(time_s[-1])
 
-    def _refuse_batches(self, where: str, time_s: FloatArray) -> None:
+    def _refuse_batches(self, where: str) -> None:
         """Raise CurableError if each time stamp stands for a batch of rows."""
         clock = next((item for item in self._plan.match.taken if item.column == "time_s"), None)
-        found = repeated_stamps(time_s.tolist())
-        if clock is None or found is None:
+        # Of all rows, those included in which something else is missing.
+        period_s = None if clock is None else repeated_stamps(self._stamps)
+        if clock is None or period_s is None:
             return
-        count, period_s = found
+        header = self._plan.table.columns[clock.index].header
         message = (
-            f"{where}: one time stamp for each {count} rows: read them as a row every {period_s:g} s and ignore "
-            f"'{clock.header}'"
+            f"{where}: one time stamp for several rows: read them as a row every {period_s:g} s and ignore '{header}'"
         )
-        raise CurableError(message, ImportMapping(ignore=(clock.header,), sample_period_s=float(f"{period_s:.6g}")))
+        raise CurableError(message, ImportMapping(ignore=(header,), sample_period_s=period_s))
 
     def _refuse_several_tests(self, where: str, begins: bool) -> None:
         """Raise CurableError with a list if several tests are below each other."""
@@ -433,8 +545,8 @@ class _BlockReader:
     def _mounted(self, columns: dict[str, FloatArray]) -> dict[str, FloatArray]:
         """Return columns with those of sensors turned around and counted from the first row, if asked for."""
         if self._tally.turned is None:
-            foreign = {item.column: columns[item.column] for item in self._plan.match.taken if item.how != "own name"}
-            self._tally.turned = turned_columns(foreign)
+            others = {item.column: columns[item.column] for item in self._plan.match.taken if item.how != "own name"}
+            self._tally.turned = turned_columns(others)
         columns |= {name: -columns[name] for name in self._tally.turned}
         if self._plan.mapping.invert:
             columns |= {name: -columns[name] for name in _INVERTED if name in columns}
@@ -455,11 +567,14 @@ class TestBelow(NamedTuple):
 
 def tests_below_each_other(plan: ImportPlan) -> list[TestBelow]:
     """Return the tests in a table, of which each begins where the clock begins again."""
-    clock = next(item for item in plan.match.taken if item.column == "time_s")
-    cells = [block.values[0] for block in plan.table.blocks([clock.index])]
-    if any(isinstance(one, list) for one in cells):
+    clock = plan.clock
+    if clock is None:
         return []
-    written = np.concatenate([np.asarray(one, dtype=np.float64) for one in cells])
+    reader = ClockReader(clock, plan.table.path)
+    found = [
+        reader.seconds(block.values, block.place) for block in plan.table.blocks(clock.all_indices) if not block.is_end
+    ]
+    written = np.concatenate(found)
     times = written[np.isfinite(written)]
     starts = [0, *np.flatnonzero(begins_again(times[:-1], times[1:]) > 0) + 1, times.size]
     return [TestBelow(int(b - a), float(times[a]), float(times[b - 1])) for a, b in itertools.pairwise(starts)]
@@ -500,7 +615,7 @@ def _has_row_clock(match: HeaderMatch, table: SourceTable, stacked: bool) -> boo
     return stacked or (in_steps and rows_in(table) <= _MAX_STEPS)
 
 
-def _cure(plan: ImportPlan) -> ImportMapping | None:
+def _cure(plan: ImportPlan, no_clock: NoClock | None) -> ImportMapping | None:
     """Return what to add to the mapping against the plan's problem, None if nothing is known."""
     match, table = plan.match, plan.table
     offered = columns_offered(table, match)
@@ -510,59 +625,15 @@ def _cure(plan: ImportPlan) -> ImportMapping | None:
             return ImportMapping({item.column: mapped_with_unit(table, twice.header, twice.index, twice.column)})
         if "or ignore it" in item.message:
             return None
-        wanted = f"{item.header}:{WRITTEN_CLOCKS[0]}"
-        if not table.columns[item.index].is_text:
-            wanted = mapped_with_unit(table, item.header, item.index, item.column)
-        return offered.joined(ImportMapping({item.column: wanted}))
+        if item.column == "time_s":
+            unit = None if no_clock is None else no_clock.offered
+            return None if unit is None else offered.joined(ImportMapping({"time_s": f"{item.header}:{unit}"}))
+        # What the file does not state a person has to know, unless it can be one thing only.
+        judged = judged_units(table, match)
+        return None if judged is None else offered.joined(judged)
     found = set(plan.names) | set(offered.columns)
-    if not found - _COUNTERS:
-        return None
     has_clock = "time_s" in found or needs_no_clock(found)
-    return offered if has_clock else offered.joined(ImportMapping(sample_period_s=EXAMPLE_PERIOD_S))
-
-
-def _with_absolute_clock(match: HeaderMatch, table: SourceTable) -> HeaderMatch:
-    """Return a match in which a time without a unit is taken if its numbers can only count from long ago."""
-    clocks = [item for item in match.undecided if item.column == "time_s"]
-    if len(clocks) != 1 or any(item.column == "time_s" for item in match.taken):
-        return match
-    cells = head_of(table, clocks[0].index)
-    found = None if isinstance(cells, list) else absolute_clock(cells)
-    if found is None:
-        return match
-    conversion = conversion_to_si(found.unit, "time_s", table.path)
-    clock = MatchedHeader(
-        clocks[0].header, clocks[0].index, "time_s", found.unit, True, conversion.factor, 0.0, "values"
-    )
-    taken = sorted((*match.taken, clock), key=lambda item: item.index)
-    return HeaderMatch(tuple(taken), match.ignored, tuple(item for item in match.undecided if item is not clocks[0]))
-
-
-def _with_written_clock(match: HeaderMatch, table: SourceTable) -> HeaderMatch:
-    """Return a match in which times of two numbers are minutes and seconds by their numbers, or undecided."""
-    clock = next((item for item in match.taken if item.is_text), None)
-    if clock is None or clock.unit in WRITTEN_CLOCKS:
-        return match
-    form = written_clock(None, [str(cell) for cell in head_of(table, clock.index)])
-    if form == "":
-        return match
-    others = tuple(item for item in match.taken if item is not clock)
-    if form is not None:
-        return HeaderMatch((replace(clock, unit=form), *others), match.ignored, match.undecided)
-    message = (
-        f"{table.path}: column '{clock.header}' may be minutes and seconds or hours and minutes; "
-        f"map it as it is meant: time_s={clock.header}:{WRITTEN_CLOCKS[0]}"
-    )
-    undecided = UndecidedHeader(clock.header, clock.index, "time_s", message)
-    return HeaderMatch(others, match.ignored, (*match.undecided, undecided))
-
-
-def _without_undecided_clock(match: HeaderMatch) -> HeaderMatch:
-    """Return a match in which times without a unit are ignored, because the rows are counted instead."""
-    clocks = [item for item in match.undecided if item.column == "time_s"]
-    ignored = tuple(IgnoredHeader(item.header, "the sample period is the clock") for item in clocks)
-    others = tuple(item for item in match.undecided if item.column != "time_s")
-    return HeaderMatch(match.taken, match.ignored + ignored, others)
+    return offered if found - _COUNTERS and has_clock else None
 
 
 def _counted_period_s(match: HeaderMatch, table: SourceTable, mapping: ImportMapping) -> float | None:
@@ -581,7 +652,11 @@ def _counted_period_s(match: HeaderMatch, table: SourceTable, mapping: ImportMap
     return stated if clock is None and not undecided and not needs_no_clock(found) else None
 
 
-def _notes(table: SourceTable, mapping: ImportMapping, period_s: float | None, row_clock: bool) -> tuple[str, ...]:
+def _notes(
+    table: SourceTable, mapping: ImportMapping, period_s: float | None, row_clock: bool, clock: Clock | None
+) -> tuple[str, ...]:
+    if clock is not None and clock.words:
+        return (*table.notes, f"'{clock.header}': {clock.words}")
     if period_s is None:
         return table.notes
     if row_clock:
@@ -599,7 +674,11 @@ def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
     listed += ", ..." if len(headers) > 12 else ""
     if not found - _COUNTERS and (plan.match.ignored or not found):
         what = "only the time" if found else "nothing"
-        return f"{path}: {what} is usable of {listed}: map what was measured, as wire_voltage_v=HEADER:V"
+        measured = [column.header for column in plan.table.columns if not column.is_text]
+        example = next((name for name in measured if not is_time_name(split_header(name)[0])), "HEADER")
+        return (
+            f"{path}: {what} is usable of {listed}: map what was measured, with its unit, as wire_voltage_v={example}:V"
+        )
     shunt_ohm = plan.metadata.get("shunt_resistance_ohm")
     if "shunt_voltage_v" in found and isinstance(shunt_ohm, int | float) and not 0.0 < shunt_ohm < np.inf:
         return (

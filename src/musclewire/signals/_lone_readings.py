@@ -23,7 +23,7 @@ MOTION = ("displacement_m", "reference_strain", "force_n", "endpoint_displacemen
 # what is as long as that is no spike.
 NEAREST, TRIMMED = 10, 5
 # It stands alone if it is off by more than the rest differs, by this part of what the column reaches for longer, and by
-# so many standard deviations of its neighbours, of which twenty tell only half, and steps of the column.
+# so many standard deviations of its neighbours, of which twenty show only half, and steps of the column.
 FAR, NOISES, STEPS = 0.2, 12.0, 3.0
 # The standard deviation of normal noise over the median size of its differences.
 STD_OF_DIFFERENCES = 1.0 / (0.6745 * 2.0**0.5)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Sequence
-
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.errors import RecordingError
+from musclewire.signals._clocks import Clock, ClockReader, NoClock, find_clock
 from musclewire.signals._columns import key_of_header
-from musclewire.signals._source_table import Cells, SourceColumn, SourceTable, TableInMemory
-from musclewire.signals._units import is_unit
+from musclewire.signals._headers import name_and_unit
+from musclewire.signals._source_table import Cells, SourceColumn, SourceTable, TableInMemory, heads_of
+from musclewire.signals._units import is_unit, scale_between
 
 _NAMES = frozenset({"source", "src", "name", "channel", "sensor", "variable", "signal", "quantity", "series", "key"})
 _VALUES = frozenset({"value", "reading", "val", "wert", "measurement"})
@@ -26,28 +26,36 @@ def spread_series(table: SourceTable) -> SourceTable:
     keys = [key_of_header(column.header) for column in table.columns]
     names, values = ([i for i, key in enumerate(keys) if key in known] for known in (_NAMES, _VALUES))
     units = [i for i, key in enumerate(keys) if key in _UNITS and table.columns[i].is_text]
-    clocks = [i for i, column in enumerate(table.columns) if i not in {*names, *values, *units} and not column.is_text]
-    if len(names) != 1 or len(values) != 1 or not clocks or not table.columns[names[0]].is_text:
+    if len(names) != 1 or len(values) != 1 or table.columns[values[0]].is_text:
         return table
-    read = _read(table, [names[0], clocks[0], values[0], *units[:1]])
-    if read is None:
+    head = heads_of(table)
+    left_out = frozenset({*names, *values, *units})
+    stated = [name_and_unit(column) for column in table.columns]
+    clock = find_clock(table.columns, head, stated, None, table.path, None, left_out)
+    if clock is None:
         return table
-    return _spread(table, table.columns[clocks[0]], *read)
-
-
-def _read(table: SourceTable, indices: Sequence[int]) -> tuple[list[str], FloatArray, FloatArray, list[str]] | None:
-    """Return names, times, values and units of all rows, None if there are none."""
-    blocks = [block.values for block in table.blocks(indices)]
-    if not blocks:
-        return None
+    header = table.columns[clock.index].header if isinstance(clock, NoClock) else clock.header
+    found = [*names, *values, *units[:1]]
+    blocks = [block for block in table.blocks([*found, *_columns_of(clock)]) if not block.is_end]
+    reader = None if isinstance(clock, NoClock) else ClockReader(clock, table.path)
+    times = [
+        np.asarray(block.values[-1], dtype=np.float64)
+        if reader is None
+        else reader.seconds(block.values[len(found) :], block.place)
+        for block in blocks
+    ]
 
     def texts(place: int) -> list[str]:
-        return [str(cell).strip() for cell in itertools.chain.from_iterable(block[place] for block in blocks)]
+        return [cell if isinstance(cell, str) else f"{cell:g}" for block in blocks for cell in block.values[place]]
 
-    def numbers(place: int) -> FloatArray:
-        return np.concatenate([np.asarray(block[place], dtype=np.float64) for block in blocks])
+    numbers = np.concatenate([np.asarray(block.values[1], dtype=np.float64) for block in blocks])
+    column = SourceColumn(header, None if reader is None else "s")
+    of_units = [unit.strip() for unit in texts(2)] if units else []
+    return _spread(table, column, texts(0), np.concatenate(times), numbers, of_units)
 
-    return texts(0), numbers(1), numbers(2), texts(3) if len(indices) > 3 else []
+
+def _columns_of(clock: Clock | NoClock) -> tuple[int, ...]:
+    return (clock.index,) if isinstance(clock, NoClock) else clock.all_indices
 
 
 def _spread(
@@ -71,9 +79,17 @@ def _spread(
     begin, end = (f(times[rows[i]] for rows in ordered.values()) for f, i in ((max, 0), (min, -1)))
     inside = (common >= begin) & (common <= end)
     for name, rows in ordered.items():
+        unit = units[rows[0]] if units and is_unit(units[rows[0]]) else None
+        if unit is not None:
+            scales = [scale_between(units[row], unit) or np.nan for row in rows]
+            if not np.isfinite(scales).all():
+                raise RecordingError(
+                    f"{table.path}: '{name}' is in {unit} and in another unit that measures another thing"
+                )
+            values[rows] *= scales
+        columns.append(SourceColumn(name, unit))
         same = rows.size == common.size and bool((times[rows] == common).all())
         cells.append(values[rows] if same else np.interp(common, times[rows], values[rows]))
-        columns.append(SourceColumn(name, units[rows[0]] if units and is_unit(units[rows[0]]) else None))
         if not same:
             notes.append(f"'{name}' by straight lines at the times of '{slowest}'")
     kept = tuple(np.asarray(one)[inside] for one in cells)

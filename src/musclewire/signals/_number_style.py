@@ -1,33 +1,36 @@
-"""How numbers are written in a text file: decimal sign, thousands, and what is written if there is no number."""
+"""What a cell of a text file holds: a number and how it is written, one with its unit, or a mark that it is none."""
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-# Cells without a number, in lower case: blank, not a number, not available, overload of a meter, nothing.
-_MISSING = frozenset({
-    "", "nan", "+nan", "-nan", "1.#qnan", "-1.#ind", "1.#ind", "n/a", "#n/a", "na", "n.a.", "null", "none", "nil",
-    "-", "--", "---", "–", "—", "?", "*", ".", "#value!", "#div/0!", "#num!", "#ref!", "missing", "no data",
-    "nodata", "invalid", "ol", "o.l.", "o.l", "overload", "ovld", "overflow",
+# Words for "no number" in lower case: blank, not available, overload of a meter, nothing, infinite.
+_NO_NUMBER = frozenset({
+    "", "nan", "+nan", "-nan", "1.#qnan", "n/a", "#n/a", "na", "n.a.", "null", "none", "nil", "#value!", "#div/0!",
+    "#num!", "#ref!", "missing", "no data", "nodata", "invalid", "ol", "o.l.", "o.l", "over", "overload", "ovld",
+    "overflow", "ovrflw", "∞", "+∞", "-∞",
 })  # fmt: skip
+# And signs alone, as loggers print them: ---, +++++++, *****, ?, ....
+_SIGNS = re.compile(r"[-+*?.–—#]+|[+-]?(?:inf(?:inity)?|1\.#(?:inf|ind)\w*|\d(?:\.\d+)?e\+?[3-9]\d\d)", re.IGNORECASE)
 
 _SPACES = " \u00a0\u202f\u2009'’"
-_NUMERIC = re.compile(rf"[+\-−]?(?:\d[\d.,{_SPACES}]*|[.,]\d+)(?:[eEdD][+\-−]?\d+)?|[+-]?inf(?:inity)?", re.IGNORECASE)
+_NUMERIC = re.compile(rf"[+\-−]?[ ]*(?:\d[\d.,{_SPACES}]*|[.,]\d+)(?:[eEdD][+\-−]?\d+)?", re.IGNORECASE)
 # Groups of three digits, with a sign between them, and then a decimal sign: only this shows thousands for certain.
 _POINT_THOUSANDS = re.compile(r"[+\-]?\d{1,3}(?:\.\d{3})+,\d+|[+\-]?\d{1,3}(?:\.\d{3}){2,}")
 _COMMA_THOUSANDS = re.compile(r"[+\-]?\d{1,3}(?:,\d{3})+\.\d+|[+\-]?\d{1,3}(?:,\d{3}){2,}")
 _SPACE_THOUSANDS = re.compile(rf"[+\-]?\d{{1,3}}(?:[{_SPACES}]\d{{3}})+(?:[.,]\d+)?")
 _GROUPS = {sign: re.compile(rf"[+\-]?\d{{1,3}}(?:[{re.escape(sign)}]\d{{3}})+(?!\d)") for sign in (".", ",", _SPACES)}
-
-
-def is_missing(cell: str) -> bool:
-    """Return whether a cell says that there is no number."""
-    return cell.strip().lower() in _MISSING
-
-
 _QUANTITY = re.compile(rf"({_NUMERIC.pattern})\s*([^\W\d_][^\s\d]{{0,9}}|[%°Ω][^\s\d]{{0,4}})", re.IGNORECASE)
+
+
+@functools.lru_cache(maxsize=1024)
+def is_missing(cell: str) -> bool:
+    """Return whether a cell says that there is no number, or that it is beyond what the instrument can show."""
+    text = cell.strip().lower()
+    return text in _NO_NUMBER or _SIGNS.fullmatch(text) is not None
 
 
 def number_and_unit(cell: str) -> tuple[str, str] | None:
@@ -58,6 +61,8 @@ class NumberStyle:
         text = cell.strip().replace("−", "-")
         if "_" in text:
             raise ValueError(f"{cell} is not a number")
+        if text[:1] in "+-":
+            text = text[:1] + text[1:].lstrip()
         if self.thousands and _GROUPS[self.thousands].match(text):
             text = text.translate(dict.fromkeys(map(ord, self.thousands)))
         if self.decimal == ",":
@@ -81,6 +86,7 @@ def style_of(cells: Iterable[str]) -> NumberStyle:
         return NumberStyle(",", ".")
     if any(_COMMA_THOUSANDS.fullmatch(cell) for cell in numbers):
         return NumberStyle(".", ",")
-    has_comma = any("," in cell for cell in numbers)
-    decimal = "," if has_comma and not any("." in cell for cell in numbers) else "."
+    commas, points = (sum(sign in cell for cell in numbers) for sign in ",.")
+    # A mark of none may have a point among decimal commas, as 1.#INF or 9.9E+37 have.
+    decimal = "," if commas > 9 * points else "."
     return NumberStyle(decimal, _SPACES if any(_SPACE_THOUSANDS.fullmatch(cell) for cell in numbers) else "")

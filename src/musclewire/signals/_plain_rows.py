@@ -111,10 +111,8 @@ class PlainRows:
                     yield table
                 if not is_plain:
                     return
-            table, is_plain = self._numbers(rest + b"\n" if rest else b"")
-            if len(table):
-                yield table
-            self.finished = is_plain
+            # A last line without its end may be cut off: it is looked at.
+            self.finished = not rest
 
     def _numbers(self, piece: bytes) -> tuple[FloatArray, bool]:
         """Return the plain rows at the beginning of whole lines, and whether these are all."""

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from musclewire.arrays import FloatArray
 from musclewire.signals._columns import COLUMNS
-from musclewire.signals._headers import HeaderMatch, IgnoredHeader, split_header
+from musclewire.signals._headers import HeaderMatch, IgnoredHeader, UndecidedHeader, name_and_unit, split_header
 from musclewire.signals._import_mapping import ImportMapping
-from musclewire.signals._source_table import SourceTable, head_of
-from musclewire.signals._units import measures
+from musclewire.signals._source_table import SourceColumn, SourceTable, head_of
+from musclewire.signals._units import measures, scale_between
 
 # What a column with an unknown name is offered as, by its unit; the likeliest first.
 OFFERED = (
@@ -27,21 +29,62 @@ _WORDS = (
     ("wire_current_a", re.compile(r"curr|strom|ampere|(?:^|[\W_])(?:amps?|i)(?:[\W_]|$)", re.IGNORECASE)),
     ("wire_temperature_k", re.compile(r"temp", re.IGNORECASE)),
 )
-# Units in which people write numbers without saying so, each with the largest number that a bench can have in it.
-_USUAL: dict[str, tuple[tuple[str, float], ...]] = {
-    "time_s": (("s", np.inf),),
-    "wire_current_a": (("A", 20.0), ("mA", np.inf)),
-    "displacement_m": (("mm", 500.0), ("um", np.inf)),
-    "wire_temperature_k": (("degC", np.inf),),
-    "reference_strain": (("", 1.0), ("%", np.inf)),
-}
-_VOLTAGE = (("V", 100.0), ("mV", np.inf))
 
 
-def likely_unit(column: str, largest: float) -> str:
-    """Return the unit in which numbers up to ``largest`` are likely to be, if nothing states it."""
-    usual = _VOLTAGE if COLUMNS[column].unit == "V" else _USUAL.get(column, ((COLUMNS[column].unit, np.inf),))
-    return next(unit for unit, limit in usual if largest <= limit)
+# What a wire that is heated can have: its resistance, and the largest power that goes into it.
+_WIRE_OHM, _POWER_W = (0.1, 500.0), (5e-3, 500.0)
+_UNITS_OF = {"wire_voltage_v": ("V", "mV"), "wire_current_a": ("A", "mA"), "wire_resistance_ohm": ("ohm",)}
+
+
+def judged_units(table: SourceTable, match: HeaderMatch) -> ImportMapping | None:
+    """Return the units of columns that state none, if in one way only they are a wire's; None if they are in several.
+
+    Voltage and current have to give a resistance that a wire has, and a power that heats one.
+    """
+    items: list[UndecidedHeader] = [item for item in match.undecided if " has no unit: " in item.message]
+    if len(items) < len(match.undecided) or any(item.column not in _UNITS_OF for item in items):
+        return None
+    items += _by_words(table, match, {item.column for item in items} | {item.column for item in match.taken})
+    stated = {item.column: [item.unit] for item in match.taken if item.column in _UNITS_OF}
+    choices = stated | {item.column: list(_UNITS_OF[item.column]) for item in items}
+    indices = {item.column: item.index for item in match.taken if item.column in choices}
+    indices |= {item.column: item.index for item in items}
+    values = {name: np.abs(np.asarray(head_of(table, index), dtype=np.float64)) for name, index in indices.items()}
+    fitting = [
+        units
+        for units in (dict(zip(choices, each, strict=True)) for each in itertools.product(*choices.values()))
+        if _is_a_wire({name: (scale_between(units[name], COLUMNS[name].unit) or 0.0) * values[name] for name in units})
+    ]
+    if len(fitting) != 1:
+        return None
+    return ImportMapping({item.column: f"{_named(table, item)}:{fitting[0][item.column]}" for item in items})
+
+
+def _by_words(table: SourceTable, match: HeaderMatch, known: set[str]) -> list[UndecidedHeader]:
+    """Return the headers without a unit that a word in them says to be one of these columns."""
+    found: list[UndecidedHeader] = []
+    for item, index in _places(table, unknown_names(match)):
+        source, left = table.columns[index], _UNITS_OF.keys() - known - {one.column for one in found}
+        names = [name for name, word in _WORDS if word.search(item.header)][:1]
+        if names and names[0] in left and not source.is_text and _unit_of(source) is None:
+            found.append(UndecidedHeader(item.header, index, names[0], ""))
+    return found
+
+
+def _is_a_wire(values: Mapping[str, FloatArray]) -> bool:
+    """Return whether readings are those of a heated wire; of a voltage or a current alone nothing is known."""
+    if "wire_resistance_ohm" in values:
+        return _WIRE_OHM[0] <= float(np.nanmedian(values["wire_resistance_ohm"])) <= _WIRE_OHM[1]
+    if not {"wire_voltage_v", "wire_current_a"} <= values.keys():
+        return True
+    volts, amperes = (float(np.nanquantile(values[name], 0.9)) for name in ("wire_voltage_v", "wire_current_a"))
+    within = amperes > 0.0 and _WIRE_OHM[0] <= volts / amperes <= _WIRE_OHM[1]
+    return within and _POWER_W[0] <= volts * amperes <= _POWER_W[1]
+
+
+def _named(table: SourceTable, item: UndecidedHeader) -> str:
+    headers = [one.header for one in table.columns]
+    return item.header if headers.count(item.header) == 1 else f"#{item.index + 1}"
 
 
 def unknown_names(match: HeaderMatch) -> list[IgnoredHeader]:
@@ -53,45 +96,29 @@ def mapped_with_unit(table: SourceTable, header: str, index: int, column: str) -
     """Return a header as a mapping names it, with the likely unit if the file states none that measures the column."""
     headers = [one.header for one in table.columns]
     name = header if headers.count(header) == 1 and header.strip() else f"#{index + 1}"
-    stated = table.columns[index].unit
-    unit = split_header(header)[1] if stated is None else stated
-    if unit and measures(unit, column):
-        return name if name == header else f"{name}:{unit}"
-    own = likely_unit(column, _largest(table, index))
-    # The mapping must state a unit that the header does not; without one there is nothing to state.
-    return f"{name}:{own}" if own else name
-
-
-def _moves(table: SourceTable, index: int) -> bool:
-    cells = head_of(table, index)
-    if isinstance(cells, list):
-        return False
-    finite = cells[np.isfinite(cells)]
-    return bool(finite.size) and float(np.ptp(finite)) > 0.0
-
-
-def _largest(table: SourceTable, index: int) -> float:
-    cells = head_of(table, index)
-    if isinstance(cells, list):
-        return 0.0
-    finite = cells[np.isfinite(cells)]
-    return float(np.abs(finite).max()) if finite.size else 0.0
+    stated = table.columns[index].unit or split_header(header)[1]
+    if (unit := _unit_of(table.columns[index])) and measures(unit, column):
+        return name if name == header and stated else f"{name}:{unit}"
+    return f"{name}:{COLUMNS[column].unit}"
 
 
 def columns_offered(table: SourceTable, match: HeaderMatch) -> ImportMapping:
-    """Return a mapping of unknown names by their units, else by words in them; empty if none says anything."""
+    """Return a mapping of unknown names by their units, and by words in them; empty if none says anything."""
     known = {one.column for one in match.taken} | {one.column for one in match.undecided}
-    unknown = unknown_names(match)
-    places = _places(table, unknown)
     found: dict[str, str] = {}
-    for item, index in places:
-        # Numbers that never change measure nothing, whatever their name may say.
-        if table.columns[index].is_text or not _moves(table, index):
-            continue
-        column = _offered_for(table, item.header, index, known | set(found))
+    for item, index in _places(table, unknown_names(match)):
+        source = table.columns[index]
+        column = None if source.is_text or not _unit_of(source) else _offered_for(source, known | set(found))
         if column is not None:
             found[column] = mapped_with_unit(table, item.header, index, column)
     return ImportMapping(found)
+
+
+def _unit_of(column: SourceColumn) -> str | None:
+    """Return the unit that a column states, in whatever place, its name's last word included."""
+    unit = name_and_unit(column)[1]
+    last = re.split(r"[\s_]+", column.header)[-1]
+    return last if unit is None and last != column.header and any(measures(last, name) for name in OFFERED) else unit
 
 
 def _places(table: SourceTable, items: Sequence[IgnoredHeader]) -> list[tuple[IgnoredHeader, int]]:
@@ -105,24 +132,21 @@ def _places(table: SourceTable, items: Sequence[IgnoredHeader]) -> list[tuple[Ig
     return found
 
 
-def _offered_for(table: SourceTable, header: str, index: int, known: set[str]) -> str | None:
-    name, unit = split_header(header)
-    unit = unit if table.columns[index].unit is None else table.columns[index].unit
-    if unit:
-        fitting = [offered for offered in OFFERED if measures(unit, offered)]
-        by_word = [called for called, word in _WORDS if called in fitting and word.search(name)]
-        return next((one for one in (*by_word, *fitting) if one not in known), None)
-    return next((name_of for name_of, word in _WORDS if word.search(name) and name_of not in known), None)
+def _offered_for(source: SourceColumn, known: set[str]) -> str | None:
+    name, unit = split_header(source.header)[0], str(_unit_of(source))
+    fitting = [offered for offered in OFFERED if offered != "time_s" and measures(unit, offered)]
+    by_word = [called for called, word in _WORDS if called in fitting and word.search(name)]
+    return next((one for one in (*by_word, *fitting) if one not in known), None)
 
 
-def repeated_stamps(time_s: Sequence[float]) -> tuple[int, float] | None:
-    """Return how many rows share one time stamp, and the time between rows [s]; None if it is not the same number."""
-    times = np.asarray(time_s, dtype=np.float64)
-    starts = np.flatnonzero(np.diff(times, prepend=times[0] - 1.0) != 0.0)
-    sizes = np.diff(starts)
-    if sizes.size < 2 or sizes[0] < 2 or (sizes[:-1] != sizes[0]).any() or sizes[-1] > sizes[0]:
+def repeated_stamps(time_s: FloatArray) -> float | None:
+    """Return the time between rows [s] if stamps stand still for a number of rows that is the same within one."""
+    starts = np.flatnonzero(np.diff(time_s, prepend=time_s[0] - 1.0) != 0.0)
+    sizes, steps = np.diff(starts), np.diff(time_s[starts])
+    if sizes.size < 2 or float(np.median(sizes)) < 2.0 or (steps <= 0.0).any():
         return None
-    steps = np.diff(times[starts])
-    if (steps <= 0.0).any() or float(np.ptp(steps)) > 0.05 * float(steps.mean()):
+    # The first stamp may have begun earlier, and the stamps be rounded.
+    inner, step = sizes[1:] if sizes.size > 2 else sizes, float(np.median(steps))
+    if int(np.ptp(inner)) > 1 or float(np.ptp(steps)) > 0.05 * step:
         return None
-    return int(sizes[0]), float(steps.mean()) / int(sizes[0])
+    return float(f"{steps[-inner.size :].sum() / inner.sum():.6g}")

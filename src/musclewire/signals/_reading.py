@@ -38,7 +38,8 @@ MAX_STEPS_OF_A_PROPOSAL = 8
 # A test below another is chosen behind the group of the file, if it has any.
 _TEST = re.compile(r"(?:(?P<group>.+), )?test (?P<test>\d{1,6})")
 # Suffixes that need no part outside the core.
-OWN_SUFFIXES = (".h5", ".hdf5", ".csv", ".tsv", ".txt", ".dat", ".asc")
+TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".asc", ".log", ".tra", ".prn", ".jsonl", ".ndjson")
+OWN_SUFFIXES = (".h5", ".hdf5", *TEXT_SUFFIXES)
 
 
 def read_recording(
@@ -147,7 +148,7 @@ def import_recording(
     else:
         problem = _first_problem(plan, tally)
     # A file may be readable, and what was measured of the wire may have names that are not known.
-    cause = problem or (None if plan.is_electrical else CurableError("", plan.offered))
+    cause = problem or CurableError("", plan.offered)
     proposal = None if cause is None else proposed_mapping(path, wanted, cause)
     return understanding_of(plan, tally, "" if problem is None else str(problem), proposal)
 
@@ -333,7 +334,7 @@ def _reader_for(path: Path) -> Callable[[Path, str | None], SourceTable]:
         return _hdf5_table
     if (read := _offered_reader(path)) is not None:
         return read
-    if suffix in {".csv", ".tsv", ".txt", ".dat", ".asc"}:
+    if suffix in TEXT_SUFFIXES:
         from musclewire.signals._text_tables import read_text_table
 
         return lambda file, group: read_text_table(_without_groups(file, group))

@@ -8,21 +8,27 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from musclewire.arrays import FloatArray
+from musclewire.errors import RecordingError
 from musclewire.signals._metadata import MetadataValue
 
 # Rows that are handed over together: enough to be fast, and few enough to take little memory.
 BLOCK_ROWS = 65_536
 
 # Under which keys programs state the time between rows, or how many there are in a second, of a channel or of all.
-_PERIODS = r"sampl\w*_(?:interval|period|time|time_step)|time_step|dt|ts|delta_[tx]|abtastintervall"
+_PERIODS = (
+    r"sampl\w*_(?:interval|period|time|time_step)|time_step|dt|ts|delta_[tx]|abtastintervall"
+    r"|increment|tinc|h_?resolution|x_?incr\w*"
+)
 _RATES = r"sampl\w*_(?:rate|frequency|freq)|samplerate|fs|abtastrate|abtastfrequenz|messrate"
 _CHANNEL = r"(?:second|(?:ch|chan|channel|kanal)_?[a-z0-9]{1,3})"
 _OF_SAMPLES = re.compile(rf"(?:{_CHANNEL}_)?(?:({_PERIODS})|({_RATES}))(?:_{_CHANNEL})?(_s|_hz)?")
+_OF_A_SCOPE = re.compile(r"increment|tinc|h_?resolution|x_?incr\w*|samplerate")
 # These may as well be those of the drive: they count where nothing else is stated.
 _OF_ANYTHING = re.compile(r"(?:(interval|period|time)|(rate|frequency|freq))(_s|_hz)?")
 # Stated times between rows that differ by more are different ones.
@@ -45,11 +51,23 @@ class RowBlock(NamedTuple):
         Where a row is in the file, in words ("line 12"), by its number in this block from 0.
     row_count
         How many rows the block has, for who asks for no column; 0 by default, of a reader that does not say.
+    others
+        Lines between its rows that are none, each with its number; nothing by default.
+    is_end
+        Whether the file ends with these lines.
+    is_cut
+        Whether that is because it is cut off in the last of them.
+    words
+        What is written where a column of numbers has none, by row and column; nothing by default.
     """
 
     values: tuple[Cells, ...]
     place: Callable[[int], str]
     row_count: int = 0
+    others: tuple[tuple[int, str], ...] = ()
+    is_end: bool = False
+    is_cut: bool = False
+    words: Mapping[tuple[int, int], str] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -187,6 +205,33 @@ def head_of(table: SourceTable, index: int) -> Cells:
     return [] if first is None else first.values[0]
 
 
+def heads_of(table: SourceTable) -> list[Cells]:
+    """Return the first cells of each column; nothing of one that is damaged there."""
+    indices = range(len(table.columns))
+    try:
+        first = next(iter(table.blocks(indices)), None)
+    except RecordingError:
+        return [_head_or_nothing(table, index) for index in indices]
+    return [[] for _ in indices] if first is None or first.is_end else list(first.values)
+
+
+def _head_or_nothing(table: SourceTable, index: int) -> Cells:
+    try:
+        return head_of(table, index)
+    except RecordingError:
+        return np.zeros(0)
+
+
+# Under which keys instruments state when the first sample was, relative to a trigger.
+_STARTS = re.compile(r"(?:start|t0|x0|t_?start|h_?offset|x_?zero|time_offset)(?:_s)?")
+
+
+def stated_start_s(metadata: Mapping[str, MetadataValue]) -> float:
+    """Return the time of the first sample [s] that a file states of counted rows, 0.0 if it does not."""
+    numbers = (value for key, value in metadata.items() if _STARTS.fullmatch(key))
+    return next((float(value) for value in numbers if isinstance(value, int | float)), 0.0)
+
+
 def stated_periods_s(metadata: Mapping[str, MetadataValue], unit_stated: bool) -> dict[str, float]:
     """Return the times between two rows [s] that the metadata of a file state, of all channels or of each, by key.
 
@@ -208,7 +253,10 @@ def stated_periods_s(metadata: Mapping[str, MetadataValue], unit_stated: bool) -
             if match is None or isinstance(value, bool) or not isinstance(value, float | int):
                 continue
             is_period, unit = match[1] is not None, match[3]
-            fits = unit == ("_s" if is_period else "_hz") or (unit is None and not unit_stated)
+            # What a scope prints of its own axis is in seconds, as a rate is in hertz.
+            fits = unit == ("_s" if is_period else "_hz") or (
+                unit is None and (not unit_stated or _OF_A_SCOPE.fullmatch(key))
+            )
             if fits and 0.0 < value < float("inf") and 1.0 / value < float("inf"):
                 found[key] = float(value) if is_period else 1.0 / float(value)
         if found:

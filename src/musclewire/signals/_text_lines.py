@@ -58,6 +58,14 @@ def lines_of(path: Path) -> Iterator[Line]:
         raise RecordingError(f"{path}: is not a text file; export it as CSV") from None
 
 
+def ends_within_a_line(path: Path) -> bool:
+    """Return whether the last line of a file has no end, as in one that is still being written."""
+    with path.open("rb") as file:
+        file.seek(0, 2)
+        file.seek(-min(8, file.tell()), 2)
+        return not file.read().rstrip(b"\0\x1a").endswith((b"\n", b"\r"))
+
+
 def _whole_rows(lines: Iterator[Line], path: Path) -> Iterator[Line]:
     for number, line in lines:
         if len(line) == _MAX_LINE_LENGTH or "\0" in line:

@@ -1,4 +1,4 @@
-"""Text that is a table in disguise: what instruments put around their numbers, and what sketches print.
+"""Text that is a table in disguise: stamps before each line, names with their values, JSON, a table on its side.
 
 Each function of ``SHAPES`` looks at the first lines and returns what turns the lines of such a file into those of a
 plain table, or None. The rules for tables in text read what comes out, so that there is one parser.
@@ -7,26 +7,30 @@ plain table, or None. The rules for tables in text read what comes out, so that 
 from __future__ import annotations
 
 import itertools
+import json
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from musclewire.errors import RecordingError
+from musclewire.signals._clock_texts import is_clock_text
 from musclewire.signals._number_style import is_missing, looks_numeric
+from musclewire.signals._text_layout import separator_of, split_lines
 from musclewire.signals._text_lines import Line
 from musclewire.signals._units import is_unit
 
 _NUMBER = r"[+-]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][+-]?\d+)?"
-_PAIR = re.compile(rf"\s*(?P<name>[^\W\d][^:=]*?)\s*[:=]\s*(?P<value>{_NUMBER}|[^\W\d]+)\s*(?P<unit>[^\s\d:=,;]*)\s*")
-_PAIRS = re.compile(
-    rf"(?P<name>[^\W\d](?:\w| (?=\w))*)\s*[:=]\s*(?P<value>{_NUMBER}?|[^\W\d]+)\s*(?P<unit>[^\s\d:=,;|]*)(?:[\s,;|]+|$)"
+_NAME = r"(?P<name>(?:[^\W\d]|\d+(?=[ ]*[^\W\d]))(?:[^:=,;|\t]*?[^\s:=,;|])??)"
+_PAIR = re.compile(
+    rf"[\s,;|]*{_NAME}\s*[:=]\s*(?P<value>[^,;|\t:=]*?(?:,\d[^,;|\t:=]*?)?)"
+    r"(?:\s*(?:[,;|\t]|  +|$)|\s+(?=[^\W\d][^\s:=,;|]*\s*[:=]))"
 )
-_START = re.compile(rf"\s*t0\s*=\s*({_NUMBER})\s*")
-_STEP = re.compile(rf"\s*tInc\s*=\s*({_NUMBER})\s*")
-_AXIS = frozenset({"time", "source", "x-axis", "x"})
-# Fewer lines of a kind may be anything.
-_LEAST = 4
+_QUANTITY = re.compile(rf"({_NUMBER})\s*([^\W\d_][^\s\d]{{0,9}}|[%°Ω]\S{{0,4}})")
+_STAMP = re.compile(r"\s*(?:\[\s*(?P<inside>[^\]]{5,40}?)\s*\]\s?|(?P<before>\S[^>]{3,38}?\S)\s*->\s?)")
+# Fewer lines of a kind may be anything; of those at hand most have to be of it.
+_LEAST, _MOST = 4, 0.9
+# A table on its side has so many more columns than rows, of which there are few.
+_SIDEWAYS, _MAX_SIGNALS = 5, 64
 
 
 class Shape(NamedTuple):
@@ -34,185 +38,187 @@ class Shape(NamedTuple):
 
     words: str
     lines: Callable[[Iterator[Line]], Iterator[Line]]
+    separator: str = "\t"
 
 
-def shape_of(head: Sequence[Line], path: str) -> Shape | None:
+def shape_of(head: Sequence[Line]) -> Shape | None:
     """Return the shape of a text by its first lines, None if it is a plain table."""
-    return next((shape for find in SHAPES if (shape := find(head, path)) is not None), None)
+    return next((shape for find in SHAPES if (shape := find(head)) is not None), None)
 
 
-def _cells(line: str) -> list[str]:
-    return [cell.strip() for cell in line.split(",")]
+def _most(found: int, head: Sequence[Line]) -> bool:
+    return found >= _LEAST and found >= _MOST * (len(head) - 2)
 
 
-def _preamble_to_the_left(head: Sequence[Line], path: str) -> Shape | None:
-    """Tektronix TDS: three columns of settings, then time and voltage; only the first rows have the settings."""
-    del path
-    if not head or not head[0][1].startswith("Record Length,") or len(_cells(head[0][1])) < 5:
+def _stamped(head: Sequence[Line]) -> Shape | None:
+    """Whatever a terminal puts a stamp in front of: "12:21:00.200 -> ..." or "[2026-03-01 12:21:00] ..."."""
+
+    def parts(text: str) -> tuple[str, str] | None:
+        match = _STAMP.match(text)
+        stamp = "" if match is None else match["inside"] or match["before"]
+        return (stamp, text[match.end() :]) if match is not None and is_clock_text(stamp) else None
+
+    found = [(number, *both) for number, text in head if (both := parts(text)) is not None]
+    if not _most(len(found), head):
         return None
-    if not all(map(looks_numeric, _cells(head[0][1])[3:5])):
-        return None
-    stated = {cells[0]: cells[1] for cells in (_cells(text) for _, text in head[:30]) if len(cells) > 1 and cells[0]}
-    channel, volts = stated.get("Source") or "CH1", stated.get("Vertical Units") or ""
-    headers = f"Time [{stated.get('Horizontal Units') or 's'}],{channel}" + (f" [{volts}]" if volts else "")
+    rest = [(number, text) for number, _, text in found if text.strip()]
+    inner = shape_of(rest)
+    plain = rest if inner is None else list(inner.lines(iter(rest)))
+    separator = separator_of([text for _, text in plain]) if inner is None else "\t"
 
-    def rows(lines: Iterator[Line]) -> Iterator[Line]:
-        yield 0, headers
-        for number, text in lines:
-            yield number, ",".join(_cells(text)[3:5])
+    def lines(all_lines: Iterator[Line]) -> Iterator[Line]:
+        stamps: dict[int, str] = {}
 
-    return Shape("an oscilloscope's settings to the left of its numbers", rows)
+        def without() -> Iterator[Line]:
+            for number, text in all_lines:
+                both = parts(text)
+                if both is not None:
+                    stamps[number] = both[0]
+                yield number, text if both is None else both[1]
+
+        for number, text in without() if inner is None else inner.lines(without()):
+            stamp = stamps.pop(number, None)
+            headers = inner is not None and not number
+            # Separated by blanks, the stamp's own would be a separator.
+            joint = "\t" if separator == " " else separator
+            row = joint.join(text.split()) if separator == " " else text
+            yield number, text if stamp is None and not headers else f"{'stamp' if headers else stamp}{joint}{row}"
+
+    words = "a stamp before each line" if inner is None else f"a stamp before {inner.words}"
+    return Shape(words, lines, "\t" if separator == " " else separator)
 
 
-def _counted_rows(head: Sequence[Line], path: str) -> Shape | None:
-    """Rigol: the first row states the time of the first sample and the step, and the rows are counted."""
-    del path
-    if len(head) < _LEAST:
-        return None
-    names = _cells(head[0][1])
-    found = {
-        key: [match[1] for name in names if (match := sign.fullmatch(name))]
-        for key, sign in (("start", _START), ("step", _STEP))
-    }
-    below = _cells(head[1][1])
-    if found["start"] and found["step"]:
-        start, step, skip = float(found["start"][0]), float(found["step"][0]), 1
-        kept = [index for index, name in enumerate(names) if name and "=" not in name]
-        headers = [names[index] for index in kept]
-    elif {"Start", "Increment"} <= set(names) and len(below) > max(map(names.index, ("Start", "Increment"))):
-        stated = [below[names.index(key)] for key in ("Start", "Increment")]
-        if not all(map(looks_numeric, stated)):
+def _json_lines(head: Sequence[Line]) -> Shape | None:
+    """An object a line, as MicroPython, MQTT and dashboards write."""
+
+    def object_in(text: str) -> dict[str, object] | None:
+        try:
+            found = json.loads(text) if text.lstrip().startswith("{") else None
+        except (ValueError, RecursionError):
             return None
-        start, step, skip = float(stated[0]), float(stated[1]), 2
-        kept = [index for index, name in enumerate(names) if name not in {"", "X", "Start", "Increment"}]
-        kept = [index for index in kept if index < len(below)]
-        headers = [f"{names[index]} [{below[index]}]" if is_unit(below[index]) else names[index] for index in kept]
-    else:
+        return found if isinstance(found, dict) else None
+
+    found = [each for _, text in head if (each := object_in(text)) is not None]
+    if not _most(len(found), head):
+        return None
+    names = list(dict.fromkeys(name for each in found for name in each))
+
+    def lines(all_lines: Iterator[Line]) -> Iterator[Line]:
+        yield 0, _joined(names)
+        for number, text in all_lines:
+            each = object_in(text)
+            cells = [] if each is None else [each.get(name) for name in names]
+            yield number, text if each is None else _joined("" if cell is None else str(cell) for cell in cells)
+
+    return Shape("a JSON object a line", lines)
+
+
+def _joined(cells: Iterator[str] | Sequence[str]) -> str:
+    return "\t".join(" ".join(cell.split()) for cell in cells)
+
+
+def _value_of(text: str) -> str | None:
+    """Return a value of a pair as a cell, None if it is neither a number, with its unit or without, nor one word."""
+    text = text.strip()
+    match = _QUANTITY.fullmatch(text)
+    if looks_numeric(text) or is_missing(text) or is_clock_text(text) or (match is not None and is_unit(match[2])):
+        return text
+    return text if text and text.isalpha() else None
+
+
+def _pairs_in(text: str) -> dict[str, str] | None:
+    """Return the names with their values of a line that holds nothing else."""
+    found: dict[str, str] = {}
+    place = 0
+    while place < len(text.rstrip(" \t,;|")):
+        match = _PAIR.match(text, place)
+        value = None if match is None else _value_of(match["value"])
+        if match is None or value is None:
+            return None
+        found[match["name"].strip()] = value
+        place = match.end()
+    return found or None
+
+
+def _lines_of_pairs(head: Sequence[Line]) -> Shape | None:
+    """A sketch's prints: names with their values in each line."""
+    found = [pairs for _, text in head if (pairs := _pairs_in(text)) is not None and len(pairs) > 1]
+    if not _most(len(found), head):
+        return None
+    names = list(dict.fromkeys(name for pairs in found for name in pairs))
+    if sum(map(len, found)) < 0.8 * len(names) * len(found):
         return None
 
-    def rows(lines: Iterator[Line]) -> Iterator[Line]:
-        yield 0, ",".join(["Time [s]", *headers])
-        for count, (number, text) in enumerate(itertools.islice(lines, skip, None)):
-            cells = _cells(text)
-            yield number, ",".join([repr(start + count * step), *(cells[i] if i < len(cells) else "" for i in kept)])
+    def lines(all_lines: Iterator[Line]) -> Iterator[Line]:
+        yield 0, _joined(names)
+        for number, text in all_lines:
+            pairs = _pairs_in(text) or {}
+            # A line that is none of these is a row without its numbers: it is asked about, not passed over.
+            known = any(name in pairs for name in names)
+            yield number, _joined([pairs.get(name, "") for name in names]) if known else text
 
-    return Shape(f"an oscilloscope's rows from {start:g} s on, every {step:g} s", rows)
-
-
-def _units_above(head: Sequence[Line], path: str) -> Shape | None:
-    """Siglent and today's Tektronix: units of axis and channels in lines above the headers."""
-    del path
-    stated = {cells[0].lower(): cells[1:] for cells in (_cells(text) for _, text in head[:60]) if len(cells) > 1}
-    across, along = stated.get("horizontal units"), stated.get("vertical units")
-    if not across or along is None:
-        return None
-    where = [number for number, text in head if _cells(text)[0].lower() in _AXIS and len(_cells(text)) > 1]
-    if not where:
-        return None
-    units = [across[0], *(cell.rpartition(":")[2] for cell in along)]
-
-    def rows(lines: Iterator[Line]) -> Iterator[Line]:
-        for number, text in lines:
-            if number < where[0]:
-                yield number, text
-            elif number == where[0]:
-                names = ["Time", *_cells(text)[1:]]
-                stated = [units[index] if index < len(units) else "" for index in range(len(names))]
-                yield number, ",".join(f"{n} [{u}]" if u else n for n, u in zip(names, stated, strict=True))
-            elif not _cells(text)[0].lower().startswith("second"):
-                yield number, text
-
-    return Shape("an oscilloscope's settings above its numbers", rows)
+    return Shape("names with values in each line", lines)
 
 
-def _unit_of(unit: str) -> str:
-    return unit if unit and is_unit(unit) else ""
-
-
-def _as_table(
-    names: Sequence[str], units: dict[str, str], found: Iterator[tuple[int, dict[str, tuple[str, str]]]], path: str
-) -> Iterator[Line]:
-    """Yield headers and rows of what was printed as names with values; a unit that changes on the way is an error."""
-    yield 0, "\t".join(f"{name} [{units[name]}]" if units[name] else name for name in names)
-    for number, values in found:
-        for name, (_, unit) in values.items():
-            if name in units and _unit_of(unit) != units[name]:
-                said = f"'{unit}' and before '{units[name]}'"
-                raise RecordingError(
-                    f"{path}: line {number}: the unit of '{name}' is {said}; write one unit throughout"
-                )
-        yield number, "\t".join(values.get(name, ("", ""))[0] for name in names)
-
-
-def _blocks_of_pairs(head: Sequence[Line], path: str) -> Shape | None:
+def _blocks_of_pairs(head: Sequence[Line]) -> Shape | None:
     """A sketch's prints: a line for each name with its value, and again from the first name on."""
-    pairs = [match for _, text in head if (match := _PAIR.fullmatch(text))]
-    counted = Counter(match["name"] for match in pairs)
-    if not pairs or min(counted.values()) * 3 < max(counted.values()) or counted[pairs[0]["name"]] < _LEAST:
-        return None
-    values = sum(looks_numeric(match["value"]) for match in pairs)
-    # A rule between blocks is no pair; anything else that often is not would make it another kind of file.
-    words = [text for _, text in head if any(map(str.isalnum, text))]
-    if len(pairs) < 0.9 * len(words) or values < 0.5 * len(pairs):
-        return None
-    first = pairs[0]["name"]
-    names = list(counted)
-    units = {match["name"]: _unit_of(match["unit"]) for match in reversed(pairs)}
 
-    def blocks(lines: Iterator[Line]) -> Iterator[tuple[int, dict[str, tuple[str, str]]]]:
-        block: dict[str, tuple[str, str]] = {}
+    def pair_in(text: str) -> tuple[str, str] | None:
+        pairs = _pairs_in(text)
+        return next(iter(pairs.items())) if pairs is not None and len(pairs) == 1 else None
+
+    words = [(number, text) for number, text in head if any(map(str.isalnum, text))]
+    found = [pair for _, text in words if (pair := pair_in(text)) is not None]
+    counted = Counter(name for name, _ in found)
+    if (
+        not _most(len(found), words)
+        or min(counted.values()) * 3 < max(counted.values())
+        or counted[found[0][0]] < _LEAST
+    ):
+        return None
+    if sum(any(map(str.isdigit, value)) for _, value in found) < 0.5 * len(found):
+        return None
+    names, first = list(counted), found[0][0]
+
+    def lines(all_lines: Iterator[Line]) -> Iterator[Line]:
+        yield 0, _joined(names)
+        block: dict[str, str] = {}
         began = 0
-        for number, text in lines:
-            match = _PAIR.fullmatch(text)
-            if match is None:
+        for number, text in all_lines:
+            pair = pair_in(text)
+            if pair is None:
                 continue
-            if match["name"] == first:
+            if pair[0] == first:
                 if block:
-                    yield began, block
+                    yield began, _joined([block.get(name, "") for name in names])
                 block, began = {}, number
-            block[match["name"]] = (match["value"], match["unit"])
+            block[pair[0]] = pair[1]
         # The print may have ended within a block.
         if len(block) == len(names):
-            yield began, block
+            yield began, _joined([block[name] for name in names])
 
-    return Shape(
-        f"names with values, {len(names)} lines a row", lambda lines: _as_table(names, units, blocks(lines), path)
-    )
+    return Shape(f"names with values, {len(names)} lines a row", lines)
 
 
-def _lines_of_pairs(head: Sequence[Line], path: str) -> Shape | None:
-    """A sketch's prints: names with their values in each line."""
-
-    def pairs_in(text: str) -> dict[str, tuple[str, str]] | None:
-        found: dict[str, tuple[str, str]] = {}
-        end = 0
-        for match in _PAIRS.finditer(text.strip()):
-            if match.start() != end:
-                return None
-            end = match.end()
-            found[match["name"]] = (match["value"], match["unit"])
-        return found if end == len(text.strip()) and len(found) > 1 else None
-
-    lines_with = [pairs for _, text in head if (pairs := pairs_in(text)) is not None]
-    if len(lines_with) < _LEAST or len(lines_with) < 0.9 * len(head):
+def _signals_in_rows(head: Sequence[Line]) -> Shape | None:
+    """A table on its side: a line for each signal, its name first."""
+    if not 2 <= len(head) <= _MAX_SIGNALS:
         return None
-    names = list(lines_with[len(lines_with) // 2])
-    numbers = [looks_numeric(pairs[name][0]) for pairs in lines_with for name in names if name in pairs]
-    if sum(numbers) < 0.5 * len(lines_with) * len(names):
+    texts = [text for _, text in head]
+    separator = separator_of(texts)
+    rows = split_lines(texts, separator)
+    count = max(map(len, rows))
+    whole = [row for row in rows if len(row) == count]
+    # Numbers that run to the right, below each other a name.
+    if count < _SIDEWAYS * len(rows) or len(whole) < 2 or any(looks_numeric(row[0]) for row in whole):
         return None
-    units = {name: _unit_of(next(pairs[name][1] for pairs in lines_with if name in pairs)) for name in names}
 
-    def rows(lines: Iterator[Line]) -> Iterator[tuple[int, dict[str, tuple[str, str]]]]:
-        began = False
-        for number, text in lines:
-            pairs = pairs_in(text)
-            began = began or pairs is not None
-            # A line in between that is none of these is a row without its numbers: it is asked about, not passed over.
-            if began and (pairs is not None or any(map(str.isalnum, text))):
-                found = pairs or {}
-                yield number, {name: pair for name, pair in found.items() if name in units and not is_missing(pair[0])}
+    def lines(all_lines: Iterator[Line]) -> Iterator[Line]:
+        wide = [row for row in split_lines([text for _, text in all_lines], separator) if len(row) == count]
+        for number, cells in enumerate(itertools.zip_longest(*wide, fillvalue=""), start=0):
+            yield number, _joined(cells)
 
-    return Shape("names with values in each line", lambda lines: _as_table(names, units, rows(lines), path))
+    return Shape("a signal in each line", lines)
 
 
-SHAPES = (_preamble_to_the_left, _counted_rows, _units_above, _blocks_of_pairs, _lines_of_pairs)
+SHAPES = (_stamped, _json_lines, _blocks_of_pairs, _lines_of_pairs, _signals_in_rows)

@@ -16,23 +16,28 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.signals._clock_texts import is_date, is_time_of_day
-from musclewire.signals._metadata import MetadataValue, entry_from_text, value_to_text
+from musclewire.signals._metadata import MetadataValue, value_to_text
 from musclewire.signals._number_style import is_missing, number_and_unit
 from musclewire.signals._source_table import BLOCK_ROWS, Cells, RowBlock, SourceColumn, stated_periods_s
-from musclewire.signals._text_layout import TextLayout, layout_of, split_lines, too_wide
-from musclewire.signals._text_lines import Line, lines_of
+from musclewire.signals._text_layout import (
+    COUNTED,
+    TextLayout,
+    conforms,
+    kind_of,
+    layout_of,
+    split_lines,
+    too_wide,
+    unit_columns,
+)
+from musclewire.signals._text_lines import Line, ends_within_a_line, lines_of
 from musclewire.signals._text_shapes import shape_of
-from musclewire.signals._units import is_unit
+from musclewire.signals._units import is_unit, scale_between
 
-_COMMENT = re.compile(r"\s*(?:#|%|//|!)+\s?(.*)")
+_COMMENT = re.compile(r"\s*(?:#(?!\d|N/A)|%|//|!|;(?=\s))+\s?(.*)")
 # With what a comment or a blank line begins; any other line needs no closer look.
-_MAY_BE_NO_ROW = frozenset("#%/! \t\f\v\xa0")
+_MAY_BE_NO_ROW = frozenset("#%/!; \t\f\v\xa0")
 _ONLY_SEPARATORS = " \t;,|"
 _SEPARATOR_LINE = re.compile(r"\s*\"?sep=.\"?\s*", re.IGNORECASE)
-# The header of a column that holds the units of the one before, "#5" without a header.
-_OF_UNITS = re.compile(r"units?|einheit(?:en)?|#\d+", re.IGNORECASE)
-_MAX_TITLE_LENGTH = 200
 # The layout follows from the first lines, of which there are few if they are long.
 _HEAD_LINES = 2000
 _HEAD_LENGTH = 1 << 22
@@ -40,6 +45,8 @@ _HEAD_LENGTH = 1 << 22
 _BLOCK_LENGTH = 1 << 22
 # From so many bytes on compiled code is worth its loading.
 _LARGE = 1 << 24
+# Of a last line that may be cut off, as many rows before it show what a whole one is like.
+_ROWS_TO_COMPARE = 20
 
 
 @dataclass(frozen=True)
@@ -48,7 +55,7 @@ class TextTable:
 
     ``row_word`` is what messages call a line, ``parts`` which of the cells of a line each column is, ``cell_units`` the
     unit in the cells of a column themselves. ``plain_path`` is a large file whose lines are those of the table, so
-    that its bytes may be read.
+    that its bytes may be read; ``ends_open`` says that the file's last line has no end.
     """
 
     path: str
@@ -63,6 +70,7 @@ class TextTable:
     stated_periods_s: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     plain_path: Path | None = None
+    ends_open: bool = False
 
     def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, block after block; each call begins again."""
@@ -82,52 +90,88 @@ class TextTable:
         below = itertools.dropwhile(lambda line: line[0] < first_line, self.lines())
         first = next(below, (0, ""))
         count = max(1, min(BLOCK_ROWS, _BLOCK_LENGTH // (len(first[1]) + 1)))
-        rows = itertools.chain([first], below)
+        lines = itertools.chain([first], below)
         held: list[Line] = []
-        while block := list(itertools.islice(rows, count)):
-            # Spreadsheets end with lines of separators only; in the middle such a line is a gap in the data.
-            block, held = held + block, []
-            while block and not block[-1][1].strip(_ONLY_SEPARATORS):
-                held.insert(0, block.pop())
-            # Tests below each other may each have the headers again.
-            if not self.text_layout.header_lines.isdisjoint(text for _, text in block):
-                block = [line for line in block if line[1] not in self.text_layout.header_lines]
-            if block:
-                numbers, texts = zip(*block, strict=True)
-                yield RowBlock(self._values(numbers, list(texts), indices), self._place(numbers), len(numbers))
+        longest = 0
+        while block := list(itertools.islice(lines, count)):
+            longest = max(longest, *(len(text) for _, text in block[:-1]), 0)
+            # What follows the last row of a block is judged with the next one, or at the end of the file.
+            yield from self._rows_of(held, block, indices)
+        if held:
+            yield self._end(held, longest, indices)
+
+    def _rows_of(self, held: list[Line], block: list[Line], indices: Sequence[int]) -> Iterator[RowBlock]:
+        """Yield a block's rows with the lines among them that are none; ``held`` are the last, without a row after."""
+        numbers, texts = zip(*block, strict=True)
+        plain = None if held or self.ends_open else self._plain_block(list(texts), indices)
+        if plain is not None:
+            yield RowBlock(plain, self._place(numbers), len(texts))
+            return
+        lines = [*held, *block]
+        rows = split_lines([text for _, text in lines], self.text_layout.separator)
+        kinds = [self._kind_of(line, row) for line, row in zip(lines, rows, strict=True)]
+        last = max((place for place, kind in enumerate(kinds) if kind == "row"), default=-1)
+        held[:] = lines[last + 1 :]
+        chosen = [place for place in range(last + 1) if kinds[place] in ("row", "damaged")]
+        others = tuple(lines[place] for place in range(last + 1) if kinds[place] == "words")
+        if chosen and not held and self.ends_open and self._is_cut([rows[place] for place in chosen], lines[last][1]):
+            held[:] = [lines[chosen.pop()]]
+        if not chosen:
+            held[:0] = others
+            return
+        numbers = tuple(lines[place][0] for place in chosen)
+        words: dict[tuple[int, int], str] = {}
+        values = self._values(numbers, [rows[place] for place in chosen], indices, words)
+        yield RowBlock(values, self._place(numbers), len(chosen), others, words=words)
+
+    def _kind_of(self, line: Line, row: Sequence[str]) -> str:
+        """Return what a line is: a "row", a "damaged" one, "words" between rows, or "nothing"."""
+        layout = self.text_layout
+        if not line[1].strip(_ONLY_SEPARATORS) or line[1] in layout.header_lines:
+            return "nothing"
+        counted = layout.counted
+        if len(row) > len(layout.headers) and any(cell.strip() for cell in row[len(layout.headers) :]):
+            return "damaged"
+        if len(row) > counted[-1] and conforms(row, counted):
+            return "row"
+        begins = counted[0] < len(row) and kind_of(row[counted[0]]) in COUNTED
+        return "damaged" if begins else "words"
+
+    def _is_cut(self, rows: Sequence[Sequence[str]], text: str) -> bool:
+        """Return whether the last row ends earlier than those before it, as in a file that is being written."""
+        end = self.text_layout.counted[-1]
+        others = [row for row in rows[-1 - _ROWS_TO_COMPARE : -1] if len(row) > end]
+        if not others or len(rows[-1]) < len(others[0]) or text.count('"') % 2:
+            return bool(others)
+        place = len(others[0]) - 1
+        lengths = [_decimals(row[place]) for row in others if len(row) > place]
+        return min(lengths) == max(lengths) and _decimals(rows[-1][place]) < lengths[0]
+
+    def _end(self, held: Sequence[Line], longest: int, indices: Sequence[int]) -> RowBlock:
+        """Return the lines behind the last row: a damaged one, one that is cut off, or a table of something else."""
+        rows = split_lines([text for _, text in held], self.text_layout.separator)
+        place = self._place([number for number, _ in held])
+        cut = len(held) == 1 and self.ends_open and len(held[0][1]) <= longest
+        if self._kind_of(held[0], rows[0]) in ("row", "damaged") and not cut:
+            words: dict[tuple[int, int], str] = {}
+            return RowBlock(
+                self._values((held[0][0],), rows[:1], indices, words), place, 1, tuple(held[1:]), words=words
+            )
+        return RowBlock((), place, 0, tuple(held), is_end=True, is_cut=cut and any(map(str.isdigit, held[0][1])))
 
     def _place(self, numbers: Sequence[int]) -> Callable[[int], str]:
         return lambda row: f"{self.row_word} {numbers[row]}"
 
-    def _values(self, numbers: Sequence[int], texts: list[str], indices: Sequence[int]) -> tuple[Cells, ...]:
-        if not indices:
-            return ()
-        plain = self._plain_numbers(texts, [index for index in indices if self._is_plain(index)])
-        if plain is not None and all(map(self._is_plain, indices)):
-            return tuple(plain[index] for index in indices)
-        rows = split_lines(texts, self.text_layout.separator)
-        width = len(self.text_layout.headers)
-        for number, row in zip(numbers, rows, strict=True):
-            if len(row) > width and any(cell.strip() for cell in row[width:]):
-                beginning = f"{self.path}: {self.row_word} {number} has {len(row)} cells for {width} headers"
-                raise RecordingError(too_wide(beginning, ",".join(row), self.text_layout.separator))
-        return tuple(
-            plain[index] if plain and index in plain else self._cells(index, rows, numbers) for index in indices
-        )
-
-    def _is_plain(self, index: int) -> bool:
-        """Return whether the cells of a column are numbers and nothing else."""
-        return not self.columns[index].is_text and self.cell_units[index] is None
-
-    def _plain_numbers(self, texts: list[str], indices: Sequence[int]) -> dict[int, FloatArray] | None:
-        """Return columns of numbers that NumPy reads at once; None if cells have to be looked at one by one."""
-        layout, source = self.text_layout, [self.parts[index][0] for index in indices]
-        if not source or layout.style.thousands:
+    def _plain_block(self, texts: list[str], indices: Sequence[int]) -> tuple[Cells, ...] | None:
+        """Return the columns of a block that NumPy reads at once; None if lines have to be looked at one by one."""
+        layout = self.text_layout
+        if not indices or layout.style.thousands or not all(map(self._is_plain, indices)):
             return None
         # A line with other cells than the others, or with quotes, is not for NumPy.
         counts = {text.count(layout.separator) for text in texts} if layout.separator != " " else {0}
         if len(counts) > 1 or counts > {len(layout.headers)} or any('"' in text for text in texts):
             return None
+        source = [self.parts[index][0] for index in indices]
         lines = [text.replace(",", ".") for text in texts] if layout.style.decimal == "," else texts
         separator = None if layout.separator == " " else layout.separator
         try:
@@ -135,42 +179,81 @@ class TextTable:
             found = np.loadtxt(lines, delimiter=separator, usecols=source, comments=None, ndmin=2, unpack=True)
         except ValueError:
             return None
-        return dict(zip(indices, found, strict=True)) if found.shape == (len(source), len(texts)) else None
+        return tuple(found) if found.shape == (len(source), len(texts)) else None
 
-    def _cells(self, index: int, rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> Cells:
-        parts = self.parts[index]
+    def _is_plain(self, index: int) -> bool:
+        """Return whether the cells of a column are numbers and nothing else."""
+        return not self.columns[index].is_text and self.cell_units[index] is None
+
+    def _values(
+        self, numbers: Sequence[int], rows: list[list[str]], indices: Sequence[int], words: dict[tuple[int, int], str]
+    ) -> tuple[Cells, ...]:
+        width = len(self.text_layout.headers)
+        for number, row in zip(numbers, rows, strict=True):
+            if len(row) > width and any(cell.strip() for cell in row[width:]):
+                beginning = f"{self.path}: {self.row_word} {number} has {len(row)} cells for {width} headers"
+                raise RecordingError(too_wide(beginning, ",".join(row), self.text_layout.separator))
+        return tuple(self._cells(index, rows, numbers, words) for index in indices)
+
+    def _cells(
+        self, index: int, rows: Sequence[Sequence[str]], numbers: Sequence[int], words: dict[tuple[int, int], str]
+    ) -> Cells:
+        """Return the cells of a column; a word among numbers is none of them, and kept in ``words``."""
+        parts, style = self.parts[index], self.text_layout.style
+        if self.cell_units[index] == "unit":
+            pairs = [number_and_unit(row[parts[0]]) if parts[0] < len(row) else None for row in rows]
+            return ["" if pair is None else pair[1] for pair in pairs]
         if self.columns[index].is_text:
-            return [" ".join(row[part].strip() for part in parts if part < len(row)) for row in rows]
-        style, values = self.text_layout.style, np.full(len(rows), np.nan)
+            return [row[parts[0]].strip() if parts[0] < len(row) else "" for row in rows]
+        values = np.full(len(rows), np.nan)
         for place, row in enumerate(rows):
             cell = row[parts[0]] if parts[0] < len(row) else ""
+            scale = 1.0
             if self.cell_units[index] is not None:
                 beside = row[parts[1]] if len(parts) > 1 and parts[1] < len(row) else None
-                cell = self._without_unit(cell, beside, index, numbers[place])
+                cell, scale = self._without_unit(cell, beside, index, numbers[place])
             try:
-                values[place] = style.number(cell)
+                values[place] = style.number(cell) * scale
             except ValueError:
                 if not is_missing(cell):
-                    where = f"{self.path}: {self.row_word} {numbers[place]}, column '{self.columns[index].header}'"
                     shown = " ".join(cell.split())[:40]
-                    cure = f"correct it or remove the {self.row_word}"
-                    raise RecordingError(f"{where}: '{shown}' is not a number; {cure}") from None
+                    if not any(map(str.isdigit, cell)):
+                        words[place, index] = shown
+                        continue
+                    where = self._where(numbers[place], index)
+                    message = f"{where}: '{shown}' is not a number; correct it or remove the {self.row_word}"
+                    raise RecordingError(message) from None
         return values
 
-    def _without_unit(self, cell: str, beside: str | None, index: int, number: int) -> str:
-        """Return the number of "0.33 V", or of a cell next to its unit. RecordingError if the unit is another one."""
-        found, unit = number_and_unit(cell) or (cell.strip(), self.cell_units[index])
+    def _where(self, number: int, index: int) -> str:
+        return f"{self.path}: {self.row_word} {number}, column '{self.columns[index].header}'"
+
+    def _without_unit(self, cell: str, beside: str | None, index: int, number: int) -> tuple[str, float]:
+        """Return the number of "0.33 V", or of a cell next to its unit, and what makes it one in the column's unit.
+
+        Raises RecordingError if the unit measures something else.
+        """
+        own = str(self.cell_units[index])
+        found, unit = number_and_unit(cell) or (cell.strip(), own)
+        if not own:
+            return found, 1.0
         if beside is not None:
-            found, unit = cell.strip(), beside.strip() or unit
-        if unit != self.cell_units[index] and not is_missing(found):
-            where = f"{self.path}: {self.row_word} {number}, column '{self.columns[index].header}'"
-            said = f"'{cell.strip()[:40]}' in {unit} is not in {self.cell_units[index]}, as the cells above are"
-            raise RecordingError(f"{where}: {said}; write one unit throughout")
-        return found
+            found, unit = cell.strip(), beside.strip() or own
+        if unit == own or is_missing(found):
+            return found, 1.0
+        scale = scale_between(unit, own)
+        if scale is None:
+            said = f"'{cell.strip()[:40]}' in {unit} is not in {own}, as the cells above are"
+            raise RecordingError(f"{self._where(number, index)}: {said}; write one quantity in a column")
+        return found, scale
+
+
+def _decimals(cell: str) -> int:
+    return len(cell.strip())
 
 
 def read_text_table(path: Path) -> TextTable:
-    """Return the table in a .csv, .tsv or .txt file after its first lines: titles, headers, units and where rows begin.
+    """Return the table in a text file after its first lines: titles, headers, units and where rows begin.
 
     Separator, decimal sign, rows of headers and units are found in the first lines; titles and comments as
     ``key = value`` become metadata. Raises RecordingError if the file is no text, or holds no table.
@@ -184,13 +267,15 @@ def read_text_table(path: Path) -> TextTable:
             break
     separator = "\t" if path.suffix.lower() == ".tsv" else None
     plain = partial(_without_comments, path)
-    shape = shape_of(list(itertools.islice(plain(), _HEAD_LINES)), str(path))
+    shape = shape_of(list(itertools.islice(plain(), _HEAD_LINES)))
+    ends_open = ends_within_a_line(path)
     if shape is None:
         table = table_of_lines(str(path), plain, "text", separator, "line", comments)
         layout = table.text_layout
         is_large = path.stat().st_size >= _LARGE and layout.separator != " " and not layout.style.thousands
-        return replace(table, plain_path=path) if is_large else table
-    return table_of_lines(str(path), lambda: shape.lines(plain()), shape.words, None, "line", comments)
+        return replace(table, plain_path=path if is_large else None, ends_open=ends_open)
+    table = table_of_lines(str(path), lambda: shape.lines(plain()), shape.words, shape.separator, "line", comments)
+    return replace(table, ends_open=ends_open)
 
 
 def table_of_lines(
@@ -239,12 +324,13 @@ def table_of_lines(
         raise RecordingError(f"{path}: has no rows; the first line names the columns, the others hold numbers")
     layout = layout_of(head, comments, separator, path)
     words = what if separator is not None and row_word == "row" else f"{what}, {layout}"
-    metadata = {**_metadata(comments, " "), **_metadata(layout.titles, layout.separator)}
     columns, parts, cell_units = _source_columns(layout, head)
-    titles = len(layout.titles)
+    titles = layout.titles
     notes = (f"{titles} {row_word}{'s' if titles > 1 else ''} above the headers skipped",) if titles else ()
-    periods_s = stated_periods_s(metadata, unit_stated=True)
-    return TextTable(path, lines, layout, words, row_word, columns, parts, cell_units, metadata, periods_s, notes)
+    periods_s = stated_periods_s(layout.metadata, unit_stated=True)
+    return TextTable(
+        path, lines, layout, words, row_word, columns, parts, cell_units, layout.metadata, periods_s, notes
+    )
 
 
 def fill_csv(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
@@ -280,67 +366,36 @@ def _without_comments(path: Path) -> Iterator[Line]:
 def _source_columns(
     layout: TextLayout, lines: Sequence[Line]
 ) -> tuple[tuple[SourceColumn, ...], tuple[tuple[int, ...], ...], tuple[str | None, ...]]:
-    """Return the columns, which cells of a line each one is, and the unit in its cells.
-
-    A date and the time of day next to it are one column, and so are a number and the unit in the cell next to it.
-    """
+    """Return the columns, which cells of a line each one is, and the unit in its cells, or next to them."""
     rows = split_lines([text for number, text in lines if number >= layout.first_line], layout.separator)
-    first = rows[0]
+    beside = dict(unit_columns(layout, rows))
     columns: list[SourceColumn] = []
     parts: list[tuple[int, ...]] = []
     units: list[str | None] = []
     for index, (header, unit, kind) in enumerate(zip(layout.headers, layout.units, layout.kinds, strict=True)):
-        cells = first[index - 1 : index + 1] if index else []
-        inside = _unit_in(rows, index) if kind in {"quantities", "text"} else None
-        if len(cells) == 2 and is_date(cells[0]) and is_time_of_day(cells[1]):
-            columns[-1] = SourceColumn(f"{columns[-1].header} {header}", None, is_text=True)
-            parts[-1] = (index - 1, index)
-        elif (
-            inside and index and layout.kinds[index - 1] == "numbers" and kind == "text" and _OF_UNITS.fullmatch(header)
-        ):
-            columns[-1] = replace(columns[-1], unit=inside)
-            parts[-1], units[-1] = (index - 1, index), inside
-        else:
-            is_text = kind in {"times", "text"}
-            columns.append(
-                SourceColumn(header, unit if inside is None or is_text else inside, is_text, kind == "blank")
-            )
-            parts.append((index,))
-            units.append(None if is_text else inside)
+        if index in beside:
+            columns[-1] = replace(columns[-1], unit=beside[index])
+            parts[-1], units[-1] = (index - 1, index), beside[index]
+            continue
+        if kind == "beside":
+            continue
+        inside = _unit_in(rows, index) if kind == "quantities" else None
+        if inside == "":
+            # Several quantities below each other, as in a row for each channel.
+            columns += [SourceColumn(header), SourceColumn("unit", is_text=True)]
+            parts += [(index,), (index,)]
+            units += ["", "unit"]
+            continue
+        is_text = kind in {"times", "text"}
+        columns.append(SourceColumn(header, unit if inside is None else inside, is_text, kind == "blank"))
+        parts.append((index,))
+        units.append(inside)
     return tuple(columns), tuple(parts), tuple(units)
 
 
 def _unit_in(rows: Sequence[Sequence[str]], index: int) -> str | None:
-    """Return the unit that the cells of a column hold, alone or behind a number; None if they hold anything else."""
-    cells = [row[index].strip() for row in rows if index < len(row) and not is_missing(row[index])]
-    if not cells:
-        return None
-    found = number_and_unit(cells[0])
-    unit = cells[0] if found is None else found[1]
-    return unit if is_unit(unit) and (found is not None or all(cell == unit for cell in cells)) else None
-
-
-def _metadata(texts: Sequence[str], separator: str) -> dict[str, MetadataValue]:
-    """Return what lines above the table state as ``key = value`` or ``key: value``, or as two cells."""
-    found: dict[str, MetadataValue] = {}
-    for text in texts:
-        pair = _pair(text, separator)
-        entry = entry_from_text(*pair) if pair and len(text) <= _MAX_TITLE_LENGTH else None
-        if entry is not None:
-            key, value = entry
-            # Of two channels that state their rates one below the other, both are kept.
-            others = found.get(key, value) != value and stated_periods_s({key: value}, unit_stated=True)
-            found[f"second_{key}" if others else key] = value
-    return found
-
-
-def _pair(text: str, separator: str) -> tuple[str, str] | None:
-    key, sign, value = text.partition("=")
-    if sign:
-        return key, value
-    cells = [cell.strip() for cell in split_lines([text], separator)[0] if cell.strip()] if separator != " " else [text]
-    with_unit = len(cells) == 3 and is_unit(cells[2])
-    if (len(cells) == 2 or with_unit) and ":" not in cells[0][:-1]:
-        return cells[0].rstrip(": "), " ".join(cells[1:])
-    key, sign, value = text.partition(": ")
-    return (key, value.strip(_ONLY_SEPARATORS)) if sign and len(cells) == 1 else None
+    """Return the first unit that cells hold behind their numbers, "" if another one measures another thing."""
+    found = (number_and_unit(row[index]) for row in rows if index < len(row))
+    units = dict.fromkeys(pair[1] for pair in found if pair is not None and is_unit(pair[1]))
+    first = next(iter(units), None)
+    return first if first is None or all(scale_between(unit, first) is not None for unit in units) else ""

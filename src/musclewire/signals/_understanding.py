@@ -104,11 +104,9 @@ def understanding_of(
 ) -> FileInterpretation:
     """Return the report of a plan whose blocks have been read, to the end or to a problem."""
     table, match = plan.table, plan.match
-    dropped = [f"{tally.dropped} rows without a number left out"] if tally.dropped else []
-    dropped += [f"{tally.repeated} rows left out, each the row before once more"] if tally.repeated else []
     metadata = {**tally.started, **plan.metadata}
     judged = tally.readings.judged({**plan.metadata, **tally.noted})
-    unusable = judged.findings if judged is not None else tuple(str(text) for text in tally.noted.values())
+    unusable = judged.findings if judged is not None else ()
     return FileInterpretation(
         table.path,
         table.layout,
@@ -118,7 +116,7 @@ def understanding_of(
         match.undecided,
         metadata,
         tally.ranges,
-        (*plan.notes, *dropped, *unusable, *tally.readings.notes),
+        (*plan.notes, *tally.notes, *unusable, *tally.readings.notes),
         problem,
         _explicit(plan),
         proposal,
@@ -145,7 +143,8 @@ def _explicit(plan: ImportPlan) -> ImportMapping:
 
 def _wanted(item: MatchedHeader, headers: Sequence[str]) -> str:
     """Return a header with its unit as a mapping names it: by its number if others have the same name."""
-    header = item.header if headers.count(item.header) == 1 else f"#{item.index + 1}"
+    own = headers[item.index]
+    header = own if headers.count(own) == 1 else f"#{item.index + 1}"
     stated = item.unit and not (item.is_text and item.unit == "s")
     return f"{header}:{item.unit}" if stated else header
 

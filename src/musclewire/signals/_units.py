@@ -100,6 +100,16 @@ def is_unit(text: str) -> bool:
     return True
 
 
+@functools.cache
+def scale_between(unit_text: str, other_text: str) -> float | None:
+    """Return what makes a number in a unit one in another; None if they measure different things."""
+    try:
+        units = [_parsed(_spelling(text, ""), text) for text in (unit_text, other_text)]
+        return float(_registry().Quantity(1.0, units[0]).to(units[1]).magnitude)
+    except Exception:  # pint's own, of which there are many: these two units cannot be compared
+        return None
+
+
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 
 

@@ -27,8 +27,6 @@ Metadata = Mapping[str, MetadataValue]
 TOO_MANY = "more than {rows} rows: the command that uses the recording judges whether its readings are measurements"
 # The metadata in which an import says which rows it left out.
 LEFT_OUT = "rows_left_out"
-# And where its mapping gave another unit than the file.
-UNITS_OVERRULED = "units_overruled"
 # And where its times are not as far apart as the file states.
 CLOCK_DOUBTED = "clock_doubted"
 # And where a voltage or current was negative throughout, as by a shunt whose leads are exchanged.
@@ -58,7 +56,7 @@ PARTNERS = {
     "wire_current_a": ("wire_voltage_v",),
     "wire_resistance_ohm": ("drive_voltage_v", "wire_voltage_v", *_ELECTRICAL, "displacement_m", "reference_strain"),
 }
-SAID = (LEFT_OUT, UNITS_OVERRULED, CLOCK_DOUBTED, SIGN_TURNED)
+SAID = (LEFT_OUT, CLOCK_DOUBTED, SIGN_TURNED)
 KEPT = (*MEASURED, *MOTION, "drive_voltage_v")
 # More lone readings than this part of a column are no accidents: which of its readings are right is not known.
 MANY_ALONE = 0.1

@@ -1,13 +1,18 @@
+import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals._headers import match_columns, overruled_units, split_header
-from musclewire.signals._source_table import SourceColumn
+from musclewire.signals._headers import match_columns, split_header
+from musclewire.signals._import_mapping import ImportMapping
+from musclewire.signals._importing import plan_import
+from musclewire.signals._source_table import SourceColumn, TableInMemory
 
 
 def understand_headers(headers, mapping, path):
     """Return what is taken and ignored of headers. Raises the first RecordingError that is left undecided."""
-    match = match_columns([SourceColumn(header) for header in headers], mapping, path)
+    columns = tuple(SourceColumn(header) for header in headers)
+    table = TableInMemory(path, "", columns, tuple(0.1 * np.arange(3.0) for _ in headers))
+    match = plan_import(table, ImportMapping(mapping or {})).match
     if match.undecided:
         raise RecordingError(match.undecided[0].message)
     return match.taken, match.ignored
@@ -95,18 +100,23 @@ def test_a_mapping_names_a_header_and_perhaps_its_unit(wanted, factor):
     assert taken_as(["time_s", "Vw", "a:b [mV]"], {"wire_voltage_v": wanted})["wire_voltage_v"][1] == factor
 
 
-def test_a_mapped_header_may_carry_its_unit_and_the_mapping_overrules_it():
+def test_a_mapped_header_may_carry_its_unit():
     headers = ["time_s", "pos [mm]"]
     assert taken_as(headers, {"displacement_m": "pos"})["displacement_m"][1] == 0.001
     assert taken_as(headers, {"displacement_m": "pos [mm]"})["displacement_m"][1] == 0.001
-    assert taken_as(headers, {"displacement_m": "pos [mm]:um"})["displacement_m"][1] == pytest.approx(1e-6)
 
 
-@pytest.mark.parametrize(("wanted", "said"), [("U [mV]:V", 1), ("U [mV]:mV", 0), ("U [mV]", 0), ("U [mV]:2 mV/V", 0)])
-def test_where_a_mapping_overrules_the_unit_of_the_file_it_is_said(wanted, said):
-    columns = [SourceColumn("time_s"), SourceColumn("U [mV]")]
-    match = match_columns(columns, {"wire_voltage_v": wanted}, "loop.csv")
-    assert len(overruled_units(match, columns, "loop.csv")) == said
+@pytest.mark.parametrize(
+    ("wanted", "is_said"), [("U [mV]:V", 1), ("U [mV]:mV", 0), ("U [mV]", 0), ("U [mV]:2 mV/V", 0)]
+)
+def test_a_unit_against_the_one_that_the_file_states_is_refused_with_both_or_trusted(wanted: str, is_said: int) -> None:
+    columns = [SourceColumn("U [mV]")]
+    trusted = match_columns(columns, {"wire_voltage_v": wanted}, "loop.csv", trust_mapping=True)
+    assert len(trusted.taken) == 1
+    if is_said:
+        assert "states mV, the mapping of wire_voltage_v V" in refusal(["U [mV]"], {"wire_voltage_v": wanted})
+    else:
+        assert match_columns(columns, {"wire_voltage_v": wanted}, "loop.csv") == trusted
 
 
 def test_a_mapping_may_take_one_of_our_own_names_for_something_else():
@@ -122,7 +132,6 @@ def test_a_mapping_may_take_one_of_our_own_names_for_something_else():
         (["time_s", "Force [Nn]"], None, "column 'Force [Nn]': unknown unit 'Nn'; did you mean 'N'?"),
         (["time_s [ms]"], None, "time_s is in s by its name, not in ms"),
         (["time_s", "Voltage [V]", "V_SMA [V]"], None, "both taken as wire_voltage_v: map the one you mean"),
-        (["time_s", "Time [s]"], None, "time_s"),
         (["time_s", "Voltage_1"], {"wire_voltage_v": "Voltage_2:V"}, "no column 'Voltage_2'"),
         (["time_s", "Vw"], {"wire_voltage_v": "Vw"}, "add it to the mapping, as wire_voltage_v=Vw:V"),
         (["time_s", "pos [mm]", "pos [V]"], {"displacement_m": "pos"}, "fits 'pos [mm]', 'pos [V]'"),

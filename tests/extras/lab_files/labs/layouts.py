@@ -58,7 +58,7 @@ def simulink_structure(loop: Loop) -> Written:
     signal = {"values": loop[STROKE][:, None] * 1e3, "dimensions": 1.0, "label": "Measured_Position"}
     resistance = {"values": loop[R][:, None], "dimensions": 1.0, "label": "R_wire"}
     out = {"time": loop[TIME][:, None], "signals": [signal, resistance], "blockName": "bench/Scope"}
-    return Written({"scope.mat": matlab(ScopeData=out)}, chosen(loop, TIME, R, STROKE), "line")
+    return Written({"scope.mat": matlab(ScopeData=out)}, chosen(loop, TIME, R), "line")
 
 
 def structs_in_a_struct(loop: Loop) -> Written:
