@@ -172,9 +172,11 @@ def test_an_existing_recording_is_not_replaced_without_overwrite(
     assert musclewire(*command, "--overwrite").code == 0
 
 
-def test_swapped_files_are_told_which_comes_first(musclewire: Callable[..., Any], tmp_path: Path) -> None:
-    recording, model = tmp_path / "loop.h5", tmp_path / "model.json"
-    recording.write_bytes(b"\x89HDF")
+def test_a_recording_where_a_model_belongs_is_called_one(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+    recording, model = tmp_path / "loop.csv", tmp_path / "model.json"
+    recording.write_text("time [s],wire_voltage_v,shunt_voltage_v\n0,1,1\n1,1,1\n", "utf-8")
     model.write_text("{}")
-    assert "before a recording the model (.json) comes first" in musclewire("estimate", recording, model).refusal
+    for command in (("estimate",), ("tune",), ("control", "simulated")):
+        refused = musclewire(*command, recording, *([recording] if len(command) == 1 else [])).refusal
+        assert f"{recording} is a recording, where a model file (.json) belongs" in refused
     assert "a .json file is a model, and no recording" in musclewire("fit", model).refusal

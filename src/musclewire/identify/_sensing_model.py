@@ -224,7 +224,7 @@ def fit(
     reading = reading._replace(resistance_ohm=reading.resistance_ohm / cold_ohm)
     notes = loop_notes(given, None if quantity == "force" else measured) | wire_notes(recording)
     source = given.facts.text_or_none("source") or ""
-    against = (*recording_defects(given, quantity), *filter(None, [not_done(given)]), *interpolated.said)
+    against = (*recording_defects(given, quantity), *not_done(given), *interpolated.said)
     unusable = asked_once(given, JudgedRecording).measured[1]
     try:
         model = fit_loop(
@@ -380,14 +380,9 @@ def quantity_to_fit(recording: Recording, quantity: str) -> FloatArray:
         raise RecordingError(f"{error}; {WITHOUT_INSTRUMENT}") from None
 
 
-def not_done(recording: Recording) -> str:
-    """Return a warning if the run of a recording did not reach its end, "" if it did or the file does not state it.
-
-    In its minor loop all cycles are over.
-    """
-    if not recording.facts.was_cut_short or recording.minor_loop is not None:
-        return ""
-    return f"this recording was not finished, its run ended with '{recording.facts.text_or_none('ended')}'"
+def not_done(recording: Recording) -> tuple[str, ...]:
+    """Return a warning if the run of a recording did not reach its end; in its minor loop all cycles are over."""
+    return (recording.facts.cut_off,) if recording.facts.cut_off and recording.minor_loop is None else ()
 
 
 def fit_table(recording: Recording, order: int | str) -> SensingModel:
@@ -705,6 +700,7 @@ def estimate(
             *interpolated.said,
             *range_warnings(model, reading),
             *recording_defects(recording, model.quantity, model.stroke),
+            *not_done(given),
         ),
         not_counted=judged.not_counted(reasons, valid, counts),
         error_groups=groups,

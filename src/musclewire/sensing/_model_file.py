@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from musclewire.errors import CallerError, nearest_hint
+from musclewire.errors import CallerError, MusclewireError, nearest_hint
 from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._home_move import HomeMove
 from musclewire.sensing._wire_model import with_wire_model
 from musclewire.sensing._wire_tables import WireModel, WireNumber
-from musclewire.signals import write_text_whole
+from musclewire.signals import understand, write_text_whole
 from musclewire.small_files import MAX_BYTES, json_of, read_small
 
 if TYPE_CHECKING:
@@ -207,9 +207,11 @@ def _document(source: Path) -> dict[str, Any]:
     try:
         document = json_of(read_small(source, "model file"), f"{source} is not a model file")
     except CallerError as error:
-        if source.is_file() and source.suffix.lower() != ".json":
-            raise CallerError(f"{error}; before a recording the model (.json) comes first") from None
-        raise
+        if source.suffix.lower() == ".json":
+            raise
+        made = f"'musclewire fit {source} -o model.json' makes one"
+        is_one = f"{source} is a recording, where a model file (.json) belongs: {made}"
+        raise CallerError(is_one if _is_recording(source) else f"{error}; a model file ends in .json") from None
     if not isinstance(document, dict) or document.get("format") != MODEL_FORMAT:
         raise CallerError(f'{source} is not a model file: it lacks "format": "{MODEL_FORMAT}"')
     version = document.get("version")
@@ -219,6 +221,14 @@ def _document(source: Path) -> dict[str, Any]:
             "update musclewire or fit again"
         )
     return document
+
+
+def _is_recording(source: Path) -> bool:
+    """Return whether a file has columns of a recording, whatever it lacks."""
+    try:
+        return bool(understand(source).taken)
+    except MusclewireError:
+        return False
 
 
 def _contents(model: FittedCurve) -> dict[str, Any]:

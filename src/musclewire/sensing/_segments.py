@@ -378,7 +378,7 @@ def _no_cycle(halves: list[HalfCycle], strain: FloatArray, quantity: str) -> str
         for half in halves
     )
     return (
-        f"no complete cycle: the recording holds only {story or 'one turning point'} ({quantity}): "
+        f"no complete cycle: the recording holds only {story or 'one turning point'} ({quantity}), as if cut off: "
         f"record heating and cooling back to the {quantity} at the start"
     )
 

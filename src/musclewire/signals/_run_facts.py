@@ -116,9 +116,11 @@ class RunFacts:
         return () if stated is None else tuple(stated.split(", "))
 
     @property
-    def was_cut_short(self) -> bool:
-        """True if the recording states that its run ended early, which files of other programs do not state."""
-        return self.text_or_none("ended") not in (None, "done")
+    def cut_off(self) -> str:
+        """That the recording states that its run ended early, which files of other programs do not state; else ""."""
+        ended = self.text_or_none("ended")
+        how = "goes on" if ended == "running" else f"ended with '{ended}'"
+        return "" if ended in (None, "done") else f"this recording is cut off: its run {how}"
 
     def number(self, key: str, what: str, option: str = "") -> float:
         """Return a number; ``what`` is its name in words. Raises RecordingError if it is not stated."""

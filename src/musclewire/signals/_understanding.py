@@ -11,6 +11,7 @@ from musclewire.signals._import_mapping import ImportMapping
 from musclewire.signals._importing import CheckedBlocks, ImportPlan
 from musclewire.signals._metadata import MetadataValue
 from musclewire.signals._proposing import OFFERED
+from musclewire.signals._run_facts import RunFacts
 from musclewire.signals._source_table import rows_in
 from musclewire.signals._units import measures
 
@@ -116,7 +117,7 @@ def understanding_of(
         match.undecided,
         metadata,
         tally.ranges,
-        (*plan.notes, *tally.notes, *unusable, *tally.readings.notes),
+        (*plan.notes, *tally.notes, *unusable, *tally.readings.notes, *filter(None, [RunFacts(metadata).cut_off])),
         problem,
         _explicit(plan),
         proposal,

@@ -21,8 +21,9 @@ def cut_short(loop: Recording, rows: int) -> Recording:
 
 
 def test_a_model_of_it_and_a_refusal_of_it_say_so_and_a_finished_one_does_not(loop: Recording) -> None:
-    said = "not finished, its run ended with 'RigError: command_missing'"
+    said = "this recording is cut off: its run ended with 'RigError: command_missing'"
     assert any(said in text for text in mw.fit(cut_short(loop, len(loop))).warnings)
-    assert not [text for text in mw.fit(loop).warnings if "not finished" in text]
+    assert said in mw.estimate(mw.fit(loop), cut_short(loop, len(loop))).warnings
+    assert not [text for text in mw.fit(loop).warnings if "cut off" in text]
     with pytest.raises(RecordingError, match=said):
         mw.fit(cut_short(loop, 60))

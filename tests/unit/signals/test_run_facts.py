@@ -91,7 +91,7 @@ def test_who_needs_a_fact_says_that_it_is_missing_instead_of_inventing_it(user: 
 
 def test_a_foreign_file_may_leave_out_legs_wires_load_and_end() -> None:
     facts = recorded(wire_length_m=0.14).facts
-    assert (facts.legs, facts.wires, facts.load, facts.was_cut_short) == (1.0, 1.0, (), False)
+    assert (facts.legs, facts.wires, facts.load, facts.cut_off) == (1.0, 1.0, (), "")
     assert facts.leg_length_m == 0.14
     assert recorded(wire_length_m=0.14, legs=2).facts.leg_length_m == 0.07
     assert recorded().facts.leg_length_or_none_m is None
@@ -105,7 +105,7 @@ def test_force_without_a_stated_pretension_counts_from_the_least_force() -> None
 
 def test_what_ended_early_and_what_is_pulled_are_read_as_stated() -> None:
     facts = recorded(ended="stopped", load="pretensioner, finger", wires=2, wire=100).facts
-    assert (facts.was_cut_short, facts.load, facts.wires) == (True, ("pretensioner", "finger"), 2.0)
+    assert (bool(facts.cut_off), facts.load, facts.wires) == (True, ("pretensioner", "finger"), 2.0)
     assert facts.text("wire", "name of the wire") == "100"
     with pytest.raises(RecordingError, match="does not state rig, the rig's name"):
         facts.text("rig", "rig's name")
