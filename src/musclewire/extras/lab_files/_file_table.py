@@ -42,18 +42,10 @@ MAX_CELLS = 2**32
 
 
 @dataclass(frozen=True)
-class FileColumn:
-    """A column in a file: ``read(start, stop)`` returns the numbers of these rows, in ``unit`` (None: not stated)."""
+class FileColumn(SourceColumn):
+    """A column in a file: ``read(start, stop)`` returns the numbers of these rows."""
 
-    name: str
-    unit: str | None
-    read: Callable[[int, int], FloatArray]
-
-    @property
-    def header(self) -> str:
-        """Name and unit as a header of a text file would state them."""
-        name = one_line(self.name) or "unnamed"
-        return f"{name} [{one_line(self.unit)}]" if self.unit else name
+    read: Callable[[int, int], FloatArray] = field(kw_only=True)
 
 
 @dataclass(frozen=True)
@@ -61,54 +53,37 @@ class FilePart:
     """One table of a file that may hold several: a group, a sheet, a struct."""
 
     name: str
-    columns: tuple[FileColumn, ...]
+    columns: tuple[SourceColumn, ...]
     row_count: int
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
-class FileTable:
+class FileTable(FilePart):
     """The part that was chosen in a file, handed over in blocks of rows: a :class:`SourceTable`."""
 
-    path: str
-    layout: str
-    part: FilePart
-
-    @property
-    def metadata(self) -> Mapping[str, MetadataValue]:
-        """The metadata of the part."""
-        return self.part.metadata
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What was left out of the part."""
-        return self.part.notes
+    path: str = ""
+    layout: str = ""
 
     @property
     def stated_periods_s(self) -> Mapping[str, float]:
-        """The times between rows [s] that its metadata state."""
-        return stated_periods_s(self.part.metadata, unit_stated=False)
-
-    @property
-    def columns(self) -> tuple[SourceColumn, ...]:
-        """The columns, with the unit that the file states apart from the name."""
-        return tuple(SourceColumn(one_line(each.name) or "unnamed", each.unit) for each in self.part.columns)
+        """The times between rows [s] that the metadata state."""
+        return stated_periods_s(self.metadata, unit_stated=False)
 
     def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, read from the file block by block; each call begins again."""
-        for start in range(0, self.part.row_count, BLOCK_ROWS):
-            stop = min(start + BLOCK_ROWS, self.part.row_count)
-            values = tuple(self._rows(self.part.columns[index], start, stop) for index in indices)
+        for start in range(0, self.row_count, BLOCK_ROWS):
+            stop = min(start + BLOCK_ROWS, self.row_count)
+            values = tuple(self._rows(self.columns[index], start, stop) for index in indices)
             yield RowBlock(values, lambda row, first=start + 1: f"row {first + row}", stop - start)  # type: ignore[misc]
 
-    def _rows(self, column: FileColumn, start: int, stop: int) -> FloatArray:
+    def _rows(self, column: SourceColumn, start: int, stop: int) -> FloatArray:
+        assert isinstance(column, FileColumn)
         with damage_reported(self.path, self.layout):
             values = column.read(start, stop)
             if values.shape != (stop - start,):
-                ends = (
-                    f"column '{one_line(column.name)}' ends after {start + values.size} of {self.part.row_count} rows"
-                )
+                ends = f"column '{column.header}' ends after {start + values.size} of {self.row_count} rows"
                 raise RecordingError(f"{self.path}: is cut off, {ends}; use another copy")
             return values
 
@@ -148,52 +123,46 @@ def damage_reported(path: str | Path, what: str) -> Iterator[None]:
         raise RecordingError(f"{path}: cannot be read as {what} ({reason}); use another copy") from None
 
 
-def chosen_part(parts: Sequence[FilePart], wanted: str | None, path: str | Path, option: str = "group") -> FilePart:
+def chosen_table(path: Path, layout: str, parts: Sequence[FilePart], wanted: str | None) -> FileTable:
     """Return the part called ``wanted``, or with None the only one with two rows or more.
 
-    Raises RecordingError for another name, and where several would do: it lists them with their columns.
+    ``{}`` in the layout becomes its name. Raises RecordingError for another name, and where several would do: it lists
+    them with their columns.
     """
-    if wanted is not None:
-        for spelling in (str, key_of_header):
-            named = [part for part in parts if spelling(part.name) == spelling(wanted)]
-            if len(named) == 1:
-                return named[0]
-        hint = nearest_hint(wanted, [part.name for part in parts])
-        raise RecordingError(f"{path}: has no {option} '{one_line(wanted)}'{one_line(hint)}")
     full = [part for part in parts if part.row_count > 1]
+    if wanted is not None:
+        full = [part for part in parts if part.name == wanted]
+        full = full or [part for part in parts if key_of_header(part.name) == key_of_header(wanted)]
     if len(full) == 1:
-        return full[0]
+        return FileTable(**vars(full[0]), path=str(path), layout=layout.replace("{}", one_line(full[0].name)))
+    if wanted is not None:
+        hint = nearest_hint(wanted, [part.name for part in parts])
+        raise RecordingError(f"{path}: has no group '{one_line(wanted)}'{one_line(hint)}")
     if not full:
         why = next((f" ({part.notes[0]})" for part in parts if part.notes), "")
-        raise RecordingError(
-            f"{path}: holds no table of two rows or more of numbers{why}; check that it was saved whole"
-        )
-    listed = "; ".join(describe(part) for part in full[:MAX_NAMED])
+        what = f"holds no table of two rows or more of numbers{why}"
+        raise RecordingError(f"{path}: {what}; check that it was saved whole")
+    listed = "; ".join(map(_described, full[:MAX_NAMED]))
     more = f"; and {len(full) - MAX_NAMED} more" if len(full) > MAX_NAMED else ""
     # The largest one is the example.
     largest = max(full, key=lambda part: part.row_count).name
-    message = f"{path}: holds {len(full)} tables: choose one with --{option} NAME: {listed}{more}"
+    message = f"{path}: holds {len(full)} tables: choose one with --group NAME: {listed}{more}"
     raise CurableError(message, ImportMapping(group=largest))
 
 
-def chosen_table(path: Path, layout: str, parts: Sequence[FilePart], group: str | None) -> FileTable:
-    """Return the table of the part called ``group``, None for the only one; ``{}`` in the layout becomes its name."""
-    part = chosen_part(parts, group, path)
-    return FileTable(str(path), layout.replace("{}", one_line(part.name)), part)
-
-
-def describe(part: FilePart) -> str:
-    """Return a part in words: its name, its rows and its columns."""
-    headers = [f"'{column.header}'" for column in part.columns[:MAX_NAMED]]
+def _described(part: FilePart) -> str:
+    headers = [
+        f"'{each.header} [{each.unit}]'" if each.unit else f"'{each.header}'" for each in part.columns[:MAX_NAMED]
+    ]
     more = ", ..." if len(part.columns) > MAX_NAMED else ""
     return f"'{one_line(part.name)}' ({part.row_count} rows: {', '.join(headers)}{more})"
 
 
-def is_clock(header: str) -> bool:
-    """Return whether a header is that of the time, by its name and unit."""
-    name, unit = split_header(header)
-    named = name == "time_s" or any(column.name == "time_s" for column in columns_called(name))
-    return named and (unit is None or measures(unit, "time_s"))
+def is_clock(column: SourceColumn) -> bool:
+    """Return whether a column is the time, by its name and unit."""
+    name, unit = split_header(column.header)
+    named = name == "time_s" or any(known.name == "time_s" for known in columns_called(name))
+    return named and measures(column.unit or unit or "s", "time_s")
 
 
 def metadata_of(entries: Mapping[str, object]) -> dict[str, MetadataValue]:

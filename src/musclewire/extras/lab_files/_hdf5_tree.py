@@ -171,12 +171,10 @@ def _fields(dataset: Any, path: Path) -> Iterator[NamedArray]:
 def _frame(place: tuple[str, ...], group: Any, members: Mapping[str, Any], path: Path) -> Folder:
     """Return what pandas' ``to_hdf`` wrote: each column by its name, and the index if it is a time or has a name."""
     folder = Folder(place)
-    blocks = (
-        _blocks_of_table(group, members["table"], path) if "table" in members else _fixed_blocks(group, members, path)
-    )
-    for block, names, kind in blocks:
-        if isinstance(block, str):
-            folder.left_out |= dict.fromkeys(names or [block], "it holds no numbers, and nothing is unpickled")
+    for dataset, field, names, kind in _blocks(group, members, path):
+        block = _array(path, dataset, field or dataset.name.rpartition("/")[2], field)
+        if (dataset.dtype[field] if field else dataset.dtype).base.kind not in "biuf":
+            folder.left_out |= dict.fromkeys(names or [block.name], "it holds no numbers, and nothing is unpickled")
             continue
         width = block.shape[1] if len(block.shape) > 1 else 1
         named = names if len(names) == width else [f"{block.name} {number + 1}" for number in range(width)]
@@ -184,43 +182,36 @@ def _frame(place: tuple[str, ...], group: Any, members: Mapping[str, Any], path:
     return folder
 
 
-# A block of columns or the name of one that is not read, the names of its columns, and what its numbers are.
-_Block = tuple[NamedArray | str, list[str], str]
-
-
-def _fixed_blocks(group: Any, members: Mapping[str, Any], path: Path) -> Iterator[_Block]:
-    if (index := members.get("index", members.get("axis1"))) is not None:
-        yield from _index(_block(index, path), decoded(index.attrs.get("name")), decoded(index.attrs.get("kind")))
-    for name, values in members.items():
-        if name.endswith("values"):
-            items = members.get(name.replace("values", "items"))
-            series = decoded(group.attrs.get("name"))
-            names = [series or "values"] if items is None else _names(items, path)
-            yield _block(values, path), names, decoded(values.attrs.get("value_type")) or ""
-
-
-def _blocks_of_table(group: Any, table: Any, path: Path) -> Iterator[_Block]:
-    info = [*_pickled_texts(group.attrs.get("info")), "", ""]
-    for field in table.dtype.names or ():
-        if field == "index":
-            name = info[info.index("index_name") + 1] if "index_name" in info else ""
-            yield from _index(_block(table, path, field), name, decoded(table.attrs.get("index_kind")))
-        else:
-            names = _pickled_texts(table.attrs.get(f"{field}_kind"))
-            yield _block(table, path, field), names, decoded(table.attrs.get(f"{field}_dtype")) or ""
-
-
-def _index(array: NamedArray | str, name: str | None, kind: str | None) -> Iterator[_Block]:
-    """Yield the index, unless it only numbers the rows; pandas writes None as the pickle "N."."""
-    name, kind = "" if name in {None, "N."} else str(name), kind or ""
-    if name or "64" in kind or kind == "float":
-        yield array, [name or ("time" if "64" in kind else "index")], kind
-
-
-def _block(dataset: Any, path: Path, field: str = "") -> NamedArray | str:
-    name = field or dataset.name.rpartition("/")[2]
-    is_number = (dataset.dtype[field].base if field else dataset.dtype).kind in "biuf"
-    return _array(path, dataset, name, field) if is_number else name
+def _blocks(group: Any, members: Mapping[str, Any], path: Path) -> Iterator[tuple[Any, str, list[str], str]]:
+    """Yield data set, field of its records, names and kind of each block of columns, of the index if it is one."""
+    if "table" in members:
+        table, info = members["table"], [*_pickled_texts(group.attrs.get("info")), "", ""]
+        indices = [(table, "index", info[info.index("index_name") + 1] if "index_name" in info else "", "index_kind")]
+        blocks = [
+            (table, field, _pickled_texts(table.attrs.get(f"{field}_kind")), f"{field}_dtype")
+            for field in table.dtype.names or ()
+            if field != "index"
+        ]
+    else:
+        series = decoded(group.attrs.get("name")) or "values"
+        indices = [
+            (members[name], "", decoded(members[name].attrs.get("name")) or "", "kind")
+            for name in ("index", "axis1")
+            if name in members
+        ]
+        blocks = [
+            (values, "", [series] if name == "values" else _names(members.get(f"{name[:-6]}items"), path), "value_type")
+            for name, values in members.items()
+            if name.endswith("values")
+        ]
+    for dataset, field, name, key in indices:
+        kind = decoded(dataset.attrs.get(key)) or ""
+        # Without a name, which pandas writes as the pickle "N.", an index of whole numbers only counts the rows.
+        named = name if name not in {"", "N."} else "time" if "64" in kind else "index" if kind == "float" else ""
+        if named:
+            yield dataset, field, [named], kind
+    for dataset, field, names, key in blocks:
+        yield dataset, field, names, decoded(dataset.attrs.get(key)) or ""
 
 
 def _typed(block: NamedArray, name: str, column: int, kind: str) -> NamedArray:
@@ -237,7 +228,7 @@ def _typed(block: NamedArray, name: str, column: int, kind: str) -> NamedArray:
 
 
 def _names(items: Any, path: Path) -> list[str]:
-    if items.dtype.kind not in "Siu" or items.size > MAX_COLUMNS:
+    if items is None or items.dtype.kind not in "Siu" or items.size > MAX_COLUMNS:
         return []
     return [decoded(item) or str(item) for item in _checked(items, path)[()].reshape(-1).tolist()]
 

@@ -206,7 +206,7 @@ def _folders(packets: Sequence[_Packet]) -> list[Folder]:
         folder.arrays.append(measured)
     for folder in folders:
         # A channel may itself be the time.
-        if any(is_clock(next(each.columns()).header) for each in folder.arrays[1:]):
+        if any(is_clock(next(each.columns())) for each in folder.arrays[1:]):
             del folder.arrays[0]
     return folders[: len(channels) if style.is_paired else 1]
 

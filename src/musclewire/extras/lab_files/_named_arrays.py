@@ -81,8 +81,9 @@ class NamedArray:
         units = texts_of(self.attributes, _UNITS, whole=width == 1)
         for index in range(min(width, MAX_COLUMNS)):
             name = names[index] if len(names) == width > 1 else self.header + f" {index + 1}" * (width > 1)
-            unit = (units[index] or None) if len(units) == width else None
-            yield FileColumn(name, "s" if self.is_time else unit, self._reader(index))
+            unit = units[index] if len(units) == width else None
+            unit = "s" if self.is_time else one_line(unit) if unit else None
+            yield FileColumn(one_line(name) or "unnamed", unit, read=self._reader(index))
 
     def value(self) -> Any:
         """Return the first entry."""
@@ -130,7 +131,7 @@ class _Clock(NamedTuple):
     def column(self) -> FileColumn:
         """Return the clock as a column."""
         read = lambda start, stop: self.offset + self.increment * np.arange(start, stop, dtype=np.float64)  # noqa: E731
-        return FileColumn(self.name, self.unit, read)
+        return FileColumn(self.name, self.unit, read=read)
 
 
 def parts_of(folders: Iterable[Folder], spelled: Callable[[tuple[str, ...]], str]) -> list[FilePart]:
@@ -212,7 +213,7 @@ def _lift_channels(tree: dict[tuple[str, ...], Folder]) -> None:
 
 
 def _is_clock(array: NamedArray) -> bool:
-    return array.is_time or any(is_clock(column.header) for column in array.columns())
+    return array.is_time or any(map(is_clock, array.columns()))
 
 
 def _says_nothing(name: str, folder: str) -> bool:
@@ -253,7 +254,7 @@ def _tables(folder: Folder, root: Folder, spelled: Callable[[tuple[str, ...]], s
     first_s = min((clock.start_s for _, clock, _ in found if clock), default=0.0)
     for rows, clock, equal in found:
         columns = tuple(column for array in equal for column in array.columns())
-        if clock and not any(is_clock(column.header) for column in columns):
+        if clock and not any(map(is_clock, columns)):
             columns = (clock.column(), *columns)
         name = spelled(folder.path) + ("" if len(found) == 1 else _words(rows, clock, first_s))
         if columns:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument, require_extra
-from musclewire.extras.lab_files._file_table import check_limits, damage_reported, metadata_of, one_line
+from musclewire.extras.lab_files._file_table import FileTable, check_limits, damage_reported, metadata_of, one_line
 from musclewire.signals import BLOCK_ROWS, COLUMNS, Cells, FileWriter, Fill, MetadataValue, RowBlock, SourceColumn
 
 # Our files keep the metadata under this key of the schema, as JSON.
@@ -22,26 +21,26 @@ PARQUET_KEY = b"musclewire-recording"
 _UNIT_KEYS = ("unit", "units", "uom")
 
 
-@dataclass(frozen=True, eq=False)
-class ParquetTable:
-    """The columns of a Parquet file that hold numbers, times or text; ``sources`` are their numbers in the file."""
-
-    path: str
-    columns: tuple[SourceColumn, ...]
-    sources: tuple[int, ...]
-    metadata: Mapping[str, MetadataValue]
-    notes: tuple[str, ...] = ()
-    layout: str = "Parquet"
-    stated_periods_s: Mapping[str, float] = field(default_factory=dict, init=False)
+class ParquetTable(FileTable):
+    """The columns of a Parquet file that hold numbers, times or text."""
 
     def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, batch after batch; each call begins again."""
         row = 1
-        for batch in _batches(Path(self.path), [self.sources[index] for index in indices]):
-            with damage_reported(self.path, "Parquet"):
-                values = tuple(self._cells(batch.column(place), index) for place, index in enumerate(indices))
-            yield RowBlock(values, lambda number, first=row: f"row {first + number}", batch.num_rows)  # type: ignore[misc]
-            row += batch.num_rows
+        with damage_reported(self.path, self.layout), _parquet_file(Path(self.path)) as file:
+            known = file.schema_arrow.names
+            if len(set(known)) < len(known):
+                raise RecordingError(f"{self.path}: two columns have one name; give each its own")
+            names = [name for name in known if _column(file.schema_arrow.field(name))]
+            names = [names[index] for index in indices]
+            batches = file.iter_batches(BLOCK_ROWS, columns=names, use_threads=False)
+            while (batch := next(batches, None)) is not None:
+                # The reader keeps the order of the file, whatever the order of the names.
+                values = tuple(
+                    self._cells(batch.column(name), index) for name, index in zip(names, indices, strict=True)
+                )
+                yield RowBlock(values, lambda number, first=row: f"row {first + number}", batch.num_rows)  # type: ignore[misc]
+                row += batch.num_rows
 
     def _cells(self, column: Any, index: int) -> Cells:
         """Return the cells of a batch: NaN or "" where one is null, times as text in ISO 8601."""
@@ -72,11 +71,10 @@ def read_parquet_table(path: Path, group: str | None = None) -> ParquetTable:
         schema, rows = file.schema_arrow, file.metadata.num_rows
         check_limits(path, cells=rows * len(schema))
         metadata = _metadata(schema.metadata or {}, path)
-        found = [(index, column) for index, each in enumerate(schema) if (column := _column(each)) is not None]
+        columns = tuple(column for each in schema if (column := _column(each)))
         left_out = [one_line(each.name) for each in schema if _column(each) is None]
-    columns = tuple(column for _, column in found)
     notes = tuple(f"column '{name}' was left out: it holds neither numbers nor text" for name in left_out)
-    return ParquetTable(str(path), columns, tuple(index for index, _ in found), metadata, notes)
+    return ParquetTable("", columns, rows, metadata, notes, str(path), "Parquet")
 
 
 def _parquet_file(path: Path) -> Any:
@@ -85,18 +83,6 @@ def _parquet_file(path: Path) -> Any:
 
     # One file, not a folder of them, and without reading ahead.
     return closing(parquet.ParquetFile(path, pre_buffer=False))
-
-
-def _batches(path: Path, sources: Sequence[int]) -> Iterator[Any]:
-    """Yield batches of some columns. Column numbers select, since names may repeat."""
-    with damage_reported(path, "Parquet"), _parquet_file(path) as file:
-        names = [file.schema_arrow.names[source] for source in sources]
-        if len(set(file.schema_arrow.names)) < len(file.schema_arrow.names):
-            raise RecordingError(f"{path}: two columns have one name; give each its own")
-        batches = file.iter_batches(BLOCK_ROWS, columns=names, use_threads=False)
-        while (batch := next(batches, None)) is not None:
-            # The reader keeps the order of the file, whatever the order of the names.
-            yield batch.select(names)
 
 
 def _column(field: Any) -> SourceColumn | None:
